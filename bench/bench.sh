@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# All benchmarks, briefly, into out/bench/: ./run bench (README.md)
+# Runs all benchmarks with --quick, into out/bench/: ./run bench (README.md)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

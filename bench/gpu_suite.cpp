@@ -20,7 +20,7 @@ struct TurnSize {
     int width, height;
 };
 
-/// The frames of one size, which all its filters are measured on; those of another size are gone by then.
+/// The frames of one size, shared by the cases of all filters; frames of another size are freed before.
 class RingShelf {
 public:
     Result<const FrameRing*> take(const TurnSize& size) {
@@ -37,8 +37,8 @@ private:
     std::unique_ptr<FrameRing> ring_;
 };
 
-/// A window of 1920x1080 over a clip of this size: by the painter and the builder that `auto` chooses, and by
-/// each pair, which has no figures where the device lacks what it needs.
+/// A window of 1920x1080 over a clip of this size: with the painter and builder chosen by `auto`, and with
+/// each pair; a pair that the device cannot run has no figures.
 std::vector<BenchCase> window_cases(const LiveClip& clip, bool quick,
                                     const std::shared_ptr<LiveClips>& clips) {
     std::vector<BenchCase> cases;
@@ -97,7 +97,7 @@ std::vector<BenchCase> gpu_cases(bool quick) {
                      }});
     for (BenchCase& c : ways_cases(quick, [kernels] { return kernels->take(); }))
         cases.push_back(std::move(c));
-    // Last: from the first window on the memory of this process is locked.
+    // Last, because from the first window on this process's memory is locked.
     const auto clips = std::make_shared<LiveClips>(4);
     for (const TurnSize& size : {TurnSize{1920, 1080}, {3840, 2160}}) {
         if (quick && size.width > 1920) continue;

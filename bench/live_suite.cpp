@@ -57,7 +57,7 @@ std::vector<BenchCase> live_cases(bool quick) {
     add("memory-" + size_words(full_hd),
         [=](LiveClips& all, Figures& figures) { return measure_program_memory(full_hd, all, figures); });
     add_feed(moving, "-depth", false);
-    // Last: from the first live run on the memory of this process is locked.
+    // Last, because from the first live run on this process's memory is locked.
     add_live(demo);
     add_live(full_hd);
     add("seek-" + size_words(demo) + "-" + std::to_string(seconds) + "s",

@@ -12,12 +12,12 @@ namespace touchable {
 namespace {
 
 struct Pixel {
-    double across, down;  // shares of the picture
+    double across, down;  // as shares of the picture
 };
 // Away from the picture's middle, from its axes and from the lattice's symmetries.
 constexpr Pixel places[] = {{0.53, 0.47}, {0.37, 0.58}, {0.61, 0.66}};
 
-/// <case of touch>-b<damping>, then -d<ticks of delay>, -f<friction, N>, -q<quantum, um> where they apply.
+/// <case of touch>-b<damping>, then -d<ticks of delay>, -f<friction, N>, -q<quantum, um> if they apply.
 std::string name_of(const LoopCase& c) {
     std::string name = name_of(c.touch) + formatted("-b%g", c.handle.damping);
     if (c.delay_ticks > 0) name += "-d" + std::to_string(c.delay_ticks);
@@ -48,7 +48,7 @@ Result<void> measure(const TouchSurface& surface, const LoopCase& c, std::size_t
     return {};
 }
 
-/// The list in the making; cases of one surface stand together.
+/// Collects the cases; cases with the same surface are adjacent.
 class LoopSuite {
 public:
     explicit LoopSuite(bool quick) : quick_(quick) {}
@@ -81,7 +81,7 @@ private:
             }
         }
     }
-    /// 60 um is what a Falcon's encoders tell apart at its tip.
+    /// 60 um: resolution of a Falcon's encoders at its tip.
     void add_friction_and_quantum(LoopCase c) {
         c.handle.quantum = 60e-6;
         const std::vector<double> all{0.05, 0.1, 0.2, 0.4, 0.8}, some{0.1, 0.4};

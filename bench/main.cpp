@@ -55,7 +55,7 @@ double load_average() {
     return getloadavg(&load, 1) == 1 ? load : -1;
 }
 
-/// What the times of this run were taken on. The GPU is the one that `auto` takes; left out without Vulkan.
+/// The machine of this run's times. The GPU is the one that `auto` takes; omitted without Vulkan.
 Figures machine_figures(double load_at_start) {
     Figures figures{{"cores", static_cast<double>(sysconf(_SC_NPROCESSORS_ONLN)), ""},
                     {"load_1m_begin", load_at_start, ""},

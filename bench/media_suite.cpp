@@ -14,7 +14,7 @@
 namespace touchable {
 namespace {
 
-/// The pictures of one source at a time, and what FFV1 needs for them.
+/// Caches one source's pictures and their size as FFV1.
 class PictureShelf {
 public:
     struct Entry {
@@ -24,13 +24,13 @@ public:
     Result<Entry*> take(const PictureSource& source) {
         if (name_ == source.name) return &entry_;
         name_.clear();
-        entry_ = {};  // before there is more
+        entry_ = {};  // frees memory first
         TRY_ASSIGN(auto made, source.make());
         entry_.frames = std::move(made);
         name_ = source.name;
         return &entry_;
     }
-    /// Of a frame's plane, by the first of the choices.
+    /// Bytes of a frame's plane, by the first of codec_choices.
     static Result<double> ffv1_bytes(Entry& entry, PlaneRole role, const std::vector<PlaneView>& planes) {
         if (const auto known = entry.ffv1_bytes.find(role); known != entry.ffv1_bytes.end())
             return known->second;
@@ -44,13 +44,13 @@ private:
     Entry entry_;
 };
 
-/// One clip at a time, touched when it is first needed.
+/// Caches one clip, touched when it is first needed.
 class FeltShelf {
 public:
     Result<const FeltClip*> take(const FeltSource& source) {
         if (name_ == source.name) return &clip_;
         name_.clear();
-        clip_ = {};  // before there is more
+        clip_ = {};  // frees memory first
         TRY_ASSIGN(auto made, source.make());
         clip_ = std::move(made);
         name_ = source.name;
@@ -62,7 +62,7 @@ private:
     FeltClip clip_;
 };
 
-/// What each way to send a plane does to the force.
+/// Adds cases of the force error of each way to send a plane.
 void add_force_cases(std::vector<BenchCase>& cases) {
     const auto shelf = std::make_shared<FeltShelf>();
     for (const FeltSource& source : felt_sources())
@@ -77,7 +77,7 @@ void add_force_cases(std::vector<BenchCase>& cases) {
             }
 }
 
-/// What planes of a source will look like, before they are made: only to list the codecs.
+/// The form of a source's planes before they are made, used only to list the codecs.
 PlaneView form_of(PlaneRole role, const PictureSource& source) {
     PlaneView form;
     form.width = form.height = 2;
@@ -113,7 +113,7 @@ struct PlaneWinner {
     std::string codec = "-";
     double value = 0, other = 0;
 };
-/// Of codecs of at most twice FFV1's bytes.
+/// The codec with the least value of a metric, among those with at most twice FFV1's bytes.
 PlaneWinner least(const std::vector<const CaseFigures*>& of, const std::string& plane, const char* metric,
                   const char* other) {
     PlaneWinner winner;
@@ -150,7 +150,7 @@ std::vector<BenchCase> media_cases(bool quick) {
 }
 
 Result<void> conclude_media(const std::vector<CaseFigures>& measured) {
-    // What anybody can read and what keeps every value: neither colour for the eye nor codecs of our own.
+    // Lossless codecs readable by any program: without lossy colour and our own codecs.
     std::map<std::string, std::vector<const CaseFigures*>> planes;
     std::vector<std::string> order;
     for (const CaseFigures& c : measured) {

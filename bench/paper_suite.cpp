@@ -12,11 +12,11 @@
 namespace touchable {
 namespace {
 
-/// Frames of the chest, each with its own noise: not as many as fit a segment of 10 s, nor a second, so that
-/// the loop and what is measured have no period in common.
+/// Frames of the chest, each with its own noise: not a divisor of a segment of 10 s or of a second, so that
+/// the loop and the measurement have no common period.
 constexpr int chest_frames = 293;
 
-/// The clip made last; cases of one clip stand together.
+/// Caches the clip made last; cases with the same clip are adjacent.
 class ClipShelf {
 public:
     Result<std::shared_ptr<const PaperClip>> globe() {
@@ -52,7 +52,7 @@ TouchCase setup_of(const char* scene, int width, int height, TouchMetric metric,
     return c;
 }
 
-/// The list of cases in the making.
+/// Collects the cases.
 class PaperSuite {
 public:
     explicit PaperSuite(bool quick) : quick_(quick) {}

@@ -19,7 +19,7 @@ std::optional<std::int64_t> status_bytes(const std::string& process, const std::
 }  // namespace
 
 PeakMemory::PeakMemory() {
-    malloc_trim(0);  // what was freed counts as given back
+    malloc_trim(0);  // returns freed memory to the system
     std::ofstream reset("/proc/self/clear_refs");
     reset << 5 << std::flush;
     if (reset) before_ = status_bytes("self", "VmRSS");

@@ -12,7 +12,7 @@
 namespace touchable {
 namespace {
 
-/// More cases than these, or metrics, do not fit beside each other.
+/// Most cases, or metrics, that fit side by side.
 constexpr std::size_t most_cases = 10, most_metrics = 30;
 
 bool is_wide(const CaseFigures& c) {
@@ -24,7 +24,7 @@ bool same_metrics(const Figures& a, const Figures& b) {
                       [](const Figure& x, const Figure& y) { return x.metric == y.metric; });
 }
 
-/// A name over several lines, broken behind underscores and hyphens.
+/// A name over several lines, broken after underscores and hyphens.
 std::vector<std::string> broken(const std::string& name) {
     constexpr std::size_t widest = 9;
     std::vector<std::string> lines{""};
@@ -101,7 +101,7 @@ std::string row_per_case(const CaseFigures* first, const CaseFigures* last) {
 std::string row_per_metric(std::span<const CaseFigures> cases) {
     std::vector<std::string> metrics, rows;
     for (const CaseFigures& c : cases) {
-        std::size_t at = 0;  // behind the metric before: what other cases have not stands where it belongs
+        std::size_t at = 0;  // after the previous metric: keeps metrics that other cases lack in order
         for (const Figure& figure : c.figures) {
             const auto known = std::find(metrics.begin(), metrics.end(), figure.metric);
             if (known == metrics.end()) {
@@ -154,7 +154,7 @@ std::string tables_of(const std::vector<CaseFigures>& measured) {
 }
 
 Result<void> check_writable(const std::filesystem::path& file) {
-    const NewFile probe(file);  // gone at the end of this function
+    const NewFile probe(file);  // removed at the end of this function
     return probe.check();
 }
 

@@ -43,7 +43,7 @@ std::vector<BenchCase> stream_cases(bool quick) {
     for (const int listeners : {1, 2, 5, 10, 20, 50})
         add("listeners-640x480-" + std::to_string(listeners),
             [=](Figures& figures) { return measure_listeners(listeners, small, *clips, figures); });
-    // After those, for the first live run locks this process's memory.
+    // After those, because the first live run locks this process's memory.
     for (const LiveClip& clip : {small, large})
         add("replay-" + std::to_string(clip.width) + "x" + std::to_string(clip.height),
             [=](Figures& figures) { return measure_without_network(clip, *clips, figures); });
@@ -56,7 +56,7 @@ std::vector<BenchCase> stream_cases(bool quick) {
             return measure_stream({transport, large}, *clips, figures);
         });
     }
-    // Touch far away: what delay and loss cost the hand.
+    // Remote touch: effect of delay and loss on forces.
     const LiveClip far{.scene = "globe", .width = 640, .height = 480, .frames = quick ? 120 : 225};
     for (const char* const transport : {"tcp", "http", "srt", "ts"})
         for (const int loss : {0, 1, 5})

@@ -24,7 +24,7 @@ namespace {
 
 using Kernels = std::shared_ptr<SurfaceKernels>;
 
-/// Frames that change in part, by either builder.
+/// Frames that change in part, by both builders.
 Result<void> measure_changes(const SurfaceCase& c, const Picture& picture, int rounds, const Kernels& kernels,
                              Figures& figures) {
     const auto cpu = [&]() -> Result<std::unique_ptr<SurfaceBuilder>> {
@@ -42,13 +42,13 @@ Result<void> measure_changes(const SurfaceCase& c, const Picture& picture, int r
     return {};
 }
 
-/// Codes, by median, and what the eye needs beside them.
+/// Codes with the scene's median, and the additional data for drawing.
 Result<void> measure_median(const SurfaceCase& c, const Picture& picture, int frames, const Kernels& kernels,
                             Figures& figures) {
     const int side = picture.scene.filter.median;
     const std::string what = std::to_string(side);
     SurfacePlan plan = plan_for(kernels->device()->facts());
-    plan.break_even = 0;    // whole frames, though they are the same again and again
+    plan.break_even = 0;    // build whole frames, although they repeat
     plan.over_bus = false;  // kernels are timed without the bus
     TRY_ASSIGN(auto vulkan, make_vulkan_builder(picture.scene, kernels, plan));
     SurfaceFrame frame;
@@ -72,7 +72,7 @@ Result<void> measure_median(const SurfaceCase& c, const Picture& picture, int fr
     return measure_drawing(c, picture, *vulkan, std::max(frames / 10, 1), kernels->device(), figures);
 }
 
-/// The kernels of a median of 3x3 against a kernel that copies as many bytes as they cannot do without.
+/// The kernels of a 3x3 median against a kernel that copies the bytes they need at least.
 Result<void> measure_bandwidth(const SurfaceCase& c, const std::shared_ptr<GpuDevice>& device,
                                Figures& figures) {
     const auto kernels = std::ranges::find(figures, "codes3_kernels_ms", &Figure::metric);
@@ -88,7 +88,7 @@ Result<void> measure_bandwidth(const SurfaceCase& c, const std::shared_ptr<GpuDe
     return {};
 }
 
-/// Of the largest, which take longest, fewer.
+/// Fewer frames for the largest, slowest cases.
 int frames_of(const SurfaceCase& c, bool quick) {
     const bool large = c.width > 1920;
     return quick ? (large ? 4 : 25) : (large ? 100 : 300);

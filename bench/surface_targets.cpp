@@ -21,7 +21,7 @@ std::vector<Target> make_surface_targets() {
     add("codes and bounds, 3x3", full_hd, "codes3_ms", Sense::at_most, 1.0, "ms");
     add("codes and positions, 3x3", full_hd, "positions3_ms", Sense::at_most, 3.5, "ms");
     add("  3840x2160", ultra_hd, "positions3_ms", Sense::at_most, 25, "ms");
-    // Four times the pixels, and a tenth for caches that hold less of them.
+    // Four times the pixels, plus a tenth because caches hold a smaller part of them.
     add("  3840x2160 over 1920x1080", ultra_hd, "positions3_ms", Sense::at_most, 4.4, "")->relative_to =
         full_hd.front();
     add("codes and cut tiles over OpenCV's", full_hd, "mask3_vs_opencv_mask", Sense::at_most, 0.8, "");

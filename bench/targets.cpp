@@ -44,7 +44,7 @@ bool keeps(double value, const Limit& limit) {
     return true;
 }
 
-/// NaN is worse than anything.
+/// NaN counts as worst.
 bool is_worse(double value, double than, const Limit& limit) {
     return limit.sense == Limit::Sense::at_least ? !(value >= than) : !(value <= than);
 }

@@ -8,48 +8,48 @@
 namespace touchable {
 
 struct Limit {
-    enum class Sense { below, at_most, at_least, none };  ///< none: only shown, beside what has a limit
+    enum class Sense { below, at_most, at_least, none };  ///< none: shown without a limit
 
     double value = 0;
     Sense sense = Sense::below;
     std::string unit;
 };
 
-/// A limit that a metric has to keep in every one of some cases.
+/// A limit that a metric must keep in each of some cases.
 struct Target {
-    std::string what;  ///< for a person
+    std::string what;  ///< description
     std::vector<std::string> cases;
     std::string metric;
     Limit limit;
-    /// Where given, what counts is the metric over that of this case.
+    /// If given, the limit applies to the metric divided by this case's.
     std::string relative_to = {};
-    /// Where given, cases in which this metric is not 1 are not asked.
+    /// If given, cases in which this metric is not 1 are skipped.
     std::string only_where = {};
 };
 
-/// What the touch solver is to reach, and what the frame pipeline (bench/README.md, "Targets").
+/// Targets of the touch solver and of the frame pipeline (bench/README.md, "Targets").
 const std::vector<Target>& touch_targets();
 const std::vector<Target>& surface_targets();
-/// What a finger is to feel of depth that a real camera stored.
+/// Targets of forces on real cameras' depth.
 const std::vector<Target>& real_targets();
-/// Clips that are touched while they play.
+/// Targets of clips that are touched while they play.
 const std::vector<Target>& live_targets();
-/// The window.
+/// Targets of the window.
 const std::vector<Target>& play_targets();
 
-/// How a target fared: its worst value over the cases that were measured.
+/// Result of a target: its worst value over the measured cases.
 struct Verdict {
     double value = 0;
-    std::size_t cases = 0;  ///< of the target's, that have the metric; 0: not measured, so not met
+    std::size_t cases = 0;  ///< number of the target's cases with the metric; 0: not measured, so not met
     bool met = false;
-    bool asked = true;  ///< false: of the cases that were measured none is one to ask (Target::only_where)
+    bool asked = true;  ///< false: all measured cases were skipped (Target::only_where)
 };
 Verdict judge(const Target& target, const std::vector<CaseFigures>& measured);
 
-/// Those that stand on a case which was measured: with a filter some do not.
+/// The targets with at least one measured case; a case filter may exclude some.
 std::vector<Target> measured_targets(std::vector<Target> targets, const std::vector<CaseFigures>& measured);
 
-/// A line per target: what, limit, measured, met or missed.
+/// A line per target: description, limit, measured value, met or missed.
 std::string table_of(const std::vector<Target>& targets, const std::vector<CaseFigures>& measured);
 
 }  // namespace touchable

@@ -7,7 +7,7 @@
 namespace touchable {
 namespace {
 
-/// The cases that these targets stand on.
+/// The cases needed by these targets.
 std::vector<BenchCase> needed(std::vector<BenchCase> cases, const std::vector<Target>& targets) {
     std::erase_if(cases, [&](const BenchCase& c) {
         return std::ranges::none_of(targets, [&](const Target& target) {

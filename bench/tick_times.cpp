@@ -31,7 +31,7 @@ double mean_cpu_us(TimedRun& run) {
     return sum / ticks;
 }
 
-/// Counts batches in which the machine did something else.
+/// Counts batches disturbed by other work of the machine.
 class Disturbances {
 public:
     explicit Disturbances(TickTimes& times) : times_(times), switches_(involuntary_switches()) {}

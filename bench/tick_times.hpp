@@ -7,32 +7,34 @@
 
 namespace touchable {
 
-/// A run of ticks that can be repeated: each repeat does exactly the same.
+/// A repeatable run of ticks: each repeat does exactly the same.
 class TimedRun {
 public:
     virtual ~TimedRun() = default;
     virtual int ticks() const = 0;
     virtual void restart() = 0;
-    /// Untimed, before ticks from `begin` to below `end`, at most 64: what others would have made ready.
+    /// Untimed, before ticks from `begin` to below `end`, at most 64: work that other threads would have
+    /// done.
     virtual void prepare(int /*begin*/, int /*end*/) {}
     virtual void tick(int k) = 0;
 };
 
-/// How long ticks took (bench/README.md, "How time is taken").
+/// Times of ticks (bench/README.md, "How time is taken").
 struct TickTimes {
-    double mean_us = 0;  ///< CPU time of the thread, the median over repeats of the mean over batches
+    double mean_us = 0;               ///< thread's CPU time: mean over batches, median over repeats
     std::vector<double> in_order_us;  ///< every tick of every repeat, monotonic clock, one after another
-    std::vector<double> wall_us;      ///< the same, ascending
-    int batches = 0;                  ///< of 64 ticks, of those in wall_us
-    int preempted = 0;                ///< of them, with an involuntary switch
-    int gaps = 0;                     ///< of them, with a tick of more than 50 us
+    std::vector<double> wall_us;      ///< in_order_us, ascending
+    int batches = 0;                  ///< batches of 64 ticks in wall_us
+    int preempted = 0;                ///< batches with an involuntary context switch
+    int gaps = 0;                     ///< batches with a tick of more than 50 us
 
     double quantile_us(double share) const;
 };
 
-/// Ticks in a tight loop: each repeat once by the thread's CPU clock over batches, once tick by tick.
+/// Ticks in a tight loop: each repeat is timed once per batch with the thread's CPU clock and once tick by
+/// tick.
 TickTimes time_hot(TimedRun& run, int repeats);
-/// Ticks once each millisecond, as in use: caches and clock frequency cool down between them.
+/// One tick per millisecond, as in use: caches get cold and the clock frequency drops in between.
 TickTimes time_paced(TimedRun& run);
 
 /// tick_us_mean, _p50, _p99, _p999, _max, preempted_pct and gaps_pct, each followed by `suffix`.

@@ -23,7 +23,7 @@ struct Size {
 };
 constexpr Size qvga{320, 240}, sd{720, 480}, hd{1280, 720}, full_hd{1920, 1080}, ultra_hd{3840, 2160};
 
-/// The list of cases in the making. Those that share a surface stand together.
+/// Collects the cases; cases with the same surface are adjacent.
 class TouchSuite {
 public:
     explicit TouchSuite(bool quick) : quick_(quick) {}
@@ -174,7 +174,7 @@ private:
             run.repeats = 3;
             run.loop_step_mm = 0.004;
         }
-        // The lazy builder gives the same bits as the other, so the same forces: only its time is news.
+        // The lazy builder gives the same bits and forces as the other builder, so only its time is measured.
         run.flanks = c.lazy ? 0 : quick_ ? 4 : 8;
         add(run, measure_globe);
     }

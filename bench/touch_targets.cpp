@@ -7,7 +7,7 @@ using Names = std::vector<std::string>;
 
 const Names up_to_full_hd{"320x240", "720x480", "1280x720", "1920x1080"};
 
-/// <scene>-<size>-<rest>, for each size and each of the ends.
+/// <scene>-<size>-<rest> for each size and each of `rests`.
 Names cases_of(const std::string& scene, const Names& sizes, const Names& rests) {
     Names names;
     for (const std::string& size : sizes)

@@ -13,7 +13,7 @@ touch_status status_of(ErrorKind kind) {
     return kind == ErrorKind::interrupted ? TOUCH_INTERRUPTED : TOUCH_INTERNAL;
 }
 
-/// As many bytes as there is room for, cut between characters.
+/// Length of the longest prefix of whole UTF-8 characters that fits into `room`.
 std::size_t whole_characters(std::string_view line, std::size_t room) {
     if (line.size() <= room) return line.size();
     while (room > 0 && (static_cast<unsigned char>(line[room]) & 0xc0U) == 0x80U) --room;
@@ -35,7 +35,7 @@ std::int64_t row_bytes(const touch_plane& plane) {
     return std::int64_t{plane.width} * plane.channels * plane.sample;
 }
 
-/// Checks what can be told of a plane without its scene.
+/// Checks a plane as far as possible without its scene.
 Result<void> check_plane(const touch_plane& plane, const PlaneRules& role) {
     if (plane.width < 1 || plane.width > largest_size || plane.height < 1 || plane.height > largest_size)
         return plane_error(role.name, "has an impossible size; must be 1 to 16384 pixels each way");
@@ -54,7 +54,7 @@ Result<void> check_plane(const touch_plane& plane, const PlaneRules& role) {
     return {};
 }
 
-/// Samples of two bytes are read as such in places: they lie where such lie, row after row.
+/// Modules read two-byte samples as uint16_t, so misaligned or bottom-up planes are copied into `packed`.
 PlaneView view_of(const touch_plane& plane, std::vector<std::uint8_t>& packed) {
     PlaneView view;
     view.data = static_cast<const std::uint8_t*>(plane.data);
@@ -83,8 +83,8 @@ std::optional<std::uint16_t> code_of_no_surface(const DepthCoding& coding) {
     return std::nullopt;
 }
 
-/// Depths above 0 that the scene has no code for. A renderer's background is no depth: 1e9 and beyond, and
-/// 65504, the largest half, where no depth is farther (engine/formats has the same rule for files).
+/// Counts depths above 0 without a code in the scene. A renderer's background is not a depth: 1e9 and beyond,
+/// and 65504, the largest half, if no depth is farther (same rule for files: engine/formats).
 class LostDepths {
 public:
     void add(float metres) {
@@ -106,8 +106,8 @@ private:
     float nearest_ = 0, farthest_ = 0;
 };
 
-/// Refuses a picture most of whose depths are lost: its unit or the far plane is wrong. Fewer than one pixel
-/// in 100 tell nothing of that.
+/// Refuses a picture that loses most of its depths: its unit or the far plane is wrong. Fewer lost depths
+/// than one pixel in 100 are no evidence.
 Result<void> check_lost(const LostDepths& lost, std::int64_t kept, const touch_plane& plane,
                         const Scene& scene, double deepest) {
     if (lost.count() <= kept || lost.count() < std::int64_t{plane.width} * plane.height / 100) return {};
@@ -122,8 +122,8 @@ Result<void> check_lost(const LostDepths& lost, std::int64_t kept, const touch_p
                            "be no surface");
 }
 
-/// Metres to the nearest codes; what is not above 0, not a number, or outside the scene's depths has no
-/// surface. `lost`: how many of these were depths.
+/// Converts metres to the nearest codes; values <= 0, NaN or outside the scene's depths have no surface.
+/// `lost`: number of depths (LostDepths) among them.
 Result<PlaneView> codes_of_metres(const touch_plane& plane, const Scene& scene,
                                   std::vector<std::uint16_t>& codes, std::int64_t& lost) {
     if (scene.depth.kind == DepthCodingKind::hue || scene.depth_bits <= 8)
@@ -133,8 +133,8 @@ Result<PlaneView> codes_of_metres(const touch_plane& plane, const Scene& scene,
         return plane_error("depth",
                            "is of floats, but every code of the scene is a depth, and none means no surface");
     codes.resize(pixel_count(plane.width, plane.height));
-    // As floats, which the far plane's depth has become as well. Beyond the last code there is no surface
-    // either.
+    // Compare as floats, because the program's far depth is a float, too. Beyond the last code there is no
+    // surface.
     const double half_step = scene.depth.kind == DepthCodingKind::metric ? scene.depth.scale / 2 : 0,
                  deepest = std::min(scene.depth.far, scene.depth.deepest_depth() + half_step);
     const auto near = static_cast<float>(scene.depth.near * scene.metres_per_unit),
@@ -184,7 +184,7 @@ touch_status fail_stale(touch_error* error, const char* kind) {
 Result<RawFrame> raw_frame(const touch_frame& frame, const Scene& scene, FrameScratch& scratch) {
     if (!has_known_size(&frame)) return usage_error("struct_size of the frame is not sizeof(touch_frame)");
     touch_frame given = over_defaults(&frame, touch_frame{});
-    if (frame.struct_size < sizeof given) given.lost_pixels = nullptr;  // a part of a pointer is none
+    if (frame.struct_size < sizeof given) given.lost_pixels = nullptr;  // discard a partly copied pointer
     if (given.number < 0 || !is_countable(given.number))
         return usage_error("the frame's number is out of range; must be 0 to 2^60");
     if (!is_countable(given.time_ns))
@@ -205,7 +205,7 @@ Result<RawFrame> raw_frame(const touch_frame& frame, const Scene& scene, FrameSc
         const auto& [from, to, role] = planes[k];
         if (!from.data) continue;
         TRY(check_plane(from, role));
-        // Before any of it is read: there may be less of it than it says.
+        // Before reading any sample: the memory may be smaller than the plane's size.
         if (from.width != scene.width || from.height != scene.height)
             return plane_error(role.name, "is " + std::to_string(from.width) + "x" +
                                               std::to_string(from.height) + ", the scene says " +

@@ -1,19 +1,18 @@
 #pragma once
 
-// What the functions of both C libraries are made of (libtouchable: touch_api.cpp, libtouchable-media:
-// clip_api.cpp).
+// Parts shared by both C libraries (libtouchable: touch_api.cpp, libtouchable-media: clip_api.cpp).
 //
-// - A HandleTable has the objects of one kind by the numbers that a program holds, and says of a number why
-//   it finds nothing. Each library has its own tables; give_handle adds to one, and end removes from it.
-// - fail and fail_without write a touch_error and give the status. without_exceptions is around every
-//   function that allocates: nothing is thrown into a program of C.
+// - A HandleTable maps the numbers that a program holds to the objects of one kind, and tells why a number
+//   has no object. Each library has its own tables; give_handle adds to one, and end removes from it.
+// - fail and fail_without write a touch_error and return the status. without_exceptions wraps every function
+//   that allocates: no exception enters a C program.
 // - has_known_size, over_defaults, give_defaults and hand_out read and write structs of a program that was
 //   compiled with another version of touchable.h.
-// - raw_frame reads a program's planes, scene_of_text a scene. A scene goes from one library to the other as
+// - raw_frame reads a program's planes, scene_of_text a scene. A scene is passed between the libraries as
 //   text.
 //
-// Any thread may call anything here. An object that only one thread may use at a time has an atomic_flag for
-// TryLock, and the second thread gets TOUCH_BUSY.
+// All functions may be called from any thread. An object for one thread at a time has an atomic_flag for
+// TryLock; a second thread gets TOUCH_BUSY.
 
 #include <pthread.h>
 
@@ -38,14 +37,14 @@
 
 namespace touchable::capi {
 
-/// What became of an object that was to be destroyed.
+/// Result of destroying an object.
 enum class Removal { removed, stale, busy };
 
-/// What a process that was forked may do with the objects of its parent. Threads and connections do not come
-/// along, and a file's position is shared: what has those is refused.
+/// Whether a forked process may use its parent's objects. Threads and connections are not inherited, and a
+/// file's position is shared, so objects with those are refused.
 enum class Forked { usable, refused };
 
-/// For all tables of a library: a fork waits for it, so that a child finds it free.
+/// Guards all tables of a library. A fork takes it, so that it is free in the child.
 inline std::mutex tables_mutex;
 /// The number of forks between the first process and this one.
 inline std::atomic<unsigned> forks{0};
@@ -59,8 +58,8 @@ inline void watch_forks() {
                        });
 }
 
-/// Objects by number: kind, generation and place. A number of another kind, or of an object that is gone,
-/// finds nothing. Finding is wait-free, from any thread; an object in use is not removed.
+/// Objects by number, which consists of kind, generation and place. A number of another kind, or of a removed
+/// object, finds nothing. `find` is wait-free, from any thread; an object in use is not removed.
 template <class T, std::size_t most = 1024>
 class HandleTable {
     struct Slot;
@@ -68,11 +67,10 @@ class HandleTable {
 public:
     static constexpr std::size_t capacity = most;
 
-    /// `kind`: 1 to 15, another one for each table.
+    /// `kind`: 1 to 15, unique to each table.
     HandleTable(std::uint64_t kind, Forked forked) : kind_(kind << 60), forked_(forked) { watch_forks(); }
 
-    /// Keeps the object from being removed while it lives. Empty: there is no such object, or it is the
-    /// parent process's.
+    /// While it exists, the object cannot be removed. Empty: no such object, or it is the parent process's.
     class Use {
     public:
         Use() = default;
@@ -99,7 +97,7 @@ public:
         bool is_of_parent_ = false;
     };
 
-    /// Nothing where the table is full.
+    /// Nothing if the table is full.
     std::optional<std::uint64_t> insert(std::shared_ptr<T> object) {
         const std::lock_guard lock(tables_mutex);
         for (std::size_t tried = 0; tried < capacity; ++tried) {
@@ -130,10 +128,10 @@ public:
         return {};
     }
 
-    /// Busy while it is used. The parent process's object is forgotten and not ended: its threads are not
-    /// here, and its locks may be held for ever.
+    /// Returns busy while the object is used. The parent process's object is forgotten, not destroyed: its
+    /// threads do not exist here, and its locks may be held for ever.
     Removal remove(std::uint64_t id) {
-        std::shared_ptr<T> last;  // ends after the lock
+        std::shared_ptr<T> last;  // destroyed after the lock
         const std::lock_guard lock(tables_mutex);
         const std::size_t place = id & 0xffffffffU;
         if (place >= capacity || id == 0) return Removal::stale;
@@ -154,7 +152,7 @@ public:
         return Removal::removed;
     }
 
-    /// Looks at all that there are now; nothing waits for it.
+    /// Calls `look` for each present object, outside the lock.
     void for_each(const std::function<void(const T&)>& look) {
         std::vector<std::shared_ptr<T>> all;
         {
@@ -170,7 +168,7 @@ private:
     struct Slot {
         std::atomic<std::uint64_t> id{0};
         std::atomic<int> users{0};
-        std::atomic<unsigned> made_in{0};  // of `forks`
+        std::atomic<unsigned> made_in{0};  // value of `forks`
         std::shared_ptr<T> object;
         std::uint32_t generation = 0;
     };
@@ -181,12 +179,12 @@ private:
 
     const std::uint64_t kind_;
     const Forked forked_;
-    std::vector<std::shared_ptr<T>> parents_;  // forgotten here, and never ended
-    std::size_t next_ = 0;  // where a free place is looked for first: of many none is looked at twice
+    std::vector<std::shared_ptr<T>> parents_;  // forgotten objects, never destroyed
+    std::size_t next_ = 0;  // where the search for a free place begins: skips places found full before
     std::array<Slot, capacity> slots_;
 };
 
-/// A lock for one thread at a time; the second thread does not get it.
+/// A non-blocking lock: a second thread does not get it.
 class TryLock : NonCopyable {
 public:
     explicit TryLock(std::atomic_flag& flag)
@@ -201,13 +199,13 @@ private:
     const bool mine_;
 };
 
-/// Writes status and line where there is an error to write to, and gives the status.
+/// Writes status and line to `error`, if not null, and returns the status.
 touch_status fail(touch_error* error, touch_status status, std::string_view line) noexcept;
 touch_status fail(touch_error* error, const Error& what) noexcept;
-/// The handle is stale; `kind` is its word, such as "surface".
+/// Fails with TOUCH_STALE; `kind`: the handle's kind, such as "surface".
 touch_status fail_stale(touch_error* error, const char* kind);
 
-/// Why a table gives no object (HandleTable::Use).
+/// The status for an empty HandleTable::Use.
 template <class Use>
 touch_status status_without(const Use& use) noexcept {
     return use.is_of_parent() ? TOUCH_FORKED : TOUCH_STALE;
@@ -220,34 +218,33 @@ touch_status fail_without(const Use& use, touch_error* error, const char* kind) 
         "the " + std::string(kind) + " belongs to the parent process; open or make another one after fork()");
 }
 
-/// Size of a struct in the first version that had it, the least that a program may say. A struct that grows
-/// gets a specialisation with the size that it had.
+/// Size of a struct in its first version, the smallest that a program may state. A struct that grows gets a
+/// specialisation with its first size.
 template <class T>
 inline constexpr std::size_t first_size = sizeof(T);
 template <>
 inline constexpr std::size_t first_size<touch_frame> = offsetof(touch_frame, lost_pixels);
 
-/// Whether a struct that a program hands over has a size that this library knows.
+/// Whether a program's struct has a size known to this library.
 template <class T>
 bool has_known_size(const T* given) {
     return given && given->struct_size >= first_size<T> && given->struct_size <= sizeof(T);
 }
 
-/// Ticks and times that are far from where a count would run over.
+/// Whether a tick or time is far from overflow.
 constexpr bool is_countable(std::int64_t value) {
     constexpr std::int64_t farthest = std::int64_t{1} << 60;
     return value >= -farthest && value <= farthest;
 }
 
-/// `defaults`, with what the program's struct has in their place; null: it has none.
+/// `defaults`, overwritten by the program's struct; null: not overwritten.
 template <class T>
 T over_defaults(const T* given, T defaults) {
     if (given) std::memcpy(&defaults, given, given->struct_size);
     return defaults;
 }
 
-/// Writes as much as a struct of this size has room for, and the size. TOUCH_USAGE: it is one that this
-/// library does not know.
+/// Writes `struct_size` bytes of the defaults, and the size. TOUCH_USAGE: NULL or an unknown size.
 template <class T>
 touch_status give_defaults(const T& defaults, T* to, std::uint32_t struct_size) noexcept {
     if (!to || struct_size < first_size<T> || struct_size > sizeof(T)) return TOUCH_USAGE;
@@ -256,7 +253,7 @@ touch_status give_defaults(const T& defaults, T* to, std::uint32_t struct_size) 
     return TOUCH_OK;
 }
 
-/// Writes as much as the program's struct has room for.
+/// Writes as many bytes as the program's struct has.
 template <class T>
 void hand_out(const T& from, T& to) {
     const std::uint32_t size = to.struct_size;
@@ -264,7 +261,8 @@ void hand_out(const T& from, T& to) {
     to.struct_size = size;
 }
 
-/// At most `capacity` bytes of a text, with a zero at the end where there is room; the length of all of it.
+/// Writes at most `capacity` bytes of a text, zero-terminated if there is room; `length`: that of the whole
+/// text.
 inline void write_text(std::string_view from, char* text, std::size_t capacity, std::size_t& length) {
     length = from.size();
     if (capacity == 0) return;
@@ -272,7 +270,7 @@ inline void write_text(std::string_view from, char* text, std::size_t capacity, 
     if (capacity > from.size()) text[from.size()] = 0;
 }
 
-/// Nothing that is thrown comes out: memory that is missing is a status, anything else an internal fault.
+/// Catches all exceptions: missing memory becomes TOUCH_NO_MEMORY, anything else an internal fault.
 template <class Function>
 touch_status without_exceptions(touch_error* error, Function&& function) noexcept {
     try {
@@ -288,7 +286,7 @@ touch_status without_exceptions(touch_error* error, Function&& function) noexcep
     }
 }
 
-/// Puts an object into its table, and its number where the caller wants it.
+/// Puts an object into its table and its number into `handle`.
 template <class Object, std::size_t most, class Handle>
 touch_status give_handle(HandleTable<Object, most>& table, std::shared_ptr<Object> object, Handle& handle,
                          touch_error* error) {
@@ -300,7 +298,7 @@ touch_status give_handle(HandleTable<Object, most>& table, std::shared_ptr<Objec
     return TOUCH_OK;
 }
 
-/// Ends the object of a handle.
+/// Removes a handle's object.
 template <class Object, std::size_t most, class Handle>
 touch_status end(HandleTable<Object, most>& table, Handle handle) noexcept {
     return without_exceptions(nullptr, [&]() -> touch_status {
@@ -310,20 +308,18 @@ touch_status end(HandleTable<Object, most>& table, Handle handle) noexcept {
     });
 }
 
-/// Copies of planes that modules cannot read as a program has them: floats, rows from below, samples at odd
-/// places.
+/// Copies of planes that modules cannot read in place: floats, bottom-up rows, misaligned samples.
 struct FrameScratch {
     std::vector<std::uint16_t> codes;
     std::vector<std::uint8_t> planes[4];
 };
 
-/// A program's frame as modules read it, without `storage`: it lasts as long as the program's memory and
-/// `scratch`. Refused: a struct of an unknown size, planes that cannot be, floats where depth has no code for
-/// "no surface".
+/// A program's frame as a RawFrame without `storage`: valid as long as the program's memory and `scratch`.
+/// Refused: a struct of unknown size, invalid planes, floats if depth has no code for "no surface".
 Result<RawFrame> raw_frame(const touch_frame& frame, const Scene& scene, FrameScratch& scratch);
 /// Reads a depth plane of codes, without the rest of a frame.
 Result<PlaneView> depth_codes(const touch_plane& depth, const Scene& scene, FrameScratch& scratch);
-/// A plane of a module as a program reads it.
+/// A module's plane as a program's touch_plane.
 touch_plane plane_for_program(const PlaneView& view);
 
 /// The scene of a scene file's text, settled; `unstated` lists the filters that the text leaves open.

@@ -1,6 +1,6 @@
-// libtouchable-media: clips (any file that the program opens, as framesets) and writers (framesets of a
-// program as a clip). Scenes and their handles are the other library's, and are reached by its C functions
-// alone.
+// libtouchable-media: clips (any file that the program opens, as framesets) and writers (a program's
+// framesets as a clip). Scenes and their handles belong to libtouchable and are used only through its C
+// functions.
 #include "capi/api_common.hpp"
 
 #include <cmath>
@@ -26,7 +26,7 @@ using namespace touchable::capi;
 
 namespace {
 
-/// The members of touch_clip_settings that state a setting; empty: none does.
+/// The members of touch_clip_settings that state a setting; empty: none.
 std::string_view members_of(Setting::Name setting) {
     constexpr std::pair<Setting::Name, std::string_view> all[] = {{Setting::depth_unit, "metres_per_code"},
                                                                   {Setting::field_of_view, "fov_degrees"},
@@ -45,13 +45,13 @@ std::string members_of(const Hints& hints) {
     return listed(members, {}, " or ");
 }
 
-/// An error's line with the members of touch_clip_settings that would help.
+/// Adds the helpful members of touch_clip_settings to an error's line.
 Error with_members(const Error& error) {
     const std::string members = members_of(error.hints);
     return members.empty() ? error : Error{error.kind, error.message + " (" + members + ')'};
 }
 
-/// A remark on a clip, with the members that say otherwise.
+/// A remark on a clip, with the members that correct it.
 std::string note_with_members(const Remark& remark) {
     const std::string members = members_of(remark.hints);
     if (members.empty()) return remark_in_words(remark);
@@ -61,7 +61,7 @@ std::string note_with_members(const Remark& remark) {
     return remark_in_words(with);
 }
 
-/// Colour, and nothing known of the camera.
+/// With colour and no facts about the camera.
 touch_clip_settings default_clip_settings() {
     touch_clip_settings settings{};
     settings.struct_size = sizeof settings;
@@ -75,10 +75,10 @@ Error refuse_member(const char* member, const char* right) {
 }
 
 bool is_within(double value, double least, double most) {
-    return value >= least && value <= most;  // of NaN it is not
+    return value >= least && value <= most;  // false for NaN
 }
 
-/// What a program states of a clip's camera; nothing where it states nothing. Errors name the member.
+/// The program's facts about a clip's camera; nothing: none stated. Errors name the member.
 Result<std::optional<SourceDescription>> known_of(const touch_clip_settings& settings) {
     SourceDescription known;
     constexpr double longest_px = 1e9;
@@ -116,7 +116,7 @@ std::vector<std::string> notes_of(const ClipReader& reader) {
     return notes;
 }
 
-/// Absolute paths stay right when the program goes to another folder.
+/// Absolute paths stay valid if the program changes its working folder.
 std::vector<fs::path> absolute(const std::vector<fs::path>& files) {
     std::vector<fs::path> whole;
     for (const fs::path& file : files) {
@@ -126,7 +126,7 @@ std::vector<fs::path> absolute(const std::vector<fs::path>& files) {
     return whole;
 }
 
-/// Behind a touch_clip.
+/// The object of a touch_clip.
 struct ClipObject {
     explicit ClipObject(std::unique_ptr<ClipReader> opened)
         : described(opened->described()),
@@ -142,12 +142,12 @@ struct ClipObject {
 
     const SceneDescription described;
     const std::vector<TrackInfo> tracks;
-    const std::vector<std::string> notes;  ///< with the members that say otherwise
+    const std::vector<std::string> notes;  ///< with the members that correct them
     const std::optional<std::int64_t> frames;
     const std::vector<fs::path> inputs;
     std::stop_source stop;
 
-    std::atomic_flag reading = ATOMIC_FLAG_INIT;  ///< guards what follows
+    std::atomic_flag reading = ATOMIC_FLAG_INIT;  ///< guards the members below
     std::unique_ptr<ClipReader> reader;           ///< null: it could not be read on
     std::int64_t next_frame = 0;                  ///< of the reader
     std::shared_ptr<RawFrame> unclaimed;          ///< was read, and there was no room for it; null: none
@@ -158,7 +158,7 @@ HandleTable<ClipObject>& clips() {
     return table;
 }
 
-/// Whether a clip that is open is read from this file, or from a file in this folder, whatever its name.
+/// Whether an open clip is read from this file, or from a file in this folder, under any name.
 bool is_read_by_an_open_clip(const fs::path& path) {
     bool is_read = false;
     clips().for_each([&](const ClipObject& clip) {
@@ -171,7 +171,7 @@ bool is_read_by_an_open_clip(const fs::path& path) {
     return is_read;
 }
 
-/// Behind a touch_frameset: its storage keeps the planes.
+/// The object of a touch_frameset: its storage keeps the planes.
 using FramesetObject = RawFrame;
 constexpr std::size_t most_framesets = 65536;
 
@@ -203,7 +203,7 @@ touch_clip_facts facts_of(const ClipObject& clip) {
     return facts;
 }
 
-/// Looks at first frames. If a later frame is damaged, the frames before it count.
+/// Reads the first frames. If a later frame is damaged, the frames before it suffice.
 Result<void> look_ahead(Prefetch& ahead, DepthEstimator& estimator) {
     for (bool is_first = true; !estimator.enough(); is_first = false) {
         const auto frame = ahead.next();
@@ -214,8 +214,7 @@ Result<void> look_ahead(Prefetch& ahead, DepthEstimator& estimator) {
     return {};
 }
 
-/// Measures the clip's first frames. Afterwards the clip is at the same frame as before, also after a
-/// fault.
+/// Measures the clip's first frames and returns to the present frame, also after a fault.
 Result<std::optional<MeasuredDepth>> measure(ClipObject& clip) {
     if (clip.next_frame != 0) TRY(clip.reader->seek(0));
     DepthEstimator estimator(clip.described.scene);
@@ -227,9 +226,9 @@ Result<std::optional<MeasuredDepth>> measure(ClipObject& clip) {
     return estimator.measured();
 }
 
-/// Makes a scene of the other library, by the text that says all of it.
+/// Makes a scene in the other library, through its complete text.
 touch_status hand_out_scene(SceneDescription described, touch_scene& scene, touch_error* error) {
-    described.scene.rate.own_times.reset();  // which no text says
+    described.scene.rate.own_times.reset();  // not part of the text
     const std::string text = scene_to_json(described);
     return touch_scene_from_text(text.data(), text.size(), &scene, error);
 }
@@ -246,7 +245,7 @@ touch_status choose_scene(ClipObject& clip, touch_scene& scene, touch_error* err
     return hand_out_scene(chosen, scene, error);
 }
 
-/// Runs `read` on a clip that no other thread reads, until it ends or the clip is interrupted.
+/// Runs `read` on a clip that no other thread reads; touch_clip_interrupt ends it.
 template <class Function>
 touch_status with_reader(touch_clip handle, touch_error* error, Function&& read) {
     const auto use = clips().find(handle.id);
@@ -259,13 +258,13 @@ touch_status with_reader(touch_clip handle, touch_error* error, Function&& read)
     return read(*use);
 }
 
-/// Behind a touch_writer.
+/// The object of a touch_writer.
 struct WriterObject {
     WriterObject(Scene of_scene, std::unique_ptr<ClipWriter> by)
         : scene(std::move(of_scene)), writer(std::move(by)) {}
 
     const Scene scene;
-    std::atomic_flag writing = ATOMIC_FLAG_INIT;  ///< guards what follows
+    std::atomic_flag writing = ATOMIC_FLAG_INIT;  ///< guards the members below
     std::unique_ptr<ClipWriter> writer;
     FrameCheck check;
     FrameScratch scratch;
@@ -276,7 +275,7 @@ HandleTable<WriterObject>& writers() {
     return table;
 }
 
-/// Reads a scene of the other library, by the text that says all of it.
+/// Reads a scene of the other library, through its complete text.
 touch_status read_scene(touch_scene scene, SceneDescription& described, touch_error* error) {
     std::size_t length = 0;
     if (touch_scene_text(scene, nullptr, 0, &length) != TOUCH_OK) return fail_stale(error, "scene");
@@ -311,7 +310,7 @@ bool is_clip_name(const fs::path& path) {
     return ending == ".mkv" || ending == ".mp4";
 }
 
-/// Refuses a place that is taken, unless it may be overwritten and no open clip is read from it.
+/// Refuses an existing file, unless it may be overwritten and no open clip is read from it.
 Result<void> check_place(const fs::path& path, bool overwrite) {
     std::error_code ignored;
     if (!fs::exists(fs::symlink_status(path, ignored))) return {};
@@ -446,7 +445,7 @@ touch_status touch_clip_next(touch_clip clip, touch_frameset* frameset, touch_er
                 object.next_frame = object.unclaimed->number + 1;
             }
             const touch_status given = give_handle(framesets(), object.unclaimed, *frameset, error);
-            if (given != TOUCH_OK) return given;  // it comes again, once there is room
+            if (given != TOUCH_OK) return given;  // returned again by a later call
             object.unclaimed.reset();
             return TOUCH_OK;
         });
@@ -548,7 +547,7 @@ touch_status touch_writer_finish(touch_writer writer, touch_error* error) {
         }
         const Removal removal = writers().remove(writer.id);
         if (removal == Removal::busy) return fail(error, TOUCH_BUSY, "another thread is writing this clip");
-        // Another thread has ended it meanwhile.
+        // Another thread has removed it meanwhile.
         if (removal == Removal::stale) return fail_stale(error, "writer");
         if (auto finished = finish(*object); !finished) return fail(error, finished.error());
         return TOUCH_OK;

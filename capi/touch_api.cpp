@@ -1,4 +1,4 @@
-// libtouchable: scenes (what pictures mean), surfaces (frames in, a surface in time) and solvers (goals of
+// libtouchable: scenes (camera and coding), surfaces (frames in, a surface in time) and solvers (goals of
 // fingers in, forces out).
 #include "capi/api_common.hpp"
 
@@ -27,14 +27,14 @@ using namespace touchable::capi;
 
 namespace {
 
-/// Behind a touch_scene. The scene does not change.
+/// The object of a touch_scene. The scene is immutable.
 struct SceneObject {
     explicit SceneObject(SceneDescription settled) : described(std::move(settled)) {}
     const Scene& scene() const { return described.scene; }
 
-    const SceneDescription described;  ///< settled; `unstated` lists the filters that the text leaves open
+    const SceneDescription described;  ///< settled; `unstated`: filters that the text does not state
     mutable std::once_flag has_metres;
-    mutable std::vector<float> metres;  ///< of each code, NaN of invalid ones: metres_of_codes
+    mutable std::vector<float> metres;  ///< per code, NaN if invalid (metres_of_codes)
 };
 
 HandleTable<SceneObject>& scenes() {
@@ -42,7 +42,7 @@ HandleTable<SceneObject>& scenes() {
     return table;
 }
 
-/// Behind a touch_surface. One thread pushes, one solver reads the timeline.
+/// The object of a touch_surface. One thread pushes, one solver reads the timeline.
 struct SurfaceObject {
     SurfaceObject(const Scene& of_scene, int threads, int frames)
         : scene(of_scene), builder(make_cpu_builder(scene, CpuPlan{threads})), timeline(frames) {}
@@ -52,7 +52,7 @@ struct SurfaceObject {
     };
 
     const Scene scene;
-    std::atomic_flag pushing = ATOMIC_FLAG_INIT;  ///< guards what follows up to the timeline
+    std::atomic_flag pushing = ATOMIC_FLAG_INIT;  ///< guards the members up to the timeline
     std::unique_ptr<SurfaceBuilder> builder;
     std::uint64_t epoch = 0;
     bool epoch_has_ended = false;
@@ -68,8 +68,8 @@ HandleTable<SurfaceObject>& surfaces() {
     return table;
 }
 
-/// A surface's only reader, for as long as this lives; the surface cannot be destroyed before. False: it has
-/// another.
+/// The only reader of a surface; while it exists the surface cannot be destroyed. False: the surface has
+/// another reader.
 class Reading {
 public:
     explicit Reading(HandleTable<SurfaceObject>::Use surface)
@@ -89,14 +89,14 @@ private:
     bool is_only_;
 };
 
-/// Behind a touch_solver.
+/// The object of a touch_solver.
 struct SolverObject {
     SolverObject(Reading of_surface, const TouchSolver& with, const GuardSettings& guard, int fingers)
         : surface(std::move(of_surface)), solver(with), step(solver, guard, fingers) {}
 
     const Reading surface;
     const TouchSolver solver;
-    std::atomic_flag ticking = ATOMIC_FLAG_INIT;  ///< guards what follows
+    std::atomic_flag ticking = ATOMIC_FLAG_INIT;  ///< guards the members below
     TouchStep step;
     ForceHash hash;
     std::optional<std::int64_t> last_tick;
@@ -108,12 +108,12 @@ HandleTable<SolverObject>& solvers() {
     return table;
 }
 
-/// Refuses a value that `validate` would not name as the program does.
+/// Refuses a member that `validate` would call by another name.
 Error camera_error(const char* member, const std::string& right) {
     return usage_error(std::string(member) + " of the camera is out of range; must be " + right);
 }
 
-/// A far plane at a code's depth has that code on it, however the product of code and scale is rounded.
+/// Snaps a far plane to a code's depth if equal within rounding, so that the code is included.
 double far_plane(const touch_camera& camera) {
     const double on_code = std::round(camera.far_m / camera.metres_per_code) * camera.metres_per_code;
     return std::abs(on_code - camera.far_m) < 1e-9 * camera.far_m ? on_code : camera.far_m;
@@ -167,7 +167,7 @@ touch_scene_facts facts_of(const SceneObject& object) {
     return facts;
 }
 
-/// Whether frames may lie so far from each other, where they may lie.
+/// Whether the stride between frames is valid: size, limit and alignment.
 bool holds_frames(std::size_t stride) {
     constexpr std::size_t widest = std::size_t{1} << 20;
     return stride >= first_size<touch_frame> && stride <= widest && stride % alignof(touch_frame) == 0;
@@ -191,7 +191,7 @@ touch_camera default_camera() {
             0.3};
 }
 
-/// Measures the depth in frames of a recording; nothing where they have no surface.
+/// Measures the depth of a recording's frames; nothing: no surface in any.
 Result<std::optional<MeasuredDepth>> measure(const Scene& scene, const unsigned char* frames,
                                              std::size_t stride, std::size_t count) {
     DepthEstimator estimator(scene);
@@ -332,7 +332,7 @@ touch_contact contact_of(const Contact& contact, const GuardedForce& guarded) {
     return out;
 }
 
-/// Writes as much as the program's struct has room for.
+/// Writes as many bytes as the program's struct has.
 void write_contact(touch_contact contact, unsigned char* to, std::size_t stride) {
     contact.struct_size = static_cast<std::uint32_t>(std::min(stride, sizeof(touch_contact)));
     std::memcpy(to, &contact, contact.struct_size);
@@ -361,17 +361,17 @@ bool is_stride(std::size_t stride) {
     return stride >= first_size<touch_contact> && stride <= widest;
 }
 
-/// The scene with friction nowhere.
+/// The scene with all friction set to 0.
 Scene without_friction(Scene scene) {
     scene.default_properties.static_friction = scene.default_properties.dynamic_friction = 0;
     scene.haptic.static_friction = scene.haptic.dynamic_friction = {};
     return scene;
 }
 
-constexpr std::size_t resting_at_a_time = 8;  // few: all of them tick until the last one rests
+constexpr std::size_t resting_at_a_time = 8;  // few, because all tick until the last one rests
 constexpr std::int64_t most_ticks_to_rest = 500;
 
-/// Whether a force stays as it was one tick before.
+/// Whether a force equals that of the previous tick.
 bool is_steady(const GuardedForce& now, const glm::dvec3& before) {
     constexpr double still = 1e-9;  // newtons, and share of the force
     constexpr std::uint32_t coming = guard_ramp | guard_rise | guard_jump;
@@ -381,8 +381,9 @@ bool is_steady(const GuardedForce& now, const glm::dvec3& before) {
            std::sqrt(step.x * step.x + step.y * step.y + step.z * step.z) <= still * (1 + length);
 }
 
-/// Fingers at rest, `resting_at_a_time` or fewer: each begins where its ray meets the surface, and ticks
-/// until its force is steady. It is written then, so that it does not depend on the other fingers.
+/// Solves fingers at rest, `resting_at_a_time` or fewer: each begins where its ray meets the surface, and
+/// ticks until its force is steady. Its contact is written at that tick, so it does not depend on other
+/// fingers.
 void rest(TouchStep& step, const Scene& scene, const FramePair& pair, const touch_vec3* points,
           unsigned char* contacts, std::size_t stride) {
     const std::size_t count = step.goals().size();

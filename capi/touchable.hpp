@@ -1,5 +1,5 @@
-// touchable.hpp - touchable.h for C++17: objects that end themselves, and errors that are thrown. Header
-// only. What the functions take and give, their units and their threads are described in touchable.h.
+// touchable.hpp - touchable.h for C++17: owning objects, and errors as exceptions. Header only. touchable.h
+// describes the functions' arguments, results, units and threads.
 #ifndef TOUCHABLE_HPP
 #define TOUCHABLE_HPP
 
@@ -17,7 +17,7 @@
 
 namespace touch {
 
-/// What a function of touchable.h refused, in one line.
+/// An error of a function of touchable.h, in one line.
 class Error : public std::runtime_error {
 public:
     Error(touch_status status, const std::string& line) : std::runtime_error(line), status_(status) {}
@@ -33,13 +33,13 @@ inline touch_error no_error() noexcept {
     return {sizeof(touch_error), TOUCH_OK, {}};
 }
 
-/// Throws an Error where the status is none of TOUCH_OK, TOUCH_FULL, TOUCH_END.
+/// Throws an Error unless the status is TOUCH_OK, TOUCH_FULL or TOUCH_END.
 inline touch_status check(touch_status status, const touch_error& error = no_error()) {
     if (status == TOUCH_OK || status == TOUCH_FULL || status == TOUCH_END) return status;
     throw Error(status, error.line[0] ? error.line : touch_status_name(status));
 }
 
-/// A handle that ends itself.
+/// An owning handle.
 template <class Handle, touch_status (*destroy)(Handle)>
 class Owner {
 public:
@@ -142,7 +142,7 @@ public:
         detail::check(touch_surface_create(scene.get(), &settings, &made, &error), error);
         *this = Surface(made);
     }
-    /// False where there is no room yet (TOUCH_FULL).
+    /// False: no room yet (TOUCH_FULL).
     bool push(const touch_frame& frame) {
         touch_error error = detail::no_error();
         return detail::check(touch_surface_push(get(), &frame, &error), error) == TOUCH_OK;
@@ -152,7 +152,7 @@ public:
         detail::check(touch_surface_begin_epoch(get(), epoch, &error), error);
     }
     void end_epoch() { detail::check(touch_surface_end_epoch(get())); }
-    /// Before the first frame the least number there is.
+    /// INT64_MIN before the first frame.
     std::int64_t newest_ns() const noexcept {
         std::int64_t newest = std::numeric_limits<std::int64_t>::min();
         touch_surface_newest_ns(get(), &newest);
@@ -177,7 +177,7 @@ public:
     }
 };
 
-/// touch_solver. Ends before its surface does.
+/// touch_solver. Must be destroyed before its surface.
 class Solver : public detail::Owner<touch_solver, touch_solver_destroy> {
 public:
     using Owner::Owner;
@@ -213,7 +213,7 @@ inline touch_writer_settings writer_settings() {
     return detail::made<touch_writer_settings, touch_writer_settings_defaults>();
 }
 
-/// touch_frameset: its pictures stay at their place until it ends.
+/// touch_frameset: its pictures stay at their place until it is destroyed.
 class Frameset : public detail::Owner<touch_frameset, touch_frameset_release> {
 public:
     using Owner::Owner;
@@ -245,7 +245,7 @@ public:
         detail::check(touch_clip_time(get(), frame, &time));
         return time;
     }
-    /// All that touch_clip_note gives.
+    /// All notes of touch_clip_note.
     std::vector<std::string> notes() const {
         std::vector<std::string> notes;
         std::size_t length = 0;
@@ -263,7 +263,7 @@ public:
         detail::check(touch_clip_scene(get(), filters, &made, &error), error);
         return Scene(made);
     }
-    /// Nothing where there are no more.
+    /// Nothing: no more frames.
     std::optional<Frameset> next() {
         touch_error error = detail::no_error();
         touch_frameset next{};
@@ -274,11 +274,11 @@ public:
         touch_error error = detail::no_error();
         detail::check(touch_clip_seek(get(), frame, &error), error);
     }
-    /// From any thread.
+    /// Any thread.
     void interrupt() noexcept { touch_clip_interrupt(get()); }
 };
 
-/// touch_writer: without `finish` nothing is left of it.
+/// touch_writer: without `finish` no file is left.
 class Writer : public detail::Owner<touch_writer, touch_writer_abandon> {
 public:
     using Owner::Owner;

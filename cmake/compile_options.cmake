@@ -1,20 +1,20 @@
-# Flags every target of this project is built with.
+# Compile options of every target of this project.
 
-# A force is the same bits on every compiler and optimisation level (docs/architecture.md, decision 3):
-# no fused multiply-add where the source has a product and a sum.
+# Forces have the same bits with every compiler and optimisation level (docs/architecture.md, decision 3): no fused
+# multiply-add in place of a product and a sum.
 add_compile_options(-ffp-contract=off)
-# Modules go into shared libraries too, which export their C functions alone (capi/).
+# Modules are also linked into shared libraries, which export only their C functions (capi/).
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(CMAKE_CXX_VISIBILITY_PRESET hidden)
 set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)
 add_compile_options(-Wall -Wextra -Wpedantic
     $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor> $<$<COMPILE_LANGUAGE:CXX>:-Wold-style-cast> -Wfloat-conversion)
-# Where a module is one translation unit, a file's globals would be shadowed by another's locals.
+# In a unity build locals of one file would shadow globals of another.
 if(NOT CMAKE_UNITY_BUILD)
   add_compile_options(-Wshadow)
 endif()
-# GCC 13 and 14 warn where nothing is wrong, of std::sort and std::vector that they have inlined at -O3 (clip_picture.hpp,
-# inverse3_device.cpp). GCC 12 looks for the same without that.
+# GCC 13 and 14 give false warnings for std::sort and std::vector inlined at -O3 (clip_picture.hpp,
+# inverse3_device.cpp). GCC 12 checks the same without them.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 13)
   add_compile_options(-Wno-array-bounds -Wno-free-nonheap-object -Wno-stringop-overflow -Wno-maybe-uninitialized)
 endif()
@@ -24,31 +24,31 @@ endif()
 if(TOUCHABLE_SANITIZE)
   add_compile_options(-fsanitize=${TOUCHABLE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${TOUCHABLE_SANITIZE})
-  # What they are to look at is this project: a third of the time to compile what reads JSON went into the library's templates.
-  # Its own assertions stay on. The fuzzer, whose bytes reach them first, looks at them too.
+  # Sanitize only this project: instrumenting the JSON library's templates took a third of the compile time of files
+  # that read JSON. The library's own assertions stay on. The fuzzer instruments them: its bytes reach them first.
   if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang" AND NOT TOUCHABLE_SANITIZE MATCHES "fuzzer")
     add_compile_options(-fsanitize-ignorelist=${PROJECT_SOURCE_DIR}/cmake/not_sanitized.txt)
   endif()
-  # GNU's linker takes a second for each of forty programs, LLVM's a quarter of one.
+  # GNU's linker takes a second for each of forty programs, LLVM's a quarter of a second.
   find_program(TOUCHABLE_LLD ld.lld DOC "LLVM's linker (Debian: lld); may be absent")
   if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang" AND TOUCHABLE_LLD)
     add_link_options(-fuse-ld=lld)
   endif()
 endif()
 
-# Under Clang's sanitizers what many files include is compiled once for all modules, and once for all that is not optimised: of a
-# small module it was a third of the time to compile, of a large one a tenth. The other builds read in each module what its files include.
+# With Clang's sanitizers a precompiled header is built once for all modules, and once for the unoptimised ones: it
+# saves a third of a small module's compile time, a tenth of a large one's. Other builds have none.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang" AND TOUCHABLE_SANITIZE AND NOT TOUCHABLE_SANITIZE MATCHES "fuzzer")
-  add_compile_options(-fPIC -pthread)  # some have them; all need the same to share what is precompiled
+  add_compile_options(-fPIC -pthread)  # sharing a precompiled header requires the same options for all
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/precompiled.cpp CONTENT "")
   foreach(name IN ITEMS precompiled unhurried_precompiled)
     add_library(touchable_${name} OBJECT ${PROJECT_BINARY_DIR}/precompiled.cpp)
     target_compile_features(touchable_${name} PUBLIC cxx_std_20)
-    target_compile_options(touchable_${name} PRIVATE "SHELL:-Xclang -fno-pch-timestamp")  # a cache keeps it
+    target_compile_options(touchable_${name} PRIVATE "SHELL:-Xclang -fno-pch-timestamp")  # allows caching
     target_precompile_headers(touchable_${name} PRIVATE ${PROJECT_SOURCE_DIR}/cmake/precompiled.hpp)
   endforeach()
   target_compile_options(touchable_unhurried_precompiled PRIVATE -O0)
-  # Without being told so, ccache compiles anew whatever reads something precompiled.
+  # Without these settings ccache recompiles every file that uses a precompiled header.
   if(CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache$")
     list(PREPEND CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros)
   endif()
@@ -59,9 +59,9 @@ function(touchable_reads target precompiled)
   endif()
 endfunction()
 
-# touchable_optimise(target release|little). release: sanitizers compile it without optimisation, as its tests are short. little: and
-# Release with -O1, as it takes long to compile and little time to run, such as a module that reads words. The fuzzer, which runs
-# what reads files all the time, has -O1 of all.
+# touchable_optimise(target release|little). release: sanitizers compile it without optimisation, because its tests
+# are short. little: also Release uses -O1, because it takes long to compile and little time to run, such as a module
+# that reads words. The fuzzer, which runs file readers all the time, compiles everything with -O1.
 function(touchable_optimise target level)
   if(TOUCHABLE_SANITIZE AND NOT TOUCHABLE_SANITIZE MATCHES "fuzzer")
     target_compile_options(${target} PRIVATE -O0)
@@ -75,8 +75,8 @@ endfunction()
 # written from the root of the project.
 # touchable_module(name [HEADERS x.hpp...] [USES module...] [PUBLIC_LIBRARIES target...] [LIBRARIES target...]
 #                  [SOURCES x.cpp...] [WITHOUT x.cpp...] [OPTIMISED release|little])
-# HEADERS: what other modules may include; tests/modules holds them to that. USES: the modules that it includes from.
-# PUBLIC_LIBRARIES: whose headers its public headers include. SOURCES: these alone. WITHOUT: not these.
+# HEADERS: headers that other modules may include; tests/modules checks this. USES: modules whose headers it includes.
+# PUBLIC_LIBRARIES: included by its public headers. SOURCES: only these. WITHOUT: excludes these.
 # OPTIMISED: see touchable_optimise.
 function(touchable_module name)
   cmake_parse_arguments(MODULE "" "OPTIMISED" "HEADERS;USES;PUBLIC_LIBRARIES;LIBRARIES;SOURCES;WITHOUT" ${ARGN})

@@ -1,4 +1,4 @@
-# A Debian package of all that is installed: `cmake --build build/release --target deb` (docs/install.md).
+# A Debian package of everything that is installed: `cmake --build build/release --target deb` (docs/install.md).
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME touchable)
@@ -22,7 +22,7 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/capi)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "mesa-vulkan-drivers, libxcursor1, fonts-dejavu-core, hdf5-tools, python3, python3-matplotlib")
-# Blender's exporter; what programs need that link the solver's modules.
+# For Blender's exporter, and for programs that link the solver's modules.
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "blender, libglm-dev, nlohmann-json3-dev")
 include(CPack)
 

@@ -1,7 +1,6 @@
-# The C libraries as other software has them: shared with their soname, one of them static too, headers, targets of the
-# CMake package, pkg-config.
+# Installs the C libraries: shared with their soname, libtouchable also static, headers, CMake package, pkg-config.
 
-# The static modules that a target links, and that these link.
+# Collects the static modules that a target links, directly or indirectly.
 function(touchable_modules_of target into)
   set(modules ${${into}})
   get_target_property(linked ${target} LINK_LIBRARIES)
@@ -22,7 +21,7 @@ function(touchable_modules_of target into)
   set(${into} ${modules} PARENT_SCOPE)
 endfunction()
 
-# One archive of what libtouchable.so is made of.
+# One static archive with the objects of libtouchable.so.
 get_target_property(touchable_objects touchable_shared SOURCES)
 set(touchable_modules "")
 touchable_modules_of(touchable_shared touchable_modules)
@@ -33,11 +32,11 @@ list(REMOVE_DUPLICATES touchable_objects)
 add_library(touchable_static STATIC ${touchable_objects})
 set_target_properties(touchable_static PROPERTIES OUTPUT_NAME touchable LINKER_LANGUAGE CXX
     ARCHIVE_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/capi)
-target_link_libraries(touchable_static INTERFACE $<INSTALL_INTERFACE:stdc++> $<INSTALL_INTERFACE:m>)  # also where a project has C alone
+target_link_libraries(touchable_static INTERFACE $<INSTALL_INTERFACE:stdc++> $<INSTALL_INTERFACE:m>)  # also for projects in C only
 
 set_target_properties(touchable_shared PROPERTIES EXPORT_NAME touchable)
 set_target_properties(touchable_media_shared PROPERTIES EXPORT_NAME media)
-target_link_libraries(touchable_media_shared INTERFACE touchable_shared)  # who opens clips has scenes of that, too
+target_link_libraries(touchable_media_shared INTERFACE touchable_shared)  # clips give scenes of that library
 set(touchable_libraries touchable_shared touchable_static touchable_media_shared)
 foreach(library IN LISTS touchable_libraries)
   target_include_directories(${library} INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/capi> $<INSTALL_INTERFACE:include>)

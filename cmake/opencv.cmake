@@ -1,6 +1,6 @@
-# OpenCV's median, which tests and benchmarks compare ours with, and cameras' files that it writes, which a test reads; nothing else
-# uses it. `touchable_opencv` is there either way, and defines TOUCHABLE_HAS_OPENCV where OpenCV is (Debian: libopencv-imgproc-dev, which has no
-# CMake package).
+# OpenCV is used only by tests and benchmarks: its median is compared with ours, and a test reads camera files that it
+# writes. The target `touchable_opencv` always exists; it defines TOUCHABLE_HAS_OPENCV if OpenCV is found (Debian:
+# libopencv-imgproc-dev, which has no CMake package).
 
 find_path(TOUCHABLE_OPENCV_INCLUDE opencv2/imgproc.hpp PATH_SUFFIXES opencv4 DOC "OpenCV's headers; may be absent")
 find_library(TOUCHABLE_OPENCV_CORE opencv_core DOC "May be absent")

@@ -1,5 +1,5 @@
-# The CMake package: `find_package(touchable)` gives touchable::solver, the solver's modules in C++ (docs/install.md), and
-# where all parts are built the C libraries (cmake/libraries.cmake). These have targets of their own, which need nothing else.
+# The CMake package: `find_package(touchable)` defines touchable::solver, the solver's modules in C++ (docs/install.md),
+# and, if all parts are built, the C libraries (cmake/libraries.cmake), as separate targets that need nothing else.
 
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -10,7 +10,7 @@ target_link_libraries(touchable_solver INTERFACE touchable_haptics)
 foreach(module IN ITEMS base scene haptics solver)
   set_target_properties(touchable_${module} PROPERTIES EXPORT_NAME ${module})
 endforeach()
-# Headers have arithmetic that reaches a force, too (docs/architecture.md, decision 3).
+# Headers also contain arithmetic that affects forces (docs/architecture.md, decision 3).
 target_compile_options(touchable_base INTERFACE $<INSTALL_INTERFACE:-ffp-contract=off>)
 install(TARGETS touchable_base touchable_scene touchable_haptics touchable_solver EXPORT touchable_solver
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
@@ -21,6 +21,6 @@ install(FILES shaders/hue_code.h DESTINATION include/touchable/shaders)
 set(touchable_package ${CMAKE_INSTALL_LIBDIR}/cmake/touchable)
 install(EXPORT touchable_solver NAMESPACE touchable:: FILE touchable-solver-targets.cmake DESTINATION ${touchable_package})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/touchable-config-version.cmake COMPATIBILITY SameMinorVersion)
-# By the name that find_package looks for it lies where it is installed and nowhere else: not in a checkout or a build folder.
+# The name that find_package searches exists only in the installation, not in a checkout or a build folder.
 install(FILES cmake/touchable-config.cmake.in DESTINATION ${touchable_package} RENAME touchable-config.cmake)
 install(FILES ${PROJECT_BINARY_DIR}/touchable-config-version.cmake DESTINATION ${touchable_package})

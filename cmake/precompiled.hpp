@@ -1,4 +1,4 @@
-// What many files include, and takes long to read: Clang's sanitized builds read it once (compile_options.cmake).
+// Headers that many files include and that parse slowly: Clang's sanitized builds parse them once (compile_options.cmake).
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -18,7 +18,7 @@
 #include <memory>
 #include <mutex>
 #if __has_include(<gtest/gtest.h>)
-#define GTEST_HAS_PTHREAD 1  // as its CMake target says
+#define GTEST_HAS_PTHREAD 1  // as in its CMake target
 #include <gtest/gtest.h>
 #endif
 #include <nlohmann/json.hpp>

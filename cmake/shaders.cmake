@@ -1,18 +1,18 @@
-# Kernels: shaders/name.comp, which includes shaders/name.h as C++ does, becomes SPIR-V words in a header under the
-# build folder: #include "shaders/name.spv.h" gives touchable::name_spv. A name with an ending, for drawing, is the file's:
-# name.vert gives touchable::name_vert_spv.
+# Kernels: shaders/name.comp, which shares shaders/name.h with C++, becomes SPIR-V words in a header in the build
+# folder: #include "shaders/name.spv.h" defines touchable::name_spv. A name with an ending, for drawing, is the file
+# name: name.vert defines touchable::name_vert_spv.
 
 find_program(TOUCHABLE_GLSLANG glslangValidator REQUIRED DOC "GLSL to SPIR-V (Debian: glslang-tools)")
 find_program(TOUCHABLE_SPIRV_OPT spirv-opt REQUIRED DOC "SPIR-V, unrolled (Debian: spirv-tools)")
 
-# What a file that is compiled by itself includes, and a build makes (tests/file_by_file.py).
+# Generated headers, needed to compile a single file (tests/file_by_file.py).
 add_custom_target(generated_headers)
 
-# touchable_shaders(target [FROM folder] [OPTIMISED] name...): `target` may include the words of these kernels. `folder`,
-# from the root of the sources, is where they stand (shaders); every header there is taken for an input of every kernel.
-# OPTIMISED: of a large network Mesa takes half a second to unroll the loops, whenever a program starts and whatever it has
-# cached; done here, once, it is ready in a tenth of that. Other kernels gain little, and some become slower. It takes eight
-# seconds: builds for tests alone go without.
+# touchable_shaders(target [FROM folder] [OPTIMISED] name...): `target` may include the words of these kernels.
+# `folder`, from the root of the sources: where they are (default: shaders); every header there is an input of every
+# kernel. OPTIMISED: Mesa takes half a second to unroll the loops of a large network at each program start, even with
+# a cache; unrolled here, it is ready in a tenth of that. Other kernels gain little, and some become slower. It takes
+# eight seconds, so only Release builds do it.
 function(touchable_shaders target)
   cmake_parse_arguments(SHADERS "OPTIMISED" "FROM" "" ${ARGN})
   if(NOT SHADERS_FROM)
@@ -33,7 +33,7 @@ function(touchable_shaders target)
   target_include_directories(${target} PRIVATE "${PROJECT_BINARY_DIR}")
 endfunction()
 
-# The header is written while configuring and includes the words, which are made while building.
+# The header is written at configure time and includes the words, which are made at build time.
 function(touchable_kernel name source shared_headers optimised)
   set(words "${PROJECT_BINARY_DIR}/shaders/${name}.spv.inc")
   string(REPLACE "." "_" identifier "${name}")

@@ -1,4 +1,4 @@
-# Writes the header TO, where it is not so already: the commit of the sources in SOURCE, and "-dirty" where these differ from it.
+# Writes the header TO if changed: the commit of the sources in SOURCE, with "-dirty" if they differ from it.
 cmake_minimum_required(VERSION 3.25)
 execute_process(COMMAND git -C "${SOURCE}" describe --always --dirty --abbrev=10
     OUTPUT_VARIABLE commit OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE status)

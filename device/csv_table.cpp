@@ -66,7 +66,7 @@ Result<void> CsvTable::find_lines() {
     return {};
 }
 
-/// Fields of the first two lines, where both have as many; otherwise 1.
+/// Field count of the first two lines if both have the same count; otherwise 1.
 std::size_t CsvTable::fields_by(char separator) {
     separator_ = separator;
     std::vector<std::string_view> fields;
@@ -78,7 +78,7 @@ std::size_t CsvTable::fields_by(char separator) {
     return count;
 }
 
-/// That which makes the most fields; blanks, of which notes have many, only where nothing else makes any.
+/// Takes the separator that yields the most fields; a blank, frequent in notes, only if no other yields any.
 void CsvTable::choose_separator() {
     char best = ',';
     std::size_t most = std::max<std::size_t>(fields_by(best), 1);

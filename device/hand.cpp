@@ -13,7 +13,7 @@ namespace {
 
 constexpr double tick_s = 0.001;  // seconds from one tick to the next
 
-/// The ground under the hand's centre at the tick before.
+/// The ground under the hand's centre at the previous tick.
 struct Ground {
     glm::dvec2 metres_per_pixel;  ///< device metres that one pixel spans there, across and down
     bool surface;                 ///< whether there is a surface under that pixel
@@ -23,11 +23,11 @@ struct Ground {
 class HandScript {
 public:
     virtual ~HandScript() = default;
-    /// Where the hand's centre is, pixels.
+    /// Position of the hand's centre, pixels.
     virtual glm::dvec2 pixel() const = 0;
     /// Moves on by one tick.
     virtual void advance(const Ground& ground, const SurfaceProbe& probe) = 0;
-    /// Whether it is on its way; if not, it stays over its pixel.
+    /// Whether the centre moves; if not, it stays over its pixel.
     virtual bool moves() const = 0;
     /// Device metres under the surface; negative: above it.
     virtual double penetration(int finger) const = 0;
@@ -91,7 +91,7 @@ private:
 };
 
 /// Follows a heading that turns smoothly, from the surface nearest to the picture's centre, reflected at the
-/// box. Having strayed too far over pixels without a surface it turns back to where it last had one.
+/// box. After straying too far over pixels without a surface, it turns back to its last one with a surface.
 class Wander final : public GlidingScript {
 public:
     Wander(double speed, double depth, std::uint64_t seed, int fingers, const HandArea& box,
@@ -117,9 +117,9 @@ public:
 private:
     static constexpr double shortest_leash = 0.01;  // device metres
 
-    /// A clip may have no surface over nearly half of its picture, in a few large holes: without this a hand
-    /// would feel nothing for seconds. The leash grows with every turn, so that a hand whose surface has
-    /// moved away finds it again.
+    /// A clip may lack a surface over nearly half of its picture, in a few large holes, in which a hand would
+    /// feel nothing for seconds. The leash grows with every turn, so that the hand finds a surface that has
+    /// moved away.
     void keep_near_the_surface(const Ground& ground) {
         if (ground.surface) {
             home_ = pixel_;
@@ -142,7 +142,7 @@ private:
         return true;
     }
 
-    glm::dvec2 home_{0, 0};  // where there last was a surface
+    glm::dvec2 home_{0, 0};  // the last pixel with a surface
     double heading_ = 0;     // radians counter-clockwise from the right
     double turn_phase_ = 0;
     double leash_ = shortest_leash;
@@ -202,7 +202,7 @@ struct PokeSettings {
     double speed;   ///< between pokes, m/s
     double depth;   ///< greatest, device metres
     double lift;    ///< height above the surface between pokes, device metres
-    double period;  ///< of one poke in and out, seconds
+    double period;  ///< seconds; one poke in and out
     std::uint64_t seed;
 };
 /// Pokes at random pixels of the box that have a surface, the fingers shortly after one another, and travels
@@ -248,7 +248,7 @@ private:
         pixel_ = left <= step ? target_ : pixel_ + (target_ - pixel_) * (step / left);
     }
 
-    /// A random pixel with a surface under it; any pixel once a good many had none.
+    /// A random pixel with a surface under it; any pixel after 64 without one.
     glm::dvec2 next_target(const SurfaceProbe& probe) {
         glm::dvec2 pixel{};
         for (int attempt = 0; attempt < 64; ++attempt) {
@@ -271,20 +271,19 @@ private:
 
 // ---- Fingers that follow a script
 
-/// Fingers that follow a script over whatever surface is there: on a circle about the script's pixel, each
-/// its own penetration along -Z behind the surface under it. A finger rises over broken ground before it
-/// crosses it, and the script waits for it; it hops off rough ground now and then, lest what presses there
-/// stay behind.
+/// Fingers that follow a script over any surface: on a circle about the script's pixel, each with its own
+/// penetration along -Z behind the surface under it. A finger rises over broken ground before it crosses it,
+/// and the script waits for it; on rough ground it hops now and then, so that its proxy does not stay behind.
 class ScriptedHand final : public Hand {
 public:
     struct Settings {
         int fingers;
         Workspace workspace;
-        HandArea box;      ///< no finger leaves it; one that would glides along its edge
+        HandArea box;      ///< limits of all fingers; a finger glides along its edge
         double spread;     ///< radius of the fingers' circle, device metres
-        double speed;      ///< at which the script moves, m/s of device space
-        double max_speed;  ///< of a goal, m/s of device space
-        double glide;      ///< over rough ground before it hops, device metres
+        double speed;      ///< speed of the script, m/s of device space
+        double max_speed;  ///< limit for a goal, m/s of device space
+        double glide;      ///< distance over rough ground before a hop, device metres
     };
 
     ScriptedHand(const Settings& settings, std::unique_ptr<HandScript> script, const SurfaceProbe& probe)
@@ -327,22 +326,22 @@ public:
 private:
     static constexpr double entry_s = 0.25;       // a hand comes down in this time ...
     static constexpr double entry_height = 0.05;  // ... from this far above, device metres
-    static constexpr double settling_s = 0.1;     // time constant of the depth that pixels are measured at
-    static constexpr double reach = 0.0006;       // a finger looks this far about itself, device metres
-    static constexpr double clearance = 0.001;    // it crosses broken ground this far above it, device metres
+    static constexpr double settling_s = 0.1;     // time constant of the depth at which pixels are measured
+    static constexpr double reach = 0.0006;       // how far around itself a finger looks, device metres
+    static constexpr double clearance = 0.001;    // height of a finger over broken ground, device metres
     static constexpr double greatest_lag =
-        0.00025;  // the script waits for one that is farther off, device metres
+        0.00025;  // the script waits for a finger that is farther from its target, device metres
     static constexpr double nearest_goal =
         0.1;  // a goal stays this share of the surface's depth in front of the camera
 
     struct Finger {
         glm::dvec2 offset;            // from the hand's centre, device metres, x right, y up
-        double depth;                 // planar, scene units: of the surface under it, or the last there was
-        glm::dvec3 goal;              // of the tick before
-        std::optional<double> ridge;  // least planar depth about its way since it came on rough ground
+        double depth;                 // planar, scene units: of the surface under it, or the last known
+        glm::dvec3 goal;              // at the previous tick
+        std::optional<double> ridge;  // least planar depth near its path since it reached rough ground
         double glided = 0;            // since then, device metres
     };
-    /// What a finger keeps to.
+    /// Reference depth of a finger.
     struct Stance {
         double depth;  // planar, scene units
         bool firm;     // whether it may go behind `depth`
@@ -350,7 +349,7 @@ private:
 
     bool hops(const Finger& finger) const { return finger.ridge && finger.glided > settings_.glide; }
 
-    /// The depth at which pixels are measured follows the surface gently, or all fingers would jerk sideways
+    /// The depth at which pixels are measured follows the surface slowly, or all fingers would jerk sideways
     /// whenever the centre crosses a silhouette.
     void look_at_ground(const SurfaceProbe& probe) {
         const glm::dvec2 pixel = script_->pixel();
@@ -367,7 +366,7 @@ private:
         return glm::clamp(pixel, settings_.box.least, settings_.box.greatest);
     }
 
-    /// A finger on its way minds the ground about it; one that stays over its pixel minds only that.
+    /// A moving finger considers the ground around it; one that stays over its pixel considers only that.
     Stance stance(Finger& finger, const glm::dvec2& pixel, const SurfaceProbe& probe) const {
         const std::optional<double> under = probe.depth_under(pixel.x, pixel.y);
         finger.depth = under.value_or(finger.depth);
@@ -385,8 +384,8 @@ private:
         return hops(finger) ? Stance{*finger.ridge, false} : Stance{finger.depth, true};
     }
 
-    /// `penetration` along -Z where the ground is firm. A finger that crosses other ground or has yet to come
-    /// down by `height` is lifted along its pixel's ray, on which nothing else stands.
+    /// `penetration` along -Z over firm ground. Over other ground, or with `height` still to come down, the
+    /// goal is lifted along its pixel's ray, on which there is nothing else.
     glm::dvec3 aim(Finger& finger, double penetration, double height, const SurfaceProbe& probe) const {
         const double metres_per_unit = settings_.workspace.metres_per_scene_unit;
         const glm::dvec2 pixel = finger_pixel(finger);
@@ -399,7 +398,7 @@ private:
         return goal;
     }
 
-    /// Moves the finger's goal to `target` as far as it gets within one tick; whether that is about there.
+    /// Moves the finger's goal to `target`, at most a tick's distance; returns whether it is nearly there.
     bool move(Finger& finger, const glm::dvec3& target) const {
         const glm::dvec3 way = target - finger.goal;
         const double length = glm::length(way) * settings_.workspace.metres_per_scene_unit;
@@ -412,9 +411,9 @@ private:
     LocalReliefSearch local_relief_;
     std::unique_ptr<HandScript> script_;
     Ground ground_{};
-    double centre_depth_;  // planar, scene units: where pixels are measured
+    double centre_depth_;  // planar, scene units: depth at which pixels are measured
     std::vector<Finger> fingers_;
-    bool waits_ = false;  // the script, for a finger that is not yet where it should be
+    bool waits_ = false;  // the script waits for a finger that lags behind its target
 };
 
 using Key = HandOptions::Key;
@@ -475,7 +474,7 @@ std::unique_ptr<HandScript> make_script(std::string_view name, const HandOptions
         PokeSettings{number(speed), metres(depth), metres(lift), period, whole(seed)}, fingers, box, probe);
 }
 
-/// Of a hand of that name, with these keys. Refuses unknown ones and values out of range.
+/// Makes a hand of that name with these keys. Refuses unknown keys and values out of range.
 Result<std::unique_ptr<Hand>> make_scripted_hand(const std::string& name, std::span<const Key> keys,
                                                  std::string_view options, int fingers,
                                                  const Workspace& workspace, const SurfaceProbe& probe) {
@@ -495,9 +494,9 @@ Result<std::unique_ptr<Hand>> make_scripted_hand(const std::string& name, std::s
     return std::make_unique<ScriptedHand>(settings, make_script(name, given, fingers, box, probe), probe);
 }
 
-// ---- What a person writes
+// ---- Option texts
 
-/// What a key takes, in words: "0.001 to 2 m/s".
+/// Allowed values of a key, in words: "0.001 to 2 m/s".
 std::string key_takes(const Key& key) {
     if (key.kind == Key::Kind::words) return std::string(key.unit);
     std::string text = key.kind == Key::Kind::whole ? "a whole number, " : "";

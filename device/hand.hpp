@@ -1,20 +1,20 @@
 #pragma once
 
-// Hands: where the fingers' goals come from. `make_hand` makes one of a description ("wander:speed=0.2",
-// "csv:FILE:columns=x+y+z"): a path over the picture or a recorded motion, asked tick by tick for goals,
-// which knows of the surface what a `SurfaceProbe` says. Where a person holds a device instead, `HandControl`
-// stands between it (haptic_device.hpp) and the fingers: which place of the scene each place of the device
-// is, and whether forces reach the hand.
+// Hands: sources of the fingers' goals. `make_hand` makes one from a description ("wander:speed=0.2",
+// "csv:FILE:columns=x+y+z"): a path over the picture or a recorded motion, which returns goals tick by tick
+// and knows of the surface only what a `SurfaceProbe` says. If a person holds a device instead, `HandControl`
+// is the layer between it (haptic_device.hpp) and the fingers: it maps positions of the device to the scene,
+// and decides whether forces reach the hand.
 //
 //   TRY_ASSIGN(auto hand, make_hand("press:depth=3", 1, workspace, probe));
 //   every tick: hand->goals_at(tick, probe, goals)
 //
-// `GoalWatch` says how recorded goals fit the surface. `HandOptions` reads key=value pairs, also of devices
-// and cameras, `CsvTable` the tables of motions, logs and forces.
+// `GoalWatch` reports how recorded goals fit the surface. `HandOptions` reads key=value pairs, also for
+// devices and cameras; `CsvTable` reads the tables of motions, logs and forces.
 //
-// Threads: a hand, a watch and a table are of one thread. The thread that ticks calls HandControl's
-// `come_back`, `to_goals` and `to_device`, which neither wait nor allocate; what any thread may call stands
-// there.
+// Threads: a hand, a watch and a table are used by one thread. The thread that ticks calls HandControl's
+// `come_back`, `to_goals` and `to_device`, which neither wait nor allocate; functions for any thread are
+// marked.
 
 #include <array>
 #include <atomic>
@@ -32,14 +32,14 @@
 
 namespace touchable {
 
-/// What a scripted hand may know of the surface it moves over, at the moment of the tick.
+/// A scripted hand's view of the surface at the moment of the tick.
 class SurfaceProbe {
 public:
     virtual ~SurfaceProbe() = default;
     virtual int width() const = 0;   ///< pixels
     virtual int height() const = 0;  ///< pixels
-    /// Planar depth of the surface under pixel (x, y), height taken off, scene units; nothing where a vertex
-    /// of its cell is invalid or lies outside the picture.
+    /// Planar depth of the surface under pixel (x, y), height taken off, scene units; nothing if a vertex of
+    /// its cell is invalid or lies outside the picture.
     virtual std::optional<double> depth_under(double x, double y) const = 0;
     /// World point of pixel (x, y) at a planar depth, scene units.
     virtual glm::dvec3 unproject(double x, double y, double planar_depth) const = 0;
@@ -47,23 +47,23 @@ public:
     virtual glm::dvec3 project(const glm::dvec3& point) const = 0;
 };
 
-/// Where goals come from: one per finger and tick. Deterministic: the same options, probe and ticks give the
-/// same bits.
+/// A source of goals: one per finger and tick. Deterministic: the same options, probe and ticks give the same
+/// bits.
 class Hand {
 public:
     virtual ~Hand() = default;
     virtual int fingers() const = 0;
-    /// Goals of tick `tick` (at `tick` ms), world, scene units. Ticks are asked for in order, from 0.
+    /// Goals of tick `tick` (at `tick` ms), world, scene units. Called with consecutive ticks from 0.
     virtual void goals_at(std::int64_t tick, const SurfaceProbe& probe, std::span<glm::dvec3> goals) = 0;
-    /// How many ticks its motion lasts, for a hand that has an end; afterwards it rests at its last goals.
+    /// Length of the motion in ticks, if it ends; afterwards the hand rests at its last goals.
     virtual std::optional<std::int64_t> ticks() const { return std::nullopt; }
     /// The file that its motion was read from, if any.
     virtual std::optional<std::string> file() const { return std::nullopt; }
-    /// What is to be said of the goals it gave so far, for a person.
+    /// Remarks on the goals so far, for people.
     virtual std::vector<std::string> remarks() const { return {}; }
 };
 
-/// What make_hand takes, without keys: "wander", ..., "csv:FILE", "rec:FILE". (A run opens the last one by
+/// Descriptions for make_hand, without keys: "wander", ..., "csv:FILE", "rec:FILE". (A run opens the last one
 /// itself.)
 std::vector<std::string> hand_words();
 
@@ -74,24 +74,24 @@ std::vector<std::string> hand_words();
 Result<std::unique_ptr<Hand>> make_hand(const std::string& description, int fingers,
                                         const Workspace& workspace, const SurfaceProbe& probe);
 
-/// Where finger `finger` of `fingers` sits about the hand's centre (x right, y up): evenly on a circle of
-/// radius `spread`, the first one to the right; a single finger at the centre. In the unit of `spread`.
+/// Offset of finger `finger` of `fingers` from the hand's centre (x right, y up), in the unit of `spread`:
+/// evenly on a circle of radius `spread`, the first one to the right; a single finger at the centre.
 glm::dvec2 finger_offset(int finger, int fingers, double spread);
 
-/// Recorded goals may not fit the surface that they are played over. This counts those that leave the picture
-/// or lie far below the surface, and, where asked, raises those that lie deeper than `deepest`.
+/// Counts recorded goals that do not fit the surface, because they leave the picture or lie far below the
+/// surface. On request, raises goals that lie deeper than `deepest`.
 class GoalWatch {
 public:
-    /// More than this below the surface is far, device metres: no hand gets there against a usual stiffness.
+    /// Far below the surface is more than this, device metres: no hand gets there against a usual stiffness.
     static constexpr double far_below = 0.01;
 
-    /// `deepest`: what goals are raised to, device metres below the surface; nothing: they stay.
+    /// `deepest`: limit to which goals are raised, device metres below the surface; nothing: they stay.
     GoalWatch(double metres_per_scene_unit, std::optional<double> deepest)
         : metres_per_scene_unit_(metres_per_scene_unit), deepest_(deepest) {}
 
-    /// Counts the goals of a tick, and raises them along their pixels' rays. World, scene units.
+    /// Counts the goals of a tick, and raises too deep ones along their pixels' rays. World, scene units.
     void look(const SurfaceProbe& probe, std::span<glm::dvec3> goals);
-    /// What there is to say, as "12.3 % of the goals ..."; nothing of what concerns less than 1 % of them.
+    /// Remarks such as "12.3 % of the goals ..."; none on what concerns less than 1 % of them.
     std::vector<std::string> remarks() const;
 
 private:
@@ -116,12 +116,12 @@ public:
     };
 
     /// `text` is "key=value,key=value" or empty; `keys` must outlive the options. Refuses (ErrorKind::usage)
-    /// an unknown key, a key given twice, a value that is no number or out of range; names the legal ones,
-    /// and whose they are: `of`, as "hand 'wander'".
+    /// an unknown key, a key given twice, a value that is no number or out of range; names the legal ones and
+    /// their owner `of`, such as "hand 'wander'".
     static Result<HandOptions> parse(std::string_view of, std::string_view text, std::span<const Key> keys);
 
-    /// The two of "FILE[:key=value,...]", whose file may have ':' in its name: pairs begin after the last ':'
-    /// with a '=' behind it.
+    /// Splits "FILE[:key=value,...]"; FILE may contain ':': the pairs begin after the last ':' that has a '='
+    /// behind it.
     static std::pair<std::string_view, std::string_view> file_and_pairs(std::string_view description) {
         const std::size_t equals = description.rfind('=');
         const std::size_t colon = equals == description.npos ? equals : description.rfind(':', equals);
@@ -158,9 +158,9 @@ private:
 /// read may hold anything; blank lines at the end do not count.
 class CsvTable {
 public:
-    /// Refuses (ErrorKind::input, with file and line) what cannot be read, is larger than 256 MiB or has more
-    /// than ten million rows, is no text, has rows of different lengths or no row of data. The first line is
-    /// a header if it holds a field that is not a number.
+    /// Refuses (ErrorKind::input, with file and line) a file that cannot be read, exceeds 256 MiB or ten
+    /// million rows, is no text, or has rows of different lengths or no row of data. The first line is a
+    /// header if one of its fields is not a number.
     static Result<CsvTable> read(const std::string& file);
 
     CsvTable(CsvTable&&) = default;
@@ -168,23 +168,23 @@ public:
 
     std::size_t rows() const { return lines_.size() - (has_header_ ? 1 : 0); }
     std::size_t columns() const { return first_.size(); }
-    /// Whether the header names such a column.
+    /// Whether the header has this column.
     bool names(std::string_view column) const {
         for (const std::string_view name : first_) {
             if (has_header_ && name == column) return true;
         }
         return false;
     }
-    /// A column by the header's name for it, or by its number, from 1. Refuses others, listing the legal
+    /// Index of a column by its name in the header or its number, from 1. Refuses others, listing the legal
     /// ones.
     Result<std::size_t> column(std::string_view name_or_number) const;
-    /// All values of a column, from the top. Refuses (file, line, column) what is not a finite number.
+    /// All values of a column, in order. Refuses (file, line, column) a value that is not a finite number.
     Result<std::vector<double>> numbers(std::size_t column) const { return numbers(column, false); }
-    /// The same, where a field may be empty: not a number then.
+    /// The same, but an empty field is NaN.
     Result<std::vector<double>> numbers_where_given(std::size_t column) const {
         return numbers(column, true);
     }
-    /// As the file's name stands in messages: "FILE: line N" of row `row`.
+    /// "FILE: line N" of row `row`, for messages.
     std::string place(std::size_t row) const {
         return file_ + ": line " + std::to_string(row + (has_header_ ? 2 : 1));
     }
@@ -204,55 +204,55 @@ private:
         if (line.ends_with('\r')) line.remove_suffix(1);
         return line;
     }
-    /// Fields of a line, which replace those given; says what is wrong with it.
+    /// Splits a line into `fields`, replacing them. Error: what is wrong with the line.
     Result<void> split(std::string_view line, std::vector<std::string_view>& fields) const;
 
     std::string file_;
-    std::shared_ptr<const std::string> text_;  // stays put when this is moved
-    std::vector<std::uint32_t> lines_;         // where each begins
+    std::shared_ptr<const std::string> text_;  // its address survives a move
+    std::vector<std::uint32_t> lines_;         // start of each line
     std::vector<std::string_view> first_;      // fields of the first line
     char separator_ = ',';                     // a blank: any number of blanks and tabs
     bool has_header_ = false;
 };
 
-/// How places of a device become places of the scene.
+/// Mapping of device positions to the scene.
 struct HandMapping {
     Workspace workspace{};
     glm::dmat3 turn{1.0};    ///< a rotation: from the device's axes to x right, y up, z towards the person
-    glm::dvec3 offset{0.0};  ///< metres, those axes: added to what is turned
+    glm::dvec3 offset{0.0};  ///< metres, in those axes: added after `turn`
 };
 
-/// What stands between a device that a person holds and the fingers: which place of the scene each place of
-/// the device is, and whether forces reach the hand.
+/// Layer between a device that a person holds and the fingers: maps positions of the device to the scene, and
+/// decides whether forces reach the hand.
 ///
-/// - Forces are off until `ask_force` or the first button. From then on each finger feels them once it has
-///   been free: they rise over `rise_ticks`. Turning them off is immediate.
-/// - Forces go off again once no finger's place was known for a second, as another person may take the device
+/// - Forces are off until `ask_force` or the first button. From then on each finger's force rises over
+///   `rise_ticks` once the finger has been free. Turning forces off is immediate.
+/// - Forces go off again after a second without any finger's position, as another person may take the device
 ///   then. (Not after `insist_on_force`.)
-/// - A gap of more than 50 ms closes a finger's gate, as if forces had just been asked for: a gap without
-///   ticks (`come_back`) on all fingers, a gap without a place (`away_ticks`) on that finger.
+/// - A gap of more than 50 ms closes a finger's gate, as if forces had just been requested: a gap without
+///   ticks (`come_back`) for all fingers, a gap without a position (`away_ticks`) for that finger.
 /// - The clutch holds the fingers still in the scene while the device is repositioned: no force, and closed
-///   gates afterwards. A finger that is inside the surface then comes out of it, towards the camera, and the
-///   others with it: so it is free, and what it presses next is felt.
-/// - Recentring makes the hand's present place that of the workspace's centre, and closes all gates.
+///   gates afterwards. Its release moves a finger that is inside the surface out of it, towards the camera,
+///   and the others with it: so it is free, and its next contact is felt.
+/// - Recentring maps the hand's present position to the workspace's centre, and closes all gates.
 ///
-/// The first button asks for forces; while they are on, it is the clutch. The second one stops them. A button
-/// that is already pressed when the device's first position comes does nothing.
+/// The first button requests forces; while they are on, it is the clutch. The second one stops them. A button
+/// that is already pressed at the device's first position does nothing.
 class HandControl {
 public:
     static constexpr int most_fingers = 80;  // eight devices of ten
     static constexpr int rise_ticks = 300;
     static constexpr int longest_away_ticks = 1000;
-    /// A finger that had no place for so long has to be free once more. A device gives its last place for
-    /// 20 ms (HapticDevice::oldest_s), so this is 50 ms after that place: the same as a gap without ticks.
+    /// Ticks without a position after which a finger has to be free once more. A device repeats its last
+    /// position for 20 ms (HapticDevice::oldest_s), so this is 50 ms after it, as for a gap without ticks.
     static constexpr int away_ticks = 30;
-    static constexpr double out_of_it = 0.001;  ///< m, before the surface: where a finger comes out to
+    static constexpr double out_of_it = 0.001;  ///< m; a finger comes out to this distance before the surface
 
-    /// How a hand was held, in ticks.
+    /// How a device was held, in ticks.
     struct Figures {
         std::int64_t ticks = 0;
-        std::int64_t placeless = 0;  ///< no finger's place was known
-        std::int64_t exerting = 0;   ///< forces were asked for, and not kept back by the clutch
+        std::int64_t placeless = 0;  ///< without any finger's position
+        std::int64_t exerting = 0;   ///< forces were requested, and not kept back by the clutch
     };
 
     HandControl(int fingers, const HandMapping& mapping)
@@ -260,71 +260,71 @@ public:
         assert(fingers >= 1 && fingers <= most_fingers);
     }
 
-    // The haptic thread's, every tick: neither waits nor allocates.
-    /// The haptic thread did not run for `alone_ms`: every finger has to be free once more before it feels a
-    /// force.
+    // Haptic thread, every tick: neither waits nor allocates.
+    /// To be called after the haptic thread did not run for `alone_ms`: every finger has to be free once more
+    /// before it feels a force.
     void come_back(std::int64_t alone_ms) {
         close_gates();
-        pressed_ = ~0U;  // what was pressed meanwhile asks for nothing
+        pressed_ = ~0U;  // buttons pressed meanwhile do nothing
         absent_ticks_ = std::max(absent_ticks_, alone_ms);
         give_up_forces();
     }
-    /// In: device metres, not numbers where there is no place. Out: goals, scene units. `surface`: of this
-    /// tick, out of which the fingers come where the clutch is released; nullptr: none.
+    /// In: device metres, NaN without a position. Out: goals, scene units. `surface`: this tick's, out of
+    /// which the fingers come when the clutch is released; nullptr: none.
     void to_goals(std::span<glm::dvec3> places, std::uint32_t buttons, const SurfaceProbe* surface = nullptr);
-    /// Of guarded forces what reaches the device, in its axes. `ticks`: that have passed since the last call.
+    /// Forces that reach the device, in its axes, from guarded ones. `ticks`: passed since the last call.
     void to_device(std::span<const glm::dvec3> guarded, int ticks, std::span<glm::dvec3> newtons);
     /// Whether any finger may feel a force in this tick.
     bool exerts() const { return passes_; }
-    const Figures& figures() const { return figures_; }  ///< any thread's once no tick comes any more
+    const Figures& figures() const { return figures_; }  ///< any thread, after the last tick
 
     // Any thread.
-    /// Forces stay asked for, even where no finger's place was known for a second.
+    /// Forces stay requested, even after a second without any finger's position.
     void insist_on_force() { insists_.store(true, std::memory_order_relaxed); }
     void ask_force(bool on) { asked_.store(on, std::memory_order_relaxed); }
-    /// Whether forces may be asked for, by a call or a button; at first they may.
+    /// Whether forces may be requested, by a call or a button; at first they may.
     void allow_force(bool on) {
         allowed_.store(on, std::memory_order_relaxed);
         if (!on) ask_force(false);
     }
     bool force_is_asked() const { return asked_.load(std::memory_order_relaxed); }
-    void hold(bool on) { held_.store(on, std::memory_order_relaxed); }  ///< the clutch, of a key
+    void hold(bool on) { held_.store(on, std::memory_order_relaxed); }  ///< the clutch, by a key
     void recentre() { recentrings_.fetch_add(1, std::memory_order_relaxed); }
-    /// For another person: forces off, no clutch of a key, and the device's middle where the mapping has it.
+    /// Resets for another person: forces off, the key's clutch off, and the mapping's own offset.
     void begin_anew() {
         ask_force(false);
         hold(false);
         beginnings_.fetch_add(1, std::memory_order_relaxed);
     }
-    /// How often the first button (0) or the second one (1) was pressed since this was asked last.
+    /// How often the first button (0) or the second one (1) was pressed since the last call.
     int take_presses(std::size_t button) { return presses_[button].exchange(0, std::memory_order_relaxed); }
-    /// By a key or a button: the hand moves, and the fingers do not.
+    /// Clutched by a key or a button: the hand moves, and the fingers do not.
     bool is_repositioned() const { return clutched_.load(std::memory_order_relaxed); }
-    /// Of a finger's guarded force, how much reached the hand in the newest tick: 0 to 1.
+    /// Share of a finger's guarded force that reached the hand in the newest tick: 0 to 1.
     double share(std::size_t finger) const { return shares_[finger].load(std::memory_order_relaxed); }
-    /// Forces are asked for, and a finger that has not been free since then feels none.
+    /// Forces are requested, and a finger that has not been free since then feels none.
     bool waits_to_be_free() const { return waits_.load(std::memory_order_relaxed); }
 
-    /// Before it is used: where the clip's first frame puts the device.
+    /// To be called before use: sets where the clip's first frame puts the device.
     void set_mapping(const HandMapping& mapping) {
         mapping_ = mapping;
         offset_ = mapping.offset;
     }
     const HandMapping& mapping() const { return mapping_; }
-    /// Before it is used: goes on from another control, which no thread ticks any more, for the same hand
-    /// over the same scene. What was asked of that one is asked of this one, and the fingers stay where they
-    /// were under the new mapping. (`insist_on_force` is not carried over: only a run that keeps one control,
-    /// to its end, is begun with it.)
+    /// To be called before use: continues another control, which no thread ticks any more, for the same hand
+    /// over the same scene. Its pending requests apply to this one, and the fingers stay where they were
+    /// under the new mapping. (`insist_on_force` is not carried over: only a run that keeps one control to
+    /// its end begins with it.)
     void go_on_from(const HandControl& before);
 
 private:
     struct Finger {
         glm::dvec3 place{0.0};                // the person's axes, metres, before the offset
-        glm::dvec3 goal{0.0};                 // where it is held
-        std::optional<glm::dvec3> gripped{};  // its place when the clutch began
-        int risen = 0;                        // of rise_ticks: the share of its force that reaches the hand
-        int placeless = 0;                    // ticks that have passed since its place was known
-        bool free = false;                    // has been, since forces were asked for
+        glm::dvec3 goal{0.0};                 // while it is gripped
+        std::optional<glm::dvec3> gripped{};  // its position when the clutch began
+        int risen = 0;                        // of rise_ticks: share of its force that reaches the hand
+        int placeless = 0;                    // ticks since its position was known
+        bool free = false;                    // has been free since forces were requested
         bool known = false;
         void close_gate() {
             risen = 0;
@@ -347,7 +347,7 @@ private:
     void close_gates() {
         for (Finger& finger : fingers_) finger.close_gate();
     }
-    /// The hand has been away for too long.
+    /// Turns forces off after the hand has been away for too long.
     void give_up_forces() {
         if (absent_ticks_ > longest_away_ticks && !insists_.load(std::memory_order_relaxed)) ask_force(false);
     }
@@ -359,15 +359,15 @@ private:
     std::atomic<std::uint32_t> recentrings_{0}, beginnings_{0};
     std::atomic<bool> insists_{false};
     std::array<std::atomic<double>, most_fingers> shares_{};
-    // The haptic thread's.
+    // Haptic thread only.
     std::array<Finger, most_fingers> fingers_{};
-    glm::dvec3 offset_{0.0};  // added to places, the person's axes
+    glm::dvec3 offset_{0.0};  // added to positions, the person's axes
     bool gripped_ = false;    // by the clutch
     std::uint32_t recentred_ = 0, begun_ = 0;
-    std::uint32_t pressed_ = ~0U;  // before
+    std::uint32_t pressed_ = ~0U;  // at the previous tick
     bool clutch_button_ = false;
     bool passes_ = false;
-    std::int64_t absent_ticks_ = 0;  // in a row, without any finger's place
+    std::int64_t absent_ticks_ = 0;  // consecutive ticks without any finger's position
     Figures figures_;
 };
 

@@ -17,7 +17,7 @@ bool is_known(const glm::dvec3& place) {
 
 }  // namespace
 
-/// Of the fingers whose places are known; nothing: none is.
+/// Mean position of the known fingers; nothing: none is known.
 std::optional<glm::dvec3> HandControl::centre() const {
     glm::dvec3 sum(0);
     int known = 0;
@@ -30,8 +30,8 @@ std::optional<glm::dvec3> HandControl::centre() const {
     return sum / static_cast<double>(known);
 }
 
-/// How far the hand has moved since the clutch began: by the fingers that are known then and now, so that one
-/// that is lost or found meanwhile does not move it. Where there is none, by where each was seen last.
+/// How far the hand has moved since the clutch began: the mean over fingers known then and now, so that a
+/// finger lost or found meanwhile has no effect; if there is none, over the last known positions.
 glm::dvec3 HandControl::moved() const {
     glm::dvec3 known(0), seen(0);
     int count_known = 0, count_seen = 0;
@@ -48,7 +48,7 @@ glm::dvec3 HandControl::moved() const {
     return count_seen > 0 ? seen / static_cast<double>(count_seen) : seen;
 }
 
-/// Holds each finger where it is; one that is found while the others are held, where it would have been.
+/// Holds each finger where it is; a finger found while the others are held, where it would have been.
 void HandControl::grip() {
     const glm::dvec3 way = gripped_ ? moved() : glm::dvec3(0);
     gripped_ = true;
@@ -60,8 +60,8 @@ void HandControl::grip() {
     }
 }
 
-/// Each finger that is inside goes along its pixel's ray and takes the others along. One of them may come
-/// under a cliff so, and goes on in the next round.
+/// Moves each finger that is inside the surface out along its pixel's ray, and the others with it. That may
+/// put one of them under a cliff, which the next round corrects.
 void HandControl::come_out(const SurfaceProbe& surface) {
     constexpr int rounds = 4;
     const Workspace& space = mapping_.workspace;
@@ -85,7 +85,7 @@ void HandControl::go_on_from(const HandControl& before) {
     if (before.recentrings_.load(std::memory_order_relaxed) != before.recentred_) recentre();
     if (before.beginnings_.load(std::memory_order_relaxed) != before.begun_)
         beginnings_.fetch_add(1, std::memory_order_relaxed);
-    // Of a hand that is away, where the device's middle is stays.
+    // If the hand is away, the device's middle stays where it is in the scene.
     const glm::dvec3 hand = before.centre().value_or(glm::dvec3(0));
     const glm::dvec3 there = before.mapping_.workspace.to_scene(hand + before.offset_in_effect());
     offset_ = mapping_.workspace.to_device(there) - hand;
@@ -164,7 +164,7 @@ void HandControl::to_device(std::span<const glm::dvec3> guarded, int ticks, std:
         waits = waits || (passes_ && one.known && !one.free);
         const double share = one.risen / double{rise_ticks};
         shares_[finger].store(share, std::memory_order_relaxed);
-        // A force that is not finite is handed on, so that the device learns of it.
+        // A force that is not finite is passed on, so that the device reports it.
         newtons[finger] = is_known(guarded[finger]) ? share * (back * guarded[finger]) : guarded[finger];
     }
     waits_.store(waits, std::memory_order_relaxed);

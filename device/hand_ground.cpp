@@ -1,4 +1,4 @@
-// What hands find of the surface under them: the nearest of it, its relief, and goals that lie off it.
+// The surface under a hand: its nearest point, its relief, and goals that do not fit it.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,14 +10,14 @@
 namespace touchable {
 namespace {
 
-// What ground is smooth, rough or broken.
+// Limits of smooth, rough and broken ground.
 constexpr int relief_rings = 4;
 constexpr double least_cliff = 0.006;  // device metres: a lower step is rough ground, however steep
 constexpr double steepest = 2.14;      // rise per length, as the camera sees it: 65 degrees
-constexpr double least_bend = 0.0001;  // device metres: by which rough ground leaves the straight ...
+constexpr double least_bend = 0.0001;  // device metres: deviation of rough ground from the straight ...
 constexpr double sharpest = 1.0 / 6;   // ... or, per length, if that is more: 9.5 degrees
 
-/// Visits the pixels at Chebyshev distance `ring` from the start, as far as they lie in the box.
+/// Finds the nearest surface among the pixels at Chebyshev distance `radius` from the start, in the box.
 class RingSearch {
 public:
     RingSearch(const SurfaceProbe& probe, const glm::dvec2& from, const HandArea& box)
@@ -26,7 +26,7 @@ public:
     std::optional<SurfacePoint> ring(int radius) {
         best_.reset();
         const double r = radius;
-        // Rows above and below, then the columns between them; what lies outside the box is never walked.
+        // Rows above and below, then the columns between them, clipped to the box.
         const double x0 = std::max(-r, std::ceil(box_.least.x - from_.x));
         const double x1 = std::min(r, std::floor(box_.greatest.x - from_.x));
         for (double x = x0; x <= x1; ++x) {
@@ -94,7 +94,7 @@ LocalRelief LocalReliefSearch::about(const glm::dvec2& pixel, double depth, cons
     double highest = depth;
     for (int ring = 1; ring <= relief_rings; ++ring) {
         const double radius = reach_ * ring / relief_rings;
-        std::array<double, directions> rise;  // towards the camera, device metres; where it was looked at
+        std::array<double, directions> rise;  // towards the camera, device metres; NaN: not sampled
         rise.fill(std::numeric_limits<double>::quiet_NaN());
         for (std::size_t k = 0; k < directions; ++k) {
             const glm::dvec2 place = pixel + radius * directions_[k] / size;
@@ -104,7 +104,7 @@ LocalRelief LocalReliefSearch::about(const glm::dvec2& pixel, double depth, cons
             broken = broken || !there || std::fabs(rise[k]) > std::max(least_cliff, steepest * radius);
             highest = std::min(highest, there.value_or(depth));
         }
-        // A slope that rises to one side falls to the other; at a bend a sum is left.
+        // On a slope, the rises of opposite sides cancel; at a bend a sum is left.
         for (std::size_t k = 0; k < directions / 2; ++k) {
             rough = rough ||
                     std::fabs(rise[k] + rise[k + directions / 2]) > std::max(least_bend, sharpest * radius);

@@ -1,6 +1,6 @@
 #pragma once
 
-// What hands are built of: what they find of the surface under them, and recorded motions.
+// Parts of hands: their view of the surface under them, and recorded motions.
 
 #include <array>
 #include <glm/mat3x3.hpp>
@@ -38,34 +38,33 @@ struct SurfacePoint {
 };
 
 /// The surface at `pixel`, or, walking outward in square rings of whole pixels inside `box`, at the nearest
-/// pixel of the first ring that has any. Nothing where the box shows no surface at all.
+/// pixel of the first ring that has any. Nothing if the box shows no surface at all.
 std::optional<SurfacePoint> nearest_surface(const SurfaceProbe& probe, const glm::dvec2& pixel,
                                             const HandArea& box);
 
-/// Planar depth of the device's centre, scene units: where a hand works while no surface has been seen. For a
-/// centre that is not in front of the camera, 0.16 m of device space.
+/// Planar depth of the device's centre, scene units, for a hand that has not seen a surface yet. If the
+/// centre is not in front of the camera: 0.16 m of device space.
 double device_depth(const Workspace& workspace);
 
-/// Planar depth, scene units, of what nearest_surface finds; where that is nothing, device_depth's.
+/// Planar depth, scene units, of nearest_surface's point; device_depth's if there is none.
 double start_depth(const SurfaceProbe& probe, const glm::dvec2& pixel, const HandArea& box,
                    const Workspace& workspace);
 
-/// The ground about a finger that glides.
+/// The ground around a gliding finger.
 struct LocalRelief {
     enum class Kind {
         smooth,
-        rough,  ///< it bends sharply within reach, as at a step: what presses there may be held
+        rough,  ///< it bends sharply within reach, as at a step: a proxy there may be held
         broken  ///< the surface ends within reach, at a cliff up or down or at a hole
     };
     Kind kind;
     double highest;  ///< least planar depth within reach, scene units
 };
 
-/// Looks about a finger, as a person does who lifts it over a step they see coming.
+/// Examines the ground around a finger, so that the finger can be lifted over a step before it gets there.
 class LocalReliefSearch {
 public:
-    /// Looks `reach` device metres, > 0, to every side, and at pixels of `box` alone: no finger goes
-    /// elsewhere.
+    /// Looks `reach` device metres, > 0, to every side, and only at pixels of `box`, which no finger leaves.
     LocalReliefSearch(double reach, double metres_per_scene_unit, const HandArea& box)
         : reach_(reach), metres_per_scene_unit_(metres_per_scene_unit), box_(box) {
         for (int k = 0; k < directions; ++k) {
@@ -74,7 +73,7 @@ public:
         }
     }
 
-    /// At `pixel` of the box, where the finger takes the surface to be at planar depth `depth`.
+    /// Relief at `pixel` of the box, where the finger assumes the surface at planar depth `depth`.
     LocalRelief about(const glm::dvec2& pixel, double depth, const SurfaceProbe& probe) const;
 
 private:
@@ -93,23 +92,23 @@ glm::dvec2 pixel_size(const SurfaceProbe& probe, const glm::dvec2& pixel, double
 // ---- Recorded motions
 
 /// The rotation (proper: determinant +1) that lays the direction of greatest variance of `points` along X,
-/// the next along Y and that of least variance along Z. Of each of the first two directions the largest
-/// component (the first of equals) is positive before the rotation, which fixes the signs. By Jacobi's
-/// method, + - * / sqrt alone.
+/// the next along Y and that of least variance along Z. The largest component (the first of equals) of each
+/// of the first two directions is positive before the rotation, which fixes the signs. Computed by Jacobi's
+/// method, with + - * / sqrt alone.
 glm::dmat3 principal_rotation(std::span<const glm::dvec3> points);
 
-/// Which of a table's columns are a motion, and in what unit.
+/// The columns of a table that form a motion, and their unit.
 struct MotionSettings {
     /// One column: how far the motion goes in, along -Z. Three columns: a position, in any axes.
     std::vector<std::string> columns;
-    /// Device metres per unit of the columns, not 0; a negative one turns the motion round.
+    /// Device metres per unit of the columns, not 0; a negative scale reverses the motion.
     double scale = 1;
     /// Three columns: instead of `scale`, the motion's larger in-plane extent, device metres.
     std::optional<double> extent = {};
     /// The column of seconds; `t_s` if neither this nor `rate` is given.
     std::optional<std::string> time = {};
-    /// Three columns: a place of the scene itself, in scene units and its axes, as it is; `scale` and
-    /// `extent` have no say.
+    /// Three columns: a position in the scene's own units and axes, used unchanged, without `scale` and
+    /// `extent`.
     bool in_scene = false;
     /// Rows per second, for a table without times.
     std::optional<double> rate = {};

@@ -14,7 +14,7 @@
 namespace touchable {
 namespace {
 
-/// What make_device_group makes.
+/// The device that make_device_group returns.
 class DeviceGroup final : public HapticDevice {
 public:
     explicit DeviceGroup(std::vector<std::unique_ptr<HapticDevice>> devices) : devices_(std::move(devices)) {
@@ -65,20 +65,20 @@ public:
     bool write_forces(std::span<const glm::dvec3> newtons) override {
         return each_has_its_share(newtons, &HapticDevice::write_forces);
     }
-    /// Those that are pressed on any of them.
+    /// Buttons that are pressed on any of the devices.
     std::uint32_t buttons() override {
         std::uint32_t pressed = 0;
         for (const auto& device : devices_) pressed |= device->buttons();
         return pressed;
     }
-    /// Of the oldest.
+    /// Age of the oldest positions.
     double age_s() const override {
         double oldest = 0;
         for (const auto& device : devices_) oldest = std::max(oldest, device->age_s());
         return oldest;
     }
 
-    /// All of them are.
+    /// Whether all devices are over.
     bool is_over() const override {
         return std::ranges::all_of(devices_, [](const auto& device) { return device->is_over(); });
     }
@@ -90,7 +90,7 @@ public:
     }
 
 private:
-    /// What each of them says, where it says anything.
+    /// The texts of all devices, without empty ones.
     std::string all_said(std::string (HapticDevice::*says)() const, const char* between) const {
         std::string all;
         for (const auto& device : devices_)
@@ -98,7 +98,7 @@ private:
                 all += (all.empty() ? "" : between) + said;
         return all;
     }
-    /// Whatever the others say: none is left with a force because another has failed.
+    /// Calls every device, even after a failure: no device keeps a force because another has failed.
     template <class Vector>
     bool each_has_its_share(std::span<Vector> fingers, bool (HapticDevice::*call)(std::span<Vector>)) {
         bool all = true;
@@ -114,8 +114,8 @@ private:
     int fingers_ = 0;
 };
 
-constexpr double tick_of_handles_s = 0.001, pointer_reading_s = 0.001;  // from one to the next
-constexpr double pointer_arrival = 0.004;  // device metres: nearer along the view, a finger is there
+constexpr double tick_of_handles_s = 0.001, pointer_reading_s = 0.001;  // periods
+constexpr double pointer_arrival = 0.004;  // device metres along the view; a nearer finger has arrived
 
 constexpr HandleDynamics standard_handle;
 constexpr std::array<HandOptions::Key, 8> simulated_keys{{
@@ -133,14 +133,14 @@ bool is_finite(const glm::dvec3& v) {
     return std::isfinite(glm::dot(v, v));
 }
 
-/// Unit vector from one to the other; zero where there is none.
+/// Unit vector from one point to the other; zero if there is none.
 glm::dvec3 direction_between(const glm::dvec3& from, const glm::dvec3& to) {
     const glm::dvec3 way = to - from;
     const double length = std::sqrt(glm::dot(way, way));
     return length > 1e-9 && std::isfinite(length) ? way / length : glm::dvec3(0);
 }
 
-/// A place that is not a number is not near.
+/// Whether a position is within `farthest`; false for NaN.
 bool is_near(const glm::dvec3& place) {
     return glm::dot(place, place) <= PointerDevice::farthest * PointerDevice::farthest;
 }
@@ -238,19 +238,19 @@ Result<std::unique_ptr<SimulatedDevice>> make_simulated_device(const std::string
 struct PointerDevice::Meant {
     std::optional<glm::dvec3> place;   // nothing: no goal
     glm::dvec3 along{0.0};             // unit, away from the eye, or zero
-    std::optional<glm::dvec3> from{};  // where it begins if it was away; nothing: at the refuge
+    std::optional<glm::dvec3> from{};  // start if it was away; nothing: the refuge
 };
 
 struct PointerDevice::Intents {
-    std::array<Meant, most_fingers> meant{};                // the window's
-    NewestValue<std::array<Meant, most_fingers>> newest{};  // from it to the haptic thread
+    std::array<Meant, most_fingers> meant{};                // window thread only
+    NewestValue<std::array<Meant, most_fingers>> newest{};  // from the window to the haptic thread
 };
 
 struct PointerDevice::Led {
     LedPoint point;
     LedPoint quick;          // as quick along the view as across; `point` stays within `leash` of it
-    bool comes = true;       // it was away, and has not come to its goal yet
-    bool has_begun = false;  // before the surface, since it was away
+    bool comes = true;       // it was away, and has not reached its goal yet
+    bool has_begun = false;  // from Meant::from, since it was away
 };
 
 PointerDevice::PointerDevice(int fingers, const glm::dvec3& refuge, const PointerSettings& settings)
@@ -313,7 +313,7 @@ bool PointerDevice::read_positions(std::span<glm::dvec3> device_metres) {
     assert(device_metres.size() == led_.size());
     const std::uint32_t opening = opening_.load(std::memory_order_acquire);
     const std::uint32_t force = force_.load(std::memory_order_acquire);
-    // A stop between two readings counts, even if it was let go on before the second one.
+    // A stop between two readings counts, even if the force was on again before the second one.
     if (opening != seen_opening_ || force != seen_force_) retreat();
     seen_opening_ = opening;
     seen_force_ = force;

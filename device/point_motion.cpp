@@ -5,7 +5,7 @@
 namespace touchable {
 namespace {
 
-// Friction changes within a period; all else is integrated exactly over any step.
+// Friction may change within a period; all else is integrated exactly over any step.
 constexpr int steps_with_friction = 20;
 
 }  // namespace
@@ -39,7 +39,7 @@ HeldHandle::HeldHandle(const HandleDynamics& dynamics, double period_s)
 void HeldHandle::step(const glm::dvec3& force) {
     glm::dvec3 pull = force + dynamics_.hand_stiffness * (intended_ - place_) - dynamics_.damping * velocity_;
     if (dynamics_.friction > 0) {
-        // The friction that leaves it at rest; where that is more than Coulomb's, as much as there is.
+        // The friction that brings the body to rest, but at most Coulomb's.
         const double gain = velocity_per_acceleration_ / dynamics_.mass;
         glm::dvec3 friction = -pull - velocity_ * ((1.0 + velocity_per_velocity_) / gain);
         const double length = std::sqrt(glm::dot(friction, friction));
@@ -80,7 +80,7 @@ void LedPoint::follow(const glm::dvec3& goal, const glm::dvec3& along, double ma
 }
 
 std::optional<glm::dvec3> PlausibleMotion::believe(const glm::dvec3& place, std::int64_t time_ns) {
-    if (!(glm::length(place) <= farthest)) return std::nullopt;  // nor what is not a number
+    if (!(glm::length(place) <= farthest)) return std::nullopt;  // refuses NaN, too
     if (!last_ || reaches(*last_, place, time_ns)) {
         last_ = Seen{place, time_ns};
         elsewhere_.reset();

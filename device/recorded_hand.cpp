@@ -138,29 +138,29 @@ double lay_flat(std::vector<glm::dvec3>& positions) {
     return std::max(size.x, size.y);
 }
 
-// ---- Fingers that repeat it
+// ---- Fingers that repeat a motion
 
-constexpr double nearest_share = 0.1;  // a goal stays this share of the anchor's depth in front of the camera
+constexpr double nearest_share = 0.1;  // share of the anchor's depth that goals stay before the camera
 
 glm::dvec3 pushed_in(glm::dvec3 goal, double push, double nearest_z) {
     goal.z = std::min(goal.z - push, nearest_z);
     return goal;
 }
 
-/// Finds how far a motion has to be pushed in for a given share of its goals to lie under the surface.
+/// Finds how far a motion has to be pushed in so that a given share of its goals lies under the surface.
 class ContactSearch {
 public:
     ContactSearch(const std::vector<glm::dvec3>& positions, const std::vector<glm::dvec3>& offsets,
                   double nearest_z, const SurfaceProbe& probe)
         : nearest_z_(nearest_z), probe_(probe) {
-        // A long recording is judged by some 20 000 evenly spaced ticks.
+        // A long recording is sampled at some 20 000 evenly spaced ticks.
         const std::size_t stride = positions.size() / 20000 + 1;
         for (std::size_t tick = 0; tick < positions.size(); tick += stride) {
             for (const glm::dvec3& offset : offsets) goals_.push_back(positions[tick] + offset);
         }
     }
 
-    /// Scene units along -Z, found from steps of `step` by bisection; 0 where no goal ever is over a surface.
+    /// Scene units along -Z, by bisection from steps of `step`; 0 if no push reaches the wanted share.
     double push_for(double wanted, double step) const {
         double above = 0;
         double under = 0;
@@ -183,7 +183,7 @@ public:
     }
 
 private:
-    /// Of the goals over a surface, the share that lies under it.
+    /// Share of the goals over a surface that lie under it.
     double share_under(double push) const {
         std::size_t over = 0;
         std::size_t under = 0;
@@ -268,7 +268,7 @@ Result<MotionSettings> motion_settings(const HandOptions& given) {
 class RecordedHand final : public Hand {
 public:
     /// `positions`: of the hand's centre, one per tick, world, scene units; `offsets`: of the fingers from
-    /// it; `file`: where the motion is from.
+    /// it; `file`: source of the motion.
     RecordedHand(std::string file, std::vector<glm::dvec3> positions, std::vector<glm::dvec3> offsets,
                  const GoalWatch& watch)
         : file_(std::move(file)),
@@ -297,8 +297,8 @@ private:
     GoalWatch watch_;
 };
 
-/// Lays a motion over the middle of the picture, pushed in until `contact` of its goals lie under the
-/// surface. In its place: an hour of ticks takes 86 MB.
+/// Lays a motion over the middle of the picture, pushed in until the share `contact` of its goals lies under
+/// the surface. Works in place: an hour of ticks takes 86 MB.
 void place_motion(std::vector<glm::dvec3>& motion, const std::vector<glm::dvec3>& offsets, double contact,
                   double units_per_metre, const Workspace& workspace, const SurfaceProbe& probe) {
     const HandArea picture = middle_of(probe, 1);
@@ -361,7 +361,7 @@ Result<std::vector<glm::dvec3>> read_motion(const std::string& file, const Motio
     return positions;
 }
 
-// ---- Fingers that repeat it
+// ---- Fingers that repeat a motion
 
 Result<std::unique_ptr<Hand>> make_recorded_hand(std::string_view description, int fingers,
                                                  const Workspace& workspace, const SurfaceProbe& probe) {

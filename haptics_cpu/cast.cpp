@@ -14,12 +14,12 @@ public:
         : start_(start), delta_(delta), first_(first), last_(last) {
         seek(0.0);
     }
-    /// The next line is the first one after parameter s.
+    /// Makes the first line after parameter s the next one.
     void seek(double s) {
         const double at = start_ + s * delta_;
         next_from(std::floor(at), at == std::floor(at));
     }
-    /// The start is known exactly, as line `base` plus a fraction in [-1, 1]: a line it lies on is not
+    /// The start is known exactly, as line `base` plus a fraction in [-1, 1]: a line through the start is not
     /// crossed.
     void start_at(std::int64_t base, double fraction) {
         const double whole = std::floor(fraction);
@@ -107,8 +107,8 @@ private:
     ChartPoint from_, to_;
 };
 
-/// Cast between two points of the chart: tiles whose bound lies below the way are skipped, in the others
-/// every line that bends the surface is looked at.
+/// Cast between two points of the chart: tiles whose bound lies below the way are skipped; in the others
+/// every line that bends the surface is tested.
 template <class Space>
 class SurfaceCast {
 public:
@@ -122,7 +122,7 @@ public:
           lines_(lines),
           line_limit_(line_limit) {}
 
-    /// `start`: the place on the surface where the way begins, if it begins there.
+    /// `start`: the surface point at which the way begins, if it begins on the surface.
     Cast run(const ChartPoint& from, const Place* start) {
         if (start) {
             vertical_.start_at(start->i, start->a);
@@ -159,7 +159,7 @@ private:
         diagonal_.seek(s);
     }
 
-    /// True where the search has come to its end.
+    /// True if the search has ended.
     bool walk(double begin, double end) {
         double s = begin;
         while (true) {
@@ -187,7 +187,7 @@ private:
         return look(s, end, way_.above_surface(end));
     }
 
-    /// Between two looks the height above the surface is linear; below at the second means a hit in between.
+    /// Between two looks the height above the surface is linear; below at the second: a hit in between.
     bool look(double s0, double s1, double above) {
         ++lines_;
         if (above >= 0) {
@@ -196,10 +196,10 @@ private:
         }
         const double s = s0 + (s1 - s0) * (above_ / (above_ - above));
         const double x = way_.x(s), y = way_.y(s);
-        // The face is the one the interval runs in, whatever rounding says of the hit itself.
+        // The face is the one in which the interval lies, whatever rounding says of the hit itself.
         const double middle = s0 + 0.5 * (s1 - s0);
         Place face = face_under(way_.x(middle), way_.y(middle));
-        // Beyond the ring, where no line bends the surface, it runs through many.
+        // Beyond the ring, where no line bends the surface, the interval runs through many faces.
         const HeightField& field = space_.field();
         const bool in_ring =
             face.i >= -1 && face.i < field.width() && face.j >= -1 && face.j < field.height();
@@ -257,7 +257,7 @@ double PixelSpace::largest_w(int tile_x, int tile_y) const {
 }
 
 double kappa_at(const Scene& scene, const glm::dvec3& point) {
-    constexpr double nearest = 1e-15;  // than the surface of any scene
+    constexpr double nearest = 1e-15;  // nearer than the surface of any scene
     return scene.depth.level() * scene.camera.fx / std::max(-point.z, nearest);
 }
 

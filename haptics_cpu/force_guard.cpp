@@ -12,7 +12,7 @@ using glm::dvec3;
 // No device and no scene gives values beyond these. Squares and products of values within them are finite.
 constexpr double most_newtons = 1e30, most_newtons_per_metre = 1e15, farthest_metres = 1e12;
 
-/// False for NaN too.
+/// False for NaN, too.
 bool is_within(const dvec3& v, double most) {
     return dot(v, v) <= most * most;
 }
@@ -20,13 +20,13 @@ bool is_stiffness(double newtons_per_metre) {
     return newtons_per_metre >= 0 && newtons_per_metre <= most_newtons_per_metre;
 }
 
-/// Whether what a contact says of forces can be used: numbers, and of this world.
+/// Whether the forces of a contact can be used: numbers, and within the limits above.
 bool has_sound_forces(const Contact& contact) {
     return is_within(contact.force, most_newtons) && is_stiffness(contact.properties.stiffness) &&
            (!contact.jumped || is_within(contact.jumped_force, most_newtons));
 }
 
-/// The same of its places; `farthest`: farthest_metres in scene units.
+/// The same for its positions; `farthest`: farthest_metres in scene units.
 bool has_sound_places(const Contact& contact, double farthest) {
     const double squares = dot(contact.goal, contact.goal) + dot(contact.proxy, contact.proxy) +
                            dot(contact.carried, contact.carried);
@@ -38,7 +38,7 @@ Error must_be(const char* name, const char* range, Hints hints = {}) {
     return usage_error(std::string(name) + " must be a number " + range, std::move(hints));
 }
 
-// Less than this is the rounding of the books, and nothing that a hand could feel.
+// Less than this is rounding of the books, and too little for a hand to feel.
 constexpr double least_joules = 1e-9;
 
 /// w: from 1 to 0 as ticks go from 0 to fade_ticks, level at both ends.
@@ -50,7 +50,7 @@ double fade(double ticks) {
 /// N/m; a softer spring exerts nothing.
 constexpr double least_stiffness = 1e-6;
 
-/// Neither longer than F nor against it, with as little change as that takes.
+/// Makes `out` neither longer than `force` nor opposed to it, with the least change.
 dvec3 within(const dvec3& force, const dvec3& out) {
     const double f2 = dot(force, force), along = dot(out, force);
     if (!(f2 > 0 && std::isfinite(f2))) return force;
@@ -59,20 +59,20 @@ dvec3 within(const dvec3& force, const dvec3& out) {
     return length2 > f2 ? with * std::sqrt(f2 / length2) : with;
 }
 
-/// A limited force is this share shorter than the limit, so that no rounding, here or where its length is
-/// computed once more, brings it above: a device's limit holds to the last bit.
+/// A limited force is this share shorter than the limit, so that no rounding, here or when its length is
+/// computed again, brings it above: a device's limit holds to the last bit.
 constexpr double hair = 0x1p-49;
 
-/// Of squares; what lies between this and the limit is looked at closely. It spares most ticks two roots.
+/// For squares: values between this share of the limit and the limit are checked exactly. Saves two roots.
 constexpr double closely = 1 - 0x1p-40;
 
-/// How much of a force a calmed one is, 0 to 1.
+/// Share of a force that is left after calming, 0 to 1.
 double share_of(const dvec3& blended, const dvec3& force) {
     const double squared = dot(force, force);
     return squared > 0 ? std::clamp(dot(blended, force) / squared, 0.0, 1.0) : 1.0;
 }
 
-/// The farthest place in scene units; -1 where no guard can be made of it.
+/// The farthest position in scene units; -1 if no guard can be made with these settings.
 double farthest_place(const GuardSettings& settings, double metres_per_unit) {
     if (!validate(settings) || !(metres_per_unit > 0) || !std::isfinite(metres_per_unit)) return -1;
     return std::min(farthest_metres / metres_per_unit, 1e150);  // its square is finite
@@ -136,7 +136,7 @@ void EnergyAccount::move(const Contact& contact, const std::optional<double>& ca
     }
     figures_.surface += energy_before_ - figures_.stored;
 
-    // The goal moves against the force that is held.
+    // The goal moves against the held force.
     step_ = metres_per_unit_ * (contact.goal - goal_);
     work_of_tick_ = dot(held_, step_);
     figures_.work += work_of_tick_;
@@ -154,8 +154,8 @@ void EnergyAccount::move(const Contact& contact, const std::optional<double>& ca
 void EnergyAccount::store(double stiffness) {
     figures_.stored = energy(stiffness);
     spring_force_ = ramp_ * spring_.pull(stiffness, x2_) * x_;
-    // The nearest place to the new goal is no farther from it than the place before was, so that the energy
-    // grows by -F.dG + k |dG|^2 / 2 at most.
+    // The nearest place to the new goal is no farther from it than the previous place, so the energy grows by
+    // -F.dG + k |dG|^2 / 2 at most.
     const double k = std::min(stiffness_before_.value_or(stiffness), spring_.max_stiffness);
     const double bound = 0.5 * ramp_ * k * dot(step_, step_);
     figures_.bound += bound;
@@ -174,12 +174,12 @@ std::optional<double> ContactStiffness::carried(const Contact& contact) const {
     return std::min(*contact.carried_stiffness, stiffness_);
 }
 
-/// From tick to tick of a contact.
+/// The stiffness of the next tick of a contact.
 double ContactStiffness::risen(double before, double map, const EnergyAccount& account) {
     double most = rise_.per_tick;
     const double stretch2 = dot(account.stretch(), account.stretch());
     if (from_hole_ && stretch2 > 0) most = std::min(most, rise_from_hole / std::sqrt(stretch2));
-    // At a stiffness that stays, holding a force creates a little, friction and drops lose much.
+    // At constant stiffness, holding a force creates a little energy; friction and drops lose much.
     const double stays = account.energy(before);
     paid_ += std::max(0.0, account.allowed() - stays);
     const double stiffness = std::min(map, before + most);
@@ -234,7 +234,7 @@ double JumpCancellation::felt_share(double stiffness) const {
     return stiffness > device_.max_stiffness ? device_.max_stiffness / stiffness : 1.0;
 }
 
-/// What the jump alone would make the hand feel.
+/// What the hand would feel of the jump alone.
 dvec3 JumpCancellation::felt_jump(const Contact& contact) const {
     return felt_share(contact.carried_stiffness.value_or(contact.properties.stiffness)) *
            contact.jumped_force;
@@ -251,9 +251,8 @@ void JumpCancellation::reset() {
     near_hole_ = false;
 }
 
-/// What a hole does to stiffness is spread by the guard (ContactStiffness), which goes by what the spring
-/// would exert at the new stiffness. So what is remembered of the spring goes with it: a jump is how far the
-/// surface jumped.
+/// The guard spreads the effect of a hole on stiffness (ContactStiffness), by the force of the spring at the
+/// new stiffness. So the remembered spring forces are scaled with it: a jump is how far the surface jumped.
 void JumpCancellation::follow_hole(const Contact& contact) {
     const double stiffness = std::min(contact.properties.stiffness, device_.max_stiffness);
     const bool near_hole = contact.hole_share > 0;
@@ -267,7 +266,7 @@ void JumpCancellation::follow_hole(const Contact& contact) {
     near_hole_ = near_hole;
 }
 
-/// From what the hand gets now to nothing.
+/// Fades from what the hand gets now to nothing.
 void JumpCancellation::fall_silent() {
     jump_ = -given_;
     ticks_ = 0;
@@ -295,8 +294,8 @@ void JumpCancellation::begin(const dvec3& jumped_force) {
         ticks_ = 0;
         return;
     }
-    // What is left of an earlier jump fades on, from where it is. For both there is one clock; it shows the
-    // mean of theirs, so that a row of small jumps is followed and not held back for ever.
+    // The rest of an earlier jump fades on, from where it is. Both share one clock, set to the mean of
+    // theirs, so that a series of small jumps is followed and not held back for ever.
     const dvec3 added = jumped_force - wanted_;
     const double before = rested_ ? fade(ticks_) : fade(ticks_ - 1);
     const double left = fade(ticks_) > 0 ? fade(ticks_) / before : 0.0;
@@ -311,7 +310,7 @@ BlendedForce JumpCancellation::calm(const Contact& contact) {
     follow_hole(contact);
     const double share = felt_share(contact.properties.stiffness);
     const dvec3 felt = share * contact.force;
-    // Most ticks by far: nothing jumped, and there is nothing to fade.
+    // By far the most ticks: nothing jumped, and nothing fades.
     if (!surface_is_new_ && !contact.jumped && !is_silent() && ticks_ >= fade_ticks && presence_ >= 1) {
         wanted_ = given_ = felt;
         return {contact.force};
@@ -320,7 +319,7 @@ BlendedForce JumpCancellation::calm(const Contact& contact) {
         buried_ = false;
         ticks_ = fade_ticks;
         presence_ = 1;
-        // A finger whose goal is not known is not known to be free.
+        // A finger without a known goal is not known to be free.
         if (!contact.goal_held) surface_is_new_ = waiting_ = false;
     } else if (surface_is_new_) {
         meet_new(felt);
@@ -365,7 +364,7 @@ bool ForceGuard::is_sound(const Contact& contact, const BlendedForce& blended) c
            is_within(blended.force, most_newtons) && blended.presence >= 0 && blended.presence <= 1;
 }
 
-/// A step towards no force. A goal that comes back before that finds the ramp at the share that was left.
+/// One step towards zero force. If the goal comes back before, the ramp goes on at the remaining share.
 GuardedForce ForceGuard::ramp_out(double surface_share) {
     if (ticks_faulty_ < ramp_out_ticks()) ++ticks_faulty_;
     const double left = 1.0 - static_cast<double>(ticks_faulty_) / ramp_out_ticks();
@@ -380,7 +379,7 @@ GuardedForce ForceGuard::ramp_out(double surface_share) {
 void ForceGuard::let_go() {
     ticks_faulty_ = ramp_out_ticks();
     ticks_in_ = 0;
-    ticks_held_ = std::max(ticks_held_, settled_ticks);  // no haste, however far away the hand is now
+    ticks_held_ = std::max(ticks_held_, settled_ticks);  // no high velocity, however far away the hand is now
     last_force_ = dvec3(0.0);
     account_.lose_goal();
     stiffness_.lift();
@@ -411,7 +410,7 @@ void ForceGuard::limit(GuardedForce& out) const {
     out.reasons |= guard_force;
 }
 
-/// Adds the damper and the passivity controller's brake, as far as the contact is to be felt.
+/// Adds the damper and the passivity controller's brake, scaled by the contact's presence.
 void ForceGuard::brake(const Contact& contact, const BlendedForce& blended, double stiffness, int ticks,
                        GuardedForce& out) {
     const bool damped = settings_.damping > 0, controlled = settings_.passivity > 0;
@@ -432,14 +431,14 @@ void ForceGuard::brake(const Contact& contact, const BlendedForce& blended, doub
     limit(out);
 }
 
-/// The last word. Written so that NaN stays in.
+/// The final check. Written so that NaN does not pass.
 bool ForceGuard::can_go_out(const GuardedForce& out) const {
     const double squared = dot(out.force, out.force);
     return (squared <= surely_ || std::sqrt(squared) <= settings_.max_force) &&
            std::isfinite(out.energy.balance() - out.energy.bound);
 }
 
-/// Where what would go out cannot be, nothing that led to it is believed.
+/// If the output cannot be right, all state that led to it is dropped.
 GuardedForce ForceGuard::begin_anew() {
     *this = ForceGuard(settings_, metres_per_unit_);
     return {dvec3(0.0), guard_fault, {}};
@@ -460,7 +459,7 @@ GuardedForce ForceGuard::guard(const Contact& contact, const BlendedForce& blend
     account_.store(stiffness);
     GuardedForce out;
     out.force = spring(contact, blended.force, stiffness, out.reasons);
-    GuardedForce alone = out;  // before anything is added
+    GuardedForce alone = out;  // without damper and brake
     brake(contact, blended, stiffness, ticks, out);
     if (ramping) {
         out.force *= ramp_;
@@ -495,7 +494,7 @@ GuardedForce FingerGuard::guard(const Contact& contact, double surface_share) {
 }
 
 void FingerGuard::surface_is_new() {
-    if (has_let_go()) jump_.reset();  // the hand gets nothing that could fade
+    if (has_let_go()) jump_.reset();  // no force is left that could fade
     jump_.surface_is_new();
 }
 

@@ -14,18 +14,18 @@ namespace touchable {
 inline constexpr double tick_seconds = 0.001;
 
 /// Velocities are differences of positions from tick to tick, through a low pass of first order with its
-/// cutoff at 80 Hz: below it a hand moves, above it an encoder jumps. 1 - exp(-2 pi 80 Hz 1 ms), rounded here
-/// so that it is the same everywhere.
+/// cutoff at 80 Hz: a hand's motion lies below it, an encoder's jumps above. 1 - exp(-2 pi 80 Hz 1 ms),
+/// rounded here so that it is the same everywhere.
 inline constexpr double velocity_share = 0.395;
 
-/// After so many ticks nothing is left of what was before that a double could tell: 0.605^100 < 2^-72.
+/// Ticks after which nothing is left of an earlier value that a double could show: 0.605^100 < 2^-72.
 inline constexpr int settled_ticks = 100;
 
-/// A pause of more counts as this many: 1000 s.
+/// A longer pause counts as this many ticks: 1000 s.
 inline constexpr int longest_ticks = 1'000'000;
 
-/// `filtered` after `ticks` more ticks, 1 or more, in which the position changed by `step` in all; a length
-/// or a vector of them. Ticks that were skipped count like ticks in which it moved evenly.
+/// `filtered` after `ticks` more ticks, 1 or more, in which the position changed by `step` in total; lengths
+/// or vectors. Skipped ticks count as ticks of even motion.
 template <class Value>
 Value filtered_velocity(Value filtered, const Value& step, int ticks) {
     const Value velocity = step / (ticks * tick_seconds);
@@ -45,37 +45,37 @@ struct DeviceSpring {
     double energy(double k, double x2) const;
     /// Newtons per metre of x.
     double pull(double k, double x2) const;
-    /// The stiffness at which a stretch of x2 > 0 stores `joules`; infinite where none stores so much.
+    /// The stiffness at which a stretch of x2 > 0 stores `joules`; infinite if no stiffness does.
     double stiffness(double joules, double x2) const;
 };
 
-/// Joules since the start, of one finger.
+/// Energy of one finger since the start, joules.
 struct EnergyFigures {
-    double work = 0;     ///< done on the hand by the forces that were held
-    double surface = 0;  ///< put in by what was not the hand: a moving surface, a ramp, a jump's cancellation
+    double work = 0;     ///< done on the hand by the held forces
+    double surface = 0;  ///< put in by other than the hand: a moving surface, a ramp, a jump's cancellation
     double stored = 0;   ///< in the spring now
-    double created = 0;  ///< the most that work - surface + stored ever was
-    double bound = 0;    ///< the most that holding each force for a tick can have created at a constant k
+    double created = 0;  ///< largest value of work - surface + stored so far
+    double bound = 0;    ///< the most that holding each force for a tick can create at a constant k
 
-    /// Energy that nothing put in: positive where some was created; negative where friction, or the proxy's
-    /// drop to a lower minimum, took some.
+    /// Energy without a source: positive if some was created; negative if friction, or the proxy's drop to a
+    /// lower minimum, took some.
     double balance() const { return work - surface + stored; }
 };
 
-/// The books of one finger's energy, exact per tick (docs/solver.md, Energy). A tick: the surface moves under
-/// the old goal, the goal moves against the force that is held, a new force is made and held.
+/// The account of one finger's energy, exact per tick (docs/solver.md, Energy). In a tick, the surface moves
+/// under the old goal, the goal moves against the held force, and a new force is made and held.
 class EnergyAccount {
 public:
     EnergyAccount(const DeviceSpring& spring, double metres_per_scene_unit)
         : spring_(spring), metres_per_unit_(metres_per_scene_unit) {}
 
-    /// What happened before this tick's force. `carried_stiffness`: k (N/m) in effect at the place to which
-    /// the moving surface carried the proxy, nothing where there was no contact; `ramp`: the share of the
-    /// spring that the guard lets through.
+    /// Books what happened before this tick's force. `carried_stiffness`: k (N/m) in effect at the place to
+    /// which the moving surface carried the proxy, nothing without contact; `ramp`: the share of the spring
+    /// that the guard lets through.
     void move(const Contact& contact, const std::optional<double>& carried_stiffness, double ramp);
-    /// The spring's new energy, at the stiffness in effect (0 out of contact).
+    /// Books the spring's new energy, at the stiffness in effect (0 out of contact).
     void store(double stiffness);
-    /// The force that is held until the next tick, newtons. `blended`: the part of it that is not the
+    /// Sets the force that is held until the next tick, newtons. `blended`: its part that is not the
     /// spring's, because the surface jumped (BlendedForce::difference); its work counts as the surface's.
     void hold(const glm::dvec3& force, const glm::dvec3& blended = glm::dvec3(0.0)) {
         held_ = force;
@@ -83,13 +83,13 @@ public:
     }
     /// The spring's force at the stiffness in effect, as the device renders it.
     const glm::dvec3& spring_force() const { return spring_force_; }
-    /// The hand's place is not known: the spring is let go, and the work of this tick is not booked.
+    /// If the hand's position is unknown: the spring is released, and the work of this tick is not booked.
     void lose_goal();
 
-    // After `move`.
-    /// What the spring may store without creating energy, joules.
+    // Valid after `move`.
+    /// Energy that the spring may store without creating any, joules.
     double allowed() const { return energy_before_ - work_of_tick_; }
-    /// What it stores at a stiffness, and the stiffness (of a spring that stores any) for an energy.
+    /// Energy stored at a stiffness, and the stiffness (of a spring that stores any) for an energy.
     double energy(double stiffness) const { return ramp_ * spring_.energy(stiffness, x2_); }
     double stiffness(double joules) const { return spring_.stiffness(joules / ramp_, x2_); }
     /// S (P - G), and how the hand's motion in this tick changed it; metres.
@@ -114,22 +114,22 @@ private:
     double ramp_ = 1, x2_ = 0;
     std::optional<double> stiffness_before_;
     double energy_before_ = 0, work_of_tick_ = 0;
-    double excess_ = 0;  // summed for itself: in the sums of a long run its joules would be roundings
+    double excess_ = 0;  // summed separately: in the sums of a long run its joules would be roundings
     EnergyFigures figures_;
 };
 
-/// How the stiffness under a finger may rise while it touches. It falls at once: that takes energy away.
+/// How the stiffness under a finger may rise in contact. It falls at once, which takes energy away.
 struct StiffnessRise {
-    /// Only as far as this contact's losses pay for: a map of stiffness creates no energy.
+    /// Rises only as far as this contact's losses pay for: a map of stiffness creates no energy.
     bool paid = false;
     double per_tick = std::numeric_limits<double>::infinity();  ///< N/m
 
     bool limited() const { return paid || per_tick < std::numeric_limits<double>::infinity(); }
 };
 
-/// What a rise of stiffness adds to the force per tick, at most, N, where a finger comes out of a hole that
-/// is softer than what is around it: the goal may be deep behind the hole's wall by then. 0.4 N in 10 ms
-/// leaves room within 0.5 N for what the hand itself does meanwhile.
+/// The most that a rise of stiffness adds to the force per tick, N, when a finger comes out of a hole that is
+/// softer than its surroundings: the goal may be deep behind the hole's wall by then. 0.4 N in 10 ms leaves
+/// room within 0.5 N for the hand's own motion.
 inline constexpr double rise_from_hole = 0.04;
 
 /// The stiffness in effect, never above the map's; a contact begins with the map's (docs/solver.md, Stiffness
@@ -138,9 +138,9 @@ class ContactStiffness {
 public:
     explicit ContactStiffness(const StiffnessRise& rise) : rise_(rise) {}
 
-    /// N/m where the surface took the proxy, before the goal moved; nothing without contact.
+    /// N/m where the surface carried the proxy, before the goal moved; nothing without contact.
     std::optional<double> carried(const Contact& contact) const;
-    /// N/m at the proxy; 0 out of contact. After `account.move`.
+    /// N/m at the proxy; 0 out of contact. To be called after `account.move`.
     double in_effect(const Contact& contact, const EnergyAccount& account);
     void lift() { limited_ = from_hole_ = false; }
 
@@ -149,41 +149,40 @@ private:
 
     StiffnessRise rise_;
     bool limited_ = false;    // in a contact whose rises are limited
-    bool from_hole_ = false;  // in a hole, or out of one and not yet as stiff as the map
+    bool from_hole_ = false;  // in a hole, or out of one but not yet as stiff as the map
     double stiffness_ = 0;
-    double paid_ = 0;  // joules lost in this contact and not yet spent
+    double paid_ = 0;  // joules lost in this contact and not spent yet
 };
 
-/// What the device can bear, how forces come and go, and what is done to them on the way.
+/// Limits of the device, ramps of forces, and additions to forces.
 struct GuardSettings {
     double max_force = 10.0;         ///< N, per finger; 1e-6 to 1e9
     double max_stiffness = 10000.0;  ///< N/m; 1e-3 to 1e12
     int ramp_in_ticks = 100;         ///< from the first tick, and again after a fault
-    int ramp_out_ticks = 100;        ///< to zero once goals are no longer finite
+    int ramp_out_ticks = 100;        ///< to zero after goals stop being finite
     StiffnessRise rise;              ///< how stiffness may rise in contact; by default as the map does
     double damping = 0;              ///< N s/m
     double passivity = 0;            ///< largest damping of the passivity controller, N s/m; 0: off
-    /// No force where a finger is inside a surface that is new to it, until it has been free once.
+    /// No force while a finger is inside a surface that is new to it, until it has been free once.
     bool waits_to_be_free = false;
-    /// A surface whose newest frame is older than this goes by the ramps above (StaleSurface); 0: it never
-    /// does.
+    /// A surface whose newest frame is older than this fades by the ramps above (StaleSurface); 0: never.
     std::int64_t stale_after_ns = 0;
 };
 
-/// Refuses what no guard can keep, by name. A guard that is made of it nevertheless exerts no force.
+/// Refuses settings that no guard can keep, by name. A guard with such settings exerts no force.
 Result<void> validate(const GuardSettings& settings);
 
 /// A damper beside the spring (docs/solver.md, Guard): b times the rate at which the hand's own motion
-/// stretches it. What the surface's motion stretches is left out, so that it takes energy from the hand and
-/// passes none on from the clip.
+/// stretches the spring. Stretching by the surface's motion is left out, so that the damper takes energy from
+/// the hand and passes none on from the clip.
 class ContactDamping {
 public:
     /// b in N s/m; 0: none.
     explicit ContactDamping(double b) : b_(b) {}
 
-    /// The damper's force, newtons, beside a spring of `stiffness` (N/m; 0 out of contact). After
-    /// `account.move`, `ticks` after the one before. Only ever against the hand's `velocity` (m/s), and never
-    /// so strong that the surface holds the finger back.
+    /// The damper's force, newtons, beside a spring of `stiffness` (N/m; 0 out of contact). To be called
+    /// after `account.move`, `ticks` after the previous call. Acts only against the hand's `velocity` (m/s),
+    /// and never so strongly that the surface holds the finger back.
     glm::dvec3 force(const EnergyAccount& account, double stiffness, const glm::dvec3& velocity, int ticks);
     void lift() { rate_ = glm::dvec3(0.0); }
 
@@ -192,14 +191,14 @@ private:
     glm::dvec3 rate_{0.0};  // m/s, filtered
 };
 
-/// Takes back energy that a contact has created, as a damper of the hand's motion for as long as there is any
+/// Takes back energy that a contact has created, by damping the hand's motion as long as there is any
 /// (Hannaford and Ryu 2002; docs/solver.md, Guard): alpha = excess / (T |v|^2), F -= alpha v.
 class PassivityController {
 public:
     /// `most`: the largest alpha, N s/m; 0: never.
     explicit PassivityController(double most) : most_(most) {}
 
-    /// What to add to the force, newtons; `excess` in joules (EnergyAccount), velocity in m/s.
+    /// The force to add, newtons; `excess` in joules (EnergyAccount), velocity in m/s.
     glm::dvec3 force(double excess, const glm::dvec3& velocity) const;
 
 private:
@@ -209,46 +208,45 @@ private:
 /// A force after a jump of the surface.
 struct BlendedForce {
     glm::dvec3 force{0.0};       ///< N; never longer than the solver's, never against it
-    glm::dvec3 difference{0.0};  ///< force less the solver's: what the jump's cancellation does to the hand
+    glm::dvec3 difference{0.0};  ///< force minus the solver's: the effect of the cancellation
     bool active = false;         ///< the difference is not 0
-    /// How much of the contact the hand is to feel, 0 to 1: what is added to the spring goes with it. 1 but
-    /// where there is to be no force, and for a fade's length before and after.
+    /// Share of the contact that the hand feels, 0 to 1: additions to the spring are scaled by it. 1 except
+    /// while there is to be no force, and for a fade's length before and after.
     double presence = 1;
-    bool waiting = false;  ///< there is none because the finger has not been free of a new surface
+    bool waiting = false;  ///< no force, because the finger has not been free of a new surface
 };
 
-/// Keeps a surface that jumps under one finger - a cut, an object from the side, a frame that was late - from
-/// kicking the hand (docs/solver.md, Sudden change). With J the jump of the force at the goal of the tick
-/// before, the hand gets F - w J, where w goes smoothly from 1 to 0 in `fade_ticks`: no step when the surface
-/// jumps, and dF/dG is the spring's own, so nothing lags.
+/// Keeps a surface that jumps under one finger (a cut, an object from the side, a late frame) from kicking
+/// the hand (docs/solver.md, Sudden change). With J the jump of the force at the previous tick's goal, the
+/// hand gets F - w J, and w goes smoothly from 1 to 0 in `fade_ticks`: no step when the surface jumps, and
+/// dF/dG is the spring's own, so nothing lags.
 ///
-/// It only takes away: the result is never longer than F, nor does it pull against F. Jumps that overlap go
-/// on from the current result; the end of contact ends it at once. Where a jump leaves
-/// the goal so deep that the spring exceeds what the device can bear (F_max / k), there is no force at all,
-/// until the goal surfaces or another jump brings it near. A surface that is new is a jump for who is inside
-/// it; with `waits_to_be_free` there is no force then until the finger has been free once. Forces count as
-/// the device gives them: from one stiffness to another, both beyond its own, nothing jumps.
+/// It only takes away: the result is never longer than F and never pulls against F. Overlapping jumps go on
+/// from the current result; the end of contact ends the fade at once. If a jump leaves the goal so deep that
+/// the spring exceeds what the device can bear (F_max / k), there is no force at all, until the goal surfaces
+/// or another jump brings it near. A new surface is a jump for a finger inside it; with `waits_to_be_free`
+/// there is then no force until the finger has been free once. Forces count as the device renders them:
+/// between two stiffnesses beyond its own, nothing jumps.
 ///
 /// While a goal is missing the fade rests: the hand gets what is left of its last force, and finds that force
-/// again, not one that has gone over to another surface meanwhile.
+/// again, not one that has changed to another surface meanwhile.
 ///
-/// No allocation; a pure function of what it was given so far; what never jumps goes through unchanged, to
-/// the bit. A contact with forces that are none goes through unchanged too, for the guard to refuse, and
-/// leaves no trace.
+/// No allocation; a pure function of its inputs so far; without jumps, forces pass unchanged, to the bit. A
+/// contact with invalid forces passes unchanged, too, for the guard to refuse, and leaves no trace.
 class JumpCancellation {
 public:
     static constexpr int fade_ticks = 100;
 
     explicit JumpCancellation(const GuardSettings& device) : device_(device) { reset(); }
     BlendedForce calm(const Contact& contact);
-    /// The next contact is with a surface that is new to the finger; the first one is (the guard's ramp is
-    /// its fade where nothing waits).
+    /// The next contact is with a surface that is new to the finger, as the first one is (without waiting,
+    /// the guard's ramp is its fade).
     void surface_is_new() { surface_is_new_ = true; }
-    /// As it was made.
+    /// Restores the initial state.
     void reset();
 
 private:
-    /// How much of a spring of this stiffness (N/m) the device gives to the hand: all up to its own.
+    /// Share of a spring of this stiffness (N/m) that the device renders: all up to its own.
     double felt_share(double stiffness) const;
     glm::dvec3 felt_jump(const Contact& contact) const;
     bool is_silent() const { return buried_ || waiting_; }
@@ -259,32 +257,32 @@ private:
 
     GuardSettings device_;
     bool surface_is_new_ = false;  // and not met yet
-    bool waiting_ = false;         // inside a surface that was new, and never free since
+    bool waiting_ = false;         // inside a surface that was new, and not free since
     bool buried_ = false;          // by a jump, deeper than the device can bear
     double presence_ = 1;
     glm::dvec3 jump_{0.0};       // J, at w = 1
-    double ticks_ = fade_ticks;  // since w was 1, of the coming tick
-    bool rested_ = false;        // in the tick before
-    // As the device gives them (`felt_share`), of the tick before: what the hand would have got without J,
-    // and what it got.
+    double ticks_ = fade_ticks;  // since w was 1, at the coming tick
+    bool rested_ = false;        // in the previous tick
+    // In the previous tick, as the device renders them (`felt_share`): what the hand would have got without
+    // J, and what it got.
     glm::dvec3 wanted_{0.0}, given_{0.0};
-    double stiffness_ = 0;    // N/m as the device gives it, of the tick before; 0 out of contact
-    bool near_hole_ = false;  // part of it was that of holes
+    double stiffness_ = 0;    // N/m as the device renders it, previous tick; 0 out of contact
+    bool near_hole_ = false;  // part of it came from holes
 };
 
-/// Why a guarded force is not the solver's; bits of the `guard` column.
+/// Why a guarded force differs from the solver's; bits of the `guard` column.
 enum GuardReason : std::uint32_t {
     guard_none = 0,
     guard_stiffness = 1,   ///< k limited to the device's
     guard_force = 2,       ///< |F| limited to the device's
     guard_ramp = 4,        ///< ramping in
-    guard_fault = 8,       ///< what came in was no number: ramping to zero; or what would go out: zero
+    guard_fault = 8,       ///< invalid input: ramping to zero; or impossible output: zero
     guard_rise = 16,       ///< k not yet risen to the map's
     guard_damping = 32,    ///< a damper's force added
     guard_passivity = 64,  ///< the passivity controller's force added
     guard_jump = 128,      ///< the surface jumped: JumpCancellation
     guard_waiting = 256,   ///< with guard_jump: no force until the finger has been free of a new surface
-    guard_gap = 512,       ///< the hand was left alone before this tick: TouchStep::come_back
+    guard_gap = 512,       ///< the hand got no ticks before this one: TouchStep::come_back
     guard_stale = 1024     ///< the surface is too old, or was: StaleSurface
 };
 
@@ -294,32 +292,31 @@ struct GuardedForce {
     EnergyFigures energy{};  ///< up to this tick
 };
 
-/// Stands between the solver's force and one finger's device: device limits, ramp in, ramp out on a fault,
-/// and the account of energy (docs/solver.md, Guard). Unless a damper or the passivity controller is asked
-/// for it only ever shortens a force. It trusts no input: impossible contacts are a fault; a force that is no
-/// number or longer than the device's limit is never given out, and the guard begins anew. No allocation; a
-/// pure function of what it was given so far.
+/// Layer between the solver's force and one finger's device: device limits, ramp in, ramp out on a fault, and
+/// the energy account (docs/solver.md, Guard). Without damper and passivity controller it only shortens
+/// forces. It trusts no input: impossible contacts are a fault; a force that is NaN or longer than the
+/// device's limit is never returned, and the guard begins anew. No allocation; a pure function of its inputs
+/// so far.
 class ForceGuard {
 public:
-    /// Of settings that `validate` refuses, or of a scale that is no positive number, it is a guard that
-    /// exerts no force: every tick is a fault.
+    /// With settings that `validate` refuses, or a scale that is not a positive number, the guard exerts no
+    /// force: every tick is a fault.
     ForceGuard(const GuardSettings& settings, double metres_per_scene_unit);
-    /// `surface_share`: how much of the surface is felt at all (StaleSurface).
+    /// `surface_share`: share of the surface that is felt (StaleSurface).
     GuardedForce guard(const Contact& contact, double surface_share = 1) {
         return guard(contact, {contact.force}, false, surface_share);
     }
-    /// After a jump of the surface: `blended` takes the place of the contact's force.
+    /// After a jump of the surface: `blended` replaces the contact's force.
     GuardedForce guard_blended(const Contact& contact, const BlendedForce& blended,
                                double surface_share = 1) {
         return guard(contact, blended, true, surface_share);
     }
-    /// Goals have been missing for so long that no force is left: what comes next is a new beginning.
+    /// Whether goals have been missing for so long that no force is left: the next goal is a new beginning.
     bool has_let_go() const { return ticks_faulty_ >= ramp_out_ticks(); }
-    /// Sets the state that missing goals lead to: the hand was left alone, and its force has ended.
+    /// Sets the state after missing goals: the hand was left alone, and its force has ended.
     void let_go();
 
-    /// Whether a tick with a fault made the guard begin anew, because the force that it computed was
-    /// impossible.
+    /// Whether a tick with a fault made the guard begin anew, because the computed force was impossible.
     bool has_begun_anew() const { return ticks_faulty_ == 0; }
 
 private:
@@ -338,28 +335,28 @@ private:
 
     GuardSettings settings_;
     double metres_per_unit_;
-    double surely_;         // a force of less than this, N^2, is within the limit, whatever rounding says
-    double farthest_;       // a place may be, scene units; below 0: settings are not sound, and nothing is
-    double ticks_in_ = 0;   // since the ramp in began; after a fault, where it goes on from
-    double ramp_ = 0;       // share let through in the last tick without a fault
-    int ticks_faulty_ = 0;  // since the goal stopped being finite
-    int ticks_held_ = 0;    // that have passed since a goal was last known
-    glm::dvec3 last_force_{0.0};  // of a surface that is felt whole
+    double surely_;               // N^2; forces up to this square are within the limit in spite of rounding
+    double farthest_;             // farthest position, scene units; below 0: invalid settings
+    double ticks_in_ = 0;         // since the ramp in began; after a fault, where it resumes
+    double ramp_ = 0;             // share let through in the last tick without a fault
+    int ticks_faulty_ = 0;        // since the goal stopped being finite
+    int ticks_held_ = 0;          // since a goal was last known
+    glm::dvec3 last_force_{0.0};  // without surface_share
     EnergyAccount account_;
     ContactStiffness stiffness_;
     ContactDamping damping_;
     PassivityController passivity_;
-    glm::dvec3 velocity_{0.0};  // of the goal, m/s, filtered; where someone asks
+    glm::dvec3 velocity_{0.0};  // of the goal, m/s, filtered; for damper and controller
 };
 
-/// All that stands between what a finger met and its device: jump cancellation, then the force guard.
-/// Whatever comes in, what goes out is finite and no longer than the device's force.
+/// Everything between a finger's contact and its device: jump cancellation, then the force guard. For any
+/// input, the output is finite and no longer than the device's force.
 class FingerGuard {
 public:
     FingerGuard(const GuardSettings& settings, double metres_per_scene_unit)
         : jump_(settings), guard_(settings, metres_per_scene_unit) {}
 
-    /// `surface_share`: how much of the surface is felt at all (StaleSurface).
+    /// `surface_share`: share of the surface that is felt (StaleSurface).
     GuardedForce guard(const Contact& contact, double surface_share = 1);
     /// The next contact is with a surface that is new to the finger.
     void surface_is_new();
@@ -373,9 +370,9 @@ private:
     ForceGuard guard_;
 };
 
-/// How much of a live surface is felt, by its age: one that no newer frame has renewed for as long as the
-/// settings say goes by the ramp by which forces go, and comes back by that by which they come, once there is
-/// a newer frame. A pure function of what it was given so far.
+/// Share of a live surface that is felt, by its age: a surface without a newer frame for the time in the
+/// settings fades by the ramp out, and comes back by the ramp in after a newer frame. A pure function of its
+/// inputs so far.
 class StaleSurface {
 public:
     explicit StaleSurface(const GuardSettings& settings)
@@ -383,8 +380,8 @@ public:
           falls_(1.0 / std::max(1, settings.ramp_out_ticks)),
           rises_(1.0 / std::max(1, settings.ramp_in_ticks)) {}
 
-    /// The next tick: its newest frame is so old, and so many ticks have passed since the last one. True
-    /// where the surface comes back after nothing of it was felt.
+    /// To be called every tick: `age_ns` of the newest frame, `ticks` since the last call. True if the
+    /// surface comes back after nothing of it was felt.
     bool look(std::int64_t age_ns, int ticks) {
         if (after_ns_ == 0) return false;
         const bool was_gone = share_ == 0, is_stale = age_ns > after_ns_;

@@ -24,8 +24,7 @@ std::string memory_in_words(const RealtimeGrant& grant) {
     return "memory locked but what came after the start (" + limit + ")";
 }
 
-/// Whether memory may be locked beyond a limit, as a process with CAP_IPC_LOCK may: tried on addresses with
-/// nothing behind them.
+/// Whether memory may be locked beyond a limit, as with CAP_IPC_LOCK: tried on addresses without memory.
 bool may_lock_beyond(std::uint64_t limit) {
     const std::size_t bytes = limit + (std::size_t{1} << 20);
     void* nothing = mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
@@ -35,7 +34,7 @@ bool may_lock_beyond(std::uint64_t limit) {
     return may;
 }
 
-/// How much memory this process may lock, with the limit raised as far as that is allowed.
+/// How much memory this process may lock, after raising the limit as far as allowed; nothing: no limit.
 std::optional<std::uint64_t> memory_limit() {
     rlimit limit{};
     getrlimit(RLIMIT_MEMLOCK, &limit);
@@ -45,8 +44,8 @@ std::optional<std::uint64_t> memory_limit() {
     return limit.rlim_cur;
 }
 
-/// Code and data of the program, which has no name here, and of the libraries that a tick may call: fetched
-/// and kept, so that no tick waits for them.
+/// Loads and locks code and data of the program, which has no name here, and of the libraries that a tick may
+/// call, so that no tick waits for them.
 int lock_for_ticks(dl_phdr_info* object, std::size_t, void*) {
     const std::string_view name = object->dlpi_name;
     const auto is_part = [name](const char* library) { return name.find(library) != std::string_view::npos; };
@@ -62,7 +61,7 @@ int lock_for_ticks(dl_phdr_info* object, std::size_t, void*) {
     return 0;
 }
 
-/// As much of the calling thread's stack as a tick could want.
+/// Touches as much of the calling thread's stack as a tick could need.
 unsigned char touch_stack() {
     constexpr std::size_t depth = 256 * 1024, page = 4096;
     volatile unsigned char below[depth];
@@ -70,10 +69,10 @@ unsigned char touch_stack() {
     return below[0];
 }
 
-/// What is there is kept, and what comes later once it has been touched, as a builder does with its
-/// frames before the hand sees them: to fetch all of it at once would fetch what drivers and libraries only
-/// reserve, and eight megabytes of stack for every thread. Below a finite limit nothing is asked for later
-/// memory, because what would go beyond it is refused altogether.
+/// Locks present memory, and later memory once it is touched, as builders touch their frames before the hand
+/// gets them: loading all of it at once would load what drivers and libraries only reserve, and eight
+/// megabytes of stack per thread. Under a finite limit later memory is not locked, because memory beyond the
+/// limit would be refused altogether.
 Memory lock_memory(bool limited) {
     if (mlockall(MCL_CURRENT | MCL_ONFAULT) != 0) return Memory::none;
     dl_iterate_phdr(lock_for_ticks, nullptr);
@@ -82,7 +81,7 @@ Memory lock_memory(bool limited) {
     return Memory::all;
 }
 
-/// The CPU the calling thread is pinned to; -1 where it has only one, or may not choose.
+/// Pins the calling thread to its last CPU, and returns it; -1 if it has only one, or may not choose.
 int stay_on_last_cpu() {
     cpu_set_t allowed;
     if (pthread_getaffinity_np(pthread_self(), sizeof(allowed), &allowed) != 0 || CPU_COUNT(&allowed) < 2)
@@ -97,7 +96,7 @@ int stay_on_last_cpu() {
 
 constexpr std::chrono::milliseconds tick_time(1);
 
-/// What a port answers. One that throws has failed, like one that says so.
+/// The answer of a port; an exception counts as a failure.
 template <class Call>
 bool answer_of(Call&& call) noexcept {
     try {
@@ -204,7 +203,7 @@ std::optional<steady_clock::time_point> HapticLoop::zero() const {
     return zero == not_begun ? std::nullopt : std::optional(zero);
 }
 
-/// Nothing thrown leaves the thread, and whatever ends it, the hand is left with zero force.
+/// No exception leaves the thread, and on every exit the hand is left with zero force.
 void HapticLoop::run() {
     facts_.grant = become_realtime();
     try {
@@ -240,7 +239,7 @@ void HapticLoop::tick_until_stopped() {
     }
 }
 
-/// By a clock that a suspended machine does not stop. (Ticks stand still then, as the clip does.)
+/// Uses a clock that goes on while the machine is suspended. (Ticks stand still then, as the clip does.)
 void HapticLoop::look_for_gap() {
     const std::int64_t now = clock_(), alone_ns = now - std::exchange(ticked_ns_, now);
     if (alone_ns <= longest_gap_ns) return;

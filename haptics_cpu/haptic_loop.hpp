@@ -2,13 +2,12 @@
 
 // The loop of a thousand ticks a second, in real time.
 //
-// HapticLoop runs a TouchStep on a thread of its own: each millisecond it takes goals from the HapticPort,
-// the pair of frames from the timeline, and hands forces back; what happened goes into the TickLog, a ring
-// that another thread empties. become_realtime asks the system for SCHED_FIFO and locked memory, and says
-// what was granted.
+// HapticLoop runs a TouchStep on its own thread: each millisecond it takes goals from the HapticPort and the
+// pair of frames from the timeline, and returns forces; the results go into the TickLog, a ring that another
+// thread empties. become_realtime requests SCHED_FIFO and locked memory, and reports what was granted.
 //
-// The haptic thread waits for no other thread: a goal or a force that is late is missing, never waited for. A
-// tick whose time has passed is skipped and counted.
+// The haptic thread waits for no other thread: a late goal or force is missing, never waited for. A tick
+// whose time has passed is skipped and counted.
 
 #include <functional>
 #include <glm/vec3.hpp>
@@ -22,13 +21,13 @@
 namespace touchable {
 
 /// A ring between one thread that writes and one that reads (single producer, single consumer). Neither
-/// waits; all memory is there from the start.
+/// waits; all memory is allocated at the start.
 template <class Slot>
 class SpscRing {
 public:
     explicit SpscRing(std::vector<Slot> slots) : slots_(std::move(slots)) {}
 
-    /// The writer's: `fill` writes the next slot; false, and nothing written, while the ring is full.
+    /// Writer only: `fill` writes the next slot. False, and nothing is written, if the ring is full.
     /// Wait-free.
     template <class Fill>
     bool push(const Fill& fill) {
@@ -38,7 +37,7 @@ public:
         pushed_.store(at + 1, std::memory_order_release);
         return true;
     }
-    /// The reader's: hands the oldest slot to `take`; false where there is none.
+    /// Reader only: passes the oldest slot to `take`; false if there is none.
     template <class Take>
     bool pop(const Take& take) {
         const std::uint64_t at = popped_.load(std::memory_order_relaxed);
@@ -59,9 +58,9 @@ class TickLog {
 public:
     TickLog(int ticks, int fingers);
 
-    /// Haptic thread. Copies the tick; false, and nothing kept, while the ring is full. Wait-free.
+    /// Haptic thread only. Copies the tick; false, and nothing is kept, if the ring is full. Wait-free.
     bool push(const TouchTick& tick);
-    /// Reader. Hands the oldest tick to `take`; false where there is none.
+    /// Reader only. Passes the oldest tick to `take`; false if there is none.
     template <class Take>
     bool pop(const Take& take) {
         return ring_.pop([&take](const Slot& slot) { take(slot.tick); });
@@ -78,8 +77,8 @@ private:
     };
     std::vector<Slot> slots_for(int ticks, int fingers);
 
-    // Of all slots, one after the other: a log is made between two sessions of a hand, and each piece of
-    // memory takes its time.
+    // For all slots, consecutively: a log is made between two sessions of a hand, and each allocation takes
+    // time.
     std::vector<glm::dvec3> goals_;
     std::vector<Contact> contacts_;
     std::vector<GuardedForce> forces_;
@@ -87,34 +86,34 @@ private:
     SpscRing<Slot> ring_;
 };
 
-/// What the haptic thread is plugged into: where goals come from and forces go. Called every millisecond from
-/// that thread alone; must not wait. One that throws has failed.
+/// The device side of the haptic thread: source of goals and sink of forces. Called every millisecond by that
+/// thread only; must not wait. An exception counts as a failure.
 class HapticPort {
 public:
     virtual ~HapticPort() = default;
     /// Goals of a tick, world, scene units, one per finger. False: the device is gone, and the loop ends.
     virtual bool read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) = 0;
-    /// Called before the goals of a tick that comes after a gap of so many ms without ticks (longer than
+    /// Called before the goals of a tick after a gap of so many ms without ticks (longer than
     /// HapticLoop::longest_gap_ns). The hand may be anywhere by then, and another person's.
     virtual void come_back(std::int64_t) {}
     /// Guarded forces, newtons, world axes. False as above. The last call of a loop, however it ends, writes
     /// zeros.
     virtual bool write_forces(std::span<const glm::dvec3> newtons) = 0;
-    /// Of what was written last, how much of a finger's force went to the hand: 0 to 1.
+    /// Share of a finger's last written force that reached the hand: 0 to 1.
     virtual double share(std::size_t) const { return 1; }
 };
 
-/// How much of what a real-time thread wants this machine allows.
+/// The real-time features that this machine grants.
 struct RealtimeGrant {
-    /// Memory from which no page has to be fetched in a tick.
+    /// Memory from which no page has to be loaded in a tick.
     enum class Memory {
         none,
-        present,  ///< what there was when it was asked for, as under a finite RLIMIT_MEMLOCK
-        all       ///< and what comes later, once it has been touched
+        present,  ///< what existed at the request, as under a finite RLIMIT_MEMLOCK
+        all       ///< and later memory, once it is touched
     };
     bool fifo = false;  ///< SCHED_FIFO
     Memory memory = Memory::none;
-    std::optional<std::uint64_t> memory_limit{};  ///< RLIMIT_MEMLOCK, bytes; nothing: none that counts
+    std::optional<std::uint64_t> memory_limit{};  ///< RLIMIT_MEMLOCK, bytes; nothing: no effective limit
     int cpu = -1;                                 ///< the one CPU the thread stays on; -1: any
     std::string in_words() const;  ///< "SCHED_FIFO, memory locked, on CPU 1", or what is missing
 };
@@ -122,16 +121,16 @@ struct RealtimeGrant {
 /// SCHED_FIFO priority of the haptic thread: above ordinary real-time work, below the kernel's own.
 inline constexpr int haptic_priority = 80;
 
-/// Asks for it, for the calling thread: SCHED_FIFO, the program's memory locked, pinned to the last of its
-/// CPUs (interrupts tend to be served by the first) where there are several, timer slack 1 ns. Goes on
-/// without what is refused.
+/// Requests for the calling thread: SCHED_FIFO, the program's memory locked, pinned to the last of its CPUs
+/// (interrupts tend to be served by the first) if there are several, timer slack 1 ns. Goes on without what
+/// is refused.
 RealtimeGrant become_realtime();
 
-/// For a thread that carries a device's bytes: SCHED_FIFO as the haptic one has it, on any CPU. False: it is
-/// not permitted.
+/// For a thread that carries a device's bytes: SCHED_FIFO like the haptic thread's, on any CPU. False: not
+/// permitted.
 bool become_fifo();
 
-/// Sleeps until a moment of the monotonic clock, absolutely.
+/// Sleeps until an absolute time of the monotonic clock.
 void sleep_until(std::chrono::steady_clock::time_point moment);
 
 /// The haptic thread: a tick every millisecond of the wall clock, each over the frames around its own time.
@@ -139,7 +138,7 @@ void sleep_until(std::chrono::steady_clock::time_point moment);
 /// ones are skipped (docs/architecture.md, Threads).
 class HapticLoop {
 public:
-    /// How a loop went; complete once it has ended.
+    /// Facts about a run of the loop; complete after its end.
     struct Facts {
         RealtimeGrant grant;
         std::int64_t ticks = 0;
@@ -147,42 +146,41 @@ public:
         std::int64_t skipped = 0;    ///< ticks whose time had passed by then; never made up for
         std::int64_t gaps = 0;       ///< of more than `longest_gap_ns` without a tick
         std::int64_t lost = 0;       ///< ticks for which the log had no room
-        double longest_port_ms = 0;  ///< that the port took in one tick, its reading and its writing together
-        bool port_failed = false;    ///< it said so, or threw
-        bool broke_off = false;      ///< something else threw in a tick: a fault of the program
+        double longest_port_ms = 0;  ///< longest time in the port in one tick, reading and writing together
+        bool port_failed = false;    ///< it returned false, or threw
+        bool broke_off = false;      ///< another exception in a tick: an internal error
     };
-    /// Which moment of the clip a tick is of; asked tick by tick by the haptic thread, so it must not wait.
-    /// Nothing: the tick's own time, of epoch 0.
+    /// The moment of the clip for a tick; called by the haptic thread in each tick, so it must not wait.
+    /// Empty: the tick's own time, of epoch 0.
     using MomentOfTick = std::function<MediaMoment(std::int64_t)>;
-    /// A hand that got no tick for longer was left alone: the program was stopped, the machine was suspended
-    /// or had other work. By then it has no force any more; the next tick begins with TouchStep::come_back.
+    /// A hand without a tick for longer than this was left alone: the program was stopped, or the machine was
+    /// suspended or busy. It has no force any more by then; the next tick begins with TouchStep::come_back.
     static constexpr std::int64_t longest_gap_ns = 50'000'000;
-    /// All of them outlive the loop; the loop is `timeline`'s one reader and `log`'s one writer.
+    /// All arguments outlive the loop; it is the only reader of `timeline` and the only writer of `log`.
     HapticLoop(const Scene& scene, SurfaceTimeline& timeline, TouchStep& step, HapticPort& port, TickLog& log,
                MomentOfTick moment_of_tick = {});
     ~HapticLoop();  ///< stops it
     HapticLoop(const HapticLoop&) = delete;
     HapticLoop& operator=(const HapticLoop&) = delete;
 
-    /// The loop ends by itself before that tick, even where no other thread can stop it. Before `start`.
+    /// Makes the loop end before that tick, even if no other thread can stop it. Before `start`.
     void end_before(std::int64_t tick) { end_ = tick; }
-    /// The clock by which a gap is seen, in place of boot_ns: ns, never backward. Before `start`.
+    /// Sets the clock for detecting gaps, in place of boot_ns: ns, never backward. Before `start`.
     void see_gaps_by(std::function<std::int64_t()> clock) { clock_ = std::move(clock); }
-    /// Begins tick 0 now. At least one frame has been published. A loop runs once: what its fingers carry
-    /// over knows nothing of a pause, and the hand would get a force without a ramp. An error then, and where
-    /// the machine has no thread left.
+    /// Begins tick 0 now. At least one frame has been published. A loop runs once: the state of its fingers
+    /// knows nothing of a pause, and the hand would get a force without a ramp. An error on a second start,
+    /// and if the machine has no thread left.
     Result<void> start();
-    /// Ends after the tick in progress, with zero force written; does nothing before it started or once it
-    /// has ended.
+    /// Ends after the tick in progress, with zero force written; no effect before the start or after the end.
     void stop();
-    /// The same without waiting for it. Any thread.
+    /// The same without waiting. Any thread.
     void ask_to_stop() { stopping_.store(true, std::memory_order_relaxed); }
     bool running() const { return !ended_.load(std::memory_order_acquire); }
     /// Time of the newest tick begun: tick k is at k ms.
     std::int64_t time_ns() const { return time_ns_.load(std::memory_order_relaxed); }
-    /// When tick 0 was due; nothing until its thread has come so far.
+    /// When tick 0 was due; nothing before its thread has got there.
     std::optional<std::chrono::steady_clock::time_point> zero() const;
-    /// After `stop`, or once it is not running.
+    /// After `stop`, or when it is no longer running.
     const Facts& facts() const { return facts_; }
 
 private:
@@ -200,7 +198,7 @@ private:
     TickLog& log_;
     const MomentOfTick moment_of_tick_;
     std::function<std::int64_t()> clock_ = boot_ns;
-    std::int64_t ticked_ns_ = 0;  // by that clock, when the newest tick began
+    std::int64_t ticked_ns_ = 0;  // time on that clock at the newest tick's beginning
     std::vector<glm::dvec3> newtons_;
     std::vector<double> shares_;
     Facts facts_;

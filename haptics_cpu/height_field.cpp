@@ -82,9 +82,9 @@ double HeightField::nearest_depth(int tile_x, int tile_y) const {
     return nearest - largest_height_;
 }
 
-/// How far a pixel is on its way to having no depth: 1 as long as it has none, and the ring never has any.
-/// One that loses it half-way to the next frame is on its way from the frame before. When a hole closes the
-/// rise of stiffness is the guard's to spread.
+/// How far a pixel is on its way to having no depth: 1 as long as it has none, and always in the ring. A
+/// pixel that loses it half-way to the next frame is on its way from the frame before. When a hole closes,
+/// the guard spreads the rise of stiffness.
 double HeightField::missing(std::int64_t i, std::int64_t j) const {
     if (!is_pixel(i, j)) return 1;
     const int x = static_cast<int>(i), y = static_cast<int>(j);
@@ -96,7 +96,7 @@ double HeightField::missing(std::int64_t i, std::int64_t j) const {
 }
 
 double HeightField::missing_around(std::int64_t i, std::int64_t j, double a, double b) const {
-    // Of a corner the most that is missing at it and its eight neighbours: so a cell with an invalid corner
+    // Per corner, the most that is missing at it and its eight neighbours: so a cell with an invalid corner
     // is all hole, down to the rim of the wall.
     std::array<double, 4> share{};
     for (int dj = -1; dj <= 2; ++dj)
@@ -127,7 +127,7 @@ HapticProperties HeightField::properties_in(const SurfaceFrame& frame, int x, in
 HapticProperties HeightField::vertex_properties(std::int64_t i, std::int64_t j, bool valid) const {
     HapticProperties properties = default_properties_;
     if (has_haptic_image_) {
-        // Stiffness of the ring is the picture's edge's: what one feels there is a wall of the same stuff.
+        // Stiffness of the ring is that of the picture's edge: the wall there is of the same material.
         const int x = static_cast<int>(std::clamp<std::int64_t>(i, 0, scene_.width - 1));
         const int y = static_cast<int>(std::clamp<std::int64_t>(j, 0, scene_.height - 1));
         properties = properties_in(*prev_, x, y);

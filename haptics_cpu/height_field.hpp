@@ -3,12 +3,12 @@
 // The surface as the solver sees it: a pair of frames at a moment, without a copy.
 //
 // A HeightField blends the depths of two frames of a SurfaceTimeline at a tick's moment and computes vertices
-// only where it is asked; bounds of tiles say what is certainly out of reach. A Place is a feature of the
-// lattice with a local fraction: face_under gives the one that is seen at an image location, point_under
-// where it is in the world, is_in_hole whether it is on a hole's wall. The solver measures the same surface
-// in a space of its own (world_space.hpp). docs/solver.md has the mathematics.
+// only on demand; bounds of tiles show what is certainly out of reach. A Place is a feature of the lattice
+// with a local fraction: face_under returns the one that is seen at an image location, point_under its point
+// in the world, is_in_hole whether it is on a hole's wall. The solver measures the same surface in its own
+// space (world_space.hpp). docs/solver.md has the mathematics.
 //
-// A HeightField is one thread's; it neither waits nor allocates, and is gone before its frames are.
+// A HeightField is used by one thread, neither waits nor allocates, and may not outlive its frames.
 
 #include <array>
 #include <cmath>
@@ -21,8 +21,8 @@
 
 namespace touchable {
 
-/// What a proxy rests on. Cell (i, j) has the corners (i, j) to (i+1, j+1) and is cut by the diagonal between
-/// them; its lower face lies where a >= b, its upper face where a <= b.
+/// The feature on which a proxy rests. Cell (i, j) has the corners (i, j) to (i+1, j+1) and is cut by the
+/// diagonal between them; its lower face lies where a >= b, its upper face where a <= b.
 enum class Feature : std::uint8_t {
     free,
     face_lower,  ///< (i, j), (i+1, j), (i+1, j+1)
@@ -58,7 +58,7 @@ inline Place face_place(Feature face, std::int64_t i, std::int64_t j, double a, 
     return at;
 }
 
-/// The face under image location (x, y), of a chart's point or between two.
+/// The face under image location (x, y).
 inline Place face_under(double x, double y) {
     const double fx = std::floor(x), fy = std::floor(y);
     const double a = x - fx, b = y - fy;
@@ -66,8 +66,8 @@ inline Place face_under(double x, double y) {
                       static_cast<std::int64_t>(fy), a, b);
 }
 
-/// Whether the depth of a place comes from an invalid vertex of the lattice (a HeightField, or the space of a
-/// solve) too: the place is on the wall or on the ground of a hole. The rim, from valid vertex to valid
+/// Whether an invalid vertex of the lattice (a HeightField, or the space of a solve) contributes to the depth
+/// of a place: the place is on the wall or on the ground of a hole. The rim, from valid vertex to valid
 /// vertex, is not.
 bool is_in_hole(const auto& lattice, const Place& at) {
     auto invalid = [&](int di, int dj) { return !lattice.is_valid(at.i + di, at.j + dj); };
@@ -108,8 +108,8 @@ inline double bilinear(double a, double b, double v00, double v10, double v01, d
 
 /// The surface under the hand at one moment: a pair of frames and a blend, seen as a lattice of vertices with
 /// one per pixel, a ring at the far plane around the picture, and flat strips beyond it, so that every
-/// integer (i, j) is a vertex (docs/conventions.md, From stored value to surface 6 to 9, and Time). Nothing
-/// is computed but what is asked for. Cheap to make; refers to the scene and the frames.
+/// integer (i, j) is a vertex (docs/conventions.md, From stored value to surface 6 to 9, and Time).
+/// Everything is computed on demand. Cheap to make; refers to the scene and the frames.
 class HeightField {
 public:
     HeightField(const Scene& scene, const FramePair& pair);
@@ -117,48 +117,48 @@ public:
     const Scene& scene() const { return scene_; }
     int width() const { return scene_.width; }
     int height() const { return scene_.height; }
-    /// Between the pair's frames as this field has it: 0 where it holds.
+    /// Blend between the pair's frames in this field: 0 if it holds the earlier one.
     double blend() const { return blend_; }
-    /// The moment this surface is of, ns on the clip's clock: the earlier frame's where it holds.
+    /// The moment of this surface, ns on the clip's clock: the earlier frame's if the field holds it.
     double moment_ns() const { return moment_ns_; }
-    /// Of the clip's clock. From one to another the surface may do anything.
+    /// Epoch of the clip's clock. From one to another the surface may change in any way.
     std::uint64_t epoch() const { return epoch_; }
-    /// From the pair's earlier frame to its later one, s; nothing where both are one.
+    /// From the pair's earlier frame to its later one, s; nothing if both are the same.
     std::optional<double> frame_interval() const {
         return interval_ns_ > 0 ? std::optional(1e-9 * static_cast<double>(interval_ns_)) : std::nullopt;
     }
 
-    /// Depth and validity at any lattice vertex; beyond the ring, of the ring vertex nearest to it.
+    /// Depth and validity at any lattice vertex; beyond the ring, those of the nearest ring vertex.
     FieldVertex vertex(std::int64_t i, std::int64_t j) const;
-    /// The same at a lattice vertex in the pair's earlier and later frame; twice the same where this field
-    /// has only one of them. `vertex` lies between the two.
+    /// The same at a lattice vertex in the pair's earlier and later frame; twice the same if this field has
+    /// only one of them. `vertex` lies between the two.
     std::array<FieldVertex, 2> vertices_of_frames(std::int64_t i, std::int64_t j) const;
     /// The vertex's validity alone.
     bool is_valid(std::int64_t i, std::int64_t j) const;
-    /// No vertex of the tile, ring included, has a smaller depth. May be smaller than any of them.
+    /// Lower bound, not always reached, of the depths of the tile's vertices, ring included.
     double nearest_depth(int tile_x, int tile_y) const;
-    /// No depth of any frame of this scene is smaller.
+    /// Lower bound of the depths of all frames of this scene.
     double nearest_depth_anywhere() const { return scene_.depth.nearest_depth() - largest_height_; }
     TileGrid tiles() const { return tiles_; }
 
-    /// True where a finger may meet friction at all.
+    /// Whether a finger may meet friction at all.
     bool has_friction() const { return has_friction_; }
-    /// True where properties differ from place to place.
+    /// Whether properties differ from place to place.
     bool has_haptic_image() const { return has_haptic_image_; }
-    /// How much of the stiffness at (i + a, j + b), 0 <= a, b <= 1, is that of holes, 0 to 1: bilinear, 1 in
-    /// a cell with an invalid vertex, 0 from the next but one on. Where a hole opens half-way between two
-    /// frames it grows from 0 to 1 until then. 0 everywhere in a scene that does not say how stiff holes are.
+    /// Share of holes in the stiffness at (i + a, j + b), 0 <= a, b <= 1, 0 to 1: bilinear, 1 in a cell with
+    /// an invalid vertex, 0 from the next but one on. If a hole opens half-way between two frames, it grows
+    /// from 0 to 1 until then. 0 everywhere in a scene that does not state how stiff holes are.
     double hole_share(std::int64_t i, std::int64_t j, double a, double b) const {
         return scene_.hole_stiffness ? missing_around(i, j, a, b) : 0;
     }
 
-    /// Of valid pixels in a frame without a haptic image, far from holes.
+    /// Properties of valid pixels in a frame without a haptic image, far from holes.
     const HapticProperties& default_properties() const { return default_properties_; }
     /// Stiffness and friction at (i + a, j + b), 0 <= a, b <= 1: each frame's, linear in time, bilinear in
     /// space; the stiffness then mixed with that of holes. Friction is 0 at invalid and ring vertices, and
     /// dynamic friction never exceeds static.
     HapticProperties properties(std::int64_t i, std::int64_t j, double a, double b) const;
-    /// The same, where the validity of the corners (i, j), (i+1, j), (i, j+1), (i+1, j+1) is known already.
+    /// The same, if the validity of the corners (i, j), (i+1, j), (i, j+1), (i+1, j+1) is known already.
     HapticProperties properties(std::int64_t i, std::int64_t j, double a, double b,
                                 const std::array<bool, 4>& valid) const {
         const bool all_valid = valid[0] && valid[1] && valid[2] && valid[3];
@@ -170,8 +170,8 @@ public:
         const bool alike = !has_haptic_image() && !scene_.hole_stiffness;
         return alike ? default_properties_.stiffness : mixed_stiffness(i, j, a, b);
     }
-    /// What the corners (i, j), (i+1, j), (i, j+1), (i+1, j+1) bring into the mean, where their validity is
-    /// known: here dynamic friction may exceed static, and stiffness is not that of holes anywhere.
+    /// What the corners (i, j), (i+1, j), (i, j+1), (i+1, j+1) contribute to the mean, by their known
+    /// validity: dynamic friction may exceed static here, and stiffness never includes that of holes.
     CornerProperties corner_properties(std::int64_t i, std::int64_t j,
                                        const std::array<bool, 4>& valid) const;
 
@@ -193,9 +193,9 @@ private:
     const Scene& scene_;
     const SurfaceFrame* prev_;
     const SurfaceFrame* prev_codes_;            // VertexSource::read_from
-    const SurfaceFrame* next_ = nullptr;        // nothing to interpolate, or both frames are one
+    const SurfaceFrame* next_ = nullptr;        // null: nothing to interpolate, or both are the same
     const SurfaceFrame* next_codes_ = nullptr;  // of next_
-    const SurfaceFrame* nearer_;                // in time: gives the state of half-valid pixels
+    const SurfaceFrame* nearer_;                // in time: decides on half-valid pixels
     bool has_haptic_image_;
     double blend_ = 0;
     double moment_ns_;
@@ -208,9 +208,9 @@ private:
     bool has_friction_;
 };
 
-/// Where the surface seen at image location (x, y) is in the world.
+/// World point of the surface that is seen at image location (x, y).
 glm::dvec3 point_under(const HeightField& field, double x, double y);
-/// The planar depth of a place on it.
+/// Planar depth of a place on it.
 double surface_depth(const HeightField& field, const Place& at);
 
 }  // namespace touchable

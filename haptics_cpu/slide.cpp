@@ -17,9 +17,9 @@ struct CellFace {
     std::int64_t i, j;
 };
 
-/// The outward normal (any length) of a face whose corners come clockwise in the image; seen so, the third
-/// side x the first points towards the camera. From the sides that meet at the corner nearest to the camera:
-/// the coordinates of far corners are rounded by more than near ones are apart.
+/// The outward normal (any length) of a face whose corners are clockwise in the image; seen from the camera,
+/// the third side x the first points towards it. From the sides that meet at the corner nearest to the
+/// camera: the coordinates of far corners are rounded by more than the distance between near ones.
 template <class Vertex>
 dvec3 normal_of(const Vertex& a, const Vertex& b, const Vertex& c) {
     if (a.w >= b.w && a.w >= c.w) return cross(c.position - a.position, b.position - a.position);
@@ -27,23 +27,23 @@ dvec3 normal_of(const Vertex& a, const Vertex& b, const Vertex& c) {
     return cross(b.position - c.position, a.position - c.position);
 }
 
-// What is found out is written where it will be read: copies of what was just stored in pieces stall.
+// Results are written where they will be read: copies of what was just stored in pieces stall.
 
-/// Along a face with the outward normal n (any length).
+/// Motion along a face with the outward normal n (any length).
 void along_face(const CellFace& face, const dvec3& n, const dvec3& pull, Motion& motion) {
     motion.kind = Motion::Kind::face;
     motion.feature = face.feature;
     motion.i = face.i;
     motion.j = face.j;
     const double vn = dot(pull, n), nn = dot(n, n);
-    // A face that doubles take for a line leads nowhere.
+    // A face that is a line in doubles leads nowhere.
     motion.way = nn > 0 ? pull - n * (vn / nn) : dvec3(0.0);
-    // A pull off the face, of a proxy that may not leave for now, presses nothing: friction does not hold it.
+    // A pull off the face, of a proxy that may not leave for now, has no load: friction does not hold it.
     motion.load2 = vn < 0 && nn > 0 ? vn * vn / nn : 0.0;
 }
 
-/// Along an edge between faces with the outward normals n0 and n1. In a valley G - C = -(l0 n0 + l1 n1) for
-/// unit normals; the sum l0 + l1 needs no division by their small difference.
+/// Motion along an edge between faces with the outward normals n0 and n1. In a valley G - C = -(l0 n0 + l1
+/// n1) for unit normals; the sum l0 + l1 needs no division by their small difference.
 void along_edge(Feature edge, std::int64_t i, std::int64_t j, const dvec3& way, const dvec3& pull,
                 const dvec3& n0, const dvec3& n1, Motion& motion) {
     motion.kind = Motion::Kind::edge;
@@ -76,13 +76,13 @@ void on_face(const auto& space, const Place& at, const dvec3& pull, bool may_lea
         first.valid && second.valid && apex.valid && space.is_valid(at.i + !lower, at.j + lower);
 }
 
-/// One face beside an edge: its place, its vertex off the edge.
+/// One face beside an edge, and its vertex off the edge.
 struct EdgeSide {
     CellFace face;
     std::int64_t apex_i, apex_j;
 };
 
-/// The faces of an edge: first the one counterclockwise of it in the image.
+/// The faces of an edge: first the counterclockwise one in the image.
 std::array<EdgeSide, 2> sides_of(const Place& at) {
     const std::int64_t i = at.i, j = at.j;
     using enum Feature;
@@ -118,12 +118,12 @@ void on_edge(const auto& space, const Place& at, const dvec3& point, const dvec3
     const SpaceVertex& apex0 = space.vertex(sides[0].apex_i, sides[0].apex_j);
     const SpaceVertex& apex1 = space.vertex(sides[1].apex_i, sides[1].apex_j);
     const bool valid = first.valid && last.valid && apex0.valid && apex1.valid;
-    // Towards the camera; and within the face away from the edge.
+    // Normals point towards the camera; `inward` lies within the face, away from the edge.
     const std::array<dvec3, 2> normal{normal_of(first, apex0, last), normal_of(first, last, apex1)};
     const std::array<dvec3, 2> inward{cross(normal[0], e), cross(e, normal[1])};
     if (may_leave) {
         const bool off_first = dot(pull, normal[0]) > 0, off_second = dot(pull, normal[1]) > 0;
-        // Off one face and not the other: the face that the pull's image falls on decides.
+        // Off one face and not the other: the face in which the pull's image lies decides.
         const bool leaves =
             off_first == off_second || points_to_first(at.feature, space.image_step(point, pull))
                 ? off_first
@@ -166,7 +166,7 @@ constexpr std::array<Spoke, 6> spokes{{
     {0, -1, Feature::edge_v, 0, -1, Feature::face_upper, 0, -1},
 }};
 
-/// Which face around a vertex an image direction falls on.
+/// The face around a vertex in which an image direction lies.
 std::size_t sector_of(const ImageStep& step) {
     if (step.dy >= 0) {
         if (step.dx >= step.dy) return 0;
@@ -194,8 +194,8 @@ void on_vertex(const auto& space, std::int64_t i, std::int64_t j, const dvec3& p
         return;
     }
 
-    // A face that holds the projection is longer than its edges. Squares cannot always tell: of a pull a
-    // million times as long as what would be left of it beside the edge they are the same.
+    // The projection on a face that contains it is longer than those on its edges. Squares cannot always show
+    // that: for a pull a million times as long as its part beside the edge they are the same.
     double longest = 0;
     int face = -1, edge = -1;
     std::array<bool, 6> in_sector{};
@@ -205,7 +205,7 @@ void on_vertex(const auto& space, std::int64_t i, std::int64_t j, const dvec3& p
             nn > 0 && dot(pull, cross(e[k], n[k])) > 0 && dot(pull, cross(n[k], e[(k + 1) % 6])) > 0;
         if (!in_sector[k]) continue;
         const double length2 = dot(pull, pull) - vn * vn / nn;
-        in_sector[k] = length2 > 0;  // of a pull along the normal nothing is left but roundings
+        in_sector[k] = length2 > 0;  // for a pull along the normal only roundings are left
         if (length2 > longest) {
             longest = length2;
             face = static_cast<int>(k);
@@ -231,7 +231,7 @@ void on_vertex(const auto& space, std::int64_t i, std::int64_t j, const dvec3& p
     }
 }
 
-/// Which edges of a face a move starts on; it does not leave through them, whatever rounding says.
+/// Edges of a face on which a move starts; it does not leave through them, whatever rounding says.
 struct StartEdges {
     bool h = false, v = false, d = false;
 };
@@ -283,7 +283,7 @@ Place rim_place(const Motion& motion, const ImageStep& step, const CellPoint& fr
         exit.edge == Feature::edge_v ? from.b + exit.length * step.dy : from.a + exit.length * step.dx);
 }
 
-/// A place a rounding beside the rim of its face or edge is on the rim, where other faces have a say.
+/// Moves a place that is a rounding beside the rim of its face or edge onto the rim, where other faces count.
 Place on_the_rim(const Place& at) {
     const auto snapped = [](double f) { return f < 0x1p-48 ? 0.0 : (f > 1 - 0x1p-48 ? 1.0 : f); };
     const double a = snapped(at.a), b = snapped(at.b);
@@ -295,13 +295,13 @@ Place on_the_rim(const Place& at) {
     return at;
 }
 
-/// The distance to the goal is the same after such a way: it is gone whole, whatever friction says, which
-/// could end ever shorter ones and never let it arrive.
+/// Whether the distance to the goal is the same after such a way: it is then gone whole, without friction,
+/// which could end ever shorter ways and never let it arrive.
 bool too_short_to_tell(const Motion& motion, const dvec3& pull) {
     return dot(motion.way, motion.way) <= 0x1p-52 * dot(pull, pull);
 }
 
-/// A way that is made of roundings. A proxy that may not leave would go to and fro on such.
+/// Whether a way is made of roundings. A proxy that may not leave would go to and fro on such a way.
 bool is_rounding(const Motion& motion, const dvec3& pull) {
     return dot(motion.way, motion.way) <= 0x1p-96 * dot(pull, pull);
 }
@@ -347,25 +347,25 @@ public:
                     if (settled(may_leave, stalls)) return rest();
                     continue;
                 }
-                // Held back by friction, the place may have another cone than the start: look again.
+                // A place reached with friction may have another cone than the start: look again.
                 const bool whole = stalls > 0 && too_short_to_tell(motion, pull);
                 arrived = move(motion, whole ? no_friction : cone, next) && cone.stopping == 0;
                 if (whole) {
                     next = on_the_rim(next);
                     arrived &= next.feature == motion.feature;
                 }
-                // Also where there is no friction yet: what was in motion is, where it meets some.
+                // Also without friction yet: a proxy in motion is in motion when it meets friction.
                 sliding = space_.field().has_friction();
             }
             const Progress progress = take(next, sliding, pull);
             if (progress == Progress::nearer) {
                 if (arrived && may_leave && is_foot(motion, pull)) return;
                 stalls = 0;
-                may_leave = true;  // also where it had to stay, and came to its foot on the surface
+                may_leave = true;  // also if it had to stay, and came to its foot on the surface
                 continue;
             }
             // Rounding can make a flight off the surface end where it began, or a step end on the other side
-            // of an edge at the same distance. Go on along the surface, a few times on end at most.
+            // of an edge at the same distance. Go on along the surface, a few times in a row at most.
             if (arrived || ++stalls > stall_limit || (progress == Progress::none && !may_leave))
                 return rest();
             may_leave = false;
@@ -380,8 +380,8 @@ private:
                                                  : move_along_edge(motion, step, cone, to);
     }
 
-    /// True if it went all the way that friction leaves it and is inside the face: on the rim the other side
-    /// has its say too.
+    /// True if it went as far as friction allows and is inside the face: on the rim the other side counts,
+    /// too.
     bool move_over_face(const Motion& motion, const ImageStep& step, const FrictionCone& cone,
                         Place& to) const {
         const CellPoint from = in_cell_of(motion, proxy_);
@@ -396,7 +396,7 @@ private:
                                    from.b + length * step.dy);
             return to.feature == motion.feature;
         }
-        if (exit.edge == Feature::free) {  // no way out and none to go: a motion of no length
+        if (exit.edge == Feature::free) {  // no way out and no motion: length 0
             to = proxy_;
             return true;
         }
@@ -404,16 +404,16 @@ private:
         return false;
     }
 
-    /// True if it went all the way that friction leaves it.
+    /// True if it went as far as friction allows.
     bool move_along_edge(const Motion& motion, const ImageStep& step, const FrictionCone& cone,
                          Place& to) const {
         const bool vertical = motion.feature == Feature::edge_v;
         const CellPoint from = in_cell_of(motion, proxy_);
         const double start = vertical ? from.b : from.a, speed = vertical ? step.dy : step.dx;
-        // An edge so steep that its image stands still ends nowhere in it.
+        // An edge so steep that its image is a point has no end in the image.
         const double reach = speed == 0 ? std::numeric_limits<double>::infinity()
                                         : (speed > 0 ? 1.0 - start : start) / std::abs(speed);
-        // What roundings add across the edge is no way.
+        // Roundings across the edge are no motion.
         const ImageStep along{vertical ? 0.0 : speed, motion.feature == Feature::edge_h ? 0.0 : speed,
                               step.stretch};
         const double length = stopping_length(cone, motion, along, from, reach);
@@ -422,10 +422,9 @@ private:
         return to.feature != Feature::vertex;
     }
 
-    /// The place that was taken is where the way ended, as far as the force that is left can tell. On a face
-    /// seen edge-on by a billionth of its depth the image of a way is known to few digits, and a way that is
-    /// long beside what is left of the pull ends where its own roundings put it: there it is gone once more
-    /// from where it led.
+    /// Whether the new place is where the way ended, as far as the remaining pull can show. On a face seen
+    /// edge-on by a billionth of its depth the image of a way is known to few digits, and a way that is long
+    /// beside the remaining pull ends where its own roundings put it: then it is gone once more from there.
     bool is_foot(const Motion& motion, const dvec3& pull) const {
         const dvec3 left = goal_ - proxy_.point, aside = left - (pull - motion.way);
         return dot(aside, aside) <= 1e-20 * dot(left, left);
@@ -433,8 +432,7 @@ private:
 
     enum class Progress { nearer, same, none };
 
-    /// How far the roundings of its w move a place: far, where a cell reaches from near the camera to far
-    /// away.
+    /// How far the roundings of its w move a place: far, if a cell reaches from near the camera to far away.
     double misplaced_by(const Place& at, const dvec3& point) const {
         double largest = 0;
         for (const int dj : {0, 1})
@@ -452,9 +450,9 @@ private:
                after <= before + misplaced_by(proxy_, proxy_.point) + misplaced_by(next, point);
     }
 
-    /// Whether it is certain that a place is nearer to the goal, where squares of the distance cannot tell:
-    /// of a goal a billion units away they are the same all over the picture. Before^2 - after^2 is the step
-    /// times the sum of both pulls; of the step the roundings of its ends are not known.
+    /// Whether a place is certainly nearer to the goal, if squares of the distance cannot show it: for a goal
+    /// a billion units away they are the same all over the picture. Before^2 - after^2 is the step times the
+    /// sum of both pulls; the roundings of the step's ends are not known.
     bool is_surely_nearer(const dvec3& point, const dvec3& pull, const dvec3& rest) const {
         const dvec3 both = pull + rest;
         const double ends = glm::length(point) + glm::length(proxy_.point);
@@ -473,20 +471,20 @@ private:
         static_cast<Place&>(proxy_) = next;
         proxy_.point = point;
         proxy_.sliding = sliding;
-        // Nearer than it ever was: places a rounding apart could take turns for ever.
+        // Nearer than ever before: places a rounding apart could alternate for ever.
         least_ = std::min({least_, before, after});
         return nearer ? Progress::nearer : Progress::same;
     }
 
-    /// A proxy that rests only because it may not leave is asked once more.
+    /// A proxy that rests only because it may not leave is tested once more.
     static bool settled(bool& may_leave, int& stalls) {
         if (may_leave || ++stalls > stall_limit) return true;
         may_leave = true;
         return false;
     }
 
-    /// Stays where it is. A proxy that had not moved at all in this solve sticks from now on, unless its
-    /// speed has the say.
+    /// Stays where it is. A proxy that has not moved in this solve sticks from now on, unless its speed
+    /// decides.
     void rest() {
         if (counts_.events == 1 && slip_.sticks_at_rest) proxy_.sliding = false;
     }
@@ -506,39 +504,38 @@ constexpr double on_the_cone = 1.0 + 2e-9;
 
 constexpr double never_held = std::numeric_limits<double>::infinity();
 
-/// The share (0 to 1) of the motion's way after which a sliding proxy comes to rest, where friction is level.
+/// Share (0 to 1) of the motion's way after which a sliding proxy comes to rest, if friction is level.
 double sliding_share(const FrictionCone& cone, const Motion& motion) {
     if (cone.stopping == 0) return 1.0;
     const double share = 1.0 - cone.stopping * std::sqrt(motion.load2 / dot(motion.way, motion.way));
     return share > 0 ? share : 0.0;
 }
 
-/// True where it is certain, without a root or a division, that a motion goes on beyond `length` image steps:
-/// that the share of its way to there, s = length / (1 - length stretch), is less than level friction leaves
-/// it.
+/// True if a motion certainly, without a root or a division, goes on beyond `length` image steps: the share
+/// of its way to there, s = length / (1 - length stretch), is less than level friction allows.
 bool goes_beyond(double length, const ImageStep& step, const FrictionCone& cone, const Motion& motion) {
-    constexpr double certain = 1.0 + 1e-6;  // by far more than roundings can be wrong
+    constexpr double certain = 1.0 + 1e-6;  // margin far above all roundings
     const double rest = 1.0 - length * (1.0 + step.stretch), whole = rest + length;  // (1 - s) : 1
     const double held = cone.stopping * whole;
     return rest > 1e-6 && held * held * motion.load2 * certain < rest * rest * dot(motion.way, motion.way);
 }
 
-/// What friction lacks to hold a proxy on its way from u = 0 to 1, as a cubic: held where it is not positive.
+/// The friction that is missing to hold a proxy on its way from u = 0 to 1, as a cubic: held if not positive.
 struct Shortfall {
     std::array<double, 4> c;
 
     double at(double u) const { return ((c[3] * u + c[2]) * u + c[1]) * u + c[0]; }
     double slope(double u) const { return (3 * c[3] * u + 2 * c[2]) * u + c[1]; }
-    /// What roundings may make of a value.
+    /// Bound of the roundings of a value.
     double rounding() const {
         return 0x1p-51 * (std::abs(c[0]) + std::abs(c[1]) + std::abs(c[2]) + std::abs(c[3]));
     }
-    /// Enough for it: that all of Bernstein's coefficients are.
+    /// Sufficient: all of Bernstein's coefficients are positive.
     bool is_positive() const {
         return c[0] > 0 && 3 * c[0] + c[1] > 0 && 3 * c[0] + 2 * c[1] + c[2] > 0 &&
                c[0] + c[1] + c[2] + c[3] > 0;
     }
-    /// Where it turns between 0 and 1; 1 for a turn that is elsewhere.
+    /// Its turning points between 0 and 1; 1 for one elsewhere.
     std::array<double, 2> turns() const {
         std::array<double, 2> out{1, 1};
         const double discriminant = c[2] * c[2] - 3 * c[3] * c[1];
@@ -549,8 +546,8 @@ struct Shortfall {
         if (second > 0 && second < 1) out[1] = second;
         return out;
     }
-    /// Its zero between two places without a turn between them: positive at `low`, not at `high`. Newton's
-    /// steps, and halves where they would leave what is known.
+    /// Its zero between two places without a turning point between them: positive at `low`, not at `high`.
+    /// Newton's steps, and halves if they would leave the bracket.
     double zero(double low, double high) const {
         const double near_enough = rounding();
         double u = low + (high - low) / 2;
@@ -566,9 +563,9 @@ struct Shortfall {
     }
 };
 
-/// The first u from 0 to 1 at which none of them lacks anything.
+/// The first u from 0 to 1 at which no shortfall is positive.
 double first_held(std::span<const Shortfall> all) {
-    std::array<double, 5> ends{1, 1, 1, 1, 1};  // of pieces without a turn, in order
+    std::array<double, 5> ends{1, 1, 1, 1, 1};  // of pieces without a turning point, in order
     bool at_once = true;
     for (const Shortfall& one : all) {
         if (one.is_positive()) return never_held;
@@ -595,7 +592,7 @@ double first_held(std::span<const Shortfall> all) {
     return never_held;
 }
 
-/// Of a way of `span` image steps, by mu at the cell's corners. After L steps (1 - L (1 + t)) : (1 - L t) of
+/// For a way of `span` image steps, by mu at the cell's corners. After L steps (1 - L (1 + t)) : (1 - L t) of
 /// the way is left, and mu is quadratic in L; both times 1 - L t, and over the way's length.
 Shortfall shortfall(const std::array<double, 4>& mu, double load_per_way, const ImageStep& step,
                     const CellPoint& from, double span) {

@@ -20,7 +20,7 @@ dvec3 nearest_on_segment(const dvec3& p, const dvec3& a, const dvec3& b) {
     return t < tt ? a + ab * (t / tt) : b;
 }
 
-/// By the regions of corners, edges and face (Ericson, Real-Time Collision Detection, 5.1.5).
+/// Uses the regions of corners, edges and face (Ericson, Real-Time Collision Detection, 5.1.5).
 dvec3 nearest_on_triangle(const dvec3& p, const dvec3& a, const dvec3& b, const dvec3& c) {
     const dvec3 ab = b - a, ac = c - a, ap = p - a;
     const dvec3 n = glm::cross(ab, ac);
@@ -34,7 +34,7 @@ dvec3 nearest_on_triangle(const dvec3& p, const dvec3& a, const dvec3& b, const 
     return nearest;
 }
 
-/// The vertices of the window, each computed once, when first asked for.
+/// The vertices of the window, each computed once, when first used.
 class Window {
 public:
     Window(const WorldSpace& space, std::int64_t i, std::int64_t j)
@@ -72,8 +72,8 @@ public:
     }
 
 private:
-    /// No point outside the rings before this one is nearer: they are seen through a window of the picture,
-    /// whose sides are planes through the camera.
+    /// Lower bound of the squared distance of points outside the rings before this one: they are seen through
+    /// a window of the picture, whose sides are planes through the camera.
     double beyond2(int ring) const {
         if (ring == 0) return 0;
         const Camera& camera = space_.field().scene().camera;
@@ -89,7 +89,7 @@ private:
     void look(std::int64_t i, std::int64_t j) {
         const dvec3 &p00 = window_.at(i, j), &p10 = window_.at(i + 1, j), &p01 = window_.at(i, j + 1),
                     &p11 = window_.at(i + 1, j + 1);
-        // A cell that lies in front by more than the best is no nearer.
+        // A cell that lies in front of the point by more than the best distance is no nearer.
         if (std::min({p00.z, p10.z, p01.z, p11.z}) - point_.z >= best_) return;
         consider({Feature::face_lower, i, j}, nearest_on_triangle(point_, p00, p10, p11));
         consider({Feature::face_upper, i, j}, nearest_on_triangle(point_, p00, p11, p01));
@@ -122,7 +122,7 @@ private:
 // ray is right. The sides of objects come far nearer.
 constexpr double much_nearer = 0.5;
 
-/// Onto a surface that rose past a free proxy, on its ray. False where it did not.
+/// Lifts a free proxy onto a surface that rose past it, on its ray. False if it did not.
 bool lift(const auto& space, Proxy& proxy) {
     const auto at = space.chart(proxy.point);
     if (!at) return false;
@@ -132,7 +132,7 @@ bool lift(const auto& space, Proxy& proxy) {
     return true;
 }
 
-/// False where it went another way than on its ray.
+/// False if the proxy left its ray.
 bool carry_suddenly(const WorldSpace& space, Proxy& proxy, const dvec3& was, double distance) {
     if (proxy.point.z < was.z) {
         proxy = {{}, was};

@@ -12,7 +12,7 @@ namespace {
 
 using glm::dvec3;
 
-// Integers of any size that cannot be a limit by a slip.
+// Larger limits can only be a slip.
 constexpr int largest_limit = 1'000'000;
 
 bool is_usable(const dvec3& goal, double limit) {
@@ -20,7 +20,7 @@ bool is_usable(const dvec3& goal, double limit) {
     return std::abs(goal.x) <= limit && std::abs(goal.y) <= limit && std::abs(goal.z) <= limit;
 }
 
-/// False where any number of it is none. No tick leaves it so; a finger whose state is so begins anew.
+/// False if a number of the state is not finite. No tick leaves such a state; a finger with it begins anew.
 bool is_sound(const FingerState& finger) {
     const Proxy& proxy = finger.proxy;
     const dvec3 sum = proxy.point + finger.goal + finger.place;
@@ -56,16 +56,16 @@ Slip slip_of(const TouchSettings& settings, FingerState& finger) {
 
 constexpr double never = std::numeric_limits<double>::infinity();
 
-/// Whether what the finger last met was of another epoch: then all that the surface did since is a jump.
+/// Whether the finger last met a surface of another epoch: then all that the surface did since is a jump.
 bool is_in_new_epoch(const HeightField& field, const FingerState& finger) {
     return finger.started && finger.epoch != field.epoch();
 }
 
-/// How far (scene units) the surface may take a proxy along in this tick before that is sudden: as far as it
-/// gets at the speed that is not, in the ticks that have passed where frames are interpolated (no longer than
-/// a frame, so that no stall earns a kick) and in a frame where they are held. A surface that stood still for
-/// want of frames and catches up has no more time for it. Not at all into a new epoch. Infinite where the
-/// surface did not move, and in the metrics of pixels, which know no such thing.
+/// How far (scene units) the surface may carry a proxy in this tick before that is sudden: as far as it gets
+/// at `sudden_speed`, in the ticks that have passed if frames are interpolated (no longer than a frame, so
+/// that no stall earns a kick) and in a frame if they are held. A surface that stood still for want of frames
+/// and catches up has no more time for it. 0 into a new epoch. Infinite if the surface did not move, and in
+/// the metrics of pixels, which know no suddenness.
 double sudden_distance(const HeightField& field, const TouchSettings& settings, const FingerState& finger,
                        int ticks) {
     if (is_in_new_epoch(field, finger)) return 0;
@@ -74,7 +74,7 @@ double sudden_distance(const HeightField& field, const TouchSettings& settings, 
     if (!finger.started || moved_s == 0 || settings.metric != TouchMetric::world) return never;
     const double nominal_s = static_cast<double>(scene.rate.den) / static_cast<double>(scene.rate.num);
     const double frame_s = field.frame_interval().value_or(nominal_s);
-    // A hand feels how fast the surface moves in its own time, at whatever rate the clip is played.
+    // A hand feels the speed of the surface in its own time, at any playback rate.
     const double due_s = scene.interpolation == FrameInterpolation::hold
                              ? std::min(moved_s, frame_s)
                              : std::min(ticks * tick_seconds, std::max(frame_s, tick_seconds));
@@ -88,11 +88,11 @@ void book_carried(const auto& space, const Proxy& proxy, Contact& contact) {
     contact.carried_stiffness = space.field().stiffness(proxy.i, proxy.j, proxy.a, proxy.b);
 }
 
-/// Of a change of stiffness from tick to tick under a finger that rests, N: more is a jump of the surface.
+/// Force change by stiffness from tick to tick under a resting finger, N: more is a jump of the surface.
 constexpr double largest_step = 0.1;
 
-/// Whether the surface has become so much stiffer or softer under a proxy that it counts as a jump. What a
-/// hole does to stiffness comes on as evenly as the guard lets it (ContactStiffness).
+/// Whether the surface has become so much stiffer or softer under a proxy that it counts as a jump. The guard
+/// spreads what a hole does to stiffness (ContactStiffness).
 bool is_other_stuff(const auto& space, const TouchSettings& settings, const dvec3& goal,
                     const FingerState& before, const Proxy& proxy, const Contact& contact) {
     if (!contact.carried_stiffness || before.near_hole) return false;
@@ -103,8 +103,8 @@ bool is_other_stuff(const auto& space, const TouchSettings& settings, const dvec
            space.field().hole_share(proxy.i, proxy.j, proxy.a, proxy.b) == 0;
 }
 
-/// Brings a proxy to the surface of this tick, and finds what one that jumped exerts at `goal`, of the tick
-/// before.
+/// Brings a proxy to the surface of this tick, and finds the force of a surface that jumped at `goal`, the
+/// previous tick's.
 void bring(const auto& space, const TouchSettings& settings, double sudden, const dvec3& goal,
            const Slip& slip, FingerState& finger, Contact& contact) {
     Proxy& proxy = finger.proxy;
@@ -126,15 +126,15 @@ void bring(const auto& space, const TouchSettings& settings, double sudden, cons
     if (still.on_surface())
         contact.jumped_force = properties_at(space, still).stiffness * settings.metres_per_scene_unit *
                                (space.to_world(still.point) - goal);
-    // What was left behind flies to where that goal pulls it, before the goal moves on.
+    // A proxy that was left behind flies to where that goal pulls it, before the goal moves on.
     if (left_behind) {
         proxy = still;
         book_carried(space, proxy, contact);
     }
 }
 
-/// How fast the proxy went over the surface; a surface that moves takes it along and is not counted. While
-/// its goal is held a proxy rests for want of one, which says nothing of its speed.
+/// Updates the proxy's speed over the surface; being carried by a moving surface does not count. While its
+/// goal is held a proxy rests for want of a goal, which says nothing of its speed.
 void note_slip(const TouchSettings& settings, const Contact& contact, FingerState& finger) {
     finger.ticks_held = std::min(finger.ticks_held + contact.ticks, longest_ticks);
     if (contact.touching && contact.goal_held) return;
@@ -212,8 +212,7 @@ void tick_in(const auto& space, const TouchSettings& settings, double goal_limit
     }
 }
 
-/// Each finger in a space scaled for the place it is at. Where a free proxy was is found again in the new
-/// space.
+/// Each finger in a space scaled for its position. A free proxy's position is converted into the new space.
 void tick_scaled(const HeightField& field, const TouchSettings& settings, double goal_limit,
                  std::span<const dvec3> goals, std::span<FingerState> fingers, std::span<Contact> contacts,
                  int ticks) {
@@ -265,7 +264,7 @@ Result<TouchSolver> TouchSolver::create(const Scene& scene, const TouchSettings&
 }
 
 double largest_goal(const Scene& scene) {
-    constexpr double scenes = 1e7;  // so much farther than the scene's own farthest coordinate
+    constexpr double scenes = 1e7;  // this many times the scene's own farthest coordinate
     if (scene.depth.semantics == DepthSemantics::range) return scenes * scene.depth.far;
     const Camera& camera = scene.camera;
     const auto across = [](double first, double last) { return std::max(std::abs(first), std::abs(last)); };

@@ -7,7 +7,7 @@ namespace touchable {
 
 namespace {
 
-// A proxy is on the surface by construction; this is room for the roundings of checking it in the world.
+// A proxy is on the surface by construction; this allows for roundings of the check in the world.
 constexpr double behind_tolerance = 1e-9;
 
 bool fits(const SurfaceFrame* frame, const Scene& scene) {
@@ -32,7 +32,7 @@ TouchStep::TouchStep(const TouchSolver& solver, const GuardSettings& guard, int 
     forces_.resize(count);
 }
 
-/// As at the start, but for the last goal, which stands in where there is none.
+/// As at the start, but with the last goal, which is used while there is none.
 void TouchStep::meet_anew(std::size_t finger) {
     const glm::dvec3 goal = fingers_[finger].goal;
     fingers_[finger] = {};
@@ -49,7 +49,7 @@ void TouchStep::come_back() {
     let_go();
 }
 
-/// Hands have no force any more. What is inside a surface when they come back waits to be free, or feels it
+/// Hands have no force any more. Fingers inside a surface when they come back wait to be free, or feel it
 /// ramp in.
 void TouchStep::let_go() {
     for (std::size_t k = 0; k < fingers_.size(); ++k) {
@@ -58,7 +58,7 @@ void TouchStep::let_go() {
     }
 }
 
-/// Since the tick before; a count that begins anew has no tick before.
+/// Ticks since the previous one; 1 if the count begins anew.
 int TouchStep::ticks_until(std::int64_t tick) {
     const std::int64_t last = std::exchange(last_tick_, tick).value_or(tick - 1);
     return last < tick ? static_cast<int>(std::min<std::int64_t>(tick - last, longest_ticks)) : 1;
@@ -68,12 +68,12 @@ void TouchStep::solve(const HeightField& field, int ticks) {
     solver_.tick(field, goals_, fingers_, contacts_, ticks);
     for (std::size_t k = 0; k < guards_.size(); ++k) {
         forces_[k] = guards_[k].guard(contacts_[k], stale_.share());
-        // A hand that comes back may be anywhere by then.
+        // A hand that comes back may be anywhere.
         if (waits_to_be_free_ && contacts_[k].goal_held && guards_[k].has_let_go()) meet_anew(k);
     }
 }
 
-/// Of a tick without a surface: what no finger can have met, which the guards take for a fault.
+/// For a tick without a surface: contacts that the guards take for a fault.
 void TouchStep::meet_nothing() {
     for (std::size_t k = 0; k < guards_.size(); ++k) {
         contacts_[k] = {};
@@ -94,7 +94,7 @@ TouchTick TouchStep::run(std::int64_t tick, std::int64_t time_ns, const Scene& s
         solve(field, ticks);
         done.solve_us = std::chrono::duration<double, std::micro>(steady_clock::now() - start).count();
         done.blend = field.blend();
-        // A hand that has let go is nowhere, be it where the surface came by since.
+        // A hand that has let go is nowhere, even if the surface has passed it since.
         for (std::size_t k = 0; k < contacts_.size(); ++k)
             done.behind |= !(contacts_[k].goal_held && guards_[k].has_let_go()) &&
                            is_behind_surface(field, contacts_[k].proxy, behind_tolerance);

@@ -1,16 +1,16 @@
 #pragma once
 
-// A tick of touch: goals in, forces out. This is the front door for offline runs and for programs that have a
-// loop of their own.
+// A tick of touch: goals in, forces out. The entry point for offline runs and for programs that have their
+// own loop.
 //
-// TouchStep holds a solver and a guard for each finger. `run` takes the frames of the moment and the
-// fingers' goals, solves each proxy (touch_solver.hpp), makes its force and guards it (force_guard.hpp), and
-// gives a TouchTick with all that is known of it. A Workspace says how the device's metres lie in the scene.
-// ForceHash is the hash by which two runs are compared; force_rules is the version of the rules by which
-// forces are made: recordings name it.
+// TouchStep holds a solver and a guard for each finger. `run` takes the frames of the moment and the fingers'
+// goals, solves each proxy (touch_solver.hpp), makes its force and guards it (force_guard.hpp), and returns a
+// TouchTick with all results. A Workspace maps the device's metres to the scene. ForceHash is the hash by
+// which two runs are compared; force_rules is the version of the rules by which forces are made: recordings
+// name it.
 //
-// A force is a pure function of configuration, frames with timestamps, goals and the state before. One thread
-// at a time; a step neither waits nor allocates.
+// A force is a pure function of configuration, frames with timestamps, goals and the previous state. One
+// thread at a time; a step neither waits nor allocates.
 
 #include <glm/vec3.hpp>
 #include <optional>
@@ -40,51 +40,51 @@ struct Workspace {
 /// units), spans 0.16 m of device space; the device's centre is at that depth on the optical axis.
 Workspace default_workspace(int width, double fx, double median_depth);
 
-/// What happened in one tick; spans hold one element per finger.
+/// Results of one tick; spans hold one element per finger.
 struct TouchTick {
     std::int64_t tick = 0, time_ns = 0;
-    FramePair pair;    ///< in a log only its numbers, times and blend mean anything: frames are recycled
-    double blend = 0;  ///< that the surface had: 0 where it holds the earlier frame
+    FramePair pair;    ///< in a log only its numbers, times and blend are valid: frames are recycled
+    double blend = 0;  ///< of the surface: 0 if it holds the earlier frame
     std::span<const glm::dvec3> goals;  ///< as the hand gave them
     std::span<const Contact> contacts;
     std::span<const GuardedForce> forces;
-    std::span<const double> shares{};  ///< of these, how much was sent to the hand, 0 to 1; empty: all
+    std::span<const double> shares{};  ///< share of each force that was sent to the hand, 0 to 1; empty: all
     double metres_per_scene_unit = 0;
     bool behind = false;  ///< a proxy was behind the surface by more than rounding explains
     double solve_us = 0;  ///< solver and guard of all fingers, wall time
-    double late_us = 0;   ///< how long after its time it began; 0 in virtual time
+    double late_us = 0;   ///< delay of its beginning; 0 in virtual time
 
     double share(std::size_t finger) const { return shares.empty() ? 1.0 : shares[finger]; }
     /// The force that was sent to a finger's hand, newtons, world axes.
     glm::dvec3 sent(std::size_t finger) const { return share(finger) * forces[finger].force; }
 };
 
-/// N fingers from tick to tick: solver, jump cancellation, guard, and what they carry over. The one way a
-/// tick is made, offline and live (docs/solver.md, A tick, file by file).
+/// N fingers from tick to tick: solver, jump cancellation, guard, and their state. Ticks are made in this way
+/// only, offline and live (docs/solver.md, A tick, file by file).
 class TouchStep {
 public:
     /// `solver` outlives this.
     TouchStep(const TouchSolver& solver, const GuardSettings& guard, int fingers);
 
     int fingers() const { return static_cast<int>(goals_.size()); }
-    /// Where to put the goals of the next `run`.
+    /// Memory for the goals of the next `run`.
     std::span<glm::dvec3> goals() { return goals_; }
-    /// What the fingers carry over to the next tick.
+    /// State of the fingers for the next tick.
     std::span<const FingerState> states() const { return fingers_; }
-    /// What the next `run` touches is new to all fingers, as another clip is. The first one is. (Another
+    /// The surface of the next `run` is new to all fingers, like another clip's. The first one is. (Another
     /// moment of the same clip, a new epoch, is not: fingers stay where they are, and the surface jumps.)
-    /// Each begins anew where its goal is; what is inside a surface then waits to be free (GuardSettings), or
-    /// feels it come on as after a jump. Time goes on.
+    /// Each finger begins anew where its goal is; inside a surface it then waits to be free (GuardSettings),
+    /// or feels it come on as after a jump. Time goes on.
     void meet_new_surface();
     /// The hand was left alone before the next `run`, for so long that it may be anywhere and has no force
-    /// any more (HapticLoop): as where a device comes back whose goals were missing. What is inside a surface
+    /// any more (HapticLoop), like a device that comes back after missing goals. A finger inside a surface
     /// then waits to be free (GuardSettings), or feels it ramp in. The forces of that tick have `guard_gap`.
     void come_back();
-    /// No allocation, lock or I/O. The spans stay as they are until the next call. `tick` counts time: where
-    /// it is more than 1 after the last one, that long has passed. Frames that are missing, or have not the
-    /// scene's size, are a fault: forces ramp to zero. Where the newest is older than the guard's settings
-    /// allow, forces ramp to zero as well (StaleSurface), and who comes back from there is one who was left
-    /// alone; `time_ns` is of the same clock as the frames' times then.
+    /// No allocation, lock or I/O. The spans are valid until the next call. `tick` counts time: if it is more
+    /// than 1 after the last one, that long has passed. Missing frames, or frames without the scene's size,
+    /// are a fault: forces ramp to zero. If the newest is older than the guard's settings allow, forces ramp
+    /// to zero as well (StaleSurface), and a finger that comes back from that counts as left alone; `time_ns`
+    /// is then of the same clock as the frames' times.
     TouchTick run(std::int64_t tick, std::int64_t time_ns, const Scene& scene, const FramePair& pair);
 
 private:
@@ -119,12 +119,12 @@ private:
     ByteHash hash_;
 };
 
-/// The rules by which forces come about, by number. A change that is meant to give other forces for the same
-/// frames and goals gives a new number and says here what it was; forces made under different numbers are not
+/// Version of the rules by which forces are made. A change that is meant to give other forces for the same
+/// frames and goals gets a new number and is described here; forces made under different numbers are not
 /// compared. (Between two releases the number is raised once.)
 ///
-/// 1: until 0.1 was in the making, and recordings that do not say. Haptic properties of the frame nearer in
-///    time, friction where a facet is entered, velocities over one tick whatever time had passed.
+/// 1: before the development of 0.1, and recordings that name no number. Haptic properties of the frame
+///    nearer in time, friction where a facet is entered, velocities over one tick whatever time had passed.
 /// 2: properties blended in time as depth is, friction of the place where a slide ends, velocities over the
 ///    time that has passed, no force on a goal that is buried when its surface is new, ramps that resume,
 ///    normals made of the sides that meet at a face's nearest corner, what is sudden by the hand's own time,

@@ -25,8 +25,8 @@ SpaceVertex WorldSpace::compute_vertex(std::int64_t i, std::int64_t j) const {
     const FieldVertex vertex = field_.vertex(i, j);
     double planar = vertex.depth;
     if (range_) {
-        // Beyond the ring the surface continues flat: its depth is the ring's (clamped), the ray is the
-        // vertex's own.
+        // Beyond the ring the surface continues flat: with the ring's depth (clamped), on the vertex's own
+        // ray.
         planar /= field_.scene().camera.ray_length(clamp_to_ring(i, field_.width()),
                                                    clamp_to_ring(j, field_.height()));
     }
@@ -78,8 +78,8 @@ std::optional<ChartWay> WorldSpace::way(const glm::dvec3& from, const glm::dvec3
     if (d0 < 0 && d1 < 0) return std::nullopt;
     glm::dvec3 first = from, last = to;
     if (d0 < 0 || d1 < 0) {
-        // The depth there is known, whatever rounding says of it: a way of 10^9 units through the camera's
-        // plane would end in it.
+        // The depth there is known, whatever rounding says: a way of 10^9 units through the camera's plane
+        // would otherwise end in that plane.
         glm::dvec3 cut = from + (to - from) * (d0 / (d0 - d1));
         cut.z = -margin;
         (d0 < 0 ? first : last) = cut;
@@ -89,12 +89,12 @@ std::optional<ChartWay> WorldSpace::way(const glm::dvec3& from, const glm::dvec3
     return countable(first, last, d0 >= 0);
 }
 
-/// Both points are in front of the camera, not both are seen: the way is cut at the planes through the camera
-/// beyond which pixels are not counted.
+/// Both points are in front of the camera, but not both are seen: cuts the way at the planes through the
+/// camera beyond which pixels are not counted.
 std::optional<ChartWay> WorldSpace::countable(const glm::dvec3& from, const glm::dvec3& to,
                                               bool from_the_start) const {
     const Camera& camera = field_.scene().camera;
-    constexpr double most = 0.5 * farthest_pixel;  // from the axis; the picture is not as far from it
+    constexpr double most = 0.5 * farthest_pixel;  // from the axis; the picture is nearer to it
     double begin = 0, end = 1;
     for (const glm::dvec3& plane : {glm::dvec3(camera.fx, 0, -most), glm::dvec3(-camera.fx, 0, -most),
                                     glm::dvec3(0, camera.fy, -most), glm::dvec3(0, -camera.fy, -most)}) {

@@ -1,11 +1,11 @@
 #pragma once
 
-// The surface of a HeightField where distances are measured: in the world.
+// The surface of a HeightField in the space in which distances are measured: the world.
 //
 // WorldSpace is that surface as flat triangles; a VertexCache keeps the vertices of one solve. A Proxy is a
-// finger's god-object: a free point or a place. surface_w and surface_point give what a place has on the
-// surface; edge_place and face_or_rim_place give the normal form of a place: the rim of a face is its edges',
-// their ends are vertices. PixelSpace (cast.hpp) has the members of WorldSpace.
+// finger's god-object: a free point or a place. surface_w and surface_point return w and position of a place
+// on the surface; edge_place and face_or_rim_place return the normal form of a place: the rim of a face is
+// its edges', their ends are vertices. PixelSpace (cast.hpp) has the members of WorldSpace.
 
 #include <algorithm>
 #include <array>
@@ -21,23 +21,22 @@ namespace touchable {
 /// A finger's god-object (Zilles and Salisbury 1995): a free point, or a place. A place is on the surface by
 /// construction, and stays on its pixel's ray when the surface moves.
 struct Proxy : Place {
-    /// In the space of the solve (the world, or pixels and levels): the free point; of a place, where the
-    /// surface had it when it was last looked at.
+    /// In the space of the solve (the world, or pixels and levels): the free point; for a place, its position
+    /// on the surface when that was last computed.
     glm::dvec3 point{0.0};
-    /// It has moved along the surface in its last tick: dynamic friction holds it back, not static.
+    /// It moved along the surface in its last tick: dynamic friction holds it back, not static.
     bool sliding = false;
 };
 
-/// A lattice vertex where distances are measured, and its height in the chart (larger is nearer to the
-/// camera).
+/// A lattice vertex in the space of distances, and its height in the chart (larger is nearer to the camera).
 struct SpaceVertex {
     glm::dvec3 position;
     double w;
     bool valid;  ///< false: an invalid pixel or the ring
 };
 
-/// The vertices of a tick that were computed last: a slide passes from cell to cell, and each cell brings one
-/// new vertex. Direct-mapped by the low bits of (i, j). For one thread.
+/// The last computed vertices of a tick: a slide passes from cell to cell, and each cell brings one new
+/// vertex. Direct-mapped by the low bits of (i, j). For one thread.
 class VertexCache {
 public:
     VertexCache() { i_.fill(std::numeric_limits<std::int64_t>::min()); }
@@ -51,7 +50,7 @@ public:
         }
         return vertices_[entry];
     }
-    /// Null for one that it does not hold.
+    /// Null if the vertex is not cached.
     const SpaceVertex* find(std::int64_t i, std::int64_t j) const {
         const std::size_t entry = entry_of(i, j);
         return holds(entry, i, j) ? &vertices_[entry] : nullptr;
@@ -64,7 +63,7 @@ private:
     bool holds(std::size_t entry, std::int64_t i, std::int64_t j) const {
         return i_[entry] == i && j_[entry] == j;
     }
-    // Places beside the vertices, so that a tick begins by clearing 16 numbers; of an entry without a vertex
+    // Separate from the vertices, so that a tick begins by clearing 16 numbers; for an entry without a vertex
     // only i is written.
     std::array<std::int64_t, 16> i_, j_;
     std::array<SpaceVertex, 16> vertices_;
@@ -75,11 +74,11 @@ private:
 struct ChartPoint {
     double x, y, w;
 };
-/// How a straight move p + s d runs over the picture: by (dx, dy) times s / (1 + s stretch).
+/// Image of a straight move p + s d: (dx, dy) times s / (1 + s stretch).
 struct ImageStep {
     double dx, dy;
     double stretch;
-    /// Infinite where the move reaches the camera's plane before s.
+    /// Infinite if the move reaches the camera's plane before s.
     double length_at(double s) const {
         const double denominator = 1.0 + s * stretch;
         return denominator > 0 ? s / denominator : std::numeric_limits<double>::infinity();
@@ -91,41 +90,39 @@ struct ChartWay {
     bool from_the_start;  ///< nothing was cut off before `begin`
 };
 
-/// Farther from the picture than any lattice place that means something, and well inside what integers can
-/// count.
+/// Farther from the picture than any useful lattice place, and well inside the range of integers.
 inline constexpr double farthest_pixel = 1e15;
 
-/// The solver's metric as it should be: world space, scene units. w = q = 1 / planar depth makes (x, y, q) a
-/// projective chart of it: incidence is decided in the chart, distance in the world (docs/solver.md, Why not
-/// in pixel space).
+/// The solver's exact metric: world space, scene units. w = q = 1 / planar depth makes (x, y, q) a projective
+/// chart of it: incidence is decided in the chart, distance in the world (docs/solver.md, Why not in pixel
+/// space).
 class WorldSpace {
 public:
-    /// One tick's; not for two threads at once.
+    /// For one tick, and one thread at a time.
     explicit WorldSpace(const HeightField& field);
 
     std::optional<glm::dvec3> from_world(const glm::dvec3& point) const { return point; }
     glm::dvec3 to_world(const glm::dvec3& point) const { return point; }
 
     const HeightField& field() const { return field_; }
-    /// Stays as it is until a vertex more than three away in i or j is asked for.
+    /// The reference is valid until a vertex more than three away in i or j is requested.
     const SpaceVertex& vertex(std::int64_t i, std::int64_t j) const {
         return cache_.at(i, j, [=, this] { return compute_vertex(i, j); });
     }
-    /// Of a vertex whose place is not asked for, and is not computed for this.
+    /// Validity of a vertex, without computing its position.
     bool is_valid(std::int64_t i, std::int64_t j) const {
         const SpaceVertex* known = cache_.find(i, j);
         return known ? known->valid : field_.is_valid(i, j);
     }
     glm::dvec3 position(const ChartPoint& at) const;
-    /// Where a point is seen. This is the one way from the world to the lattice: nothing for a point that no
-    /// pixel worth the name sees (behind the camera, in its plane, or so near to that that it lies farther
-    /// than `farthest_pixel` from the picture) and for what is no number. Such a point counts as in front of
-    /// the surface.
+    /// Where a point is seen: the only way from the world to the lattice. Nothing for a point that no pixel
+    /// worth the name sees (behind the camera, in its plane, or so near to that plane that it lies farther
+    /// than `farthest_pixel` from the picture) and for NaN. Such a point counts as in front of the surface.
     std::optional<ChartPoint> chart(const glm::dvec3& point) const;
     ImageStep image_step(const glm::dvec3& point, const glm::dvec3& direction) const;
-    /// Cuts away what is nearer to the camera than half the nearest possible surface, and what no pixel sees.
+    /// Cuts off what is nearer to the camera than half the nearest possible surface, and what no pixel sees.
     std::optional<ChartWay> way(const glm::dvec3& from, const glm::dvec3& to) const;
-    /// No surface point of the tile has a larger w.
+    /// Upper bound of w of the tile's surface points.
     double largest_w(int tile_x, int tile_y) const;
 
 private:
@@ -141,16 +138,16 @@ private:
     mutable VertexCache cache_;
 };
 
-/// Exact at both ends, so that all edges meeting at a vertex see the same number there; never less than the
-/// lesser, which rounding would make 0 or less where one end is 10^16 times the other.
+/// Exact at both ends, so that all edges meeting at a vertex have the same number there; never less than the
+/// lesser, which rounding would make 0 or less if one end is 10^16 times the other.
 inline double along_edge(double w0, double w1, double f) {
     if (f <= 0) return w0;
     if (f >= 1) return w1;
     return std::max(w0 + (w1 - w0) * f, std::min(w0, w1));
 }
 
-/// w of the surface at a place of the lattice (any feature but free); on a face, too, no less than the least
-/// of its corners'.
+/// w of the surface at a place of the lattice (any feature but free); on a face, at least the least of its
+/// corners'.
 [[gnu::always_inline]] inline double surface_w(const auto& space, const Place& at) {
     auto w = [&](int di, int dj) { return space.vertex(at.i + di, at.j + dj).w; };
     switch (at.feature) {
@@ -193,7 +190,7 @@ inline Place edge_place(Feature edge, std::int64_t i, std::int64_t j, double f) 
     return at;
 }
 
-/// A place of a face; on the face's rim, the edge's or the vertex', where both sides count.
+/// A place of a face; on the face's rim, the place of the edge or vertex, at which both sides count.
 inline Place face_or_rim_place(Feature face, std::int64_t i, std::int64_t j, double a, double b) {
     const Place at = face_place(face, i, j, a, b);
     const bool lower = face == Feature::face_lower;
@@ -203,7 +200,7 @@ inline Place face_or_rim_place(Feature face, std::int64_t i, std::int64_t j, dou
     return at;
 }
 
-/// Where a place of the lattice is, in the space.
+/// Position of a place of the lattice, in the space.
 [[gnu::always_inline]] inline glm::dvec3 surface_point(const auto& space, const Place& at) {
     return space.position({at.x(), at.y(), surface_w(space, at)});
 }

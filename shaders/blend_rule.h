@@ -1,13 +1,13 @@
-// Where the eye is shown the mix of two frames' depths. Compiled as GLSL and as C++.
+// Decides where the mix of two frames' depths is drawn. Compiled as GLSL and as C++.
 //
-// Where an edge has travelled over a pixel, one frame has what is before it there, and the other what is
-// behind it. Half-way between them there is nothing: seen from aside, a mix would be a second silhouette in
-// the air. A surface that has come nearer or gone away is shown on its way. Both are told apart by how far.
-// Two depths of a pixel are mixed where they differ by no more than
-// - what a hand moves between the frames (`reach`: 2 m/s, for 1/24 s at most), or a sixteenth of the nearer
-//   one where that is more: by so much neighbours of one surface may differ as well (cut_rule.h);
-// - in no case more than a quarter of the nearer one: closer than 0.27 m, where hardly a camera sees, a hand
-//   at 30 frames a second is slower than that, and models of a few centimetres have edges too.
+// If an edge has moved over a pixel, one frame has the foreground there, and the other the background.
+// Half-way between them there is nothing: from the side, a mix would be a second silhouette in the air. A
+// surface that has come nearer or gone away is drawn on its way. The distance tells both apart: two depths of
+// a pixel are mixed if they differ by no more than
+// - a hand's motion between the frames (`reach`: 2 m/s, for 1/24 s at most), or a sixteenth of the nearer
+//   depth if that is more: neighbours of one surface may differ by as much (cut_rule.h);
+// - and a quarter of the nearer depth: that limits a hand at 30 frames a second only closer than 0.27 m,
+//   where hardly a camera sees, and models of a few centimetres have edges, too.
 #ifndef TOUCHABLE_SHADERS_BLEND_RULE_H
 #define TOUCHABLE_SHADERS_BLEND_RULE_H
 
@@ -19,7 +19,7 @@ namespace touchable {
 #endif
 
 #define BLEND_RULE_SPEED 2.0f              // m/s
-#define BLEND_RULE_SECONDS (1.0f / 24.0f)  // slower clips show no more of a movement for that
+#define BLEND_RULE_SECONDS (1.0f / 24.0f)  // slower clips get no larger reach
 #define BLEND_RULE_LEAST 0.0625f           // of the nearer depth
 #define BLEND_RULE_MOST 0.25f              // of the nearer depth, too
 

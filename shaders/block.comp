@@ -3,12 +3,12 @@
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
-// Stored values -> codes or their lower median of 3x3 or 5x5, validity and tile bounds, in one pass, as GPUs like it:
-// a lane has 8 neighbours of 4 rows, one row after the other, and a workgroup the 16 x 2 tiles of block_width x
-// block_height pixels. What software Vulkan likes is strip.h.
+// Stored values -> codes or their lower median of 3x3 or 5x5, validity and tile bounds, in one pass that
+// suits GPUs: a lane takes 8 neighbours of 4 rows, row after row, and a workgroup the 16 x 2 tiles of
+// block_width x block_height pixels. strip.h suits software Vulkan.
 //
-// A tile's bounds include the first pixels of the tiles to its right and below. Where these are another workgroup's, they
-// are filtered here too, so that no other kernel has to join what workgroups know.
+// A tile's bounds include the first pixels of the tiles to its right and below. If these are another
+// workgroup's, they are filtered here, too, so that no other kernel has to join workgroups' bounds.
 
 #include "shaders/median3.h"
 #include "shaders/median5.h"
@@ -32,14 +32,14 @@ layout(set = 0, binding = 2, std430) writeonly buffer Validity { uint out_validi
 layout(set = 0, binding = 3, std430) writeonly buffer Tiles { uvec2 out_tiles[]; };
 /// Working codes of all stored ones, two in a word, the lower code in the lower half.
 layout(set = 0, binding = 4, std430) readonly buffer Table { uint working_codes[]; };
-// The CPU's memory, where the push constants ask for it.
+// The CPU's memory, written if the push constants say so.
 layout(set = 0, binding = 5, std430) writeonly buffer HostCodes { uvec4 host_codes[]; };
 layout(set = 0, binding = 6, std430) writeonly buffer HostValidity { uint host_validity[]; };
 layout(set = 0, binding = 7, std430) writeonly buffer HostTiles { uvec2 host_tiles[]; };
 
 const uint tiles_x = block_width / tile_cells, tiles_y = block_height / tile_cells;
 shared uint tile_least[tiles_y][tiles_x], tile_greatest[tiles_y][tiles_x], tile_invalid[tiles_y][tiles_x];
-/// Of each lane's pixels, 8 bits a row.
+/// Validity of each lane's pixels, 8 bits a row.
 shared uint lane_valid[block_lanes_y][block_lanes_x];
 
 bool is_valid(uint code) {
@@ -76,7 +76,7 @@ uint[12] load(uint row, uint texel) {
     return v;
 }
 
-/// Rows `y` - 2 to `y` + 2, or what of them the filter reads.
+/// Rows `y` - 2 to `y` + 2, or those that the filter reads.
 struct Window {
     uint rows[5][12];
 };
@@ -98,7 +98,7 @@ bool has_invalid(Window window) {
     return any;
 }
 
-// `all_valid` is written out where these are called, so that what invalid codes take is not in the fast ones.
+// Callers pass a constant `all_valid`, so that the fast variants contain no work for invalid codes.
 
 uint[8] medians3(Window window, bool all_valid) {
     Ranked3 columns[10];
@@ -159,7 +159,7 @@ uint[8] filtered(Window window) {
     return codes;
 }
 
-/// WorkingCodes::of, where filters work on these.
+/// WorkingCodes::of, if filters work on these.
 uint scaled(uint code) {
     if (to_finer == 0u) return code;
     return looked_up == 0u ? code * push.factor : working_codes[code >> 1u] >> (16u * (code & 1u)) & 0xFFFFu;
@@ -176,7 +176,7 @@ Bounds joined(Bounds a, Bounds b) {
     return Bounds(min(a.least, b.least), max(a.greatest, b.greatest), a.any_invalid || b.any_invalid);
 }
 
-/// Tiles are counted from the workgroup's first; others are left to their own.
+/// Tiles are counted from the workgroup's first; those of other workgroups are ignored.
 void bound(int tx, int ty, Bounds bounds) {
     if (tx < 0 || ty < 0 || tx >= int(tiles_x) || ty >= int(tiles_y)) return;
     atomicMin(tile_least[ty][tx], bounds.least);
@@ -184,8 +184,8 @@ void bound(int tx, int ty, Bounds bounds) {
     if (bounds.any_invalid) atomicOr(tile_invalid[ty][tx], 1u);
 }
 
-/// Takes the pixels of a texel in some rows, and gives the bits of those that are valid. `texel` and `top` are counted from
-/// the workgroup's first. Of pixels that are another workgroup's only bounds are taken.
+/// Processes a texel's pixels in some rows, and returns the bits of valid ones. `texel` and `top` are counted
+/// from the workgroup's first. Another workgroup's pixels only count for bounds.
 uint take(uint texel, uint top, uint rows) {
     const uint column = gl_WorkGroupID.x * block_lanes_x + texel, first = gl_WorkGroupID.y * block_height + top;
     const bool is_own = texel < block_lanes_x && top < block_height;
@@ -202,7 +202,7 @@ uint take(uint texel, uint top, uint rows) {
             own = joined(own, pixel);
             if (k == 0) left = joined(left, pixel);
             if (valid) all |= 1u << (8u * n + uint(k));
-            // shaders/terraces.comp tells invalid codes by their own.
+            // shaders/terraces.comp knows invalid codes by no_finer_code.
             codes[k] = valid ? scaled(codes[k]) : to_finer != 0u ? no_finer_code : 0u;
         }
         if (n == 0u) {
@@ -225,7 +225,7 @@ uint take(uint texel, uint top, uint rows) {
     return all;
 }
 
-/// A word of validity is four texels of a row: each of four neighbours puts together that of one of their rows.
+/// A word of validity is four texels of a row: each of four neighbouring lanes assembles one row's.
 void write_validity(uint lane, uint strip) {
     const uint row = lane % 4u, word = (gl_WorkGroupID.x * block_lanes_x + lane) / 4u,
                y = gl_WorkGroupID.y * block_height + 4u * strip + row;

@@ -1,6 +1,6 @@
-// CodeCurve::at of engine/scene/scene.hpp; after shaders/surface_codes.h.
+// CodeCurve::at of engine/scene/scene.hpp; include after shaders/surface_codes.h.
 
-/// At most 32767. `code` is not beyond `curve.last`, or what comes out means nothing.
+/// At most 32767. `code` must not be beyond `curve.last`, or the result means nothing.
 uint curve_at(CurvePush curve, uint code) {
     const uint n = (curve.from_last != 0u ? curve.last - code : code) << curve.shift;
     const uint sum = curve.constant + (curve.quadratic * (n * n >> 16) >> 16),

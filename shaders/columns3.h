@@ -2,8 +2,8 @@
 #ifndef TOUCHABLE_SHADERS_COLUMNS3_H
 #define TOUCHABLE_SHADERS_COLUMNS3_H
 
-/// Of the upper row's window (rows 0 to 2) and of the lower one's (rows 1 to 3); the rows' own codes and
-/// validity, and how many codes of each window are invalid.
+/// A column of the upper row's window (rows 0 to 2) and of the lower one's (rows 1 to 3); the rows' own codes
+/// and validity, and how many codes of each are invalid.
 struct Column {
     Ranked3 upper, lower;
     uint upper_code, lower_code, upper_invalid, lower_invalid;

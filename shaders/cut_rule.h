@@ -1,12 +1,11 @@
-// Which triangles of the lattice the eye is not shown. Compiled as GLSL and as C++: every painter cuts alike.
+// Decides which triangles are not drawn. Compiled as GLSL and as C++: every painter cuts alike.
 //
 // q is 1 / planar depth of a corner, scene units; 0 stands for an invalid pixel, and a triangle with one is
-// never shown. A triangle between corners whose depths differ by more than 6 % is no surface but the gap
-// between two: in a turned view it would be a curtain that is not there. In the clip's own view it covers what
-// lies between two pixels, and nothing is behind it. There it is shown, or a dark line would run along every
-// edge: the picture is the clip's own. A pixel is about 1/500 of its depth wide (480 to 1000
-// pixels to 60 degrees), so 6 % in one pixel is a slope of 30: surfaces seen at more than 88 degrees from
-// their normal, which no depth camera measures.
+// never drawn. A triangle between corners whose depths differ by more than 6 % is not a surface but the gap
+// between two: in a turned view it would be a false curtain. In the clip's own view it covers only the space
+// between two pixels. It is drawn there, or a dark line would run along every edge: the picture is the clip's
+// own. A pixel is about 1/500 of its depth wide (480 to 1000 pixels to 60 degrees), so 6 % in one pixel is a
+// slope of 30: surfaces seen at more than 88 degrees from their normal, which no depth camera measures.
 #ifndef TOUCHABLE_SHADERS_CUT_RULE_H
 #define TOUCHABLE_SHADERS_CUT_RULE_H
 
@@ -24,7 +23,7 @@ CUT_RULE_FUNCTION bool triangle_has_hole(float q0, float q1, float q2) {
     return !(q0 > 0.0f && q1 > 0.0f && q2 > 0.0f);
 }
 
-/// In a turned view; in the clip's own it is those with a hole.
+/// For turned views; in the clip's own, triangle_has_hole decides.
 CUT_RULE_FUNCTION bool triangle_is_cut(float q0, float q1, float q2) {
     float least = q0 < q1 ? q0 : q1, greatest = q0 < q1 ? q1 : q0;
     least = q2 < least ? q2 : least;

@@ -28,7 +28,7 @@ Row load(uint y, uint tx) {
         const vec4 four = uintBitsToFloat(texelFetch(q_texels, start + 4 * int(tx) + n));
         [[unroll]] for (int k = 0; k < 4; ++k) row.q[4 * n + k] = four[k];
     }
-    // Beyond the last texel there is no cell that asks for it.
+    // Beyond the last texel no cell uses it.
     const uint beyond = min(4u * tx + 4u, push.pitch - 1u);
     row.q[16] = uintBitsToFloat(texelFetch(q_texels, start + int(beyond))).x;
     return row;

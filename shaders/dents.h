@@ -1,8 +1,8 @@
-// How a surface that gives way under fingers looks, in pictures drawn by the CPU and on a GPU: the shaders
-// view_dent, their caller and their twin. Compiled as GLSL and as C++ (with GLM). World axes, scene units.
+// How a surface that gives way under fingers looks, for the shaders view_dent, their caller and the CPU's
+// twin. Compiled as GLSL and as C++ (with GLM). World axes, scene units.
 //
-// A finger takes the place of the surface under it along by `moved`; around it places go along by less the
-// farther they are, by none from `reach` on. A pixel shows the place that has come to it.
+// A finger moves the place of the surface under it by `moved`; places around it move less the farther they
+// are, and not at all from `reach` on. A pixel shows the place that has moved to it.
 #ifndef TOUCHABLE_SHADERS_DENTS_H
 #define TOUCHABLE_SHADERS_DENTS_H
 
@@ -28,7 +28,7 @@ using uint = unsigned int;
 struct DentRecord {
     vec4 centre;  // w: 1 / reach
     vec4 normal;  // unit, on the side that fingers come from
-    vec4 moved;   // no longer than half of the reach: farther, places would pass each other
+    vec4 moved;   // at most half of the reach: beyond, places would pass each other
     vec4 bounds;  // of the screen, clip space: least x and y, greatest x and y
 };
 
@@ -40,23 +40,23 @@ struct DentHeader {
     uint unused[3];
 };
 
-/// How much of a finger's way a place at `share` (from its middle, in shares of the reach) goes along, 1 to 0.
+/// How much of a finger's motion a place at `share` (from its middle, in shares of the reach) follows, 1 to
+/// 0.
 DENT_FUNCTION float dent_share(vec3 share) {
     const float rest = 1.0f - dot(share, share);
     return rest > 0.0f ? rest * rest * rest : 0.0f;
 }
 
-/// What is to be added to a surface's unit normal there: the slope of the dent, twice as steep as it is, as
-/// relief on maps. `moved` in shares of the reach.
+/// The vector to add to a surface's unit normal there: the slope of the dent, exaggerated twofold, as relief
+/// on maps. `moved` in shares of the reach.
 DENT_FUNCTION vec3 dent_slope(vec3 share, vec3 normal, vec3 moved) {
     const float rest = 1.0f - dot(share, share), depth = -dot(moved, normal);
     if (!(rest > 0.0f)) return vec3(0.0f);
     return (-12.0f * rest * rest * depth) * (share - normal * dot(share, normal));
 }
 
-/// What a surface's colour (brightness, 0 to 1 a channel) is multiplied by where its unit normal becomes
-/// another, and what is added: twice the change of light, and some gloss, without which nothing would be seen
-/// on a dark one.
+/// The factor of a surface's colour (brightness, 0 to 1 a channel) when its unit normal changes, and what is
+/// added: twice the change of light, and some gloss, without which dents in a dark one would be invisible.
 struct DentLight {
     float factor, gloss;
 };

@@ -1,22 +1,22 @@
-// Where a vertex at an edge is drawn. Compiled as GLSL and as C++: every painter moves alike.
+// Moves vertices at edges. Compiled as GLSL and as C++: every painter moves them alike.
 //
-// Triangles that cut_rule.h leaves out end at pixels, and seen from aside that is a saw. So where the edge is
-// between two pixels is known from its course: a vertex beside a gap follows the edge by up to EDGE_REACH
-// vertices to either side, as far as it goes equally far both ways without a corner. Their mean is where the
-// edge is, in whole steps of EDGE_UNIT; half a pixel beyond is where the pixels of the surface end.
+// Where cut_rule.h leaves out triangles, surfaces end at pixels, which looks like a saw from the side. The
+// edge's course tells where between two pixels it is: from a vertex beside a gap the edge is followed by up
+// to EDGE_REACH vertices to either side, equally far both ways and not around corners. Their mean is the
+// edge's place, in whole steps of EDGE_UNIT; the surface's pixels end half a pixel beyond.
 //
-// A move goes out into the gap only, along a column or a row, by less than a pixel. Then no triangle turns
-// over: where a and b are neighbours of one surface, neither moves towards the other. In a corner that the
-// surface has around a gap a vertex moves aslant, to the middle of its two neighbours that the gap is beside,
-// and is drawn as they are, in the mean: otherwise each step of an edge would be a tooth.
+// A vertex moves only out into the gap, along a column or a row, by less than a pixel. Then no triangle turns
+// over: neighbours of one surface never move towards each other. In a corner that the surface has around a
+// gap a vertex moves diagonally, to the middle of its two neighbours beside the gap, and is drawn with their
+// mean: otherwise each step of an edge would be a tooth.
 //
-// q at an edge is that of the surface within: a camera mixes there what is before and behind, and a surface
-// that curves away ends in steps as high as it is steep. q of a plane is linear in x and y. So it goes on
-// from the two vertices within, by the mean of those along the edge.
+// q at an edge continues the surface within: at the edge a camera mixes foreground and background, and a
+// surface that curves away ends in steps as high as it is steep. q of a plane is linear in x and y. So it is
+// extrapolated from the two vertices within, by the mean of those along the edge.
 //
-// What falls away steeply at an edge is a streak from aside, of colours that a camera saw at a grazing angle
-// or mixed. It goes dark, the more the steeper it is: from a quarter to three quarters of what cut_rule.h
-// lets be. That too is known from the edge's course: from pixel to pixel it differs as the edge's steps do.
+// A surface that falls away steeply at an edge is a streak from the side, in colours that a camera saw at a
+// grazing angle or mixed. It is darkened with its slope: from a quarter to three quarters of what cut_rule.h
+// allows. The slope, too, is averaged along the edge: it differs from pixel to pixel as the edge's steps do.
 #ifndef TOUCHABLE_SHADERS_EDGE_RULE_H
 #define TOUCHABLE_SHADERS_EDGE_RULE_H
 
@@ -40,7 +40,7 @@ using glm::ivec2;
 #define EDGE_MOST 48     // steps of a move
 #define EDGE_DARKEST 12  // steps of a colour, of EDGE_UNIT
 
-/// Rows of q, 0 where there is no surface. (In C++ any lattice with an `edge_q` will do.)
+/// Rows of q, 0 where there is no surface. (In C++ any lattice with an `edge_q` works.)
 struct EdgeLattice {
 #ifdef __cplusplus
     const float* q;
@@ -50,8 +50,8 @@ struct EdgeLattice {
     float ratio;  // of cut_rule.h
 };
 
-/// Where a vertex is drawn: from its pixel, in steps of EDGE_UNIT, and its q there; and how much of its
-/// colour, in such steps.
+/// Where a vertex is drawn: its offset from its pixel, in steps of EDGE_UNIT, and its q there; and the share
+/// of its colour, in the same steps.
 struct EdgeMove {
     ivec2 by;
     float q;
@@ -77,12 +77,12 @@ EDGE_FUNCTION bool edge_joins(EDGE_LATTICE lattice, ivec2 one, ivec2 other) {
     return least > 0.0f && greatest <= lattice.ratio * least;
 }
 
-/// Whether there is a gap between a vertex and what is beside it in the picture.
+/// Whether there is a gap between a vertex and its neighbour `beside` in the picture.
 EDGE_FUNCTION bool edge_has_gap(EDGE_LATTICE lattice, ivec2 at, ivec2 beside) {
     return edge_is_there(lattice, beside) && !edge_joins(lattice, at, beside);
 }
 
-/// From a vertex with a gap towards `out` to the next one along it; false where the edge ends, or turns.
+/// Moves `at` from a vertex with a gap towards `out_` to the next along it; false if the edge ends or turns.
 EDGE_FUNCTION bool edge_goes_on(EDGE_LATTICE lattice, EDGE_CHANGED(ivec2) at, ivec2 along, ivec2 out_) {
     ivec2 next = at + along;
     if (!edge_is_there(lattice, next)) return false;
@@ -98,8 +98,8 @@ EDGE_FUNCTION bool edge_goes_on(EDGE_LATTICE lattice, EDGE_CHANGED(ivec2) at, iv
     return edge_has_gap(lattice, next, next + out_);
 }
 
-/// q of the surface within, as it goes on to a vertex at its edge, how much it changes from one to the next
-/// outwards, and how much from there to the vertex's own; false where the surface is too narrow to tell.
+/// Adds q of the surface within, extrapolated to a vertex at its edge, its change per vertex outwards, and
+/// the change to the vertex's own q; false if the surface is too narrow to tell.
 EDGE_FUNCTION bool edge_slope(EDGE_LATTICE lattice, ivec2 at, ivec2 out_, EDGE_CHANGED(float) q,
                               EDGE_CHANGED(float) change, EDGE_CHANGED(float) last) {
     const ivec2 within = at - out_, farther = within - out_;
@@ -117,9 +117,9 @@ EDGE_FUNCTION bool edge_slope(EDGE_LATTICE lattice, ivec2 at, ivec2 out_, EDGE_C
     return true;
 }
 
-/// How much is left of the colour at an edge where q is `here`, and `steepest` apart from pixel to pixel.
+/// The share of the colour left at an edge with q `here`, which differs by `steepest` from pixel to pixel.
 EDGE_FUNCTION int edge_shade_of(EDGE_LATTICE lattice, float here, float steepest) {
-    // In steps of a quarter of what may be, no division: the same on every machine.
+    // In steps of a quarter of what is allowed, without division: the same on every machine.
     EDGE_PRECISE float quarter = (0.25f * (lattice.ratio - 1.0f)) * here;
     EDGE_PRECISE float step = quarter * (2.0f / float(EDGE_UNIT - EDGE_DARKEST));
     int shade = EDGE_UNIT;
@@ -130,7 +130,7 @@ EDGE_FUNCTION int edge_shade_of(EDGE_LATTICE lattice, float here, float steepest
     return shade;
 }
 
-/// Of a vertex beside a gap, by itself.
+/// The shade of a vertex beside a gap, by its own neighbours.
 EDGE_FUNCTION int edge_shade(EDGE_LATTICE lattice, ivec2 at) {
     const float here = edge_q(lattice, at);
     float steepest = 0.0f;
@@ -144,7 +144,7 @@ EDGE_FUNCTION int edge_shade(EDGE_LATTICE lattice, ivec2 at) {
     return edge_shade_of(lattice, here, steepest);
 }
 
-/// The move of a vertex with a gap on one side, `out_`; gives how far its edge was followed.
+/// The move of a vertex with a gap on one side, `out_`; returns how far its edge was followed.
 EDGE_FUNCTION int edge_across(EDGE_LATTICE lattice, ivec2 at, ivec2 out_, EDGE_CHANGED(EdgeMove) move) {
     const float shares[EDGE_REACH + 1] = {1.0f, 1.0f / 3.0f, 1.0f / 5.0f, 1.0f / 7.0f, 1.0f / 9.0f};
     const ivec2 along = ivec2(out_.y, out_.x);
@@ -165,7 +165,7 @@ EDGE_FUNCTION int edge_across(EDGE_LATTICE lattice, ivec2 at, ivec2 out_, EDGE_C
         beyond += both.x * out_.x + both.y * out_.y;
         ++reach;
     }
-    // The mean, rounded down, of what is made positive for that; half a pixel farther.
+    // The mean, made positive to be rounded down; half a pixel farther.
     const int count = 2 * reach + 1;
     int steps = (EDGE_UNIT * (beyond + EDGE_REACH * count)) / count - EDGE_UNIT * EDGE_REACH + EDGE_UNIT / 2;
     steps = steps < 0 ? 0 : (steps > EDGE_MOST ? EDGE_MOST : steps);
@@ -179,7 +179,7 @@ EDGE_FUNCTION int edge_across(EDGE_LATTICE lattice, ivec2 at, ivec2 out_, EDGE_C
     EDGE_PRECISE float mean = q * shares[reach];
     EDGE_PRECISE float slope = change * shares[reach];
     EDGE_PRECISE float here = mean + 0.5f * slope;
-    // No farther from what is within than half of what neighbours of one surface may be: steeper ones would
+    // q differs from that within by at most half of what neighbours of one surface may: steeper ones would
     // end in long tongues.
     EDGE_PRECISE float apart = (0.5f * (lattice.ratio - 1.0f)) * within;
     EDGE_PRECISE float least = within - apart;
@@ -190,8 +190,8 @@ EDGE_FUNCTION int edge_across(EDGE_LATTICE lattice, ivec2 at, ivec2 out_, EDGE_C
     return reach;
 }
 
-/// How a vertex is drawn that has a gap towards `out_`, of its move there and how far its edge was followed: by
-/// the side along which that is farther.
+/// The move of a vertex with a gap towards `out_`, by its move there and how far its edge was followed: on
+/// the side along which the edge goes farther.
 EDGE_FUNCTION EdgeMove edge_farther(EDGE_LATTICE lattice, ivec2 at, ivec2 out_, EdgeMove move, int reach) {
     const ivec2 side = ivec2(out_.y, out_.x);
     const bool gap_after = edge_has_gap(lattice, at, at + side),
@@ -222,7 +222,7 @@ EDGE_FUNCTION EdgeMove edge_move(EDGE_LATTICE lattice, ivec2 at) {
         const int steep_reach = upright ? edge_across(lattice, at, gap_down ? down : -down, steep) : -1;
         return steep_reach >= level_reach ? steep : level;
     }
-    if (gap_right || gap_down) {  // on either side
+    if (gap_right || gap_down) {  // on both sides
         move.shade = edge_shade(lattice, at);
         return move;
     }
@@ -233,7 +233,7 @@ EDGE_FUNCTION EdgeMove edge_move(EDGE_LATTICE lattice, ivec2 at) {
     const ivec2 out_ = gap_after ? aslant : -aslant;
     const ivec2 beyond = at + out_, one = ivec2(beyond.x, at.y), other = ivec2(at.x, beyond.y);
     if (edge_joins(lattice, beyond, one) || edge_joins(lattice, beyond, other)) return move;
-    // In the middle of where the two that the gap lies between would go.
+    // In the middle of where the two neighbours beside the gap would go.
     EdgeMove level = move, steep = move;
     const ivec2 out_one = ivec2(0, out_.y), out_other = ivec2(out_.x, 0);
     const int reach_one = edge_across(lattice, one, out_one, level),

@@ -1,8 +1,8 @@
-// What the kernel edges.comp, those that draw from what it writes, and C++ agree on.
+// Interface of the kernel edges.comp, the shaders that draw from its output, and C++.
 //
-// q of every vertex becomes where those at edges are drawn (edge_rule.h), with a lane for each: two words a
-// vertex, the bits of q there, 0 where the vertex is drawn at its pixel, and from the lowest byte on the move
-// in x, in y, and the shade. Views from the clip's own place are drawn without.
+// A lane for each vertex finds from q where it is drawn at edges (edge_rule.h): two words a vertex, the bits
+// of q there, 0 if the vertex is drawn at its pixel, and from the lowest byte on the move in x, in y, and the
+// shade. Views from the clip's own place do not use it.
 #ifndef TOUCHABLE_SHADERS_EDGES_H
 #define TOUCHABLE_SHADERS_EDGES_H
 
@@ -22,16 +22,16 @@ struct EdgesPush {
     uint width, height;  // of the lattice
     uint pitch;          // vertices of a row of q
     float ratio;         // of cut_rule.h
-    uint are_values;     // colours, of a scale: they are not shaded
+    uint are_values;     // colours are of a scale and not shaded
 };
 
 #ifndef __cplusplus
-/// Where a vertex is drawn, in pixels of the lattice, and its q there, of these two words.
+/// Where a vertex is drawn, in pixels of the lattice, and its q there, from these two words.
 vec3 edge_place(uvec2 moved, uint x, uint y) {
     const ivec2 by = ivec2(bitfieldExtract(int(moved.y), 0, 8), bitfieldExtract(int(moved.y), 8, 8));
     return vec3(vec2(x, y) + vec2(by) / float(EDGE_UNIT), uintBitsToFloat(moved.x));
 }
-/// How much of its colour.
+/// The share of its colour.
 float edge_light(uvec2 moved) {
     return float(moved.y >> 16) / float(EDGE_UNIT);
 }

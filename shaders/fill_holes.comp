@@ -4,7 +4,7 @@
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
 // One pass of hole filling: an invalid code with at least three valid neighbours becomes their lower median,
-// which is that of its 3x3 window, because it does not count itself. All others stay as they are stored.
+// which is that of its 3x3 window, because it does not count itself. All other codes stay as stored.
 
 #include "shaders/median3.h"
 #include "shaders/surface_codes.h"
@@ -32,7 +32,7 @@ Pixels filtered(Column columns[8 + 2 * strip_reach]) {
         const bool keeps_lower = centre.lower_valid || lower_invalid > most_invalid;
         pixels.upper[k] = keeps_upper ? centre.upper_code : upper;
         pixels.lower[k] = keeps_lower ? centre.lower_code : lower;
-        pixels.upper_valid[k] = !keeps_upper;  // filled, that is
+        pixels.upper_valid[k] = !keeps_upper;  // here: filled
         pixels.lower_valid[k] = !keeps_lower;
     }
     return pixels;
@@ -43,7 +43,7 @@ Written take(Task task, uint texel, Pixels pixels) {
     const bool two_rows = 2u * task.strip + 1u < push.height;
     [[unroll]] for (int k = 0; k < 8; ++k) {
         const bool filled = pixels.upper_valid[k] || (two_rows && pixels.lower_valid[k]);
-        // Those beyond the task are another lane's too, and before the picture there are none.
+        // Pixels beyond the task are another lane's, too, and before the picture there are none.
         any_filled = any_filled || (filled && (inside >> k & 1u) != 0u && (texel > 0u || k >= strip_reach));
     }
     return Written(Eight(pixels.upper), Eight(pixels.lower));
@@ -55,7 +55,7 @@ void main() {
     const Task task = task_of(gl_GlobalInvocationID.x);
     if (task.there) march(task);
     if (!any_filled) return;
-    // What this pass filled may give the next one something to do.
+    // The holes that this pass filled may give the next one work.
     atomicMax(passes[push.pass + 1u].groups_x, push.groups);
     atomicMax(passes[push.pass + 1u].groups_y, 1u);
     atomicMax(passes[push.pass + 1u].groups_z, 1u);

@@ -3,8 +3,8 @@
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
-// Pixels that hang between two surfaces are pulled to one (docs/conventions.md): a lane per texel of eight. Invalid codes stay as
-// they are stored.
+// Pulls pixels that hang between two surfaces to one (docs/conventions.md): a lane per texel of eight.
+// Invalid codes stay as stored.
 
 #include "shaders/surface_codes.h"
 #include "shaders/texels.h"
@@ -49,7 +49,7 @@ ivec2 ramp_end(int code, int next_code, int gate, int x, int y, int dx, int dy) 
     return ivec2(none, 0);
 }
 
-/// Takes in the two sides of a line, where a pixel hangs between them.
+/// Takes the nearer side of a line into `landed` and `widest`, if a pixel hangs between both.
 void judge(int code, int gate, int x, int y, int dx, int dy, inout int landed, inout int widest) {
     const int next_a = code_at(x - dx, y - dy), next_b = code_at(x + dx, y + dy);
     if (next_a < 0 || next_b < 0 || max(abs(code - next_a), abs(code - next_b)) <= gate) return;

@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 
-// Red, green and blue -> codes (hue_code.h), a lane per eight pixels of a row: 24 bytes in, a texel out. A colour
-// that says nothing of depth becomes a code beyond every valid one (engine/scene/frames.hpp).
+// Red, green and blue -> codes (hue_code.h), a lane per eight pixels of a row: 24 bytes in, a texel out. A
+// colour without a depth becomes a code beyond every valid one (engine/scene/frames.hpp).
 
 #include "shaders/hue_code.h"
 #include "shaders/surface_codes.h"

@@ -18,13 +18,13 @@ layout(push_constant, std430) uniform Push {
 };
 layout(set = 0, binding = LIGHT_Q) uniform utextureBuffer q_texels;
 layout(set = 0, binding = LIGHT_RGB) uniform utextureBuffer rgb_texels;
-// In the widest words there are, because a software Vulkan's stores are paid by the word.
+// In the widest words, because a software Vulkan's stores cost by the word.
 layout(set = 0, binding = LIGHT_COLOURS, std430) writeonly buffer Colours {
     u64vec4 colours[];
 };
 
 #define SEEN 16   // columns of q around the lane's, from 4 before them on
-#define CELLS 13  // columns of cells whose triangles they see, from 3 before them on
+#define CELLS 13  // columns of cells whose triangles light them, from 3 before them on
 
 struct Row {
     float q[SEEN];
@@ -44,7 +44,7 @@ Row load(int y, int lane_column) {
     return row;
 }
 
-/// Normal of a triangle through (x, y, q), towards the camera, as long as it is large; 0 where it is cut.
+/// Normal of a triangle through (x, y, q), towards the camera, with its area as length; 0 if it is cut.
 vec3 normal_of(float x, float y, float q, float to_right, float down, float q1, float q2) {
     const float weight =
         triangle_is_cut(q, q1, q2) ? 0.0f : push.unit / (q * push.unit * (q1 * push.unit) * (q2 * push.unit));
@@ -66,7 +66,7 @@ Sums sums_of_five(vec3 values[CELLS]) {
 /// What a row of cells adds to the sums of the rows of vertices around it.
 struct Shares {
     vec3 upper[LIGHT_COLUMNS];  // of vertices at the cells' upper corners alone
-    vec3 lower[LIGHT_COLUMNS];  // and the lower ones
+    vec3 lower[LIGHT_COLUMNS];  // of those at the lower ones
 };
 Shares shares_of(Row upper, Row lower, float x, float y) {
     vec3 right[CELLS], left[CELLS];
@@ -76,8 +76,8 @@ Shares shares_of(Row upper, Row lower, float x, float y) {
         left[n] = normal_of(x + float(n - 3), y, q00, q11 - q01, q01 - q00, q01, q11);
     }
     const Sums rights = sums_of_five(right), lefts = sums_of_five(left);
-    // A vertex is a corner of the right triangle of the cell to its lower right, of the cell to its left (a
-    // lower one or an upper one), and of the left triangle of those beside.
+    // A vertex is a corner of both triangles of the cells to its lower right and upper left, of the right
+    // triangle of the cell to its lower left, and of the left one of the cell to its upper right.
     Shares shares;
     [[unroll]] for (int n = 0; n < LIGHT_COLUMNS; ++n) {
         shares.upper[n] = rights.of[n + 1] + rights.of[n] + lefts.of[n + 1];
@@ -176,7 +176,7 @@ void main() {
             sums[3][n] = sums[4][n] + both;
             sums[4][n] = shares.lower[n];
         }
-        // Of clay, the shade wants q of its own row again.
+        // The shade of clay needs q of its own row again.
         if (y - 2 >= first) {
             Row own;
             if (has_colour == 0u) own = load(y - 2, lane_column);

@@ -1,12 +1,12 @@
-// What the kernel light.comp and its caller agree on. Compiled as GLSL and as C++.
+// Interface of the kernel light.comp and its caller. Compiled as GLSL and as C++.
 //
-// q of every vertex and its colour become the colour that is drawn, lit by the normal of what lies around it:
-// the sum over 5x5 vertices of the normals of the triangles at each, as long as those are large. A lane takes
-// eight columns of vertices and marches down them; a row of cells adds what it has to the sums of the six
-// rows of vertices that see it, so that no normal is stored.
+// Turns q of every vertex and its colour into the colour that is drawn, lit by the normal of its
+// surroundings: the sum over 5x5 vertices of the normals of the triangles at each, as long as those are
+// large. A lane takes eight columns of vertices and marches down them; a row of cells adds its share to the
+// sums of the six rows of vertices that it lights, so that no normal is stored.
 //
 // The plane of a triangle is q = n . ray, so its normal is two differences of q and the plane's q on the
-// optical axis; and the cross product of its sides is n / (q0 q1 q2), but for a factor that is the same for
+// optical axis; and the cross product of its sides is n / (q0 q1 q2), up to a factor that is the same for
 // all.
 #ifndef TOUCHABLE_SHADERS_LIGHT_H
 #define TOUCHABLE_SHADERS_LIGHT_H
@@ -20,7 +20,7 @@ using uint = unsigned int;
 #define LIGHT_COLUMNS 8  // of a lane
 
 #define LIGHT_Q 0        // texels of 4
-#define LIGHT_RGB 1      // texels: 3 bytes a vertex, rows as long as q's; any buffer where there is no colour
+#define LIGHT_RGB 1      // texels: 3 bytes a vertex, rows as long as q's; any buffer if there is no colour
 #define LIGHT_COLOURS 2  // PackedColour, rows as long as q's
 
 /// Specialisation constants, in order: 0 or 1.
@@ -31,8 +31,8 @@ struct LightConstants {
 
 struct LightPush {
     float fx, fy, cx, cy;   // of the clip's camera, pixels
-    float unit;             // scene units: a depth as large as any, so that no sum grows beyond floats
-    float far_q;            // of clay: q of what is far, and 1 / how much more that of what is near is
+    float unit;             // scene units: as large as any depth, so that sums stay in the range of floats
+    float far_q;            // clay: q of the far end; below, 1 / (q of the near end - that)
     float per_q_range;
     uint width, height;     // of the lattice
     uint pitch;             // texels of a row of q

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
-// Which tiles have triangles to draw -> lists of them. Each lane takes as many tiles as the others, one after
-// the other, and begins to write where the lanes before it end.
+// Which tiles have triangles to draw -> lists of them. All lanes take equally many tiles, in order, and each
+// begins to write where the lanes before it end.
 
 #include "shaders/tile_lists.h"
 

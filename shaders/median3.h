@@ -1,20 +1,20 @@
 // The lower median of 9 codes, some of them invalid, without a branch; for GLSL.
 //
-// Invalid codes count as least and greatest in turn, so that the middle of all is the lower median of the valid
-// ones (engine/surface/median.cpp). A column is sorted once, with its invalid codes above all others; both ways
-// it can take part, with the first of them as the least or as the greatest, follow by shifting. A window starts
-// with the least and goes on, column by column, with whatever is next in turn.
+// Invalid codes count as least and greatest alternately, so that the middle of all is the lower median of the
+// valid ones (engine/surface/median.cpp). A column is sorted once, with its invalid codes above all others;
+// its two forms, with the first invalid code as the least or as the greatest, follow by shifting. A window
+// starts with the least, and each column continues the alternation.
 #ifndef TOUCHABLE_SHADERS_MEDIAN3_H
 #define TOUCHABLE_SHADERS_MEDIAN3_H
 
 #include "shaders/median_network.h"
 
-/// A column of three, ascending. `odd`: of its invalid codes, whose turn changes after it.
+/// A column of three, ascending. `odd`: an odd number of invalid codes, which switches the alternation.
 struct Ranked3 {
     uint least_first[3], greatest_first[3];
     bool odd;
 };
-/// Two neighbouring columns, the first in turn with the least.
+/// Two neighbouring columns, the first beginning with the least.
 struct Pair3 {
     uint v[4];
     bool odd;
@@ -24,7 +24,7 @@ uint[3] chosen(bool which, uint yes[3], uint no[3]) {
     return uint[3](which ? yes[0] : no[0], which ? yes[1] : no[1], which ? yes[2] : no[2]);
 }
 
-/// One more least, and the greatest left out.
+/// Adds a least code and drops the greatest.
 uint[3] shifted(uint v[3]) {
     return uint[3](0u, v[0], v[1]);
 }

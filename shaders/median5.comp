@@ -11,7 +11,7 @@
 const int strip_rows = 6, strip_centre = 2, strip_reach = 2;
 const bool outside_repeats = true;
 
-/// Of the upper row's window (rows 0 to 4) and of the lower one's (rows 1 to 5); the rows' own validity.
+/// A column of the upper row's window (rows 0 to 4) and the lower one's (rows 1 to 5); the rows' validity.
 struct Column {
     Ranked5 upper, lower;
     bool upper_valid, lower_valid;

@@ -5,7 +5,7 @@
 
 #include "shaders/median_network.h"
 
-/// A column of five, ascending. `odd`: of its invalid codes, whose turn changes after it.
+/// A column of five, ascending. `odd`: an odd number of invalid codes, which switches the alternation.
 struct Ranked5 {
     uint least_first[5], greatest_first[5];
     bool odd;
@@ -15,7 +15,7 @@ struct Pair5 {
     uint least_first[10], greatest_first[10];
     bool odd;
 };
-/// What can be the median of four columns and a fifth.
+/// The codes of four columns that can be the median with a fifth.
 struct Quad5 {
     uint v[6];
     bool odd;
@@ -32,7 +32,7 @@ uint[10] chosen(bool which, uint yes[10], uint no[10]) {
     return v;
 }
 
-/// One more least, and the greatest left out.
+/// Adds a least code and drops the greatest.
 uint[5] shifted(uint v[5]) {
     return uint[5](0u, v[0], v[1], v[2], v[3]);
 }

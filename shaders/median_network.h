@@ -1,9 +1,9 @@
-// Medians of 9 and 25 codes from minima and maxima alone, without a branch, for GLSL and for C++: what both run is
-// one text, which a test proves right. In C++ a Code is anything that `lesser` and `greater` are declared for before
+// Medians of 9 and 25 codes from minima and maxima alone, without a branch, for GLSL and for C++: both run
+// the same text, which a test verifies. In C++ a Code is any type with `lesser` and `greater` declared before
 // this is included, such as vectors of codes.
 //
-// The window comes as columns that are each sorted, so that neighbouring windows share them, and also what two of
-// them are merged to: pixels next to each other, x and x + 1, share the columns between x - 1 and x + 2.
+// A window is given as sorted columns, which neighbouring windows share, as they share merged pairs of
+// columns: neighbouring pixels, x and x + 1, share the columns between x - 1 and x + 2.
 #ifndef TOUCHABLE_SHADERS_MEDIAN_NETWORK_H
 #define TOUCHABLE_SHADERS_MEDIAN_NETWORK_H
 
@@ -73,15 +73,15 @@ NETWORK void sort5(CHANGED(v, 5)) {
 }
 
 /// Of a 3x3 window sorted along its columns, and then along its rows, only a diagonal can be the median: the
-/// greatest of the columns' least, the middle one of their middle ones and the least of their greatest. What two
-/// columns say of these.
+/// greatest of the columns' least, the middle one of their middle ones and the least of their greatest.
+/// Computes these of two columns.
 NETWORK void pair3(GIVEN(a, 3), GIVEN(b, 3), CHANGED(pair, 4)) {
     pair[0] = greater(a[0], b[0]);
     pair[1] = lesser(a[1], b[1]);
     pair[2] = greater(a[1], b[1]);
     pair[3] = lesser(a[2], b[2]);
 }
-/// With a third column.
+/// The median with a third column.
 NETWORK Code median9(GIVEN(pair, 4), GIVEN(c, 3)) {
     const Code middle = greater(pair[1], lesser(pair[2], c[1]));
     return middle_of(greater(pair[0], c[0]), middle, lesser(pair[3], c[2]));
@@ -133,8 +133,8 @@ NETWORK void quad5(GIVEN(a, 10), GIVEN(b, 10), CHANGED(quad, 6)) {
         quad[2 * k + 1] = greater(odd[k + 3], even[k + 4]);
     }
 }
-/// Rank 12 of four columns and a fifth: of n codes of the four and 13 - n of the fifth, the greatest; least
-/// over n.
+/// Rank 12 of four columns and a fifth: least, over n, of the greatest of n codes of the four and 13 - n of
+/// the fifth.
 NETWORK Code median25(GIVEN(quad, 6), GIVEN(c, 5)) {
     Code median = quad[5];
     UNROLLED for (int k = 0; k < 5; ++k) median = lesser(median, greater(quad[k], c[4 - k]));

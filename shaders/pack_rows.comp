@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
-// Codes in rows of whole texels -> row after row without a gap, as a SurfaceFrame has them: then the CPU reads them where
+// Codes in rows of whole texels -> rows without gaps, as in a SurfaceFrame: then the CPU reads them where
 // they were copied to. Two neighbours a lane.
 
 #include "shaders/surface_codes.h"

@@ -3,7 +3,7 @@
 #extension GL_EXT_shader_atomic_int64 : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
-// Triangles of a tile, small on the screen, into packed pixels.
+// Draws triangles of a tile, small on the screen, into packed pixels.
 
 #include "shaders/raster_common.h"
 #include "shaders/tile_lists.h"
@@ -19,7 +19,7 @@ struct Corner {
     ivec2 at;  // subpixels
     float z, q;
     float share;  // 1 / w
-    vec3 colour;  // times that
+    vec3 colour;  // times share
     bool in_front;  // of the near plane
 };
 
@@ -44,7 +44,7 @@ int edge(ivec2 a, ivec2 b, ivec2 p) {
 }
 
 // A triangle's three edge functions at a pixel, turned so that inside is positive, and their steps to the
-// right and down. A pixel centre on an upper or left edge is inside: `least` of each that is.
+// right and down. A pixel centre on an upper or left edge is inside; `least`: the least values inside.
 struct Edges {
     ivec3 here, right, down, least;
     float scale;  // 1 / twice the area; 0 for a triangle without one
@@ -102,7 +102,7 @@ bool draw_cell(Corner top_left, Corner top_right, Corner bottom_right, Corner bo
     const ivec2 size = high - low;
     const bool in_front =
         top_left.in_front && top_right.in_front && bottom_right.in_front && bottom_left.in_front;
-    // Where part of a cell is behind the eye, its corners say nothing of where it is seen.
+    // If part of a cell is behind the eye, its corners do not tell where it is seen.
     const bool is_large = !in_front || max(size.x, size.y) >= RASTER_LARGE_CELL;
     const int half_pixel = VIEW_SUBPIXELS / 2;
     const ivec2 picture = ivec2(push.picture_width, push.picture_height);
@@ -151,7 +151,7 @@ void main() {
         top_left = bottom_left;
         top_right = bottom_right;
     }
-    // Here, because a software GPU goes through the atomics even where no lane needs them.
+    // Here, because a software GPU executes the atomics even if no lane needs them.
     for (; large_rows != 0u; large_rows &= large_rows - 1u)
         leave_to_large((first_row + uint(findLSB(large_rows))) * push.pitch + i);
 }

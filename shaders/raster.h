@@ -1,11 +1,11 @@
-// What the kernels raster.comp and raster_large.comp and their callers agree on. Compiled as GLSL and as C++.
+// Interface of the kernels raster.comp and raster_large.comp and their callers. Compiled as GLSL and as C++.
 //
 // raster.comp draws a tile of 16x16 cells with a lane for each column of cells, which marches down, so that a
 // cell costs two new vertices. It leaves cells that reach before the near plane, or over RASTER_LARGE_CELL
 // subpixels, in a list for raster_large.comp, which draws each with a whole workgroup.
 //
-// A pixel is z's bits above the colour's (PackedColour): z > 0, so the greatest of all is the nearest,
-// the first that comes; 0 is empty.
+// A pixel is z's bits above the colour's (PackedColour): z > 0 and larger when nearer, so the greatest is the
+// nearest; 0 is empty.
 #ifndef TOUCHABLE_SHADERS_RASTER_H
 #define TOUCHABLE_SHADERS_RASTER_H
 
@@ -26,7 +26,7 @@ using uint = unsigned int;
 #define RASTER_COLOURS 1  // words, too
 #define RASTER_PIXELS 2  // 64 bits each
 #define RASTER_LARGE 3   // RASTER_LARGE_HEADER, then cells: room for all there are
-#define RASTER_EDGES 4   // where vertices at edges are drawn (shaders/edges.h); of any kind where they are not
+#define RASTER_EDGES 4   // moved vertices (shaders/edges.h); any buffer if none are moved
 #define RASTER_TILES 5   // of raster.comp: what to draw (shaders/tile_lists.h)
 
 struct RasterPush {

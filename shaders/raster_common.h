@@ -1,4 +1,4 @@
-// What raster.comp and raster_large.comp share; GLSL alone.
+// Shared by raster.comp and raster_large.comp; GLSL alone.
 #ifndef TOUCHABLE_SHADERS_RASTER_COMMON_H
 #define TOUCHABLE_SHADERS_RASTER_COMMON_H
 
@@ -48,7 +48,7 @@ Projected projected(uint vertex, uint x, uint y) {
     return Projected(view_clip(push.rows, place.x, place.y, place.z), colour * edge_light(moved));
 }
 
-/// By the rule of this view.
+/// Cuts by the rule of this view.
 bool is_cut(float q0, float q1, float q2) {
     return push.is_turned != 0u ? triangle_is_cut(q0, q1, q2) : triangle_has_hole(q0, q1, q2);
 }

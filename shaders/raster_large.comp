@@ -3,7 +3,7 @@
 #extension GL_EXT_shader_atomic_int64 : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
-// Cells that are large on the screen or reach before the near plane, into packed pixels: a workgroup each.
+// Cells that are large on the screen or reach before the near plane -> packed pixels, a workgroup each.
 
 #include "shaders/raster_common.h"
 
@@ -13,7 +13,7 @@ struct Point {
     int64_t x, y;  // subpixels
     float z;
     float share;  // 1 / w
-    vec3 colour;  // times that
+    vec3 colour;  // times share
 };
 
 Point to_screen(vec4 clip, vec3 colour) {

@@ -1,7 +1,7 @@
-// What the kernel resolve.comp and its caller agree on. Compiled as GLSL and as C++.
+// Interface of the kernel resolve.comp and its caller. Compiled as GLSL and as C++.
 //
-// Packed pixels (shaders/raster.h) become colours and z, as they are copied into images; where nothing is
-// drawn, the background's colour and 0. A lane marches along a row, or a part of it, eight pixels a step.
+// Converts packed pixels (shaders/raster.h) to colours and z, as they are copied into images; empty pixels
+// get the background's colour and 0. A lane marches along a row, or a part of it, eight pixels a step.
 #ifndef TOUCHABLE_SHADERS_RESOLVE_H
 #define TOUCHABLE_SHADERS_RESOLVE_H
 
@@ -19,7 +19,7 @@ using uint = unsigned int;
 #define RESOLVE_Z 3           // floats
 
 struct ResolvePush {
-    uint steps;          // of a row, memory's
+    uint steps;          // of a row in memory
     uint height;         // pixels
     uint segments;       // parts of a row, for a lane each
     uint segment_steps;  // steps of a part

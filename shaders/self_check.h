@@ -19,7 +19,7 @@ struct SelfCheckPush {
     uint salt;
 };
 
-/// Products that wrap, shifts and exclusive ors: what integer kernels live on.
+/// Products that wrap, shifts and exclusive ors: typical of integer kernels.
 SELF_CHECK_FUNCTION uint self_check_word(uint word, uint salt) {
     word = (word ^ salt) * 0x9E3779B1u;
     word = (word ^ (word >> 15u)) * 0x85EBCA77u;

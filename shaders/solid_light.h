@@ -28,14 +28,14 @@ SOLID_FUNCTION vec3 solid_light(vec3 colour, vec3 normal, vec3 to_eye) {
     return colour * diffuse + 0.28f * gloss8 * gloss8 * gloss8 * gloss8 * gloss8;
 }
 
-/// How much of what is behind a solid that is seen through it hides: more towards its rim, as a bubble does,
-/// and less where it is behind something itself. `facing`: of the normal and the direction to the eye, > 0.
+/// How much a transparent solid hides of what is behind it: more towards its rim, as a bubble does, and less
+/// if it is behind something itself. `facing`: cosine between the normal and the direction to the eye, > 0.
 SOLID_FUNCTION float veil(float opacity, float facing, bool is_behind) {
     const float rim = (1.0f - facing) * (1.0f - facing);
     return min(opacity * (is_behind ? 0.75f : 1.0f) * (0.45f + 1.3f * rim), 1.0f);
 }
 
-/// What is left of the light on a surface at a share (0 to 1) of the reach of a ball's shadow. `darkness`: 0 to
+/// The share of light left on a surface at a share (0 to 1) of the reach of a ball's shadow. `darkness`: 0 to
 /// 1, in its middle.
 SOLID_FUNCTION float shadow_light(float squared_share, float darkness) {
     const float fade = 1.0f - squared_share;

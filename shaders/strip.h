@@ -1,13 +1,13 @@
 // The march along a strip, for GLSL: a lane holds two rows and goes along them texel by texel. Columns of the
-// window are ranked once and rolled on, and no value is loaded twice by a lane. A software Vulkan likes it
-// because texels are its only fast loads and stores of single codes its slowest; it does not branch, so what
-// is invalid goes through the same minima and maxima as everything else.
+// window are ranked once and rolled on, and no value is loaded twice by a lane. This suits a software Vulkan,
+// whose only fast loads are texels and whose slowest stores are single codes; it does not branch, so invalid
+// codes go through the same minima and maxima as all others.
 //
-// The includer defines before: strip_rows, how many rows the window of the two has; strip_centre, which of them
-// is the upper of the two; strip_reach, how many columns the window has to each side, at least 1;
-// outside_repeats, whether the border repeats beyond the picture, or nothing there is valid; `Column`, what is
-// kept of a column of the window, and rank_column. And after: filtered, take, finish_word, and main, which calls
-// `march`.
+// The includer defines before: strip_rows, the number of rows of the two rows' window; strip_centre, which of
+// them is the upper of the two; strip_reach, the columns of the window to each side, at least 1;
+// outside_repeats, whether the border repeats beyond the picture, or nothing there is valid; `Column`, what
+// is kept of a column of the window, and rank_column. And after: filtered, take, finish_word, start_word, and
+// main, which calls `march`.
 #ifndef TOUCHABLE_SHADERS_STRIP_H
 #define TOUCHABLE_SHADERS_STRIP_H
 
@@ -27,30 +27,30 @@ layout(set = 0, binding = 1, std430) writeonly buffer Codes { u64vec2 out_codes[
 
 const uint greatest_code = 65535u;
 
-/// One lane's work: strip `strip` from texel `first` to before `end`; not there: none.
+/// One lane's work: strip `strip` from texel `first` to before `end`; none if not `there`.
 struct Task {
     bool there;
     uint strip, first, end;
 };
 
-/// What comes of eight neighbours in both rows.
+/// The results of eight neighbours in both rows.
 struct Pixels {
     uint upper[8], lower[8];
     bool upper_valid[8], lower_valid[8];
 };
-/// The codes that are written of them.
+/// The codes to be written.
 struct Written {
     Eight upper, lower;
 };
 
 /// Pixels 8 t - strip_reach + k for k = 0 to 7, from the columns 8 t - 2 strip_reach and on.
 Pixels filtered(Column columns[8 + 2 * strip_reach]);
-/// Takes the pixels that start strip_reach before a texel. One after the last of a task, the first strip_reach
-/// of them are still the task's, and one before it those after; what lies outside the picture may be anything.
+/// Takes the pixels that start strip_reach before a texel. At task.end only the first strip_reach of them are
+/// the task's, at task.first only the others; pixels outside the picture may be anything.
 Written take(Task task, uint texel, Pixels pixels);
-/// All pixels of a word of validity, 32 or what is left of a row, have been taken, and the first one after them.
+/// Called when a word of validity's pixels, 32 or the rest of a row, and the first one after it are taken.
 void finish_word(Task task, uint word);
-/// From here on pixels belong to another word, but for strip_reach of those taken last, which did already.
+/// Pixels belong to the next word from here on; of those taken last all but the first strip_reach do.
 void start_word();
 
 Eight unpacked_bytes(uvec2 words) {
@@ -59,8 +59,8 @@ Eight unpacked_bytes(uvec2 words) {
     return codes;
 }
 
-/// Stored values 8 `texel` to 8 `texel` + 7 of the row that starts at texel `start`; the last one stands for
-/// those beyond the width. The texel at the width is asked for too: its first values are the last one.
+/// Stored values 8 `texel` to 8 `texel` + 7 of the row that starts at texel `start`; those beyond the width
+/// repeat the last one. The texel at the width is read, too: its first values are the last one.
 Eight load(uint start, uint texel) {
     const uint last = (push.width - 1u) >> 3;
     const uint there = min(texel, last);
@@ -90,11 +90,11 @@ Task task_of(uint lane) {
     return task;
 }
 
-/// The rows of a strip's window from one texel, or what stands for them.
+/// A texel of each row of a strip's window, or its substitute.
 struct Window {
     Eight rows[strip_rows];
 };
-/// Where they start.
+/// Where these rows start.
 struct Starts {
     uint rows[strip_rows];
 };
@@ -142,7 +142,7 @@ void start_columns(Task task, Starts starts, inout Column columns[8 + 2 * strip_
     }
 }
 
-/// Words of a row: those of a texel but for its last pixels, which the next one brings.
+/// The words of a texel without its last pixels, which the next one brings.
 uvec4 begun(Eight row) {
     uint v[8];
     [[unroll]] for (int k = 0; k < 8; ++k) v[k] = k + strip_reach < 8 ? row.v[k + strip_reach] : 0u;

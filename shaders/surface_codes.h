@@ -1,6 +1,5 @@
-// What the kernels that turn stored values into filtered codes share with each other and with C++. Planes are
-// rows of texels of 16 bytes, so of 8 codes or 16 stored bytes; bytes beyond the picture's width mean
-// nothing.
+// Shared by C++ and the kernels that turn stored values into filtered codes. Planes are rows of texels of 16
+// bytes, so of 8 codes or 16 stored bytes; bytes beyond the picture's width mean nothing.
 #ifndef TOUCHABLE_SHADERS_SURFACE_CODES_H
 #define TOUCHABLE_SHADERS_SURFACE_CODES_H
 
@@ -20,9 +19,9 @@ struct ValidCodes {
     uint excluded[4];
 };
 const uint no_such_code = 65536u;
-/// What a colour without a hue becomes.
+/// The code of a colour without a hue.
 const uint no_hue_code = 65535u;
-/// What an invalid code is between the passes of terrace removal and after them; valid ones are less.
+/// Marks invalid codes between the passes of terrace removal and after them; valid ones are less.
 const uint no_finer_code = 65535u;
 
 /// Below valid_min the difference wraps around to something beyond every span.
@@ -34,28 +33,27 @@ SURFACE_CODES_FUNCTION bool code_is_excluded(uint code, ValidCodes codes) {
            code == codes.excluded[3];
 }
 
-/// Neighbours of a row of blocks, of which each is a word of validity wide and a tile high, so two tiles.
-/// Numbered row by row.
+/// A run of neighbouring blocks, numbered row by row. A block is a word of validity wide and a tile high, so
+/// two tiles.
 struct ListedBlocks {
     uint first, count;
 };
 
-/// Of the kernels that march along strips (strip.h).
+/// Push constants of the kernels that march along strips (strip.h).
 struct StripPush {
     uint width, height;        // pixels
     uint in_pitch, out_pitch;  // texels from one row to the next
     uint segments;             // parts of a row that are marched side by side
     uint segment_texels;       // codes of a segment / 8; a multiple of 4
-    uint along_x;              // 1: neighbouring lanes are neighbours along x, as GPUs like it
+    uint along_x;              // 1: neighbouring lanes are neighbours along x, which suits GPUs
     uint validity_words;       // of a row
     uint pass, groups;         // of fill_holes: which pass this is, and workgroups of each
-    uint factor;               // WorkingCodes of filters after the median; unused where they are looked up
-    uint listed;               // runs of blocks that are built, of the last stage; 0: all of the frame
+    uint factor;               // WorkingCodes of filters after the median; unused if they are looked up
+    uint listed;               // of the last stage: runs of blocks to build; 0: the whole frame
     ValidCodes valid;
 };
 
-/// Workgroups of a pass of fill_holes, as an indirect dispatch wants them: 0 until the pass before it has
-/// filled a hole.
+/// The indirect dispatch of a pass of fill_holes: 0 workgroups until the pass before it has filled a hole.
 struct FillPass {
     uint groups_x, groups_y, groups_z;
 };
@@ -64,9 +62,9 @@ struct FillPass {
 struct StripConstants {
     uint group_size;
     uint sample_bytes;     // of a stored value: 1 or 2
-    uint may_be_invalid;   // 0 where every stored value is a valid code
-    uint may_be_excluded;  // 0 where ValidCodes excludes nothing
-    uint ragged;           // 0 where the width is a multiple of 8 and the height of 2
+    uint may_be_invalid;   // 0 if every stored value is a valid code
+    uint may_be_excluded;  // 0 if ValidCodes excludes nothing
+    uint ragged;           // 0 if the width is a multiple of 8 and the height of 2
     uint to_finer;         // 1: codes are for filters that need finer ones: working codes, or no_finer_code
     uint looked_up;        // 1: working codes are those of a table
 };
@@ -97,25 +95,25 @@ struct BlockConstants {
     uint sample_bytes, may_be_invalid, may_be_excluded, to_finer, looked_up;
 };
 
-/// Of pack_rows.
+/// Push constants of pack_rows.
 struct PackRowsPush {
     uint width, count;  // codes of a row, and of all
     uint pitch;         // words of 4 bytes from one row to the next
 };
 const uint pack_rows_group = 256u;
 
-/// Of terraces; width to along_x as in StripPush, but that a lane has one row.
+/// Push constants of terraces; width to along_x as in StripPush, but a lane has one row.
 struct TerracesPush {
     uint width, height, pitch;
     uint segments, segment_texels, along_x;
-    CurvePush steps, levels;     // from one stored code to the next, and from one level, in working codes
+    CurvePush steps, levels;     // distances of stored codes, and of levels, in working codes
     uint fraction, step, noise;  // TerraceFilter
 };
 
-/// Of the widest ramp whose pixels are pulled in; no pixel that is farther away is read.
+/// Steps of the widest ramp whose pixels are pulled in; pixels farther away are not read.
 const uint most_ramp_steps = 12u;
 
-/// Of flying_pixels.
+/// Push constants of flying_pixels.
 struct FlyingPixelsPush {
     uint width, height;
     uint in_pitch, out_pitch;  // texels from one row to the next
@@ -123,23 +121,23 @@ struct FlyingPixelsPush {
     ValidCodes valid;
 };
 
-/// Of temporal.
+/// Push constants of temporal.
 struct TemporalPush {
     uint height, pitch;  // pixels; texels from one row to the next
     uint begins;         // 1: nothing is known of the frame before
     CurvePush gate;
     uint none;         // what an invalid code becomes; beyond `valid`
-    ValidCodes valid;  // which exclude nothing
+    ValidCodes valid;  // which excludes nothing
 };
 
-/// What a strip of two rows knows of a tile, whose columns include the first of the next one, takes 8 bytes:
-/// a word least | greatest << 16 over valid codes, and one that is not 0 where a code is invalid. Those of
-/// two tiles, as wide as a word of validity, are a texel.
+/// A part of bounds, of a strip of two rows and a tile with the first column of the next one, takes 8 bytes:
+/// a word least | greatest << 16 over valid codes, and one that is not 0 if a code is invalid. Those of two
+/// tiles, as wide as a word of validity, are a texel.
 const uint tile_pair_bytes = 16u;
-/// Of a tile without a valid code.
+/// The first word of a part without a valid code.
 const uint no_part = 65535u;
 
-/// Of tile_bounds.
+/// Push constants of tile_bounds.
 struct TileBoundsPush {
     uint width, height;
     uint pitch;          // texels of codes from one row to the next
@@ -148,7 +146,7 @@ struct TileBoundsPush {
     uint listed;  // as in StripPush
 };
 
-/// Of hue_codes.
+/// Push constants of hue_codes.
 struct HueCodesPush {
     uint width, height;
     uint in_pitch;   // words of 4 bytes from one row to the next

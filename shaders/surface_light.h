@@ -1,5 +1,5 @@
-// Light on the surface, as light.comp and its twin (player/draw/drawn_surface.cpp) have it. Compiled as GLSL
-// and as C++ (with GLM). Colours: 0 to 255 a channel, as brightness.
+// Light on the surface, as light.comp and its twin (player/draw/drawn_surface.cpp) compute it. Compiled as
+// GLSL and as C++ (with GLM). Colours: 0 to 255 a channel, as brightness.
 #ifndef TOUCHABLE_SHADERS_SURFACE_LIGHT_H
 #define TOUCHABLE_SHADERS_SURFACE_LIGHT_H
 
@@ -18,8 +18,8 @@ using glm::vec3;
 #define LIGHT_FUNCTION
 #endif
 
-/// Light on a surface of a normal (unit, world axes), 0 to about 1: a light that models, one that keeps
-/// shadows from being black, and the sky.
+/// Light on a surface with this normal (unit, world axes), 0 to about 1: a key light, a fill light against
+/// black shadows, and the sky.
 LIGHT_FUNCTION float light_on(vec3 normal) {
     const vec3 key = vec3(-0.5425900f, 0.6412428f, 0.5425900f);
     const vec3 fill = vec3(0.8082904f, -0.1154701f, 0.5773503f);

@@ -1,4 +1,4 @@
-// What decoding and medians write beside codes, for GLSL: validity, and parts of tile bounds.
+// The output of decoding and medians beside codes, for GLSL: validity, and parts of tile bounds.
 #ifndef TOUCHABLE_SHADERS_SURFACE_OUTPUT_H
 #define TOUCHABLE_SHADERS_SURFACE_OUTPUT_H
 
@@ -37,12 +37,12 @@ uint64_t part_of(Bounds bounds) {
     return packUint2x32(uvec2(bounds.least | bounds.greatest << 16, bounds.any_invalid));
 }
 
-// What a lane gathers until a word of validity, which is two tiles, is full.
+// Collected by a lane until a word of validity, which is two tiles, is full.
 uint upper_word = 0u, lower_word = 0u;
 uint upper_later = 0u, lower_later = 0u;  // the next word's first bits
 Bounds tile = no_bounds, finished[2];
 
-/// Of pixels k = 0 to 7, which of those in `inside` are valid.
+/// Bits of the pixels k = 0 to 7 in `inside` that are valid.
 uint bits_of(bool valid[8], uint inside) {
     if (may_be_invalid == 0u) return inside;
     uint bits = 0u;
@@ -50,13 +50,13 @@ uint bits_of(bool valid[8], uint inside) {
     return bits & inside;
 }
 
-/// Both rows of a pixel: `upper` and `lower` say in bit k where they count, `either` where there are any.
+/// Bounds of a pixel in both rows; `upper` and `lower`: whether that row's code counts.
 Bounds bounds_of(uint upper_code, uint lower_code, bool upper, bool lower, bool any_invalid) {
     return Bounds(min(upper ? upper_code : greatest_code, lower ? lower_code : greatest_code),
                   max(upper ? upper_code : 0u, lower ? lower_code : 0u), any_invalid ? 1u : 0u);
 }
 
-/// WorkingCodes::of, where filters work on these.
+/// WorkingCodes::of, if filters work on these.
 uint scaled(uint code) {
     if (to_finer == 0u) return code;
     return looked_up == 0u ? code * push.factor : working_codes[code >> 1u] >> (16u * (code & 1u)) & 0xffffu;
@@ -79,7 +79,7 @@ Written take(Task task, uint texel, Pixels pixels) {
         if (k < strip_reach) before = joined(before, both);
         else after = joined(after, both);
         if (k == strip_reach) border = both;
-        // shaders/terraces.comp tells invalid codes by their own.
+        // shaders/terraces.comp knows invalid codes by no_finer_code.
         const uint none = to_finer != 0u ? no_finer_code : 0u;
         written.upper.v[k] = upper_counts ? scaled(pixels.upper[k]) : none;
         written.lower.v[k] = lower_counts ? scaled(pixels.lower[k]) : none;
@@ -94,7 +94,7 @@ Written take(Task task, uint texel, Pixels pixels) {
     const bool at_end = 8u * texel >= push.width;
     if (at_end) border = after = no_bounds;
     const Bounds so_far = joined(tile, before);
-    // Of a tile's two texels the second comes later, and says all.
+    // The second of a tile's two texels comes later, and has the whole.
     const Bounds ended = joined(so_far, border);
     if (((texel - 1u) & 2u) == 0u) finished[0] = ended;
     else finished[1] = ended;

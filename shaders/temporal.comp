@@ -3,8 +3,8 @@
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
-// The temporal filter over working codes (docs/conventions.md), a lane per texel of eight: what the frame before left, and
-// what this one brings, become what is shown and left to the next one.
+// The temporal filter over working codes (docs/conventions.md), a lane per texel of eight: codes remembered
+// from the frame before and those of this one become the codes that are shown and remembered.
 
 #include "shaders/surface_codes.h"
 #include "shaders/texels.h"
@@ -15,7 +15,7 @@ layout(push_constant, std430) uniform Push { TemporalPush push; };
 layout(set = 0, binding = 0) uniform utextureBuffer new_texels;
 layout(set = 0, binding = 1) uniform utextureBuffer old_texels;
 layout(set = 0, binding = 2, std430) writeonly buffer Codes { u64vec2 out_codes[]; };
-/// Of each texel: for how many frames each of its codes has only been held, in two bits.
+/// For each texel, two bits a code: for how many frames the code has only been held.
 layout(set = 0, binding = 3, std430) buffer Held { uint held[]; };
 
 const uint hold_frames = 3u;

@@ -3,9 +3,9 @@
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
-// One pass of terrace removal over working codes (docs/conventions.md): a lane goes along a row, texel by texel, and
-// keeps three texels each of its own row and of those `tap` above and below. Taps that are farther away than a texel
-// are whole texels away, and are loaded for themselves.
+// One pass of terrace removal over working codes (docs/conventions.md): a lane goes along a row, texel by
+// texel, and keeps three texels each of its own row and of those `tap` above and below. Taps that are farther
+// away than a texel are whole texels away, and are loaded separately.
 
 #include "shaders/surface_codes.h"
 
@@ -22,7 +22,7 @@ layout(set = 0, binding = 2, std430) writeonly buffer Codes { u64vec2 out_codes[
 #include "shaders/code_curve.h"
 
 const uint most_level = 2900u;
-/// From one level to the next at a code.
+/// The distance of levels at a code.
 int level_at(uint code) {
     if (has_levels == 0u) return int(push.step);
     const uint level = max(curve_at(push.levels, code), curve_at(push.steps, code)) >> push.fraction;
@@ -34,8 +34,8 @@ int most_of(int level) { return (4 * level + 3 * int(push.noise)) >> 2; }
 const bool is_wide = tap > 8;
 int gate_of(int level) { return is_wide ? most_of(level) : (5 * level + 3 * int(push.noise)) >> 2; }
 
-/// Eight codes of a row. Outside the picture none is valid. An invalid code needs no care: it is so large that
-/// every second difference with it is beyond twice the gate, where the tent is 0 (terrace_range).
+/// Eight codes of a row; outside the picture all are invalid. An invalid code needs no care: it is so large
+/// that every second difference with it is beyond twice the gate, where the tent is 0 (terrace_range).
 Eight load(int row, int texel) {
     const int last = int(push.width - 1u) >> 3;
     const bool inside = row >= 0 && row < int(push.height) && texel >= 0 && texel <= last;

@@ -20,7 +20,7 @@ uvec4 packed_halves(uint v[8]) {
     return uvec4(v[0] | v[1] << 16, v[2] | v[3] << 16, v[4] | v[5] << 16, v[6] | v[7] << 16);
 }
 
-/// A texel in the widest words there are, because stores are paid by the word.
+/// A texel in the widest words, because stores cost by the word.
 u64vec2 packed(uint v[8]) {
     const uvec4 words = packed_halves(v);
     return u64vec2(packUint2x32(words.xy), packUint2x32(words.zw));

@@ -12,15 +12,15 @@ layout(set = 0, binding = 0) uniform utextureBuffer parts;
 layout(set = 0, binding = 1) uniform utextureBuffer codes;
 layout(set = 0, binding = 2, std430) readonly buffer Validity { uint validity[]; };
 layout(set = 0, binding = 3, std430) writeonly buffer Tiles { uvec2 tiles[]; };
-/// Of the pairs that are bounded, where not all are.
+/// The pairs to bound, if not all.
 layout(set = 0, binding = 4, std430) readonly buffer Listed { ListedBlocks listed[]; };
 
-/// Of a tile, as parts have it.
+/// Joins bounds of a tile, in the form of parts.
 uvec2 joined(uvec2 a, uvec2 b) {
     return uvec2(min(a.x & 0xFFFFu, b.x & 0xFFFFu) | max(a.x & ~0xFFFFu, b.x & ~0xFFFFu), a.y | b.y);
 }
 
-/// A pixel, which is the `bit`th of a word of validity.
+/// The part of a pixel, which is the `bit`th of a word of validity.
 uvec2 part_of(uint code, uint valid_bits, uint inside_bits, uint bit) {
     if ((inside_bits >> bit & 1u) == 0u) return uvec2(no_part, 0u);
     return (valid_bits >> bit & 1u) != 0u ? uvec2(code | code << 16, 0u) : uvec2(no_part, 1u);

@@ -1,8 +1,8 @@
-// What the kernels cut_tiles.comp and list_tiles.comp, those that draw from their lists, and C++ agree on.
+// Interface of the kernels cut_tiles.comp and list_tiles.comp, those that draw from their lists, and C++.
 //
-// cut_tiles.comp says of each tile of 16x16 cells whether shaders/cut_rule.h keeps all of its triangles, or
-// some in any view, or none (all have a hole), with a lane for each tile. list_tiles.comp, a single workgroup, lists the first two sorts in the
-// order in which tiles lie, so that a picture does not depend on who came first.
+// cut_tiles.comp tells for each tile of 16x16 cells, with a lane each, whether shaders/cut_rule.h keeps all
+// of its triangles, or some, or none (all have a hole). list_tiles.comp, a single workgroup, lists the first
+// two kinds in the order of tiles, so that a picture does not depend on the order of execution.
 #ifndef TOUCHABLE_SHADERS_TILE_LISTS_H
 #define TOUCHABLE_SHADERS_TILE_LISTS_H
 
@@ -26,10 +26,10 @@ struct CutTilesPush {
     uint tiles_x, tiles;    // tiles in a row, and in all
 };
 
-/// Before the lists of tiles (row * tiles_x + column): the whole ones, then the mixed ones, each ascending. As
-/// indirect commands want it: of a dispatch with a workgroup for every listed tile, in rows short enough for
-/// every device, where workgroups beyond the last tile do nothing; of an indexed draw with an instance for
-/// every whole tile; and of a draw with an instance for every mixed one.
+/// Precedes the lists of tiles (row * tiles_x + column): the whole ones, then the mixed ones, each ascending.
+/// It has three indirect commands: a dispatch with a workgroup for every listed tile, in rows short enough
+/// for every device, where workgroups beyond the last tile do nothing; an indexed draw with an instance for
+/// every whole tile; and a draw with an instance for every mixed one.
 struct TileListsHeader {
     uint groups_x, groups_y, groups_z;
     uint whole_indices, whole_tiles, first_index, vertex_offset, first_whole;

@@ -3,7 +3,7 @@
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 
-// Codes of a pair of frames -> q of every pixel, for the eye.
+// Codes of a pair of frames -> q of every pixel, to be drawn.
 
 #include "shaders/blend_rule.h"
 #include "shaders/unproject.h"
@@ -29,7 +29,7 @@ layout(set = 0, binding = UNPROJECT_NEXT_VALIDITY, std430) readonly buffer NextV
     uint next_validity[];
 };
 layout(set = 0, binding = UNPROJECT_NEXT_HEIGHTS) uniform utextureBuffer next_heights;
-// In the widest words there are, because a software Vulkan's stores are paid by the word.
+// In the widest words, because a software Vulkan's stores cost by the word.
 layout(set = 0, binding = UNPROJECT_Q, std430) writeonly buffer Q {
     u64vec4 q_at[];
 };
@@ -70,7 +70,7 @@ u64vec4 eight(uint row, uint texel, uint x, uint valids, uint next_valids, float
             float next_depth = depth_of(part(next_code, n));
             if (has_heights != 0u) next_depth -= push.next_height_per_code * float(part(next_height, n));
             const bool next_valid = (next_valids >> n & 1u) != 0u;
-            // Where there is nothing half-way, the pixel takes the state of the frame nearer in time.
+            // If there is nothing half-way, the pixel takes the state of the frame nearer in time.
             const bool mixes = valid && next_valid && depths_mix(depth, next_depth, push.reach);
             const bool is_next = !mixes && push.blend >= 0.5f;
             const float mixed = depth * push.rest + next_depth * push.blend;

@@ -1,15 +1,13 @@
-// What the kernel unproject.comp and its caller agree on. Compiled as GLSL and as C++.
+// Interface of the kernel unproject.comp and its caller. Compiled as GLSL and as C++.
 //
-// Filtered codes of a pair of frames become q = 1 / planar depth as it is drawn at a moment between them
-// (blend_rule.h), height taken off;
-// 0 stands for an invalid pixel and for what lies beyond the width. A lane marches along a row, or a part of
-// it, by words of validity: 32 pixels, 4 texels of codes, so that nothing is loaded twice and no row needs a
-// special end. Rows of q are whole words too.
+// Converts filtered codes of a pair of frames to q = 1 / planar depth as drawn at a moment between them
+// (blend_rule.h), less height; 0 stands for an invalid pixel and for those beyond the width. A lane marches
+// along a row, or a part of it, by words of validity: 32 pixels, 4 texels of codes, so that nothing is loaded
+// twice and no row needs a special end. Rows of q are whole words, too.
 //
-// A code's length grows with its distance m from the end of its scale where the length is least (1 / length
-// for inverse codings), so base + step m adds what is never negative, and a depth is good to four roundings.
-// A logarithmic code's length is base + from_shift (e^(step m) - 1), the step in two parts, with six
-// roundings.
+// A code's length grows with its distance m from the scale's end of least length (1 / length for inverse
+// codings), so base + step m never adds a negative number, and a depth has four roundings. A logarithmic
+// code's length is base + from_shift (e^(step m) - 1), the step in two parts, with six roundings.
 #ifndef TOUCHABLE_SHADERS_UNPROJECT_H
 #define TOUCHABLE_SHADERS_UNPROJECT_H
 
@@ -32,7 +30,7 @@ using uint = unsigned int;
 #define UNPROJECT_CODES 0       // of the earlier frame: texels of 8 codes, rows in whole texels
 #define UNPROJECT_VALIDITY 1    // a bit each, rows in whole words
 #define UNPROJECT_HEIGHTS 2     // as codes
-#define UNPROJECT_NEXT_CODES 3  // of the later frame; the earlier one's again where there is none
+#define UNPROJECT_NEXT_CODES 3  // of the later frame; the earlier one's again if there is none
 #define UNPROJECT_NEXT_VALIDITY 4
 #define UNPROJECT_NEXT_HEIGHTS 5
 #define UNPROJECT_Q 6  // floats, rows in whole words of UNPROJECT_WORD

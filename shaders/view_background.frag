@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
-// The picture where nothing is: a colour for each row.
+// The picture's background: a colour for each row.
 
 #include "shaders/view_screen.h"
 

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
-// Light and z of a ball where sight meets it, fading at its silhouette.
+// Light and z of a ball where the line of sight meets it, fading at its silhouette.
 
 #include "shaders/solid_light.h"
 #include "shaders/view_marks.h"
@@ -18,9 +18,9 @@ layout(location = 4) flat in float per_length;
 layout(location = 0) out vec4 drawn;
 
 void main() {
-    // All from the centre: differences of places of the world would be rounded to parts of a small ball.
+    // Everything relative to the centre: rounded world positions would be coarse for a small ball.
     const float beside = dot(place, place), slant = beside + to_eye.w * to_eye.w;
-    const float squared = beside * (1.0f - beside / slant);  // of the way by which sight misses the centre
+    const float squared = beside * (1.0f - beside / slant);  // distance of the line of sight from the centre
     const float radius = centre.w, edge = min(per_length * (radius - sqrt(squared)) + 0.5f, 1.0f);
     if (edge <= 0.0f) discard;
     const vec3 back = (to_eye.xyz * to_eye.w - place) * inversesqrt(slant);

@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 
-// A surface that gives way under fingers: what a pixel shows then, of the picture without. All dents are in
-// every pixel, so that those that overlap are one, whichever draws it.
+// Draws a pixel of a surface that gives way under fingers, from the picture without dents. Every pixel sums
+// all dents, so that overlapping ones are one, whichever draws it.
 
 #include "shaders/cut_rule.h"
 #include "shaders/dents.h"
@@ -46,7 +46,7 @@ void main() {
     const vec4 there = header.pixel_from_world * vec4(place + moved, 1.0f);
     if (!(there.z <= there.w)) discard;  // before the near plane
     vec2 source = pixel - (there.xy / there.w - pixel);
-    // Not what stands before the surface.
+    // Do not show what stands before the surface.
     const ivec2 last = textureSize(z_image, 0) - 1;
     const float source_z = texelFetch(z_image, clamp(ivec2(source), ivec2(0), last), 0).x;
     if (source_z > z * CUT_RULE_RATIO) source = pixel;

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
-// A corner of what a dent may reach on the screen.
+// A corner of the part of the screen that a dent may reach.
 
 #include "shaders/dents.h"
 #include "shaders/view_quad.h"

@@ -1,10 +1,10 @@
-// What the shaders view_ball, view_frustum, view_thread and view_shadow and their caller agree on: fingers, as triangle
-// hardware draws them. Compiled as GLSL and as C++ (with GLM). World axes and scene units; colours are light.
+// Interface of the shaders view_ball, view_frustum, view_thread and view_shadow and their caller: fingers,
+// drawn by triangle hardware. GLSL and C++ (with GLM). World axes and scene units; colours are light.
 //
-// A ball is an instance of a square in which sight meets it pixel by pixel, the mantle of a frustum an instance
-// of a pattern of triangles. A thread is an instance for each stretch between two points: a ribbon that faces the
-// eye and looks round. Their edges are half a pixel larger than they are, and fade over the outermost pixel, which
-// is what makes their edges smooth.
+// A ball is an instance of a square in which rays are cast pixel by pixel, the mantle of a frustum an
+// instance of a pattern of triangles. A thread is an instance for each stretch between two points: a ribbon
+// that faces the eye and looks round. All are half a pixel larger than their size, and fade over the
+// outermost pixel, which makes their edges smooth.
 #ifndef TOUCHABLE_SHADERS_VIEW_MARKS_H
 #define TOUCHABLE_SHADERS_VIEW_MARKS_H
 
@@ -23,13 +23,13 @@ using uint = unsigned int;
 struct SolidRecord {
     vec4 foot;   // of a ball its centre; w: radius at the first ring
     vec4 along;  // unit, from the first ring to the second; w: radius at that
-    vec4 ends;   // height along that of either ring, normal along and away from it
+    vec4 ends;   // height of either ring along the axis, normal along and away from it
     vec4 light;  // w: opacity
 };
 
 struct ThreadRecord {
     vec4 at;     // w: radius
-    vec4 light;  // w: 1 where a stretch leads here from the point before, else 0
+    vec4 light;  // w: 1 if a stretch leads here from the point before, else 0
 };
 
 struct ShadowRecord {
@@ -40,9 +40,9 @@ struct ShadowRecord {
 
 struct MarksPush {
     mat4 clip_from_world;
-    vec4 eye;        // w: pixels that a thing of its own distance's size has
-    uint is_behind;  // solids that are seen through: those parts of them that are behind something
-    uint is_veil;    // solids that are seen through
+    vec4 eye;        // w: pixels of an object as large as its distance
+    uint is_behind;  // transparent solids: their parts that are behind something
+    uint is_veil;    // transparent solids
 };
 
 #ifdef __cplusplus

@@ -1,6 +1,6 @@
-// What the shaders view_mesh.vert and view_mesh.frag and their caller agree on. Compiled as GLSL and as C++.
+// Interface of the shaders view_mesh.vert and view_mesh.frag and their caller. Compiled as GLSL and as C++.
 //
-// An instance is a tile of 16x16 cells. Where no triangle of it is cut, its 17x17 vertices are shared by the
+// An instance is a tile of 16x16 cells. If no triangle of it is cut, its 17x17 vertices are shared by the
 // triangles of an index list that is the same for all tiles. Else each cell is two triangles of their own,
 // six vertices, and a triangle that is cut shrinks to a point, which draws nothing.
 #ifndef TOUCHABLE_SHADERS_VIEW_MESH_H
@@ -20,7 +20,7 @@ using uint = unsigned int;
 #define MESH_Q 0
 #define MESH_COLOURS 1
 #define MESH_TILES 2  // what to draw (shaders/tile_lists.h)
-#define MESH_EDGES 3  // where vertices at edges are drawn (shaders/edges.h); of any kind where they are not
+#define MESH_EDGES 3  // moved vertices (shaders/edges.h); any buffer if none are moved
 
 struct MeshPush {
     ViewRows rows;

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
-// A vertex of a tile's triangles, read where it lies.
+// A vertex of a tile's triangles, read from the lattice.
 
 #include "shaders/cut_rule.h"
 #include "shaders/edges.h"

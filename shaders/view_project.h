@@ -1,5 +1,5 @@
-// From a vertex of the lattice to the screen, in one order of float operations, so that painters agree where
-// a vertex is. Compiled as GLSL and as C++ (with GLM).
+// Projects a vertex of the lattice to the screen, in one order of float operations, so that painters agree on
+// its place. Compiled as GLSL and as C++ (with GLM).
 #ifndef TOUCHABLE_SHADERS_VIEW_PROJECT_H
 #define TOUCHABLE_SHADERS_VIEW_PROJECT_H
 

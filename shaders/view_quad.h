@@ -1,4 +1,4 @@
-// The corner of a square that a vertex is: six of them, for two triangles. GLSL alone.
+// The corner of a square for each of the six vertices of two triangles. GLSL alone.
 #ifndef TOUCHABLE_SHADERS_VIEW_QUAD_H
 #define TOUCHABLE_SHADERS_VIEW_QUAD_H
 

@@ -1,4 +1,4 @@
-// What the shaders that fill the picture (view_screen.vert, view_background.frag) and their caller agree on. Compiled as GLSL and as C++.
+// Interface of view_screen.vert and view_background.frag, which fill the picture, for GLSL and C++.
 #ifndef TOUCHABLE_SHADERS_VIEW_SCREEN_H
 #define TOUCHABLE_SHADERS_VIEW_SCREEN_H
 

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
 
-// What a ball's soft shadow leaves of the light of a surface, to be multiplied.
+// The factor of a surface's light in a ball's soft shadow.
 
 #include "shaders/solid_light.h"
 #include "shaders/view_marks.h"

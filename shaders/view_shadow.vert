@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
-// A corner of what a ball's shadow may reach on the screen.
+// A corner of the part of the screen that a ball's shadow may reach.
 
 #include "shaders/view_marks.h"
 #include "shaders/view_quad.h"

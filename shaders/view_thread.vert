@@ -30,17 +30,17 @@ void main() {
     across = corner.y ? 1.0f : -1.0f;
     const uint at = corner.x ? to : from;
     light = points[to].light.rgb;
-    // Where two stretches meet they agree on a direction. The first point of all is joined to none, and after
-    // the last one is one more that is not.
+    // Stretches that meet agree on a direction. The first point is joined to none, and an extra point after
+    // the last one is not joined, either.
     const uint before = is_joined(at) ? at - 1u : at, after = is_joined(at + 1u) ? at + 1u : at;
     const vec3 point = points[at].at.xyz;
     const vec3 back = push.eye.xyz - point;
     const float distance_to_eye = length(back);
     to_eye = back / distance_to_eye;
-    // Of the stretch, so that both its ends say the same of whether it is drawn.
+    // By the stretch, so that both its ends agree on whether it is drawn.
     const vec3 stretch = points[to].at.xyz - points[from].at.xyz;
     const bool is_drawn = is_joined(to) && dot(stretch, stretch) > 0.0f;
-    // A thread that lies doubled has no direction where it turns.
+    // A thread that folds back has no direction where it turns.
     const vec3 through = points[after].at.xyz - points[before].at.xyz;
     const vec3 onward = dot(through, through) > 0.0f ? through : stretch;
     const vec3 turned = cross(onward, to_eye);
@@ -52,7 +52,7 @@ void main() {
     const float radius = points[at].at.w + 0.5f * pixel;
     pixels = radius / pixel;
     vec4 clip = push.clip_from_world * vec4(point + across * radius * sideways, 1.0f);
-    // As near as the front of what is round.
+    // At the depth of the round thread's front.
     clip.z *= clip.w / max(clip.w - points[at].at.w, 1e-3f * clip.w);
     gl_Position = is_drawn ? clip : vec4(2.0f, 2.0f, 0.0f, 1.0f);
 }

@@ -17,7 +17,7 @@ namespace touchable {
 namespace {
 namespace fs = std::filesystem;
 
-/// A clip that is there as long as this.
+/// A temporary clip, removed by the destructor.
 class ScratchClip {
 public:
     ScratchClip()
@@ -47,7 +47,7 @@ private:
     fs::path file_;
 };
 
-/// Seconds from its opening to its last frame.
+/// Least time from opening a clip to its last frame, seconds.
 struct Reading {
     double seconds = std::numeric_limits<double>::infinity();
     int frames = 0;

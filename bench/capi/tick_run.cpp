@@ -20,11 +20,11 @@ namespace {
 
 constexpr int path_ticks = 1000;
 
-/// Two frames a second apart, so that every tick meets a blend of both, and a path of fingers over them.
+/// Two frames a second apart, so that every tick uses a blend of both, and a path of fingers over them.
 struct TickPath {
     std::unique_ptr<AnalyticScene> scene;
     RawFrame first, second;
-    std::vector<touch_vec3> goals;  ///< ticks one after the other, fingers within
+    std::vector<touch_vec3> goals;  ///< all fingers of tick 0, of tick 1, ...
 
     static Result<TickPath> make(int fingers) {
         SceneOptions options;
@@ -47,7 +47,7 @@ struct TickPath {
     }
 };
 
-/// What a second took, and the hash of its forces.
+/// Least CPU time per tick of a second of ticks, and the hash of its forces.
 struct TimedSecond {
     double us_per_tick = std::numeric_limits<double>::infinity();
     std::uint64_t hash = 0;
@@ -58,7 +58,7 @@ struct TimedSecond {
     }
 };
 
-/// The solver without the C API, as the program's sessions call it.
+/// The solver without the C API, as called by the program's sessions.
 class OwnTicks {
 public:
     OwnTicks(const TickPath& path, double scale) : path_(path), timeline_(4) {
@@ -99,7 +99,7 @@ private:
     TouchSettings settings_;
 };
 
-/// The same by touchable.h. A surface's times do not go back: each second has one of its own.
+/// The same with touchable.h. A surface's times cannot go back, so each second has its own surface.
 class CTicks {
 public:
     explicit CTicks(const TickPath& path) : path_(path), scene_(scene_to_json(path.scene->scene())) {
@@ -155,7 +155,7 @@ Result<void> measure_c_ticks(int fingers, int repeats, Figures& figures) {
     CTicks api(*path);
     TimedSecond own, tick, batch;
     for (int repeat = 0; repeat < repeats; ++repeat) {
-        OwnTicks fresh(*path, api.hand_scale());  // whose times begin anew
+        OwnTicks fresh(*path, api.hand_scale());  // restarts at time 0
         if (auto ran = fresh.run(fingers, own); !ran) return ran;
         api.run(fingers, false, tick);
         api.run(fingers, true, batch);

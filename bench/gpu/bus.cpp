@@ -15,8 +15,8 @@
 namespace touchable {
 namespace {
 
-// Frames of 3840x2160 and 16 bits, one after the other. Together they are larger than any cache, the GPU's
-// too, so that copies of all in turn are as fast as the bus.
+// Consecutive frames of 3840x2160 and 16 bits. Together they are larger than any cache, also the GPU's, so
+// that copies of all in turn run at the bus's speed.
 constexpr std::size_t bus_frame_bytes = std::size_t{2} * 3840 * 2160, bus_frames = 16,
                       bus_bytes = bus_frames * bus_frame_bytes;
 constexpr int bus_rounds = 3;
@@ -25,7 +25,7 @@ double ms_since(std::int64_t begin) {
     return static_cast<double>(monotonic_ns() - begin) * 1e-6;
 }
 
-/// Wall time of a memcpy of a frame, of the fastest round over all frames.
+/// Wall time of a memcpy per frame, in the fastest round over all frames.
 double memcpy_ms(std::uint8_t* to, const std::uint8_t* from) {
     double least = HUGE_VAL;
     for (int n = 0; n < bus_rounds; ++n) {
@@ -37,11 +37,11 @@ double memcpy_ms(std::uint8_t* to, const std::uint8_t* from) {
     return least / bus_frames;
 }
 
-/// Time on the device of a copy of a frame by vkCmdCopyBuffer, of the fastest round over all frames.
+/// Device time of vkCmdCopyBuffer per frame, in the fastest round over all frames.
 Result<double> device_copy_ms(const std::shared_ptr<GpuDevice>& device, const GpuBuffer& from,
                               const GpuBuffer& to) {
     TRY_ASSIGN(auto commands, GpuCommands::begin(device, "bus"));
-    commands.fill(to, 0);  // what is there afterwards was copied
+    commands.fill(to, 0);  // so that the final content was copied
     commands.barrier(GpuStage::transfer, GpuStage::transfer);
     for (int n = 0; n < bus_rounds; ++n) {
         commands.mark("before");
@@ -64,8 +64,8 @@ void add_copy(Figures& figures, const std::string& what, double ms) {
     figures.push_back({what + "_gb_s", static_cast<double>(bus_frame_bytes) * 1e-6 / ms, "GB/s"});
 }
 
-/// Times copies from `host` to `own` on the device, and returns the time of copies from there to `back`. The
-/// frames that came back must be those that went.
+/// Times copies from `host` to `own` on the device, and returns the time of copies from `own` to `back`. The
+/// frames must come back unchanged.
 Result<double> measure_upload(const std::shared_ptr<GpuDevice>& device, const std::string& what,
                               const GpuBuffer& host, const GpuBuffer& own, const GpuBuffer& back,
                               const std::uint8_t* frames, Figures& figures) {
@@ -114,7 +114,7 @@ Result<void> measure_bus(const std::shared_ptr<GpuDevice>& device, Figures& figu
     add_copy(figures, "memcpy_to_upload", memcpy_ms(host.mapped<std::uint8_t>().data(), frames.get()));
     TRY_ASSIGN(double readback, measure_upload(device, "upload", host, own, back, frames.get(), figures));
     if (device->facts().import_alignment > 0) {
-        host = {};  // to free it is not part of importing
+        host = {};  // freeing must not count as importing
         const std::int64_t begin = monotonic_ns();
         TRY_ASSIGN(host, GpuBuffer::import(*device, "planes", plane_block_of(frames.get(), bus_bytes)));
         figures.push_back({"import_once_ms", ms_since(begin) / bus_frames, "ms"});

@@ -27,7 +27,7 @@ void write_shifted(const PlaneView& picture, int shift, std::uint8_t* to, std::p
 }  // namespace
 
 std::span<const TimedFilter> timed_filters() {
-    // Noise of a close-range depth camera, where units are millimetres.
+    // Noise of a close-range depth camera, in millimetres.
     static const std::array<TimedFilter, 5> choices{
         {{"none", {}},
          {"m3", {.median = 3}},

@@ -44,7 +44,7 @@ Result<void> FramesInTurn::finish() {
 }
 
 Result<void> FramesInTurn::round() {
-    // Every round ends with none in flight. Twice the frames make that a small part of it.
+    // Every round ends with no frame in flight; two cycles of frames make this cost a small part of a round.
     const int frames = ring_.count() * (in_flight_ > 1 ? 2 : 1);
     const std::int64_t wall = monotonic_ns(), cpu = process_cpu_ns();
     for (int n = 0; n < frames; ++n) {

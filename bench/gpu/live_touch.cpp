@@ -16,9 +16,9 @@ namespace touchable {
 namespace {
 
 constexpr int live_slots = 4;
-constexpr std::int64_t slot_pause_ns = 200'000;  // while the ticks still hold all slots
+constexpr std::int64_t slot_pause_ns = 200'000;  // pause while the ticks hold all slots
 
-/// The thread that ticks, until all ticks are done.
+/// Runs all ticks on a thread.
 class PacedTicks {
 public:
     PacedTicks(const LiveTouch& set_up, const TouchSolver& solver, SurfaceTimeline& timeline, bool touches)
@@ -30,7 +30,7 @@ public:
         thread_ = std::thread([this, start_ns] { run(start_ns); });
     }
     bool done() const { return done_.load(std::memory_order_acquire); }
-    /// After all ticks.
+    /// Waits until all ticks are done.
     void end() { thread_.join(); }
     std::vector<double> late_us() { return std::move(late_us_); }
     bool fifo() const { return fifo_; }
@@ -65,7 +65,7 @@ private:
     std::thread thread_;
 };
 
-/// Builds frames and publishes them, until the ticks are done.
+/// Builds and publishes frames until the ticks are done.
 class PublishedFrames {
 public:
     PublishedFrames(const LiveTouch& set_up, SurfaceBuilder& builder, SurfaceTimeline& timeline)
@@ -77,7 +77,7 @@ public:
         const std::size_t most = paced ? 1 : static_cast<std::size_t>(builder_.frames_in_flight());
         for (std::int64_t n = 0; !ticks.done(); ++n) {
             if (paced) {
-                // A frame that is due before the one before is built is left out.
+                // Skip frames that were due before the previous one was built.
                 n = std::max(n, (monotonic_ns() - start_ns) / period_ns);
                 sleep_until(start_ns + n * period_ns);
             }
@@ -101,7 +101,7 @@ private:
         SurfaceFrame* slot = nullptr;
         while ((slot = timeline_.acquire()) == nullptr && !ticks.done())
             sleep_until(monotonic_ns() + slot_pause_ns);
-        SurfaceFrame last;  // after the last tick nothing frees a slot
+        SurfaceFrame last;  // used after the last tick, when no slot gets free
         TRY(builder_.finish(slot ? *slot : last));
         if (!slot) return {};
         const std::int64_t now = monotonic_ns();

@@ -16,29 +16,29 @@ namespace {
 
 constexpr int most_rate = 120, moving_ticks = 1000, first_counted_tick = 100;
 constexpr double hand_x = 25, hand_y = 11, hand_circle = 0.5, hand_under = 3;  // mm
-constexpr double reach_mm = 3;     // from the hand's middle, of what a force may depend on
-constexpr int filter_margin = 32;  // pixels, of what a filter may read around that
+constexpr double reach_mm = 3;     // from the hand's middle: region on which a force depends
+constexpr int filter_margin = 32;  // pixels: additional region that a filter reads
 constexpr HapticProperties without_friction{600, 0, 0};
 
-/// The hand's goal: on a small circle, under the true surface of the moment.
+/// The hand's goal: on a small circle, under the present true surface.
 glm::dvec3 hand_at(double t) {
     const double angle = 2 * std::numbers::pi * t;
     const double x = hand_x + hand_circle * std::cos(angle), y = hand_y + hand_circle * std::sin(angle);
     return {x, y, relief_z(Relief::moving, x, y, t) - hand_under};
 }
 
-/// The surface of a frame at the moment that it was taken.
+/// A still pair of one frame, at its exposure.
 FramePair alone(const SurfaceFrame& frame, int n) {
     const std::int64_t time_ns = std::int64_t{1'000'000'000} * n / most_rate;
     return {{n, time_ns, &frame}, {n, time_ns, &frame}, 0};
 }
 
-/// When each frame is there: by the first, n of the second counts from 0 at the rate.
+/// When a frame is ready: frame number `frame`, counted from 0 at the rate, at time ready_s.
 struct Arrival {
     double ready_s;
     int frame;
 };
-/// A builder takes the newest frame whenever it can begin one.
+/// A free builder takes the newest frame.
 std::vector<Arrival> arrivals_of(const MovingForce::Frames& frames) {
     std::vector<Arrival> arrivals;
     const double period = 1 / frames.rate, interval = std::max(1e-3 * frames.interval_ms, 1e-9);
@@ -121,7 +121,7 @@ void MovingForce::take_frames() {
     }
 }
 
-/// Every `stride`th frame, filtered; with a temporal filter each depends on those before.
+/// Every `stride`th frame, filtered; with a temporal filter each depends on earlier frames.
 Result<std::vector<std::unique_ptr<SurfaceFrame>>> MovingForce::built(const TimedFilter& filter,
                                                                       int stride) const {
     const auto builder = make_cpu_builder(with_filter(scene_, filter), {1});
@@ -176,7 +176,7 @@ Result<double> MovingForce::off_by_filter(const TimedFilter& filter) const {
     TRY_ASSIGN(const auto solver, solver_of(scene));
     double squared = 0;
     int counted = 0;
-    // Frames whose moment is a tick's.
+    // Only frames taken at the time of a tick.
     for (int n = 0; n < most_rate; n += most_rate / 40) {
         const Moment& moment = ticks_[static_cast<std::size_t>(n * moving_ticks / most_rate)];
         FingerState finger;

@@ -20,7 +20,7 @@ namespace {
 enum Way { lazy, by_cpu, by_vulkan };
 constexpr std::array way_names{"lazy", "cpu", "vulkan"};
 constexpr std::array way_rates{30, 60, 120};  // frames a second
-constexpr int tick_rate = 30;                 // of the frames that timed ticks are over
+constexpr int tick_rate = 30;                 // rate of the frames under timed ticks
 
 struct WaySize {
     int width = 0, height = 0;
@@ -30,8 +30,8 @@ std::string name_of(const WaySize& size) {
     return std::to_string(size.width) + "x" + std::to_string(size.height);
 }
 
-/// The cost of a frame by each way; no value if the way refuses the filter. `latency_ms` is that of a frame
-/// alone in flight.
+/// Cost of a frame in each way; nothing if the way refuses the filter. `latency_ms`: with one frame in
+/// flight.
 using WayFrames = std::array<std::optional<FrameCost>, 3>;
 
 struct TickCost {
@@ -40,16 +40,16 @@ struct TickCost {
 };
 using WayTicks = std::array<std::optional<TickCost>, 3>;
 
-/// CPU time of a second, milliseconds.
+/// CPU time per second, ms.
 double ms_per_s(const FrameCost& frame, const TickCost& tick, int rate) {
     return rate * frame.cpu_ms + tick.us;
 }
 
-/// Ticks of the timing stroke over the newest of frames that come 30 times a second. Frames of a ring are
-/// built beforehand, or, by a lazy builder, taken in before the ticks that need them, untimed.
+/// Ticks of the timing stroke over the newest frame, at 30 frames a second. Frames of a ring are built
+/// beforehand, or passed to a lazy builder before the ticks that need them, untimed.
 class HeldRun final : public TimedRun {
 public:
-    /// `lazy`: null where `slots` hold the ring's frames. All arguments outlive it.
+    /// `lazy`: null if `slots` hold the ring's frames. All arguments must outlive this.
     HeldRun(const Scene& scene, const FrameRing& ring, std::span<SurfaceFrame> slots, SurfaceBuilder* lazy,
             const TouchSolver& solver, const std::vector<glm::dvec3>& goals, int fingers)
         : scene_(scene),
@@ -67,7 +67,7 @@ public:
         taken_ = -1;
     }
     void prepare(int, int end) override {
-        // The run that compared forces took the same frames without an error.
+        // Cannot fail: check_same_forces took the same frames.
         while (lazy_ && taken_ < number_at(end - 1)) static_cast<void>(take(taken_ + 1));
     }
     void tick(int k) override {
@@ -77,7 +77,7 @@ public:
             std::span(goals_).subspan(static_cast<std::size_t>(k) * fingers_.size(), fingers_.size());
         solver_.tick(HeightField(scene_, {newest, newest, 0}), goals, fingers_, contacts_);
     }
-    /// The lazy builder takes a frame into its slot.
+    /// Passes a frame to the lazy builder, into its slot.
     Result<void> take(std::int64_t number) {
         TRY(lazy_->build(ring_.frame(number), slot(number)));
         taken_ = number;
@@ -102,7 +102,7 @@ private:
     std::int64_t taken_ = -1;
 };
 
-/// An error of kind check where a force of one run is not the other's to the bit, or nothing is touched.
+/// An error of kind check if a force of one run differs in a bit from the other's, or nothing is touched.
 Result<void> check_same_forces(HeldRun& a, HeldRun& b, const std::string& what) {
     a.restart();
     b.restart();
@@ -122,7 +122,7 @@ Result<void> check_same_forces(HeldRun& a, HeldRun& b, const std::string& what) 
     return Error{ErrorKind::check, what + ": no finger touches, so there is nothing to time"};
 }
 
-/// The builders of one size and filter, one for each way, and the ring's frames that they have built.
+/// The builders of one size and filter, one per way, and the ring's frames built by them.
 class WayBench {
 public:
     static Result<std::unique_ptr<WayBench>> make(const FrameRing& ring, const TimedFilter& filter,
@@ -156,7 +156,7 @@ public:
         return costs;
     }
 
-    /// Each way's forces are those of the CPU builder's frames.
+    /// Times ticks; each way's forces must equal those on the CPU builder's frames.
     Result<WayTicks> ticks(int fingers, bool quick) {
         TRY(fill());
         TouchSettings settings;
@@ -203,7 +203,7 @@ private:
     std::array<std::unique_ptr<Slots>, 3> slots_;
 };
 
-/// All cells of the comparison, each measured when it is first asked for. Memory for one size at a time.
+/// All cells of the comparison, each measured on first use. Holds memory for one size at a time.
 class Comparison {
 public:
     using TakeKernels = std::function<Result<std::shared_ptr<SurfaceKernels>>()>;
@@ -253,7 +253,7 @@ private:
     Result<void> take(const WaySize& size, std::size_t filter) {
         if (!ring_ || size_ != size) {
             bench_.reset();
-            ring_.reset();  // the largest do not fit into memory twice
+            ring_.reset();  // memory does not suffice for two of the largest
             TRY_ASSIGN(auto ring, ring_of_bumps(size.width, size.height));
             ring_ = std::make_unique<FrameRing>(std::move(ring));
             size_ = size;
@@ -328,7 +328,7 @@ Result<void> Comparison::measure_fingers(const Cell& cell, Figures& figures) {
     return {};
 }
 
-/// Finds the cell and rate at which the two cheapest ways that keep up cost most nearly the same.
+/// Finds the cell and rate at which the costs of the two cheapest ways that keep up differ least.
 Result<Comparison::Crossover> Comparison::nearest_crossover(const WaySize& size) {
     Crossover nearest;
     for (std::size_t filter = 0; filter < timed_filters().size(); ++filter)
@@ -351,7 +351,7 @@ Result<Comparison::Crossover> Comparison::nearest_crossover(const WaySize& size)
 
 Result<void> Comparison::measure_crossover(const WaySize& size, Figures& figures) {
     TRY_ASSIGN(const auto nearest, nearest_crossover(size));
-    if (nearest.rate == 0) return {};  // no two ways keep up with any rate
+    if (nearest.rate == 0) return {};  // at no rate do two ways keep up
     const auto& [cell, rate, ratio] = nearest;
     TRY_ASSIGN(const auto frame, frames(size, cell.filter));
     TRY_ASSIGN(const auto tick, ticks(cell));

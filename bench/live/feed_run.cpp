@@ -26,7 +26,7 @@ Result<Reader> open_reader(const std::filesystem::path& file, bool colour) {
     return reader;
 }
 
-/// Untimed: every frame is there, and its planes of touch are what the clip was made of.
+/// Untimed check: every frame exists, and its touch planes equal the source's.
 Result<void> check_frames(const LiveClip& clip, const std::filesystem::path& file,
                           const ScenePictures& source) {
     const auto reader = open_reader(file, false);
@@ -58,7 +58,7 @@ void keep_least(FrameTimes& least, const FrameTimes& times) {
     least.cpu_ms = std::min(least.cpu_ms, times.cpu_ms);
 }
 
-/// From an open reader to its last frame.
+/// Times reading from an open reader to its last frame.
 Result<FrameTimes> read_all(const std::filesystem::path& file, bool colour) {
     const auto reader = open_reader(file, colour);
     if (!reader) return reader.error();
@@ -71,7 +71,7 @@ Result<FrameTimes> read_all(const std::filesystem::path& file, bool colour) {
     }
 }
 
-/// Reading and building on the threads of a live run; a hand that never waits lets go of each frame at once.
+/// Times reading and building on the threads of a live run; the hand releases each frame at once.
 Result<FrameTimes> feed_all(const std::filesystem::path& file, const Scene& scene, bool colour) {
     auto reader = open_reader(file, colour);
     if (!reader) return reader.error();
@@ -91,7 +91,7 @@ Result<FrameTimes> feed_all(const std::filesystem::path& file, const Scene& scen
     return times;
 }
 
-/// What FFV1 needs for the same pictures: the clips of format 1.
+/// Bytes per frame of the same pictures as FFV1, as in clips of format 1.
 Result<double> ffv1_bytes_of(const LiveClip& clip, const ScenePictures& source) {
     double bytes = 0;
     for (const PlaneRole role : clip.planes) {
@@ -129,7 +129,7 @@ Result<void> measure_feed(const LiveClip& clip, bool colour, int rounds, LiveCli
     if (auto same = check_frames(clip, *file, **source); !same) return same;
     ClipChoice choice;
     choice.file = *file;
-    const auto chosen = open_chosen(choice, Colour::left_out);  // with the filters of a run
+    const auto chosen = open_chosen(choice, Colour::left_out);  // with a run's filters
     if (!chosen) return chosen.error();
 
     FrameTimes reading, feeding;

@@ -5,9 +5,9 @@
 
 namespace touchable {
 
-/// Reads a clip, and reads and builds it, as fast as that goes, and appends the figures (bench/README.md,
-/// "Suite live"). `colour`: it is wanted. An error of kind check where a plane of touch, or one that is kept
-/// exactly, is not what went in.
+/// Reads a clip, and reads and builds it, as fast as possible, and appends the figures (bench/README.md,
+/// "Suite live"). `colour`: read colour, too. An error of kind check if a touch plane, or another lossless
+/// plane, differs from the source.
 Result<void> measure_feed(const LiveClip& clip, bool colour, int rounds, LiveClips& clips, Figures& figures);
 
 }  // namespace touchable

@@ -21,7 +21,7 @@ std::string file_key(const LiveClip& clip) {
     return key;
 }
 
-/// Planes that the clip does not have are taken away.
+/// Removes planes that the clip does not have.
 void keep_planes(const LiveClip& clip, RawFrame& frame) {
     for (const PlaneRole role : all_roles)
         if (std::ranges::count(clip.planes, role) == 0) plane_of(frame, role) = {};
@@ -30,7 +30,7 @@ void keep_planes(const LiveClip& clip, RawFrame& frame) {
 Result<void> write_clip(const ScenePictures& pictures, const LiveClip& clip,
                         const std::filesystem::path& file) {
     SceneDescription described(pictures.scene);
-    described.unstated.filters = all_unstated;  // as `touchable make` writes it
+    described.unstated.filters = all_unstated;  // as in `touchable make`
     auto writer = create_clip(file, described, {.archive = clip.archive});
     if (!writer) return writer.error();
     for (std::int64_t n = 0; n < clip.frames; ++n) {
@@ -58,7 +58,7 @@ Result<std::filesystem::path> LiveClips::place(const std::string& name) {
         if (unknown || !mkdtemp(folder.data()))
             return input_error(folder + ": no folder for clips can be made there");
         folder_ = folder;
-        catch_interrupts();  // an interrupted run leaves nothing there
+        catch_interrupts();  // so that an interrupted run removes the folder
     }
     return folder_ / name;
 }

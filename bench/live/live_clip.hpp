@@ -14,7 +14,7 @@
 
 namespace touchable {
 
-/// A clip that a live case plays: what its name tells.
+/// A clip of a live case, as described by the case's name.
 struct LiveClip {
     std::string scene;  ///< "globe", "moving"
     int width = 1920, height = 1080;
@@ -23,7 +23,7 @@ struct LiveClip {
     Archive archive = Archive::fast;
 };
 
-/// The pictures of a scene, as many as differ; a longer clip repeats them.
+/// The different pictures of a scene; a longer clip repeats them.
 struct ScenePictures {
     Scene scene;
     std::vector<RawFrame> frames;
@@ -33,8 +33,8 @@ struct ScenePictures {
     }
 };
 
-/// Clips in a folder that goes with this, and the pictures they were made of. Each is made when it is first
-/// asked for.
+/// Clips in a temporary folder, removed by the destructor, and their source pictures. Each is made on first
+/// use.
 class LiveClips {
 public:
     explicit LiveClips(int different_frames) : different_frames_(different_frames) {}
@@ -43,16 +43,16 @@ public:
     LiveClips& operator=(const LiveClips&) = delete;
 
     Result<std::filesystem::path> file(const LiveClip& clip);
-    /// With the planes of the clip alone.
+    /// The source pictures, with only the clip's planes.
     Result<std::shared_ptr<const ScenePictures>> pictures(const LiveClip& clip);
-    /// A place for a file of this name.
+    /// Path for a file of this name in the folder.
     Result<std::filesystem::path> place(const std::string& name);
 
 private:
     int different_frames_;
     std::filesystem::path folder_;
     std::map<std::string, std::filesystem::path> files_;
-    std::string scene_name_;  // of the pictures that are kept
+    std::string scene_name_;  // scene of the cached pictures
     std::shared_ptr<const ScenePictures> scene_;
 };
 

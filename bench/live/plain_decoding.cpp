@@ -21,7 +21,7 @@ Error cannot_decode(const std::filesystem::path& clip, int status) {
     return {ErrorKind::internal, clip.string() + ": FFmpeg: " + ffmpeg_text(status)};
 }
 
-/// A track's packets, by the number of its stream.
+/// A track's packets.
 struct TrackPackets {
     const AVStream* stream = nullptr;
     std::vector<PacketPtr> packets;
@@ -51,7 +51,7 @@ Result<std::vector<TrackPackets>> read_tracks(AVFormatContext& container, const 
     return tracks;
 }
 
-/// By the decoder that clips have, on one thread.
+/// Decodes a track with the clips' own decoder, on one thread.
 int decode_own_track(const TrackPackets& track) {
     const auto decoder = PacketDecoder::open(*track.stream, "");
     const FramePtr frame(av_frame_alloc());
@@ -65,7 +65,7 @@ int decode_own_track(const TrackPackets& track) {
     return 0;
 }
 
-/// `threads`: 0: as many as FFmpeg likes, by frames where the codec can.
+/// `threads`: 0: FFmpeg's choice, frame threads if the codec supports them.
 int decode_track(const TrackPackets& track, int threads) {
     if (rank_zstd_version(*track.stream->codecpar)) return decode_own_track(track);
     const AVCodec* codec = avcodec_find_decoder(track.stream->codecpar->codec_id);

@@ -8,13 +8,13 @@
 
 namespace touchable {
 
-/// What FFmpeg alone needs for the packets of a clip: the plain loop of send and receive, track after track.
-/// Of a track of our own codec, which FFmpeg does not decode, it is our decoder's plain loop.
+/// Time that FFmpeg alone needs for the packets of a clip: the plain loop of send and receive, track after
+/// track. For a track in our own codec, which FFmpeg cannot decode: our decoder's plain loop.
 struct PlainDecoding {
-    double cpu_ms = 0;   ///< all tracks on one thread: CPU time
-    double wall_ms = 0;  ///< each with the threads that FFmpeg takes by itself: wall time
+    double cpu_ms = 0;   ///< CPU time, all tracks on one thread
+    double wall_ms = 0;  ///< wall time, each track with FFmpeg's default threads
 };
-/// Of the tracks of these planes, all of their packets, which are read beforehand; the least of some rounds.
+/// Decodes all packets of these planes' tracks, read beforehand; the least time of `rounds`.
 Result<PlainDecoding> decode_plainly(const std::filesystem::path& clip, const std::vector<PlaneRole>& planes,
                                      int rounds);
 

@@ -15,7 +15,7 @@ extern char** environ;
 namespace touchable {
 namespace {
 
-/// Runs the program to its end; the most bytes it held.
+/// Runs the program to its end and returns its peak memory, bytes.
 Result<std::int64_t> peak_of_program(const std::vector<std::string>& arguments) {
     constexpr const char* program = TOUCHABLE_PROGRAM;
     std::vector<char*> words{const_cast<char*>(program)};
@@ -28,8 +28,8 @@ Result<std::int64_t> peak_of_program(const std::vector<std::string>& arguments) 
     const int failed = posix_spawn(&process, program, &quiet, nullptr, words.data(), environ);
     posix_spawn_file_actions_destroy(&quiet);
     if (failed != 0) return input_error(std::string(program) + ": cannot be run; build the target touchable");
-    // What rusage tells of a child begins with its parent's own peak. The high-water mark in /proc does not,
-    // and only grows: the last look is the peak but for what came in the last millisecond.
+    // rusage of a child starts at its parent's peak. The high-water mark in /proc does not and never
+    // decreases, so the last sample misses only the last millisecond.
     std::int64_t peak = 0;
     int status = 0;
     pid_t ended = 0;

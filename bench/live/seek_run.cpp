@@ -19,7 +19,7 @@ Result<void> measure_seek(const LiveClip& clip, int seeks, LiveClips& clips, Fig
     std::vector<double> ms;
     SplitMix64 random(1);
     const std::int64_t start = monotonic_ns();
-    // Where a seek reads all that comes before, a few of them tell enough.
+    // If a seek reads everything before its target, a few seeks suffice.
     while (std::ssize(ms) < seeks && (ms.size() < 3 || monotonic_ns() - start < patience_ns)) {
         if (stop_requested()) return interrupted_error();
         const auto frame = static_cast<std::int64_t>(random.unit() * clip.frames);

@@ -5,8 +5,8 @@
 
 namespace touchable {
 
-/// Goes to frames of a clip in random order, and appends how long it took until the frame was there. An error
-/// of kind check where it is not the frame that was asked for.
+/// Seeks frames of a clip in random order and appends the time until each frame is read. An error of kind
+/// check if it is another frame.
 Result<void> measure_seek(const LiveClip& clip, int seeks, LiveClips& clips, Figures& figures);
 
 }  // namespace touchable

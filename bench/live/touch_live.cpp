@@ -11,7 +11,7 @@
 namespace touchable {
 namespace {
 
-/// Ticks that began so late that a hand could tell.
+/// Counts ticks that began noticeably late.
 class LateTicks final : public TouchSink {
 public:
     static constexpr double late_us = 200;
@@ -59,7 +59,7 @@ Result<void> measure_live(const LiveClip& clip, LiveClips& clips, Figures& figur
 
     const auto frames = static_cast<double>(s.feed->frames());
     const auto due = static_cast<double>(facts.loop.ticks + facts.loop.skipped);
-    // A tick that was skipped never began at all.
+    // Skipped ticks count as late.
     const auto late_ticks = static_cast<double>(ticks.late() + facts.loop.skipped);
     const Spread read = s.feed->read_ms().spread(), build = s.feed->build_ms().spread();
     figures.push_back({"frames", frames, ""});

@@ -5,8 +5,8 @@
 
 namespace touchable {
 
-/// Touches a clip in real time with five fingers, as `touchable touch --live --fingers 5` does, over all of
-/// it, and appends what came late.
+/// Touches a whole clip in real time with five fingers, like `touchable touch --live --fingers 5`, and
+/// appends figures of late ticks and frames.
 Result<void> measure_live(const LiveClip& clip, LiveClips& clips, Figures& figures);
 
 }  // namespace touchable

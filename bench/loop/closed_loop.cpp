@@ -47,7 +47,7 @@ Result<ClosedLoop> ClosedLoop::create(const TouchSurface& surface, const LoopCas
     if (!solver) return solver.error();
     ClosedLoop loop(surface, c, place, stiffness, *solver);
     loop.handle_.put(loop.surface_now() - place.normal * loop.depth_, -nudge * place.normal);
-    // The person pressed before: what is on its way holds the handle where it is.
+    // The user pressed before, so the delayed forces in the ring already hold the handle in place.
     for (glm::dvec3& force : loop.forces_) force = loop.press_ * place.normal;
     return loop;
 }

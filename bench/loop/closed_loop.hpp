@@ -10,12 +10,11 @@
 
 namespace touchable {
 
-/// A closed loop, but for its stiffness: what is touched in which metric, who holds what, how late forces
-/// come.
+/// A closed loop without its stiffness: surface and metric, handle and hand, delay of forces.
 struct LoopCase {
     TouchCase touch;
     HandleDynamics handle;
-    int delay_ticks = 0;  ///< between reading a place and exerting the force it led to
+    int delay_ticks = 0;  ///< from reading a position to exerting its force
 };
 
 /// A pixel of the surface, and the outward normal there (world and device axes agree).
@@ -23,21 +22,21 @@ struct PressedPlace {
     int x = 0, y = 0;
     glm::dvec3 normal{0, 0, 1};
 };
-/// The normal of the true surface; where none is known, back along the pixel's ray.
+/// The normal of the true surface; if unknown, the direction back along the pixel's ray.
 PressedPlace pressed_place(const TouchSurface& surface, int x, int y);
 
-/// One finger that a person presses on a surface through a device, tick after tick: the place is read, the
-/// solver finds its force, that force is exerted `delay_ticks` later and held for a tick, and the handle
-/// moves. The hand means to be so deep under the surface that it presses with `press_n` once everything
-/// rests, or less where that would be deeper than `deepest`; on a surface that moves it goes along. No force
-/// guard takes part: what is asked is when the solver's own force is stable.
+/// One finger pressed on a surface through a device. In each tick the position is read, the solver computes
+/// its force, that force is exerted `delay_ticks` later and held for a tick, and the handle moves. The hand's
+/// goal is so deep under the surface that it presses with `press_n` at rest, or less if that would be deeper
+/// than `deepest`; the goal follows a moving surface. There is no force guard, because the stability of the
+/// solver's own force is measured.
 class ClosedLoop {
 public:
     static constexpr double period_s = 0.001;
     static constexpr double press_n = 3;
     static constexpr double deepest = 0.005;  ///< device metres
 
-    /// Begins where a flat wall would rest, at a nudge (m/s) inward. The surface must outlive the loop.
+    /// Begins at rest for a flat wall, with a nudge (m/s) inward. The surface must outlive the loop.
     static Result<ClosedLoop> create(const TouchSurface& surface, const LoopCase& c,
                                      const PressedPlace& place, double stiffness, double nudge);
     void tick();
@@ -51,16 +50,16 @@ private:
     glm::dvec3 surface_now() const;
 
     const TouchSurface& surface_;
-    Scene scene_;  // of the surface, with this loop's stiffness
+    Scene scene_;  // the surface's scene with this loop's stiffness
     TouchSolver solver_;
     Workspace workspace_;
     PressedPlace place_;
-    double press_, depth_, intended_depth_;  // N; device metres under the surface, at rest and meant
+    double press_, depth_, intended_depth_;  // N; device metres under the surface: at rest, and the goal
     HeldHandle handle_;
     std::int64_t tick_ = 0;
     FingerState finger_;
     Contact contact_;
-    std::vector<glm::dvec3> forces_;  // on their way, a ring: the oldest at tick modulo size
+    std::vector<glm::dvec3> forces_;  // ring of delayed forces: the oldest at tick modulo size
 };
 
 }  // namespace touchable

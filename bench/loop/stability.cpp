@@ -9,12 +9,12 @@ namespace touchable {
 namespace {
 
 constexpr double nudge = 0.005;     // m/s
-constexpr double loud = 3 * nudge;  // a speed, root mean square, that no nudge explains
-constexpr double silent = 1e-7;     // m/s: roundings
-constexpr double quieter = 0.97;    // of what it was: it is coming to rest
+constexpr double loud = 3 * nudge;  // RMS speed that no nudge explains
+constexpr double silent = 1e-7;     // m/s; rounding errors
+constexpr double quieter = 0.97;    // ratio below which the motion is coming to rest
 constexpr double lowest_stiffness = 20, rung = 1.4142135623730951, precision = 1.01;
 
-/// Root mean square over a stretch of ticks.
+/// RMS speed over some ticks.
 class Loudness {
 public:
     void add(const glm::dvec3& velocity) {
@@ -28,8 +28,8 @@ private:
     int count_ = 0;
 };
 
-/// Ticks of a quarter of a trial. Oscillations of a body with loss b grow or die by
-/// exp(-(1 - K/boundary) b/(2m) t) near the boundary; two quarters are 10 m/b and more.
+/// Ticks of a quarter of a trial. Near the boundary, oscillations of a body with damping b grow or decay by
+/// exp(-(1 - K/boundary) b/(2m) t); two quarters are at least 10 m/b.
 int quarter_ticks(const HandleDynamics& handle) {
     constexpr double least_s = 0.5, most_s = 10;
     const double s = handle.damping > 0 ? 5 * handle.mass / handle.damping : most_s;

@@ -43,7 +43,7 @@ public:
     }
 
     Result<void> encode(const PlaneView& plane, Packet& packet) override {
-        // Encoders that predict over time hold on to what they were given.
+        // Encoders with temporal prediction keep references to earlier pictures.
         if (av_frame_make_writable(picture_.get()) < 0) return failed_at("out of memory");
         if (auto packed = pack(plane, settings_.packing, scaler_, *picture_); !packed) return packed;
         picture_->pts = next_++;
@@ -58,10 +58,10 @@ public:
     Result<void> decode(const Packet& packet) override {
         if (!decoder_)
             if (auto opened = open_decoder(); !opened) return opened;
-        // Without an owner FFmpeg copies the bytes, as it would read them from a file.
+        // Without a buffer owner FFmpeg copies the bytes, like bytes read from a file.
         in_->data = const_cast<std::uint8_t*>(packet.data());
         in_->size = static_cast<int>(packet.size());
-        // To a PNG without this flag FFmpeg adds the picture before.
+        // Without this flag FFmpeg adds the previous picture to a PNG.
         in_->flags = settings_.access_every == 1 ? AV_PKT_FLAG_KEY : 0;
         int status = avcodec_send_packet(decoder_.get(), in_.get());
         if (status >= 0) status = avcodec_receive_frame(decoder_.get(), decoded_.get());

@@ -10,16 +10,15 @@
 
 namespace touchable {
 
-/// One of FFmpeg's encoders and how it is set.
+/// One of FFmpeg's encoders and its settings.
 struct AvSettings {
     std::string encoder;
     Packing packing;
-    int slices = 1, access_every = 1;  ///< frames from one access point to the next
+    int slices = 1, access_every = 1;  ///< frames between access points
     std::vector<std::pair<std::string, std::string>> options{};
 };
 
-/// An encoder of FFmpeg, and the decoder that belongs to it, each on one thread: the plain loop of send and
-/// receive that any program has.
+/// An encoder of FFmpeg and its decoder, each on one thread, in the usual loop of send and receive.
 Result<std::unique_ptr<PlaneCodec>> open_av_codec(const AvSettings& settings, const PlaneView& first);
 
 }  // namespace touchable

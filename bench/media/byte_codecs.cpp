@@ -12,7 +12,7 @@
 namespace touchable {
 namespace {
 
-/// Planes in memory of their own.
+/// A codec with its own memory for the decoded plane.
 class ByteCodec : public PlaneCodec {
 public:
     explicit ByteCodec(const PlaneView& form) : form_(form) {
@@ -24,7 +24,7 @@ public:
 
 protected:
     std::size_t row_bytes() const { return static_cast<std::size_t>(form_.stride); }
-    /// Of a row of the plane that is decoded.
+    /// A row of the decoded plane.
     std::uint8_t* row(int y) { return samples_.data() + form_.stride * y; }
     static Error damaged(const char* what) {
         return {ErrorKind::check, std::string(what) + ": a packet cannot be read back"};
@@ -62,7 +62,7 @@ inline int unfolded(std::uint32_t code) {
     return static_cast<int>(code >> 1) ^ -static_cast<int>(code & 1);
 }
 
-/// Whole numbers in groups of 3 bits, the lowest first; a fourth bit says that another follows.
+/// Whole numbers in groups of 3 bits, the lowest first; a fourth bit marks that another group follows.
 class NibbleWriter {
 public:
     explicit NibbleWriter(Packet& packet) : packet_(packet) { packet.clear(); }
@@ -92,7 +92,7 @@ private:
 class NibbleReader {
 public:
     explicit NibbleReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
-    /// 0 beyond the end, which `good` tells.
+    /// Returns 0 beyond the end; `good` is then false.
     std::uint32_t get() {
         std::uint32_t value = 0;
         for (int shift = 0;; shift += 3) {
@@ -181,7 +181,7 @@ struct FreeZstd {
     void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
 };
 
-/// A frame of zstd at its level 1.
+/// A zstd frame at level 1.
 class Zstd {
 public:
     Result<void> compress(const std::vector<std::uint8_t>& bytes, Packet& packet) {
@@ -281,11 +281,11 @@ private:
     }
 
     std::size_t pixels_;
-    std::vector<std::uint8_t> bytes_;  // codes: low bytes by channel, then high ones
+    std::vector<std::uint8_t> bytes_;  // codes: low bytes by channel, then high bytes
     Zstd zstd_;
 };
 
-/// As clips have it: it chooses anew where a clip can be entered.
+/// As in clips: chooses its ranks anew at each access point.
 class RankZstdCodec final : public ByteCodec {
 public:
     using ByteCodec::ByteCodec;

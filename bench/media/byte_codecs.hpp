@@ -6,23 +6,23 @@
 
 namespace touchable {
 
-/// The rows one behind the other: what the least that any codec can do costs.
+/// Concatenated rows: the least work of any codec.
 std::unique_ptr<PlaneCodec> make_raw_codec(const PlaneView& form);
 
-/// RVL of one channel (A. D. Wilson, Fast Lossless Depth Image Compression, ISS 2017): runs of zeros and of
-/// others in turn, of these the differences from the one before, all as groups of 3 bits.
+/// RVL of one channel (A. D. Wilson, Fast Lossless Depth Image Compression, ISS 2017): alternating runs of
+/// zeros and of other values; the latter as differences from the previous value, all in groups of 3 bits.
 std::unique_ptr<PlaneCodec> make_rvl_codec(const PlaneView& form);
 
-/// The rows one behind the other, compressed by zstd at its level 1.
+/// Concatenated rows, compressed by zstd at level 1.
 std::unique_ptr<PlaneCodec> make_plain_zstd_codec(const PlaneView& form);
 
-/// Of each sample the difference from the one to its left, signs in the lowest bit, bytes of the same weight
-/// and channel together, compressed by zstd at its level 1.
+/// Each sample's difference from its left neighbour, sign in the lowest bit, bytes of equal weight and
+/// channel grouped, compressed by zstd at level 1.
 std::unique_ptr<PlaneCodec> make_zstd_codec(const PlaneView& form);
-/// The same of what is left of a sample less the one above it: left + above - above left is predicted. Of
-/// two bytes a sample it is what the codec of clips was first (t3dz).
+/// The same with the gradient predictor left + above - above left. For two-byte samples this was the first
+/// codec of clips (t3dz).
 std::unique_ptr<PlaneCodec> make_zstd_gradient_codec(const PlaneView& form);
-/// The codec of clips (engine/clip/track_codecs.hpp): of two bytes a sample.
+/// The codec of clips (engine/clip/track_codecs.hpp), for two-byte samples.
 std::unique_ptr<PlaneCodec> make_rank_zstd_codec(const PlaneView& form);
 
 }  // namespace touchable

@@ -4,7 +4,7 @@
 namespace touchable {
 namespace {
 
-/// A clip of either archive can be entered every half second.
+/// Clips of both archives have an access point every half second.
 constexpr int frames_to_access = 15;
 constexpr int side_by_side = 4;  // slices
 
@@ -55,8 +55,7 @@ std::vector<CodecChoice> codec_choices(PlaneRole role, const PlaneView& first) {
     const AVPixelFormat grey = deep ? AV_PIX_FMT_GRAY16LE : AV_PIX_FMT_GRAY8;
     std::vector<CodecChoice> choices;
     choices.push_back(by_ffmpeg("ffv1-range", ffv1(rgb ? AV_PIX_FMT_BGR0 : grey, "1")));
-    // Golomb-Rice codes are for samples of 8 bits: of more FFmpeg takes the range coder whatever is asked
-    // for.
+    // Golomb-Rice codes are for 8-bit samples: for more bits FFmpeg always uses the range coder.
     if (!deep) choices.push_back(by_ffmpeg("ffv1-rice", ffv1(rgb ? AV_PIX_FMT_BGR0 : grey, "0")));
     choices.push_back(by_ffmpeg("ffvhuff", {"ffvhuff", {rgb ? AV_PIX_FMT_RGB24 : grey}}));
     const AVPixelFormat in_png = rgb ? AV_PIX_FMT_RGB24 : deep ? AV_PIX_FMT_GRAY16BE : grey;

@@ -11,7 +11,7 @@
 namespace touchable {
 namespace {
 
-/// Of each frame the least time over the rounds; the mean over the frames.
+/// Least time per frame over the rounds, and the mean of these over the frames.
 class LeastTimes {
 public:
     explicit LeastTimes(std::size_t frames) : ms_(frames, HUGE_VAL) {}
@@ -51,7 +51,7 @@ double raw_bytes(const PlaneView& plane) {
     return static_cast<double>(plane.width) * plane.height * plane.channels * plane.bytes_per_sample;
 }
 
-/// What an encoder and a decoder hold at most, each of two frames.
+/// Peak memory of an encoder and of a decoder, for two frames each.
 Result<void> add_memory(const CodecChoice& choice, const std::vector<PlaneView>& planes, Figures& figures) {
     std::vector<Packet> packets(std::min<std::size_t>(planes.size(), 2));
     for (std::size_t n = 0; n < packets.size(); ++n)
@@ -78,7 +78,7 @@ struct CodecTimes {
     LeastTimes encode, decode, plane;
 };
 
-/// All frames once; the mean squared error that is left.
+/// Encodes and decodes all frames once; returns the mean squared error.
 Result<double> run_once(PlaneCodec& codec, const CodecChoice& choice, const std::vector<PlaneView>& planes,
                         std::vector<Packet>& packets, CodecTimes& times) {
     for (std::size_t n = 0; n < planes.size(); ++n)

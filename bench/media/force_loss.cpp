@@ -63,13 +63,13 @@ Kept kept(const PlaneView& plane) {
     return copy;
 }
 
-/// What keeps both alive.
+/// An owner of both.
 std::shared_ptr<const void> joined(std::shared_ptr<const void> first, std::shared_ptr<const void> second) {
     return std::make_shared<std::pair<std::shared_ptr<const void>, std::shared_ptr<const void>>>(
         std::move(first), std::move(second));
 }
 
-/// Each haptic value as the nearest of eight: flat materials, as people paint them.
+/// Rounds each haptic value to the nearest of eight: flat materials, as painted by users.
 void flatten(RawFrame& frame) {
     constexpr int step = 36;
     auto copy = std::make_shared<Kept>(kept(frame.haptic));
@@ -90,7 +90,7 @@ Result<FeltClip> felt_globe(bool is_flat) {
     return felt((*made)->scene(), std::move(frames));
 }
 
-/// Depth of 8 bits, 0 where there is none.
+/// Converts depth to 8 bits; 0: no depth.
 RawFrame in_8_bits(const RawFrame& frame, const DepthCoding& from, const DepthCoding& to) {
     auto samples = std::make_shared<std::vector<std::uint8_t>>();
     for (int y = 0; y < frame.depth.height; ++y)
@@ -119,7 +119,7 @@ Result<FeltClip> felt_castel(const std::filesystem::path& folder) {
     depth.kind = DepthCodingKind::linear;
     depth.near_is_high = true;
     depth.near = std::max(stored.near, stored.nearest_depth());
-    depth.far = std::min(stored.far, 1.2 / scene.metres_per_unit);  // behind that there is only the room
+    depth.far = std::min(stored.far, 1.2 / scene.metres_per_unit);  // beyond is only the room
     depth.near = std::max(depth.near, 0.3 / scene.metres_per_unit);
     depth.code_max = 255;
     depth.invalid_codes[0] = 0;
@@ -165,9 +165,9 @@ int largest_change(const PlaneView& a, const PlaneView& b) {
     return largest;
 }
 
-/// What is sent, and what comes back.
+/// A clip with one plane encoded and decoded, and the costs.
 struct SentPlane {
-    std::vector<RawFrame> frames;  ///< the clip with the plane in place of its own
+    std::vector<RawFrame> frames;  ///< the clip with the decoded plane
     double bytes = 0, encode_ms = 0, decode_ms = 0;
     int largest_change = 0;
 };

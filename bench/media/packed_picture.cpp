@@ -38,7 +38,7 @@ void join(const std::uint8_t* high, const std::uint8_t* low, int width, std::uin
     }
 }
 
-/// `step` bytes a pixel, red, green and blue at these places of them.
+/// Bytes per pixel, and the offsets of red, green and blue.
 struct RgbOrder {
     int step, red, green, blue;
 };
@@ -77,7 +77,7 @@ Result<void> convert(const std::uint8_t* const* from, const int* from_stride, AV
     return {};
 }
 
-/// As indices into its colours, in the order in which they come.
+/// Stores the plane as indices into its colours, in order of appearance.
 Result<void> index(const PlaneView& plane, AVFrame& picture) {
     std::unordered_map<std::uint32_t, std::uint8_t> colours;
     std::array<std::uint32_t, 256> palette{};
@@ -137,7 +137,7 @@ Result<void> pack(const PlaneView& plane, const Packing& packing, ScalerPtr& sca
     return {};
 }
 
-/// A plane of its own memory.
+/// A plane in the unpacker's memory.
 PlaneView Unpacker::own() {
     PlaneView plane = form_;
     plane.stride = std::ptrdiff_t{form_.width} * form_.channels * form_.bytes_per_sample;
@@ -151,8 +151,7 @@ Result<PlaneView> Unpacker::plane(const AVFrame& picture) {
     if (picture.width != form_.width || picture.height != height)
         return Error{ErrorKind::check, "a picture came back in another size"};
     const auto format = static_cast<AVPixelFormat>(picture.format);
-    // What is grey or RGB in order is used where it lies. Of grey H.264 FFmpeg makes YUV with chroma that
-    // says nothing.
+    // Grey and plain RGB are used in place. FFmpeg decodes grey H.264 to YUV with meaningless chroma.
     const bool as_it_is = form_.channels == 3 ? format == AV_PIX_FMT_RGB24
                                               : !packing_.halves && packing_.format != AV_PIX_FMT_GRAY16BE;
     if (as_it_is) {

@@ -9,21 +9,21 @@
 
 namespace touchable {
 
-/// How samples lie in FFmpeg's pictures.
+/// Layout of samples in FFmpeg's pictures.
 struct Packing {
     AVPixelFormat format;
-    /// 16 bits as one picture of 8 bits and twice the height: the high bytes above the low bytes.
+    /// 16 bits as one 8-bit picture of twice the height: high bytes above low bytes.
     bool halves = false;
 };
 
-/// Puts a plane into a picture of the packing's format and of its size.
+/// Packs a plane into a picture of the packing's format and size.
 Result<void> pack(const PlaneView& plane, const Packing& packing, ScalerPtr& scaler, AVFrame& picture);
 
-/// Planes out of pictures, in the form of `form`: of lossless packings exactly what went in.
+/// Unpacks pictures to planes in the form of `form`; exact for lossless packings.
 class Unpacker {
 public:
     Unpacker(const PlaneView& form, const Packing& packing) : form_(form), packing_(packing) {}
-    /// Valid until the next call, and as long as the picture.
+    /// Valid until the next call and while the picture exists.
     Result<PlaneView> plane(const AVFrame& picture);
 
 private:

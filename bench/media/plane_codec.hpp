@@ -14,14 +14,14 @@ namespace touchable {
 
 using Packet = std::vector<std::uint8_t>;
 
-/// Stores the pictures of a plane in packets, one each, and reads them again. On the caller's thread.
+/// Encodes the pictures of a plane to packets, one each, and decodes them. On the caller's thread.
 class PlaneCodec {
 public:
     virtual ~PlaneCodec() = default;
     virtual Result<void> encode(const PlaneView& plane, Packet& packet) = 0;
-    /// In the order of encoding, after the first was encoded.
+    /// In the order of encoding; at least the first picture must be encoded.
     virtual Result<void> decode(const Packet& packet) = 0;
-    /// What was decoded last, in the form that went in; until the next call.
+    /// The plane decoded last, in the original form; valid until the next call.
     virtual Result<PlaneView> plane() = 0;
 };
 
@@ -31,8 +31,8 @@ struct CodecChoice {
     /// For planes in the form of this one.
     std::function<Result<std::unique_ptr<PlaneCodec>>(const PlaneView& first)> open;
 };
-/// What is worth measuring for planes of a role in the form of `first`. The first is FFV1 as clips had it
-/// before others.
+/// The codecs to measure for planes of a role in the form of `first`. The first one is FFV1 as in the first
+/// clips.
 std::vector<CodecChoice> codec_choices(PlaneRole role, const PlaneView& first);
 
 }  // namespace touchable

@@ -72,8 +72,8 @@ Frames frames_of_recording(const std::filesystem::path& folder, const std::files
     return frames;
 }
 
-/// Depth of cameras: in units of 0.125 mm (castel), in millimetres (cube), and in millimetres of which only
-/// few are told apart (redwood).
+/// Cameras' depth: in units of 0.125 mm (castel), in millimetres (cube), and in millimetres with only a few
+/// distinct values (redwood).
 void add_recordings(std::vector<PictureSource>& sources) {
     struct Recording {
         const char *name, *folder, *scene;

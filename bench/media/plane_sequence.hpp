@@ -9,19 +9,19 @@
 
 namespace touchable {
 
-/// Pictures whose planes are stored by every codec.
+/// Pictures whose planes are encoded by every codec.
 struct PictureSource {
     std::string name;               ///< <scene>-<W>x<H>-<bits of depth>
-    std::vector<PlaneRole> planes;  ///< of them those that are measured
+    std::vector<PlaneRole> planes;  ///< the planes to measure
     std::function<Result<std::vector<RawFrame>>()> make;
 };
 
-/// How many frames of each: as many as there are from one access point of a clip to the next.
+/// Frames per source: as many as between two access points of a clip.
 inline constexpr int frames_of_source = 15;
 
 /// globe: all planes; its depth stands still. moving, noise (a slope with noise that is new in each frame,
-/// +-16 codes of 16 bits, +-1 of 8) and castel, a recording: depth. Where there is no recording, a line on
-/// stderr says so. 1920x1080 (`quick`: 720x480), castel as recorded.
+/// +-16 codes of 16 bits, +-1 of 8) and castel, a recording: depth. A missing recording is reported on
+/// stderr. 1920x1080 (`quick`: 720x480), castel as recorded.
 std::vector<PictureSource> picture_sources(bool quick);
 
 /// One plane of all frames.

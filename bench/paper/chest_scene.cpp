@@ -17,7 +17,7 @@ constexpr double focal_length = 4.7, pixel_width = 0.0112;            // mm; a s
 constexpr double near_plane = 40, far_plane = 180;                    // cm
 constexpr double wall_depth = 170, chest_front = 100;                 // cm
 constexpr double half_width = 20, half_height = 35, half_depth = 12;  // cm, of the ellipsoid
-constexpr double device_width = 0.16;  // m that the picture is wide for the hand, at the chest
+constexpr double device_width = 0.16;  // m; width of the picture for the hand, at the chest
 
 }  // namespace
 
@@ -32,13 +32,13 @@ Scene chest_scene() {
     scene.depth.near = near_plane;
     scene.depth.far = far_plane;
     derive_valid_range(scene.depth);
-    scene.default_properties = {600, 0.4, 0.3};  // one for the whole scene, as in the paper
+    scene.default_properties = {600, 0.4, 0.3};  // the same in the whole scene, as in the paper
     scene.device_metres_per_unit = device_width / (scene.width / scene.camera.fx * chest_front);
     return scene;
 }
 
 double chest_range(const Camera& camera, double x, double y) {
-    // |(s u / half_width, s v / half_height, (centre - s) / half_depth)| = 1, the nearer s.
+    // |(s u / half_width, s v / half_height, (centre - s) / half_depth)| = 1, the smaller s.
     const double u = camera.u(x), v = camera.v(y), centre = chest_front + half_depth;
     const double a = u * u / (half_width * half_width) + v * v / (half_height * half_height) +
                      1 / (half_depth * half_depth);

@@ -8,7 +8,7 @@ namespace touchable {
 namespace {
 
 constexpr int globe_frames = 30;       // a second
-constexpr std::size_t lazy_slots = 4;  // 64 ms of 30 frames/s need no more
+constexpr std::size_t lazy_slots = 4;  // suffices for 64 ms at 30 frames/s
 
 std::int64_t frame_at(const FrameRate& rate, std::int64_t time_ns) {
     std::int64_t n = time_ns * rate.num / (rate.den * 1'000'000'000);
@@ -89,7 +89,7 @@ std::size_t PlayedClip::slot(std::int64_t number) const {
 }
 
 void PlayedClip::play_to(std::int64_t time_ns) {
-    // It was right in `build`, with frames of this form.
+    // Cannot fail: `build` succeeded with frames of this form.
     for (; lazy_ && built_ <= frame_at(scene_.rate, time_ns) + 1; ++built_)
         static_cast<void>(builder_->build(raw(built_), slots_[slot(built_)]));
 }

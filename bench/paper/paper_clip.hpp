@@ -12,47 +12,46 @@
 
 namespace touchable {
 
-/// What the paper's people touched: frames as stored, and the surface they are pictures of.
+/// Content as touched by the paper's subjects: stored frames, and the surface that they show.
 struct PaperClip {
     Scene scene;
-    /// Depth at a pixel, before noise, rounding and heights; of the scene's semantics, scene units.
+    /// Depth at a pixel, before noise, rounding and heights; in the scene's semantics, scene units.
     std::function<double(double x, double y)> depth;
-    /// Frames in the order of time; behind the last one come these from the first again.
+    /// Frames in order of time, repeated after the last one.
     std::vector<RawFrame> frames;
     double noise_levels = 0;  ///< standard deviation of the stored depth
 
-    /// World point of the true surface under a place of device space: metres right of and above the middle of
-    /// the picture, where a metre is as long as in the depth of that middle.
+    /// World point of the true surface under a place of device space: metres right of and above the picture's
+    /// middle, at the scale of the middle's depth.
     glm::dvec3 surface_at(const glm::dvec2& place) const;
 };
 
-/// The turning planet at 720x480 and 8 bits with camera B: one second of its turn, to and fro.
+/// The turning planet at 720x480 and 8 bits with camera B: one second of its turn, forward and backward.
 Result<std::shared_ptr<const PaperClip>> make_globe_clip();
-/// The chest with that noise: so many frames, each with noise of its own.
+/// `frames` frames of the chest with that noise, independent in each frame.
 std::shared_ptr<const PaperClip> make_chest_clip(double noise_levels, int frames);
 
-/// How a clip becomes a surface.
+/// Filters from a clip to a surface.
 struct PaperFilter {
     int median = 0;
-    bool terraces = false, temporal = false;  ///< removed; averaged from frame to frame
-    bool lazy =
-        false;  ///< pixels are filtered when they are touched; each frame anew, also when it is repeated
+    bool terraces = false, temporal = false;  ///< remove terraces; average from frame to frame
+    bool lazy = false;  ///< filter pixels when touched, anew in each frame, also in repeated ones
 };
 
-/// A clip that plays: surfaces at any time from 0 on.
+/// A playing clip: surfaces at any time from 0 on.
 class PlayedClip {
 public:
-    /// Builds all frames, or with a lazy filter those that are in use.
+    /// Builds all frames; with a lazy filter those in use.
     static Result<std::unique_ptr<PlayedClip>> make(std::shared_ptr<const PaperClip> clip,
                                                     const PaperFilter& filter);
 
     const PaperClip& clip() const { return *clip_; }
     /// With the filter.
     const Scene& scene() const { return scene_; }
-    /// From its beginning; with a lazy filter pixels are filtered anew.
+    /// Restarts the clip; with a lazy filter pixels are filtered anew.
     void restart() { built_ = 0; }
-    /// Gets the surfaces ready for `pair_at` of times up to this one, from at most 64 ms before on. Times do
-    /// not go back but by `restart`.
+    /// Prepares the surfaces for `pair_at` of times up to this one, from at most 64 ms before. Times must not
+    /// decrease except by `restart`.
     void play_to(std::int64_t time_ns);
     FramePair pair_at(std::int64_t time_ns) const;
 
@@ -67,7 +66,7 @@ private:
     bool lazy_;
     std::unique_ptr<SurfaceBuilder> builder_;
     std::vector<SurfaceFrame> slots_;  // their vertices refer to them: never resized
-    std::int64_t built_ = 0;           // lazily, since the beginning
+    std::int64_t built_ = 0;           // with a lazy filter: frames built since the beginning
 };
 
 }  // namespace touchable

@@ -31,7 +31,7 @@ bool has_case_with(const Measured& measured, const std::string& part) {
 
 // --- Fig. 19
 
-/// mN RMS, decibels to no median, and how far the finger is held back; blank where it was not measured.
+/// mN RMS, decibels relative to no median, and how far the finger is held back; empty: not measured.
 std::string cell_of(const Measured& measured, const std::string& name, const std::string& without_filter) {
     const auto band = figure_of(measured, name, "force_band_mn");
     const auto back = figure_of(measured, name, "held_back_mm");
@@ -43,7 +43,7 @@ std::string cell_of(const Measured& measured, const std::string& name, const std
 }
 
 struct FilterRow {
-    const char *words, *filter, *more;  // what the cases' names have of it
+    const char *words, *filter, *more;  // parts of the cases' names
 };
 constexpr FilterRow filter_rows[] = {{"no median", "", ""},
                                      {"median 3x3", "-m3", ""},
@@ -51,7 +51,7 @@ constexpr FilterRow filter_rows[] = {{"no median", "", ""},
                                      {"5x5, terraces removed", "-m5-t", ""},
                                      {"the same, averaged over frames", "-m5-t", "-temporal"}};
 
-/// One block: the filters of one clip, in both metrics.
+/// Prints a block: the filters of one clip, in both metrics.
 void print_filters(const Measured& measured, const std::string& heading, const std::string& run) {
     std::string lines;
     for (const FilterRow& row : filter_rows) {
@@ -92,7 +92,7 @@ struct PaperRow {
 };
 struct Content {
     const char* words;
-    const char* begin;  // of the cases' names
+    const char* begin;  // start of the cases' names
     const char* ours;   // filter
     std::array<PaperRow, 4> paper;
 };
@@ -127,7 +127,7 @@ void print_row(const std::string& who, const Row& row) {
     std::printf("\n");
 }
 
-/// A row for each scripted hand, and their average where all were measured.
+/// Prints a row per scripted hand, and their average if all were measured.
 void print_hands(const Measured& measured, const std::string& words, const std::string& begin) {
     Row average{};
     std::size_t hands = 0;

@@ -18,8 +18,8 @@ constexpr int segments = 10, segment_ticks = 10'000, settling_ticks = 1000;  // 
 constexpr double rate_hz = 1000;
 constexpr int points_per_octave = 12;
 
-/// One finger on a playing clip, through a device that a hand holds: as bench/loop/closed_loop.hpp, but the
-/// hand moves, and the surface is noisy.
+/// One finger on a playing clip, through a device held by a hand: like bench/loop/closed_loop.hpp, but with a
+/// moving hand and a noisy surface.
 class Scratching {
 public:
     Scratching(PlayedClip& played, const TouchSolver& solver, const ScratchHand& hand)
@@ -28,19 +28,19 @@ public:
           workspace_{solver.settings().metres_per_scene_unit, {0, 0, 0}},
           path_(hand.path),
           handle_(hand.dynamics, 1 / rate_hz),
-          // Where both springs, surface and hand, rest under the force.
+          // Depth at which the springs of surface and hand balance the force.
           under_(hand.press_n / played.scene().default_properties.stiffness +
                  hand.press_n / hand.dynamics.hand_stiffness) {
         handle_.put(meant(0), glm::dvec3(0.0));
     }
 
-    /// How far the proxy is from where the hand means to be, sideways, device metres.
+    /// Lateral distance from the proxy to the hand's goal, device metres.
     double held_back(int k, const Contact& contact) const {
         const glm::dvec3 off = workspace_.to_device(contact.proxy) - meant(k);
         return std::sqrt(off.x * off.x + off.y * off.y);
     }
 
-    /// The contact of tick k, or what is wrong with it.
+    /// The contact of tick k, or an error that states its fault.
     Result<Contact> tick(int k) {
         played_.play_to(k * tick_length_ns);
         const HeightField field(played_.scene(), played_.pair_at(k * tick_length_ns));
@@ -56,7 +56,7 @@ public:
     }
 
 private:
-    /// Under the true surface: the person sees a chest, not noise.
+    /// The hand's goal under the true surface: the user sees a chest, not noise.
     glm::dvec3 meant(int k) const {
         const glm::dvec3 surface = played_.clip().surface_at(path_.at(k / rate_hz));
         return workspace_.to_device(surface) - glm::dvec3(0, 0, under_);
@@ -71,7 +71,7 @@ private:
     FingerState finger_;
 };
 
-/// What was recorded: the force's magnitude, tick by tick.
+/// The recording: the force's magnitude, tick by tick.
 struct Scratched {
     std::vector<double> newtons;
     int touching = 0;
@@ -103,7 +103,7 @@ void add_bands(const Spectrum& spectrum, Figures& figures) {
             {formatted("force_band_mn_%.0f_%.0f", from, 2 * from), rms_mn(from, 2 * from), "mN"});
 }
 
-/// The density from 1 Hz on, the mean over each twelfth of an octave that has a wave.
+/// Appends the density from 1 Hz on, the mean over each twelfth of an octave that contains a wave.
 void add_curve(const Spectrum& spectrum, Figures& figures) {
     const double ratio = std::pow(2, 1.0 / points_per_octave), half = rate_hz / 2;
     for (double from = 1; from < half; from *= ratio) {

@@ -14,7 +14,7 @@ namespace {
 constexpr int second_ticks = 1000;
 constexpr double under_mm = 2, above_mm = 50;  // of the true surface, along the optical axis
 
-/// A tick is what the haptic thread does in one: with a lazy filter it filters what it touches.
+/// A tick does the haptic thread's work: with a lazy filter also the filtering of touched pixels.
 class SweepTicks final : public TimedRun {
 public:
     SweepTicks(PlayedClip& played, const TouchSolver& solver, std::vector<glm::dvec3> goals)
@@ -31,7 +31,7 @@ public:
         solver_.tick(field, {&goals_[static_cast<std::size_t>(k)], 1}, {&finger_, 1}, {&contact_, 1});
     }
     const Contact& contact() const { return contact_; }
-    /// What is wrong with the contact of tick k, which was the last; nullptr if it is sound.
+    /// What is wrong with the contact of tick k, the last one; nullptr: valid.
     const char* fault(int k) const {
         const HeightField field(played_.scene(), played_.pair_at(k * tick_length_ns));
         return fault_of(contact_, field, solver_.settings().metres_per_scene_unit,
@@ -46,7 +46,7 @@ private:
     Contact contact_;
 };
 
-/// The hand comes down in the first half second; what is reported begins with the second one.
+/// The hand comes down in the first half second; the figures start with the second second.
 std::vector<glm::dvec3> goals_of(const PaperClip& clip, const SweepRun& run) {
     const double units_per_mm = 0.001 / clip.scene.device_metres_per_unit.value();
     std::vector<glm::dvec3> goals;
@@ -58,7 +58,7 @@ std::vector<glm::dvec3> goals_of(const PaperClip& clip, const SweepRun& run) {
     return goals;
 }
 
-/// Mean over the seconds of a run, but for the first, of the largest of each.
+/// Mean of each second's maximum, without the first second.
 double mean_of_maxima(const double* values, int seconds) {
     double sum = 0;
     for (int second = 1; second <= seconds; ++second) {
@@ -68,7 +68,7 @@ double mean_of_maxima(const double* values, int seconds) {
     return sum / seconds;
 }
 
-/// Runs it once, untimed, looks at every tick, and counts from the second second on.
+/// Runs the ticks once, untimed, checks each, and counts from the second second on.
 Result<void> add_primitives(SweepTicks& ticks, const SweepRun& run, Figures& figures) {
     ticks.restart();
     std::vector<double> primitives;
@@ -95,7 +95,7 @@ Result<void> add_primitives(SweepTicks& ticks, const SweepRun& run, Figures& fig
     return {};
 }
 
-/// Each tick's least time over the repeats: what it takes where nothing else happens on the machine.
+/// Each tick's least time over the repeats: its time on an otherwise idle machine.
 std::vector<double> least_of_repeats(const std::vector<double>& in_order, int repeats) {
     const std::size_t ticks = in_order.size() / static_cast<std::size_t>(repeats);
     std::vector<double> least(in_order.begin(), in_order.begin() + static_cast<std::ptrdiff_t>(ticks));

@@ -12,12 +12,12 @@ struct SweepRun {
     TouchCase setup;
     PaperFilter filter;
     ScriptedPath path;
-    int seconds = 30;  ///< after one in which the hand comes down
+    int seconds = 30;  ///< after one second in which the hand comes down
     int repeats = 5;
 };
 
 /// Appends tick_us_second_max and primitives_second_max (the largest of each second, mean over the seconds),
-/// primitives_mean, and the times of a tick; an error if a tick is not right (as `verify` has it).
+/// primitives_mean, and the times of a tick; an error if a tick is invalid (see `verify`).
 Result<void> measure_sweep(std::shared_ptr<const PaperClip> clip, const SweepRun& run, Figures& figures);
 
 }  // namespace touchable

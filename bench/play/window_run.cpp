@@ -15,7 +15,7 @@ namespace {
 constexpr double moves_per_s = 20;
 constexpr double warm_up_s = 0.5;
 
-/// Five fingers that press, round a pointer that goes in circles, moved at odd moments of a frame.
+/// Five pressed fingers around a pointer that moves in circles, at times not aligned to frames.
 std::vector<ScriptedInput> hand(const WindowRun& run, double seconds) {
     const double x = run.width / 2.0, y = run.height / 2.0;
     using Kind = InputEvent::Kind;
@@ -62,7 +62,7 @@ Result<void> measure_window(const WindowRun& run, LiveClips& clips, Figures& fig
     if (p.pictures < 1) return Error{ErrorKind::check, "the window showed no pictures"};
 
     const auto pictures = static_cast<double>(p.pictures);
-    const double counted = std::max(1.0, pictures - 1);  // without the first
+    const double counted = std::max(1.0, pictures - 1);  // without the first one
     figures.push_back({"frames_in_time_pct", percent(p.frames_in_time, p.frames_due), "%"});
     figures.push_back({"pictures_per_s", pictures / p.seconds, ""});
     add_spread(figures, "picture_ms", p.draw_ms);

@@ -7,16 +7,16 @@
 
 namespace touchable {
 
-/// The window of `touchable play` without a display, over a clip that plays and that five fingers press while
-/// the pointer moves: as long as the clip is.
+/// The window of `touchable play` without a display, for the length of a clip, with five fingers pressed on
+/// it while the pointer moves.
 struct WindowRun {
     LiveClip clip;
     double turned = 0;  ///< degrees to the right, from the clip's own view
     int width = 1280, height = 720;
-    std::string painter = "auto", builder = "auto";  ///< as PlayOptions and BuilderChoice have them
+    std::string painter = "auto", builder = "auto";  ///< as in PlayOptions and BuilderChoice
 };
 
-/// Measures it, after half a second of the same, which fills the shader cache.
+/// Measures the window, after half a second of the same run, which fills the shader cache.
 Result<void> measure_window(const WindowRun& run, LiveClips& clips, Figures& figures);
 
 }  // namespace touchable

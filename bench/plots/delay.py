@@ -56,7 +56,7 @@ def draw_delay(arguments):
         axes.set_title(f"{loss} % lost" if loss else "nothing lost")
     all_axes.flat[0].set_ylim(bottom=0)
     all_axes.flat[0].set_ylabel("force error, RMS (% of the force)")
-    figure.get_layout_engine().set(rect=(0, 0.07, 1, 0.93))  # the legend lies below
+    figure.get_layout_engine().set(rect=(0, 0.07, 1, 0.93))  # leaves room for the legend below
     figure.legend(*all_axes.flat[0].get_legend_handles_labels(), loc="lower center", ncols=6, fontsize=9, frameon=False)
     figure.suptitle("Force beside the hand on a surface that comes late, and force that comes late itself", fontsize=12)
     save(figure, arguments.out)

@@ -359,7 +359,7 @@ def draw_runs(figures):
     figure, axes = plt.subplots(figsize=(9, 0.36 * len(runs) + 1.3), layout="constrained")
     for y, run in enumerate(runs):
         axes.plot(run["computed"], y, "o", color="white", markeredgecolor=WAY_COLOURS[run["way"]], markersize=7)
-        if run["ms_per_s"] <= 0:  # the empty ticks beside it cost more: other programs ran
+        if run["ms_per_s"] <= 0:  # the empty ticks cost more, because other programs ran
             axes.annotate("run: lost in noise", (run["computed"], y), xytext=(8, -3), textcoords="offset points",
                           fontsize=8, color="#666666")
             continue
@@ -420,7 +420,7 @@ td, th { padding: .15rem .7rem .15rem 0; border-bottom: 1px solid #e4e4e4 } td.n
 
 
 def svg_of(figure, salt):
-    plt.rcParams["svg.hashsalt"] = salt  # identifiers differ from plot to plot, and not from run to run
+    plt.rcParams["svg.hashsalt"] = salt  # identifiers differ between plots, but not between runs
     text = io.StringIO()
     figure.savefig(text, format="svg", metadata={"Date": None})
     plt.close(figure)

@@ -55,7 +55,7 @@ def draw_globe(axes, options):
         colour, shape = MODES[option["mode"]][0], BITS[option["bits"]][0]
         axes.plot(option["time"], option["error"], shape, markersize=7, markeredgewidth=1.4, alpha=0.9,
                   markeredgecolor=colour, color="white" if option["lazy"] else colour)
-        # A frame filtered beforehand costs its ticks nothing: its median is not told.
+        # Frames filtered beforehand do not slow ticks, so their median is not labelled.
         if option["lazy"] and option["median"] and option["mode"] == "pixel":
             axes.annotate(f"{option['median']}x{option['median']}", (option["time"], option["error"]),
                           xytext=(0, -21), textcoords="offset points", ha="center", fontsize=8, color=colour)

@@ -23,7 +23,7 @@ Result<void> measure_cost(const Scene& scene, const std::vector<RawFrame>& raws,
     double cpu_ms = std::numeric_limits<double>::infinity(), wall_ms = cpu_ms;
     for (int n = 0; n < rounds; ++n) {
         RawFrame raw = raws[static_cast<std::size_t>(n) % raws.size()];
-        raw.number = n;  // one after the other, as the temporal filter wants them
+        raw.number = n;  // consecutive, as required by the temporal filter
         const std::int64_t cpu_begin = process_cpu_ns(), begin = monotonic_ns();
         if (auto done = builder->build(raw, slot); !done) return done;
         wall_ms = std::min(wall_ms, static_cast<double>(monotonic_ns() - begin) * 1e-6);

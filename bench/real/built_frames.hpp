@@ -8,12 +8,11 @@
 
 namespace touchable {
 
-/// All of them, in order, by the CPU builder.
+/// Builds all frames in order with the CPU builder.
 Result<std::vector<SurfaceFrame>> built(const Scene& scene, const std::vector<RawFrame>& raws);
 
-/// Appends frame_cpu_ms and frame_ms: the least CPU time of all threads and the least wall time in which the
-/// CPU builder makes one of these frames, each of them new, into a slot it has used before; of `rounds`
-/// frames.
+/// Appends frame_cpu_ms and frame_ms: the CPU builder's least CPU time of all threads and least wall time for
+/// one of `rounds` frames, each new, into a slot used before.
 Result<void> measure_cost(const Scene& scene, const std::vector<RawFrame>& raws, int rounds,
                           Figures& figures);
 

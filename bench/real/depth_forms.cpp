@@ -99,7 +99,7 @@ Result<fs::path> write_bag(const fs::path& folder, const Scene& scene, const std
     return folder / "depth.bag";
 }
 
-/// The same scene, told in millimetres.
+/// The same scene with millimetres as unit.
 Scene in_millimetres(Scene scene) {
     const double mm = 1000 * scene.metres_per_unit;
     DepthCoding& depth = scene.depth;

@@ -10,23 +10,23 @@
 
 namespace touchable {
 
-/// A form in which people keep the same depth.
+/// A file format for the same depth.
 struct DepthForm {
     const char* name;
-    /// Writes it into a folder that is empty, metres or whole millimetres, and says what is to be opened.
+    /// Writes the depth, metres or whole millimetres, into an empty folder and returns the path to open.
     Result<std::filesystem::path> (*write)(const std::filesystem::path& folder, const Scene& scene,
                                            const std::vector<RawFrame>& frames);
 };
 
-/// PNG of 16 bits, `.npy` of float32, OpenEXR of halves, a recording of ROS 1 with 32FC1.
+/// 16-bit PNG, `.npy` of float32, OpenEXR of half floats, a ROS 1 recording with 32FC1.
 const std::vector<DepthForm>& depth_forms();
 
-/// Frames as touchable opens them without a scene file but for the camera, told in millimetres.
+/// Frames opened without a scene file, with only the camera stated; unit millimetres.
 struct OpenedForm {
     Scene scene;
     std::vector<RawFrame> frames;
 };
-/// Of frames whose scene has metric depth.
+/// Writes the frames in this form and opens them. The scene must have metric depth.
 Result<OpenedForm> opened(const DepthForm& form, const Scene& scene, const std::vector<RawFrame>& frames);
 
 }  // namespace touchable

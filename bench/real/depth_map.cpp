@@ -8,9 +8,9 @@
 namespace touchable {
 namespace {
 
-constexpr double least_depth = 1;  // mm before the camera, of what is drawn
+constexpr double least_depth = 1;  // mm in front of the camera; nearer surfaces are not drawn
 
-/// A vertex as it is seen; q = 1 / depth is linear over a flat triangle's picture.
+/// A projected vertex; q = 1 / depth is linear over a flat triangle's picture.
 struct SeenVertex {
     double x = 0, y = 0, q = 0;
 };

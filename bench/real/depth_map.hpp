@@ -9,7 +9,7 @@
 
 namespace touchable {
 
-/// Planar depths of a picture, millimetres, row-major; 0 where there is none.
+/// Planar depths of a picture, millimetres, row-major; 0: no depth.
 struct DepthMap {
     int width = 0, height = 0;
     Camera camera;
@@ -18,17 +18,17 @@ struct DepthMap {
     std::size_t index(int x, int y) const {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
     }
-    /// Of the nearest pixel of the picture.
+    /// Depth of the picture's nearest pixel.
     double at(int x, int y) const;
 };
 
-/// What is stored in a raw frame, before any filter; the scene's depth is planar.
+/// Stored depths of a raw frame, unfiltered; the scene's depth must be planar.
 DepthMap depths_of(const RawFrame& raw, const Scene& scene);
-/// The same room, `factor` times as large.
+/// The same room scaled by `factor`.
 DepthMap scaled(DepthMap map, double factor);
-/// What the camera sees of this surface once it has gone `way` millimetres ahead: each cell's two triangles,
-/// flat in the world, are drawn over with a z-buffer. Where depth jumps they stand as walls, as they do for
-/// the solver. An error where a pixel sees none, as after a way back.
+/// The surface seen by the camera after it has moved `way` millimetres forward: each cell's two triangles,
+/// flat in the world, are drawn with a z-buffer. At jumps of depth they form walls, as for the solver. An
+/// error if a pixel sees none, for example after moving backward.
 Result<DepthMap> seen_from(const DepthMap& map, double way);
 
 }  // namespace touchable

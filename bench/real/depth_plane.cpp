@@ -11,9 +11,9 @@
 namespace touchable {
 namespace {
 
-constexpr int block = 8;  // pixels whose residuals are taken together
+constexpr int block = 8;  // pixels whose residuals count as one observation
 
-/// Sum of (i - x)^2 over the window: the same down as to the right, and both are free of each other.
+/// Sum of (i - x)^2 over the window: equal for both axes, which are independent.
 double sum_of_squares(int reach) {
     double squares = 0;
     for (int d = -reach; d <= reach; ++d) squares += d * d;
@@ -25,7 +25,7 @@ double sum_of_squares(int reach) {
 std::optional<DepthPlane> plane_around(const DepthMap& map, int x, int y, int reach) {
     if (x < reach || y < reach || x >= map.width - reach || y >= map.height - reach) return std::nullopt;
     double sum = 0, along_x = 0, along_y = 0, square = 0;
-    // From the middle's, so that squares of differences are summed and nothing is lost.
+    // Relative to the middle's 1 / depth, so that the sums of squares lose no precision.
     const double middle = map.depths[map.index(x, y)];
     if (middle == 0) return std::nullopt;
     for (int dy = -reach; dy <= reach; ++dy)

@@ -13,19 +13,19 @@ namespace touchable {
 namespace {
 
 constexpr int edges_width = 320, edges_height = 240, edges_frames = 16;
-constexpr int first_row = 30, end_row = 210;  // of what is looked at
-constexpr int pen_left = 80, pen_right = 85;  // columns, to before
+constexpr int first_row = 30, end_row = 210;  // rows that are evaluated
+constexpr int pen_left = 80, pen_right = 85;  // columns; end exclusive
 constexpr int low_pen_left = 40, low_pen_right = 45;
-constexpr int bare_left = 92, bare_right = 132;  // nothing is there, nor is what filters reach of anything
+constexpr int bare_left = 92, bare_right = 132;  // bare wall, out of reach of filters from any object
 constexpr int step_left = 140, step_right = 200;
 constexpr int box_left = 235, box_right = 290, box_top = 60, box_bottom = 180;
 constexpr double pen_steps = 10, low_pen_steps = 4, step_steps = 4;
 
-/// Things are some steps high: even ones of 1/depth.
+/// A scene of objects whose heights are multiples of a step in 1/depth.
 struct EdgesScene {
     DepthMap truth;
     double step = 0;       // 1/mm
-    double middle = 1000;  // mm: how far away the wall's middle is
+    double middle = 1000;  // mm; distance of the wall's middle
 
     double wall(int x, int y) const {
         return (1 - 0.4 * truth.camera.u(x) + 0.2 * truth.camera.v(y)) / middle;
@@ -54,7 +54,7 @@ EdgesScene edges_scene(double step, double middle = 1000) {
     return scene;
 }
 
-/// How far the surface stands out of the wall in a column, in steps, on the mean over the rows.
+/// Height of the surface above the wall in a column, in steps, mean over the rows.
 double relief(const EdgesScene& edges, const SurfaceFrame& frame, int x) {
     double sum = 0, count = 0;
     for (int y = first_row; y < end_row; ++y) {
@@ -66,15 +66,14 @@ double relief(const EdgesScene& edges, const SurfaceFrame& frame, int x) {
     return sum / count;
 }
 
-/// Of a pen's three columns in the middle.
+/// Height of a pen's three middle columns, per cent of the true height.
 double pen_pct(const EdgesScene& edges, const SurfaceFrame& frame, int left, double steps) {
     double sum = 0;
     for (int x = left + 1; x < left + 4; ++x) sum += relief(edges, frame, x);
     return 100 * sum / 3 / steps;
 }
 
-/// Columns from where the surface is a quarter of the step above the lower side to where it is one below the
-/// upper.
+/// Width of the step in columns, from a quarter to three quarters of its height.
 double step_px(const EdgesScene& edges, const SurfaceFrame& frame) {
     const auto height = [&](int x) { return relief(edges, frame, x) / step_steps; };
     int high = step_left;
@@ -88,8 +87,8 @@ double step_px(const EdgesScene& edges, const SurfaceFrame& frame) {
     return crossing(high - 1, 0.75) - crossing(low, 0.25);
 }
 
-/// Pixels more than one away from the box's silhouette, up to eight, that are on neither side: farther from
-/// both than three levels and five times the noise.
+/// Pixels two to eight away from the box's silhouette that are on neither side: farther from both than three
+/// levels and five times the noise.
 double bleed_px(const EdgesScene& edges, const SurfaceFrame& frame, const SensorModel& model) {
     const auto near_silhouette = [](int x, int y, int reach) {
         const auto inside = EdgesScene::in_box(x, y);
@@ -113,7 +112,7 @@ double bleed_px(const EdgesScene& edges, const SurfaceFrame& frame, const Sensor
     return pixels;
 }
 
-/// Of the wall's faces where nothing stands before it.
+/// Direction figures of the bare wall's faces.
 void add_direction(const EdgesScene& edges, const SurfaceFrame& frame, Figures& figures) {
     const Camera& camera = edges.truth.camera;
     const auto point = [&](int x, int y) {

@@ -19,7 +19,7 @@ Scene with_filters(const std::vector<RawFrame>& first, Scene scene) {
     return scene;
 }
 
-/// Its gate half as wide again as the noise asks for: two levels beside each other are within it.
+/// The gate is 1.5 times that for the noise, so that two adjacent levels are within it.
 Scene with_wide_gate(const std::vector<RawFrame>& first, Scene scene) {
     scene = with_filters<5, true, true>(first, scene);
     scene.filter.temporal_noise = scene.filter.temporal_noise.times(1.5);

@@ -10,17 +10,17 @@
 
 namespace touchable {
 
-/// A way to filter depth, and what the benchmark calls it.
+/// A way to filter depth, and its name in the benchmark.
 struct FilterChoice {
     std::string_view name;
-    /// The scene with these filters, set up by what its first frames tell.
+    /// The scene with these filters, set up from its first frames.
     Scene (*of)(const std::vector<RawFrame>& first, Scene scene);
 };
 
-/// What the program measures of the first frames.
+/// The program's measurement of the first frames.
 std::optional<MeasuredDepth> measured_depth(const std::vector<RawFrame>& first, const Scene& scene);
 
-/// The choice of the program where nothing is stated.
+/// The program's choice if nothing is stated.
 Scene chosen_filters(const std::vector<RawFrame>& first, Scene scene);
 
 /// In the order of the tables. A new choice is a function and a line here.

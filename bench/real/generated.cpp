@@ -10,7 +10,7 @@
 namespace touchable {
 namespace {
 
-/// Whether a pixel is the same depth as stored, to the bit, or invalid in both.
+/// Whether a pixel's depth equals the stored one to the bit, or both are invalid.
 bool is_as_stored(const RawFrame& raw, const DepthCoding& stored, const SurfaceFrame& frame, int x, int y) {
     const std::uint16_t code = stored_code(raw.depth, stored, x, y);
     const DepthSample now = sample_of(frame, x, y);

@@ -5,8 +5,8 @@
 
 namespace touchable {
 
-/// What a choice of filters does to depth that needs none. Appends changed_pct: of generated clips of 16
-/// bits, the pixels whose code or validity is not the stored one's.
+/// Measures what a choice of filters changes in depth that needs none. Appends changed_pct: the pixels of
+/// generated 16-bit clips whose code or validity differs from the stored one.
 Result<void> measure_generated(const FilterChoice& choice, Figures& figures);
 
 }  // namespace touchable

@@ -16,11 +16,11 @@ constexpr std::size_t resting_fingers = 48;
 constexpr int settled_frames = 8, resting_frames = 41;
 constexpr int approach_frames = 16;
 constexpr double approach_m_per_s = 0.3;
-/// Largest residual of what is smooth enough to have a normal. The stills have whole millimetres, which
-/// alone are 0.29 mm.
+/// Largest residual of a place smooth enough to have a normal. The stills' rounding to whole millimetres
+/// alone causes 0.29 mm.
 constexpr double smooth_mm = 0.4;
 
-/// Where 9x9 pixels are smooth a depth becomes their plane's: no steps of whole millimetres are left there.
+/// Replaces depths in smooth 9x9 windows by their plane's, which removes steps of whole millimetres.
 DepthMap without_steps(const DepthMap& stored) {
     DepthMap smooth = stored;
     for (const DepthPlane& plane : flat_places(stored, 1, smooth_reach, {smooth_mm, 0}))
@@ -48,7 +48,7 @@ double median_depth(const DepthMap& map) {
     return *middle;
 }
 
-/// By how much the surface shown is farther than the true one, on the mean over places that are smooth there.
+/// Mean over smooth places of shown depth less true depth.
 struct MeanOff {
     double sum = 0, count = 0;
 

@@ -13,7 +13,7 @@ constexpr double lifted_mm = 2, pressed_mm = 3;
 constexpr int ticks_in = 10, ticks_along = 16;
 constexpr double way_right = 4, way_down = 2;  // pixels
 
-/// So far along its way, 0 to 1, and so deep under its plane.
+/// Goal at `along` its path, 0 to 1, and `under` mm below its plane.
 glm::dvec3 goal_at(const DepthPlane& plane, const Camera& camera, double along, double under) {
     const double x = plane.x + way_right * (along - 0.5), y = plane.y + way_down * (along - 0.5);
     return unproject(camera, x, y, plane.depth(x, y)) - under * normal_of(plane, camera);
@@ -72,7 +72,7 @@ void PressErrors::report(Figures& figures) const {
         return sorted[std::min(sorted.size() - 1,
                                static_cast<std::size_t>(of * static_cast<double>(sorted.size())))];
     };
-    if (sorted.empty()) sorted.push_back(180);  // nothing was felt at all
+    if (sorted.empty()) sorted.push_back(180);  // no tick in contact
     figures.push_back({"presses", static_cast<double>(fingers_), ""});
     figures.push_back({"force_angle_deg_rms", root_mean_square(sorted), "deg"});
     figures.push_back({"force_angle_deg_median", share(0.5), "deg"});

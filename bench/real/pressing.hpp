@@ -9,16 +9,16 @@
 
 namespace touchable {
 
-/// Angles between what fingers feel and the normals of the planes they press.
+/// Angles between forces and the normals of the pressed planes.
 class PressErrors {
 public:
-    /// A finger on each plane: from 2 mm above it straight in to 3 mm under it, then 4 pixels to the right
-    /// and 2 down, under the plane's middle on the way. Every tick of that way counts.
+    /// Presses a finger on each plane: from 2 mm above it straight in to 3 mm under it, then 4 pixels to the
+    /// right and 2 down, passing under the plane's middle. Every tick of this last path counts.
     Result<void> press(const Scene& scene, const SurfaceFrame& frame, const std::vector<DepthPlane>& planes);
-    /// presses, force_angle_deg_rms, _median and _p95 of the ticks in contact, contact_lost_pct of the
-    /// others.
+    /// Appends presses, force_angle_deg_rms, _median and _p95 of the ticks in contact, contact_lost_pct for
+    /// the others.
     void report(Figures& figures) const;
-    /// 180 where nothing was felt.
+    /// 180 without any contact.
     double angle_deg_rms() const;
 
 private:

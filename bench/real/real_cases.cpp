@@ -20,7 +20,7 @@ constexpr double room_focal_length = 481.2;
 constexpr double half_as_large = 0.5, smallest = 0.4;
 constexpr int drawn_models = 8;
 
-/// A case for each choice of filters; `made` is shared by them, and gone with the last.
+/// Adds a case per choice of filters; they share `made`, freed with the last one.
 template <class Made>
 void add(std::vector<BenchCase>& cases, const std::string& what, const std::shared_ptr<Made>& made,
          bool quick) {
@@ -39,7 +39,7 @@ void add_least_steps(std::vector<BenchCase>& cases, const SensorModel& model) {
                      [model](Figures& figures) { return measure_least_steps(model, figures); }});
 }
 
-/// A pen so many millimetres high.
+/// Adds a case with a pen `pen` mm high.
 void add_low_relief(std::vector<BenchCase>& cases, SensorModel model, double middle, double pen,
                     const char* suffix = "") {
     model.name += suffix;
@@ -54,7 +54,7 @@ void add_edges(std::vector<BenchCase>& cases, const SensorModel& model) {
              [model, choice](Figures& figures) { return measure_edges(model, choice, figures); }});
 }
 
-/// With each choice of filters, and in each form in which such depth is kept.
+/// Adds cases with each choice of filters and with each file format.
 void add_recording(std::vector<BenchCase>& cases, const CameraRecording& recording, bool quick) {
     const auto patches = std::make_shared<RecordingPatches>(recording);
     add(cases, recording.name, patches, quick);
@@ -65,7 +65,7 @@ void add_recording(std::vector<BenchCase>& cases, const CameraRecording& recordi
                      }});
 }
 
-/// Of invented cameras: what the program chooses, against what an exhaustive search finds.
+/// Adds invented cameras: the program's choice against an exhaustive search.
 void add_drawn(std::vector<BenchCase>& cases, const std::filesystem::path& data, bool quick) {
     for (int number = 1; number <= drawn_models; ++number) {
         const SensorModel model = drawn_model(number);

@@ -6,8 +6,8 @@
 
 namespace touchable {
 
-/// How depth of real cameras feels, recorded and simulated: real-<what>-<filters>. Where the recordings are
-/// not there, a line on stderr says which cases are left out.
+/// Forces on depth of real cameras, recorded and simulated: real-<what>-<filters>. Cases left out because of
+/// missing recordings are listed on stderr.
 std::vector<BenchCase> real_cases(bool quick);
 
 }  // namespace touchable

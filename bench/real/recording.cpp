@@ -22,7 +22,7 @@ std::filesystem::path scene_file(const char* name) {
 }  // namespace
 
 CameraRecording cube_recording(const std::filesystem::path& data) {
-    // Stereo of 50 mm base and 384 pixels of focal length, 0.08 pixels of noise (sensor_models.hpp).
+    // Stereo with a base of 50 mm, a focal length of 384 pixels and noise of 0.08 pixels (sensor_models.hpp).
     constexpr double quadratic = 0.08 / (50 * 384);
     return {"cube",         data / "visp_cube_realsense", scene_file("visp_cube_realsense.json"),
             {0, quadratic}, {0.58, 1.4 * quadratic},      600};

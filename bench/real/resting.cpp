@@ -15,7 +15,7 @@ constexpr double rest_under_mm = 3;
 constexpr double band_from_hz = 20, band_to_hz = 500, ticks_per_second = 1000;
 constexpr int ticks_of_a_spectrum = 1024;
 
-/// The frames around a tick's time; none where they have ended.
+/// The frames around a tick's time; nothing after the last pair.
 std::optional<FramePair> frames_around(const Scene& scene, const std::vector<SurfaceFrame>& frames,
                                        std::int64_t time_ns) {
     std::int64_t n = 0;
@@ -30,7 +30,7 @@ std::optional<FramePair> frames_around(const Scene& scene, const std::vector<Sur
     return pair;
 }
 
-/// Of one finger: one series per axis of the world.
+/// One finger's force: a series per world axis.
 struct RestingForce {
     std::vector<double> axes[3];
     double greatest_step = 0;

@@ -9,9 +9,9 @@
 
 namespace touchable {
 
-/// Appends force_band_mn and force_step_n_max of fingers that are held still 3 mm under the middles of these
-/// planes while frames come at the scene's rate: what is felt from 20 to 500 Hz once `settled` frames have
-/// passed, over 1024 ticks. An error where there are too few frames for that.
+/// Appends force_band_mn and force_step_n_max of fingers held still 3 mm under the middles of these planes
+/// while frames come at the scene's rate: the force from 20 to 500 Hz after `settled` frames, over 1024
+/// ticks. An error if there are too few frames.
 Result<void> measure_rest(const Scene& scene, const std::vector<SurfaceFrame>& frames,
                           const std::vector<DepthPlane>& planes, int settled, Figures& figures);
 

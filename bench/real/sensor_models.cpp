@@ -12,14 +12,14 @@
 namespace touchable {
 namespace {
 
-/// Depths beside each other that differ by more than this share are a silhouette.
+/// Neighbouring depths that differ by more than this share form a silhouette.
 constexpr double silhouette_share = 0.02;
 
 bool is_silhouette(double a, double b) {
     return std::fabs(a - b) > silhouette_share * std::min(a, b);
 }
 
-/// Of a pixel near a silhouette the depth of some pixel around it; elsewhere its own.
+/// Near a silhouette the depth of a random pixel nearby; elsewhere the pixel's own.
 double seen_aside(const SensorModel& model, const DepthMap& truth, int x, int y, SplitMix64& random) {
     const double own = truth.at(x, y);
     const auto aside = [&] { return static_cast<int>(std::floor(model.lateral_px * normal(random) + 0.5)); };
@@ -28,7 +28,7 @@ double seen_aside(const SensorModel& model, const DepthMap& truth, int x, int y,
     return is_silhouette(own, other) ? other : own;
 }
 
-/// At a silhouette sometimes a depth anywhere between its sides; elsewhere `depth`.
+/// At a silhouette sometimes a random depth between its sides; elsewhere `depth`.
 double mixed(const SensorModel& model, const DepthMap& truth, int x, int y, double depth,
              SplitMix64& random) {
     double nearest = truth.at(x, y), farthest = nearest;
@@ -51,13 +51,14 @@ double levelled(const SensorModel& model, double depth) {
     return 1 / (model.disparity_step * std::max(1.0, std::floor(1 / depth / model.disparity_step + 0.5)));
 }
 
-/// Nearer or farther.
+/// Depth two levels nearer or farther, at random.
 double two_levels_off(const SensorModel& model, double depth, SplitMix64& random) {
     const double off = 2 * model.disparity_step;
     return 1 / (1 / depth + (random.unit() < 0.5 ? off : -off));
 }
 
-/// Noise to add before depths are rounded to levels: the published one is of what is stored.
+/// Noise to add before depths are rounded to levels: the published noise is that of stored depths, rounding
+/// included.
 double added_sigma(const SensorModel& model, double depth) {
     const double sigma = model.sigma(depth), level = model.level(depth);
     return std::sqrt(std::max(0.0, sigma * sigma - level * level / 12));
@@ -81,7 +82,7 @@ double SensorModel::least_step(double depth) const {
 
 SensorModel drawn_model(int number) {
     SplitMix64 random(mix64(0x5eed + static_cast<std::uint64_t>(number)));
-    // As many below the middle of a range as above it, by factors.
+    // Uniform on a logarithmic scale.
     const auto factor = [&](double least, double most) {
         double drawn = least;
         for (int n = 0; n < 6; ++n)
@@ -156,7 +157,7 @@ SensorModel half_float_render() {
     SensorModel model;
     model.name = "half";
     model.far_mm = 15900;
-    model.code_mm = 1000.0 / 4096;  // of a half float from 0.25 to 0.5 m
+    model.code_mm = 1000.0 / 4096;  // step of a half float from 0.25 to 0.5 m
     model.half_floats = true;
     return model;
 }
@@ -229,7 +230,7 @@ RawFrame stored_frame(const SensorModel& model, const Scene& scene, const DepthM
             codes->push_back(
                 static_cast<std::uint16_t>(std::floor(std::min(depth / model.code_mm, 65534.0) + 0.5)));
         }
-    // Plane views are of bytes.
+    // PlaneView holds bytes.
     raw.depth = {reinterpret_cast<const std::uint8_t*>(codes->data()),
                  std::ptrdiff_t{2} * scene.width,
                  scene.width,

@@ -10,9 +10,9 @@
 namespace touchable {
 namespace {
 
-/// N: a finger with less touches nothing.
+/// N; a finger with less force counts as without contact.
 constexpr double least_force = 0.01;
-/// Ticks by which the run is matched to a place in the period, and how far forces may be off there: N, RMS.
+/// Number of ticks used to match the run to a place in the period, and the largest force error there, N, RMS.
 constexpr std::size_t matched_ticks = 700;
 constexpr double most_off = 0.02;
 /// LiveReader stamps frames that came before the run with its first microseconds.
@@ -22,7 +22,7 @@ double square(const glm::dvec3& vector) {
     return glm::dot(vector, vector);
 }
 
-/// Root of the mean over ticks and fingers.
+/// RMS over ticks and fingers.
 class Rms {
 public:
     void add(double square) {
@@ -57,7 +57,7 @@ FramePair DelayedTouch::Sent::newest(std::int64_t time_ns) const {
     return {frame, frame, 0, 0};
 }
 
-/// Frames are sent at even times, and those that are lost on the way count, too.
+/// Frames are sent at even times; lost frames also count.
 const SurfaceFrame* DelayedTouch::Sent::taken(std::int64_t taken_ns) const {
     return at(first + std::llround(static_cast<double>(taken_ns - first_ns) / static_cast<double>(frame_ns)));
 }
@@ -67,7 +67,7 @@ const SurfaceFrame* DelayedTouch::Sent::at(std::int64_t place) const {
     return frames[static_cast<std::size_t>((place % period + period) % period)];
 }
 
-/// What the run felt, on the surfaces that were sent.
+/// A tick's pair with the surfaces that were sent.
 FramePair DelayedTouch::felt(const Tick& tick, const Sent& sent) const {
     FramePair pair = tick.pair;
     for (TimedFrame* frame : {&pair.prev, &pair.next}) {
@@ -78,13 +78,13 @@ FramePair DelayedTouch::felt(const Tick& tick, const Sent& sent) const {
     return pair;
 }
 
-/// Forces of the first `count` ticks, with the goals of so long before.
+/// Forces of the first `count` ticks, with goals delayed by `goals_late_ms`.
 template <class PairOf>
 std::vector<DelayedTouch::Vectors> DelayedTouch::solved(const TouchSetup& setup, std::int64_t goals_late_ms,
                                                         const PairOf& pair_of, std::size_t count) const {
     TouchStep step(*setup.solver, setup.settings.guard, setup.settings.fingers);
     std::vector<Vectors> forces;
-    std::size_t moved = 0;  // the tick whose goals are there
+    std::size_t moved = 0;  // the tick whose goals have arrived
     for (std::size_t n = 0; n < count; ++n) {
         const Tick& tick = ticks_[n];
         while (moved + 1 <= n && ticks_[moved + 1].tick <= tick.tick - goals_late_ms) ++moved;
@@ -96,9 +96,8 @@ std::vector<DelayedTouch::Vectors> DelayedTouch::solved(const TouchSetup& setup,
     return forces;
 }
 
-/// The run's frames are those of a sender that was somewhere in its period: sets `place` to where the same
-/// frames give the same forces, as near as they come in the first `count` ticks; returns how far they are
-/// off, N.
+/// The sender started at an unknown place in its period: sets `place` to the one whose forces are nearest to
+/// the run's in the first `count` ticks; returns the remaining error, N.
 double DelayedTouch::match(const TouchSetup& setup, Sent& sent, std::int64_t Sent::*place,
                            std::size_t count) const {
     double least = std::numeric_limits<double>::infinity();
@@ -128,7 +127,8 @@ Result<void> DelayedTouch::add_figures(const TouchSetup& setup, const std::vecto
         sent.frames.push_back(&frames[static_cast<std::size_t>(n) % frames.size()]);
     sent.frame_ns = setup.scene.rate.time_ns(1);
     if (taken_ns_.empty()) return Error{ErrorKind::check, "no frame came in the run"};
-    // Frames are sent at even times, each read from a clock: the median of what they say of the first.
+    // Frames are sent at even times, each read from a clock: take the median of the first frame's time
+    // derived from each.
     std::vector<std::int64_t> firsts;
     const std::int64_t of_first = taken_ns_.begin()->second;
     for (const auto& [number, taken_ns] : taken_ns_) {
@@ -153,12 +153,12 @@ Result<void> DelayedTouch::add_figures(const TouchSetup& setup, const std::vecto
                far_away = solved(setup, late_ms, of_the_moment, ticks_.size());
     Rms whole, off, far_off;
     std::int64_t touching = 0, without = 0;
-    std::size_t coming = 0, held = 0;  // of far_away: the force that would come now, and the last that came
+    std::size_t coming = 0, held = 0;  // indices into far_away: the force due now, and the last received
     SplitMix64 random(faults.seed);
     for (std::size_t n = 0; n < ticks_.size(); ++n) {
         const Tick& tick = ticks_[n];
         while (coming + 1 <= n && ticks_[coming + 1].tick <= tick.tick - late_ms) ++coming;
-        // A goal and a force are a datagram each, and the next comes a millisecond later.
+        // Goal and force are one datagram each; the next ones follow a millisecond later.
         if (random.unit() >= faults.loss && random.unit() >= faults.loss) held = coming;
         if (tick.tick < 2 * late_ms) continue;
         for (std::size_t k = 0; k < tick.forces.size(); ++k) {

@@ -13,34 +13,33 @@
 
 namespace touchable {
 
-/// What delay costs the hand. A live run over a network keeps its goals and forces here; afterwards the same
-/// goals are solved on the surface of each very moment, as if nothing came between, and by the model that
-/// teleoperation without a local surface is: goals go to where the surface is, forces come back.
+/// Force error caused by delay. Records the goals and forces of a live run over a network; afterwards solves
+/// the same goals on each moment's true surface, as without a network, and by a model of teleoperation
+/// without a local surface: goals are sent to the surface's machine, forces come back.
 class DelayedTouch final : public TouchSink {
 public:
-    /// `reader`: of the run, which tells when a frame was taken; it outlives this.
+    /// `reader`: the run's, which knows when a frame was taken; must outlive this.
     explicit DelayedTouch(const ClipReader& reader) : reader_(reader) {}
     Result<void> take(const TouchTick& tick) override;
 
     /// Appends undelayed_n, off_n, far_off_n (RMS over ticks and fingers) and without_touch_pct
-    /// (bench/README.md). `setup`: of the run. `frames`: the surfaces that were sent, again and again from
-    /// the first on, `period` frames each time. An error where the run's forces are not those of these
-    /// surfaces.
+    /// (bench/README.md). `setup`: the run's. `frames`: the surfaces that were sent, repeated every `period`
+    /// frames. An error if the run's forces do not match these surfaces.
     Result<void> add_figures(const TouchSetup& setup, const std::vector<SurfaceFrame>& frames, int period,
                              const test::NetworkFaults& faults, Figures& figures) const;
 
 private:
-    using Vectors = std::vector<glm::dvec3>;  // of all fingers
+    using Vectors = std::vector<glm::dvec3>;  // per finger
     struct Tick {
         std::int64_t tick = 0, time_ns = 0;
-        FramePair pair;  // what was felt, without its surfaces
+        FramePair pair;  // the pair felt, without its surfaces
         Vectors goals, forces;
     };
-    /// Where the surface is: the frame of a moment, and when it was taken.
+    /// The sender's side: the frame of a moment, and when it was taken.
     struct Sent {
-        std::vector<const SurfaceFrame*> frames;  // of a period
-        std::int64_t frame_ns = 0;                // from one frame to the next
-        std::int64_t first_ns = 0;                // when the first frame that came in the run was taken
+        std::vector<const SurfaceFrame*> frames;  // one period
+        std::int64_t frame_ns = 0;                // frame interval
+        std::int64_t first_ns = 0;                // exposure of the run's first frame
         std::int64_t first = 0;                   // its place in the period
         std::int64_t early = 0;  // place in the period of the run's frame 0, which came before the run
         FramePair newest(std::int64_t time_ns) const;
@@ -56,8 +55,8 @@ private:
 
     const ClipReader& reader_;
     std::vector<Tick> ticks_;
-    std::size_t early_ticks_ = 0;                    // on frames that came before the run, which tell no time
-    std::map<std::int64_t, std::int64_t> taken_ns_;  // of each other frame that was felt, by its number
+    std::size_t early_ticks_ = 0;                    // ticks on frames from before the run, without exposure
+    std::map<std::int64_t, std::int64_t> taken_ns_;  // exposure of each other felt frame, by its number
 };
 
 }  // namespace touchable

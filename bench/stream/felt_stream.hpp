@@ -8,14 +8,14 @@
 
 namespace touchable {
 
-/// What fingers feel of a surface that comes by a network: how long a frame is held for want of the next, and
-/// how forces change from tick to tick, before the guard and after it.
+/// Figures of touch on a surface received by a network: how long a frame is held until the next arrives, and
+/// how forces change from tick to tick, before and after the guard.
 class FeltStream final : public TouchSink {
 public:
     Result<void> take(const TouchTick& tick) override;
 
     double longest_hold_ms() const { return longest_hold_ms_; }
-    /// N, of any finger: the solver's own force, jumps and all, and what was sent to the hand.
+    /// N, any finger: step of the solver's force, jumps included; step of the force sent to the hand.
     double largest_step_before() const { return before_.largest; }
     double largest_step_after() const { return after_.largest; }
 

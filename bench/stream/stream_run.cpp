@@ -47,7 +47,7 @@ Result<std::unique_ptr<test::ServedClip>> serve(const StreamCase& stream, int po
     return test::ServedClip::start(*file, std::move(options), *report);
 }
 
-/// Touches a live source for so long.
+/// Sets up touching a live source for `ticks`.
 Result<std::unique_ptr<TouchSetup>> touch_live(const std::string& camera, std::int64_t ticks) {
     SessionOptions options;
     options.live = true;
@@ -74,7 +74,7 @@ void add_network_figures(const StreamFigures& came, Figures& figures) {
     add("jitter_buffer_ms", came.delay_ms, "ms");
 }
 
-/// The run itself, whatever the frames came by. `delayed`: keeps it; null: nothing does.
+/// Measures the run, with any transport. `delayed`: records it; null: no recording.
 Result<void> measure_touch(TouchSetup& setup, DelayedTouch* delayed, Figures& figures) {
     TouchFigures touched;
     FeltStream felt;
@@ -133,7 +133,7 @@ Result<void> measure_stream(const StreamCase& stream, LiveClips& clips, Figures&
     const auto setup = touch_live("stream:" + address(stream, (*relay)->port()), ticks_of(stream.clip));
     if (!setup && stream.is_far && setup.error().kind != ErrorKind::interrupted) {
         figures.push_back({"whole", 0, ""});
-        figures.push_back({"without_touch_pct", 100, "%"});  // no frameset came whole in time
+        figures.push_back({"without_touch_pct", 100, "%"});  // no complete frameset arrived in time
         return {};
     }
     if (!setup) return setup.error();
@@ -160,7 +160,7 @@ Result<void> measure_stream(const StreamCase& stream, LiveClips& clips, Figures&
 
 namespace {
 
-/// Takes all that comes, and drops it.
+/// Receives and discards everything.
 class Drains {
 public:
     explicit Drains(int count, int port) {

@@ -8,24 +8,23 @@
 
 namespace touchable {
 
-/// A clip that `touchable serve` sends over a network of this machine, and five fingers that touch what
-/// comes, in this process.
+/// A clip sent by `touchable serve` over this machine's network, and five fingers in this process that touch
+/// it.
 struct StreamCase {
-    std::string transport;  ///< "tcp", "http", "srt", "ts" (MPEG-TS by SRT)
+    std::string transport;  ///< "tcp", "http", "srt", "ts" (MPEG-TS over SRT)
     LiveClip clip;
     test::NetworkFaults faults{};
-    bool is_far = false;  ///< forces are compared with those of no delay (DelayedTouch)
+    bool is_far = false;  ///< compare forces with those without delay (DelayedTouch)
 };
 
-/// Touches it live for as long as the clip lasts; what became of its framesets, how long from sending to
-/// force, how forces stepped, and the CPU of both.
+/// Touches it live for the clip's length; figures of framesets received and lost, delay from sending to
+/// force, steps of forces, and CPU time of both processes.
 Result<void> measure_stream(const StreamCase& stream, LiveClips& clips, Figures& figures);
 
-/// The same of the clip as a camera (`replay:`), which no network comes between: what the others are compared
-/// with.
+/// The same with the clip as a camera (`replay:`), without a network, as reference.
 Result<void> measure_without_network(const LiveClip& clip, LiveClips& clips, Figures& figures);
 
-/// What it costs to send a clip to so many listeners at once, by TCP, none of which does anything with it.
+/// Measures the cost of sending a clip by TCP to `listeners` listeners at once, which discard it.
 Result<void> measure_listeners(int listeners, const LiveClip& clip, LiveClips& clips, Figures& figures);
 
 }  // namespace touchable

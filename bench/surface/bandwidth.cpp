@@ -13,8 +13,8 @@ namespace {
 constexpr std::size_t large_copy = std::size_t{128} << 20;  // more than caches hold
 constexpr std::uint32_t copy_lanes = 256, copy_rounds = 6;
 
-/// The least time of a copy of so many bytes, by a kernel or, without one, by vkCmdCopyBuffer. Each copy is
-/// of other bytes, which the end of the copy shows.
+/// The least time to copy `copied_bytes`, by a kernel or, without one, by vkCmdCopyBuffer. Each copy has
+/// different bytes; the last word is checked.
 Result<double> copy_ms(const std::shared_ptr<GpuDevice>& device, const GpuProgram& kernel,
                        std::size_t copied_bytes) {
     TRY_ASSIGN(const auto from, GpuBuffer::create(*device, "copied from", copied_bytes, GpuMemory::device));

@@ -8,20 +8,20 @@
 
 namespace touchable {
 
-/// The bandwidth of a copy from one buffer of the device to another, bytes read and written, GB/s: the best
-/// of a few.
+/// Bandwidth of a copy between two device buffers, counting bytes read and written, GB/s: the best of a few
+/// copies.
 struct CopyBandwidth {
     double by_kernel = 0;   ///< 16 bytes a lane
     double by_command = 0;  ///< vkCmdCopyBuffer
 };
-/// An error of kind check where the bytes do not arrive.
+/// An error of kind check if the bytes do not arrive.
 Result<CopyBandwidth> copy_bandwidth(const std::shared_ptr<GpuDevice>& device);
 
-/// How long the kernel takes that moves so many bytes, half of them read and half written. Its start is in
-/// it, and what caches save.
+/// Time of a kernel that moves `moved_bytes`, half read and half written. Includes its start and the effect
+/// of caches.
 Result<double> kernel_copy_ms(const std::shared_ptr<GpuDevice>& device, double moved_bytes);
 
-/// Bytes that codes of a frame cannot do without: stored values in, codes, validity and bounds out.
+/// Least traffic for a frame's codes: stored values in; codes, validity and bounds out.
 double least_bytes(const SurfaceCase& c);
 
 }  // namespace touchable

@@ -23,10 +23,10 @@ RawFrame copy_of(const RawFrame& raw) {
     return copy;
 }
 
-/// Another low bit, so that a valid code stays one.
+/// Flips the lowest bit, so that a valid code stays valid.
 void change_pixel(const RawFrame& copy, int x, int y) {
     const PlaneView& plane = copy.depth;
-    // The memory is of `copy_of`.
+    // The memory is from `copy_of`, so writable.
     std::uint8_t* sample =
         const_cast<std::uint8_t*>(plane.row(y)) + std::ptrdiff_t{x} * plane.bytes_per_sample;
     std::uint16_t code = plane.sample(x, y);
@@ -34,12 +34,12 @@ void change_pixel(const RawFrame& copy, int x, int y) {
     std::memcpy(sample, &code, static_cast<std::size_t>(plane.bytes_per_sample));
 }
 
-/// Another picture in `pct` of 100 tiles.
+/// A copy with `pct` per cent of the tiles changed.
 RawFrame changed(const RawFrame& raw, int pct, Where where) {
     RawFrame copy = copy_of(raw);
     const int width = raw.depth.width, height = raw.depth.height;
     const TileGrid grid = TileGrid::of(width, height);
-    // A disc of that share of the picture, where it does not reach beyond it.
+    // Squared radius of a disc with that share of the picture, if within it.
     const double square = static_cast<double>(pct) * width * height / 314;
     std::uint64_t state = 5;
     for (int ty = 0; ty < grid.tiles_y; ++ty)
@@ -62,15 +62,15 @@ RawFrame changed(const RawFrame& raw, int pct, Where where) {
     return copy;
 }
 
-/// More than a builder leaves uncompared where comparing did not pay, so that the cost of that is in the
-/// mean.
+/// More than the frames that a builder skips comparing after comparing did not pay, so that the mean includes
+/// the cost of comparing.
 constexpr int frames_per_turn = 9;
 
 FrameTimes per_frame(const FrameTimes& turn) {
     return {turn.wall_ms / frames_per_turn, turn.cpu_ms / frames_per_turn};
 }
 
-/// Two frames in turn, by a builder into a slot of their own.
+/// Builds two frames alternately into one slot.
 struct Turns {
     std::unique_ptr<SurfaceBuilder> builder;
     RawFrame frames[2];
@@ -96,13 +96,13 @@ Result<void> check(const std::string& name, const Turns& turns, const MakeBuilde
     return Error{ErrorKind::check, name + " differs from the whole frame"};
 }
 
-/// Against whole frames alone, so that what both read and write is in the caches as far as it is with a clip.
+/// Races only against whole frames, so that caches hold as much of the data as with a clip.
 Result<void> race_with_whole(const std::string& name, const RawFrame& before, const RawFrame& after,
                              const MakeBuilder& make_builder, int rounds, Figures& figures) {
     auto in_part = make_builder(), as_whole = make_builder();
     if (!in_part || !as_whole) return in_part ? as_whole.error() : in_part.error();
     Turns turns[] = {{std::move(*in_part), {before, after}}, {std::move(*as_whole), {before, after}}};
-    for (RawFrame& frame : turns[1].frames) frame.storage = nullptr;  // nothing is known of the frame before
+    for (RawFrame& frame : turns[1].frames) frame.storage = nullptr;  // disables comparison of frames
     std::vector<Racer> racers{{name, [&] { return turns[0].build(); }},
                               {"full", [&] { return turns[1].build(); }}};
     for (const int count : {1, rounds}) {

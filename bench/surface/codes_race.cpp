@@ -24,7 +24,7 @@ bool all_valid(const SurfaceFrame& frame) {
     return true;
 }
 
-/// A frame by a builder, into a slot of its own.
+/// A builder and its own slot.
 struct BuiltFrames {
     explicit BuiltFrames(SurfaceBuilder& its_builder) : builder(its_builder) {}
     SurfaceBuilder& builder;
@@ -65,7 +65,7 @@ Result<void> race_for_codes(const Scene& scene, const RawFrame& raw, VulkanSurfa
         racers.push_back({name, [&raw, &built] { return built.builder.build(raw, built.slot); }});
     };
     add("codes" + side, vulkan);
-    double least_kernels_ms = HUGE_VAL;  // of all frames
+    double least_kernels_ms = HUGE_VAL;  // least over all frames
     racers.front().frame = [&, &built = frames.front()]() -> Result<void> {
         if (auto done = vulkan.build(kept(raw), built.slot); !done) return done;
         least_kernels_ms = std::min(least_kernels_ms, kernels_ms(vulkan));
@@ -89,7 +89,7 @@ Result<void> race_for_codes(const Scene& scene, const RawFrame& raw, VulkanSurfa
                               return {};
                           }});
     }
-    for (Racer& racer : racers) racer.times = {};  // the first frames are no measure of the others
+    for (Racer& racer : racers) racer.times = {};  // the first frames are not representative
     if (auto raced = race(racers, rounds); !raced) return raced;
     for (const Racer& racer : racers) add_times(figures, racer.name, racer.times);
     figures.push_back({"codes" + side + "_kernels_ms", least_kernels_ms, "ms"});

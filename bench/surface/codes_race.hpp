@@ -6,13 +6,13 @@
 
 namespace touchable {
 
-/// Codes of one picture, with the scene's median, by the Vulkan builder, by the CPU builder on threads of its
-/// choice, on one and on two, and, where every pixel is valid, by OpenCV's median, against each other. An
-/// error where any of them gives other codes than the CPU builder.
+/// Races for the codes of one picture, with the scene's median: the Vulkan builder, the CPU builder on
+/// threads of its choice, on one and on two, and, if every pixel is valid, OpenCV's median. An error if any
+/// codes differ from the CPU builder's.
 Result<void> race_for_codes(const Scene& scene, const RawFrame& raw, VulkanSurfaceBuilder& vulkan,
                             OpenCvPipeline& opencv, int rounds, Figures& figures);
 
-/// Milliseconds of the builder's last frame on the device, without copies from and to the host's memory.
+/// Device time of the builder's last frame, ms, without copies from and to host memory.
 double kernels_ms(const VulkanSurfaceBuilder& vulkan);
 
 }  // namespace touchable

@@ -1,6 +1,6 @@
 #version 460
 
-// Copies a buffer, 16 bytes a lane: what the device's memory can do at most.
+// Copies a buffer, 16 bytes a lane: measures the largest bandwidth of device memory.
 
 layout(local_size_x = 256) in;
 layout(set = 0, binding = 0, std430) readonly buffer From { uvec4 from[]; };

@@ -24,7 +24,7 @@ struct PictureSize {
     int width = 1280, height = 720;
 };
 
-/// Two frames in a row, as their clip gives them.
+/// Two consecutive frames of a clip.
 struct TwoFrames {
     Scene scene;
     RawFrame first, second;
@@ -75,7 +75,7 @@ std::vector<FingerMark> five_fingers(const Viewpoint::Subject& subject, double s
     return fingers;
 }
 
-/// One surface, two views of it, and pictures of it by one painter after the other.
+/// One surface, two views of it, and pictures of it by several painters in turn.
 class Gallery {
 public:
     Gallery(TwoFrames frames, std::shared_ptr<GpuDevice> device, PictureSize size = {})
@@ -110,19 +110,19 @@ public:
             return drawing.show(commands, *field_, pair(), frames_.first.colour, Lighting::lit);
         });
     }
-    /// From another point than the last time, or the same one.
+    /// Draws; `moves`: from the other viewpoint than last time.
     Result<void> draw(SurfaceDrawing& drawing, bool moves) {
         view_ = moves ? 1 - view_ : view_;
         return submit([&](GpuCommands& commands) {
             return drawing.draw(commands, views_[view_], fingers_, sizes_, target_);
         });
     }
-    /// Builds the one frame or the other, in turn, in place of the later one.
+    /// Builds the two frames alternately, as the pair's later frame.
     Result<void> build_next(SurfaceBuilder& builder) {
         builds_second_ = !builds_second_;
         return builder.build(builds_second_ ? frames_.second : frames_.first, next_);
     }
-    /// Shows the surface and draws it from another point than the last time, in one submission.
+    /// Shows the surface and draws it from the other viewpoint than last time, in one submission.
     Result<void> show_and_draw(SurfaceDrawing& drawing) {
         view_ = 1 - view_;
         return submit([&](GpuCommands& commands) -> Result<void> {
@@ -130,13 +130,13 @@ public:
             return drawing.draw(commands, views_[view_], fingers_, sizes_, target_);
         });
     }
-    /// The same, with a surface that gives way under all of them.
+    /// Draws with a dent in the surface under every finger.
     Result<void> draw_dented(SurfaceDrawing& drawing) {
         return submit([&](GpuCommands& commands) {
             return drawing.draw(commands, views_[view_], dented_, sizes_, target_);
         });
     }
-    /// As a picture in a file is made; painted once, and put together with a sample a pixel.
+    /// The steps for a picture in a file: the surface, then painted and composed with one sample per pixel.
     Result<void> make_surface(SurfacePainter& painter) {
         auto surface = painter.surface_of(*field_, pair(), frames_.first.colour);
         if (!surface) return surface.error();
@@ -159,8 +159,7 @@ public:
         return {};
     }
 
-    /// The target's picture against the one put together on the CPU, from the same view. Edges of fingers
-    /// differ.
+    /// Compares the target's picture with that of the CPU from the same view. Edges of fingers may differ.
     Result<void> compare(const std::string& painter) const {
         auto back = GpuBuffer::create(*device_, "picture", 4 * pixel_count(size_.width, size_.height),
                                       GpuMemory::readback);
@@ -208,7 +207,7 @@ private:
     std::shared_ptr<GpuDevice> device_;
     const PictureSize size_;
     SurfaceFrame prev_, next_;
-    bool builds_second_ = true;  // in `next_`
+    bool builds_second_ = true;  // the frame in `next_`
     std::optional<HeightField> field_;
     Viewpoint::Subject subject_;
     MarkSizes sizes_;
@@ -259,7 +258,7 @@ Result<void> measure_pictures(Result<TwoFrames> frames, int rounds,
     return {};
 }
 
-/// Measures pictures by each GPU painter of frames that this builder makes.
+/// Measures pictures of this builder's frames with each GPU painter.
 Result<void> measure_pictures_of(SurfaceBuilder& builder, Gallery& gallery, const std::string& name,
                                  double seconds, const std::shared_ptr<GpuDevice>& device, Figures& figures) {
     TRY(gallery.open(builder));

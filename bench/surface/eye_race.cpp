@@ -18,7 +18,7 @@ bool nearly_equal(const std::vector<float>& twin, const std::vector<float>& q) {
     return true;
 }
 
-/// By kernels: the builder's, then unproject, then (for tiles) those that list them.
+/// With kernels: the builder's, then unproject, then (for tiles) those that list them.
 class ByKernels {
 public:
     ByKernels(const Picture& picture, VulkanSurfaceBuilder& builder, std::shared_ptr<GpuDevice> device)
@@ -41,7 +41,7 @@ public:
             return lattices_.record(commands, field, still(frame_), lattice_);
         });
     }
-    /// q and tiles once more, where the CPU reads them.
+    /// q and tiles again, in memory readable by the CPU.
     Result<ViewSurface> seen() {
         return lattices_.surface_of(HeightField(picture_.scene, still(frame_)), still(frame_), {});
     }
@@ -74,7 +74,7 @@ private:
     std::vector<GpuDevice::Time> stages_;
 };
 
-/// By the CPU builder and the lattices of the cpu painter.
+/// With the CPU builder and the cpu painter's lattices.
 class ByCpu {
 public:
     ByCpu(const Picture& picture, int threads)
@@ -110,7 +110,7 @@ ViewSurface::Tiles tiles_of_marks(const std::vector<std::uint8_t>& marks) {
     return tiles;
 }
 
-/// All of them once, and what they made.
+/// Runs all racers once and checks their results.
 Result<void> verify(const SurfaceCase& c, const Picture& picture, ByKernels& kernels, ByCpu& one, ByCpu& two,
                     OpenCvPipeline* opencv) {
     for (const auto& made : {kernels.make_q(), kernels.make_tiles(), one.make_tiles(), two.make_tiles()})

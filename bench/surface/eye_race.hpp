@@ -7,9 +7,9 @@
 
 namespace touchable {
 
-/// What the eye needs of one picture, with the scene's median: codes and q, and codes, q and the tiles to
-/// draw; by kernels, by the CPU on one thread and on two, and, of a picture without invalid pixels, by
-/// OpenCV's pipeline; all against each other. An error where q differ by more than 1e-6 or tiles at all.
+/// Races for the drawing data of one picture, with the scene's median: codes and q; and codes, q and the
+/// tiles to draw. By kernels, by the CPU on one thread and on two, and, if no pixel is invalid, by OpenCV's
+/// pipeline. An error if q differ by more than 1e-6 or tiles differ at all.
 Result<void> race_for_the_eye(const SurfaceCase& c, const Picture& picture, VulkanSurfaceBuilder& vulkan,
                               const std::shared_ptr<GpuDevice>& device, OpenCvPipeline& opencv, int rounds,
                               Figures& figures);

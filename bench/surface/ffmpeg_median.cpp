@@ -78,7 +78,7 @@ private:
 
     PlaneView plane_;
     Graph graph_;
-    AVFilterContext *source_ = nullptr, *sink_ = nullptr;  // the graph's
+    AVFilterContext *source_ = nullptr, *sink_ = nullptr;  // owned by the graph
     Frame input_, output_;
 };
 

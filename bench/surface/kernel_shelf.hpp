@@ -8,7 +8,7 @@
 
 namespace touchable {
 
-/// One device and its kernels for all cases of a suite, opened when the first case needs them.
+/// One device and its kernels for all cases of a suite, opened on first use.
 class KernelShelf {
 public:
     Result<std::shared_ptr<SurfaceKernels>> take() {

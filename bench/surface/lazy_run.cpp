@@ -13,12 +13,12 @@
 namespace touchable {
 namespace {
 
-/// Ticks over frames that come 30 times a second, all of one picture: as many slots as are in use at a time,
-/// each a frame of its own to those who read them.
+/// Ticks over 30 frames a second, all of one picture: a slot for each frame in use, which readers see as
+/// distinct frames.
 class FedRun final : public TimedRun {
 public:
-    /// `builds`: in the ticks too, when a frame is due; otherwise all frames are there beforehand. All
-    /// arguments outlive it but the builder.
+    /// `builds`: build frames within the ticks when due; otherwise all frames are built beforehand. All
+    /// arguments except the builder must outlive this.
     FedRun(const Scene& scene, const RawFrame& raw, std::unique_ptr<SurfaceBuilder> builder, bool builds,
            const TouchSolver& solver, const std::vector<glm::dvec3>& goals, int fingers)
         : scene_(scene),
@@ -42,7 +42,7 @@ public:
     }
     void tick(int k) override {
         const std::int64_t now = k * tick_length_ns, number = now * 30 / 1'000'000'000;
-        // It was right in `fill`, with the same frame.
+        // Cannot fail: `fill` built the same frame.
         for (; builds_ && built_ <= number + 1; ++built_)
             static_cast<void>(builder_->build(raw_, slot(built_)));
         FramePair pair;
@@ -92,7 +92,7 @@ Result<void> check_forces(FedRun& lazy, FedRun& whole) {
     return Error{ErrorKind::check, "no finger touches: there is nothing to time"};
 }
 
-/// `which`: the end of the figures' names.
+/// `which`: suffix of the figures' names.
 Result<double> measure_added(const Scene& scene, const RawFrame& raw, const TouchCase& c, bool quick,
                              const std::string& which, Figures& figures) {
     const int ticks = quick ? 2000 : 10000, repeats = quick ? 3 : 5;
@@ -114,7 +114,7 @@ Result<double> measure_added(const Scene& scene, const RawFrame& raw, const Touc
     return added;
 }
 
-/// A picture of `bumps`, with what the stroke over it needs.
+/// A picture of `bumps`, with the data for a stroke over it.
 struct Bumps {
     std::unique_ptr<AnalyticScene> content;
     RawFrame raw;

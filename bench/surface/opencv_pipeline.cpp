@@ -67,7 +67,7 @@ bool has_opencv() {
 
 namespace {
 
-/// OpenCV's headers know no read-only picture.
+/// OpenCV has no read-only picture.
 cv::Mat matrix_of(const PlaneView& plane) {
     return {plane.height, plane.width, plane.bytes_per_sample == 2 ? CV_16UC1 : CV_8UC1,
             const_cast<std::uint8_t*>(plane.data), static_cast<std::size_t>(plane.stride)};

@@ -11,18 +11,18 @@ namespace touchable {
 /// Whether this program was built with OpenCV.
 bool has_opencv();
 
-/// What a person would write with OpenCV for a frame of linear depth without invalid pixels: its median, then
-/// its matrix operations for the depth, then what lines of C++ are needed. Each step is to be called after
-/// the one before. Does nothing without OpenCV.
+/// A typical OpenCV implementation for a frame of linear depth without invalid pixels: its median, its matrix
+/// operations for depth, and the remaining lines of C++. Call the steps in order. Does nothing without
+/// OpenCV.
 class OpenCvPipeline {
 public:
-    /// The median's side is the scene's: 3 or 5. `raw` outlives it.
+    /// The median's side is the scene's: 3 or 5. `raw` must outlive this.
     OpenCvPipeline(const Scene& scene, const RawFrame& raw);
 
-    void median();     ///< stored values, filtered; on one thread: OpenCV's has no more
-    void q();          ///< 1 / planar depth, with a plane of ray lengths made beforehand
-    void mark_cuts();  ///< of each tile whether a triangle of it is cut, and whether one is not
-    void points();     ///< instead of q: positions in the camera's frame, and a plane of rays
+    void median();     ///< filters stored values; OpenCV's median has one thread
+    void q();          ///< 1 / planar depth, with a precomputed plane of ray lengths
+    void mark_cuts();  ///< per tile: whether a triangle is cut, and whether one is not
+    void points();     ///< instead of q: positions in the camera's frame, with a plane of rays
 
     PlaneView codes() const;
     const std::vector<float>& q_plane() const { return q_; }

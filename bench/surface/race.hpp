@@ -9,9 +9,9 @@
 
 namespace touchable {
 
-/// The least of some frames, milliseconds.
+/// Least times of some frames, ms.
 struct FrameTimes {
-    double wall_ms = HUGE_VAL, cpu_ms = HUGE_VAL;  ///< CPU time: of all threads of the process
+    double wall_ms = HUGE_VAL, cpu_ms = HUGE_VAL;  ///< CPU time: all threads of the process
 };
 
 /// One way to make a frame.
@@ -21,11 +21,11 @@ struct Racer {
     FrameTimes times = {};
 };
 
-/// Has every racer make a frame, in turn, round after round, so that whatever else the machine does meets all
-/// of them.
+/// Lets every racer make a frame in turn, round after round, so that other load on the machine affects all of
+/// them.
 Result<void> race(std::vector<Racer>& racers, int rounds);
 
-/// `<what>_ms` and `<what>_cpu_ms`.
+/// Appends `<what>_ms` and `<what>_cpu_ms`.
 void add_times(Figures& figures, const std::string& what, const FrameTimes& times);
 
 }  // namespace touchable

@@ -55,7 +55,7 @@ Result<void> measure_filling(const SurfaceCase& c, const Picture& picture, int f
 
 namespace {
 
-/// Of the farther reaches names have theirs: "terraces128".
+/// Names contain larger reaches: "terraces128".
 Result<void> measure_terraces_within(int reach, const SurfaceCase& c, const Picture& picture, int frames,
                                      const std::shared_ptr<SurfaceKernels>& kernels, Figures& figures) {
     Scene scene = picture.scene;

@@ -8,16 +8,16 @@
 
 namespace touchable {
 
-/// Codes that differ, and one more for each of validity and bounds that does.
+/// Number of different codes, plus one each if validity or bounds differ.
 long mismatches(const SurfaceFrame& expected, const SurfaceFrame& actual);
 
-/// Codes with as many passes of hole filling as there may be, of which most find nothing left to fill.
+/// Measures codes with the most passes of hole filling; most passes find nothing left to fill.
 Result<void> measure_filling(const SurfaceCase& c, const Picture& picture, int frames,
                              const std::shared_ptr<SurfaceKernels>& kernels, Figures& figures);
-/// Codes without terraces, where they have bits to spare for that.
+/// Measures codes with terrace removal, if they have spare bits.
 Result<void> measure_terraces(const SurfaceCase& c, const Picture& picture, int frames,
                               const std::shared_ptr<SurfaceKernels>& kernels, Figures& figures);
-/// The raster painter's own view, a pixel of the picture for every one of the frame.
+/// Measures the raster painter's own view, one picture pixel per frame pixel.
 Result<void> measure_drawing(const SurfaceCase& c, const Picture& picture, SurfaceBuilder& builder,
                              int frames, const std::shared_ptr<GpuDevice>& device, Figures& figures);
 

@@ -13,8 +13,8 @@
 namespace touchable {
 namespace {
 
-/// A fresh folder that this engine and Mesa keep compiled shaders in while this lives. No other thread may
-/// read the environment when it begins and ends.
+/// A fresh folder for compiled shaders of this engine and Mesa, as long as this exists. No other thread may
+/// read the environment while it is constructed or destroyed.
 class ShaderCache {
 public:
     ShaderCache() {

@@ -4,8 +4,8 @@
 
 namespace touchable {
 
-/// From opening a device to the first frame of 1920x1080 and 16 bits, by median, and from the open device on:
-/// with an empty cache of compiled shaders, ours and Mesa's, and again with what that left.
+/// Measures the time from opening a device, and from the open device, to the first frame of 1920x1080 and 16
+/// bits, by median: with empty shader caches, ours and Mesa's, and again with the caches filled.
 Result<void> measure_start_up(Figures& figures);
 
 }  // namespace touchable

@@ -8,17 +8,17 @@
 
 namespace touchable {
 
-/// A case of the suite `surface`: what its name tells.
+/// A case of the suite `surface`, as described by its name.
 struct SurfaceCase {
     int width, height, bits;
     int holes_pct = 0;  ///< pixels without depth
 };
-/// <W>x<H>-<bits>, then -holes<percent> where there are any.
+/// <W>x<H>-<bits>, then -holes<percent> if there are any.
 std::string name_of(const SurfaceCase& c);
-/// Of kind check: what came out in this case is not right.
+/// An error of kind check: a wrong result in this case.
 Error wrong(const SurfaceCase& c, const std::string& what);
 
-/// Depth as cameras give it: a slope with noise, and code 0 where there is none.
+/// Depth like a camera's: a slope with noise; code 0: no depth.
 struct Picture {
     explicit Picture(const SurfaceCase& c);
 
@@ -27,15 +27,15 @@ struct Picture {
     RawFrame raw;
 };
 
-/// A frame as clips give it, with storage, so that a software Vulkan may read it where it lies. Without one
-/// no builder compares it with the frame before; of this one builders are to be told not to. `raw` outlives
-/// it.
+/// A frame with storage, like a clip's, so that a software Vulkan can read it in place. Without storage
+/// builders do not compare a frame with the previous one; with this frame comparing must be disabled. `raw`
+/// must outlive it.
 inline RawFrame kept(RawFrame raw) {
     raw.storage = std::shared_ptr<const void>(std::shared_ptr<void>(), raw.depth.data);
     return raw;
 }
 
-/// A surface that stands still in this frame.
+/// A still surface: a pair of this frame.
 inline FramePair still(const SurfaceFrame& frame) {
     return {{0, 0, &frame}, {0, 0, &frame}, 0};
 }

@@ -12,7 +12,7 @@
 namespace touchable {
 namespace {
 
-/// A builder and the frame that it made last. Frames are numbered one after the other, as in a clip.
+/// A builder and its last frame. Frames are numbered consecutively, as in a clip.
 struct Contender {
     Contender(std::string its_name, std::unique_ptr<SurfaceBuilder> its_builder, const RawFrame& its_raw)
         : name(std::move(its_name)), builder(std::move(its_builder)), raw(its_raw) {}
@@ -29,7 +29,7 @@ struct Contender {
     }
 };
 
-/// Two frames of each, of which those with the filter are to be alike.
+/// Builds two frames with each; those with the filter must be equal.
 Result<void> check_alike(const SurfaceCase& c, std::deque<Contender>& all) {
     for (int n = 0; n < 2; ++n) {
         for (Contender& contender : all)
@@ -58,7 +58,7 @@ Result<void> race_with_temporal(const SurfaceCase& c, const Picture& picture, in
         if (!vulkan_off) return vulkan_off.error();
         const VulkanSurfaceBuilder& vulkan = **vulkan_on;
         const std::string what = "temporal" + std::to_string(side);
-        std::deque<Contender> all;  // each with the filter, and after it the same without
+        std::deque<Contender> all;  // each with the filter, followed by the same without
         for (const int threads : {1, 2}) {
             const std::string name = what + "_cpu_builder_" + std::to_string(threads) + "t";
             all.emplace_back(name, make_cpu_builder(on, {threads}), picture.raw);

@@ -8,8 +8,8 @@
 
 namespace touchable {
 
-/// Frames with the temporal filter and without, by median: of the CPU builder on one thread and on two, and
-/// of the Vulkan builder.
+/// Races frames with and without the temporal filter, by median: the CPU builder on one thread and on two,
+/// and the Vulkan builder.
 Result<void> race_with_temporal(const SurfaceCase& c, const Picture& picture, int frames,
                                 const std::shared_ptr<SurfaceKernels>& kernels, Figures& figures);
 

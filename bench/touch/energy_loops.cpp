@@ -12,14 +12,14 @@
 namespace touchable {
 namespace {
 
-// Millimetres of the device.
+// Device millimetres.
 constexpr double slide = 5, press = 2, clearance = 1;
 constexpr double polar_angle = 45 * pi / 180;
-constexpr std::array faster_steps{0.01, 0.1};  // of the goal per tick: 10 and 100 mm/s
+constexpr std::array faster_steps{0.01, 0.1};  // mm per tick of the goal: 10 and 100 mm/s
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// A rectangle in the plane of the globe's axis and a flank: from outside straight in, along, out, and back
-/// through free space.
+/// A rectangular path in the plane of the globe's axis and a flank: from outside straight in, along, out, and
+/// back through free space.
 class FlankLoop {
 public:
     FlankLoop(const GlobeSphere& sphere, double azimuth)
@@ -31,7 +31,7 @@ public:
         touching_ = sphere.centre + sphere.radius * out_;
     }
 
-    /// `step`: device millimetres. `limbward`: slides under the surface away from the axis, or towards it.
+    /// `step`: device millimetres. `limbward`: slide under the surface away from the axis, else towards it.
     std::vector<glm::dvec3> goals(double step, bool limbward) const {
         const double near = limbward ? -slide / 2 : slide / 2, far = -near;
         const std::array corners{at(near, clearance), at(near, -press), at(far, -press), at(far, clearance),
@@ -56,11 +56,12 @@ private:
 
 /// Work on the hand over a loop, millijoules.
 struct Work {
-    /// With the mean of both ends' forces over each step, so that the sampled force's own leak is left out.
+    /// With the mean of the forces at both ends of each step, which excludes the leak of sampling.
     double created = 0;
-    double held = 0;  ///< with the force of its beginning over each step, as a device exerts it
-    /// What holding may give at most: k/2 |G_k - G_k-1|^2 over the steps in contact. A proxy that does not
-    /// get farther from the goal than where it was keeps to it (docs/solver.md), whatever the surface.
+    double held = 0;  ///< with the force at the beginning of each step, as exerted by a device
+    /// Limit of the energy from holding: sum of k/2 |G_k - G_k-1|^2 over the steps in contact. It holds for
+    /// any surface if the proxy never gets farther from the goal than its previous position is
+    /// (docs/solver.md).
     double bound = 0;
 };
 

@@ -11,8 +11,8 @@
 namespace touchable {
 namespace {
 
-constexpr double off_surface = 2;     // scene units, millimetres: more than this from the true closest point
-constexpr double surely_under = 0.5;  // millimetres of goal under the surface: far above facets and codes
+constexpr double off_surface = 2;     // scene units (mm); larger distance from the true closest point
+constexpr double surely_under = 0.5;  // mm of the goal under the surface; far more than facets and codes
 constexpr HapticProperties smooth{600, 0, 0};
 
 std::vector<ReliefStroke::Goal> stroke_of(const FollowingRun& run) {
@@ -35,7 +35,7 @@ Result<void> measure_following(const TouchSurface& surface, const FollowingRun& 
     int under = 0, off = 0, lost = 0;
     double farthest = 0, squared = 0, largest_step = 0;
     glm::dvec3 last_force(0.0);
-    std::optional<glm::dvec3> nearest;  // of the true surface, tracked from tick to tick
+    std::optional<glm::dvec3> nearest;  // nearest point of the true surface, tracked from tick to tick
     for (int k = 0; k < run.ticks; ++k) {
         touch.tick(k);
         const auto& [goal, depth_under] = stroke[static_cast<std::size_t>(k)];

@@ -5,13 +5,13 @@
 
 namespace touchable {
 
-/// The stroke over `bumps` or `moving` without friction: does the proxy stay where the true surface is
-/// nearest to the hand?
+/// The stroke over `bumps` or `moving` without friction: measures whether the proxy stays at the true
+/// surface's nearest point to the hand.
 struct FollowingRun {
     TouchCase setup;
     double speed = 0.3;  ///< m/s
     int ticks = 30000;
-    int repeats = 1;  ///< of the timing
+    int repeats = 1;  ///< repeats of the timing
 };
 
 /// Appends off_surface_pct, contact_lost_ticks, distances, the largest step of the force and the times of a

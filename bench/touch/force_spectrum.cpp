@@ -18,7 +18,7 @@ std::size_t least_prime_factor(std::size_t number) {
 }
 
 /// The discrete Fourier transform of a series of any length, by Cooley and Tukey (1965): one of p m values is
-/// p of m values each.
+/// split into p of m values each.
 class FourierTransform {
 public:
     explicit FourierTransform(std::size_t count) {
@@ -34,7 +34,7 @@ public:
     }
 
 private:
-    /// Of every `stride`-th value, `count` of them; count x stride is the length of the whole.
+    /// Transforms `count` values, every `stride`-th; count x stride is the total length.
     void transform(const double* values, std::size_t count, std::size_t stride, Complex* waves) const {
         if (count == 1) {
             *waves = *values;
@@ -99,8 +99,8 @@ Spectrum welch_spectrum(const std::vector<double>& series, double tick_hz, int s
         std::vector<double> windowed = without_mean(begin, begin + count);
         for (std::size_t n = 0; n < count; ++n) windowed[n] *= window[n];
         const std::vector<Complex> waves = fourier.of(windowed);
-        // Parseval: the squares of all waves, over their number, are the squares of the values. All waves but
-        // those at both ends come twice.
+        // Parseval: the squares of all waves, over their number, are the squares of the values. All waves
+        // except the first and the last occur twice.
         for (std::size_t k = 0; k < spectrum.power.size(); ++k) {
             const double twice = k == 0 || 2 * k == count ? 1 : 2;
             spectrum.power[k] +=

@@ -10,18 +10,18 @@ struct Spectrum {
     double hz_step = 0;
     std::vector<double> power;  ///< in the series' unit squared
 
-    /// Mean square of the waves from `from_hz` to below `to_hz`; up to the last where `to_hz` is half the
+    /// Mean square of the waves from `from_hz` to below `to_hz`; includes the last if `to_hz` is half the
     /// rate.
     double between(double from_hz, double to_hz) const;
 };
 
-/// Welch's estimate as the paper's Fig. 19 has it: the mean of the periodograms of so many segments one after
-/// another (1 or more), each without its mean and under a window of Hann's. What is left at the end of a
-/// series that cannot be divided is not used; a segment has at least two values. Any length will do; one with
-/// a large prime factor takes long. The same bits everywhere.
+/// Welch's estimate as in the paper's Fig. 19: the mean of the periodograms of `segments` consecutive
+/// segments (1 or more), each without its mean and with a Hann window. A remainder at the series' end is not
+/// used; a segment has at least two values. Any length is allowed; one with a large prime factor is slow. The
+/// same bits on every machine.
 Spectrum welch_spectrum(const std::vector<double>& series, double tick_hz, int segments);
 
-/// Mean square of a series in a band: of one segment, as `Spectrum::between`.
+/// Mean square of a series in a band, with one segment (`Spectrum::between`).
 double band_power(const std::vector<double>& series, double tick_hz, double from_hz, double to_hz);
 
 }  // namespace touchable

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int slots = 4;
 
-/// The same picture in memory of its own, as a builder leaves it.
+/// Copies a built frame into other memory, as a builder would leave it.
 void copy_frame(const SurfaceFrame& from, SurfaceFrame& to) {
     to.width = from.width;
     to.height = from.height;
@@ -23,13 +23,13 @@ void copy_frame(const SurfaceFrame& from, SurfaceFrame& to) {
     if (!to.vertices) to.vertices = std::make_unique<FilteredVertices>(to);
 }
 
-/// Publishes the frames of a surface, one after the other.
+/// Publishes the frames of a surface in order.
 class Publisher {
 public:
     Publisher(const TouchSurface& surface, SurfaceTimeline& timeline)
         : surface_(surface), timeline_(timeline) {}
 
-    /// Until there is a frame later than the time.
+    /// Publishes until a frame is later than `time_ns`.
     Result<void> publish_past(std::int64_t time_ns) {
         const FrameRate& rate = surface_.scene().rate;
         while (next_ == 0 || rate.time_ns(next_ - 1) <= time_ns) {
@@ -75,7 +75,7 @@ Result<void> measure_frame_changes(const TouchSurface& surface, const FrameChang
     std::int64_t last = -1;
     for (int k = 0; k < run.ticks; ++k) {
         const std::int64_t now = k * tick_length_ns;
-        // Half a frame ahead of its need: by then the copying is no longer what fills the caches.
+        // Publish half a frame ahead, so that the copied data no longer fill the caches.
         if (auto published = publisher.publish_past(now + scene.rate.time_ns(1) / 2); !published)
             return published;
         const std::int64_t begin = monotonic_ns();

@@ -24,7 +24,7 @@ struct RootMeanSquare {
     double value() const { return count ? std::sqrt(sum / count) : 0; }
 };
 
-/// Errors of the force along the stroke, those of its direction by polar angle too.
+/// Errors of the force along the stroke; direction errors also by polar angle.
 class ForceErrors {
 public:
     void add(const GlobeStroke::Goal& goal, const Contact& contact) {
@@ -35,7 +35,7 @@ public:
             ++lost_;
             return;
         }
-        // By the chord: exact for small angles, where an arccosine is not.
+        // From the chord, which is accurate for small angles, unlike an arccosine.
         const double chord = length(contact.force / newtons - goal.normal);
         const double angle = 2 * arcsine(std::min(1.0, chord / 2)) * degrees;
         const double polar = goal.polar_angle * degrees;

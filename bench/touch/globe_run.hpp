@@ -5,17 +5,17 @@
 
 namespace touchable {
 
-/// The accuracy stroke on the bare globe, and closed loops under it: how wrong are direction and length of
-/// the force, and does it create energy?
+/// The accuracy stroke on the bare globe, and closed loops under its surface: measures errors of the force's
+/// direction and length, and created energy.
 struct GlobeRun {
     TouchCase setup;
-    int repeats = 5;              ///< of the timing of the stroke
-    int flanks = 0;               ///< places where loops are pressed into the globe; 0: none
-    double loop_step_mm = 0.001;  ///< of the goal per tick, device millimetres
+    int repeats = 5;              ///< repeats of the timed stroke
+    int flanks = 0;               ///< number of places where loops are pressed into the globe
+    double loop_step_mm = 0.001;  ///< goal's step per tick, device millimetres
 };
 
 /// Appends force_angle_deg_rms with its histogram, force_n_rms, force_n_max, contact_lost_ticks, the times
-/// and counts of a tick, and where there are flanks the energies.
+/// and counts of a tick, and with flanks the energies.
 Result<void> measure_globe(const TouchSurface& surface, const GlobeRun& run, Figures& figures);
 
 /// Energy created by press-slide-retract loops on 45-degree flanks (bench/README.md has the definition).

@@ -24,7 +24,7 @@ struct DepthPicture {
     }
 };
 
-/// Nearest and farthest around a pixel.
+/// Nearest and farthest depth around a pixel.
 std::pair<double, double> around(const DepthPicture& picture, int x, int y) {
     double nearest = picture.at(x, y), farthest = nearest;
     for (int dy = -1; dy <= 1; ++dy)
@@ -85,7 +85,7 @@ Scene noisy_scene() {
 double ball_and_wall(double x, double y, double t) {
     const double u = (x - 159.5) / 285, v = (y - 119.5) / 285;
     const double wall = 1200 / (1 - 0.2 * u - 0.1 * v);
-    // |s (u, v, 1) - centre| = radius, the nearer s.
+    // |s (u, v, 1) - centre| = radius, the smaller s.
     constexpr double radius = 150;
     const double cx = 300 * sine(2 * pi * 0.3 * t), cz = 900 + 60 * sine(2 * pi * 0.5 * t);
     const double a = u * u + v * v + 1, b = u * cx + cz, c = cx * cx + cz * cz - radius * radius;
@@ -124,7 +124,7 @@ RawFrame noisy_frame(const Scene& scene, const TrueDepth& truth, std::int64_t nu
             codes->push_back(static_cast<std::uint16_t>(std::floor(std::clamp(depth, 0.0, 65535.0) + 0.5)));
         }
     cut_blobs(scene.width, scene.height, random, *codes);
-    // Plane views are of bytes.
+    // PlaneView holds bytes.
     raw.depth = {reinterpret_cast<const std::uint8_t*>(codes->data()),
                  std::ptrdiff_t{2} * scene.width,
                  scene.width,

@@ -13,7 +13,7 @@ namespace touchable {
 namespace {
 
 constexpr HapticProperties frictionless{600, 0, 0};
-// What the roundings of doubles explain: of 1 / depth, relative, and of lengths per (1 + |P - G|).
+// Tolerances for rounding of doubles: of 1 / depth, relative, and of lengths per (1 + |P - G|).
 constexpr double depth_tolerance = 1e-9, excess_tolerance = 1e-9, way_tolerance = 1e-7;
 
 std::vector<glm::dvec3> goals_of(const ProvenRun& run) {
@@ -30,14 +30,14 @@ std::vector<glm::dvec3> goals_of(const ProvenRun& run) {
     return goals;
 }
 
-/// What was found, tick by tick.
+/// Results of the checks, tick by tick.
 class Proof {
 public:
     void look(const reference::Surface& truth, const Proxy& before, const Proxy& after,
               const Contact& contact) {
         ++ticks_;
         tunnelled_ += !(reference::depth_behind(truth, contact.proxy) <= depth_tolerance);
-        if (contact.counts.capped) {  // goes on at the next tick
+        if (contact.counts.capped) {  // the next tick continues it
             ++capped_;
             return;
         }

@@ -5,11 +5,11 @@
 
 namespace touchable {
 
-/// A stroke of which each tick is solved again by the reference, in long double and from the same state, and
-/// looked at with its certificates. Nothing is timed.
+/// A stroke whose every tick is solved again by the reference solver, in long double and from the same state,
+/// and checked with its certificates. Nothing is timed.
 struct ProvenRun {
     TouchCase setup;
-    double speed = 0.3;  ///< m/s of the stroke over a height field; the globe has its accuracy stroke
+    double speed = 0.3;  ///< m/s of a height field's stroke; the globe has its accuracy stroke
     int ticks = 30000;   ///< of a height field's stroke
 };
 

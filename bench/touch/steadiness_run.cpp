@@ -16,13 +16,13 @@
 namespace touchable {
 namespace {
 
-using Forces = std::vector<glm::dvec3>;  // of one finger, tick by tick
+using Forces = std::vector<glm::dvec3>;  // one finger's forces, tick by tick
 
 constexpr double depth_under = 3;                // mm
-constexpr int first_tick = 400, ticks = 2048;    // once the filter has settled
+constexpr int first_tick = 400, ticks = 2048;    // after the filter has settled
 constexpr double least_hz = 20, tick_hz = 1000;  // the band ends at half of it
 constexpr double ghost_mm = 15, moving_mm = 1;
-// Where the ball never is, away from the border; in every row a finger each 24 pixels.
+// Rows that the ball never reaches, away from the border; a finger every 24 pixels.
 constexpr int rows[] = {16, 36, 204, 224}, first_column = 28, column_step = 24, columns = 12;
 
 Scene scene_of(const SteadinessRun& run) {
@@ -105,8 +105,8 @@ void add_rest(const std::vector<Forces>& fingers, Figures& figures) {
     figures.push_back({"force_jitter_deg", std::sqrt(angles / count), "deg"});
 }
 
-/// Of the pixels whose true depth changes from frame to frame: how far on the mean what is shown lies towards
-/// where the surface was, and how many are nowhere near the truth.
+/// For pixels whose true depth changes from frame to frame: mean lag of the shown surface towards its
+/// previous position, and number of pixels far from the truth.
 struct Movers {
     double lag = 0, ghosts = 0, count = 0;
 
@@ -129,7 +129,7 @@ struct Movers {
     }
 };
 
-/// How far a wall 1 m away that comes nearer is seen behind itself.
+/// Lag of an approaching wall 1 m away: how far behind its true position it is shown.
 Result<double> approach_lag(Scene scene, double speed) {
     scene.width = 96;
     scene.height = 64;

@@ -7,8 +7,8 @@
 
 namespace touchable {
 
-/// 48 fingers that rest 3 mm under a wall which a noisy camera sees (noisy_scene.hpp), filtered in some way,
-/// and things that move there.
+/// 48 fingers that rest 3 mm under a wall seen by a noisy camera (noisy_scene.hpp), with a filter, and moving
+/// objects.
 struct SteadinessRun {
     std::string name;
     bool temporal = false;
@@ -18,8 +18,8 @@ struct SteadinessRun {
 };
 
 /// Appends force_band_mn, force_step_n_max and force_jitter_deg of the fingers at rest; lag_mm and ghost_pct
-/// of the ball; lag_mm_<speed> of a wall that comes nearer at so many mm/s (docs in bench/README.md). Nothing
-/// is timed: the same figures everywhere.
+/// of the ball; lag_mm_<speed> of a wall approaching at that many mm/s (docs in bench/README.md). Nothing is
+/// timed: the same figures on every machine.
 Result<void> measure_steadiness(const SteadinessRun& run, Figures& figures);
 
 }  // namespace touchable

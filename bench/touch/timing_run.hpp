@@ -10,15 +10,15 @@ namespace touchable {
 struct TimingRun {
     TouchCase setup;
     int ticks = 30000;
-    int repeats = 5;      ///< of the hot loop
+    int repeats = 5;      ///< repeats of the hot loop
     int paced_ticks = 0;  ///< 0: not paced
 };
 
 inline constexpr HapticProperties timing_grip{600, 0.6, 0.4};
-/// Tick by tick, in each the case's fingers.
+/// All fingers of tick 0, of tick 1, ...
 std::vector<glm::dvec3> timing_goals(const TouchCase& c, int ticks);
 
-/// Appends times, cells and events; an error if the run is not right (verify).
+/// Appends times, cells and events; an error if the run is invalid (verify).
 Result<void> measure_timing(const TouchSurface& surface, const TimingRun& run, Figures& figures);
 
 }  // namespace touchable

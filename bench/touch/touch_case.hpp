@@ -8,7 +8,7 @@
 
 namespace touchable {
 
-/// What is touched, and how; what its name tells.
+/// The surface and settings of a case, as described by its name.
 struct TouchCase {
     static constexpr int exact = 0;  ///< for `bits`: depths are not quantised
 
@@ -19,17 +19,17 @@ struct TouchCase {
     TouchMetric metric = TouchMetric::world;
     CameraPreset preset = CameraPreset::b;
     int median = 0;
-    bool terraces = false;  ///< removed
-    bool lazy = false;      ///< pixels are filtered when they are touched, not before
-    bool hold = false;      ///< between frames the earlier one, not a blend
-    std::string run;        ///< where a set-up is used for more than one run: which; may be empty
+    bool terraces = false;  ///< terrace removal
+    bool lazy = false;      ///< filter pixels when they are touched, not before
+    bool hold = false;      ///< hold the earlier frame, no blend
+    std::string run;        ///< name of the run if a set-up has several; may be empty
 };
 
-/// Of the height fields: "bumps", "rough", "moving".
+/// For the height fields "bumps", "rough" and "moving".
 Relief relief_of(const std::string& scene);
 
-/// <scene>-<W>x<H>-<bits>-<fingers>f-<mode>, then -A or -Aprime, -m<side>, -t, -lazy, -hold, -<run> where
-/// they apply.
+/// <scene>-<W>x<H>-<bits>-<fingers>f-<mode>, then -A or -Aprime, -m<side>, -t, -lazy, -hold, -<run> if they
+/// apply.
 std::string name_of(const TouchCase& c);
 
 }  // namespace touchable

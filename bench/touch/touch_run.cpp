@@ -72,7 +72,7 @@ const char* fault_of(const Contact& contact, const HeightField& field, double me
     const glm::dvec3 spring =
         contact.properties.stiffness * metres_per_scene_unit * (contact.proxy - contact.goal);
     const glm::dvec3 off = contact.force - spring;
-    // Written so that NaN is a fault.
+    // Written so that NaN counts as a fault.
     if (!(glm::dot(off, off) <= 1e-24 * glm::dot(spring, spring)))
         return "the force is not k S (P - G), or not finite";
     if (is_behind_surface(field, contact.proxy, tolerance)) return "the proxy is behind the surface";

@@ -76,7 +76,7 @@ FramePair TouchSurface::pair_at(std::int64_t time_ns) const {
 
 Result<const TouchSurface*> SurfaceShelf::take(const TouchCase& c) {
     if (!surface_ || !same_surface(c, made_for_)) {
-        surface_.reset();  // the largest do not fit into memory twice
+        surface_.reset();  // memory does not suffice for two of the largest
         auto made = TouchSurface::make(c);
         if (!made) return made.error();
         surface_ = std::move(made).value();

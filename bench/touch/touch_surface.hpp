@@ -8,8 +8,8 @@
 
 namespace touchable {
 
-/// The frames of a case's scene, built: one where it stands still; of `moving` the 60 of the two seconds
-/// after which it repeats.
+/// The built frames of a case's scene: one if it is still; for `moving` 60, the two seconds after which it
+/// repeats.
 class TouchSurface {
 public:
     static Result<std::unique_ptr<const TouchSurface>> make(const TouchCase& c);
@@ -32,10 +32,10 @@ private:
     std::vector<SurfaceFrame> frames_;  // their vertices refer to them: never resized
 };
 
-/// Keeps the surface made last, because cases that stand together in a suite's list often share it.
+/// Caches the surface made last, because adjacent cases of a suite often share it.
 class SurfaceShelf {
 public:
-    /// Good until the next call.
+    /// Valid until the next call.
     Result<const TouchSurface*> take(const TouchCase& c);
 
 private:

@@ -1,4 +1,4 @@
-// Which hardware is known, and which of it is connected: read in /sys, /proc and /dev, without opening any.
+// Known hardware, and which of it is connected: read from /sys, /proc and /dev without opening a device.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -28,7 +28,7 @@ bool is_of(std::uint16_t vendor, std::uint16_t) {
     return vendor == vendor_id;
 }
 
-/// Its ids stand in either order, depending on the model.
+/// Some models swap the vendor and the product id.
 bool is_touch(std::uint16_t vendor, std::uint16_t product) {
     return vendor == 0x2988 || (vendor == 0x0301 && product == 0x2988);
 }
@@ -86,7 +86,7 @@ bool is_number(const std::string& name) {
     return !name.empty() && std::ranges::all_of(name, [](char c) { return c >= '0' && c <= '9'; });
 }
 
-/// Of a line of /proc/net/tcp: "  0: 0100007F:2711 00000000:0000 0A ..." listens at 0x2711.
+/// Whether a line such as "  0: 0100007F:2711 00000000:0000 0A ..." of /proc/net/tcp listens at `port`.
 bool line_listens(const std::string& line, std::uint16_t port) {
     constexpr const char* listening = "0A";
     std::istringstream words(line);
@@ -101,7 +101,7 @@ bool line_listens(const std::string& line, std::uint16_t port) {
 
 // ---- What is connected
 
-/// A node of Linux, and where in /sys its device is.
+/// A device node and its device's path in /sys.
 struct SystemNode {
     std::string node;
     std::string at;
@@ -136,7 +136,7 @@ std::string release_in_words(const std::string& digits) {
     return "release " + digits.substr(first, 2 - first) + "." + digits.substr(2);
 }
 
-/// Who has a node open, such as "spacenavd (process 812)", as far as this user may see; not this process.
+/// Other processes that have `node` open, such as "spacenavd (process 812)", as far as this user may see.
 std::vector<std::string> holders_of(const ConnectedSystem& system, const std::string& node) {
     std::vector<std::string> holders;
     const std::string own = std::to_string(getpid());
@@ -151,7 +151,7 @@ std::vector<std::string> holders_of(const ConnectedSystem& system, const std::st
     return holders;
 }
 
-/// What is missing until it is ready; empty: nothing.
+/// The step that makes the device ready; empty: it is ready.
 std::string what_is_missing(const ConnectedSystem& system, const KnownDevice& known,
                             const ConnectedDevice& device) {
     if (known.through == Through::service)
@@ -212,7 +212,7 @@ std::optional<ConnectedDevice> usb_device(const ConnectedSystem& system, const s
     return device;
 }
 
-/// A HID device that is not USB's, or of whose USB device nothing shows.
+/// A HID device whose USB device is not in /sys, or that has none.
 std::optional<ConnectedDevice> lone_hid_device(const ConnectedSystem& system, const HidNode& hid) {
     constexpr int bluetooth = 5;
     const KnownDevice* const known = known_device(hid.vendor, hid.product, {}, hid.name);

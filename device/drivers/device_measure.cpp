@@ -15,7 +15,7 @@ double seconds_between(std::int64_t from_ns, std::int64_t to_ns) {
     return static_cast<double>(to_ns - from_ns) * 1e-9;
 }
 
-/// Of sorted values.
+/// Nearest-rank percentile of sorted values.
 double percentile(const std::vector<double>& values, double percent) {
     const auto rank = static_cast<std::size_t>(std::ceil(percent / 100 * static_cast<double>(values.size())));
     return values[std::max<std::size_t>(rank, 1) - 1];
@@ -23,7 +23,7 @@ double percentile(const std::vector<double>& values, double percent) {
 
 // ---- Watching
 
-/// Room that is there before the first reading, so that none waits for memory.
+/// Memory reserved before the first reading, so that no reading waits for it.
 struct Readings {
     explicit Readings(std::size_t ticks) {
         ages.reserve(ticks);
@@ -44,7 +44,7 @@ Result<void> read_once(HapticDevice& device, const TickPace& pace, std::vector<g
     if (std::isfinite(age)) readings.ages.push_back(age);
     const bool has_place = std::isfinite(metres[0].x + metres[0].y + metres[0].z);
     if (!has_place) ++readings.without_place;
-    // A report that is read twice counts once; moments differ by what it takes to ask for them.
+    // A report that is read twice counts once; its computed times differ by the duration of the calls.
     const std::int64_t received = has_place ? now - static_cast<std::int64_t>(age * 1e9) : received_ns;
     if (has_place && (readings.places.empty() || std::abs(received - received_ns) > 100'000))
         readings.places.push_back(metres[0]);
@@ -59,14 +59,14 @@ Result<void> read_once(HapticDevice& device, const TickPace& pace, std::vector<g
 
 const glm::dvec3 nudge_along = glm::dvec3(1, 1, 1) / std::sqrt(3.0);  // all axes are tried at once
 constexpr double roundings_m = 1e-7;
-constexpr double quieter = 0.9;  // of what it was: it is coming to rest
+constexpr double quieter = 0.9;  // ratio of swings; below it the handle comes to rest
 
 glm::dvec3 no_longer_than(const glm::dvec3& v, double most) {
     const double length = glm::length(v);
     return length > most ? v * (most / length) : v;
 }
 
-/// How far places go to and fro along each axis: standard deviation about their mean.
+/// Swing of positions along each axis: standard deviation about their mean.
 class Swing {
 public:
     void add(const glm::dvec3& off) {
@@ -84,12 +84,12 @@ private:
     int count_ = 0;
 };
 
-/// Greatest distances to each side, one after the other.
+/// Peaks of a swing, on alternating sides.
 class HalfWaves {
 public:
-    /// `floor`: smaller ones are noise.
+    /// `floor`: smaller peaks are noise.
     explicit HalfWaves(double floor) : floor_(floor) {}
-    /// False once one is twice the first.
+    /// False once a peak is more than twice the first.
     bool add(double off) {
         if (off * side_ < 0 && peak_ > floor_) {
             if (first_ == 0) first_ = peak_;
@@ -212,7 +212,7 @@ Result<HandleRest> SpringTrial::wait_for_rest() {
     constexpr int window = 300, most_windows = 40;
     constexpr double still_m = 0.0003, surely_still_m = 1e-6;
     constexpr double no_quieter =
-        0.9;  // than the window before: what is left is noise, not a swing that dies
+        0.9;  // ratio to the window before; from it on, noise remains rather than a dying swing
     std::vector<glm::dvec3> places;
     places.reserve(window);
     double farthest = 0;

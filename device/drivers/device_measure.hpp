@@ -1,6 +1,6 @@
 #pragma once
 
-// How a device is measured (device_catalog.hpp): figures of times and places, and a spring that is tried.
+// Parts of device measurement (device_catalog.hpp): figures of times and positions, and a spring trial.
 
 #include <cmath>
 #include <cstdint>
@@ -16,38 +16,37 @@ namespace touchable {
 
 WatchFigures::Percentiles percentiles_of(std::vector<double> values);
 
-/// From each moment to the next, s.
+/// Intervals between successive times, s.
 std::vector<double> intervals_between(std::span<const std::int64_t> times_ns);
 
-/// From each moment to the first of `others` that is not earlier, s, where that comes before the next moment
-/// does; both lists rise.
+/// Times (s) from each of `times` to the first of `others` that is not earlier, unless the next of `times`
+/// comes first; both lists ascend.
 std::vector<double> until_the_next(std::span<const std::int64_t> times_ns,
                                    std::span<const std::int64_t> others_ns);
 
-/// Of finite places, one after the other.
+/// `metres`: finite positions in order of time.
 WatchFigures::Rest rest_of(std::span<const glm::dvec3> metres);
 
-/// Where a handle stays by itself, with no hand on it.
+/// Rest position of a handle with no hand on it.
 struct HandleRest {
     glm::dvec3 metres{0.0};
     glm::dvec3 noise_m{0.0};  ///< standard deviation along each axis
 };
 
-/// A spring about the place where a device's first finger rests. It is nudged, and what it does then says
-/// whether it stays quiet.
+/// A spring about the rest position of a device's first finger. A nudge shows whether it stays quiet.
 class SpringTrial : NonCopyable {
 public:
     static constexpr int ticks = 2000;
     static constexpr int nudge_ticks = 10;
-    static constexpr double farthest_m = 0.003;  ///< beyond which it is let go
+    static constexpr double farthest_m = 0.003;  ///< from rest; beyond it force ends
 
     struct Verdict {
         bool quiet = false;
-        std::string why;     ///< it is not quiet
-        bool moved = false;  ///< the nudge was felt
+        std::string why;     ///< why it is not quiet
+        bool moved = false;  ///< whether the nudge moved the handle
     };
 
-    /// `most_force` (N): of spring and nudge together; a third of it nudges. All of these outlive the trial.
+    /// `most_force` (N): limit of spring plus nudge; a third of it nudges. The arguments outlive the trial.
     SpringTrial(HapticDevice& device, const TickPace& pace, double most_force)
         : device_(device),
           pace_(pace),
@@ -56,10 +55,10 @@ public:
           newtons_(metres_.size(), glm::dvec3(0)) {}
     ~SpringTrial() { power_off(); }
 
-    /// Waits, without force, until the handle stays where it is. Error (ErrorKind::device): it does not.
+    /// Waits, without force, until the handle is still. Error (ErrorKind::device): it does not come to rest.
     Result<HandleRest> wait_for_rest();
-    /// With a spring of `stiffness` N/m. Force ends with it, and at the first sign of growth. Error: the
-    /// device failed or has no position (ErrorKind::device), given up (ErrorKind::interrupted).
+    /// Tries a spring of `stiffness` N/m. Force ends on return and at the first sign of growth. Errors: the
+    /// device failed or has no position (ErrorKind::device), cancelled (ErrorKind::interrupted).
     Result<Verdict> try_spring(double stiffness, const HandleRest& rest) {
         auto verdict = feel(stiffness, rest);
         power_off();

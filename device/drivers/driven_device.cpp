@@ -17,17 +17,17 @@ namespace {
 using std::chrono::microseconds;
 
 constexpr microseconds a_tick{1000};
-constexpr microseconds slowest_bus{5000};  // that a driver is given to answer, where it waits itself
-// Zeros, while no force is asked for. A force's ceiling rises by no more than that time's share at once.
+constexpr microseconds slowest_bus{5000};  // longest time for an answer of a driver that waits itself
+// Interval of zeros while no force is requested; also the most that a late turn counts in a ceiling's rise.
 constexpr std::int64_t sent_again_ns = 5'000'000;
 
-/// Of a moment that may never have been.
+/// Age in s; infinite for a moment of 0 (never).
 double age_of(std::int64_t moment_ns, std::int64_t now) {
     if (moment_ns == 0) return std::numeric_limits<double>::infinity();
     return static_cast<double>(now - moment_ns) * 1e-9;
 }
 
-/// A driver that throws has failed, like one that says so.
+/// An exception of the driver counts as a failure that it returned.
 template <class Call>
 auto answer_of(const std::string& name, Call&& call) -> decltype(call()) {
     try {
@@ -126,7 +126,7 @@ void DrivenDevice::wake() const {
 
 // ---- The device's thread.
 
-/// Hardware that is taken hold of again is new: nothing that came from it before counts.
+/// Reopened hardware starts anew: positions received before do not count.
 Result<void> DrivenDevice::take_hold() {
     auto held = answer_of(name_, [this] { return driver_->connect(); });
     const auto packet = held && settings_.watchdog ? driver_->zero_force_packet() : std::nullopt;
@@ -156,8 +156,8 @@ bool DrivenDevice::turn() {
     return false;
 }
 
-/// Hardware that answers when asked is asked as often as it answers. Hardware that speaks by itself is heard
-/// at once, and each new force goes out at once.
+/// Hardware that answers requests is polled as fast as it answers. From hardware that sends by itself, data
+/// is read at once, and each new force goes out at once.
 Result<void> DrivenDevice::serve() {
     const int descriptor = driver_->descriptor();
     if (descriptor < 0) {
@@ -173,7 +173,7 @@ Result<void> DrivenDevice::serve() {
         std::uint64_t count = 0;
         [[maybe_unused]] const auto read = ::read(wake_, &count, sizeof count);
     }
-    // A force that answers an older place than the newest is followed by one that does not.
+    // A force for an older position is skipped: one for the newest position follows.
     const bool answers = asked && asked_.read().received_ns >= received_.time_ns;
     return answers || settings_.clock() - sent_ns_ >= sent_again_ns ? send() : Result<void>{};
 }
@@ -186,7 +186,7 @@ Result<void> DrivenDevice::receive(microseconds patience) {
     if (!came) return came.error();
     over_.store(driver_->is_over(), std::memory_order_release);
     pass_on_prompt();
-    // What waited while this thread stood still is older than it seems.
+    // Data that waited while this thread stood still is older than its time says: drop it.
     if (!*came || (kept_ && kept_->was_made_unpowered())) return {};
     received_.time_ns = settings_.clock() - sample.kept_ns;
     received_.sample.buttons = sample.buttons;
@@ -211,7 +211,7 @@ Result<void> DrivenDevice::receive(microseconds patience) {
     return {};
 }
 
-/// What may go out of what is asked for.
+/// Requested forces that may be sent now; 0 for a finger without a recent request and position.
 DrivenDevice::Forces DrivenDevice::due_forces(std::int64_t now) {
     const Asked& asked = asked_.read();
     const bool lives =
@@ -230,8 +230,8 @@ DrivenDevice::Forces DrivenDevice::due_forces(std::int64_t now) {
     return newtons;
 }
 
-/// That this thread is about to speak. Where it was taken for one that stands still, the force begins anew,
-/// and so does what is asked and answered.
+/// Announces to the watchdog that this thread is about to send. If the watchdog took it for stalled, the
+/// forces rise anew and the driver forgets earlier answers.
 Result<void> DrivenDevice::beat() {
     if (!kept_) return {};
     TRY_ASSIGN(const auto beat, kept_->beat());
@@ -253,12 +253,12 @@ Result<void> DrivenDevice::send() {
     ++sent_;
     auto sent = driver_->send(std::span(newtons).first(static_cast<std::size_t>(fingers_)));
     if (settings_.on_sent) settings_.on_sent(settings_.clock());
-    // Also of hardware from which nothing comes.
+    // Also needed for hardware that sends nothing.
     if (sent) pass_on_prompt();
     return sent;
 }
 
-/// What has failed has no force any more, and no position.
+/// Closes failed hardware: it has no force and no position any more.
 void DrivenDevice::let_go(const Error& why) {
     driver_->disconnect();
     kept_.reset();
@@ -270,7 +270,7 @@ void DrivenDevice::let_go(const Error& why) {
     set_words(why, "looking for the " + name_ + " again");
 }
 
-/// False once it has been gone for so long that it is given up.
+/// Tries to reopen lost hardware. False: it was gone for too long and is given up.
 bool DrivenDevice::look_for_it() {
     const std::int64_t now = settings_.clock();
     if (age_of(looked_ns_, now) < settings_.look_again_s) return true;
@@ -278,9 +278,9 @@ bool DrivenDevice::look_for_it() {
     const auto held = take_hold();
     if (held) return true;
     driver_->disconnect();
-    kept_.reset();  // which may hold a descriptor that the next try needs
+    kept_.reset();  // it may hold a descriptor that the next try needs
     if (held.error().kind == ErrorKind::interrupted) return true;
-    // What stands in its way now may be something that a person can do something about.
+    // The present obstacle may be one that a person can remove.
     const std::string& why = held.error().message;
     const std::string now_why = why == lost_why_.message ? std::string() : why;
     const std::string also = now_why.empty() ? std::string() : ": " + now_why;

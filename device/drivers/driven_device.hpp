@@ -18,45 +18,44 @@ namespace touchable {
 
 /// How a device is driven.
 struct DrivenSettings {
-    /// For how long hardware that is gone is looked for before it is given up. That is long enough for the
-    /// force guard to take its force away first.
+    /// Time for which lost hardware is looked for before it is given up: long enough for the force guard to
+    /// take its force away first.
     double away_s = 10;
-    double look_again_s = 0.5;  ///< from one attempt to open it to the next
+    double look_again_s = 0.5;  ///< between attempts to open it
     /// Called by the device's thread when it begins, for instance to become real-time.
     std::function<void()> as_thread_begins{};
-    /// Leaves the device unpowered when this process is gone or stands still. Where it is set and does not
-    /// work, the device exerts no force. Null: no other process leaves the device unpowered.
+    /// Unpowers the device if this process is gone or stands still. If set but not working, the device exerts
+    /// no force. Null: no other process unpowers the device.
     std::shared_ptr<SafetyWatchdog> watchdog{};
     DriverClock clock{};  ///< nothing: steady_ns
     /// Called by the device's thread with the moment (ns) at which a position was received, and at which a
     /// force was sent; they may not wait.
     std::function<void(std::int64_t)> on_received{}, on_sent{};
-    /// False: it has no thread; its owner calls `turn` and does the waiting, as a test in virtual time.
+    /// False: it has no thread; its owner calls `turn` and waits, as tests in virtual time do.
     bool own_thread = true;
 };
 
-/// What went on between a device and its thread since it was made.
+/// Counters of a device since it was made.
 struct DrivenFacts {
-    std::int64_t samples = 0;      ///< that were received
-    std::int64_t implausible = 0;  ///< fingers' places in them that PlausibleMotion left out
-    std::int64_t sent = 0;         ///< forces that were sent, zeros among them
-    std::int64_t losses = 0;       ///< how often the hardware was lost and looked for again
+    std::int64_t samples = 0;      ///< received samples
+    std::int64_t implausible = 0;  ///< finger positions that PlausibleMotion left out
+    std::int64_t sent = 0;         ///< sent forces, zeros included
+    std::int64_t losses = 0;       ///< times that the hardware was lost
     std::int64_t left_out = -1;    ///< reports that the driver left out (DeviceDriver::left_out)
 };
 
-/// A HapticDevice of any backend: a thread of its own talks to the hardware, the haptic thread takes the
-/// newest position and leaves the newest force, and neither waits for the other. All of the safety contract
-/// is kept here, once:
-/// - a force is sent only while it is younger than `silence_s`, and while the finger's newest position is
-///   younger than `oldest_s`; otherwise zero is sent, again and again. After that the force rises over
-///   `rise_s`;
-/// - each force that is sent has passed `force_gate`, whose ceiling is 0 after each such gap and rises to the
-///   limit over `rise_s`, however late a turn of the thread is;
-/// - a position that cannot be, or leaps, is left out (PlausibleMotion), as if it had not come;
-/// - hardware that fails is closed, with zero force if that can still be sent, and looked for again. Until it
-///   is back its positions are not numbers, which the force guard takes for a hand that has let go;
-/// - where its thread stands still, the watchdog's process makes the device unpowered. Where that process is
-///   gone, the device is closed for good.
+/// A HapticDevice of any backend: its own thread talks to the hardware, the haptic thread takes the newest
+/// position and leaves the newest force, and neither waits for the other. The whole safety contract is kept
+/// here:
+/// - a force is sent only while it is younger than `silence_s` and the finger's newest position is younger
+///   than `oldest_s`; otherwise zeros are sent repeatedly. After such a gap the force rises over `rise_s`;
+/// - each sent force has passed `force_gate`, whose ceiling is 0 after a gap and rises to the limit over
+///   `rise_s`, however late a turn of the thread is;
+/// - an impossible or leaping position is left out (PlausibleMotion), as if it had not come;
+/// - failed hardware is closed, with zero force if that can still be sent, and looked for. Until it is back
+///   its positions are NaN, which the force guard takes for a released hand;
+/// - if its thread stands still, the watchdog's process unpowers the device. If that process is gone, the
+///   device is closed for good.
 class DrivenDevice final : public HapticDevice {
 public:
     static constexpr double rise_s = 0.1;
@@ -91,8 +90,8 @@ public:
         return {};
     }
 
-    /// A step of the device's thread: a force out, a position in, or a look for hardware that is gone. False:
-    /// it is given up.
+    /// One step of the device's thread: sends a force, receives a position, or looks for lost hardware.
+    /// False: it is given up.
     bool turn();
     /// Any thread.
     DrivenFacts facts() const {
@@ -102,17 +101,17 @@ public:
 private:
     using Forces = std::array<glm::dvec3, DeviceSample::most_fingers>;
     struct Received {
-        DeviceSample sample{};                                            // as believed
+        DeviceSample sample{};                                            // accepted positions
         std::int64_t time_ns = 0;                                         // 0: nothing yet
-        std::array<std::int64_t, DeviceSample::most_fingers> place_ns{};  // of each finger's place; 0: none
+        std::array<std::int64_t, DeviceSample::most_fingers> place_ns{};  // of each position; 0: none
     };
     struct Asked {
         Forces newtons{};
         std::int64_t time_ns = 0;
-        std::int64_t received_ns = 0;  // of the position that it answers
+        std::int64_t received_ns = 0;  // time of the position that it answers
     };
 
-    /// Whatever ends it, the hardware is let go of with zero force.
+    /// On every exit the hardware is closed with zero force.
     void drive() {
         if (settings_.as_thread_begins) settings_.as_thread_begins();
         const StopScope until(stopping_.get_token());
@@ -141,14 +140,14 @@ private:
 
     const std::unique_ptr<DeviceDriver> driver_;
     DrivenSettings settings_;
-    // The driver's answers, which any thread may ask for while its own is at work.
+    // The driver's answers, for any thread while the driver's own is busy.
     const std::string name_;
     const int fingers_;
     const DeviceLimits limits_;
     const DeviceCapabilities capabilities_;
 
     std::thread thread_;
-    int wake_ = -1;  // eventfd: there is a new force, or an end
+    int wake_ = -1;  // eventfd: a new force, or the end
     std::stop_source stopping_;
     std::atomic<bool> open_{false}, lost_{false}, over_{false};
     std::atomic<const char*> misuse_{nullptr};
@@ -158,23 +157,23 @@ private:
     std::string prompt_;
     NewestValue<Received> latest_;
     NewestValue<Asked> asked_;
-    // The device thread's.
+    // Device thread only.
     std::array<PlausibleMotion, DeviceSample::most_fingers> motions_;
-    Received received_;  // newest, as believed
-    // When each finger's place became known after it had not been: a force that is older answers another
-    // place, and is not sent.
+    Received received_;  // newest, with accepted positions
+    // When each finger's position came back after a gap: an older force answers another position and is not
+    // sent.
     std::array<std::int64_t, DeviceSample::most_fingers> found_ns_{};
     struct Rise {
-        std::int64_t since_ns = 0;  // it exerts; 0: it does not
+        std::int64_t since_ns = 0;  // start of its force; 0: no force
         double ceiling = 0;         // force_gate's, N
     };
     std::array<Rise, DeviceSample::most_fingers> rises_{};
     std::int64_t sent_ns_ = 0;
-    bool held_ = false;  // otherwise it is looked for
+    bool held_ = false;  // false: the hardware is looked for
     std::int64_t gone_ns_ = 0, looked_ns_ = 0;
-    Error lost_why_;  // while it is looked for
+    Error lost_why_;  // while the hardware is looked for
     std::optional<SafetyWatchdog::Kept> kept_;
-    // The haptic thread's.
+    // Haptic thread only.
     std::uint32_t buttons_ = 0;
     std::int64_t received_ns_ = 0;
     double age_s_;

@@ -35,7 +35,7 @@ std::int16_t word_at(const FalconPacket& packet, std::size_t place) {
     return static_cast<std::int16_t>(static_cast<std::uint16_t>(bits));
 }
 
-/// The state has seven bits in one letter. What the letter after it says is not known.
+/// The state is seven bits in one letter. The meaning of the letter after it is unknown.
 bool may_stand(std::byte byte, std::size_t place) {
     if (place == falcon_packet_bytes - 1) return byte == falcon_last;
     if (byte < letter(0)) return false;
@@ -51,7 +51,7 @@ constexpr double shin = 0.1025;                              // b: side of the p
 constexpr double shin_ends = 0.01125 + 0.01125;              // d + e: from its sides to knee and grip
 constexpr double grip_out = 0.01443, grip_along = -0.025;    // c, f: of the shin's end at the grip
 constexpr double motor_out = 0.040, motor_along = -0.02309;  // r, s: of the motor's axis
-constexpr double reach_middle = 0.125;                       // of the reach, from the motors' plane
+constexpr double reach_middle = 0.125;                       // distance from the motors' plane
 constexpr double degree = pi / 180;
 constexpr double arms_at[3] = {105 * degree, -15 * degree, -135 * degree};  // around z, from x
 
@@ -60,12 +60,12 @@ constexpr double angle_at_zero = 35 * degree;
 
 constexpr double words_per_newton_metre = -10000;
 
-/// The grip as one arm sees it. Its knee is at (upper_arm cos, upper_arm sin) in the plane of `out` and
-/// `ahead`, and `leg` from the grip's joint, which is there at (out, ahead); `along` is across the plane.
+/// The grip as seen from one arm. In the plane of `out` and `ahead`, the knee is at (upper_arm cos, upper_arm
+/// sin) and the grip's joint, `leg` away, at (out, ahead); `along` is across the plane.
 struct Leg {
     glm::dvec3 out_axis, along_axis;
     double out = 0, along = 0, ahead = 0;
-    double shin_height = 0;  // the parallelogram's, in the plane; not a number: it does not reach across
+    double shin_height = 0;  // the parallelogram's, in the plane; NaN: it does not reach across
     double leg() const { return shin_ends + shin_height; }
 };
 
@@ -81,8 +81,8 @@ Leg leg_of(std::size_t arm, const glm::dvec3& place) {
     return leg;
 }
 
-/// How much longer than the leg, squared, the way from knee to grip is; 0 where the mechanism closes. With
-/// its slopes over the grip's place and the arm's angle.
+/// Squared distance from knee to grip minus the leg's square; 0 if the mechanism closes. With its derivatives
+/// by the grip's position and by the arm's angle.
 struct Gap {
     double size = 0;
     glm::dvec3 over_place{0.0};
@@ -100,7 +100,7 @@ Gap gap_of(const Leg& leg, double angle) {
     return gap;
 }
 
-/// Of all three arms: rows over the place as columns of the transposed matrix.
+/// Of all three arms; row k of `over_place` is the derivative of arm k's gap.
 struct Gaps {
     glm::dvec3 sizes{0.0}, over_angles{0.0};
     glm::dmat3 over_place{0.0};
@@ -120,7 +120,7 @@ Gaps gaps_of(const FalconAngles& angles, const glm::dvec3& place) {
     return gaps;
 }
 
-/// Both places that close the mechanism may be found; the one before the motors, knees outward, is meant.
+/// Two positions close the mechanism; true for the right one: before the motors, knees outward.
 bool is_the_arms_own(const FalconAngles& angles, const glm::dvec3& place) {
     const auto own = falcon_angles(place);
     if (!own) return false;
@@ -188,7 +188,7 @@ double falcon_angle(std::int16_t count) {
     return angle_at_zero + radians_per_count * count;
 }
 
-/// Motor's axis, knee and grip's joint are a triangle of known sides.
+/// The motor's axis, the knee and the grip's joint form a triangle with known sides.
 std::optional<FalconAngles> falcon_angles(const glm::dvec3& place) {
     FalconAngles angles{};
     for (std::size_t arm = 0; arm < 3; ++arm) {
@@ -247,7 +247,7 @@ Result<void> FalconDriver::connect() {
     return command(no_motors);
 }
 
-/// Twice, because the first may follow the beginning of another and be lost with it.
+/// Sends zeros twice: the first packet may follow a truncated one and be lost with it.
 void FalconDriver::disconnect() noexcept {
     if (transport_ && runs_) {
         try {
@@ -264,7 +264,7 @@ void FalconDriver::disconnect() noexcept {
     pose_.reset();
 }
 
-/// Whether firmware runs on it. One that has just begun may leave the first questions unanswered.
+/// Whether firmware runs on the device. Firmware that has just started may ignore the first requests.
 Result<bool> FalconDriver::answers() {
     constexpr int most_questions = 10;
     TRY(begin_falcon_run(*transport_));
@@ -279,7 +279,7 @@ Result<bool> FalconDriver::answers() {
     return false;
 }
 
-/// Known to need several goes on real devices.
+/// Real devices are known to need several attempts.
 Result<void> FalconDriver::load() {
     constexpr int most_goes = 4;
     if (settings_.firmware.empty())
@@ -309,8 +309,8 @@ Result<void> FalconDriver::send(std::span<const glm::dvec3> newtons) {
     return command(lives ? falcon_motor_words(*pose_, newtons.front()) : no_motors);
 }
 
-/// The answer to the newest question: one that came late must not be taken for it, or places would stay a
-/// tick behind for ever. Once a newer one has come, an older one that is overdue is lost.
+/// Answer to the newest request: taking a late answer for it would leave positions a tick behind for ever.
+/// After an answer, others that are missing for 2 ms more count as lost.
 Result<std::optional<FalconReport>> FalconDriver::newest_report(microseconds patience) {
     constexpr std::int64_t overdue_ns = 2'000'000;
     std::int64_t until = clock_() + std::chrono::nanoseconds(patience).count();
@@ -318,7 +318,7 @@ Result<std::optional<FalconReport>> FalconDriver::newest_report(microseconds pat
     std::int64_t came_ns = 0;
     std::array<std::byte, UsbPort::packet_bytes> room;
     std::size_t came = 1;
-    for (int most = 64; came > 0 && most > 0; --most) {  // whatever babbles must not hold the thread
+    for (int most = 64; came > 0 && most > 0; --most) {  // bounded: endless data must not hold the thread
         const microseconds left((until - clock_()) / 1000);
         const bool waits = unanswered_ > 0 && left.count() > 0;
         TRY_ASSIGN(const auto received, transport_->receive(room, waits ? left : microseconds(0)));
@@ -349,14 +349,14 @@ Result<bool> FalconDriver::receive(DeviceSample& sample, microseconds patience) 
     return false;
 }
 
-/// The last two packets of the other process may still be on their way: so more answers are waited for than
-/// questions will have been asked.
+/// Two packets of the watchdog's process may still be under way: count them, so that their answers are not
+/// taken for those to later requests.
 Result<void> FalconDriver::forget_what_came() {
     constexpr int packets_at_a_time = 2;
     TRY(transport_->purge());
     reader_.forget();
     unanswered_ = packets_at_a_time;
-    received_ns_ = clock_();  // its silence begins now
+    received_ns_ = clock_();  // the silence timeout starts anew
     return {};
 }
 

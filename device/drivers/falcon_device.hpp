@@ -21,21 +21,21 @@ namespace touchable {
 
 // ---- USB
 
-/// A command to a serial converter by FTDI, beside the bytes that it passes on: a vendor's control request
+/// A command to an FTDI serial converter, apart from the bytes that it passes on: a vendor control request
 /// without data (type 0x40, index 0).
 struct FtdiCommand {
     std::uint8_t request = 0;
     std::uint16_t value = 0;
     bool operator==(const FtdiCommand&) const = default;
 
-    // As FTDI's chips of this generation take them.
-    /// 1 to 255 ms, for a packet to become full.
+    // Encoded for FTDI's chips of this generation.
+    /// Time to wait for a packet to become full, 1 to 255 ms.
     static FtdiCommand latency(std::chrono::milliseconds waits) {
         return {9, static_cast<std::uint16_t>(waits.count())};
     }
-    /// Of 3 MHz; bits 14 and 15: eighths.
+    /// Divisor of 3 MHz; bits 14 and 15: eighths.
     static FtdiCommand divisor(std::uint16_t encoded) { return {3, encoded}; }
-    /// Of data, no parity, one stop bit.
+    /// Eight data bits, no parity, one stop bit.
     static FtdiCommand eight_bits() { return {4, 8}; }
     static FtdiCommand no_flow_control() { return {2, 0}; }
     static FtdiCommand dtr(bool high) { return {1, static_cast<std::uint16_t>(high ? 0x101 : 0x100)}; }
@@ -44,19 +44,19 @@ struct FtdiCommand {
     static FtdiCommand purge_to_send() { return {0, 2}; }
 };
 
-/// A USB device that is one's own, whatever carries its packets. One thread's. A call that fails says why in
-/// one line (ErrorKind::device); the device is taken for gone then.
+/// A USB device that is claimed, whatever carries its packets. Used by one thread. A failed call returns a
+/// one-line error (ErrorKind::device); the device then counts as gone.
 class UsbPort : NonCopyable {
 public:
-    virtual ~UsbPort() = default;  ///< lets go of it
+    virtual ~UsbPort() = default;  ///< closes the device
 
-    static constexpr std::size_t packet_bytes = 64;  ///< most that come at once
+    static constexpr std::size_t packet_bytes = 64;  ///< largest packet received
 
     virtual Result<void> command(const FtdiCommand& command) = 0;
     virtual Result<void> write(std::span<const std::byte> bytes) = 0;
-    /// One packet, into room for `packet_bytes`. Waits for it `patience` at most. 0: none.
+    /// Receives one packet into room for `packet_bytes`; waits `patience` at most. 0: none came.
     virtual Result<std::size_t> read(std::span<std::byte> room, std::chrono::microseconds patience) = 0;
-    /// Of usbfs; -1: there is none.
+    /// Descriptor of usbfs; -1: none.
     virtual int usbfs() const { return -1; }
 };
 
@@ -66,18 +66,18 @@ struct UsbFolders {
     std::filesystem::path nodes = "/dev/bus/usb";
 };
 
-/// The node in `nodes` of the first device of that vendor and product (four hexadecimal digits each), by bus
-/// and number; empty: none is plugged in.
+/// Node in `nodes` of the first device, by bus and number, with that vendor and product (four hexadecimal
+/// digits each); empty: none is plugged in.
 std::filesystem::path find_usb_device(const std::string& vendor, const std::string& product,
                                       const UsbFolders& folders);
 
-/// The first Novint Falcon that is plugged in, through libusb. Error (ErrorKind::device): why it cannot be
-/// had, and what would change that.
+/// Opens the first Novint Falcon that is plugged in, through libusb. Error (ErrorKind::device): why it cannot
+/// be used, and what would change that.
 Result<std::unique_ptr<UsbPort>> open_falcon(const UsbFolders& folders = {});
 
 // ---- The serial converter in it
 
-/// Bytes through such a converter. Its packets begin with two bytes of line state, which are no data.
+/// Bytes through an FTDI converter, whose packets begin with two bytes of line state, which are no data.
 class FtdiTransport final : public Transport {
 public:
     static constexpr std::size_t state_bytes = 2;
@@ -86,7 +86,7 @@ public:
         : port_(std::move(port)), clock_(std::move(clock)) {}
 
     Result<void> command(const FtdiCommand& command) { return port_->command(command); }
-    /// Whatever has come and was not received, here and in the converter, is dropped.
+    /// Drops bytes that came but were not read, here and in the converter.
     Result<void> purge();
     Result<void> send(std::span<const std::byte> bytes) override { return port_->write(bytes); }
     Result<std::size_t> receive(std::span<std::byte> room, std::chrono::microseconds patience) override;
@@ -97,29 +97,29 @@ private:
     std::unique_ptr<UsbPort> port_;
     DriverClock clock_;
     std::array<std::byte, UsbPort::packet_bytes> packet_{};
-    std::size_t next_ = 0, end_ = 0;  // of what came and was not received
+    std::size_t next_ = 0, end_ = 0;  // unread part of packet_
 };
 
 // ---- Firmware
 
-/// How long it is waited for an answer, at each step.
+/// Longest wait for an answer, per step.
 struct FalconPatience {
     std::chrono::milliseconds greeting{60};
     std::chrono::milliseconds echo{500};
     std::chrono::milliseconds question{20};
 };
 
-/// The Falcon's firmware, of a file that the person names: its makers' licence does not let others pass it
-/// on. Error (ErrorKind::input): no such file, or none of a size that firmware has.
+/// Reads the Falcon's firmware from a file that the user names: its makers' licence does not let others pass
+/// it on. Error (ErrorKind::input): no such file, or not the size of firmware.
 Result<std::vector<std::byte>> read_falcon_firmware(const std::string& path);
 
-/// Loads firmware into a Falcon, which has none when its power comes. About two seconds. What it sends back
-/// is compared byte by byte. Error (device): at which step it did not answer, or differently. (interrupted):
-/// given up.
+/// Loads firmware into a Falcon, which has none after power-up; takes about two seconds. Compares the echo
+/// byte by byte. Error (device): the step at which the answer was missing or different; (interrupted):
+/// cancelled.
 Result<void> load_falcon_firmware(FtdiTransport& transport, std::span<const std::byte> firmware,
                                   const FalconPatience& patience);
 
-/// Sets the serial line as firmware that runs expects it.
+/// Sets the serial line for running firmware.
 Result<void> begin_falcon_run(FtdiTransport& transport);
 
 // ---- Packets
@@ -137,22 +137,22 @@ struct FalconCommand {
     std::array<std::int16_t, 3> motors{};  ///< of the top, right and left arm
     FalconLamp lamp = FalconLamp::none;
 };
-/// It also asks for the state of homing, always: without that the Falcon does not follow its encoders.
+/// Also requests the homing state, always: otherwise the Falcon does not follow its encoders.
 FalconPacket encode(const FalconCommand& command);
 
 struct FalconReport {
     std::array<std::int16_t, 3> counts{};  ///< of the top, right and left encoder
-    std::uint8_t buttons = 0;              ///< bits 0 to 3: right, forward, middle, left one of the grip
-    bool homed = false;  ///< all three encoders have met their marks, so that counts mean places
+    std::uint8_t buttons = 0;              ///< bits 0 to 3: the grip's right, forward, middle, left button
+    bool homed = false;  ///< all three encoders have met their marks, so counts give positions
 };
 
-/// Finds reports among bytes that may be cut, damaged or repeated: one begins at each '<', and none is
-/// believed of which a byte cannot be what it stands for.
+/// Finds reports in bytes that may be cut, damaged or repeated: each '<' begins one, and a report with an
+/// impossible byte is dropped.
 class FalconReader {
 public:
-    /// A report that this byte completes.
+    /// Returns the report that this byte completes, if any.
     std::optional<FalconReport> take(std::byte byte);
-    void forget() { filled_ = 0; }  ///< of a report that has begun
+    void forget() { filled_ = 0; }  ///< drops an incomplete report
     std::int64_t damaged() const { return damaged_; }
 
 private:
@@ -164,36 +164,35 @@ private:
 // ---- Kinematics
 
 /// Geometry of the Novint Falcon, as its owners have measured it (libnifalcon, after Stamper's thesis, 1997):
-/// three arms around an axis, which a motor each turns in a plane through (about) the axis, and from the end
-/// of each a parallelogram that carries the grip without turning it. Top, right and left arm, in this order.
+/// three arms around an axis. A motor turns each arm in a plane through (about) the axis; a parallelogram at
+/// the arm's end carries the grip without turning it. Order: top, right, left arm.
 ///
-/// Places are the grip's, in metres of the device: x right, y up, z towards the person, from the middle of
+/// Positions are the grip's, in metres of the device: x right, y up, z towards the person, from the middle of
 /// the reach, 0.125 m before the motors' plane.
-inline constexpr double falcon_reach = 0.05;  ///< metres to each side; every place in this ball is reached
-inline constexpr double falcon_edge = 0.075;  ///< metres; no grip gets as far from the middle
+inline constexpr double falcon_reach = 0.05;  ///< metres; radius of a ball that the grip fully reaches
+inline constexpr double falcon_edge = 0.075;  ///< metres; no grip gets this far from the middle
 using FalconAngles =
     std::array<double, 3>;  ///< radians, 0: the arm points outward; grows as the grip is pulled
 
-/// Of the arm, at an encoder's count: 320 slots of four counts on the motor's shaft, whose capstan of 14.25
-/// mm turns the arm's drum of 110 mm; 35 degrees at 0.
+/// Arm angle at an encoder count: 320 slots of four counts on the motor's shaft, whose capstan of 14.25 mm
+/// turns the arm's drum of 110 mm; 35 degrees at 0.
 double falcon_angle(std::int16_t count);
 
-/// Closed form. Nothing where an arm does not reach.
+/// Closed form. Nothing if an arm does not reach.
 std::optional<FalconAngles> falcon_angles(const glm::dvec3& place);
 
 struct FalconPose {
     glm::dvec3 place{0.0};
-    glm::dmat3 metres_per_radian{0.0};  ///< column: how the grip moves as that arm turns
+    glm::dmat3 metres_per_radian{0.0};  ///< column: derivative of the position by that arm's angle
 };
-/// By Newton's method from `start`, converged to far below a nanometre. Nothing where these angles belong to
-/// no place within `falcon_edge`, as those of damaged packets.
+/// By Newton's method from `start`, converged to far below a nanometre. Nothing if the angles belong to no
+/// position within `falcon_edge`, as those of damaged packets.
 std::optional<FalconPose> falcon_pose(const FalconAngles& angles, const glm::dvec3& start = glm::dvec3(0.0));
 
-/// Largest motor word that is sent. The public driver's description has it as the cap; what a motor bears at
-/// most is not published.
+/// Largest motor word sent: the cap of the public driver's description. What a motor bears is not published.
 inline constexpr int falcon_largest_word = 4096;
-/// Motor words whose torques exert that force, N. Too large ones are made smaller together, so the direction
-/// stays. The unit of words is not published: as with the public driver, one is -0.1 mN m of the arm's
+/// Motor words whose torques exert that force, N. Words that are too large are scaled together, so the
+/// direction stays. Their unit is not published: as with the public driver, one is -0.1 mN m of the arm's
 /// torque.
 std::array<std::int16_t, 3> falcon_motor_words(const FalconPose& pose, const glm::dvec3& newtons);
 
@@ -201,21 +200,21 @@ std::array<std::int16_t, 3> falcon_motor_words(const FalconPose& pose, const glm
 
 /// How a Falcon is used.
 struct FalconSettings {
-    std::vector<std::byte> firmware{};  ///< empty: none can be loaded, it must have some
+    std::vector<std::byte> firmware{};  ///< empty: none to load, so the device must have some
     DeviceLimits limits{8, 1000};       ///< N, N/m
     FalconPatience patience{};
 };
 
-/// Takes hold of a Falcon that is plugged in. Error (ErrorKind::device): what would make it ready.
+/// Opens a Falcon that is plugged in. Error (ErrorKind::device): what would make it ready.
 using FalconPlug = std::function<Result<std::unique_ptr<UsbPort>>()>;
 
-/// A Novint Falcon. `connect` loads its firmware where it has none. It then has no position and no force
-/// until a person has moved its grip over the marks of its encoders (`prompt` asks for that).
+/// A Novint Falcon. `connect` loads its firmware if it has none. There is then no position and no force until
+/// a person has moved the grip over the encoders' marks (`prompt` says so).
 class FalconDriver final : public DeviceDriver {
 public:
     static constexpr std::uint8_t usb_endpoint_out = 0x02;
-    static constexpr double silent_s = 0.25;  ///< after which it is taken for gone
-    static constexpr int homed_reports = 8;   ///< one after the other, before homing is believed
+    static constexpr double silent_s = 0.25;  ///< without an answer, it then counts as gone
+    static constexpr int homed_reports = 8;   ///< consecutive reports before homing counts
 
     FalconDriver(FalconSettings settings, FalconPlug plug, DriverClock clock = steady_ns)
         : settings_(std::move(settings)), plug_(std::move(plug)), clock_(std::move(clock)) {}
@@ -258,7 +257,7 @@ private:
     const FalconPlug plug_;
     const DriverClock clock_;
     std::unique_ptr<FtdiTransport> transport_;
-    bool runs_ = false;  // its firmware does, so that motor words mean something
+    bool runs_ = false;  // firmware runs, so motor words have a meaning
     FalconReader reader_;
     int unanswered_ = 0;
     std::int64_t received_ns_ = 0;
@@ -266,7 +265,7 @@ private:
     std::optional<FalconPose> pose_;  // of the newest report
 };
 
-/// Of the keys of "falcon[:key=value,...]" (docs/devices.md). Refuses (ErrorKind::usage) what is none, and
+/// Settings of "falcon[:key=value,...]" (docs/devices.md). Refuses (ErrorKind::usage) invalid keys and
 /// (ErrorKind::input) a file that cannot be firmware.
 Result<FalconSettings> read_falcon_settings(std::string_view keys);
 Result<std::unique_ptr<DeviceDriver>> make_falcon_driver(std::string_view keys);

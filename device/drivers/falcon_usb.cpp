@@ -25,14 +25,14 @@ using std::chrono::microseconds;
 
 constexpr unsigned char endpoint_out = 0x02, endpoint_in = 0x81;
 constexpr int its_interface = 0;
-constexpr unsigned longest_transfer_ms = 50;  // HapticDevice::silence_s: a hand must not wait longer
+constexpr unsigned longest_transfer_ms = 50;  // not longer than HapticDevice::silence_s
 
 Error usb_error(const std::string& name, const std::string& doing, int code) {
     if (code == LIBUSB_ERROR_NO_DEVICE) return device_error(name + ": was unplugged");
     return device_error(name + ": " + doing + " failed: " + libusb_strerror(code));
 }
 
-/// A device's word for a number or an identity: the first word of a small file.
+/// First word of a small file: a device's number or identity.
 std::string word_in(const fs::path& file) {
     std::ifstream in(file);
     std::string word;
@@ -52,7 +52,7 @@ public:
     }
 
     Result<void> hold() {
-        // A user who may open the node needs nothing else; looking through all devices may be forbidden.
+        // A user who may open the node needs nothing else; a scan of all devices may be forbidden.
         libusb_set_option(nullptr, LIBUSB_OPTION_NO_DEVICE_DISCOVERY);
         if (const int code = libusb_init(&context_); code != 0)
             return usb_error(name_, "starting libusb", code);
@@ -122,7 +122,7 @@ public:
     int usbfs() const override { return node_; }
 
 private:
-    /// Two take turns, so that the next packet finds one waiting.
+    /// Two readings alternate, so that one is always waiting for the next packet.
     struct Reading {
         libusb_transfer* transfer = nullptr;
         std::array<unsigned char, packet_bytes> bytes{};
@@ -139,7 +139,7 @@ private:
         return {};
     }
 
-    /// libusb writes into them until it says that it does not.
+    /// libusb writes into the buffers until a reading is reported as cancelled.
     void cancel_readings() {
         for (const auto& reading : readings_)
             if (reading->under_way) libusb_cancel_transfer(reading->transfer);
@@ -162,11 +162,11 @@ private:
     bool claimed_ = false;
     std::array<std::unique_ptr<Reading>, 2> readings_{std::make_unique<Reading>(),
                                                       std::make_unique<Reading>()};
-    std::size_t next_ = 0;  // of readings_, in the order in which they come
+    std::size_t next_ = 0;  // index of the reading that completes next
 };
 
-/// A USB device with one interface, by its node: endpoint 0x02 out, 0x81 in. A driver of Linux's is put aside
-/// as long as it is held. `name` is the device's, for messages.
+/// Opens a USB device with one interface by its node: endpoint 0x02 out, 0x81 in. A kernel driver is detached
+/// while the port is open. `name` is the device's, for messages.
 Result<std::unique_ptr<UsbPort>> open_usb_port(const fs::path& node, const std::string& name) {
     const std::string named = name + " at " + node.string();
     const int descriptor = ::open(node.c_str(), O_RDWR | O_CLOEXEC);
@@ -187,7 +187,7 @@ using std::chrono::milliseconds;
 
 // 3 MHz over 312.5, 21 and 2.
 constexpr std::uint16_t divisor_9600 = 0x4138, divisor_140000 = 0x15, divisor_1500000 = 2;
-constexpr std::size_t block_bytes = 62;  // with the converter's two they fill a packet on the way back
+constexpr std::size_t block_bytes = 62;  // with the converter's two, a full packet on the way back
 constexpr std::size_t least_firmware = 1024, most_firmware = 65536;
 
 constexpr std::array<std::byte, 3> greeting{std::byte{0x0a}, std::byte{0x43}, std::byte{0x0d}};
@@ -204,7 +204,7 @@ Result<void> command_all(FtdiTransport& transport, std::initializer_list<FtdiCom
     return {};
 }
 
-/// Up to `room` bytes that come within `patience`; fewer where they do not.
+/// Receives up to room.size() bytes within `patience`; returns how many came.
 Result<std::size_t> gather(FtdiTransport& transport, std::span<std::byte> room, milliseconds patience) {
     const std::int64_t until = transport.now_ns() + std::chrono::nanoseconds(patience).count();
     std::size_t filled = 0;
@@ -219,7 +219,7 @@ Result<std::size_t> gather(FtdiTransport& transport, std::span<std::byte> room, 
     return filled;
 }
 
-/// It may put a zero before its answer, and may not hear the first greetings.
+/// The device may send a zero before its answer, and may miss the first greetings.
 Result<void> greet(FtdiTransport& transport, milliseconds patience) {
     constexpr int most_greetings = 30;
     for (int greetings = 0; greetings < most_greetings; ++greetings) {
@@ -284,7 +284,7 @@ Result<void> FtdiTransport::purge() {
     next_ = end_ = 0;
     for (const FtdiCommand& each : {FtdiCommand::purge_received(), FtdiCommand::purge_to_send()})
         TRY(port_->command(each));
-    // Packets that were on their way are not the converter's any more.
+    // Packets under way have left the converter, so purging does not drop them.
     for (int most = 8; most > 0; --most) {
         TRY_ASSIGN(const auto came, port_->read(packet_, std::chrono::microseconds(0)));
         if (came == 0) break;
@@ -292,7 +292,7 @@ Result<void> FtdiTransport::purge() {
     return {};
 }
 
-/// A converter that has nothing sends its state alone, again and again.
+/// A converter without data keeps sending its state alone.
 Result<std::size_t> FtdiTransport::receive(std::span<std::byte> room, std::chrono::microseconds patience) {
     const std::int64_t until = now_ns() + std::chrono::nanoseconds(patience).count();
     while (next_ == end_) {
@@ -332,7 +332,7 @@ Result<void> load_falcon_firmware(FtdiTransport& transport, std::span<const std:
                                 FtdiCommand::rts(false), FtdiCommand::dtr(false), FtdiCommand::dtr(true)}));
     TRY(greet(transport, patience.greeting));
     TRY(command_all(transport, {FtdiCommand::dtr(false), FtdiCommand::divisor(divisor_140000)}));
-    // A greeting that was answered late has a second answer on its way.
+    // After a late answer, the answer to a second greeting is still under way.
     TRY(transport.purge());
     TRY(send_and_compare(transport, begin_mark, "the mark that begins it", patience.echo));
     const std::size_t blocks = (firmware.size() + block_bytes - 1) / block_bytes;

@@ -25,16 +25,16 @@ constexpr std::size_t most_unread_messages = 1024;
 constexpr milliseconds longest_write{50};
 const std::string no_answer = "no answer";
 
-/// One connection, of a context of its own.
+/// One connection, in its own context.
 struct ServiceLine {
     enum class State { opening, open, finished, failed };
     State state = State::opening;
     std::string failure;
     unsigned http_status = 0;
-    std::string coming;  // of a message that is not complete yet, or of a body
+    std::string coming;  // part of an incomplete message, or of a body
     std::deque<std::string> messages;
-    std::vector<unsigned char> going;  // with room before it for the frame's head; empty: nothing
-    std::uint64_t events = 0;          // so far, whatever happened
+    std::vector<unsigned char> going;  // message to send, after room for the frame's head; empty: none
+    std::uint64_t events = 0;          // number of events so far
 
     void fail(std::string why) {
         if (state == State::failed) return;
@@ -61,7 +61,7 @@ int write_to_service(lws* connection, ServiceLine& line) {
     return -1;
 }
 
-/// What libwebsockets tells. Not 0: it is to close the connection.
+/// Callback of libwebsockets. Not 0: close the connection.
 int on_service_event(lws* connection, lws_callback_reasons reason, void*, void* in, std::size_t count) {
     auto* const known = static_cast<ServiceLine*>(lws_context_user(lws_get_context(connection)));
     if (!known) return 0;
@@ -91,7 +91,7 @@ int on_service_event(lws* connection, lws_callback_reasons reason, void*, void* 
             line.http_status = lws_http_client_http_response(connection);
             break;
         case LWS_CALLBACK_RECEIVE_CLIENT_HTTP: {
-            // Its room has to begin with that for a chunk's head.
+            // The buffer has to begin with room for a chunk's head.
             char room[LWS_PRE + 2048];
             char* begin = room + LWS_PRE;
             int most = 2048;
@@ -104,7 +104,7 @@ int on_service_event(lws* connection, lws_callback_reasons reason, void*, void* 
             line.state = ServiceLine::State::finished;
             break;
         case LWS_CALLBACK_CLOSED_CLIENT_HTTP:
-            // An answer of unknown length ends so.
+            // An answer of unknown length ends with the connection.
             if (line.state == ServiceLine::State::opening && line.http_status != 0)
                 line.state = ServiceLine::State::finished;
             else if (line.state == ServiceLine::State::opening)
@@ -120,7 +120,7 @@ int on_service_event(lws* connection, lws_callback_reasons reason, void*, void* 
 const lws_protocols service_protocols[] = {{"service", on_service_event, 0, 4096, 0, nullptr, 0},
                                            {nullptr, nullptr, 0, 0, 0, nullptr, 0}};
 
-/// A context of libwebsockets with one connection. It is used by one thread at a time.
+/// A libwebsockets context with one connection. Used by one thread at a time.
 class ServiceConnection : NonCopyable {
 public:
     ServiceConnection(std::uint16_t port, const char* path, const char* method) {
@@ -129,7 +129,7 @@ public:
         info.port = CONTEXT_PORT_NO_LISTEN;
         info.protocols = service_protocols;
         info.user = &line_;
-        info.fd_limit_per_thread = 16;  // otherwise tables for all that the process may open
+        info.fd_limit_per_thread = 16;  // otherwise its tables have room for all descriptors of the process
         info.gid = static_cast<gid_t>(-1);
         info.uid = static_cast<uid_t>(-1);
         struct sigaction before {};
@@ -145,7 +145,7 @@ public:
         to.address = to.host = to.origin = "localhost";
         to.port = port;
         to.path = path;
-        to.ssl_connection = LCCSCF_HTTP_NO_FOLLOW_REDIRECT;  // it is this machine's service or none
+        to.ssl_connection = LCCSCF_HTTP_NO_FOLLOW_REDIRECT;  // redirects would leave this machine
         to.method = method;
         to.local_protocol_name = service_protocols[0].name;
         to.pwsi = &connection_;
@@ -159,13 +159,13 @@ public:
     int descriptor() const {
         return connection_ && line_.state == ServiceLine::State::open ? lws_get_socket_fd(connection_) : -1;
     }
-    /// What can be done now, and waits for more at most so long.
+    /// Handles pending events; if there were none, waits for more, `patience` or 1 ms at most.
     void work(microseconds patience) {
         const std::uint64_t before = line_.events;
         serve();
         if (line_.events != before || line_.state == ServiceLine::State::failed || patience.count() <= 0)
             return;
-        // libwebsockets may hold what it has read, but not handed out: a millisecond, and it is asked again.
+        // libwebsockets may hold data that it has not delivered yet: serve it again after 1 ms at most.
         const microseconds wait = std::min<microseconds>(patience, milliseconds(1));
         pollfd waited_for{descriptor(), POLLIN, 0};
         const timespec time{0, std::chrono::nanoseconds(wait).count()};
@@ -175,7 +175,7 @@ public:
     void ask_to_write() { lws_callback_on_writable(connection_); }
 
 private:
-    // Negative: without waiting.
+    // Negative timeout: does not wait.
     void serve() {
         if (context_ && lws_service(context_, -1) < 0) line_.fail("libwebsockets gave up");
     }
@@ -185,7 +185,7 @@ private:
     lws* connection_ = nullptr;
 };
 
-/// Until it is past `opening`.
+/// Serves the connection until it is past `opening`.
 Result<void> settle(ServiceConnection& connection, milliseconds patience) {
     const auto until = ServiceClock::now() + patience;
     while (connection.line().state == ServiceLine::State::opening) {
@@ -250,7 +250,7 @@ private:
     const std::string address_;
 };
 
-/// "HS:" is what libwebsockets says of a server that answers, but not as a WebSocket.
+/// libwebsockets reports "HS:" for a server that answers, but not as a WebSocket.
 Error no_haply_service(const std::string& address, const std::string& why) {
     if (why.find("HS:") != std::string::npos || why.starts_with(no_answer))
         return device_error("what answers at " + address + " is no Haply service (" + why +

@@ -19,7 +19,7 @@ namespace {
 
 // ---- Nodes
 
-/// Of BUS:VENDOR:PRODUCT, all hexadecimal.
+/// Parses BUS:VENDOR:PRODUCT, all hexadecimal.
 bool take_ids(std::string_view text, HidNode& node) {
     const std::size_t first = text.find(':');
     const std::size_t second = first == std::string_view::npos ? first : text.find(':', first + 1);
@@ -41,10 +41,10 @@ bool node_comes_before(const HidNode& a, const HidNode& b) {
 
 // ---- The transport
 
-// hidapi keeps its word on a failed opening in one place for all threads.
+// hidapi keeps the message of a failed opening in one place for all threads.
 std::mutex hid_opening;
 
-/// hidapi's words are for people, in plain letters.
+/// hidapi's message in printable ASCII; other characters become '?'.
 std::string in_plain_letters(const wchar_t* words) {
     std::string text;
     for (; words && *words; ++words)
@@ -123,7 +123,7 @@ std::optional<HidNode> find_hid_node(
 Result<std::unique_ptr<HidTransport>> HidTransport::open(const std::string& node) {
     const int spare = ::open(node.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
     if (spare < 0) return hid_not_opened(node, errno);
-    // hidapi 0.13 frees what it does not own where a node turns out to be no HID device.
+    // hidapi 0.13 frees memory that it does not own if a node is no HID device.
     if (int bytes = 0; ioctl(spare, HIDIOCGRDESCSIZE, &bytes) < 0) {
         ::close(spare);
         return device_error(node + ": is no HID device; must be a node such as /dev/hidraw0");

@@ -1,6 +1,6 @@
 #pragma once
 
-// HID devices: where Linux shows them, and their reports by hidapi.
+// HID devices: their nodes in Linux, and their reports through hidapi.
 
 #include <cstdint>
 #include <filesystem>
@@ -17,19 +17,19 @@ struct hid_device_;
 
 namespace touchable {
 
-/// Carries HID reports. One that is sent begins with its report's number, 0 where the device does not number
-/// them; one that comes begins with it only where it does.
+/// Carries HID reports. A sent report begins with its number, 0 if the device does not number reports; a
+/// received report begins with its number only if the device does.
 class ReportTransport : public Transport {
 public:
-    /// Another descriptor of the same device, through which the watchdog's process sends zero force; what is
-    /// written to it has the form that `send` takes. -1: none.
+    /// Another descriptor of the same device, through which the watchdog's process sends zero force in the
+    /// form that `send` takes. -1: none.
     virtual int spare_descriptor() const { return -1; }
 };
 
-/// Opens a device, looked for anew each time: one that is plugged in again may have another node.
+/// Opens a device, looked for anew each time: after replugging it may have another node.
 using OpenReports = std::function<Result<std::unique_ptr<ReportTransport>>()>;
 
-/// Of a report: an integer of 16 bits, low byte first.
+/// Reads a 16-bit integer of a report, low byte first.
 std::int16_t report_word(std::span<const std::byte> report, std::size_t at);
 
 /// A HID device as Linux's hidraw shows it.
@@ -37,26 +37,26 @@ struct HidNode {
     std::string node;       ///< "/dev/hidraw0"
     std::uint16_t bus = 0;  ///< 3: USB, 5: Bluetooth
     std::uint16_t vendor = 0, product = 0;
-    std::string name;  ///< the device's own words
+    std::string name;  ///< as the device reports it
 };
 
-/// An id of 16 bits in hexadecimal digits; nothing for any other text.
+/// Parses a 16-bit id in hexadecimal digits; nothing for any other text.
 std::optional<std::uint16_t> hexadecimal_id(std::string_view text);
-/// Of the text of a device's `uevent` ("HID_ID=0003:0000046D:0000C626" and others); nothing: it names none.
+/// Parses a device's `uevent` ("HID_ID=0003:0000046D:0000C626" and others); nothing: it has no id.
 std::optional<HidNode> read_hid_uevent(std::string_view text);
 
-/// All that are there, by their numbers. `root` is the folder that stands for "/".
+/// All HID nodes, by their numbers. `root` is the folder that stands for "/".
 std::vector<HidNode> hid_nodes(const std::filesystem::path& root = "/");
-/// The first of these ids; nothing: none is there.
+/// The first node whose ids `is_one` accepts; nothing: none.
 std::optional<HidNode> find_hid_node(
     const std::function<bool(std::uint16_t vendor, std::uint16_t product)>& is_one,
     const std::filesystem::path& root = "/");
 
-/// A hidraw node of Linux, by hidapi. A read that failed, or a write that did not go out whole, means that
-/// the device is gone.
+/// A hidraw node of Linux, through hidapi. A failed read or an incomplete write means that the device is
+/// gone.
 class HidTransport final : public ReportTransport {
 public:
-    /// Of "/dev/hidrawN". Error (device): that it is not there, not permitted (and what permits it), not HID.
+    /// Opens "/dev/hidrawN". Error (device): missing, not permitted (and what permits it), or not HID.
     static Result<std::unique_ptr<HidTransport>> open(const std::string& node);
     ~HidTransport() override;
 
@@ -74,8 +74,8 @@ private:
     const int spare_;
 };
 
-/// The node of that name or, without a name, of the first device of these ids. Error: HidTransport::open's,
-/// or `none` where there is no such device.
+/// Opens `node` or, if empty, the first device whose ids `is_one` accepts. Error: HidTransport::open's, or
+/// `none` if there is no such device.
 Result<std::unique_ptr<ReportTransport>> open_hid(const std::string& node,
                                                   bool (*is_one)(std::uint16_t vendor, std::uint16_t product),
                                                   const Error& none);

@@ -20,7 +20,7 @@ Error no_inverse3_message(const std::string& what) {
     return device_error("the Haply service sent " + what + "; expected a state in JSON");
 }
 
-/// A member of an object; null where there is none.
+/// Member of an object; null if missing.
 const json& inverse3_member(const json& of, const char* name) {
     static const json nothing;
     if (!of.is_object()) return nothing;
@@ -38,7 +38,7 @@ std::optional<bool> inverse3_flag(const json& value) {
     return value.is_boolean() ? std::optional(value.get<bool>()) : std::nullopt;
 }
 
-/// Right, forward, up to right, up, towards the person.
+/// The service's x, y, z (right, forward, up) as right, up, towards the person.
 std::optional<glm::dvec3> inverse3_vector(const json& value) {
     const auto x = inverse3_number(inverse3_member(value, "x"));
     const auto y = inverse3_number(inverse3_member(value, "y"));
@@ -98,7 +98,7 @@ std::uint32_t inverse3_buttons(const json& message) {
     return pressed;
 }
 
-/// What an answer over HTTP carries: since 3.5 within {"ok": true, "data": ...}.
+/// Payload of an answer over HTTP: since 3.5 within {"ok": true, "data": ...}.
 const json& inverse3_payload(const json& answer) {
     const json& data = inverse3_member(answer, "data");
     return data.is_null() ? answer : data;
@@ -119,7 +119,7 @@ using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 
 constexpr milliseconds connecting_patience{2000}, first_word{500}, last_answer{50};
-constexpr std::uint32_t last_mask = 0x746f7563;  // any will do: it hides nothing from this machine
+constexpr std::uint32_t last_mask = 0x746f7563;  // any value works: a mask hides nothing on this machine
 
 // ---- Keys
 
@@ -185,7 +185,7 @@ Result<Inverse3Message> decode_inverse3_message(std::string_view text) {
     return message;
 }
 
-/// The page on settings says that one can be read alone, but not as what: a number, or with others beside it.
+/// The settings documentation leaves open how one setting is returned: as a number, or with others beside it.
 std::optional<double> decode_force_scale(std::string_view answer) {
     const json parsed = json::parse(answer, nullptr, false);
     const json& said = inverse3_payload(parsed);
@@ -198,7 +198,7 @@ std::optional<double> decode_force_scale(std::string_view answer) {
 std::string encode_inverse3_force(Inverse3Dialect dialect, const std::string& id, const glm::dvec3& newtons) {
     const char* const how = dialect == Inverse3Dialect::vector ? "vector" : "values";
     using Ordered = nlohmann::ordered_json;
-    // Without the sums zeros could go out as -0.0.
+    // Without the sums, zeros could go out as -0.0.
     const Ordered force = {{"x", newtons.x + 0.0}, {"y", -newtons.z + 0.0}, {"z", newtons.y + 0.0}};
     Ordered arm = Ordered::object();
     arm["device_id"] = id;
@@ -275,7 +275,7 @@ Result<void> Inverse3Driver::connect() {
     return {};
 }
 
-/// A force scale belongs to 3.5 and later, and a service that does not tell of it is none the worse.
+/// The force scale exists since 3.5. A service that does not report it is accepted.
 Result<void> Inverse3Driver::learn_version() {
     if (choice_.version) {
         version_ = *choice_.version;
@@ -298,7 +298,7 @@ Result<void> Inverse3Driver::learn_version() {
     return {};
 }
 
-/// The first message that is enough. Where none comes, the service is asked for one.
+/// The first message for which `enough` is true. If none comes for a while, the state is requested.
 Result<Inverse3Message> Inverse3Driver::await(bool (*enough)(const Inverse3Message&)) {
     const std::int64_t since = clock_();
     for (bool asked = false;;) {
@@ -341,7 +341,7 @@ void Inverse3Driver::disconnect() noexcept {
     try {
         if (transport_ && !id_.empty()) {
             [[maybe_unused]] const auto sent = send_text(zero());
-            // A connection that is closed with something unread may lose what was written last.
+            // Closing a connection with unread data may lose what was written last.
             const std::int64_t since = clock_();
             while (unanswered_ > 0 && nanoseconds(ns_since(since)) < last_answer)
                 if (!receive_message(milliseconds(5))) break;
@@ -358,7 +358,7 @@ Result<void> Inverse3Driver::send(std::span<const glm::dvec3> newtons) {
     const bool pushes = newtons[0] != glm::dvec3(0);
     if (unanswered_ >= most_unanswered && !(pushed_ && !pushes)) return {};
     std::this_thread::sleep_for(shortest_turn - nanoseconds(ns_since(said_ns_)));
-    // A service that makes every force longer is given shorter ones: no force is longer than the limit says.
+    // If the service scales forces up, send smaller ones: no force may exceed the limit.
     const double longer = std::max(1.0, settings_.force_scale.value_or(1));
     auto sent = send_text(encode_inverse3_force(dialect_, id_, newtons[0] / longer));
     pushed_ = pushes;
@@ -372,7 +372,7 @@ Result<void> Inverse3Driver::send_text(const std::string& text) {
     return {};
 }
 
-/// One message, if one comes. What cannot be read is an answer all the same.
+/// Receives one message, if one comes. An unreadable message counts as an answer.
 Result<std::optional<Inverse3Message>> Inverse3Driver::receive_message(microseconds patience) {
     TRY_ASSIGN(const auto count, transport_->receive(room_, patience));
     if (count == 0) return std::optional<Inverse3Message>();
@@ -387,7 +387,7 @@ Result<std::optional<Inverse3Message>> Inverse3Driver::receive_message(microseco
     return std::optional<Inverse3Message>();
 }
 
-/// The newest of what has come. Nonsense does not prolong the wait for it.
+/// Takes the newest message that has come. Unreadable messages do not prolong the wait.
 Result<bool> Inverse3Driver::receive(DeviceSample& sample, microseconds patience) {
     if (!transport_) return device_error("the Inverse3 is not connected");
     bool any = false;

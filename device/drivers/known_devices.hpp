@@ -1,9 +1,9 @@
 #pragma once
 
-// What is known of devices, whether any is there or not: the kinds that can be driven, each with the function
-// that makes its driver, the hardware that is recognised, and where Linux shows what is connected.
-// `make_device` and `connected_devices` (device_catalog.hpp) are made of it. Tables that do not change, for
-// any thread; a ConnectedSystem is one thread's.
+// Tables of devices: the kinds that can be driven, each with the function that makes its driver; the hardware
+// that is recognised; and Linux's view of what is connected. `make_device` and `connected_devices`
+// (device_catalog.hpp) use them. The tables are constant, for any thread; a ConnectedSystem is used by one
+// thread.
 
 #include <unistd.h>
 
@@ -26,15 +26,15 @@ namespace touchable {
 struct DeviceKind {
     std::string_view name;
     std::string_view words;  ///< what it is, for people
-    std::string_view keys;   ///< that it needs, as ":file=FILE"; empty: none
+    std::string_view keys;   ///< required keys, such as ":file=FILE"; empty: none
     Result<std::unique_ptr<DeviceDriver>> (*make_driver)(std::string_view keys);
 };
 
-/// Every kind that a person can hold. (A simulated one is held by a hand, and the window's pointer is its
-/// own.)
+/// Every kind that a person can hold: neither the simulated device, which a scripted hand holds, nor the
+/// window's pointer.
 std::span<const DeviceKind> device_kinds();
 
-/// A kind of hardware that is known by its ids or its name, driven or not.
+/// A kind of hardware that is recognised by ids or name, driven or not.
 struct KnownDevice {
     enum class Through {
         hidraw,   ///< its hidraw node
@@ -44,39 +44,39 @@ struct KnownDevice {
     };
     std::string_view what;  ///< for people
     bool (*has_ids)(std::uint16_t vendor, std::uint16_t product) = nullptr;
-    std::string_view in_name{};  ///< known by these words in its maker's or its own name; empty: by ids
+    std::string_view in_name{};  ///< found in its maker's or its own name; empty: by ids
     Through through = Through::nothing;
-    std::string_view word{};      ///< of --device, which drives it; empty: it cannot be driven
-    std::string_view driven{};    ///< what to write behind --device, where that is more than the word
-    std::string_view why{};       ///< it cannot be driven
-    std::string_view instead{};   ///< what to do then, or with a service that does not run
-    std::string_view firmware{};  ///< what is known of it without opening it; empty: its release counts
-    std::uint16_t port = 0;       ///< of a service
+    std::string_view word{};      ///< name in --device; empty: it cannot be driven
+    std::string_view driven{};    ///< argument of --device, if more than `word`
+    std::string_view why{};       ///< why it cannot be driven
+    std::string_view instead{};   ///< what to do if it cannot be driven, or its service does not run
+    std::string_view firmware{};  ///< state known without opening it; empty: its release
+    std::uint16_t port = 0;       ///< TCP port of the service
     bool is_shared = false;       ///< several programs may read it
 };
 
 /// Ordered from specific to general; the first match wins.
 std::span<const KnownDevice> known_devices();
-/// Nothing: it is not known. `maker` and `name` are the device's own words.
+/// Finds a device by ids, or by `maker` and `name` as the device reports them. Null: not known.
 const KnownDevice* known_device(std::uint16_t vendor, std::uint16_t product, std::string_view maker,
                                 std::string_view name);
 
-/// What Linux shows of devices and processes, /sys, /proc and /dev, below a folder that stands for "/". Paths
-/// begin with "/". What cannot be read is not there.
+/// Linux's view of devices and processes, /sys, /proc and /dev, below a folder that stands for "/". Paths
+/// begin with "/". A file that cannot be read counts as missing.
 class ConnectedSystem : NonCopyable {
 public:
     explicit ConnectedSystem(std::filesystem::path root = "/") : root_(std::move(root)) {}
     virtual ~ConnectedSystem() = default;
 
     const std::filesystem::path& root() const { return root_; }
-    /// What is in a folder, sorted.
+    /// Names in a folder, sorted.
     std::vector<std::string> names(const std::string& folder) const;
     bool has(const std::string& path) const;
-    /// Of a file, at most `most` bytes, without a line's end behind it; empty: not there.
+    /// Text of a file, at most `most` bytes, without trailing line ends; empty: missing.
     std::string text(const std::string& path, std::size_t most = 4096) const;
-    /// What a link says; empty: it is none.
+    /// Target of a link; empty: no link.
     std::string link(const std::string& path) const;
-    /// A path with all its links followed, from the root; empty: not there.
+    /// A path with all its links followed, from the root; empty: missing.
     std::string resolved(const std::string& path) const;
 
     /// Whether this user may read and write a node.
@@ -93,7 +93,7 @@ private:
 std::vector<ConnectedDevice> connected_devices(const ConnectedSystem& system);
 /// Whether a program listens at a TCP port of this machine.
 bool has_listener(const ConnectedSystem& system, std::uint16_t port);
-/// Those rules of udev (`udev_rules`) that are for devices of a vendor.
+/// Lines of `udev_rules` for devices of a vendor.
 std::vector<std::string> udev_rules_of(std::uint16_t vendor);
 
 }  // namespace touchable

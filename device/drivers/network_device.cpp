@@ -98,9 +98,9 @@ Error socket_error(const std::string& where) {
 // ---- The driver
 
 constexpr std::size_t most_reasons = 8;  // a peer may send anything
-constexpr int most_zeros = 20;           // one may be lost on the way, not all
+constexpr int most_zeros = 20;           // repeated, because single datagrams may be lost
 
-/// Counters of 32 bits come round.
+/// Counters of 32 bits wrap around.
 bool is_newer(std::uint32_t sequence, std::uint32_t than) {
     return static_cast<std::int32_t>(sequence - than) > 0;
 }
@@ -216,7 +216,7 @@ std::uint16_t UdpSocket::port() const {
 }
 
 std::optional<std::size_t> UdpSocket::receive(std::span<std::byte> room, UdpAddress& from) {
-    // That a peer has gone is reported once, as an error in place of a datagram.
+    // A peer that has gone is reported once, as an error instead of a datagram: try again.
     for (int again = 0; again < 2; ++again) {
         socklen_t size = sizeof from.words;
         const auto came = recvfrom(descriptor_, room.data(), room.size(), 0,
@@ -261,7 +261,7 @@ void NetworkDriver::part() {
     const std::array<glm::dvec3, NetworkPacket::most_fingers> zeros{};
     const auto last =
         encode(answer(std::span(zeros).first(static_cast<std::size_t>(settings_.fingers)), true));
-    // One may be lost on the way, and one meets only the news that an earlier one did not arrive.
+    // Datagrams may be lost, and a send may only report that an earlier one was refused.
     for (int again = 0; again < 3; ++again) socket_->send(last);
     peer_.reset();
     parted_ns_ = clock_();
@@ -281,8 +281,8 @@ NetworkPacket NetworkDriver::answer(std::span<const glm::dvec3> newtons, bool la
     return packet;
 }
 
-/// One answer for each packet with places, so that a peer that sends slowly need not read many; and zeros, a
-/// few times, for a peer that is silent.
+/// Sends one answer for each packet with positions, so that a slow peer need not read many, and a few zeros
+/// to a silent peer.
 Result<void> NetworkDriver::send(std::span<const glm::dvec3> newtons) {
     if (!peer_) return {};
     const bool zeros =
@@ -298,13 +298,13 @@ Result<void> NetworkDriver::send(std::span<const glm::dvec3> newtons) {
     return {};
 }
 
-/// All that has come by now; the newest places count.
+/// Reads all packets that have come; the newest positions count.
 Result<bool> NetworkDriver::receive(DeviceSample& sample, std::chrono::microseconds patience) {
     if (patience.count() > 0) {
         pollfd waited_for{socket_->descriptor(), POLLIN, 0};
         poll(&waited_for, 1, static_cast<int>((patience.count() + 999) / 1000));
     }
-    std::array<std::byte, NetworkPacket::most_bytes + 1> room;  // one more, so that a longer one is known
+    std::array<std::byte, NetworkPacket::most_bytes + 1> room;  // one more than the longest packet
     UdpAddress from;
     bool any = false;
     for (int most = 64; most > 0; --most) {
@@ -324,7 +324,7 @@ Result<bool> NetworkDriver::receive(DeviceSample& sample, std::chrono::microseco
     return any;
 }
 
-/// Places that waited are old. A peer that said meanwhile that it ends has ended.
+/// Drops positions that waited. A peer that said meanwhile that it ends is still parted with.
 Result<void> NetworkDriver::forget_what_came() {
     DeviceSample old;
     for (int most = 64; most > 0; --most) {  // a peer that sends without end must not hold the thread
@@ -334,7 +334,7 @@ Result<void> NetworkDriver::forget_what_came() {
     return {};
 }
 
-/// Empty: nothing is wrong with it.
+/// Why a packet is left out; empty: it is accepted.
 std::string NetworkDriver::why_not(const NetworkPacket& packet, const UdpAddress& from) const {
     if (from_ && !from_->is_of_host(from))
         return "packets came that are not from " + settings_.from + ", as network:from says";
@@ -365,7 +365,7 @@ void NetworkDriver::leave_out(const std::string& why, const UdpAddress& from) {
     ++known->packets;
 }
 
-/// Whether it counts. One that ends parts with its peer.
+/// Whether the packet counts. A last packet parts with its peer.
 bool NetworkDriver::take(const NetworkPacket& packet, const UdpAddress& from) {
     if (const std::string why = why_not(packet, from); !why.empty()) {
         leave_out(why, from);
@@ -376,8 +376,7 @@ bool NetworkDriver::take(const NetworkPacket& packet, const UdpAddress& from) {
         return true;
     }
     if (!peer_) {
-        // Another hand does not inherit what the last one asked for: it has been away for long enough by
-        // then.
+        // A new hand must not get the forces of the last one, which has to be away for long enough.
         if (parted_ns_ != 0 && static_cast<double>(clock_() - parted_ns_) * 1e-9 < between_peers_s)
             return false;
         if (!socket_->settle(from)) return false;

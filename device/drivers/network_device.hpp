@@ -27,7 +27,7 @@ namespace touchable {
 
 // ---- Packets
 
-/// One datagram of a network hand (docs/devices.md): where fingers are, or what they feel.
+/// One datagram of a network hand (docs/devices.md): positions or forces of fingers.
 struct NetworkPacket {
     enum class Kind : std::uint8_t {
         places = 1,  ///< to touchable: metres
@@ -38,12 +38,12 @@ struct NetworkPacket {
     static constexpr std::size_t most_bytes = 24 + most_fingers * 24 + 4;
 
     Kind kind = Kind::places;
-    std::uint32_t sequence = 0;  ///< of places: the sender counts up; of forces: that of the places answered
-    std::uint32_t buttons = 0;   ///< of places: one bit each
-    std::uint64_t time_ns = 0;  ///< of places: the sender's own clock; of forces: that of the places answered
-    bool last = false;          ///< nothing more will come: forces are to be zero
-    bool stands_still = false;  ///< of forces: zero, because this process stands still; answers nothing
-    int fingers = 1;            ///< 1 to `most_fingers`
+    std::uint32_t sequence = 0;  ///< places: counted up by the sender; forces: that of the places answered
+    std::uint32_t buttons = 0;   ///< places: one bit each
+    std::uint64_t time_ns = 0;   ///< places: the sender's own clock; forces: that of the places answered
+    bool last = false;           ///< no more packets will come: forces must be zero
+    bool stands_still = false;   ///< forces: zero, because this process stands still; answers nothing
+    int fingers = 1;             ///< 1 to `most_fingers`
     std::array<glm::dvec3, most_fingers> vectors{};
 };
 
@@ -54,17 +54,17 @@ Result<NetworkPacket> decode_network_packet(std::span<const std::byte> bytes);
 
 // ---- Sockets
 
-/// Where a datagram came from or goes.
+/// Source or destination of a datagram.
 struct UdpAddress {
     sockaddr_in6 words{};  ///< IPv4 as IPv6 maps it
     bool operator==(const UdpAddress& other) const {
         return words.sin6_port == other.words.sin6_port && is_of_host(other);
     }
-    /// Whatever the ports are.
+    /// Whether the hosts are the same; ports may differ.
     bool is_of_host(const UdpAddress& other) const {
         return std::memcmp(&words.sin6_addr, &other.words.sin6_addr, sizeof words.sin6_addr) == 0;
     }
-    /// Whether it is 127.0.0.1 or its like, or ::1.
+    /// Whether it is a loopback address, 127.x.x.x or ::1.
     bool is_own_machine() const {
         if (IN6_IS_ADDR_V4MAPPED(&words.sin6_addr)) return words.sin6_addr.s6_addr[12] == 127;
         return IN6_IS_ADDR_LOOPBACK(&words.sin6_addr);
@@ -72,7 +72,7 @@ struct UdpAddress {
     std::string in_words() const;  ///< "127.0.0.1:51234"
 };
 
-/// "192.0.2.7", "::1": in figures, with port 0; nothing: it is none.
+/// Parses an address in figures ("192.0.2.7", "::1"), with port 0; nothing: it is none.
 std::optional<UdpAddress> read_udp_address(const std::string& figures);
 
 /// Carries datagrams, and never blocks.
@@ -80,25 +80,24 @@ class DatagramSocket : NonCopyable {
 public:
     virtual ~DatagramSocket() = default;
 
-    /// Of an address of this machine, in figures ("127.0.0.1", "::1", "0.0.0.0": any), and a port, 0: a free
-    /// one, until it is settled. Error (ErrorKind::device): what is wrong with them.
+    /// Binds to an address of this machine, in figures ("127.0.0.1", "::1", "0.0.0.0": any), and a port, 0: a
+    /// free one; not settled. Error (ErrorKind::device): what is wrong with them.
     virtual Result<void> bind(const std::string& address, std::uint16_t port) = 0;
     virtual void close() = 0;
     virtual int descriptor() const = 0;  ///< -1 while it is closed
     virtual std::uint16_t port() const = 0;
 
-    /// Bytes of the next datagram, what does not fit is lost; nothing: there is none. Of a settled socket
-    /// only those of its peer.
+    /// Receives a datagram and returns its size; bytes beyond `room` are lost; nothing: none waits. A settled
+    /// socket receives only from its peer.
     virtual std::optional<std::size_t> receive(std::span<std::byte> room, UdpAddress& from) = 0;
-    /// One that the network has no room for is lost, as any datagram may be. False where there is no
+    /// Sends to the peer. Without room in the network the datagram is lost, as any may be. False: there is no
     /// receiver.
     virtual bool send(std::span<const std::byte> datagram) = 0;
-    /// From now on it sends to that peer and receives from it alone. Nothing: it receives from all, and sends
-    /// nothing.
+    /// Restricts sending and receiving to one peer. Nothing: it receives from all and cannot send.
     virtual Result<void> settle(const std::optional<UdpAddress>& peer) = 0;
 };
 
-/// By UDP, of IPv4 or IPv6.
+/// UDP over IPv4 or IPv6.
 class UdpSocket final : public DatagramSocket {
 public:
     ~UdpSocket() override { UdpSocket::close(); }
@@ -118,17 +117,17 @@ private:
 
 /// Where a network hand's packets are received, and the forces that may be sent to it.
 struct NetworkSettings {
-    std::string listen = "127.0.0.1";  ///< address in figures; any but this machine's own lets others touch
+    std::string listen = "127.0.0.1";  ///< in figures; any but a loopback one lets other machines touch
     std::uint16_t port = 5710;
     int fingers = 1;
     DeviceLimits limits{10, 3000};  ///< N, N/m: what the hand behind it bears
-    std::string from{};             ///< an address in figures: whose packets alone count; empty: all count
+    std::string from{};             ///< address in figures whose packets alone count; empty: all count
 };
 
-/// Any program as a device: it sends datagrams with places, and each is answered by one with forces
-/// (docs/devices.md). One peer at a time: the first that sends sound packets, until it says that it
-/// ends, or has been silent for `peer_gone_s`. Packets that are damaged, of others, or not newer than the
-/// last are left out and counted.
+/// Any program as a device: it sends datagrams with positions, and each is answered by one with forces
+/// (docs/devices.md). One peer at a time: the first that sends valid packets, until it says that it ends or
+/// has been silent for `peer_gone_s`. Packets that are damaged, from others, or not newer than the last are
+/// left out and counted.
 class NetworkDriver final : public DeviceDriver {
 public:
     static constexpr double peer_gone_s = 1;
@@ -184,7 +183,7 @@ private:
     struct Peer {
         UdpAddress address;
         std::uint32_t sequence = 0;
-        std::uint64_t time_ns = 0;  // its own
+        std::uint64_t time_ns = 0;  // the peer's clock
         std::int64_t received_ns = 0;
     };
     /// Packets that were left out for the same reason.
@@ -194,7 +193,7 @@ private:
     };
     bool take(const NetworkPacket& packet, const UdpAddress& from);
     void leave_out(const std::string& why, const UdpAddress& from);
-    /// Who may move the fingers; empty where only this machine's programs reach the device.
+    /// Whose packets move the fingers, in words; empty if only this machine's programs reach the device.
     std::string who_may_touch() const {
         if (from_) return ", from " + settings_.from + " alone";
         const auto own = read_udp_address(settings_.listen);
@@ -212,18 +211,18 @@ private:
     const std::optional<UdpAddress> from_;
     std::optional<Peer> peer_;
     std::int64_t left_out_ = 0;
-    std::int64_t parted_ns_ = 0;  // from the last peer; 0: there was none
+    std::int64_t parted_ns_ = 0;  // end of the last peer; 0: there was none
     bool is_answer_due_ = false;
-    int zeros_ = 0;        // that went out since the last answer
-    std::string trouble_;  // of the newest packet that was left out, while there is no peer
-    // For `why_no_position`, which any thread may ask.
+    int zeros_ = 0;        // sent since the last answer
+    std::string trouble_;  // why the newest packet was left out, while there is no peer
+    // For `why_no_position`, which any thread may call.
     mutable std::mutex words_mutex_;
     std::string listens_at_;
     std::vector<LeftOut> left_out_why_;
-    bool any_peer_ = false;  // there ever was one
+    bool any_peer_ = false;  // whether there ever was one
 };
 
-/// Of the keys of "network[:key=value,...]" (docs/devices.md). Refuses (ErrorKind::usage) what is none.
+/// Settings of "network[:key=value,...]" (docs/devices.md). Refuses (ErrorKind::usage) invalid keys.
 Result<NetworkSettings> read_network_settings(std::string_view keys);
 Result<std::unique_ptr<DeviceDriver>> make_network_driver(std::string_view keys);
 

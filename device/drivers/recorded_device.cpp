@@ -32,7 +32,7 @@ Result<LogValues> log_values(const CsvTable& table) {
     return values;
 }
 
-/// Fingers of the first tick: rows of its time.
+/// Fingers of a tick: the rows with the first row's time.
 Result<int> log_fingers(const CsvTable& table, const LogValues& values) {
     std::size_t fingers = 1;
     while (fingers < table.rows() && values[log_time][fingers] == values[log_time][0]) ++fingers;
@@ -72,7 +72,7 @@ Result<void> check_log_row(const CsvTable& table, const LogValues& values, std::
 
 using std::chrono::nanoseconds;
 
-/// The machine's, which never goes back.
+/// The machine's monotonic clock.
 class SteadyReplayClock final : public ReplayClock {
 public:
     nanoseconds now() override { return std::chrono::steady_clock::now().time_since_epoch(); }
@@ -111,12 +111,12 @@ Result<DeviceLog> DeviceLog::read(const std::string& file) {
 
 // ---- Replay
 
-/// The newest tick whose time has come; those that were missed are gone, as they are for a device.
+/// Takes the newest tick whose time has come; missed ticks are skipped, as with a device.
 Result<bool> ReplayDriver::receive(DeviceSample& sample, std::chrono::microseconds patience) {
     if (!connected_) return device_error("the replay of " + printable(file_) + " is closed");
     const nanoseconds until = clock_->now() + patience;
     if (next_ == log_.ticks()) {
-        // The last tick's place stands as long as those before did: until another would have come.
+        // The last tick's positions stay valid for 1 ms, until another tick would have come.
         if (over_) {
             clock_->wait_until(until);
             return false;

@@ -1,6 +1,6 @@
 #pragma once
 
-// A device's log, told again as a device.
+// A device's log, replayed as a device.
 
 #include <chrono>
 #include <cstddef>
@@ -15,11 +15,11 @@
 
 namespace touchable {
 
-/// What a device told, tick by tick, as a log has it (docs/devices.md, "Logs").
+/// Positions and buttons of a device, tick by tick, from a log (docs/devices.md, "Logs").
 class DeviceLog {
 public:
-    /// Refuses (ErrorKind::input; file, line and column where there are such) what cannot be read, lacks a
-    /// column of a log, or in which ticks go back or have other fingers than the first.
+    /// Refuses (ErrorKind::input, with file, line and column if known) a log that cannot be read, lacks a
+    /// column, or has ticks that go back or have other fingers than the first.
     static Result<DeviceLog> read(const std::string& file);
 
     int fingers() const { return fingers_; }
@@ -37,11 +37,11 @@ public:
 private:
     int fingers_ = 0;
     std::vector<double> seconds_;
-    std::vector<glm::dvec3> metres_;  // fingers of a tick one after the other
+    std::vector<glm::dvec3> metres_;  // the fingers of a tick are consecutive
     std::vector<std::uint32_t> buttons_;
 };
 
-/// The time that a replay goes by.
+/// Clock of a replay.
 class ReplayClock : NonCopyable {
 public:
     virtual ~ReplayClock() = default;
@@ -49,8 +49,8 @@ public:
     virtual void wait_until(std::chrono::nanoseconds moment) = 0;
 };
 
-/// A log as a device: it tells what was read then, at the times it was read, from `connect` on, and feels
-/// nothing of the forces. Where a log has ended its positions are not numbers.
+/// A log as a device: positions as they were read, at the times they were read, from `connect` on. Forces
+/// have no effect. After the log's end its positions are NaN.
 class ReplayDriver final : public DeviceDriver {
 public:
     ReplayDriver(std::string file, DeviceLog log, DeviceLimits limits, std::unique_ptr<ReplayClock> clock)
@@ -97,12 +97,12 @@ private:
     const std::unique_ptr<ReplayClock> clock_;
     bool connected_ = false;
     std::chrono::nanoseconds since_{0};
-    std::size_t next_ = 0;  // tick that is given next
-    bool over_ = false;     // and that has been told
+    std::size_t next_ = 0;  // next tick to return
+    bool over_ = false;     // and the end has been reported
 };
 
-/// Of "FILE[:key=value,...]", which follows "recorded:" (docs/devices.md). Refuses a key that is none
-/// (ErrorKind::usage) and a file that is no log (ErrorKind::input).
+/// Makes a replay of "FILE[:key=value,...]", which follows "recorded:" (docs/devices.md). Refuses an unknown
+/// key (ErrorKind::usage) and a file that is no log (ErrorKind::input).
 Result<std::unique_ptr<ReplayDriver>> read_recorded_device(std::string_view text,
                                                            std::unique_ptr<ReplayClock> clock);
 Result<std::unique_ptr<DeviceDriver>> make_recorded_driver(std::string_view text);

@@ -24,41 +24,41 @@ namespace touchable {
 /// In memory that both processes share.
 struct WatchdogHeartbeats {
     std::array<Heartbeat, SafetyWatchdog::most_devices> devices;
-    std::atomic<std::uint32_t> watchdog_beats{0};  ///< that the process counts while it keeps a device
+    std::atomic<std::uint32_t> watchdog_beats{0};  ///< counted by the process while it keeps a device
 };
 
 namespace {
 
-/// A message to the watchdog's process: what to send to one device. The device's descriptor comes with the
-/// message (SCM_RIGHTS); a message without one says that the device is not to be looked after any more. The
-/// process answers each message with its number, once it has done what the message says.
+/// Message to the watchdog's process: what to send to one device. The device's descriptor comes with it
+/// (SCM_RIGHTS); a message without one ends the care for the device. The process carries out each message,
+/// then answers with its number.
 struct WatchdogOrder {
     struct Packet {
         std::uint32_t bytes = 0;
         std::byte text[SafetyWatchdog::most_bytes] = {};
     };
     std::uint32_t number = 0;
-    std::uint32_t place = 0;     ///< of the device and of its Heartbeat: below most_devices
+    std::uint32_t place = 0;     ///< index of the device and its Heartbeat: below most_devices
     std::int32_t endpoint = -1;  ///< -1: write(2)
     Packet last, meanwhile;      ///< ZeroForcePacket's
 };
 
-// ---- The process. It is forked from one that may have threads: it does only what a signal handler may.
+// ---- The process. Its parent may have threads, so it does only what a signal handler may.
 
 constexpr char process_name[] = "safety-watchdog";
 constexpr int nothing_kept = -1;
 constexpr int longest_wait_ms = 1000;
-// Above the threads that it watches, and at least above ordinary work.
+// Above the threads that it watches; if that is not permitted, above ordinary work.
 constexpr int wanted_priorities[] = {85, 1};
 
 struct Keeping {
     int descriptor = nothing_kept;
     WatchdogOrder order;
     HeartWatch watch;
-    pid_t sender = 0;  // a process that sends, or has sent; 0: there was none
+    pid_t sender = 0;  // process that sends, or has sent; 0: none
 };
 
-/// Twice: a receiver may be in the middle of something that a first one ends.
+/// Sends twice: the first packet may only end a message that the receiver is in the middle of.
 void send_packet(const Keeping& kept, const WatchdogOrder::Packet& packet) {
     for (int again = 0; again < 2; ++again) {
         if (kept.order.endpoint < 0) {
@@ -76,7 +76,7 @@ bool is_sending(const Keeping& kept) {
     return kept.sender > 0 && waitpid(kept.sender, nullptr, WNOHANG) == 0;
 }
 
-/// Beside other devices by a process of its own, so that one that takes no bytes keeps no other waiting.
+/// Sends in a child process if other devices are kept, so that a device that blocks does not delay them.
 template <class Send>
 void send_beside_others(Keeping& kept, bool is_alone, Send&& sends) {
     if (is_alone) return sends();
@@ -95,14 +95,14 @@ bool is_alone(std::span<const Keeping> kept) {
            2;
 }
 
-/// The heart is looked at last of all before the word: this process may have been late, and not the other.
+/// The heartbeat is checked again right before sending: this process may have been late, not the other.
 void send_if_due(Keeping& kept, Heartbeat& heart, bool is_alone) {
     const auto is_due = [&] { return kept.watch.due_ns(heart.beat_ns) <= boot_ns(); };
     if (!is_due()) return;
     ++heart.silences;
     if (!is_due()) return;
     const WatchdogOrder::Packet& meanwhile = kept.order.meanwhile;
-    // A word that is still on its way counts as this one.
+    // A packet that is still being sent counts as this one.
     if (!is_sending(kept))
         send_beside_others(kept, is_alone, [&] {
             if (is_due()) send_packet(kept, meanwhile.bytes > 0 ? meanwhile : kept.order.last);
@@ -110,7 +110,7 @@ void send_if_due(Keeping& kept, Heartbeat& heart, bool is_alone) {
     kept.watch.sent(boot_ns());
 }
 
-/// The next order; false once the other end of the socket is closed. `descriptor`: what came with it, or -1.
+/// Receives an order; false once the socket's other end is closed. `descriptor`: the one with it, or -1.
 bool next_order(int socket, WatchdogOrder& order, int& descriptor) {
     union {
         cmsghdr header;
@@ -132,8 +132,8 @@ bool next_order(int socket, WatchdogOrder& order, int& descriptor) {
     return true;
 }
 
-/// Whether there is an order, or an end, before the first word is due. No message tells of a heart that
-/// begins to beat, so it is looked for again and again.
+/// Whether an order, or the socket's end, comes before the first packet is due. No message announces a first
+/// heartbeat, so it is polled.
 bool waits_for_order(int socket, std::span<Keeping> kept, WatchdogHeartbeats& hearts) {
     const std::int64_t now = boot_ns();
     std::int64_t due = now + Heartbeat::longest_ns;
@@ -169,9 +169,9 @@ void keep_devices(int socket, std::span<Keeping> kept, WatchdogHeartbeats& heart
     }
 }
 
-/// Makes this a process that signals to the program do not reach: not by its terminal, nor by its name.
+/// Signals to the program, by its terminal or its name, do not reach this process afterwards.
 void become_another(std::span<char> command_line) {
-    setsid();  // a terminal's Ctrl-C is for the others
+    setsid();  // out of reach of the terminal's Ctrl-C
     prctl(PR_SET_NAME, process_name);
     std::fill(command_line.begin(), command_line.end(), '\0');
     if (!command_line.empty())
@@ -190,10 +190,10 @@ void become_another(std::span<char> command_line) {
 }
 
 /// All that the process does, from its fork to its end. `command_line`: its own, as the system shows it; it
-/// is overwritten, so that a signal to the program by its name does not end this process too.
+/// is overwritten, so that a signal to the program by name does not end this process.
 [[noreturn]] void watch_until_alone(int socket, WatchdogHeartbeats& hearts, std::span<char> command_line) {
     become_another(command_line);
-    // What it does not need it must not hold open: a pipe that the other one writes would have no end.
+    // An inherited descriptor must not stay open: a pipe that the parent writes would have no end.
     if (socket != 3) {
         dup2(socket, 3);
         socket = 3;
@@ -206,21 +206,21 @@ void become_another(std::span<char> command_line) {
     for (Keeping& place : kept)
         if (place.descriptor != nothing_kept)
             send_beside_others(place, alone, [&place] { send_packet(place, place.order.last); });
-    // A device that takes nothing keeps no other's descriptor from being let go of.
+    // Closed afterwards: a device that blocks must not delay the others' zeros.
     for (const Keeping& place : kept)
         if (place.descriptor != nothing_kept) close(place.descriptor);
-    while (wait(nullptr) > 0) {  // who waits for this process waits for all its senders
+    while (wait(nullptr) > 0) {  // whatever waits for this process waits for its senders
     }
     _exit(0);
 }
 
 // ---- The process that is watched.
 
-/// Where the system reads this process's command line from; empty: it does not say.
+/// Memory from which the system reads this process's command line; empty: unknown.
 std::span<char> own_command_line() {
     std::ifstream file("/proc/self/stat");
     const std::string all{std::istreambuf_iterator<char>(file), {}};
-    // The name of the process stands in brackets, and may have any sign in it; then the third field begins.
+    // The process's name is in brackets and may contain any character; the third field follows it.
     std::istringstream fields(all.substr(std::min(all.rfind(')') + 1, all.size())));
     std::uintptr_t begin = 0, end = 0;
     std::string field;
@@ -241,7 +241,7 @@ WatchdogOrder::Packet packet_of(const std::vector<std::byte>& bytes) {
     return packet;
 }
 
-/// Whether the process at the other end of the socket ends by then: no other process holds that end.
+/// Whether the process at the socket's other end ends in time; no other process holds that end.
 bool has_ended(int socket, int patience_ms) {
     pollfd its_end{socket, 0, 0};
     int ended = 0;
@@ -277,7 +277,7 @@ Result<std::shared_ptr<SafetyWatchdog>> SafetyWatchdog::start() {
     return error;
 }
 
-/// One that is stopped does not end by itself.
+/// A stopped process does not end by itself.
 SafetyWatchdog::~SafetyWatchdog() {
     shutdown(socket_, SHUT_WR);
     bool ended = has_ended(socket_, stands_still_ ? 0 : longest_wait_ms);
@@ -311,7 +311,7 @@ Result<SafetyWatchdog::Kept> SafetyWatchdog::keep(std::shared_ptr<SafetyWatchdog
     return Kept(std::move(watchdog), place);
 }
 
-/// What it says of an earlier order comes too late.
+/// Waits for the answer to an order; late answers to earlier ones are skipped.
 bool SafetyWatchdog::is_done(std::uint32_t number) const {
     const std::int64_t until = boot_ns() + std::int64_t{longest_wait_ms} * 1'000'000;
     for (;;) {
@@ -354,7 +354,7 @@ Result<void> SafetyWatchdog::give_order(std::size_t place, const ZeroForcePacket
     ssize_t sent = 0;
     do sent = sendmsg(socket_, &message, MSG_NOSIGNAL);
     while (sent < 0 && errno == EINTR);
-    // Once it is done, a socket that was let go of is free for another.
+    // Once the order is done, the process has closed the old descriptor, and its port is free.
     if (sent == static_cast<ssize_t>(sizeof order) && is_done(order.number)) return {};
     TRY(health());
     return device_error("the process that leaves devices unpowered (safety-watchdog, " +
@@ -376,8 +376,8 @@ SafetyWatchdog::Kept::~Kept() {
     watchdog_->taken_[place_] = false;
 }
 
-/// Told again even where it reads the same: a device that was opened anew has often the number of its old
-/// descriptor, and the watchdog would hold the old one.
+/// Sent even if it is unchanged: a reopened device's descriptor often has the old number, and the watchdog
+/// would hold the old one.
 Result<void> SafetyWatchdog::Kept::set_packet(const ZeroForcePacket& packet) {
     silences_ = watchdog_->hearts_.devices[place_].silences;
     return watchdog_->give_order(place_, &packet);

@@ -10,11 +10,11 @@
 
 namespace touchable {
 
-/// What the thread that drives a device and the watchdog's process tell each other, in memory that both
-/// share. Each writes its own member first and reads the other's afterwards. So where the process sends zero
-/// force while the thread beats, at least one of them sees what the other did.
+/// Shared memory of a device's thread and the watchdog's process. Each writes its own member first and reads
+/// the other's afterwards: if the process sends zero force while the thread beats, at least one of them
+/// notices.
 struct Heartbeat {
-    /// Without a beat for so long, the device is made unpowered.
+    /// Without a beat for this time, the device is made unpowered.
     static constexpr std::int64_t longest_ns = 20'000'000;
 
     std::atomic<std::int64_t> beat_ns{0};    ///< the thread's newest beat, `boot_ns`; 0: none is expected yet
@@ -25,12 +25,12 @@ static_assert(std::atomic<std::int64_t>::is_always_lock_free, "two processes sha
 /// When the watchdog's process has to send zero force to a device whose thread does not beat.
 class HeartWatch {
 public:
-    /// Zero-force packets of one silence, `longest_ns` apart. More than one, because a thread that goes on
-    /// and is stopped again before its next beat may have sent one more force.
+    /// Zero-force packets of one silence, `longest_ns` apart. More than one, because a thread that resumes
+    /// and stops again before its next beat may have sent another force.
     static constexpr int most_packets = 20;
     static constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
 
-    /// When the next packet is due if `beat_ns` stays the newest beat; `never`: none is.
+    /// When the next packet is due if `beat_ns` stays the newest beat; `never`: no packet is due.
     std::int64_t due_ns(std::int64_t beat_ns) {
         if (beat_ns != beat_ns_) {
             beat_ns_ = beat_ns;
@@ -50,9 +50,9 @@ private:
     int packets_ = 0;
 };
 
-/// How a device's thread finds out that the watchdog's process itself stands still: by the process's own
-/// count of beats. Time counts only up to `Heartbeat::longest_ns` after the thread last looked: while the
-/// thread stood still too, as on a machine that slept, it cannot know what the process did.
+/// Tells a device's thread whether the watchdog's process stands still, from that process's count of beats.
+/// At most `Heartbeat::longest_ns` counts between two looks: while the thread itself stood still, as on a
+/// machine that slept, it cannot know what the process did.
 class WatchdogMonitor {
 public:
     static constexpr std::int64_t longest_ns = 1'000'000'000;  ///< long: a busy machine must not end a run
@@ -73,25 +73,25 @@ private:
 
 struct WatchdogHeartbeats;
 
-/// A small process beside this one that leaves devices without force when this one cannot: when this process
-/// is gone, however it ended (by a signal, by abort, killed), and while the thread that drives a device
-/// stands still, because it is stopped, swapped out or dumped. The small process holds the devices'
-/// descriptors and the bytes that leave them unpowered. It sends those once the last other end of its socket
-/// is closed, or once a thread's heartbeat is missing. It does not help where the whole machine stops.
+/// A small process that leaves devices without force when this one cannot: after this process has ended in
+/// any way (signal, abort, kill), and while the thread that drives a device stands still (stopped, swapped
+/// out, dumped). The small process holds the devices' descriptors and their zero-force packets. It sends
+/// those once the last other end of its socket is closed, or a thread's heartbeat is missing. It does not
+/// help if the whole machine stops.
 class SafetyWatchdog : NonCopyable {
 public:
     static constexpr int most_devices = 8;
     static constexpr std::size_t most_bytes = 512;  ///< of a packet
 
-    /// Forks. Best done early: it keeps a copy of what this process has in memory by then, as long as neither
-    /// writes to it. Error (internal): no process can be had.
+    /// Forks. Best called early: the process keeps a copy of this one's memory at that time, as far as either
+    /// writes to it later. Error (internal): no process can be started.
     static Result<std::shared_ptr<SafetyWatchdog>> start();
-    ~SafetyWatchdog();  ///< the process ends, in two seconds at most, and sends zero force to what it still
-                        ///< keeps
+    ~SafetyWatchdog();  ///< ends the process within two seconds; it sends zero force to devices that are
+                        ///< still kept
 
     pid_t process() const { return process_; }
-    /// Error (device): it is gone or stands still, which only a person or the system can have done.
-    /// From then on it is not relied on any more. Any thread.
+    /// Error (device): it is gone or stands still, which only a person or the system can have caused; it is
+    /// not relied on afterwards. Any thread.
     Result<void> health() const;
 
     /// A device that the process looks after, until this is destroyed.
@@ -104,13 +104,12 @@ public:
               watch_(other.watch_) {}
         Kept& operator=(Kept&& other) noexcept;
         ~Kept();
-        /// What to send, and to which descriptor, in place of the last. To be set again for hardware that
-        /// came back: its new descriptor may have the old one's number. From here on no beat is expected
-        /// until the first one comes.
+        /// Sets what to send, and to which descriptor. To be set again for hardware that came back: its new
+        /// descriptor may have the old one's number. No beat is expected until the first one comes.
         Result<void> set_packet(const ZeroForcePacket& packet);
-        /// To be called by the device's thread before it sends anything: the thread is alive. From the first
-        /// beat on others are expected, `Heartbeat::longest_ns` apart at most. False: the process has made
-        /// the device unpowered since the last beat, so the thread has to begin anew. Error (device):
+        /// Called by the device's thread before each send: the thread is alive. After the first beat, others
+        /// are expected, `Heartbeat::longest_ns` apart at most. False: the process has made the device
+        /// unpowered since the last beat, so the thread has to begin anew. Error (device):
         /// SafetyWatchdog::health's.
         Result<bool> beat();
         /// Whether the next `beat` will return false.
@@ -122,10 +121,10 @@ public:
             : watchdog_(std::move(watchdog)), place_(place) {}
         std::shared_ptr<SafetyWatchdog> watchdog_;
         std::size_t place_ = 0;
-        std::uint32_t silences_ = 0;  // that are known of
+        std::uint32_t silences_ = 0;  // count that is known
         WatchdogMonitor watch_;
     };
-    /// Error (device): `most_devices` are kept already.
+    /// Error (device): `most_devices` are already kept.
     static Result<Kept> keep(std::shared_ptr<SafetyWatchdog> watchdog);
 
 private:
@@ -140,7 +139,7 @@ private:
     std::atomic<bool> stands_still_{false};
     std::mutex mutex_;  // threads of several devices
     bool taken_[most_devices] = {};
-    std::uint32_t orders_ = 0;  // that were given
+    std::uint32_t orders_ = 0;  // number of orders given
 };
 
 }  // namespace touchable

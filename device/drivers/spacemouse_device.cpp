@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t three_axes = 6;
 constexpr std::size_t most_button_bytes = 4;
-constexpr std::chrono::microseconds spacemouse_turn{1000};  // a finger that moves is asked for at 1 kHz
+constexpr std::chrono::microseconds spacemouse_turn{1000};  // sampling rate of a moving finger: 1 kHz
 
 Error report_too_short(std::span<const std::byte> bytes, std::size_t right) {
     return device_error("a SpaceMouse's report " + std::to_string(std::to_integer<int>(bytes[0])) + " has " +
@@ -18,7 +18,7 @@ Error report_too_short(std::span<const std::byte> bytes, std::size_t right) {
                         " or more");
 }
 
-constexpr SpaceMousePace standard_pace;  // of a puck
+constexpr SpaceMousePace standard_pace;
 constexpr std::array<HandOptions::Key, 3> spacemouse_keys{{
     {"node", "a node such as /dev/hidraw0", 0, 0, 0, HandOptions::Key::Kind::words},
     {"speed", "m/s", 0.001, 1, standard_pace.speed},

@@ -18,38 +18,38 @@
 
 namespace touchable {
 
-/// Whether ids are those of a 3Dconnexion puck, or of the receiver of one: 046d:c603 to c63f (sold under
-/// Logitech's id), and 256f but for its ordinary mice (CadMouse).
+/// Whether the ids are those of a 3Dconnexion puck or of its receiver: 046d:c603 to c63f (sold under
+/// Logitech's id), and 256f except its ordinary mice (CadMouse).
 bool is_spacemouse(std::uint16_t vendor, std::uint16_t product);
 
-/// What one report of a SpaceMouse tells; its rotation moves no finger and is left out.
+/// Content of one report of a SpaceMouse; rotation moves no finger and is left out.
 struct SpaceMouseReport {
-    std::optional<glm::ivec3> translation{};  ///< as the device counts: x right, y towards the person, z down
-    std::optional<std::uint32_t> buttons{};   ///< one bit for each that is pressed
+    std::optional<glm::ivec3> translation{};  ///< counts: x right, y towards the person, z down
+    std::optional<std::uint32_t> buttons{};   ///< one bit per pressed button
 };
 
-/// Of a report with its number in front, integers of 16 bits, low byte first: 1 is the translation, on some
-/// models with the rotation behind it; 2 the rotation; 3 the buttons. Others (a battery's charge) tell
-/// nothing. Refuses one that is too short for what it is.
+/// Decodes a report that begins with its number; integers of 16 bits, low byte first. 1 is the translation,
+/// followed by the rotation on some models; 2 the rotation; 3 the buttons. Others (a battery's charge) have
+/// no content. Refuses a report that is too short for its number.
 Result<SpaceMouseReport> decode_spacemouse_report(std::span<const std::byte> bytes);
 
 /// How a puck that is pushed moves a finger.
 struct SpaceMousePace {
-    double speed = 0.1;   ///< m/s, of a puck that is pushed as far as it goes
+    double speed = 0.1;   ///< m/s at full deflection
     double reach = 0.08;  ///< m to each side of the centre, where the finger stops
 };
 
-/// Where a finger is that a puck pushes: it has a velocity as long as the puck is deflected. Device metres,
-/// axes as HapticDevice has them. Times are nanoseconds, and do not go back.
+/// Position of a finger that moves while a puck is deflected. Device metres, axes as in HapticDevice. Times
+/// are nanoseconds, and do not go back.
 class SpaceMouseMotion {
 public:
     static constexpr double full_deflection = 350;  ///< counts
-    static constexpr double dead_zone = 0.05;       ///< of it, in any direction: no hand rests on it evenly
-    static constexpr std::int64_t released_ns = 200'000'000;  ///< without a word a puck is at rest
+    static constexpr double dead_zone = 0.05;       ///< share of it, in any direction: hands rest unevenly
+    static constexpr std::int64_t released_ns = 200'000'000;  ///< without a report, the puck is at rest
 
     SpaceMouseMotion(const SpaceMousePace& pace, std::int64_t now_ns) : pace_(pace), now_ns_(now_ns) {}
 
-    /// The puck is deflected so from now on, as its report counts (x right, y towards the person, z down).
+    /// Sets the deflection from now on, in a report's counts (x right, y towards the person, z down).
     void deflect(const glm::ivec3& counts, std::int64_t now_ns) {
         place(now_ns);
         const glm::dvec3 pushed = glm::dvec3(counts.x, -counts.z, counts.y) / full_deflection;
@@ -58,7 +58,7 @@ public:
         velocity_ = share > 0 ? pushed * (pace_.speed * share / length) : glm::dvec3(0);
         told_ns_ = now_ns;
     }
-    /// Where the finger has come to.
+    /// Moves the finger up to `now_ns` and returns its position.
     glm::dvec3 place(std::int64_t now_ns) {
         const std::int64_t until = std::min(now_ns, told_ns_ + released_ns);
         if (until > now_ns_)
@@ -72,8 +72,8 @@ private:
     SpaceMousePace pace_;
     glm::dvec3 place_{0.0};
     glm::dvec3 velocity_{0.0};
-    std::int64_t now_ns_;       // of `place_`
-    std::int64_t told_ns_ = 0;  // of `velocity_`
+    std::int64_t now_ns_;       // time of `place_`
+    std::int64_t told_ns_ = 0;  // time of `velocity_`
 };
 
 /// A 3Dconnexion SpaceMouse as a finger. It exerts no force. It sends reports only while it is pushed;
@@ -113,7 +113,7 @@ struct SpaceMouseSettings {
     SpaceMousePace pace{};
 };
 
-/// Of the keys of "spacemouse[:key=value,...]" (docs/devices.md). Refuses (ErrorKind::usage) what is none.
+/// Settings of "spacemouse[:key=value,...]" (docs/devices.md). Refuses (ErrorKind::usage) invalid keys.
 Result<SpaceMouseSettings> read_spacemouse_settings(std::string_view keys);
 Result<std::unique_ptr<DeviceDriver>> make_spacemouse_driver(std::string_view keys);
 

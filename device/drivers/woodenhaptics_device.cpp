@@ -17,7 +17,7 @@ namespace {
 
 using checked_json::Node;
 
-/// Where a parameter file is to begin with, in a checkout and where the program is installed.
+/// The example parameter file, in a checkout and in an installation.
 constexpr std::string_view wooden_example =
     "examples/woodenhaptics.json (installed: share/touchable/examples/woodenhaptics.json)";
 
@@ -27,7 +27,7 @@ double within(const Node& node, double least, double most, const char* right) {
     return number;
 }
 
-/// Of either sign, but not of none.
+/// Either sign; the magnitude must be in range.
 double signed_within(const Node& node, double least, double most, const char* right) {
     const double number = node.number();
     if (!(std::abs(number) >= least && std::abs(number) <= most)) node.refuse(right);
@@ -85,7 +85,7 @@ WoodenParameters read_build(const Node& node) {
 
 // ---- Kinematics
 
-constexpr double most_milliamperes = 32767;  // that fit into a report
+constexpr double most_milliamperes = 32767;  // largest value in a report
 
 struct Bends {
     double sin_base, cos_base, sin_upper, cos_upper, sin_fore, cos_fore;
@@ -96,7 +96,7 @@ Bends bends_of(const glm::dvec3& angles) {
             cosine(angles[1]), sine(angles[2]),   cosine(angles[2])};
 }
 
-/// The linkage is described with x to the person, y right, z up.
+/// From the linkage's axes: x to the person, y right, z up.
 glm::dvec3 from_linkage(const glm::dvec3& there) {
     return {there.y, there.z, there.x};
 }
@@ -209,7 +209,7 @@ WoodenReport encode_wooden_currents(const std::array<std::int16_t, 3>& milliampe
 }
 
 WoodenReport encode_wooden_counters(const std::array<std::int16_t, 6>& counters) {
-    // The last three travel where the currents would.
+    // The last three counters take the place of the currents.
     return wooden_report({counters[3], counters[4], counters[5], 1, counters[0], counters[1], counters[2]});
 }
 
@@ -236,7 +236,7 @@ Result<void> WoodenHapticsDriver::connect() {
     return {};
 }
 
-/// Asks, with no current, until a reading came that is right.
+/// Requests readings, with no current, until one is right.
 Result<void> WoodenHapticsDriver::await_reading(const std::function<bool()>& is_right,
                                                 const char* otherwise) {
     const std::int64_t since = clock_();
@@ -273,7 +273,7 @@ Result<bool> WoodenHapticsDriver::receive(DeviceSample& sample, std::chrono::mic
     return true;
 }
 
-/// All that has come by now; the newest counts.
+/// Reads all reports that have come; the newest counts.
 Result<bool> WoodenHapticsDriver::read_newest(std::chrono::microseconds patience) {
     std::array<std::byte, 65> room;
     bool any = false;

@@ -21,33 +21,33 @@ namespace touchable {
 
 // ---- Parameter files
 
-/// One of the three motors, and the joint that it turns by a cable. Signs count.
+/// One of the three motors, and the joint that it turns by a cable. Signs matter.
 struct WoodenJoint {
     double counts_per_turn = 0;  ///< of the motor, quadrupled; negative: they fall as the joint's angle grows
     double cable_ratio = 0;      ///< the joint's turn for one of the motor's: capstan over drum, 0 to 1
     double torque_constant = 0;  ///< N m/A; negative: a positive current turns the joint back
-    double most_amperes = 0;     ///< that its motor and amplifier bear
-    std::int16_t home_counts = 0;  ///< of its counter in the home pose
+    double most_amperes = 0;     ///< limit of its motor and amplifier
+    std::int16_t home_counts = 0;  ///< its counter's value in the home pose
 };
 
-/// What one build of a WoodenHaptics or Polhem is, as its parameter file says (docs/devices.md).
+/// Parameters of one build of a WoodenHaptics or Polhem, from its parameter file (docs/devices.md).
 struct WoodenParameters {
     enum class Homing {
-        start,  ///< it is in the home pose when it is opened
-        button  ///< it is there when the button of its board is pressed
+        start,  ///< it is opened in the home pose
+        button  ///< it is in the home pose when its board's button is pressed
     };
     std::string name;
-    bool drive = false;  ///< false: its motors get no current whatever the force
+    bool drive = false;  ///< false: its motors get no current, whatever the force
     std::array<WoodenJoint, 3> joints{};
-    std::array<double, 3> links{};  ///< m: from the base up to the second joint, then both moving ones
+    std::array<double, 3> links{};  ///< m: from the base up to the second joint, then both moving links
     glm::dvec3 origin{0.0};  ///< m, the workspace's centre: x to the person, y right, z up, from the base
-    double reach = 0;        ///< m to each side of it
+    double reach = 0;        ///< m to each side of `origin`
     DeviceLimits limits{};
     Homing homing = Homing::start;
 };
 
-/// Of the text of a parameter file. Refuses (ErrorKind::input) what is missing, unknown or out of range;
-/// `where` is the file's name, for the message.
+/// Parses a parameter file. Refuses (ErrorKind::input) what is missing, unknown or out of range; `where` is
+/// the file's name, for the message.
 Result<WoodenParameters> parse_wooden_parameters(std::string_view json, std::string_view where);
 Result<WoodenParameters> read_wooden_parameters(const std::filesystem::path& file);
 
@@ -58,20 +58,20 @@ Result<WoodenParameters> read_wooden_parameters(const std::filesystem::path& fil
 /// 0, the third down; both towards the person at a quarter turn.
 glm::dvec3 wooden_angles(const WoodenParameters& build, const std::array<std::int16_t, 3>& counts);
 
-/// Of the handle, device metres: axes and workspace as HapticDevice has them.
+/// Position of the handle, device metres: axes and workspace as in HapticDevice.
 glm::dvec3 wooden_place(const WoodenParameters& build, const glm::dvec3& angles);
 /// d place / d angles: one column for each joint, m/rad.
 glm::dmat3 wooden_jacobian(const WoodenParameters& build, const glm::dvec3& angles);
 
-/// Currents by which the handle pushes with a finite force, mA. Where a motor would need more than it bears
-/// all three get less, by the same share: the force is shorter, and points where it should.
+/// Currents, mA, that make the handle exert a finite force. If a motor would need more than its limit, all
+/// three are reduced by the same factor: the force is smaller and keeps its direction.
 std::array<std::int16_t, 3> wooden_currents(const WoodenParameters& build, const glm::dvec3& angles,
                                             const glm::dvec3& newtons);
 
 // ---- Reports
 
-/// What the board of a WoodenHaptics or a Polhem tells: a report of 14 bytes without a number, seven integers
-/// of 16 bits, low byte first. It sends one for each that it is sent.
+/// What the board of a WoodenHaptics or a Polhem reports: 14 bytes without a report number, seven 16-bit
+/// integers, low byte first. It sends one report for each that it receives.
 struct WoodenReading {
     static constexpr std::size_t bytes = 14;
 
@@ -82,27 +82,27 @@ struct WoodenReading {
 /// Refuses (ErrorKind::device) any other number of bytes.
 Result<WoodenReading> decode_wooden_reading(std::span<const std::byte> report);
 
-/// A report to it, as HID takes it: a 0 where other devices have the report's number, then seven integers
-/// of 16 bits. It acts on a report for half a second at most.
+/// A report to the board, as HID takes it: a 0 in place of the report number, then seven 16-bit integers. It
+/// takes effect for half a second at most.
 using WoodenReport = std::array<std::byte, 1 + 14>;
 /// Command 0: currents of the three motors, mA.
 WoodenReport encode_wooden_currents(const std::array<std::int16_t, 3>& milliamperes);
-/// Command 1: no currents, and its six counters are these from now on; its button counts as not pressed.
+/// Command 1: no currents; sets the board's six counters, and its button counts as not pressed.
 WoodenReport encode_wooden_counters(const std::array<std::int16_t, 6>& counters);
 
 // ---- The driver and its keys
 
-/// A WoodenHaptics or Polhem behind its board's HID reports. It has no place, and its motors no current,
-/// until it was in its home pose; nor current where its parameter file says that it must not be driven. Once
-/// it was away its pose is not known any more: then only the button of its board brings it home. The board's
-/// own watchdog takes the currents away half a second after the last report.
+/// A WoodenHaptics or Polhem through its board's HID reports. It has no position, and its motors get no
+/// current, until it was in its home pose; they get none, either, if its parameter file forbids driving.
+/// After a disconnection its pose is unknown: only its board's button makes it known again. The board's own
+/// watchdog takes the currents away half a second after the last report.
 class WoodenHapticsDriver final : public DeviceDriver {
 public:
-    static constexpr std::int64_t silent_ns = 1'000'000'000;  ///< without a sound report it is gone
-    static constexpr int sure_of_button = 3;  ///< readings in a row that show it; one may be damaged
-    static constexpr int home_slack = 500;    ///< counts that a hand may have moved while they were set
+    static constexpr std::int64_t silent_ns = 1'000'000'000;  ///< without a valid report it counts as gone
+    static constexpr int sure_of_button = 3;  ///< consecutive readings; a single one may be damaged
+    static constexpr int home_slack = 500;    ///< counts that a hand may have moved it while they were set
 
-    /// `is_homed`: of a build with a button, that it was pressed since the board got its power.
+    /// `is_homed`: for a build with a button, it was pressed since the board's power-up.
     WoodenHapticsDriver(const WoodenParameters& build, bool is_homed, OpenReports open,
                         DriverClock clock = steady_ns)
         : build_(build), is_homed_(is_homed), open_(std::move(open)), clock_(std::move(clock)) {}
@@ -131,7 +131,7 @@ public:
     Result<bool> receive(DeviceSample& sample, std::chrono::microseconds patience) override;
     Result<void> forget_what_came() override {
         std::array<std::byte, 65> room;
-        read_ns_ = clock_();  // its silence begins now
+        read_ns_ = clock_();  // the silence timeout starts anew
         return transport_->drop_what_came(room);
     }
     std::optional<ZeroForcePacket> zero_force_packet() const override {
@@ -147,10 +147,10 @@ public:
         return "put the handle in its home pose, and press the button of its board";
     }
 
-    std::int64_t left_out() const override { return left_out_; }  ///< reports that cannot be, so far
+    std::int64_t left_out() const override { return left_out_; }  ///< invalid reports so far
 
 private:
-    /// How far it is to known angles.
+    /// Progress of homing.
     enum class Homed { no, counters_sent, yes };
 
     Result<bool> read_newest(std::chrono::microseconds patience);
@@ -161,8 +161,8 @@ private:
         homed_ = Homed::counters_sent;
         return transport_->send(encode_wooden_counters(counters));
     }
-    /// A pressed button means that the angles are about to be others; one that is no longer pressed after the
-    /// counters were sent, that they are.
+    /// A pressed button announces new angles; a button that is released after the counters were sent confirms
+    /// them.
     void look_at_button() {
         if (pressed_ >= sure_of_button && homed_ == Homed::yes) homed_ = Homed::no;
         if (reading_.info == 0 && homed_ == Homed::counters_sent)
@@ -184,8 +184,8 @@ private:
     const OpenReports open_;
     const DriverClock clock_;
     std::unique_ptr<ReportTransport> transport_;
-    bool was_held_ = false;  // before: it was away since
-    int pressed_ = 0;        // readings in a row that show its button
+    bool was_held_ = false;  // it was connected before
+    int pressed_ = 0;        // consecutive readings with a pressed button
     Homed homed_ = Homed::no;
     WoodenReading reading_;
     std::int64_t read_ns_ = 0;
@@ -198,14 +198,13 @@ struct WoodenSettings {
     bool homed = false;
 };
 
-/// Whether ids are those that WoodenHaptics' firmware has (1234:0006, which other boards of its kind have
-/// too).
+/// Whether the ids are those of WoodenHaptics' firmware (1234:0006, which other boards of its kind share).
 bool is_woodenhaptics(std::uint16_t vendor, std::uint16_t product);
 
-/// Of the keys of "woodenhaptics:file=FILE[,key=value,...]" (docs/devices.md). Refuses (ErrorKind::usage)
-/// what is none, and a file that is not named.
+/// Settings of "woodenhaptics:file=FILE[,key=value,...]" (docs/devices.md). Refuses (ErrorKind::usage)
+/// invalid keys and a missing file key.
 Result<WoodenSettings> read_wooden_settings(std::string_view keys);
-/// Error (input) also where the file cannot be read, or is no parameter file.
+/// Error (input) also if the file cannot be read or is no parameter file.
 Result<std::unique_ptr<DeviceDriver>> make_woodenhaptics_driver(std::string_view keys);
 
 }  // namespace touchable

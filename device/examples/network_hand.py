@@ -26,7 +26,7 @@ for tick in range(1, int(words.seconds * 1000)):
         answer = hand.recv(1024)
         while select.select([hand], [], [], 0)[0]:  # only the newest counts
             answer = hand.recv(1024)
-    except ConnectionRefusedError:  # a real hand would be limp now
+    except ConnectionRefusedError:  # a real device would be unpowered now
         why = "no program listens there, or it has another hand"
         continue
     except TimeoutError:  # lost on the way, or left out
@@ -34,7 +34,7 @@ for tick in range(1, int(words.seconds * 1000)):
         continue
     if len(answer) == 52 and zlib.crc32(answer[:-4]) == struct.unpack("<I", answer[-4:])[0]:
         forces.append(math.hypot(*struct.unpack_from("<3d", answer, head.size)))
-        if not answer[7] & 2:  # touchable stands still: zeros that answer nothing
+        if not answer[7] & 2:  # sent while touchable stands still: zeros, no answer
             trips.append((time.monotonic_ns() - head.unpack_from(answer)[7]) / 1e6)
 if not trips:
     sys.exit(f"no answer from UDP 127.0.0.1:{words.port}: {why}")

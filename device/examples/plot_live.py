@@ -7,7 +7,7 @@ import collections, csv, signal, sys, threading
 times, newtons = collections.deque(maxlen=10_000), collections.deque(maxlen=10_000)
 lock = threading.Lock()
 
-def read():  # as fast as rows come, whatever is drawn: whoever reads slowly loses ticks
+def read():  # as fast as rows come, independent of drawing: a slow reader loses ticks
     for row in csv.DictReader(sys.stdin):
         if row["finger"] != "0":
             continue
@@ -18,7 +18,7 @@ def read():  # as fast as rows come, whatever is drawn: whoever reads slowly los
 
 signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the run, and with it the input
 reader = threading.Thread(target=read, daemon=True)
-reader.start()  # matplotlib takes seconds to be there
+reader.start()  # first, because matplotlib takes seconds to load
 import matplotlib
 if len(sys.argv) > 1:
     matplotlib.use("Agg")
@@ -43,4 +43,4 @@ else:
     while reader.is_alive() and plot.fignum_exists(figure.number):
         draw()
         plot.pause(0.03)
-    reader.join()  # a window that was closed breaks no run
+    reader.join()  # keep the run's pipe open after the window is closed

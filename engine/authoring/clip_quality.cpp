@@ -13,10 +13,10 @@ namespace touchable {
 
 namespace {
 
-constexpr float silhouette = 0.05F;  // a step by more of the depth is one
+constexpr float silhouette = 0.05F;  // of the depth; a larger step is one
 constexpr float same_surface = 0.02F;
-constexpr int widest_shadow = 3 * 8;  // steps without depth beside a near surface that a camera leaves
-constexpr std::int64_t fewest = 200;  // edges that say something
+constexpr int widest_shadow = 3 * 8;  // steps without depth that a camera leaves beside a near surface
+constexpr std::int64_t fewest = 200;  // edges for a result
 constexpr int least_contrast = 60;    // of 765
 
 using RgbValues = std::array<int, 3>;
@@ -29,7 +29,7 @@ int difference(const PlaneView& picture, int y, int x0, int x1) {
     return most;
 }
 
-/// Values that wander from pixel to pixel by a few codes. Neither areas nor smooth changes do.
+/// Whether values vary from pixel to pixel by a few codes, unlike in areas and smooth changes.
 bool is_mixed(const PlaneView& picture, int x, int y) {
     if (x < 2 || x + 2 >= picture.width) return false;
     const int left = difference(picture, y, x, x - 1), right = difference(picture, y, x, x + 1);
@@ -37,8 +37,7 @@ bool is_mixed(const PlaneView& picture, int x, int y) {
     return left > 0 && right > 0 && left <= 12 && right <= 12 && beyond < std::max(left, right);
 }
 
-/// Where a flat place steps up or down by one level: pixels of one code on the one side, of another on the
-/// other.
+/// Marks where a flat place steps by one level: pixels of one code on one side, of another on the other.
 std::vector<std::uint8_t> level_steps(const CodePicture& codes, const Scene& scene) {
     std::vector<std::uint8_t> marks(codes.codes.size());
     const auto depth = [&](int code) { return scene.depth.depth(static_cast<std::uint16_t>(code)); };
@@ -120,8 +119,8 @@ void ColourEdges::add(const RawFrame& frame, std::vector<std::uint8_t>* where) {
     }
 }
 
-/// Whether a surface that is even as far as is looked ends at `at`, `out` being the step away from it, before
-/// another one that is even, too. That may begin beyond a shadow without depth.
+/// Whether an even surface ends at `at` in front of another even surface; `out` is the step away from it. The
+/// far one may begin beyond a shadow without depth.
 bool ColourEdges::is_silhouette(const Line& line, int at, int out) {
     const float near = line.depth(at);
     for (int k = 1; k <= reach; ++k)
@@ -137,7 +136,7 @@ bool ColourEdges::is_silhouette(const Line& line, int at, int out) {
     return far != 0.0F;
 }
 
-/// How many steps beyond `at` the surface's colour ends; nothing: it cannot be told.
+/// Number of steps beyond `at` where the surface's colour ends; nullopt: it cannot be determined.
 std::optional<int> ColourEdges::offset_of_colour(const Line& line, int at, int out) {
     const auto mean = [&](int first, int last) {
         RgbValues sum{};
@@ -155,7 +154,7 @@ std::optional<int> ColourEdges::offset_of_colour(const Line& line, int at, int o
         square += (outside[c] - inside[c]) * (outside[c] - inside[c]);
     }
     if (contrast < least_contrast) return std::nullopt;
-    // Pixels that are more of the near colour than of the far one; they must be on one side.
+    // Counts pixels nearer to the near colour than to the far one; they must be on one side.
     int near_pixels = 0, changes = 0;
     bool was_near = true;
     for (int k = -reach; k <= reach + 1; ++k) {
@@ -172,7 +171,7 @@ std::optional<int> ColourEdges::offset_of_colour(const Line& line, int at, int o
     return offset;
 }
 
-/// The last pixel of a surface is at `at`.
+/// Counts an edge, if there is one, of the surface whose last pixel is at `at`.
 void ColourEdges::look(const Line& line, int at, Facing facing, std::vector<std::uint8_t>* where) {
     const int out = facing == to_right || facing == down ? step_ : -step_;
     if (!line.has(at - reach * out) || !line.has(at + (reach + 1) * out)) return;
@@ -189,7 +188,7 @@ std::int64_t ColourEdges::count(Facing facing) const {
     return sum;
 }
 
-/// Between whole numbers as far as the ones beside it are uneven.
+/// Interpolated between whole steps by the counts.
 double ColourEdges::median(Facing facing) const {
     const double half = static_cast<double>(count(facing)) / 2;
     double below = 0;
@@ -201,7 +200,7 @@ double ColourEdges::median(Facing facing) const {
     return 0;
 }
 
-/// Those that are no more than two samples away from it.
+/// Number of edges at most two samples away from the median.
 std::int64_t ColourEdges::near_median(Facing facing) const {
     const int middle = static_cast<int>(std::lround(median(facing) / step_)) + reach;
     std::int64_t sum = 0;
@@ -210,7 +209,7 @@ std::int64_t ColourEdges::near_median(Facing facing) const {
     return sum;
 }
 
-/// 1 where too few edges face either way.
+/// Share of edges near their median; 1 if too few edges face either way.
 double ColourEdges::agreement(Facing a, Facing b) const {
     const std::int64_t edges = count(a) + count(b);
     if (edges < fewest / 2) return 1;
@@ -371,7 +370,7 @@ Result<ClipQuality> measure_quality(ClipReader& clip, const Scene& scene,
     HapticValuesEstimator haptic(scene);
     bool has_haptic = false;
     ClipQuality quality;
-    // What belongs to a picture and not to its change is looked at in some of them.
+    // Properties of a picture, not of its change, are measured in some frames only.
     const auto telling = telling_frames(clip.frame_count().value_or(first_frames));
     for (std::int64_t read = 0;; ++read) {
         if (stop_requested()) return interrupted_error();

@@ -1,8 +1,7 @@
-// A clip whose holes of depth are filled with what other frames saw there.
+// A clip whose depth holes are filled with what other frames saw there.
 //
-// Where the camera rests (CameraRest), a BackgroundModel gathers what is behind at each pixel;
-// HolesFromMotion gives holes of a frame that depth. All frames are read once for it before the first is
-// given.
+// While the camera rests (CameraRest), a BackgroundModel gathers the background of each pixel;
+// HolesFromMotion fills holes with that depth. All frames are read once before the first is returned.
 
 #include <array>
 #include <cstdlib>
@@ -37,11 +36,11 @@ std::int32_t tolerance_of(const DepthCoding& coding, std::uint16_t code) {
 constexpr std::int64_t least_elsewhere = 48;
 constexpr std::int32_t same_level = 5 * CellPicture::per_level / 2,
                        much_other_level = 24 * CellPicture::per_level;
-/// Of so many cells with depth one must be textured to tell of the camera.
+/// Brightness shows whether the camera moved only if one of so many cells with depth is textured.
 constexpr std::size_t texture_share = 6;
 constexpr std::int32_t times_much = 16;
 
-/// Brightness that all cells gained: a camera's exposure.
+/// Median brightness that cells gained: a change of the camera's exposure.
 std::int32_t exposure_change(const CellPicture& then, const CellPicture& now) {
     std::vector<std::int32_t> gained;
     for (std::size_t k = 0; k < now.cells.size(); ++k)
@@ -54,7 +53,7 @@ std::int32_t exposure_change(const CellPicture& then, const CellPicture& now) {
 constexpr std::int32_t colour_tolerance = 16;  // of 255, in each channel
 constexpr std::int32_t code_parts = 256, colour_parts = 16;
 constexpr std::int32_t longest_mean = 64, most_counted = 65535;  // frames
-/// A mode that tells was seen so often, and in such a share of the frames.
+/// The least frames in which a mode that counts was seen, and divisors for the least share of frames.
 constexpr std::int32_t least_seen = 3, share_with_colour = 16, share_without = 4;
 
 Rgb colour_of(const std::array<std::uint16_t, 3>& mean) {
@@ -64,14 +63,14 @@ Rgb colour_of(const std::array<std::uint16_t, 3>& mean) {
     return rgb;
 }
 
-/// A shadow of a depth camera is a narrow strip: at most this share of the picture's width.
+/// A depth camera's shadow is a narrow strip: at most this share of the picture's width.
 constexpr int narrow_share = 16, least_narrow = 8;
 constexpr std::size_t most_nearer = 4;
-/// Without colour: a hole that is narrow in parts only is no shadow. Those parts touch the rest in less than
-/// this share of the places in which they touch what is behind.
+/// Without colour, a hole that is narrow in parts only is no shadow. The parts to be filled may touch the
+/// rest in at most this share of the places in which they touch background.
 constexpr std::size_t left_share = 4;
-/// Of a registered recording of a person 16 % look like what is behind, of hands whose colour lies 24 pixels
-/// beside them 40 to 100 %. So few pixels say nothing.
+/// Limit of nearer pixels that look like background: 16 % in a registered recording of a person, 40 to 100 %
+/// for hands whose colour is off by 24 pixels. Fewer than `least_nearer` pixels prove nothing.
 constexpr double most_alike = 0.25;
 constexpr std::int64_t least_nearer = 100;
 
@@ -87,7 +86,7 @@ bool agree(const Rgb& a, const Rgb& b) {
     return true;
 }
 
-/// What the codes of a clip's depth mean where they are compared, by tables.
+/// Compares codes of a clip's depth, by tables.
 class CodedDepth {
 public:
     explicit CodedDepth(const DepthCoding& coding)
@@ -103,15 +102,15 @@ public:
 
     const DepthCoding& coding() const { return coding_; }
     bool is_valid(std::uint16_t code) const { return tolerance_[code] != 0; }
-    /// By how many codes two measurements of one surface may differ: 1/64 of the depth, at least 2; 0 of
-    /// codes that are invalid.
+    /// Codes by which two measurements of one surface may differ: 1/64 of the depth, at least 2, at most an
+    /// eighth of all codes; 0 for invalid codes.
     std::int32_t tolerance(std::uint16_t code) const { return tolerance_[code]; }
     /// By how many codes `code` is deeper than `than`.
     std::int32_t deeper_by(std::uint16_t code, std::uint16_t than) const {
         return deeper_is_higher_ ? code - than : than - code;
     }
 
-    /// The depth of a frame as a plane of codes, 1 channel; of hue it is made in `codes`.
+    /// The depth of a frame as a plane of codes, 1 channel; for hue it is made in `codes`.
     PlaneView codes_of(const RawFrame& frame, std::vector<std::uint16_t>& codes) const {
         if (coding_.kind != DepthCodingKind::hue) return frame.depth;
         const PlaneView& depth = frame.depth;
@@ -122,7 +121,7 @@ public:
         return plane_of_codes(codes.data(), depth.width, depth.height);
     }
 
-    /// So that `put` has a pixel for each hue that was seen. `codes`: of that frame.
+    /// Records a pixel for each hue seen, for `put`. `codes`: codes_of of that frame.
     void remember(const RawFrame& frame, const PlaneView& codes) {
         if (coding_.kind != DepthCodingKind::hue) return;
         for (int y = 0; y < codes.height; ++y) {
@@ -154,27 +153,27 @@ private:
     std::vector<bool> is_known_;                       // whether a pixel had it
 };
 
-/// Frames in a row through which a camera stood where it did in the first of them.
+/// Consecutive frames in which a camera stood where it did in the first of them.
 struct Rest {
     static constexpr std::int64_t least_between_cuts = 4;  ///< frames
     std::int64_t first = 0, count = 0;
     bool begins_with_cut = true;  ///< or with the clip; otherwise the camera had moved
     bool ends_with_cut = true;
 
-    /// Whether it says that the camera stood still: between two cuts soon, elsewhere
-    /// after two seconds at 24 Hz, as a slow camera looks still for a while.
+    /// Whether it proves that the camera stood still: soon between two cuts, otherwise after two seconds at
+    /// 24 Hz, as a slow camera looks still for a while.
     bool is_long_enough() const {
         return count >= (begins_with_cut && ends_with_cut ? least_between_cuts : least_elsewhere);
     }
 };
 
-/// Tells where a camera rests, frame by frame. It moved where of what is textured most has another brightness
-/// than in the first frame of the rest, or of what has depth most has another depth. So things that move are
-/// to be the smaller part of the picture.
+/// Finds where a camera rests, frame by frame. It has moved if most textured cells have another brightness
+/// than in the first frame of the rest, or most cells with depth have another depth. So moving things must be
+/// the smaller part of the picture.
 class CameraRest {
 public:
     explicit CameraRest(const CodedDepth& depth) : depth_(depth) {}
-    /// The rest that this frame ended, if it did; `current` goes on with this frame, or begins with it.
+    /// Whether this frame ended a rest (`ended`); `current` goes on or begins with this frame.
     bool ends_with(CellPicture picture) {
         const std::int64_t frame = current_.first + current_.count;
         if (frame == 0 || before_.cells.size() != picture.cells.size()) {
@@ -224,7 +223,7 @@ private:
             changes.much_luma += level > much_other_level;
             if (was.depth == CellPicture::none || is.depth == CellPicture::none) continue;
             ++changes.known;
-            // A quarter of the tolerance of a pixel and half a code, as a cell is the mean of many.
+            // A quarter of a pixel's tolerance and half a code, as a cell is the mean of many pixels.
             const auto code = static_cast<std::uint16_t>(was.depth / CellPicture::per_code);
             const std::int32_t tolerance = (depth_.tolerance(code) + 2) * CellPicture::per_code / 4;
             changes.depth += std::abs(is.depth - was.depth) > tolerance;
@@ -234,36 +233,34 @@ private:
     }
 
     const CodedDepth& depth_;
-    CellPicture first_, before_;  // of the rest; where the first one tells nothing of a cell, later ones do
+    CellPicture first_, before_;  // of the rest; depth missing in the first one comes from later ones
     Rest current_, ended_;
 };
 
-/// What is behind at a pixel.
+/// The background at a pixel.
 struct BackgroundPixel {
     std::uint16_t code = 0;
     bool is_known = false;
-    /// Something nearer was there as well, of the same colour: colour does not tell the two apart.
+    /// Something nearer of the same colour was there, too: colour does not tell the two apart.
     bool is_ambiguous = false;
-    Rgb colour{};  ///< of the frames in which that depth was seen, their mean
+    Rgb colour{};  ///< mean of the frames in which that depth was seen
 };
 using Background = std::vector<BackgroundPixel>;
 
-/// Of each pixel that a camera at rest sees the depths that it had, as a few modes: bounded memory, however
-/// many frames there are. Whole numbers only; frames in their order.
+/// The depths that each pixel of a resting camera had, as a few modes: bounded memory, however many frames
+/// there are. Integers only; frames in their order.
 class BackgroundModel {
 public:
     BackgroundModel(const CodedDepth& depth, int width, int height)
         : depth_(depth), width_(width), pixels_(pixel_count(width, height)) {}
-    /// `codes` of CodedDepth::codes_of. Colour, where all frames have it, is of the same size; otherwise
-    /// empty.
+    /// `codes`: from CodedDepth::codes_of. `colour`: of the same size if all frames have it; otherwise empty.
     void add(const PlaneView& codes, const PlaneView& colour, RowBands& bands) {
         ++frames_;
         bands.for_each_band(codes.height, 1, [&](const RowBand& band) { add_rows(codes, colour, band); });
     }
 
-    /// Of each pixel the deepest of its modes that was seen for long: in 1/16 of the frames, and without
-    /// colour in a quarter of them, as then a thing that comes by may look like what is behind. And begins
-    /// anew.
+    /// Returns for each pixel the deepest of its modes that was seen for long: in 1/16 of the frames, without
+    /// colour in a quarter, as then a passing thing may look like background. Then begins anew.
     Background finish(bool has_colour) {
         const std::int32_t least =
             std::clamp(frames_ / (has_colour ? share_with_colour : share_without), least_seen, most_counted);
@@ -274,7 +271,7 @@ public:
         return background;
     }
 
-    /// Forgets what it was given.
+    /// Forgets all frames.
     void begin() {
         std::fill(pixels_.begin(), pixels_.end(), Modes{});
         frames_ = 0;
@@ -283,8 +280,8 @@ public:
 private:
     struct Mode {
         std::int32_t mean = 0;                  // 1/256 of a code
-        std::uint16_t code = 0;                 // the one that was seen nearest to it
-        std::uint16_t count = 0;                // at most 65535; 0: there is none
+        std::uint16_t code = 0;                 // the seen code nearest to the mean
+        std::uint16_t count = 0;                // at most 65535; 0: no mode
         std::array<std::uint16_t, 3> colour{};  // mean, sixteenths
     };
     using Modes = std::array<Mode, 3>;
@@ -300,9 +297,8 @@ private:
         }
     }
 
-    /// The mode that it belongs to, by depth and colour, is moved towards it; what belongs to none replaces
-    /// the one seen least. (A hand that rests on a table is nearly as deep, and must not draw the table to
-    /// it.)
+    /// Moves the mode of the sample's depth and colour towards it; a sample without a mode replaces the mode
+    /// seen least. (A hand that rests on a table is nearly as deep, and must not draw the table to it.)
     void see(Modes& modes, std::uint16_t code, const std::uint8_t* rgb) const {
         const std::int32_t exact = code * code_parts, tolerance = depth_.tolerance(code) * code_parts;
         const auto may_be = [&](const Mode& mode) {
@@ -335,7 +331,7 @@ private:
             if (mode.count >= least && (!chosen || depth_.deeper_by(mode.code, chosen->code) > 0))
                 chosen = &mode;
         if (!chosen) return {};
-        // Noise and shades may have made several modes of one surface: then it is as it mostly was.
+        // Noise and shades may have made several modes of one surface: then take the most frequent.
         const Mode deepest = *chosen;
         const auto is_apart = [&](const Mode& mode) {
             return std::abs(mode.code - deepest.code) > 2 * depth_.tolerance(deepest.code);
@@ -356,18 +352,17 @@ private:
     std::int32_t frames_ = 0;
 };
 
-/// Gives holes of a frame the depth that is behind, where what is seen there is what is behind:
-/// - its colour is that which the pixel had with that depth, and so is that of most pixels beside it; where
-///   there is no colour or it cannot tell, the hole is narrow in its row or column and has what is behind at
-///   an end of that;
-/// - and of the depths around such pixels, as far as they touch, no more than four times as many are nearer
-///   than what is behind as are what is behind: a hole inside a hand is the hand's;
-/// - and, without colour, what is narrow is hardly ever a part of a hole that is not.
+/// Fills holes of a frame with the background's depth, if the hole shows the background:
+/// - the pixel has the background's colour, and so have most pixels beside it; without colour, or if colour
+///   cannot tell, the hole is narrow in its row or column and has background at an end of that;
+/// - and of the depths around touching pixels of this kind, at most four times as many are nearer than the
+///   background as are background: a hole inside a hand is the hand's;
+/// - and, without colour, narrow parts are hardly ever parts of a hole that is not narrow.
 class HolesFromMotion {
 public:
     explicit HolesFromMotion(const CodedDepth& depth) : depth_(depth) {}
-    /// Replaces the frame's depth plane and says in `filled` which pixels; the frame as it was where there
-    /// are none.
+    /// Replaces the frame's depth plane and marks the filled pixels in `filled`; leaves a frame without any
+    /// as it was.
     void fill(RawFrame& frame, const Background& background, bool uses_colour) {
         filled_ = 0;
         const bool has_colour =
@@ -381,24 +376,24 @@ public:
         if (filled_ > 0) write(frame, background);
     }
 
-    /// Of all frames so far: whether colour misleads. Where depth says that something nearer is seen, colour
-    /// often says that it is what is behind: it does not lie on depth's pixels, or both look alike.
+    /// Whether colour misled in all frames so far: pixels that depth shows to be nearer often have the
+    /// background's colour, because colour does not lie on depth's pixels, or both look alike.
     bool is_misled_by_colour() const {
         return nearer_ >= least_nearer &&
                static_cast<double>(nearer_but_alike_) > most_alike * static_cast<double>(nearer_);
     }
 
-    /// Of the last frame.
+    /// Pixels of the last frame.
     std::int64_t holes() const { return static_cast<std::int64_t>(holes_.size()); }
     std::int64_t filled() const { return filled_; }
 
 private:
     enum class Place : std::uint8_t {
-        other,      // depth that is neither, or is not known
-        behind,     // depth of what is behind
-        nearer,     // of something before it
-        hole,       // which stays one
-        candidate,  // hole to be filled, unless what is around says no
+        other,      // other depth, or the background is not known
+        behind,     // depth of the background
+        nearer,     // depth of something in front of it
+        hole,       // hole that stays
+        candidate,  // hole to be filled, unless its surroundings forbid it
         looked_at   // candidate whose surroundings are known
     };
     /// `colour` may be empty.
@@ -428,8 +423,8 @@ private:
             }
     }
 
-    /// The pixel itself, and more of the 3x3 around it than not: a single one may look alike by chance, and
-    /// at the edge of a nearer thing some are that thing's.
+    /// Whether the pixel, and the majority of the 3x3 around it, has the background's colour: a single one
+    /// may look alike by chance, and at the edge of a nearer thing some are that thing's.
     bool is_coloured_as_behind(const PlaneView& colour, const Background& background,
                                std::size_t pixel) const {
         const int x = static_cast<int>(pixel) % width_, y = static_cast<int>(pixel) / width_;
@@ -463,7 +458,7 @@ private:
                has_end_behind(pixel, width_, static_cast<int>(pixel / columns), height_);
     }
 
-    /// Along a row or a column (`step`), in which the pixel has this place of so many.
+    /// Whether the hole is narrow along `step` and ends at background; the pixel is number `place` there.
     bool has_end_behind(std::size_t pixel, std::ptrdiff_t step, int place, int places) const {
         const int most = std::max(least_narrow, width_ / narrow_share);
         int length = 1;
@@ -484,7 +479,7 @@ private:
         return any && length <= most;
     }
 
-    /// Group by group of candidates that touch.
+    /// Decides for each group of touching candidates.
     void leave_those_of_nearer_things(bool colour_tells) {
         const auto columns = static_cast<std::size_t>(width_);
         fills_.clear();
@@ -544,26 +539,26 @@ private:
     std::vector<std::size_t> holes_, fills_, group_;
     std::vector<std::uint16_t> hue_codes_;
     std::int64_t filled_ = 0;
-    std::int64_t nearer_ = 0, nearer_but_alike_ = 0;  // pixels whose colour can tell
+    std::int64_t nearer_ = 0, nearer_but_alike_ = 0;  // pixels whose colour can decide
 };
 
-constexpr std::size_t most_bytes = std::size_t{512} << 20;  // of all that is kept
+constexpr std::size_t most_bytes = std::size_t{512} << 20;  // of all backgrounds kept
 constexpr std::int64_t measured_frames = 32, least_frames = Rest::least_between_cuts;
 constexpr long pixels_per_thread = 20'000;
 
-/// What is behind while the camera rests.
+/// The background during a rest of the camera.
 struct KnownRest {
     std::int64_t first = 0, end = 0;  // frames
     Background background;
 };
 
-/// What reading all frames tells.
+/// Results of reading all frames.
 struct Known {
     Known(const DepthCoding& coding, bool with_colour) : depth(coding), uses_colour(with_colour) {}
     CodedDepth depth;
-    bool uses_colour;              // to tell what is behind; where a camera rests it always tells
+    bool uses_colour;              // to find the background; rests always use it
     std::vector<KnownRest> rests;  // in the order of their frames
-    std::int64_t frames = 0;       // that could be read
+    std::int64_t frames = 0;       // frames that could be read
     std::int64_t moving = 0;       // frames in which the camera moves
     std::int64_t forgotten = 0;    // frames of rests for which there was no memory
 };
@@ -577,7 +572,7 @@ public:
           bands_(threads_for(long{scene.width} * scene.height, pixels_per_thread)) {}
 
     void add(const RawFrame& frame) {
-        RawFrame coded;  // as cells know depth: one channel
+        RawFrame coded;  // depth of one channel, for cell_picture
         coded.depth = known_.depth.codes_of(frame, hue_codes_);
         known_.depth.remember(frame, coded.depth);
         if (frame.colour.width == coded.depth.width && frame.colour.height == coded.depth.height)
@@ -614,7 +609,7 @@ private:
     bool has_colour_ = true;  // of all frames of the rest
 };
 
-/// Damaged frames tell nothing, nor what comes after them: reading on tells of it.
+/// Stops at a damaged frame without an error: reading the clip reports it later.
 Result<void> learn(ClipReader& clip, Known& known) {
     Learning learning(clip.scene(), known);
     while (true) {
@@ -645,12 +640,12 @@ public:
                 filling_.fill(**frame, rest.background, known_.uses_colour);
         return frame;
     }
-    /// It tells what is behind.
+    /// Keeps colour if that finds the background.
     void leave_out_colour() override {
         if (known_.rests.empty() || !known_.uses_colour) ReaderAround::leave_out_colour();
     }
-    /// Looks at some frames all over the clip, and does without colour if that misleads there. Says what was
-    /// found.
+    /// Measures some frames all over the clip, and learns again without colour if that misleads there. Adds a
+    /// note of the result.
     Result<void> prepare() {
         TRY(measure());
         if (filling_.is_misled_by_colour()) {

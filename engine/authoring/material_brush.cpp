@@ -19,10 +19,10 @@ constexpr std::size_t most_edits_read = 10000;
 
 /// All that was done with a brush, for another run of the program.
 struct BrushHistory {
-    std::string segments{};  ///< SegmentStore::fingerprint of those that are not cut yet
+    std::string segments{};  ///< SegmentStore::fingerprint of the uncut ones
     SegmentNames begin{};    ///< before the first edit
     std::vector<MaterialBrush::Edit> edits{};
-    std::size_t done = 0;  ///< how many of them count; those behind were undone
+    std::size_t done = 0;  ///< number of edits in effect; later ones were undone
 };
 
 HistoryJson write_edit(const MaterialBrush::Edit& edit) {
@@ -69,7 +69,7 @@ BrushHistory read_history(const checked_json::Node& node, const std::string& whe
     return history;
 }
 
-/// Refused (ErrorKind::input, beginning with `where`) where it is no history.
+/// An error (ErrorKind::input, beginning with `where`) if the text is no history.
 Result<BrushHistory> parse_brush_history(std::string_view text, const std::string& where) {
     return checked_json::read_checked(
         text, largest_segment_names, where,
@@ -95,7 +95,7 @@ std::string segment_in_words(std::uint16_t label) {
     return "segment " + std::to_string(label);
 }
 
-/// Where not the whole clip has the segment: other frames have others there, which are not painted.
+/// Names the segment's frames unless they are all: others have other segments there, not painted.
 std::string frames_in_words(const SegmentStore& segments, std::uint16_t label) {
     const std::int64_t first = segments.find(label)->frame, last = segments.last_frame_of(label);
     if (first == 0 && last == segments.frames() - 1) return {};
@@ -122,14 +122,14 @@ std::set<std::uint16_t> labels_of(const SegmentStore& segments, const NamedSegme
     return labels;
 }
 
-/// What is said of a segment; null: nothing.
+/// The name entry of a segment; null: none.
 NamedSegment* find_name(const SegmentStore& segments, SegmentNames& names, std::uint16_t label) {
     const auto found = std::ranges::find_if(
         names.segments, [&](const NamedSegment& name) { return labels_of(segments, name).contains(label); });
     return found == names.segments.end() ? nullptr : &*found;
 }
 
-/// Each segment has one name then: names that share one are one, as the first of them is, but for guesses.
+/// Gives each segment one name: merges names that share one into the first, guesses last.
 SegmentNames with_one_name_each(const SegmentStore& segments, const SegmentNames& names) {
     SegmentNames merged = names;
     merged.segments.clear();
@@ -161,7 +161,7 @@ NamedSegment new_name(std::uint16_t label, const PixelOfFrame& at, const Painted
     return name;
 }
 
-/// What was said of a segment goes for both of its parts; the larger one keeps its name.
+/// Applies a segment's name entry to both of its parts; the larger one keeps its name.
 void name_parts(const SegmentStore& segments, SegmentNames& names, std::uint16_t whole, std::uint16_t part,
                 const NamedSegment& said) {
     NamedSegment* const of_part = find_name(segments, names, part);
@@ -193,14 +193,14 @@ Result<MaterialBrush> MaterialBrush::begin(SegmentStore segments, const SegmentN
     MaterialBrush brush;
     brush.uncut_ = std::make_shared<const SegmentStore>(std::move(segments));
     TRY_ASSIGN(auto cut, with_cuts(*brush.uncut_, names));
-    // As they are, first: that is where what cannot be is refused.
+    // First with the names as they are, so that invalid ones are refused.
     TRY_ASSIGN(auto state, state_of(std::make_shared<const SegmentStore>(std::move(cut)), names));
     state.names = with_one_name_each(*state.painted->segments, state.names);
     brush.states_.push_back(std::move(state));
     return brush;
 }
 
-/// Changes names and segments as an edit says; what was done, in words.
+/// Applies an edit to names and segments; returns what was done, in words.
 class MaterialBrush::Draft {
 public:
     explicit Draft(const State& now)
@@ -218,7 +218,7 @@ public:
         return printable(name->name) + " is " + paint.material + frames_in_words(*segments_, label);
     }
 
-    /// What a person said counts before a guess, and the first before the second.
+    /// A person's choice takes precedence over a guess, and the first segment over the second.
     Result<std::string> operator()(const Join& join) {
         auto a = label_of(*segments_, join.a), b = label_of(*segments_, join.b);
         if (!a) return a.error();
@@ -280,7 +280,7 @@ private:
     SegmentNames names_;
 };
 
-/// What is the oldest cannot be undone any more, where more is there than is kept.
+/// Drops the oldest edits beyond what is kept; they cannot be undone any more.
 void MaterialBrush::forget_oldest() {
     const auto bytes = [this] {
         std::size_t sum = 0;

@@ -8,7 +8,7 @@ namespace touchable {
 
 namespace {
 
-/// By the largest channel and the one between.
+/// Classes by the largest channel and the one between.
 enum class Hue { grey, red, orange, green, blue, violet, any };
 
 struct Seen {
@@ -35,18 +35,17 @@ struct Span {
 constexpr Span any_number{0, 4080};
 constexpr int smooth = 32, rough = 96;  // contrast: 2 and 6 levels
 
-/// The first one that holds counts.
+/// The first rule that holds applies.
 struct Rule {
     Hue hue;
     Span brightness, chroma, contrast, permille;
     std::string_view material;
 };
 constexpr Rule rules[] = {
-    // What has no colour: by how bright and how rough it is. Few kinds: shading makes greys of one surface
-    // darker and brighter.
+    // Grey: by brightness and roughness. Few kinds: shading makes greys of one surface darker and brighter.
     {Hue::grey, any_number, any_number, {rough, 4080}, any_number, "stone"},
     {Hue::grey, {200, 255}, any_number, any_number, any_number, "paper"},
-    {Hue::grey, {60, 255}, any_number, {0, smooth}, {80, 1000}, "plastic"},  // as paint on a wall is
+    {Hue::grey, {60, 255}, any_number, {0, smooth}, {80, 1000}, "plastic"},  // like paint on a wall
     {Hue::grey, {110, 255}, any_number, {0, smooth}, any_number, "metal"},
     {Hue::grey, {0, 32}, any_number, {0, smooth / 2}, any_number, "rubber"},
     {Hue::grey, any_number, any_number, {smooth, 4080}, {150, 1000}, "carpet"},
@@ -60,13 +59,13 @@ constexpr Rule rules[] = {
     {Hue::red, any_number, {50, 255}, {smooth, 4080}, {20, 1000}, "brick"},
     {Hue::green, any_number, any_number, {smooth, 4080}, any_number, "grass"},
     {Hue::blue, {60, 255}, {40, 255}, {0, smooth}, {300, 1000}, "water"},
-    // All else that has a colour: smooth, as paint on something, or woven.
+    // Other colours: smooth, like paint on something, or woven.
     {Hue::any, any_number, {90, 255}, {0, smooth}, any_number, "plastic"},
     {Hue::any, any_number, any_number, any_number, {250, 1000}, "carpet"},
     {Hue::any, any_number, any_number, any_number, any_number, "cloth"},
 };
 
-/// What no colour camera saw feels much as a clip does without materials.
+/// Segments that no colour camera saw feel much as a clip does without materials.
 constexpr std::string_view of_unseen = "cloth";
 
 constexpr int level_height = 128, top_height = 255;
@@ -82,19 +81,19 @@ std::uint8_t nearest_code(double value, const PropertyRange& range) {
     return static_cast<std::uint8_t>(std::clamp(share, 0.0, 1.0) * 255 + 0.5);
 }
 
-/// Paints each pixel as its segment feels. Pixels of no segment, which are holes, get what is nearest: a
-/// hole's rim is as hard as what it is in, and so is what filters put there.
+/// Paints each pixel as its segment feels. Pixels without a segment, which are holes, get the nearest one's
+/// values: a hole's rim is as hard as its surroundings, and so is depth that filters put there.
 class HapticPainter {
 public:
     explicit HapticPainter(const HapticRanges& ranges) : ranges_(ranges), codes_(65536), reliefs_(65536) {}
 
-    /// What segments of this label feel like, 0: a picture without any.
+    /// Sets the touch of segments with this label; 0: for a picture without any.
     void set(std::uint16_t label, const Feel& feel) {
         codes_[label] = haptic_code(feel.properties, ranges_);
         reliefs_[label] = feel.relief;
     }
 
-    /// Of labels that were set, row by row; 0: no segment.
+    /// Paints labels that were set, row by row; 0: no segment.
     Image haptic(const std::vector<std::uint16_t>& labels, int width, int height) {
         labels_ = labels;
         nearest_.fill(labels_, width, height);
@@ -108,7 +107,7 @@ public:
         return image;
     }
 
-    /// Of the picture that was painted last: its heights, 8 bits, around level (128) scaled by relief.
+    /// The heights, 8 bits, of the picture that was painted last, scaled around level (128) by relief.
     Image scaled(const PlaneView& height) const {
         Image image{height.width, height.height, 1, 1, {}};
         image.samples.reserve(labels_.size());
@@ -130,10 +129,10 @@ private:
     NearestLabel nearest_;
 };
 
-/// A clip with haptic pictures of these ranges in place of its own, which a class derived from this paints.
+/// A clip whose haptic pictures are replaced by ones of these ranges, which a derived class paints.
 class HapticTrackReader : public ChangedClip {
 protected:
-    /// `ranges` are valid (validate).
+    /// `ranges` must be valid (validate).
     HapticTrackReader(std::unique_ptr<ClipReader> clip, const HapticRanges& ranges)
         : ChangedClip(std::move(clip)) {
         scene_.haptic = ranges;
@@ -175,7 +174,7 @@ private:
 
 constexpr std::size_t most_segment_bytes = std::size_t{1} << 30;
 
-/// Which guesses are made of.
+/// Guesses need colour.
 Result<void> check_colour(const RawFrame& frame, const ClipReader& clip) {
     if (!frame.colour.empty()) return {};
     return input_error(clip.inputs().front().string() + ": frame " + std::to_string(frame.number) +
@@ -183,7 +182,7 @@ Result<void> check_colour(const RawFrame& frame, const ClipReader& clip) {
                        "not named");
 }
 
-/// Those that are to be scaled.
+/// Heights can be scaled if they have 8 bits.
 Result<void> check_heights(const RawFrame& frame, const ClipReader& clip) {
     const auto refuse = [&](const char* why) {
         return input_error(clip.inputs().front().string() + ": frame " + std::to_string(frame.number) + why);
@@ -237,7 +236,7 @@ public:
 
     Result<void> seek(std::int64_t frame) override {
         const auto count = frame_count();
-        if (count && frame > *count) return inner().seek(frame);  // which refuses it
+        if (count && frame > *count) return inner().seek(frame);  // an error
         TRY(inner().seek(0));
         start();
         for (std::int64_t number = 0; number < frame; ++number) {
@@ -249,11 +248,11 @@ public:
     }
 
     std::int64_t access_point(std::int64_t) const override { return 0; }
-    /// Segments are made of it.
+    /// Segments need colour.
     void leave_out_colour() override {}
 
 private:
-    /// Before the first frame.
+    /// Resets to before the first frame.
     void start() {
         segments_of_ = begin_(scene());
         painter_ = HapticPainter(scene().haptic);
@@ -305,7 +304,7 @@ Result<std::unique_ptr<ClipReader>> begin_reading(std::unique_ptr<ClipReader> cl
                                             std::move(report));
 }
 
-/// Cuts are followed both ways through time, so that all frames are read before.
+/// Cuts are followed both ways through time, so all frames are read before.
 Result<std::unique_ptr<ClipReader>> with_cut_materials(std::unique_ptr<ClipReader> clip,
                                                        const MaterialSettings& settings,
                                                        const BeginSegments& begin,

@@ -2,13 +2,13 @@
 
 // Materials of a recording's segments: haptic pictures for a recording that has none.
 //
-// with_materials gives a clip whose segments feel as they are named, or else as a guess by colour and place
-// says. A MaterialBrush has the segments as a person paints them: the states that there were (each immutable:
-// names, and the segments as painted), an undo that goes back among them, and its history as a file's text,
-// which another run of the program repeats. with_painted_segments gives the clip in which they feel so.
+// with_materials returns a clip whose segments feel as named, otherwise as guessed by colour and place. A
+// MaterialBrush holds the segments as a person paints them: all states (each immutable: names, and the
+// segments as painted), an undo among them, and its history as a file's text, which another run of the
+// program repeats. with_painted_segments returns the clip with painted segments.
 //
-// A reader is one thread's. Changes of a brush take long and are one thread's; PaintedSegments, once made,
-// may be read by any thread. A stop is heard between frames.
+// A reader is used by one thread. Edits of a brush take long and run in one thread; PaintedSegments, once
+// made, may be read by any thread. Stop requests are checked between frames.
 
 #include <array>
 #include <cstddef>
@@ -25,21 +25,21 @@
 
 namespace touchable {
 
-/// What all segments of a clip are like: of one moment, never changed.
+/// The touch of all segments of a clip at one moment; immutable.
 struct PaintedSegments {
-    /// What a segment is like, and who says so.
+    /// The touch of a segment, and where it comes from.
     struct Paint {
-        std::string name{};      ///< empty: it was given none
+        std::string name{};      ///< empty: unnamed
         std::string material{};  ///< of the palette; empty: values of its own
         Feel feel{};
         bool is_guess = false;
     };
     std::shared_ptr<const SegmentStore> segments;
-    std::map<std::uint16_t, Paint> by_label{};  ///< of all that are seen anywhere
+    std::map<std::uint16_t, Paint> by_label{};  ///< all segments that occur
 };
 
-/// The clip with haptic pictures in place of its own, in which each segment feels as painted: those that
-/// with_materials makes of the same names. Any frame at once. Refused (ErrorKind::usage) where the clip has
+/// Returns the clip with its haptic pictures replaced by those of painted segments, the same that
+/// with_materials makes of the same names. Any frame at once. An error (ErrorKind::usage) for a clip that has
 /// not the segments' size, and for a live source.
 Result<std::unique_ptr<ClipReader>> with_painted_segments(std::unique_ptr<ClipReader> clip,
                                                           std::shared_ptr<const PaintedSegments> painted);
@@ -49,11 +49,11 @@ struct MaterialSettings {
     std::optional<SegmentMap> map{};
     /// Heights (8 bits, 128 is level, as with_relief makes them) are scaled by each material's relief.
     bool scale_relief = false;
-    /// That the haptic pictures have; values beyond are cut. Nothing: some that hold all (ranges_of_palette).
+    /// Ranges to paint with; values beyond are clamped. nullopt: ranges that hold all (ranges_of_palette).
     std::optional<HapticRanges> ranges{};
 };
 
-/// What was found in the frames read since the clip's beginning.
+/// Findings in the frames read since the clip's beginning.
 struct MaterialReport {
     /// A segment as it was seen first.
     struct Seen {
@@ -65,76 +65,75 @@ struct MaterialReport {
     };
     std::vector<Seen> segments;  ///< in the order in which they came
     std::int64_t frames = 0;
-    /// Pixels with a segment in two frames that follow each other, and those whose segment is another one.
+    /// Pixels with a segment in two consecutive frames, and those of them whose segment changed.
     std::int64_t compared = 0, changed = 0;
-    double seconds = 0;  ///< that segments and haptic pictures took
+    double seconds = 0;  ///< time for segments and haptic pictures
 };
 
-/// The segments of all frames of a clip, which is at its beginning; it is at its end then. `progress`, if
-/// any, is called before each frame with its number. Refused: a frame that cannot be read; no frames; more
-/// segments than fit into 1 GiB.
+/// Reads the segments of all frames of a clip, from its beginning to its end. `progress`, if any, is called
+/// before each frame with its number. Errors: a frame that cannot be read; no frames; more segments than fit
+/// into 1 GiB.
 Result<SegmentStore> read_segments(ClipReader& clip, const BeginSegments& begin,
                                    const std::function<void(std::int64_t frame)>& progress);
 
-/// The clip with haptic pictures in place of its own, in which each segment feels like its material: as it
-/// is named, otherwise as its first look suggests. A segment keeps its material. The report is filled as
-/// frames are read. Seeking reads all frames from the first on, since segments are followed; where
-/// segments are cut all are read once before. Refused as find_named_segments and with_cuts do; a frame is
-/// where its colour is needed for a guess, and where its heights cannot be scaled.
+/// Returns the clip with its haptic pictures replaced by those of its segments' materials: as named,
+/// otherwise as guessed from a segment's first look. A segment keeps its material. The report is filled as
+/// frames are read. Seeking reads all frames from the first on, since segments are followed; if segments are
+/// cut, all frames are read once before. Errors as of find_named_segments and with_cuts; also for a frame
+/// that lacks the colour for a guess, or heights that can be scaled.
 Result<std::unique_ptr<ClipReader>> with_materials(std::unique_ptr<ClipReader> clip,
                                                    const MaterialSettings& settings,
                                                    const BeginSegments& begin,
                                                    std::shared_ptr<MaterialReport> report);
 
-/// Materials of a clip's segments as a person paints them, with undo. What was not painted feels as its
-/// first look suggests, or as all others do. As a file (history):
+/// Materials of a clip's segments as a person paints them, with undo. Segments that are not painted feel as
+/// guessed from their first look, or as `Otherwise` says. As a file (history):
 /// {"touchable_brush": 1, "segments": "<hash of all labels>", "done": 1, "begin": {names of segments},
 ///  "edits": [{"paint": [10, 20, 0], "material": "wood"}, {"join": [[1, 2, 0], [3, 4, 0]]},
 ///            {"cut": {"frame": 0, "stroke": [[1, 2], [3, 4]]}}, {"otherwise": "felt"}]}
 class MaterialBrush {
 public:
-    /// One thing that is done with a brush.
+    /// An edit: gives the segment at a pixel a material.
     struct Paint {
         PixelOfFrame at;
         std::string material;
     };
-    /// Both segments are one thing: of the material of the one that was painted, otherwise of the first.
+    /// An edit: makes both segments one, of the material of the painted one, otherwise of the first.
     struct Join {
         PixelOfFrame a, b;
     };
     struct Otherwise {
-        std::string material;  ///< of all that have no name; empty: guesses
+        std::string material;  ///< of all unnamed segments; empty: guesses
     };
     using Edit = std::variant<Paint, Join, SegmentCut, Otherwise>;
 
-    /// As many are kept for undo; less where segments that are cut take more than 1 GiB.
+    /// Number of edits kept for undo; fewer if segments that are cut take more than 1 GiB.
     static constexpr std::size_t most_edits = 200;
 
-    /// With what was said of the segments before, such as in a file; `segments` are without its cuts, and of
-    /// at least one frame. Refused as find_named_segments and with_cuts do.
+    /// Begins with earlier names of the segments, such as a file's; `segments` are without its cuts, and of
+    /// at least one frame. Errors as of find_named_segments and with_cuts.
     static Result<MaterialBrush> begin(SegmentStore segments, const SegmentNames& names = {});
 
-    /// What was done, in words: "segment 7 is wood". Refused (ErrorKind::usage), and then nothing is changed:
-    /// a place beyond the clip or without a surface, no such material, a stroke that parts nothing, more cuts
-    /// than a file of names has. ErrorKind::interrupted where it is given up (stop_requested).
+    /// Returns what was done, in words: "segment 7 is wood". Errors change nothing (ErrorKind::usage): a
+    /// place beyond the clip or without a surface, an unknown material, a stroke that parts nothing, more
+    /// cuts than a file of names has. ErrorKind::interrupted if cancelled (stop_requested).
     Result<std::string> edit(const Edit& edit);
-    /// What was undone, or done again, in words. Refused where there is nothing.
+    /// Returns what was undone, or done again, in words. An error if there is nothing.
     Result<std::string> undo();
     Result<std::string> redo();
-    /// How many edits count now, and how many there are with those that were undone.
+    /// Number of edits in effect, and of all edits with those that were undone.
     std::size_t done() const { return done_; }
     std::size_t edits() const { return edits_.size(); }
 
-    /// As all is now; what it points to stays as it is.
+    /// The current state, which is immutable.
     std::shared_ptr<const PaintedSegments> painted() const { return states_[done_].painted; }
     /// For a file that --segments reads.
     const SegmentNames& names() const { return states_[done_].names; }
 
     /// All that was done and undone, for another run of the program.
     std::string history() const;
-    /// Brings a history back in place of all that is here. Refused (ErrorKind::input, beginning with
-    /// `where`), and then nothing is changed, where it is none, or of other segments. ErrorKind::interrupted
-    /// where it is given up.
+    /// Replaces all edits by those of a history. Errors change nothing: ErrorKind::input, beginning with
+    /// `where`, for a text that is no history, or one of other segments; ErrorKind::interrupted if cancelled.
     Result<void> repeat(std::string_view history, const std::string& where);
 
 private:

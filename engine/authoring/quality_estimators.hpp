@@ -1,6 +1,6 @@
 #pragma once
 
-// What measure_quality (recorded_clip.hpp) is made of: each estimator looks at frames of a clip in order.
+// The estimators of measure_quality (recorded_clip.hpp): each looks at frames of a clip in order.
 
 #include <algorithm>
 #include <array>
@@ -14,22 +14,22 @@
 
 namespace touchable {
 
-/// Edges of colour against edges of depth. Where a near surface ends before a far one, its colour should end
-/// at the same pixel.
+/// Compares edges of colour with edges of depth. If a near surface ends in front of a far one, its colour
+/// should end at the same pixel.
 class ColourEdges {
 public:
     explicit ColourEdges(const Scene& scene) : coding_(scene.depth), step_(std::max(1, scene.width / 640)) {}
 
-    /// Looks at a frame with colour. `where`: pixels of edges whose colour is two steps or more away are set
-    /// to 1 there, row by row; null: none are.
+    /// Adds a frame with colour. `where`, unless null: pixels of edges whose colour is two steps or more away
+    /// are set to 1, row by row.
     void add(const RawFrame& frame, std::vector<std::uint8_t>* where = nullptr);
 
-    /// Nothing where there were too few edges.
+    /// nullopt if there were too few edges.
     std::optional<ClipQuality::ColourFit> fit() const;
 
 private:
     enum Facing { to_right, to_left, down, up };  // from the near surface to the far one
-    static constexpr int reach = 8;               // steps on either side that are looked at
+    static constexpr int reach = 8;               // steps examined on either side
     static constexpr int offsets = 2 * reach + 1;
 
     struct Line;
@@ -65,7 +65,7 @@ class HapticValuesEstimator {
 public:
     explicit HapticValuesEstimator(const Scene& scene) : scene_(scene) {}
 
-    /// Looks at a frame with a haptic picture. `where`: pixels that are set to 1, row by row; null: none are.
+    /// Adds a frame with a haptic picture. `where`, unless null: affected pixels are set to 1, row by row.
     void add(const RawFrame& frame, ClipQuality::Where::Haptic* where = nullptr);
     ClipQuality::HapticValues values() const;
 
@@ -75,24 +75,24 @@ private:
     std::int64_t pixels_ = 0, too_stiff_ = 0, more_dynamic_ = 0, mixed_ = 0;
 };
 
-/// Whether a whole picture's depth goes to and fro from frame to frame, as of networks that scale each
-/// picture on its own: a finger at rest feels a pulse. Where more than half of the colours change, another
-/// scene begins, which says nothing of that.
+/// Measures whether a whole picture's depth oscillates from frame to frame, as with networks that scale each
+/// picture on its own: a finger at rest feels a pulse. If more than half of the colours change, another shot
+/// begins, and the change is ignored.
 class PumpingEstimator {
 public:
     explicit PumpingEstimator(const DepthCoding& coding) : coding_(coding) {}
 
-    /// The next frame.
+    /// Adds the next frame.
     void add(const RawFrame& frame);
-    /// Standard deviation of the whole picture's depth, as a share of it; 0: there is none. Of what goes to
-    /// and fro, successive changes d, d' have the mean product -variance; what moves on has d d' > 0. Nothing
+    /// Standard deviation of the whole picture's depth, as a share of it; 0: no oscillation. Successive
+    /// changes d, d' of an oscillation have the mean product -variance; a steady change has d d' > 0. nullopt
     /// with fewer than four frames.
     std::optional<double> share() const;
 
 private:
     bool is_cut() const;
 
-    static constexpr int every = 4;  // pixels from one that is looked at to the next, either way
+    static constexpr int every = 4;  // pixels from one sample to the next, either way
 
     const DepthCoding coding_;
     std::vector<double> before_, here_, ratios_;

@@ -6,33 +6,33 @@ namespace touchable {
 
 namespace {
 
-/// Neighbours that differ by so much are two surfaces.
+/// Neighbours that differ by this much are two surfaces.
 constexpr std::int64_t apart = 1024;
-/// Beyond so many regions that touch each other those that differ least are merged.
+/// If more regions than this touch others, the least different ones are merged.
 constexpr std::ptrdiff_t most_regions = 40;
-/// Each of these alone is that much: 16 levels of colour; a step of 1.5 % of the depth; a concave crease of
+/// Each of these alone equals `apart`: 16 levels of colour; a step of 1.5 % of the depth; a concave crease of
 /// 20 degrees, where one thing stands on another, or a convex one of 100, since a box's edge is the same
 /// thing on both sides. Creases are chords in 1024ths of a unit normal.
 constexpr std::int64_t colour_apart = 64 * 64, step_apart = 90, concave_apart = 356, convex_apart = 1600;
-/// Of squared differences of brightness, which are mostly light's: what counts.
+/// Squared differences of brightness, which come mostly from light, are divided by this.
 constexpr std::int64_t shading_share = 8;
-/// However much a border's piece differs, it counts as its length tells.
+/// Limits on a border's piece, however much it differs, so that its length decides.
 constexpr std::int64_t most_times = 16, most_step = 4 * step_apart;
-/// A region of so many times the smallest has to differ twice as much as a large one, in squares.
+/// A region of this many times the smallest has to differ twice as much, in squares, as a large one.
 constexpr std::int64_t small_times = 3;
-/// Regions that were one in the last frame differ by so many times less, and those that were two by as many
-/// times more.
+/// The difference of regions that were one in the last frame is divided by this, that of regions that were
+/// two is multiplied by it.
 constexpr std::int64_t hysteresis = 3;
 
-/// Cells between those of two superpixels that may be neighbours: each pixel's is next to its own cell, and
-/// a hole of two cells may lie between.
+/// Greatest distance in cells of superpixels that may be neighbours: a pixel's superpixel is at most a cell
+/// away, and a hole of two cells may lie between.
 constexpr int reach = 5, reach_side = 2 * reach + 1, reach_slots = (reach + 1) * reach_side;
 constexpr int widest_gap = 2;
 
-/// 2^14 to a unit of rays, 2^10 to one of normals.
+/// Fixed point: 2^14 to a unit of rays, 2^10 to one of normals.
 constexpr int ray_unit = 1 << 14, normal_unit = 1 << 10;
 
-/// The whole part of the root.
+/// Square root, rounded down.
 std::int64_t whole_root(std::int64_t number) {
     std::int64_t root = 0;
     for (std::int64_t bit = std::int64_t{1} << 30; bit > 0; bit >>= 1)
@@ -40,7 +40,7 @@ std::int64_t whole_root(std::int64_t number) {
     return root;
 }
 
-/// Rays and focal lengths beyond any camera's are cut, so that products stay within 63 bits.
+/// Clamps rays and focal lengths beyond any camera's, so that products stay within 63 bits.
 std::int64_t fixed(double number, int unit) {
     constexpr double most = 1 << 20;
     return static_cast<std::int64_t>(std::clamp(number * unit, -most, most));
@@ -108,10 +108,10 @@ void RegionMerging::find_normals(const Superpixels& superpixels) {
         normal.x = g * normal_unit / length;
         normal.y = h * normal_unit / length;
         normal.z = z * normal_unit / length;
-        // The variance of a slope, four times: noise of depth is alike in neighbouring pixels.
+        // Four times the variance of a slope, as noise of depth is correlated between neighbouring pixels.
         const std::int64_t per_slope = squared((256 * std::max(per_x, per_y)) >> 16);
         const std::int64_t pixels = std::int64_t{one.pixels} * one.spread;
-        // And a code from one end to the other may be none of the surface's.
+        // Plus one code from end to end, which may be rounding and no slope.
         const std::int64_t coarse =
             squared(256 * std::max(per_x, per_y) / 65536 * one.quantum / superpixels.side());
         normal.doubt = std::min<std::int64_t>(4 * normal_unit * normal_unit,
@@ -128,7 +128,7 @@ void RegionMerging::measure(const std::vector<Superpixel>& all, std::size_t a, s
                                              colour_difference(one.brightness - other.brightness,
                                                                one.red_green - other.red_green,
                                                                one.yellow_blue - other.yellow_blue));
-    // Of codes, each plane may be half of one off.
+    // Each plane may be off by half a code.
     const std::int64_t step = one.depth_at(x, y) - other.depth_at(x, y),
                        sure = std::max<std::int64_t>(
                            0, std::abs(step) - std::max(one.quantum, other.quantum) / 2);
@@ -144,7 +144,7 @@ void RegionMerging::measure(const std::vector<Superpixel>& all, std::size_t a, s
     border.crease = border.length * (is_convex ? -crease : crease);
 }
 
-/// Of regions: how much their border says, and their mean colours; less of small ones.
+/// How much regions differ by their border and their mean colours; reduced for small ones.
 std::int64_t RegionMerging::difference(std::size_t a, std::size_t b, const Border& border) const {
     const Region &one = regions_[a], &other = regions_[b];
     const auto apart_by = [&](std::int64_t Region::*sum) {
@@ -203,7 +203,7 @@ void RegionMerging::join(std::size_t into, std::size_t from) {
     ++gone.version;
 }
 
-/// One of each superpixel.
+/// Makes a region of each superpixel.
 void RegionMerging::make_regions(const Superpixels& superpixels, const std::vector<std::uint16_t>& labels) {
     const std::vector<Superpixel>& all = superpixels.all();
     regions_.assign(all.size(), {});
@@ -238,7 +238,7 @@ void RegionMerging::share_borders(const Superpixels& superpixels) {
         std::ranges::sort(region.borders, {}, [](const auto& border) { return border.first; });
 }
 
-/// Those first that differ least, and beyond that what is too small, or too many.
+/// Merges the least different regions first; beyond `apart` only those that are too small, or too many.
 void RegionMerging::join_alike() {
     queue_.clear();
     for (std::size_t k = 0; k < regions_.size(); ++k) offer(k);
@@ -250,7 +250,7 @@ void RegionMerging::join_alike() {
         const Region &one = regions_[next.a], &other = regions_[next.b];
         if (one.version != next.version_a || other.version != next.version_b) continue;
         const Region& smaller = one.pixels <= other.pixels ? one : other;
-        // One that was there in the last frame may get smaller before it goes.
+        // A region of the last frame may get smaller before it is merged.
         const bool stays = smaller.label != 0 && one.label != other.label;
         const bool is_crumb = smaller.pixels * (stays ? 2 : 1) < smallest_;
         if (next.difference >= apart && !is_crumb && left <= most_regions) continue;
@@ -287,7 +287,7 @@ std::uint32_t RegionCleaning::island_of(std::uint32_t run) {
     return run;
 }
 
-/// Of one region, row by row.
+/// Finds runs of one region, row by row.
 void RegionCleaning::find_runs(const std::vector<std::uint16_t>& regions, int width, int height) {
     runs_.clear();
     row_begins_.clear();
@@ -304,7 +304,7 @@ void RegionCleaning::find_runs(const std::vector<std::uint16_t>& regions, int wi
     row_begins_.push_back(static_cast<std::uint32_t>(runs_.size()));
 }
 
-/// Calls `touch(run above, run below, pixels)` where two of them meet.
+/// Calls `touch(run above, run below, pixels)` for runs that meet.
 template <class Touch>
 void RegionCleaning::for_each_contact(Touch&& touch) const {
     for (std::size_t y = 1; y + 1 < row_begins_.size(); ++y)

@@ -10,7 +10,7 @@
 
 namespace touchable {
 
-/// Some pixels that lie together and are alike: a patch of one surface, with the plane through it.
+/// A group of similar pixels that lie together: a patch of one surface, with the plane through it.
 struct Superpixel {
     std::int32_t x = 0, y = 0;                                               ///< its middle
     std::int32_t pixels = 0;                                                 ///< 0: there is none in its cell
@@ -21,7 +21,7 @@ struct Superpixel {
     std::int32_t quantum = 0;  ///< of depth: from one code to the next
     std::uint16_t label = 0;   ///< of its segment in the last frame; 0: none
 
-    /// Of the plane: 1 / depth is even in the picture, so that log depth is bent.
+    /// Depth of the plane: 1 / depth is linear in the picture, so that log depth is bent.
     std::int32_t depth_at(std::int32_t at_x, std::int32_t at_y) const {
         constexpr std::int64_t bend = 11818;  // 2 PixelFeatures::depth_per_octave / ln 2
         const std::int64_t even =
@@ -30,19 +30,19 @@ struct Superpixel {
     }
 };
 
-/// Cuts a picture into superpixels (SLIC, Achanta et al. 2012), one for each cell of a grid, that stay with
-/// what they show from frame to frame. A pixel goes to the nearest of those of its cell and the eight around
-/// it, in colour, in depth from the superpixel's plane, and in place.
+/// Cuts a picture into superpixels (SLIC, Achanta et al. 2012), one for each cell of a grid, that follow
+/// their surface from frame to frame. A pixel joins the nearest superpixel of its cell and the eight around
+/// it, by colour, depth from the superpixel's plane, and place.
 class Superpixels {
 public:
     static constexpr std::uint16_t none = 0xFFFF;
 
     Superpixels(int width, int height, int side);
 
-    /// `known`: each pixel's label in the last frame, 0 where there is none or the pixel shows something
-    /// else now. It stays with its label unless it is clearly nearer to a superpixel of another.
+    /// `known`: each pixel's label in the last frame, 0 if it had none or shows something else now. A pixel
+    /// keeps its label unless it is clearly nearer to a superpixel with another.
     void divide(const PixelFeatures& features, const std::vector<std::uint16_t>& known, RowBands& bands);
-    /// The next frame has nothing of the last one.
+    /// Forgets the last frame: the next one has nothing in common with it.
     void forget();
 
     const std::vector<std::uint16_t>& of_pixels() const { return of_pixels_; }
@@ -55,7 +55,7 @@ public:
     int height() const { return height_; }
 
 private:
-    /// Of the pixels of a superpixel, places from its cell's corner.
+    /// Sums over the pixels of a superpixel; places from its cell's corner.
     struct Sums {
         std::int64_t pixels, x, y, brightness, red_green, yellow_blue, z, xx, xy, yy, xz, yz, zz;
         void operator+=(const Sums& other);
@@ -74,26 +74,26 @@ private:
     std::vector<std::vector<Sums>> sums_;  // by thread
 };
 
-/// Merges neighbouring superpixels to regions, those first that differ least: by the step of depth between
-/// their planes, by the crease between them, where concave ones count more, as one thing standing on another
-/// makes them, and by colour.
+/// Merges neighbouring superpixels to regions, the least different first: by the step of depth between their
+/// planes, by the crease between them, where concave ones count more, as one thing standing on another makes
+/// them, and by colour.
 class RegionMerging {
 public:
     /// `smallest`: pixels of the smallest region that stays one.
     RegionMerging(const Camera& camera, std::int32_t smallest) : camera_(camera), smallest_(smallest) {}
 
-    /// The region of each superpixel, which is the number of one of its superpixels. Superpixels that had
-    /// one label (`labels`, by superpixel; 0: not known) stay together unless they differ clearly, and those
-    /// that had two stay apart unless they clearly do not.
+    /// Returns the region of each superpixel, which is the number of one of its superpixels. Superpixels with
+    /// one label (`labels`, by superpixel; 0: not known) stay together unless they clearly differ, and those
+    /// with two labels stay apart unless they are clearly alike.
     const std::vector<std::uint16_t>& merge(const Superpixels& superpixels,
                                             const std::vector<std::uint16_t>& labels);
 
 private:
-    /// Between two superpixels, or two regions.
+    /// The border between two superpixels, or two regions.
     struct Border {
         std::int64_t length = 0, x = 0, y = 0;  ///< pixels, and the sums of their places
         // Sums over its length: squared differences of colour; steps of depth, from the other to this one;
-        // creases, concave ones above 0. Noise, which goes either way, leaves little of the last two.
+        // creases, concave ones above 0. Noise of either sign nearly cancels in the last two.
         std::int64_t colour = 0, step = 0, crease = 0;
     };
     struct Region {
@@ -135,8 +135,8 @@ private:
     std::vector<std::uint16_t> region_of_;
 };
 
-/// Gives islands of a few pixels to the region that they touch most: those that have fewer than `smallest`
-/// and are not all there is of their region. `regions`: row by row, `none` where there is none.
+/// Gives small islands to the region that they touch most: islands of fewer than `smallest` pixels that are
+/// not their whole region. `regions`: row by row; `none`: no region.
 class RegionCleaning {
 public:
     static constexpr std::uint16_t none = 0xFFFF;
@@ -148,7 +148,7 @@ private:
         std::uint16_t region;
         std::uint32_t island;
     };
-    /// Pixels along which a small island touches each region; by its first run.
+    /// Number of pixels along which a small island, by its first run, touches each region.
     using Contacts = std::map<std::uint32_t, std::map<std::uint16_t, std::int32_t>>;
 
     void find_runs(const std::vector<std::uint16_t>& regions, int width, int height);

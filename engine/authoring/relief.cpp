@@ -18,8 +18,8 @@ namespace {
 constexpr std::array<std::array<int, 2>, DifferenceOfGaussians::bands + 1> box_sides{
     {{3, 1}, {5, 3}, {11, 9}, {23, 23}}};
 
-/// A sum over `side` numbers of 24 bits, divided by `side` as a product: exact, since what rounding this
-/// reciprocal up adds is less than sum / 2^38, and that less than 1 / side.
+/// Divides a sum over `side` numbers of 24 bits by `side` as a product: exact, since rounding this reciprocal
+/// up adds less than sum / 2^38, which is less than 1 / side.
 constexpr int reciprocal_bits = 38;
 constexpr std::uint64_t reciprocal_of(int side) {
     return ((std::uint64_t{1} << reciprocal_bits) + static_cast<std::uint64_t>(side) - 1) /
@@ -30,10 +30,9 @@ inline std::int32_t rounded_share(std::uint32_t sum, std::uint32_t half, std::ui
 }
 
 constexpr int luma_per_level = 16;
-/// Brightness of 255 at which shadow ends and highlight begins. From the first to the second, weights go
-/// over.
+/// Brightness of 255 at which shadow ends and highlight begins; weights change from the first to the second.
 constexpr int shadow_from = 6, shadow_to = 24, highlight_from = 238, highlight_to = 253;
-/// Depths of neighbours that differ by more of them are two surfaces.
+/// Neighbours whose depths differ by more than this share are two surfaces.
 constexpr float step_share = 0.02F;
 /// Colour bleeds over a step of depth by so many pixels on either side.
 constexpr int bleeding = 2;
@@ -69,7 +68,7 @@ void cut_line(const float* depths, std::ptrdiff_t step, int length, SurfaceRuns:
 
 constexpr std::int32_t counts_from = DifferenceOfGaussians::most_weight / 2;
 
-/// The number that `share` of all are not above, in per mille; nothing of none.
+/// The number that `share` per mille of all do not exceed; nullopt for an empty histogram.
 std::optional<std::int32_t> quantile(const std::vector<std::int64_t>& histogram, int share) {
     const std::int64_t all = std::accumulate(histogram.begin(), histogram.end(), std::int64_t{0});
     if (all == 0) return std::nullopt;
@@ -82,9 +81,9 @@ std::optional<std::int32_t> quantile(const std::vector<std::int64_t>& histogram,
 }
 
 constexpr std::int32_t per_code = 256, level = 128 * per_code, top = 255 * per_code;
-/// Of a change that is noise this part is taken on with each frame.
+/// A change that may be noise is taken on by this part with each frame.
 constexpr std::int32_t slowness = 8;
-/// A code is left where the height is so far from it: half a code would have it flicker between two.
+/// A code stays while the height is within this of it: with half a code it would flicker between two.
 constexpr std::int32_t stays_within = 3 * per_code / 4;
 
 Result<void> check_relief_colour(const RawFrame& frame, const ClipReader& clip) {
@@ -116,7 +115,7 @@ public:
         return frame;
     }
 
-    /// Relief is made of it.
+    /// Relief needs colour.
     void leave_out_colour() override {}
 
 private:
@@ -125,7 +124,7 @@ private:
     std::optional<RawFrame::Place> before_;
     bool has_told_flicker_ = false;
 
-    /// After the last frame.
+    /// Adds a note after the last frame.
     void add_flicker() {
         const auto flicker = heights_.flicker();
         if (!flicker || has_told_flicker_) return;
@@ -136,7 +135,7 @@ private:
     }
 };
 
-/// What the telling frames have of relief.
+/// The strength of relief in the telling frames.
 Result<ReliefRange> look(Prefetch& ahead, const ReliefSettings& settings) {
     ReliefFilter filter(settings, ahead.clip().scene().depth);
     ReliefEstimator estimator;
@@ -158,13 +157,13 @@ Result<ReliefRange> look(Prefetch& ahead, const ReliefSettings& settings) {
         if (wanted < first_frames) continue;
         const auto frame = ahead.at(wanted);
         if (!frame && frame.error().kind == ErrorKind::interrupted) return frame.error();
-        if (!frame || !*frame) break;  // damaged: reading on tells of it
+        if (!frame || !*frame) break;  // damaged: reading the clip reports it
         TRY(add(**frame));
     }
     return estimator.range();
 }
 
-/// The scene with such heights, and what a person should know of them.
+/// Returns the scene with such heights, and adds notes about them.
 Scene with_heights(Scene scene, double max_height, std::vector<std::string>& notes) {
     DepthCoding& depth = scene.depth;
     if (depth.kind == DepthCodingKind::metric && depth.near < 2 * max_height) {
@@ -182,7 +181,7 @@ Scene with_heights(Scene scene, double max_height, std::vector<std::string>& not
     return scene;
 }
 
-/// What a person should know of it: where it is mostly noise, and where there is none.
+/// A note on the strength of relief, and whether it is mostly noise, or absent.
 std::string range_in_words(const ReliefRange& range) {
     if (range.full <= 1)
         return "relief: nothing of it can be felt: colour is even, in deep shadow, in highlights, or not "
@@ -193,7 +192,7 @@ std::string range_in_words(const ReliefRange& range) {
                         " of 255 levels of brightness";
     if (!range.noise) return words;
     words += "; noise from frame to frame is " + levels(*range.noise);
-    // Of noise alone 99 % are within 2.6 deviations.
+    // 99 % of mere noise is within 2.6 deviations.
     if (range.full < 4 * *range.noise)
         words += ", so most of what is felt is noise: a smaller amount or height lessens it";
     return words;
@@ -252,7 +251,7 @@ void DifferenceOfGaussians::blur(std::size_t step, const SurfaceRuns& runs) {
     }
     if (wider_.width != weights_.width || wider_.height != weights_.height)
         wider_ = NumberField(weights_.width, weights_.height);
-    // Of next to no weight the mean would be all rounding.
+    // With almost no weight the mean would be all rounding.
     constexpr std::int32_t least_weight = most_weight / 64;
     for (std::size_t k = 0; k < wider_.numbers.size(); ++k) {
         const std::int32_t weight = weights_.numbers[k];
@@ -302,7 +301,7 @@ void ReliefFilter::read_luma(const PlaneView& colour) {
     }
 }
 
-/// Surfaces end at holes and steps of depth. What colour may have bled to over one counts for nothing.
+/// Surfaces end at holes and steps of depth. Pixels to which colour may have bled over a step have no weight.
 void ReliefFilter::part_surfaces(const RawFrame& frame) {
     const CodePicture codes = code_picture(frame.depth, depth_);
     const int width = codes.width, height = codes.height;
@@ -313,7 +312,7 @@ void ReliefFilter::part_surfaces(const RawFrame& frame) {
             is_hole ? 0.0F : static_cast<float>(depth_.depth(static_cast<std::uint16_t>(codes.codes[k])));
         if (is_hole) weights_.numbers[k] = 0;
     }
-    /// Of columns [x0, x1) and rows [y0, y1), as far as the picture goes.
+    /// Clears weights of columns [x0, x1) and rows [y0, y1), as far as the picture goes.
     const auto forget = [&](int x0, int x1, int y0, int y1) {
         for (int y = std::max(0, y0); y < std::min(height, y1); ++y)
             std::fill(weights_.row(y) + std::max(0, x0), weights_.row(y) + std::min(width, x1), 0);
@@ -361,7 +360,7 @@ void ReliefEstimator::add(const NumberField& relief, const NumberField& confiden
 }
 
 ReliefRange ReliefEstimator::range() const {
-    // Most of a picture stays where it is. The median of the changes there is 0.67 of sqrt(2) deviations.
+    // Most of a picture does not move; the median of the changes there is 0.67 of sqrt(2) deviations.
     const std::optional<std::int32_t> change = quantile(changes_, 500), full = quantile(sizes_, 990);
     ReliefRange range{std::max(1, full.value_or(1))};
     if (change) range.noise = (*change * 105 + 99) / 100;
@@ -389,7 +388,7 @@ const std::vector<std::uint8_t>& ReliefHeights::next(const NumberField& relief) 
             state = wanted;
         else if (size <= gate)
             state += change / slowness;
-        else  // from one to the other without a jump
+        else  // between both, without a jump
             state +=
                 static_cast<std::int32_t>(std::int64_t{change} * ((size - gate) * (slowness - 1) + gate) /
                                           (std::int64_t{gate} * slowness));

@@ -1,7 +1,7 @@
 #pragma once
 
 // The relief of a clip's pictures, step by step: details by their size (DifferenceOfGaussians), a frame's
-// relief (ReliefFilter), how strong a clip's is (ReliefEstimator), heights through time (ReliefHeights).
+// relief (ReliefFilter), a clip's strength of relief (ReliefEstimator), heights through time (ReliefHeights).
 
 #include <array>
 #include <cstdint>
@@ -30,50 +30,49 @@ struct NumberField {
     }
 };
 
-/// Where surfaces end: of each pixel the first and the last column, and the first and the last row, of the
-/// run of pixels around it that belong together.
+/// Where surfaces end: for each pixel the first and the last column, and the first and the last row, of the
+/// run of its surface around it.
 struct SurfaceRuns {
     struct Run {
         std::int16_t first, last;
     };
     SurfaceRuns() = default;
-    /// All pixels belong together.
+    /// All pixels are one surface.
     SurfaceRuns(int width, int height);
 
     int width = 0, height = 0;
     std::vector<Run> across, down;
 };
 
-/// Sum over a square of `side` (odd) pixels around each, as far as they are of its surface, over that many
-/// pixels; in place. Along rows first, then along columns, each rounded to the nearest, halves up. Numbers
+/// Divides the sum over a square of `side` (odd) pixels around each, as far as they are of its surface, by
+/// side^2; in place. Along rows first, then along columns, each rounded to the nearest, halves up. Numbers
 /// are 0 to 2^24, sides at most 127.
 class BoxFilter {
 public:
     void apply(NumberField& field, int side, const SurfaceRuns& runs);
 
 private:
-    // Of all before; they may wrap, their differences do not.
+    // Running sums; they may wrap, their differences do not.
     std::vector<std::uint32_t> row_sums_, column_sums_;
 };
 
-/// Details of a picture by their size: what a Gaussian blur leaves less what a wider one leaves. This is the
-/// Laplacian of Gaussian that the paper takes for roughness (section 3.1.2), at three widths. Pixels have
-/// weights, and surfaces end: neither what counts for nothing nor another surface blurs into what is beside
-/// it (normalised convolution).
+/// Details of a picture by their size: a Gaussian blur minus a wider one. This is the Laplacian of Gaussian
+/// that the paper takes for roughness (section 3.1.2), at three widths. Pixels have weights, and surfaces
+/// end: neither pixels without weight nor another surface blur into neighbours (normalised convolution).
 class DifferenceOfGaussians {
 public:
     static constexpr int bands = std::tuple_size_v<decltype(ReliefSettings::bands)>;
-    /// Standard deviations of the blurs between which the bands lie, in pixels. A Gaussian is boxes, one
-    /// after the other: sides of squares.
+    /// Standard deviations, in pixels, of the blurs between which the bands lie. A Gaussian is made of
+    /// successive boxes.
     static constexpr std::array<double, bands + 1> sigma{0.82, 1.83, 4.47, 10.39};
 
     static constexpr std::int32_t most_weight = 4096, most_value = 4096;
 
     /// `values` 0 to most_value, `weights` 0 to most_weight, all of one size.
     void split(const NumberField& values, const NumberField& weights, const SurfaceRuns& runs);
-    /// Band k of the last picture, from fine to coarse: 0 where nothing near counts.
+    /// Band k of the last picture, from fine to coarse: 0 where no pixel nearby has weight.
     const NumberField& band(int k) const { return bands_[static_cast<std::size_t>(k)]; }
-    /// How much what is around each pixel counts, 0 to most_weight: weights after the second blur.
+    /// Weight around each pixel, 0 to most_weight: weights after the second blur.
     const NumberField& confidence() const { return confidence_; }
 
 private:
@@ -84,18 +83,17 @@ private:
     std::array<NumberField, bands> bands_;
 };
 
-/// The relief that the colour of a frame suggests, before it is scaled: what is brighter than around it
-/// stands out. There is none across a step of depth, where depth is missing, in deep shadow and in
-/// highlights.
+/// The relief that a frame's colour suggests, before it is scaled: places brighter than their surroundings
+/// stand out. There is none across a step of depth, where depth is missing, in deep shadow and in highlights.
 class ReliefFilter {
 public:
     ReliefFilter(const ReliefSettings& settings, const DepthCoding& depth)
         : settings_(settings), depth_(depth) {}
 
-    /// `frame` has colour. Numbers are sixteenths of a level of brightness; about -4096 to 4096 for bands of
-    /// 100 %.
+    /// `frame` must have colour. Numbers are sixteenths of a level of brightness; about -4096 to 4096 for
+    /// bands of 100 %.
     const NumberField& apply(const RawFrame& frame);
-    /// Of each pixel of the last frame, how much its relief counts: 0 to DifferenceOfGaussians::most_weight.
+    /// Weight of each pixel's relief in the last frame: 0 to DifferenceOfGaussians::most_weight.
     const NumberField& confidence() const { return split_.confidence(); }
 
 private:
@@ -109,13 +107,13 @@ private:
     SurfaceRuns runs_;
 };
 
-/// Looks at the relief of some frames. Percentiles of the whole clip, not of each frame: otherwise a picture
-/// that gets darker would pulse under a resting finger.
+/// Measures the relief of some frames. Percentiles are of the whole clip, not of each frame: otherwise a
+/// picture that gets darker would pulse under a resting finger.
 class ReliefEstimator {
 public:
-    /// A frame's relief; `follows` the one that was added before it.
+    /// Adds a frame's relief; `follows`: it comes right after the one added before it.
     void add(const NumberField& relief, const NumberField& confidence, bool follows);
-    /// Nothing to be felt in any frame: full is 1.
+    /// If no frame has relief, full is 1.
     ReliefRange range() const;
 
 private:
@@ -125,24 +123,24 @@ private:
     NumberField before_;
 };
 
-/// Height codes of 8 bits of a clip's relief, frame after frame: 128 is level. What may be noise of the
-/// camera is averaged, and a code stays until another is clearly nearer, so that a still point feels still.
+/// Height codes of 8 bits of a clip's relief, frame after frame: 128 is level. Possible noise of the camera
+/// is averaged, and a code stays until another is clearly nearer, so that a still point feels still.
 class ReliefHeights {
 public:
     /// `amount`: per cent of the largest height that the range's `full` becomes.
     ReliefHeights(const ReliefRange& range, int amount) : range_(range), amount_(amount) {}
 
-    /// Of the next frame; until the next call.
+    /// Returns the codes of the next frame, valid until the next call.
     const std::vector<std::uint8_t>& next(const NumberField& relief);
-    /// The next frame is not what follows the one before.
+    /// To be called if the next frame does not follow the last one.
     void forget() { states_.clear(); }
 
-    /// How far codes change from frame to frame where no more than noise changed: the mean, and the share of
-    /// such pixels that change by more than one.
+    /// How far codes change from frame to frame at pixels where no more than noise changed: the mean, and the
+    /// share of these pixels that change by more than one.
     struct Flicker {
         double mean = 0, more_than_one = 0;
     };
-    /// Nothing where nothing stood still from one frame to the next.
+    /// nullopt if no pixel stood still from one frame to the next.
     std::optional<Flicker> flicker() const;
 
 private:

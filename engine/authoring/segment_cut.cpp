@@ -14,14 +14,14 @@ namespace {
 constexpr std::int32_t straight = 3, diagonal = 4, nowhere = std::numeric_limits<std::int32_t>::max() / 2;
 
 using Point = SegmentCut::Point;
-constexpr std::uint16_t not_seen = 0, on_stroke = 1, first_piece = 2;  // of a piece of the segment
+constexpr std::uint16_t not_seen = 0, on_stroke = 1, first_piece = 2;  // marks of pixels; pieces
 
 std::size_t place_of(const Point& point, int width) {
     return pixel_place(point.x, point.y, width);
 }
 
-/// All pixels from one to the other, each a neighbour of the last by a side, so that no way of such steps
-/// leads through.
+/// Visits all pixels from one to the other, each a neighbour of the last by a side, so that no path of such
+/// steps crosses the line.
 template <class Visit>
 void walk(Point from, const Point& to, const Visit& visit) {
     const int dx = std::abs(to.x - from.x), dy = std::abs(to.y - from.y);
@@ -42,7 +42,7 @@ void walk_along(const std::vector<Point>& stroke, const Visit& visit) {
     for (std::size_t k = 1; k < stroke.size(); ++k) walk(stroke[k - 1], stroke[k], visit);
 }
 
-/// Whether its ends are so near each other that a loop is meant.
+/// Whether the stroke's ends are so near each other that a loop is meant.
 bool is_loop(const std::vector<Point>& stroke) {
     std::int64_t length = 0;
     const auto distance = [](const Point& a, const Point& b) {
@@ -52,8 +52,7 @@ bool is_loop(const std::vector<Point>& stroke) {
     return stroke.size() > 2 && 5 * distance(stroke.front(), stroke.back()) < length;
 }
 
-/// A point of the stroke, read from this end on, that tells where the end points: not the nearest, which a
-/// hand sets at random.
+/// A point of the stroke that gives this end's direction: not the nearest, which a hand sets at random.
 template <class Iterator>
 Point point_before_end(Iterator end, Iterator last) {
     constexpr int far_enough = 8;
@@ -65,20 +64,20 @@ Point point_before_end(Iterator end, Iterator last) {
     return point;
 }
 
-/// A place on from `end`, away from `from`, so far that it is beyond any picture.
+/// A place beyond any picture, on the line from `from` through `end`.
 Point beyond(const Point& from, const Point& end) {
     const int dx = end.x - from.x, dy = end.y - from.y;
     const int times = 40000 / std::max({std::abs(dx), std::abs(dy), 1});
     return {end.x + times * dx, end.y + times * dy};
 }
 
-/// Pieces of a segment once the stroke's pixels are taken out of it.
+/// Pieces of a segment after the stroke's pixels are taken out of it.
 class Pieces {
 public:
     Pieces(const std::vector<std::uint16_t>& labels, std::uint16_t label, int width, int height)
         : labels_(labels), label_(label), width_(width), height_(height), pieces_(labels.size(), not_seen) {}
 
-    /// An end that stops short inside of the segment goes straight on to its border, unless it is a loop's.
+    /// Draws the stroke; unless it is a loop, ends inside the segment go straight on to its border.
     void draw(const SegmentCut& cut) {
         const auto draw_pixel = [&](const Point& point) {
             if (is_in(point)) pieces_[place_of(point, width_)] = on_stroke;
@@ -96,8 +95,8 @@ public:
         go_on(point_before_end(cut.stroke.rbegin(), cut.stroke.rend()), cut.stroke.back());
     }
 
-    /// Fills each with a number of its own, and pixels of the stroke with the nearest one's. False: there is
-    /// one piece beside the stroke, or none.
+    /// Fills each piece with its own number, and the stroke's pixels with that of the nearest piece. False:
+    /// fewer than two pieces are beside the stroke.
     bool find() {
         std::uint16_t number = first_piece;
         std::int64_t largest = 0, pieces_beside = 0;
@@ -134,7 +133,7 @@ private:
         return point.x >= 0 && point.y >= 0 && point.x < width_ && point.y < height_ &&
                labels_[place_of(point, width_)] == label_;
     }
-    /// Gives all that is joined to the seed this number; how many pixels that are.
+    /// Gives all pixels connected to the seed this number; returns how many.
     std::int64_t fill(const Point& seed, std::uint16_t number, bool& is_beside) {
         std::vector<Point> open{seed};
         pieces_[place_of(seed, width_)] = number;
@@ -165,7 +164,7 @@ private:
 
 }  // namespace
 
-/// With weights of 3 and 4 (chamfer): once from the upper left and once back.
+/// Chamfer distances with weights of 3 and 4: one pass from the upper left and one back.
 void NearestLabel::fill(std::vector<std::uint16_t>& labels, int columns, int rows) {
     const std::ptrdiff_t width = columns, height = rows;
     if (std::ranges::find(labels, 0) == labels.end()) return;
@@ -236,7 +235,7 @@ std::optional<CutFollower::Seen> CutFollower::find(const std::vector<std::uint16
     return seen;
 }
 
-/// Pixels of the segment of which something is known once that is shifted.
+/// Number of the segment's pixels whose part is known, if the known parts are shifted.
 std::int64_t CutFollower::overlap(const std::vector<std::uint16_t>& labels, const Box& box,
                                   const Place& shift) const {
     std::int64_t pixels = 0;
@@ -268,7 +267,7 @@ void CutFollower::shift_known(const Place& shift) {
                   moved(known_box_.right, shift.x, width_), moved(known_box_.bottom, shift.y, height_)};
 }
 
-/// It moved as its middle did, or stood still while something passed before it: whichever explains more.
+/// The segment moved as its middle did, or stood still behind a passing thing: whichever explains more.
 void CutFollower::next(std::vector<std::uint16_t>& labels) {
     const auto seen = find(labels);
     if (!seen) return;

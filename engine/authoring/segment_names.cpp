@@ -16,8 +16,8 @@ namespace {
 constexpr double hard = as_stiff_as_the_device;
 constexpr std::string_view limit = "as stiff as the device can", estimate = "estimate";
 
-// Friction from HaTT is that of a hand-held tool's tip that slides: the median of its materials of a kind.
-// It has no static friction: that is estimated as four thirds of the dynamic one.
+// Friction from HaTT is that of a hand-held tool's sliding tip: the median of its materials of a kind. HaTT
+// has no static friction: that is estimated as four thirds of the dynamic one.
 constexpr std::array<PaletteMaterial, 20> materials{{
     {"wood", hard, 0.29, 0.216, 100, limit, "HaTT: MDF, painted, stained and plain wood"},
     {"metal", hard, 0.36, 0.268, 40, limit, "HaTT: aluminium (2), mesh, shelving, textured metal"},
@@ -42,7 +42,7 @@ constexpr std::array<PaletteMaterial, 20> materials{{
     {"water", 0.05, 0.03, 0.02, 0, estimate, "estimate"},
 }};
 
-/// All of them, between commas.
+/// All materials, separated by commas.
 std::string material_names() {
     return listed(materials, &PaletteMaterial::name);
 }
@@ -63,7 +63,7 @@ double number_between(const checked_json::Node& node, double least, double most,
     return number;
 }
 
-/// Values that are said beside a material, or in its place.
+/// Reads a material, or values beside it or in its place.
 void read_feel(const checked_json::Node& node, NamedSegment& segment) {
     HapticProperties& properties = segment.feel.properties;
     if (node.has("material")) {

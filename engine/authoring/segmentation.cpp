@@ -6,7 +6,7 @@
 
 namespace touchable {
 
-/// A region of a frame, which is to have a label.
+/// A region of a frame that needs a label.
 struct RegionLook {
     std::int64_t pixels = 0;
     std::int32_t x = 0, y = 0;                                               ///< mean place
@@ -15,12 +15,12 @@ struct RegionLook {
 
 namespace {
 
-/// Of what was seen before, so many are remembered, the newest.
+/// Number of labels that are remembered, the newest.
 constexpr std::size_t most_known = 512;
 /// Alike: within 16 levels of colour and a fifth of the depth, and not twice as large.
 constexpr std::int64_t colour_alike = 64 * 64, depth_alike = PixelFeatures::depth_per_octave / 4;
 constexpr std::int64_t size_alike = 2;
-/// And an eighth of the picture away at most.
+/// And at most an eighth of the picture's diagonal away.
 constexpr std::int64_t place_alike = 8;
 
 std::int64_t colour_distance(const RegionLook& a, const RegionLook& b) {
@@ -28,9 +28,9 @@ std::int64_t colour_distance(const RegionLook& a, const RegionLook& b) {
            squared(a.yellow_blue - b.yellow_blue);
 }
 
-/// Texture is what a mean over 9x9 pixels, all of one segment, takes away.
+/// Texture is the deviation from a mean over 9x9 pixels, all of one segment.
 constexpr int blur_reach = 4, blur_side = 2 * blur_reach + 1;
-/// A place is inside where it is so far from other segments.
+/// Pixels; a place this far from other segments is inside.
 constexpr int inside = 2;
 constexpr std::int64_t outside = std::int64_t{1} << 40;  // farther than any place
 constexpr std::uint32_t no_place = std::numeric_limits<std::uint32_t>::max();
@@ -44,7 +44,7 @@ std::uint16_t label_at(const Segmentation& of, int x, int y) {
     return of.labels[pixel_place(x, y, of.width)];
 }
 
-/// All the square around it, as its corners and the middles of its sides tell, is of the same segment.
+/// Whether the square around a place, judged by its corners and the middles of its sides, is of one segment.
 bool is_within(const Segmentation& of, int x, int y, int reach) {
     if (x < reach || y < reach || x >= of.width - reach || y >= of.height - reach) return false;
     for (int dy = -reach; dy <= reach; dy += reach)
@@ -55,12 +55,12 @@ bool is_within(const Segmentation& of, int x, int y, int reach) {
 
 constexpr long usual_superpixels = 1500;
 constexpr int smallest_side = 4;
-constexpr std::int64_t smallest_permille = 2;  // of the picture's pixels: a segment
+constexpr std::int64_t smallest_permille = 2;  // of the picture's pixels; the smallest segment
 constexpr long segmented_pixels_per_thread = 20000;
-/// A pixel of which colour changed by more than 12 levels, or depth by 2 %, shows something else.
+/// A pixel whose colour changed by more than 12 levels, or whose depth by 2 %, shows something else.
 constexpr std::int32_t same_colour = 48, same_depth = 118;
 
-/// So that one pixel out of so many begins a superpixel.
+/// Side of a superpixel's cell, so that there are at most about so many superpixels.
 int side_for(long pixels, long superpixels) {
     int side = 1;
     while (long{side} * side * superpixels < pixels) ++side;
@@ -78,14 +78,14 @@ std::int32_t smallest_segment(const Scene& scene) {
 
 }  // namespace
 
-/// Gives regions their labels from frame to frame: that of which a region has most pixels, else that of one
-/// like it that was seen a while ago about there, else a new one.
+/// Gives regions their labels from frame to frame: the label that most of a region's pixels had, else that of
+/// a similar region seen earlier near there, else a new one.
 class LabelMemory {
 public:
     LabelMemory(int width, int height) : width_(width), height_(height) {}
 
-    /// Labels of regions 0 to size - 1. `regions`: of each pixel, beyond the last: none. `labels`: of the
-    /// last frame. `follows`: this frame follows it; else a label has to be of one that looks alike.
+    /// Returns the labels of regions 0 to size - 1. `regions`: of each pixel, beyond the last: none.
+    /// `labels`: of the last frame. `follows`: this frame follows it; else labels need a similar region.
     std::vector<std::uint16_t> name(const std::vector<RegionLook>& looks,
                                     const std::vector<std::uint16_t>& regions,
                                     const std::vector<std::uint16_t>& labels, bool follows) {
@@ -94,7 +94,7 @@ public:
         for (Known& known : known_) known.is_taken = false;
         take_by_overlap(looks, regions, labels, follows, names);
         take_by_look(looks, names);
-        // After 65,535 segments there are no more labels: what is new then has none.
+        // After 65,535 segments there are no more labels: new regions then have none.
         for (std::uint16_t& name : names)
             if (name == 0 && newest_ < std::numeric_limits<std::uint16_t>::max()) name = ++newest_;
         remember(looks, names);
@@ -109,12 +109,11 @@ private:
         bool is_taken;
     };
     struct Pair {
-        std::int64_t distance;  ///< what is closest is least
+        std::int64_t distance;  ///< the closest pair has the least
         std::size_t region, known;
         auto operator<=>(const Pair&) const = default;
     };
-    /// Gives regions the labels that they are paired with, the closest pair first, as far as neither is
-    /// taken.
+    /// Gives regions their paired labels, the closest pair first, if neither is taken.
     void take(std::vector<Pair>& pairs, std::vector<std::uint16_t>& names) {
         std::ranges::sort(pairs);
         for (const Pair& pair : pairs) {
@@ -124,8 +123,7 @@ private:
         }
     }
 
-    /// Pairs of a region and a label, those that share most pixels first. A pair has to share more than half
-    /// of the smaller one.
+    /// Pairs regions with labels, most shared pixels first. Pairs share more than half of the smaller one.
     void take_by_overlap(const std::vector<RegionLook>& looks, const std::vector<std::uint16_t>& regions,
                          const std::vector<std::uint16_t>& labels, bool follows,
                          std::vector<std::uint16_t>& names) {
@@ -192,7 +190,7 @@ private:
     std::int64_t frame_ = 0;
 };
 
-/// Fills in `segments` from `labels` and the frame they are of.
+/// Fills in `segments` from `labels` and their frame.
 class SegmentFigures {
 public:
     void find(const RawFrame& frame, Segmentation& of, RowBands& bands) {
@@ -240,7 +238,7 @@ private:
         });
     }
 
-    /// By label; `place_of_` leads to each.
+    /// Lists segments by label; `place_of_` has the index of each.
     void list_segments(Segmentation& of) {
         place_of_.resize(std::size_t{1} << 16, no_place);
         of.segments.clear();
@@ -254,7 +252,7 @@ private:
             place_of_[of.segments[k].label] = static_cast<std::uint32_t>(k);
     }
 
-    /// All figures, with the mean place.
+    /// Finds all figures, with the mean place.
     void find_means(const PlaneView& colour, Segmentation& of) const {
         const int width = of.width, height = of.height;
         std::vector<FigureSums> all(of.segments.size());
@@ -288,7 +286,7 @@ private:
         }
     }
 
-    /// In place of the mean place the pixel next to it, one inside if there is one.
+    /// Replaces the mean place by the nearest pixel of the segment, an inner one if there is any.
     void find_middles(Segmentation& of) const {
         struct Nearest {
             std::int64_t rank = std::numeric_limits<std::int64_t>::max();
@@ -331,7 +329,7 @@ struct Segmenter::State {
         known.assign(out.labels.size(), 0);
     }
 
-    /// What changed tells nothing of what is there now.
+    /// Pixels that changed have no known label.
     void find_known(bool follows) {
         if (!follows || before.depth.size() != now.depth.size()) {
             std::fill(known.begin(), known.end(), std::uint16_t{0});
@@ -380,7 +378,7 @@ struct Segmenter::State {
                 of_pixels[k] == Superpixels::none ? RegionCleaning::none : of_superpixels[of_pixels[k]];
         cleaning.clean(regions, out.width, out.height,
                        std::max(2, superpixels.side() * superpixels.side() / 4));
-        // Those that are left too small, because there are holes all around them, are no segments.
+        // Regions that are still too small, because of holes all around them, are no segments.
         std::vector<std::int32_t> pixels(std::size_t{1} << 16);
         for (const std::uint16_t region : regions) ++pixels[region];
         std::vector<std::uint16_t> dense(pixels.size(), RegionCleaning::none);
@@ -422,7 +420,7 @@ struct Segmenter::State {
         const std::vector<std::uint16_t> names = memory.name(looks(), regions, out.labels, follows);
         for (std::size_t k = 0; k < regions.size(); ++k)
             out.labels[k] = regions[k] == RegionCleaning::none ? std::uint16_t{0} : names[regions[k]];
-        // A superpixel goes on with the label at its middle.
+        // A superpixel takes the label at its middle.
         for (Superpixel& one : superpixels.all()) {
             const std::size_t middle = now.place(one.x, one.y);
             one.label = one.pixels > 0 ? out.labels[middle] : std::uint16_t{0};

@@ -2,9 +2,9 @@
 
 // The surfaces of a recording, told apart by colour and depth and followed through time.
 //
-// A frame becomes superpixels by its PixelFeatures, these are merged to regions where they are alike, small
-// ones are cleaned away, and labels are kept from frame to frame (regions.hpp). A Segmenter does this one
-// call a frame, in order. It is one thread's; the same frames give the same labels on every machine.
+// A frame is divided into superpixels by its PixelFeatures, similar ones are merged to regions, small regions
+// are cleaned away, and labels are kept from frame to frame (regions.hpp). A Segmenter does this with one
+// call per frame, in order. It is used by one thread; the same frames give the same labels on every machine.
 
 #include "engine/authoring/segments.hpp"
 #include "engine/base/threads.hpp"
@@ -13,15 +13,15 @@
 
 namespace touchable {
 
-/// What pixels are told apart by, in numbers of which equal differences weigh about the same: 4 of them are
-/// a level of 255 of colour, or 1/1000 of the depth.
+/// Features that tell pixels apart, in numbers of which equal differences weigh about the same: 4 units are
+/// one level of 255 of colour, or 0.07 % of the depth.
 struct PixelFeatures {
     static constexpr std::int32_t no_surface = -(1 << 20);
     static constexpr int depth_per_octave = 4096;
 
     int width = 0, height = 0;
     /// Of a mean over 3x3 pixels. Brightness, which shading changes, has half the weight; the two of hue are
-    /// shares of the brightness, which it does not change.
+    /// shares of the brightness, which shading does not change.
     std::vector<std::int16_t> brightness, red_green, yellow_blue;
     /// Logarithm of the planar depth, so that a share of it is a difference; `no_surface` in holes.
     std::vector<std::int32_t> depth;
@@ -38,7 +38,7 @@ class FeatureReader {
 public:
     explicit FeatureReader(const Scene& scene);
     void read(const RawFrame& frame, PixelFeatures& features, RowBands& bands) const;
-    /// About that depth: from one code to the next.
+    /// Difference from one code to the next, around this depth.
     std::int32_t quantum(std::int32_t depth) const;
 
 private:
@@ -47,7 +47,7 @@ private:
 
     int width_, height_;
     DepthCoding coding_;
-    std::vector<std::int32_t> depth_of_code_, ray_;  // ray_: of range depth, by pixel; else none
+    std::vector<std::int32_t> depth_of_code_, ray_;  // ray_: by pixel, for range depth; else empty
     std::vector<std::int32_t> quanta_;               // by eighths of an octave
     std::vector<std::int32_t> shares_;
 };
@@ -59,8 +59,8 @@ public:
     explicit Segmenter(const Scene& scene, int threads = 0);
     ~Segmenter();
 
-    /// The frame's segments, valid until the next call. `follows`: it is the one right after the last (else
-    /// segments are matched by place and colour as far as they can be). Whole numbers throughout: the same
+    /// Returns the frame's segments, valid until the next call. `follows`: it comes right after the last one
+    /// (else segments are matched by place and colour as far as possible). Integers throughout: the same
     /// frames have the same labels on every machine.
     const Segmentation& next(const RawFrame& frame, bool follows);
 

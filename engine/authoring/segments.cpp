@@ -20,7 +20,7 @@ auto place_of_look(auto& seen, std::uint16_t label) {
     return std::ranges::lower_bound(seen, label, {}, [](const auto& look) { return look.segment.label; });
 }
 
-/// Of one label, a pixel amid its longest run of a row, and how many pixels there are.
+/// A pixel amid a label's longest run in a row, and the number of its pixels.
 struct PlaceOfLabel {
     std::int32_t x = 0, y = 0, pixels = 0;
 };
@@ -67,7 +67,7 @@ Result<void> check_place(const NamedPlace& place, const Segmentation& size,
     return {};
 }
 
-/// By index of the map.
+/// Names by index of the map.
 Result<std::map<int, NamedSegment>> names_by_index(const SegmentNames& names,
                                                    const std::optional<SegmentMap>& map) {
     std::map<int, NamedSegment> by_index;
@@ -83,7 +83,7 @@ Result<std::map<int, NamedSegment>> names_by_index(const SegmentNames& names,
     return by_index;
 }
 
-/// Each segment's pixels by index.
+/// Names each segment by the index of most of its pixels.
 Result<LabelNames> names_of_map(const SegmentMap& map, const Segmentation& frame,
                                 const std::map<int, NamedSegment>& by_index) {
     std::map<std::uint16_t, std::array<std::int64_t, 256>> counts;
@@ -108,7 +108,7 @@ Result<LabelNames> names_of_map(const SegmentMap& map, const Segmentation& frame
     return found;
 }
 
-/// Puts a name to the segment at one of its pixels.
+/// Names the segment at one of its pixels.
 Result<void> take_name(const NamedPlace& place, const Segmentation& frame, LabelNames& by_pixel) {
     const NamedSegment& name = *place.name;
     const auto at = pixel_place(place.at.x, place.at.y, frame.width);
@@ -119,7 +119,7 @@ Result<void> take_name(const NamedPlace& place, const Segmentation& frame, Label
     const auto [taken, is_new] = by_pixel.emplace(label, name);
     NamedSegment& there = taken->second;
     if (is_new || name.is_guess) return {};
-    // What is said on the command line counts before what a file says.
+    // Names of the command line take precedence over those of a file.
     const bool is_typed = name.kind == ErrorKind::usage, was_typed = there.kind == ErrorKind::usage;
     if (there.is_guess || (is_typed && !was_typed)) {
         there = name;
@@ -133,13 +133,13 @@ Result<void> take_name(const NamedPlace& place, const Segmentation& frame, Label
     return {};
 }
 
-/// Looks at frames in order, as far as something is named there.
+/// Looks at frames in order, up to the last one with a named pixel.
 class NameSearch {
 public:
     NameSearch(const SegmentNames& names, const std::optional<SegmentMap>& map, const Segmentation& size)
         : names_(names), map_(map), size_(size) {}
 
-    /// Before the first frame; nothing: their number is not known.
+    /// To be called before the first frame; nullopt: the number of frames is not known.
     Result<void> begin(std::optional<std::int64_t> frames) {
         if (map_ && (map_->indices.width != size_.width || map_->indices.height != size_.height))
             return input_error(map_->file + ": has " + std::to_string(map_->indices.width) + 'x' +
@@ -156,7 +156,7 @@ public:
         return {};
     }
 
-    /// The place that is looked for next; null: none is.
+    /// The next place to look for; null: none.
     const NamedPlace* next() const { return next_ < places_.size() ? &places_[next_] : nullptr; }
     bool wants_map() const { return map_.has_value(); }
     Result<void> look(const Segmentation& segmentation, std::int64_t frame) {
@@ -220,7 +220,7 @@ void SegmentStore::read_labels(std::int64_t frame, std::vector<std::uint16_t>& l
 }
 
 std::uint16_t SegmentStore::label_at(std::int64_t frame, int x, int y) const {
-    auto left = static_cast<std::int64_t>(y) * width_ + x;  // pixels before it that are still to be passed
+    auto left = static_cast<std::int64_t>(y) * width_ + x;  // pixels before it, still to be passed
     for (const Run& run : *frames_[static_cast<std::size_t>(frame)]) {
         left -= run.pixels;
         if (left < 0) return run.label;
@@ -254,7 +254,7 @@ bool SegmentStore::has(std::int64_t frame, std::uint16_t label) const {
     return std::ranges::any_of(runs, [&](const Run& run) { return run.label == label; });
 }
 
-/// Through the frames beyond `from`, either way.
+/// Cuts the frames beyond `from`, in the direction of `step`.
 Result<void> SegmentStore::follow(CutFollower follower, std::int64_t from, std::int64_t step,
                                   std::uint16_t label) {
     std::vector<std::uint16_t> labels;
@@ -268,7 +268,7 @@ Result<void> SegmentStore::follow(CutFollower follower, std::int64_t from, std::
     return {};
 }
 
-/// Where a part of a segment is seen first, since the other one may have what was named there.
+/// Finds where a part of a segment is seen first, since the other part may have the whole's first look.
 void SegmentStore::look_again(std::uint16_t label, const FirstLook& whole) {
     std::int64_t frame = whole.frame;
     while (frame < frames() && !has(frame, label)) ++frame;

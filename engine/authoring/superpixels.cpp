@@ -13,7 +13,7 @@ namespace touchable {
 namespace {
 
 constexpr int window = 3, window_pixels = window * window;
-/// Hue is taken as a share of brightness and this: in the dark it is mostly noise.
+/// Hue is divided by brightness plus this: in the dark it is mostly noise.
 constexpr int dark = 96;
 /// A level of hue weighs as much as one of colour in a pixel of middle brightness.
 constexpr int hue_weight = 4 * (128 + dark), share_bits = 14;
@@ -22,12 +22,12 @@ constexpr int brightness_weight = 2;
 constexpr int per_quantum = PixelFeatures::depth_per_octave / 8;
 constexpr std::size_t quanta = 32 * 8;
 
-/// A cell's side away in place is as far as 25 levels of colour.
+/// A distance of a cell's side counts like 25 levels of colour.
 constexpr std::int32_t place_weight = 100 * 100, place_bits = 4;
 /// A depth this far from the plane is another surface; how far does not matter.
 constexpr std::int32_t most_depth = 400;
 constexpr int first_rounds = 5, later_rounds = 2;
-/// Some 220 per pixel is more than any surface that a camera sees.
+/// 256 per pixel is more than any surface that a camera sees.
 constexpr std::int64_t steepest = 1 << 16;
 
 std::vector<int> even_cells(int length, int side, int& cells) {
@@ -183,7 +183,7 @@ void Superpixels::divide(const PixelFeatures& features, const std::vector<std::u
     is_new_ = false;
 }
 
-/// What has none, or has left its cell, begins at the pixel of a surface next to the cell's middle.
+/// A superpixel without pixels, or out of its cell, begins at the surface pixel next to the cell's middle.
 void Superpixels::seed(const PixelFeatures& features, const std::vector<std::uint16_t>& known) {
     for (int row = 0; row < rows_; ++row)
         for (int column = 0; column < columns_; ++column) {
@@ -215,7 +215,7 @@ void Superpixels::seed(const PixelFeatures& features, const std::vector<std::uin
         }
 }
 
-/// Cell by cell of a row, all of whose pixels have the same superpixels to choose from.
+/// Works cell by cell of a row: all pixels of a cell have the same superpixels to choose from.
 void Superpixels::assign(const PixelFeatures& features, const std::vector<std::uint16_t>& known,
                          const RowBand& band) {
     const std::int32_t per_place = std::max(1, (place_weight << place_bits) / (side_ * side_));
@@ -287,7 +287,7 @@ void Superpixels::add_up(const PixelFeatures& features, const RowBand& band) {
         }
 }
 
-/// Means, and the plane of least squares, a little flatter where there are few pixels to tell.
+/// Finds means, and the plane of least squares, a little flatter if there are few pixels.
 void Superpixels::update(std::size_t k) {
     Sums sums{};
     for (const auto& of_thread : sums_) sums += of_thread[k];
@@ -302,7 +302,7 @@ void Superpixels::update(std::size_t k) {
     const std::int32_t dx = mean(sums.x), dy = mean(sums.y);
     one.x = dx + column_ends_[k % static_cast<std::size_t>(columns_)];
     one.y = dy + row_ends_[k / static_cast<std::size_t>(columns_)];
-    /// 16 times the covariance; z is large, so that its mean is taken off first.
+    /// 16 times the covariance; the mean of z, which is large, is subtracted first.
     const std::int64_t z = sums.z / n;
     const auto covariance = [n](std::int64_t sum, std::int64_t a, std::int64_t b) {
         return 16 * (sum - a * b / n) / n;
@@ -323,7 +323,7 @@ void Superpixels::update(std::size_t k) {
     const std::int64_t explained = (one.slope_x * xz + one.slope_y * yz) / 256;
     one.noise = static_cast<std::int32_t>(std::clamp<std::int64_t>((zz - explained) / 16, 0, 1 << 20));
     one.spread = static_cast<std::int32_t>(std::max<std::int64_t>(1, std::min(xx, yy) / 16));
-    // Depth at the whole pixel that stands for the middle.
+    // Depth at the integer pixel of the middle.
     one.depth = static_cast<std::int32_t>(
         z + rest / n + ((one.slope_x * (dx * n - sums.x) + one.slope_y * (dy * n - sums.y)) / (n * 256)));
 }

@@ -23,7 +23,7 @@ std::string failure_words(int failure) {
 }
 
 struct Pipe {
-    Descriptor out, in;  ///< to be read without waiting; to be written
+    Descriptor out, in;  ///< the end to read from without waiting; the end to write to
 };
 Result<Pipe> make_pipe() {
     int ends[2];
@@ -33,7 +33,7 @@ Result<Pipe> make_pipe() {
     return made;
 }
 
-/// Of C strings, as exec takes them.
+/// Returns the null-terminated array of C strings that exec takes.
 std::vector<char*> ends_with_null(std::vector<std::string>& words) {
     std::vector<char*> all;
     for (std::string& word : words) all.push_back(word.data());
@@ -41,7 +41,7 @@ std::vector<char*> ends_with_null(std::vector<std::string>& words) {
     return all;
 }
 
-/// This program's environment, with these settings in the place of its own.
+/// Returns this program's environment, with variables replaced by those in `settings`.
 std::vector<std::string> environment_with(const std::vector<std::string>& settings) {
     std::vector<std::string> all = settings;
     for (char** each = ::environ; *each != nullptr; ++each) {
@@ -53,7 +53,7 @@ std::vector<std::string> environment_with(const std::vector<std::string>& settin
     return all;
 }
 
-/// 0, or why it cannot be started (errno).
+/// Returns 0, or the errno that says why the program cannot be started.
 int spawn(std::vector<std::string>& words, std::vector<std::string>& environment, int output, int errors,
           ::pid_t& process) {
     ::posix_spawn_file_actions_t files;
@@ -81,7 +81,7 @@ int spawn(std::vector<std::string>& words, std::vector<std::string>& environment
 void set_limit(::pid_t process, __rlimit_resource what, std::uint64_t most) {
     if (most == 0) return;
     const ::rlimit limit{most, most};
-    // One that has ended by now needs none, and where this program has less itself, that stays.
+    // Failure is harmless: the child has ended, or it inherits a lower limit of this program.
     (void)::prlimit(process, what, &limit, nullptr);
 }
 
@@ -93,7 +93,7 @@ Result<std::unique_ptr<ChildProcess>> ChildProcess::start(std::vector<std::strin
     TRY_ASSIGN(auto output, make_pipe());
     TRY_ASSIGN(auto errors, make_pipe());
     constexpr int roomy = 1 << 20;
-    (void)::fcntl(output.in.get(), F_SETPIPE_SZ, roomy);  // otherwise what it is
+    (void)::fcntl(output.in.get(), F_SETPIPE_SZ, roomy);  // if refused, the default size stays
     std::vector<std::string> environment = environment_with(settings);
     ::pid_t process = -1;
     const int failure = spawn(words, environment, output.in.get(), errors.in.get(), process);
@@ -105,7 +105,7 @@ Result<std::unique_ptr<ChildProcess>> ChildProcess::start(std::vector<std::strin
         new ChildProcess(process, std::move(output.out), std::move(errors.out)));
 }
 
-/// While the first process is not waited for, no other group has its number.
+/// The id of the group is not reused until the first process has been waited for.
 ChildProcess::~ChildProcess() {
     ::kill(-process_, SIGTERM);
     siginfo_t how;

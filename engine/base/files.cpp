@@ -20,10 +20,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Read at once, so that a few bytes after the other are not a call of the system each.
+/// Bytes per read, so that a series of small reads does not make a system call each.
 constexpr std::uint64_t block_bytes = 1 << 16;
 
-/// What it is, where it is no ordinary file.
+/// Describes a file that is not ordinary.
 const char* other_kind(mode_t mode) {
     if (S_ISDIR(mode)) return "is a folder";
     if (S_ISFIFO(mode)) return "is a pipe, no ordinary file";
@@ -36,7 +36,7 @@ std::string words_of(int error) {
                            : "cannot be read (" + std::generic_category().message(error) + ")";
 }
 
-/// Behind the file's name, where there is one.
+/// Puts the file's name, if any, before the message.
 Error named_error(const std::string& named, const std::string& why) {
     return input_error(named.empty() ? why : named + ": " + why);
 }
@@ -61,7 +61,7 @@ public:
 
 private:
     int number_;
-    bool in_memory_;  // its file system is, and need not know how to read without waiting
+    bool in_memory_;  // on tmpfs, which may not support RWF_NOWAIT
 };
 
 Result<std::string> all_of(Result<GivenFile> given, const std::string& named, const std::string& right,
@@ -89,7 +89,7 @@ private:
     std::string_view bytes_;
 };
 
-/// A name that leads to an open file, which need not have one of its own.
+/// A path that leads to an open file, even to one without a name.
 fs::path open_file_name(int file) {
     return "/proc/self/fd/" + std::to_string(file);
 }
@@ -98,7 +98,7 @@ fs::path folder_of(const fs::path& file) {
     return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
 
-/// Gives `from` a second name, following it where it leads to an open file: 0 or errno.
+/// Gives `from` a second name, following it if it leads to an open file. Returns 0 or an errno.
 int add_name(const fs::path& from, const fs::path& to) {
     return linkat(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), AT_SYMLINK_FOLLOW) == 0 ? 0 : errno;
 }
@@ -109,7 +109,7 @@ Result<GivenFile> GivenFile::open(const fs::path& file, const std::string& named
     const auto refused = [&](const std::string& why) {
         return named_error(named, why + "; expected " + right);
     };
-    // Opening a device may do something to it, so first a look; then another, at what was opened.
+    // Opening a device may change its state, so check first; then check what was opened.
     struct stat about = {};
     if (stat(file.c_str(), &about) != 0) return refused(words_of(errno));
     if (!S_ISREG(about.st_mode)) return refused(other_kind(about.st_mode));
@@ -123,8 +123,8 @@ Result<GivenFile> GivenFile::open(const fs::path& file, const std::string& named
                      static_cast<std::uint64_t>(about.st_size));
 }
 
-/// What is in memory already comes at once. For a disk, which may be at the other end of a network that has
-/// failed, another thread waits.
+/// Reads bytes that are in memory at once. For a disk, which may be at the other end of a failed network,
+/// another thread waits.
 Result<void> GivenFile::fill(std::uint64_t at) {
     if (stop_requested()) return interrupted_error();
     const auto count = static_cast<std::size_t>(std::min(block_bytes, size_ - at));
@@ -218,7 +218,7 @@ fs::path hidden_name(const fs::path& folder) {
 int move_to_free_name(const fs::path& from, const fs::path& to) {
     if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return 0;
     if (errno != EINVAL && errno != ENOSYS) return errno;
-    // A file system that cannot: a file may have two names for a moment, a folder may not.
+    // Without RENAME_NOREPLACE: a file may have two names for a moment, a folder may not.
     std::error_code failure;
     if (fs::is_directory(from, failure)) {
         if (fs::exists(fs::symlink_status(to, failure))) return EEXIST;
@@ -318,7 +318,7 @@ int NewFile::give_name(const fs::path& name) {
 
 Result<void> NewFile::commit_as(const fs::path& name) {
     TRY(check());
-    // Some file systems and pipes cannot; that is no fault.
+    // Some file systems and pipes cannot sync; that is no error.
     if (lasts_ && fsync(file_) != 0 && errno != EINVAL && errno != ENOSYS && errno != EROFS)
         return failed(errno);
     const int why = give_name(name);

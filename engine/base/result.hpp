@@ -1,14 +1,15 @@
 #pragma once
 
-// How a function says that it could not do what it was asked for.
+// How a function reports that it failed.
 //
 // A function that can fail returns Result<T>: a value, or an Error with one line for a person (what is wrong,
-// where, what would be right) and its kind, of which exit_code makes the program's. Ask it by `if (!result)`,
-// then use `*result`; TRY and TRY_ASSIGN (engine/base/try.hpp) hand an error on. input_error, usage_error and
-// the like make the errors, and error_at puts a place before one: a function that does not know its
-// file's name says what is wrong, and its caller says where. Nothing is thrown across a module's border.
+// where, what would be right) and its kind, which exit_code turns into the program's exit code. Test it with
+// `if (!result)`, then use `*result`; TRY and TRY_ASSIGN (engine/base/try.hpp) pass an error on. input_error,
+// usage_error and the like make the errors, and error_at puts a place before the message: a function that
+// does not know its file's name says what is wrong, and its caller says where. No exception crosses a
+// module's border.
 //
-// An Error may hint at a Setting: a library does not know what a program calls it, an option or a row of a
+// An Error may hint at a Setting: the program, not the library, knows its name there, an option or a row of a
 // panel. Plain values, for any thread.
 
 #include <cassert>
@@ -23,9 +24,8 @@
 
 namespace touchable {
 
-/// What a person can set of what is opened, touched, shown or written. Messages speak of it in plain words; a
-/// program that lets people set it knows what they write for it: an option, a row of a panel, a parameter.
-/// These are the names by which hints speak of them.
+/// Names of the settings of what is opened, touched, shown or written, as hints use them. Messages describe a
+/// setting in plain words; a program maps its name to its own option, row of a panel or parameter.
 struct Setting {
     using Name = std::string_view;
     static constexpr Name builder = "builder", camera = "camera", channel = "channel", clip = "clip",
@@ -50,7 +50,7 @@ struct Hint {
 };
 using Hints = std::vector<Hint>;
 
-/// What kind of thing went wrong; each kind has its own exit code (see `exit_code`).
+/// The kind of an error; each kind has its own exit code (see `exit_code`).
 enum class ErrorKind { internal, usage, input, gpu, device, check, interrupted };
 
 /// One line for a person: what is wrong, where (file, track, frame, setting, device), and what would be
@@ -58,7 +58,7 @@ enum class ErrorKind { internal, usage, input, gpu, device, check, interrupted }
 struct Error {
     ErrorKind kind = ErrorKind::internal;
     std::string message;
-    Hints hints{};  ///< the settings it speaks of, for a program that knows what people write for them
+    Hints hints{};  ///< the settings that the message mentions; the program has its own names for them
 };
 
 /// 1 internal fault, 2 bad usage, 3 bad input, 4 no usable GPU, 5 device fault, 6 a check failed, 130
@@ -79,22 +79,22 @@ inline Error device_error(std::string message, Hints hints = {}) {
 inline Error gpu_error(std::string message, Hints hints = {}) {
     return {ErrorKind::gpu, std::move(message), std::move(hints)};
 }
-/// A fault of this program, or of what it is made of.
+/// A fault of this program or of a library that it uses.
 inline Error internal_error(std::string message) {
     return {ErrorKind::internal, std::move(message)};
 }
-/// The same of a place: a file, a node, a device.
+/// Puts a place before the message: a file, a node, a device.
 inline Error error_at(const std::string& where, Error error) {
     error.message = where + ": " + error.message;
     return error;
 }
 
-/// A value, or the reason there is none. Asking for the one that is not there is a fault of the caller.
+/// A value or an error. Accessing the one that it does not hold is a fault of the caller (asserted).
 template <class T>
 class [[nodiscard]] Result {
 public:
     Result(T value) : state_(std::in_place_index<0>, std::move(value)) {}
-    /// What was made of a class is handed out as its base.
+    /// Converts a pointer to a derived class into one to its base.
     template <class Derived>
     requires std::is_convertible_v<std::unique_ptr<Derived>, T> Result(std::unique_ptr<Derived> made)
         : state_(std::in_place_index<0>, std::move(made)) {}
@@ -144,8 +144,8 @@ private:
     std::optional<Error> error_;
 };
 
-/// A base for what must not be copied, nor moved: what holds something that the machine has once (a
-/// descriptor, a thread, a device), what others point at, and interfaces, of which a copy would be a part.
+/// A base for classes that must not be copied or moved: owners of a unique resource (a descriptor, a thread,
+/// a device), objects that others point at, and interfaces, of which a copy would be sliced.
 class NonCopyable {
 protected:
     NonCopyable() = default;

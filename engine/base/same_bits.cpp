@@ -58,7 +58,7 @@ Reduced reduce(double x) {
     return {static_cast<int>(quadrant), {high, (second.high - high) + tail}};
 }
 
-/// Taylor series; |x| <= pi/4 leaves less than 2^-60 of the value.
+/// Taylor series; its relative error is below 2^-60 for |x| <= pi/4.
 double sine_near_zero(TwoDoubles x) {
     constexpr double series[] = {-1.0 / 6,
                                  1.0 / 120,
@@ -111,7 +111,7 @@ TwoDoubles angle_of_slope(double slope) {
 
 /// Angle of the point (x, y), both at least 0, not both 0; in [0, pi/2].
 double angle_in_first_quadrant(double y, double x) {
-    if (x == y) return half_pi * 0.5;  // also where both are infinite
+    if (x == y) return half_pi * 0.5;  // also if both are infinite
     if (y < x) {
         const TwoDoubles angle = angle_of_slope(y / x);
         return angle.high + angle.low;

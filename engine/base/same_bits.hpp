@@ -1,13 +1,12 @@
 #pragma once
 
-// Arithmetic that is the same bits on every CPU, compiler and C library, and the hash by which two runs are
-// compared.
+// Arithmetic with the same bits on every CPU, compiler and C library, and the hash that compares two runs.
 //
-// What reaches a force, a code or a generated scene calls nothing that a library may round in its own way
-// (docs/architecture.md, decision 3). Sine, cosine and angles are made of + - x /, sqrt and the exact fmod:
-// within 2 ulp of the correctly rounded value for |x| <= 1e6, losing digits beyond; arguments in radians. e
-// to a power and its inverse, for depths of logarithmic codes, are made of + - x / and the exact floor, frexp
-// and ldexp: within 1 ulp. Both are tested against long double.
+// Functions whose result reaches a force, a depth code or a generated scene must not call what each library
+// may round in its own way (docs/architecture.md, decision 3). Sine, cosine and angles use only + - x /, sqrt
+// and the exact fmod: within 2 ulp of the correctly rounded value for |x| <= 1e6, with fewer digits beyond;
+// arguments in radians. exponential and logarithm, for depths of logarithmic codes, use only + - x / and the
+// exact floor, frexp and ldexp: within 1 ulp. All are tested against long double.
 //
 // Pure functions, for any thread; a ByteHash is used by one thread at a time.
 
@@ -30,12 +29,12 @@ double arctangent2(double y, double x);
 /// Domain [-1, 1]; arguments beyond are clamped.
 double arcsine(double x);
 
-/// e^x; infinity where a double ends (above 709.78), 0 below -745.14.
+/// e^x; infinity above 709.78, where a double overflows; 0 below -745.14.
 double exponential(double x);
-/// The natural logarithm; of 0 -infinity, of less NaN.
+/// The natural logarithm; -infinity for 0, NaN for negative numbers.
 double logarithm(double x);
 
-/// XXH64 (seed 0) of bytes as they come.
+/// XXH64 (seed 0) of bytes that are added piece by piece.
 class ByteHash : NonCopyable {
 public:
     ByteHash();

@@ -10,8 +10,8 @@ static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may touc
 
 thread_local const StopScope* innermost = nullptr;
 
-/// More bands than threads, so that one that is late, or whose core is taken, does not hold up the others for
-/// long; and none so long that its first rows have left the cache when the last are done.
+/// More bands than threads, so that a thread that is late, or whose core is taken, does not hold up the
+/// others for long; and short bands, so that their first rows are still in the cache when the last are done.
 constexpr int bands_per_thread = 4, most_rows = 128;
 
 constexpr int most_threads = 4;
@@ -105,7 +105,7 @@ void RowBands::run(Job job) {
     if (fault_) std::rethrow_exception(std::exchange(fault_, nullptr));
 }
 
-/// Where the system grants no more threads, those that there are do all the work.
+/// If the system grants no more threads, those that exist do all the work.
 void RowBands::start_others() {
     while (static_cast<int>(others_.size()) < threads_ - 1) {
         const int thread = static_cast<int>(others_.size()) + 1;
@@ -133,7 +133,7 @@ void RowBands::work_on(std::unique_lock<std::mutex>& lock, const RowBand& band) 
     job_.next_row = job_.rows;
 }
 
-/// Until none is left. `lock` is held but while a band is worked on.
+/// Works on bands until none is left. `lock` is released only while a band is worked on.
 void RowBands::take_bands(std::unique_lock<std::mutex>& lock, int thread) {
     while (job_.next_row < job_.rows) {
         const RowBand band{job_.next_row, std::min(job_.next_row + job_.band_rows, job_.rows), thread};

@@ -1,22 +1,21 @@
 #pragma once
 
-// Threads, and how work is ended.
+// Threads, and the cancellation of long work.
 //
-// Work that takes long asks `stop_requested()` between its steps, and returns interrupted_error() once that
-// is true: a person ends the program (request_stop, which a signal handler may call), or the caller of this
-// thread's work gives it up. A caller that may give up one piece of work alone, such as the opening of a
-// clip, holds a std::stop_source, and puts a StopScope with its token, or with a deadline, around that work.
-// Nothing is handed down: each read, wait and callback below asks its thread. A thread that does a part of
-// another one's work takes on that thread's StopScope.
+// Long work checks `stop_requested()` between its steps, and returns interrupted_error() once it is true: a
+// person ends the program (request_stop, which a signal handler may call), or the caller of this thread's
+// work cancels it. A caller that may cancel one piece of work alone, such as the opening of a clip, holds a
+// std::stop_source, and puts a StopScope with its token, or with a deadline, around that work. No argument is
+// passed down: each read, wait and callback below checks the scopes of its thread. A thread that does a part
+// of another thread's work takes on that thread's StopScope.
 //
-// `unless_stopped` does work that may wait for a disk, a codec or a network, and leaves it behind in a thread
-// of its own when the wait is given up; `wait_unless_stopped` waits for a condition, a descriptor or a
-// moment. Both look every 20 ms, since a signal sets a flag and wakes no thread.
+// `unless_stopped` runs work that may wait for a disk, a codec or a network in a thread of its own, and
+// leaves it behind when the wait is cancelled; `wait_unless_stopped` waits for a condition, a descriptor or a
+// moment. Both check every 20 ms, since a signal sets a flag and wakes no thread.
 //
-// start_thread begins a thread with a name, or says why there is none. RowBands shares the rows of a picture
-// among a few threads that sleep in between; the bits do not depend on how many there are. A NewestValue is
-// handed from one thread to another, of which neither waits. boot_ns is the clock that goes on while the
-// machine is suspended.
+// start_thread starts a named thread, or says why it cannot. RowBands shares the rows of a picture among a
+// few threads that sleep between calls; the bits do not depend on their number. A NewestValue passes from one
+// thread to another, and neither waits. boot_ns is a clock that runs on while the machine is suspended.
 //
 // Every function may be called by any thread; a RowBands by one at a time.
 
@@ -41,18 +40,18 @@
 
 namespace touchable {
 
-/// Asks this program to stop. For signal handlers too.
+/// Asks this program to stop; safe in signal handlers.
 void request_stop();
 
-/// Whether the program is to stop, or a StopScope of this thread says that its work is given up. Work that
-/// takes long looks here between its steps, and ends with an error.
+/// Returns true if the program is to stop, or a StopScope of this thread is cancelled. Long work checks this
+/// between its steps, and then ends with an error.
 bool stop_requested();
 
-/// What work that ended for that reason returns.
+/// The error that cancelled work returns.
 Error interrupted_error();
 
 /// Calls `work(first, last)` for 0 to `count` - 1, piece by piece, each a few milliseconds of a loop over
-/// pixels. False where it was asked to stop: then the rest is left out.
+/// pixels. Returns false, and skips the rest, if a stop is requested.
 bool until_stopped(std::size_t count, auto&& work) {
     constexpr std::size_t piece = std::size_t{1} << 18;
     for (std::size_t first = 0; first < count; first += piece) {
@@ -62,29 +61,29 @@ bool until_stopped(std::size_t count, auto&& work) {
     return true;
 }
 
-/// What ends the work of its thread, beside a stop of the program, as long as it lives. Scopes may lie within
-/// each other, and each counts.
+/// Cancels the work of its thread, in addition to a stop of the program, as long as the scope lives. Scopes
+/// may be nested, and each counts.
 class StopScope : NonCopyable {
 public:
     using Deadline = std::chrono::steady_clock::time_point;
     static constexpr Deadline never = Deadline::max();
 
-    /// The work may be given up.
+    /// Cancelled by this token.
     explicit StopScope(std::stop_token given_up) : StopScope(std::move(given_up), never, current(), false) {}
-    /// It has to be done by then. Around this scope `stop_requested` tells work that was late from work that
-    /// was given up.
+    /// Cancelled after this deadline. Outside this scope `stop_requested` tells work that was late from work
+    /// that was cancelled.
     explicit StopScope(Deadline deadline) : StopScope({}, deadline, current(), false) {}
-    /// It is a part of the work of another thread, whose `current` this is, and which waits for it.
+    /// For a part of the work of another thread, which waits for it and whose `current` this is.
     explicit StopScope(const StopScope* of_thread_that_waits)
         : StopScope({}, never, of_thread_that_waits, false) {}
-    /// Other threads wait for it, too: the scopes around do not end it.
+    /// For work that other threads wait for, too: the outer scopes do not cancel it.
     static StopScope for_all();
-    /// It is left to do once a person has ended a run, such as reading the frame that is to be drawn: a stop
-    /// of the program does not end it. (A second request ends the program.)
+    /// For work that remains after a person has ended a run, such as reading the frame that is to be drawn: a
+    /// stop of the program does not cancel it. (A second request ends the program.)
     static StopScope after_stop() { return StopScope({}, never, current(), true); }
     ~StopScope();
 
-    /// The innermost of this thread; null: there is none.
+    /// Returns the innermost scope of this thread; null: none.
     static const StopScope* current();
 
 private:
@@ -93,21 +92,21 @@ private:
 
     const std::stop_token given_up_;
     const Deadline deadline_;
-    const StopScope* const around_;  // which counts, too
-    const bool goes_on_;             // whatever is asked of the program; also where one around does
-    const StopScope* const before_;  // in this thread
+    const StopScope* const around_;  // the outer scope, which counts, too
+    const bool goes_on_;             // ignores a stop of the program; inherited from `around`
+    const StopScope* const before_;  // the previous scope of this thread
 };
 
-/// What `work` returns under a StopScope with this token or deadline.
+/// Returns the result of `work`, run under a StopScope with this token or deadline.
 auto work_until(auto limit, auto&& work) {
     const StopScope until(std::move(limit));
     return work();
 }
 
-/// From one look at `stop_requested` to the next, in a wait.
+/// The time between two checks of `stop_requested` in a wait.
 inline constexpr std::chrono::milliseconds stop_look{20};
 
-/// Waits until `is_there()` is true, which is asked every `look`. False where it was asked to stop first.
+/// Waits until `is_there()` is true, checking every `look`. Returns false if a stop is requested first.
 bool wait_unless_stopped(auto&& is_there, std::chrono::milliseconds look) {
     while (!is_there()) {
         if (stop_requested()) return false;
@@ -115,22 +114,22 @@ bool wait_unless_stopped(auto&& is_there, std::chrono::milliseconds look) {
     }
     return true;
 }
-/// The same of what `changed` tells. `lock` is held while `is_there` is asked, and at the end.
+/// The same for a condition that `changed` signals. `lock` is held while `is_there` runs, and at the end.
 bool wait_unless_stopped(std::condition_variable& changed, std::unique_lock<std::mutex>& lock,
                          auto&& is_there) {
     while (!changed.wait_for(lock, stop_look, is_there))
         if (stop_requested()) return false;
     return true;
 }
-/// Waits until poll(2) says any of `events` of a descriptor, or that it is of no use any more. False where it
-/// was asked to stop first.
+/// Waits until poll(2) reports any of `events`, an error or a hang-up. Returns false if a stop is requested
+/// first.
 bool wait_unless_stopped(int descriptor, short events);
-/// Waits until that moment. False where it is asked to stop before, or was when it was called.
+/// Waits until that moment. Returns false if a stop is requested before, or was before the call.
 bool wait_unless_stopped(std::chrono::steady_clock::time_point moment);
 
-/// Starts a thread that does `work`, which throws nothing; an error where the machine has none left. `name`
-/// is what debuggers, `top` and `ps` show of it, at most 15 bytes; `what` says in the error what the thread
-/// is for: "that decodes".
+/// Starts a thread that runs `work`, which must not throw; an error if the machine has no thread left. `name`
+/// is what debuggers, `top` and `ps` show, at most 15 bytes; `what` says in the error what the thread is for:
+/// "that decodes".
 template <std::size_t bytes, class Work>
 Result<void> start_thread(std::thread& thread, const char (&name)[bytes], const char* what, Work&& work) {
     static_assert(bytes <= 16, "Linux keeps 15 bytes of a thread's name");
@@ -147,21 +146,21 @@ Result<void> start_thread(std::thread& thread, const char (&name)[bytes], const 
     return {};
 }
 
-/// Threads, of unless_stopped and others, that are no longer waited for. As long as there is one the program
-/// may not take apart what they use: it ends without (std::_Exit).
+/// The number of threads, of unless_stopped and others, that are no longer waited for. While it is not 0, the
+/// program must not destroy what they use: it ends by std::_Exit.
 inline std::atomic<int> abandoned_threads{0};
 
-/// What `work` returns; nothing where it was asked to stop first. The work may take as long as a disk or a
-/// codec does: it is done by a thread of its own, which then comes to its end alone, so `work` owns all that
-/// it uses. `stop_requested` says there that the work was given up, so that it can end early. Where no thread
-/// is to be had the caller does it.
+/// Returns the result of `work`; nullopt if a stop is requested first. The work may take as long as a disk or
+/// a codec does: it runs in a thread of its own, which after a stop ends alone, so `work` owns all that it
+/// uses. `stop_requested` is true there once the work is cancelled, so that it can end early. If no thread
+/// can be started, the caller's thread runs it.
 template <class Work>
 std::optional<std::invoke_result_t<Work&>> unless_stopped(Work work) {
     struct Errand {
         Work work;
         std::mutex mutex{};
         std::condition_variable has_ended{};
-        std::optional<std::invoke_result_t<Work&>> outcome{};  // guarded by mutex, as is what follows
+        std::optional<std::invoke_result_t<Work&>> outcome{};  // guarded by mutex, like the members below
         std::exception_ptr fault{};
         bool over = false, is_abandoned = false;
         std::stop_source given_up{};
@@ -184,7 +183,7 @@ std::optional<std::invoke_result_t<Work&>> unless_stopped(Work work) {
     };
     const auto errand = std::shared_ptr<Errand>(new Errand{std::move(work)});
     const auto run_aside = [errand] {
-        // The thread that waits hears of a stop, and hands it on.
+        // The waiting thread notices a stop, and passes it on.
         const StopScope goes_on = StopScope::after_stop();
         const StopScope until(errand->given_up.get_token());
         errand->run();
@@ -205,31 +204,31 @@ std::optional<std::invoke_result_t<Work&>> unless_stopped(Work work) {
     return std::move(errand->outcome);
 }
 
-/// Since the machine was started, ns: never backward, never 0, and on while it is suspended, which the steady
-/// clock of Linux sleeps through.
+/// Nanoseconds since the machine was started: never backward, never 0, and running on while it is suspended,
+/// unlike the steady clock of Linux.
 inline std::int64_t boot_ns() {
     timespec now{};
     clock_gettime(CLOCK_BOOTTIME, &now);
     return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
 }
 
-/// Rows [first, last) of a picture, and which of the threads, 0 to `threads()` - 1, is at work on them: what
-/// a thread needs for itself is kept by this number.
+/// Rows [first, last) of a picture, and the number, 0 to `threads()` - 1, of the thread that works on them,
+/// which is the index of that thread's own data.
 struct RowBand {
     int first, last, thread;
 };
 
-/// As many as pay for so many pixels, if a thread more pays where it has `pixels_per_thread`: work of 50 us,
-/// of which waking it takes some 5 of CPU time and a few tens of waiting. At most 4, since more of them wait
-/// for memory, and others of a program want cores too; and no more than there are cores.
+/// Returns the number of threads that pays for `pixels`, if one more pays for `pixels_per_thread`: work of 50
+/// us, of which waking a thread takes some 5 us of CPU time and a few tens of waiting. At most 4, since more
+/// threads wait for memory, and other threads need cores, too; and at most the number of cores.
 int threads_for(long pixels, long pixels_per_thread);
 
-/// Threads that share the rows of a picture: the one that calls, and others that sleep in between.
+/// Threads that share the rows of a picture: the caller's, and others that sleep between calls.
 class RowBands : NonCopyable {
 public:
-    /// `threads` with the one that calls, at least 1. The others start when first needed, and take on the
+    /// `threads`: with the caller's, at least 1. The others start when first needed, and take on the
     /// scheduling of the thread that calls then, and in each call its StopScope. `until_stopped`: bands are
-    /// left out once the thread that calls is asked to stop, which the caller looks for (stop_requested).
+    /// left out once the caller's thread is asked to stop, which the caller checks (stop_requested).
     explicit RowBands(int threads, bool until_stopped = false)
         : threads_(threads), until_stopped_(until_stopped) {
         assert(threads >= 1);
@@ -239,9 +238,9 @@ public:
     int threads() const { return threads_; }
 
     /// Calls `work(RowBand)` for bands that together are rows 0 to `rows` - 1, each a multiple of `step` rows
-    /// but the last; returns when all are done. What a band writes no other may read or write, and which
-    /// thread has a band must not matter. What `work` throws is thrown on, the first of several, and bands
-    /// that had not begun are left out. One call at a time. No allocation but where threads start.
+    /// except the last; returns when all are done. No band may read or write what another writes, and the
+    /// result must not depend on which thread has a band. The first exception of `work` is rethrown, and
+    /// bands that had not begun are left out. One call at a time. Allocates only when threads start.
     template <class Work>
     void for_each_band(int rows, int step, Work&& work) {
         using Plain = std::remove_reference_t<Work>;
@@ -254,7 +253,7 @@ private:
         void (*call)(void* work, const RowBand& band) = nullptr;
         void* work = nullptr;
         int band_rows = 0, next_row = 0, bands_at_work = 0;
-        const StopScope* stop = StopScope::current();  // of the thread that calls
+        const StopScope* stop = StopScope::current();  // of the caller's thread
     };
     void run(Job job);
     void start_others();
@@ -273,7 +272,7 @@ private:
 };
 
 /// The newest value that one thread wrote, for one other thread to read. Neither locks, waits or retries, and
-/// a value is never read half-written: of three places one is the writer's, one the reader's, and each swaps
+/// a value is never read half-written: of three slots one is the writer's, one the reader's, and each swaps
 /// its own for the one in between.
 template <class T>
 class NewestValue : NonCopyable {
@@ -283,7 +282,8 @@ public:
         places_[writers_] = value;
         writers_ = between_.exchange(writers_ | is_new, std::memory_order_acq_rel) & ~is_new;
     }
-    /// Reader. A default value before the first; what it gives stays as it is until the next call.
+    /// Reader. Returns a default value before the first write; the result stays unchanged until the next
+    /// call.
     const T& read() {
         if ((between_.load(std::memory_order_relaxed) & is_new) != 0)
             readers_ = between_.exchange(readers_, std::memory_order_acq_rel) & ~is_new;

@@ -1,22 +1,22 @@
 #pragma once
 
-// An error handed on to the caller, in one line, by functions that return a Result themselves:
+// Pass an error on to the caller, in one line, in functions that return a Result themselves:
 //
 //     TRY(check_size(width, height));
 //     TRY_ASSIGN(auto bytes, file.read("a picture", most));
 //     TRY_ASSIGN(scene.camera, camera_of(bytes));
 //
-// The value is moved out of the Result. TRY_ASSIGN is two statements: it stands between braces where it is
-// the body of a loop or an if. For .cpp files: a macro has no namespace, and headers of the solver are
+// The value is moved out of the Result. TRY_ASSIGN is three statements: put it between braces if it is the
+// body of a loop or an if. For .cpp files only: a macro has no namespace, and headers of the solver are
 // installed.
 
 #include <utility>
 
-/// TRY(f()); of a Result: where it is an error, the function returns it.
+/// TRY(f()); returns the error of a failed Result from the function around it.
 #define TRY(...) \
     if (auto tried_ = (__VA_ARGS__); !tried_) return tried_.error()
 
-/// TRY_ASSIGN(auto x, f()); the same, and x is the value of the Result otherwise.
+/// TRY_ASSIGN(auto x, f()); does the same, and otherwise gives x the value of the Result.
 #define TRY_ASSIGN(declaration, ...) TRY_ASSIGN_ON_LINE_(__LINE__, declaration, __VA_ARGS__)
 #define TRY_ASSIGN_ON_LINE_(line, declaration, ...) TRY_ASSIGN_NAMED_(line, declaration, __VA_ARGS__)
 #define TRY_ASSIGN_NAMED_(line, declaration, ...)   \

@@ -1,15 +1,15 @@
 #pragma once
 
-// Inner loops over 16-bit values, written once with vectors of GCC and Clang and compiled for each unit that
-// CPUs may have.
+// Inner loops over 16-bit values, written once with the vectors of GCC and Clang and compiled for each vector
+// unit that CPUs may have.
 //
 // usable_vector_units lists the units of this CPU, the widest first; run_vectors calls a kernel in a function
-// compiled for one of them, with the vectors that fit it (LaneKind). The loads, stores and comparisons below
-// are what such kernels have in common. Every unit gives the same bits, which tests compare.
+// compiled for one unit, with the vectors that fit it (LaneKind). The kernels share the loads, stores and
+// comparisons below. Every unit gives the same bits, which tests compare.
 //
-// Vectors never cross a function call that is not inlined, so it does not matter what the ABI says of those
-// that the oldest CPUs lack (-Wno-psabi): a kernel, and all that it calls with vectors, is
-// `always_inline`. Pure functions, for any thread.
+// Vectors never cross a function call that is not inlined, so the ABI of vectors that the oldest CPUs lack
+// does not matter (-Wno-psabi): a kernel, and all that it calls with vectors, is `always_inline`. Pure
+// functions, for any thread.
 
 #include <cstddef>
 #include <cstdint>
@@ -19,11 +19,11 @@
 
 namespace touchable {
 
-/// What a CPU may have for many values at once; each has what those before it have. `baseline` is what every
-/// CPU of its kind has.
+/// Vector units of CPUs; each includes those before it. `baseline` is the unit that every CPU of the
+/// architecture has.
 enum class VectorUnit { baseline, sse4, avx2, avx512 };
 
-/// Those that this CPU has, the widest first; never empty.
+/// Returns the units of this CPU, the widest first; never empty.
 inline std::span<const VectorUnit> usable_vector_units() {
     static constexpr VectorUnit all[] = {VectorUnit::avx512, VectorUnit::avx2, VectorUnit::sse4,
                                          VectorUnit::baseline};
@@ -36,7 +36,7 @@ inline std::span<const VectorUnit> usable_vector_units() {
     return units.subspan(3);
 }
 
-/// So many values of 16 bits side by side.
+/// Vectors of 16-bit values; the number is the size in bytes.
 using Lanes16 = std::uint16_t __attribute__((vector_size(16)));
 using Lanes32 = std::uint16_t __attribute__((vector_size(32)));
 using Lanes64 = std::uint16_t __attribute__((vector_size(64)));
@@ -56,7 +56,7 @@ template <class Lanes>
     std::memcpy(to, &values, sizeof(values));
 }
 
-/// Of each pair of values side by side.
+/// Lane by lane.
 template <class Lanes>
 [[gnu::always_inline]] inline Lanes lesser(const Lanes& a, const Lanes& b) {
     return a < b ? a : b;
@@ -66,8 +66,7 @@ template <class Lanes>
     return a < b ? b : a;
 }
 
-/// Every second of the values of two vectors that follow each other: from the first one on, and from the
-/// second.
+/// Splits the values of two consecutive vectors into those with an even and those with an odd index.
 template <class Lanes>
 [[gnu::always_inline]] inline void split_lanes(const Lanes& a, const Lanes& b, Lanes& even, Lanes& odd) {
     const auto split = [&]<std::size_t... n>(std::index_sequence<n...>) __attribute__((always_inline)) {
@@ -76,7 +75,7 @@ template <class Lanes>
     };
     split(std::make_index_sequence<lane_count<Lanes>>());
 }
-/// The other way.
+/// The inverse of split_lanes.
 template <class Lanes>
 [[gnu::always_inline]] inline void join_lanes(const Lanes& even, const Lanes& odd, Lanes& a, Lanes& b) {
     const auto join = [&]<std::size_t... n>(std::index_sequence<n...>) __attribute__((always_inline)) {
@@ -86,7 +85,7 @@ template <class Lanes>
     join(std::make_index_sequence<lane_count<Lanes>>());
 }
 
-/// What a kernel gets to know its vectors by.
+/// Tells a kernel the type of its vectors.
 template <class T>
 struct LaneKind {
     using Lanes = T;

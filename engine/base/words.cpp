@@ -15,7 +15,7 @@ bool is_continuation(char byte) {
     return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U;
 }
 
-/// Control characters below space, delete, and those of U+0080 to U+009F, of which UTF-8 makes two bytes.
+/// Control characters: those below space, delete, and U+0080 to U+009F, which are two bytes in UTF-8.
 bool is_control(std::string_view text) {
     const auto byte = static_cast<unsigned char>(text[0]);
     if (byte < 0x20 || byte == 0x7F) return true;
@@ -99,7 +99,7 @@ std::optional<double> parsed_number(std::string_view text) {
 std::string printable(std::string_view foreign, std::size_t most) {
     std::string text;
     while (!foreign.empty()) {
-        std::size_t length = 1;  // of the character, which is never cut
+        std::size_t length = 1;  // bytes of the character, which is never cut
         while (length < 4 && length < foreign.size() && is_continuation(foreign[length])) ++length;
         std::string character(foreign.substr(0, length));
         if (is_control(foreign)) {
@@ -130,7 +130,7 @@ std::string shell_word(std::string_view file) {
         has_control |= is_control(file.substr(n));
     }
     if (!is_odd && !has_control) return inside.append(file);
-    // $'...' alone can say a control character.
+    // Only $'...' can express a control character.
     for (const char c : file) {
         if (has_control && (c == '\\' || c == '\''))
             inside.append({'\\', c});

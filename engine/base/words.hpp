@@ -4,12 +4,12 @@
 //
 // formatted is printf into a string. exact_number writes the fewest digits that are read as the same number,
 // for files; short_number and trimmed_number are for people; decimal_of is the decimal number that a float
-// came from; parsed_number reads a whole text as a number, or not at all. small_letters and trimmed bring a
-// text into the form in which it is compared. printable, in_quotes and shell_word make text from outside safe
-// to show: on one line, without control characters, cut where it is too long. nearest_word finds the word
-// that a mistyped one may have meant; listed names several things in a row.
+// came from; parsed_number reads a text that is a number and nothing else. small_letters and trimmed prepare
+// a text for comparison. printable, in_quotes and shell_word make text from outside safe to show: on one
+// line, without control characters, and, except shell_word, cut if it is too long. nearest_word finds the
+// word that a mistyped one may have meant; listed joins several names.
 //
-// All are pure functions, of no locale, for any thread.
+// All are pure functions, independent of the locale, for any thread.
 
 #include <array>
 #include <charconv>
@@ -25,41 +25,41 @@ namespace touchable {
 /// Numbers and words as printf writes them.
 [[gnu::format(printf, 1, 2)]] std::string formatted(const char* format, ...);
 
-/// The fewest digits that are read as the same number; `format` as std::to_chars takes it, or none.
+/// Returns the fewest digits that are read as the same number; `format` is passed to std::to_chars, if given.
 std::string exact_number(auto number, auto... format) {
     std::array<char, 64> digits{};
     return {digits.data(),
             std::to_chars(digits.data(), digits.data() + digits.size(), number, format...).ptr};
 }
 
-/// At most six decimals, without zeros at their end.
+/// At most six decimals, without trailing zeros.
 std::string trimmed_number(double number);
 
 /// The shortest decimal number that is stored as this float: 0.001, not 0.0010000000475.
 double decimal_of(float value);
 
-/// A finite number for a person to read: `count` digits that count, and all of a large one: 1235,
-/// not 1.235e+03. 0 has no sign.
+/// A finite number for a person to read: `count` significant digits, but all digits of a large number:
+/// 1235000, not 1.235e+06. 0 has no sign.
 std::string short_number(double number, int count = 4);
 
 /// A to Z become a to z.
 std::string small_letters(std::string text);
-/// Without these letters at its ends.
+/// Removes these letters from both ends.
 std::string_view trimmed(std::string_view text, std::string_view blanks = " \t\r");
 
-/// A finite number, where the text is one and nothing else.
+/// The finite number that the whole text is; nullopt: it is none.
 std::optional<double> parsed_number(std::string_view text);
 
 /// Text from outside as a message quotes it: on one line, control characters escaped (\n, \x1b), cut after
-/// `most` bytes, which "..." tells.
+/// `most` bytes, then marked with "...".
 std::string printable(std::string_view foreign, std::size_t most = 80);
 /// The same between double quotes.
 std::string in_quotes(std::string_view foreign);
-/// A file's name as a command in a message has it: a shell reads it as this one word, whole, and a command
-/// not as an option.
+/// A file's name for a command in a message: a shell reads it as one whole word, and the command does not
+/// take it for an option.
 std::string shell_word(std::string_view file);
 
-/// What `name` gives of each one, in their order: "wood, metal, glass".
+/// Joins what `name` returns for each element, in order: "wood, metal, glass".
 template <class All, class Name = std::identity>
 std::string listed(const All& all, Name name = {}, std::string_view between = ", ") {
     std::string list;
@@ -68,8 +68,8 @@ std::string listed(const All& all, Name name = {}, std::string_view between = ",
     return list;
 }
 
-/// The one of `words` that a person who typed `typed` may have meant: the fewest letters put in, left out or
-/// changed (Levenshtein's distance), three at most and less than half of them. Empty: none.
+/// The word that a person who typed `typed` may have meant: the fewest letters inserted, left out or changed
+/// (Levenshtein's distance), at most three and at most half as many as were typed. Empty: none.
 std::string nearest_word(std::string_view typed, std::span<const std::string> words);
 
 }  // namespace touchable

@@ -1,4 +1,4 @@
-// Cameras as they are named, listed and opened, and one for several runs.
+// Names, lists and opens cameras; one camera for several runs.
 #include "engine/camera/camera.hpp"
 
 #include "engine/base/threads.hpp"
@@ -9,7 +9,7 @@
 namespace touchable {
 namespace {
 
-constexpr std::size_t most_modes = 8;  // of a format, on a screen
+constexpr std::size_t most_modes = 8;  // listed of a format
 
 bool has_depth(const NodeFacts& facts) {
     return std::ranges::any_of(facts.formats, is_depth_format, &NodeFormat::code);
@@ -30,7 +30,7 @@ std::string format_line(const NodeFormat& format) {
     return line + '\n';
 }
 
-/// How to touch it, with the colour of the same camera where there is one.
+/// How to touch a node, with the same camera's colour if it has any.
 std::string touch_line(const NodeFacts& facts, const std::vector<NodeFacts>& all, const HowToTouch& how) {
     const auto beside = std::find_if(all.begin(), all.end(), [&](const NodeFacts& other) {
         return has_colour(other) && !other.bus.empty() && other.bus == facts.bus;
@@ -49,7 +49,7 @@ std::string node_lines(const NodeFacts& facts, const std::vector<NodeFacts>& all
                                       : "    nothing that can be touched (Z16, Y16) or shown\n");
 }
 
-/// Of cameras that have depth, and do not show it here.
+/// A hint for cameras that have depth, but no node of it here.
 std::string missing_depth(const std::vector<NodeFacts>& all) {
     const auto is_realsense = [](const NodeFacts& facts) {
         return facts.card.find("RealSense") != std::string::npos;
@@ -124,7 +124,7 @@ public:
         : ReaderAround(std::shared_ptr<ClipReader>(shared, shared->camera_.get())),
           shared_(std::move(shared)),
           reads_(is_first) {}
-    /// A frame of before the run is as the camera has such: numbered one by one, a moment apart.
+    /// Frames before the run are numbered and timed as a camera's: one by one, `ns_before_a_run` apart.
     Result<std::optional<RawFrame>> next() override {
         if (reads_) {
             auto frame = shared_->read();
@@ -151,9 +151,9 @@ public:
 
 private:
     const std::shared_ptr<SharedCamera> shared_;
-    bool reads_;                    // the camera, and not what another run was given
+    bool reads_;                    // from the camera, not another run's frames
     std::int64_t next_number_ = 0;  // before the run
-    std::int64_t further_ = 0;      // the run's numbers than the camera's
+    std::int64_t further_ = 0;      // the run's numbers less the camera's
 };
 
 Result<std::optional<RawFrame>> SharedCamera::read() {
@@ -166,7 +166,7 @@ Result<std::optional<RawFrame>> SharedCamera::read() {
     return frame;
 }
 
-/// The next that comes soon, so that two of them are two; otherwise the one before.
+/// The next frame if it comes soon, so that two calls give two frames; otherwise the newest so far.
 Result<RawFrame> SharedCamera::newest() {
     constexpr std::chrono::milliseconds soon(100);
     const StopScope in_time(std::chrono::steady_clock::now() + soon);

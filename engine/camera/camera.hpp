@@ -1,11 +1,11 @@
 #pragma once
 
-// Cameras that are there now, as live sources.
+// Cameras and streams that are live now, as live sources.
 //
-// A PluggedChoice names one: a V4L2 node, a program that sends framesets by a pipe or a connection
+// A PluggedChoice names a source: a V4L2 node, a program that sends framesets by a pipe or a connection
 // (docs/streaming.md), or a stream. open_plugged_camera opens it as a ClipReader whose frames have the times
 // at which they were taken. SharedCamera is one camera for several runs of a window, one after the other: it
-// stays open while the next run is made ready. cameras_in_words lists what is plugged in, for a person.
+// stays open while the next run is made ready. cameras_in_words lists what is plugged in, for the user.
 //
 // A reader is read by one thread. A SharedCamera's readers may be on different threads.
 
@@ -26,33 +26,32 @@
 
 namespace touchable {
 
-/// The lines of a program on how to touch a camera by its name, such as "v4l2:/dev/video0", and by the name
-/// with which its colour is seen as well; empty: it has none.
+/// Returns a program's lines on how to touch a camera, by its name, such as "v4l2:/dev/video0", and by its
+/// name with colour; empty: it has no colour.
 using HowToTouch = std::function<std::string(const std::string& camera, const std::string& with_colour)>;
 
-/// For a person: each camera that is plugged in, what it offers, how it is touched, and what is missing where
-/// it cannot be. Lines; with no camera one, which says what to do.
+/// Lines for the user: each camera that is plugged in, what it offers, how to touch it, and what is missing
+/// if that is impossible. Without a camera, one line says what to do.
 std::string cameras_in_words(VideoSystem& system, const HowToTouch& how);
 
-/// A camera that is there now, or a stream, by whom its frames come.
+/// A camera or a stream, by the origin of its frames.
 using PluggedChoice = std::variant<V4l2Choice, FramesetChoice, StreamSource>;
 
-/// As a person names it: its node, "pipe:CMD", "tcp://HOST:PORT", a stream's address.
+/// The user's name for it: its node, "pipe:CMD", "tcp://HOST:PORT", a stream's address.
 std::string name_of(const PluggedChoice& choice);
 
-/// As `open_v4l2_camera`, `open_frameset_camera` and `open_live_stream`, which says itself what its depth
-/// means.
+/// Calls `open_v4l2_camera`, `open_frameset_camera` or `open_live_stream`; a stream itself states what its
+/// depth means.
 Result<std::unique_ptr<ClipReader>> open_plugged_camera(
     const PluggedChoice& choice, const std::optional<SourceDescription>& known = {},
     const std::optional<std::filesystem::path>& scene_file = {});
 
-/// One camera for several runs, one after the other: while one goes on the next is made ready with frames
-/// that the camera gave to the first, for a camera has but one stream. The camera stays open until the last
-/// reader is gone.
+/// One camera for several runs, one after the other: as a camera has only one stream, the next run is
+/// prepared with frames of the current one. The camera stays open until the last reader is destroyed.
 class SharedCamera : public std::enable_shared_from_this<SharedCamera> {
 public:
-    /// The first opens the camera as `open_plugged_camera` does. Until its run begins, every later one has
-    /// the newest frame of the run that goes on; its own may begin once that has ended.
+    /// The first call opens the camera as `open_plugged_camera` does. Until its run begins, a later reader
+    /// returns the newest frame of the current run; its own may begin once that has ended.
     Result<std::unique_ptr<ClipReader>> open(const PluggedChoice& choice,
                                              const std::optional<SourceDescription>& known = {},
                                              const std::optional<std::filesystem::path>& scene_file = {});
@@ -66,7 +65,7 @@ private:
     std::mutex mutex_;
     std::condition_variable came_;
     std::optional<RawFrame> newest_;  // guarded by mutex_
-    std::int64_t next_number_ = 0;    // of the camera; of the thread that reads
+    std::int64_t next_number_ = 0;    // of the camera; used by the reading thread
 };
 
 }  // namespace touchable

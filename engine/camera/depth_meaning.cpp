@@ -20,7 +20,7 @@ StoredImage picture_of(const PlaneView& depth) {
     return picture;
 }
 
-/// Cameras need some frames until they see: the one that sees most, the later where two see as much.
+/// The picture with most depth, the later of equal ones: cameras need some frames until they see.
 const PlaneView& fullest(std::span<const PlaneView> pictures) {
     const PlaneView* best = &pictures.front();
     std::int64_t most = -1;
@@ -35,8 +35,7 @@ const PlaneView& fullest(std::span<const PlaneView> pictures) {
     return *best;
 }
 
-/// All but the last thousandth of the valid codes are no deeper: single pixels lie far behind where a camera
-/// is wrong.
+/// The code that a thousandth of the valid codes reach or exceed: single wrong pixels may lie far behind.
 std::optional<std::uint16_t> deep_code(std::span<const PlaneView> pictures, const DepthCoding& coding) {
     std::vector<std::int64_t> counts(65536);
     std::int64_t all = 0;
@@ -57,7 +56,7 @@ std::optional<std::uint16_t> deep_code(std::span<const PlaneView> pictures, cons
     return std::nullopt;
 }
 
-/// Twice as far as what is seen at first: a hand that goes away may show what was behind it.
+/// Twice as far as the first frames show: a hand that goes away may uncover what was behind it.
 Result<double> far_beyond(std::span<const PlaneView> first, const DepthCoding& depth) {
     const auto deep = deep_code(first, depth);
     if (!deep)
@@ -67,7 +66,7 @@ Result<double> far_beyond(std::span<const PlaneView> first, const DepthCoding& d
     return std::min(2 * depth.depth(*deep), depth.scale * depth.code_max);
 }
 
-/// A far plane that is open lies well beyond what the first pictures show.
+/// Sets an unstated far plane well beyond what the first pictures show.
 Result<LiveReader::Meaning> settled(const SceneDescription& described,
                                     std::vector<std::filesystem::path> inputs,
                                     std::span<const PlaneView> first, const std::string& node) {
@@ -87,7 +86,7 @@ Result<LiveReader::Meaning> settled(const SceneDescription& described,
     return LiveReader::Meaning{std::move(*scene), described.unstated.filters, std::move(inputs)};
 }
 
-/// What the driver tells of the camera stands in for what is not known.
+/// Fills in what is not known by what the driver tells of the camera.
 SourceDescription with_card(const NodeFacts& facts, std::uint32_t format, SourceDescription known,
                             std::vector<Remark>& remarks) {
     const bool is_intels = facts.card.find("RealSense") != std::string::npos;
@@ -112,7 +111,7 @@ SourceDescription with_card(const NodeFacts& facts, std::uint32_t format, Source
     return known;
 }
 
-/// By a scene file, whose size is that of the pictures.
+/// The meaning by a scene file, whose size must be that of the pictures.
 Result<LiveReader::Meaning> meaning_in_file(const std::string& node, std::span<const PlaneView> first,
                                             const std::filesystem::path& scene_file) {
     TRY_ASSIGN(auto described, read_scene_file(scene_file));

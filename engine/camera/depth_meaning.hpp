@@ -14,11 +14,10 @@
 
 namespace touchable {
 
-/// What a camera's depth means, all but the rate, and as remarks of the scene what was assumed: by a scene
-/// file, whose size is that of the pictures; or by what is known of the camera, and by its first pictures, of
-/// 16 bits in host order, as guess_camera, but that Z16 is millimetres unless `known` says otherwise. A far
-/// plane that is open is well behind what they show, for what is not seen yet. Errors begin with the node, or
-/// the file.
+/// Finds what a camera's depth means, all but the rate; remarks of the scene tell what was assumed. By a
+/// scene file, whose size must be that of the pictures; or like guess_camera by `known` and the first
+/// pictures, of 16 bits in host order, with Z16 in millimetres unless `known` states another unit. An
+/// unstated far plane is set well behind what they show. Errors begin with the node, or the file.
 Result<LiveReader::Meaning> meaning_of_depth(const NodeFacts& facts, std::uint32_t format,
                                              std::span<const PlaneView> first, const SourceDescription& known,
                                              const std::optional<std::filesystem::path>& scene_file);

@@ -23,10 +23,10 @@ namespace {
 
 constexpr std::array<std::uint8_t, 8> magic{'F', 'R', 'A', 'M', 'E', 'S', 'E', 'T'};
 constexpr std::uint32_t frameset_version = 1;
-// Where the header's own checksum is; it is of all before.
+// Place of the header's own checksum, which covers all before it.
 constexpr std::size_t checksum_at = frameset_header_bytes - 4;
 constexpr std::size_t most_strays = std::size_t{256} << 20U;
-// How often a byte may be checked, at most of so many at once.
+// Checks allowed for each byte that came, and the most bytes of credit.
 constexpr std::size_t checks_per_byte = 4, most_credit = 8 * 5 * most_frameset_pixels;
 
 std::uint64_t number_at(std::span<const std::uint8_t> bytes, std::size_t at, std::size_t size) {
@@ -55,7 +55,7 @@ bool is_picture_size(std::uint32_t width, std::uint32_t height) {
            std::size_t{width} * height <= most_frameset_pixels;
 }
 
-/// Of a lens that can have made the picture. False for what is no number, too.
+/// Whether a lens can have made the picture; false also for NaN.
 bool is_lens(const FramesetHeader& header) {
     const auto is_length = [](double focal, double side) {
         return focal >= 0.01 * side && focal <= 1000 * side;
@@ -65,7 +65,7 @@ bool is_lens(const FramesetHeader& header) {
            is_place(header.cx, header.width) && is_place(header.cy, header.height);
 }
 
-/// Of bytes that are as the sender meant them.
+/// Reads a header whose checksum is right.
 Result<FramesetHeader> read_header(std::span<const std::uint8_t> bytes) {
     const std::uint32_t version = whole_at(bytes, 8), length = whole_at(bytes, 12);
     if (version != frameset_version || length != frameset_header_bytes)
@@ -114,7 +114,7 @@ std::string meaning_text(const FramesetHeader& header) {
                                 : " without colour");
 }
 
-/// By the middle one of the sender's times from frame to frame; 30 where they cannot be.
+/// The rate by the median of the sender's times from frame to frame; 30 if that cannot be.
 FrameRate rate_of(const std::vector<std::int64_t>& sent_ns) {
     std::vector<double> apart_ns;
     for (std::size_t k = 1; k < sent_ns.size(); ++k)
@@ -125,19 +125,19 @@ FrameRate rate_of(const std::vector<std::int64_t>& sent_ns) {
     return {std::llround(1000 * rate), 1000};
 }
 
-constexpr std::int64_t longest_way_ns = 100'000'000;  // from being taken to its arrival
+constexpr std::int64_t longest_way_ns = 100'000'000;  // believed from being taken to arrival
 
-/// Bytes of a program that come when they come: its standard output, or a connection. What it began it ends
-/// with itself.
+/// Bytes of a running program: its standard output, or a connection. Its destructor ends what it began.
 class LiveBytes {
 public:
     virtual ~LiveBytes() = default;
-    /// What is there, up to the size of `into`, at once: its length; 0: nothing is there yet; nothing at all:
-    /// it has ended.
+    /// Reads what is there into `into` without waiting and returns its length; 0: nothing yet; nullopt: it
+    /// has ended.
     virtual std::optional<std::size_t> read(std::span<std::uint8_t> into) = 0;
-    /// What poll waits for: of them a descriptor of -1 does not count.
+    /// Descriptors for poll, which ignores -1.
     virtual std::array<pollfd, 2> waits() const = 0;
-    /// Once it has ended: how, such as "ended with status 1". Waits for that for a fifth of a second at most.
+    /// How it ended, such as "ended with status 1"; waits for that a fifth of a second at most. Call after
+    /// the end.
     virtual std::string how_it_ended() = 0;
 };
 
@@ -190,7 +190,7 @@ Result<SocketAddress> read_address(const std::string& words) {
                        "tcp://192.168.0.5:7000 or tcp://[::1]:7000");
 }
 
-/// 0, or why there is no connection.
+/// 0, or the errno of a failed connection.
 Result<int> wait_for_connection(int socket) {
     const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(5);
     const bool is_there = work_until(until, [&] { return wait_unless_stopped(socket, POLLOUT); });
@@ -208,8 +208,7 @@ Result<std::unique_ptr<LiveBytes>> start_command(const std::string& command) {
     return std::unique_ptr<LiveBytes>(std::make_unique<Command>(std::move(*process)));
 }
 
-/// It is there within 5 s, or an error says why not; or earlier, of kind interrupted, where the program is
-/// asked to stop.
+/// Connects within 5 s, or returns an error, which is of kind interrupted if the program is to stop.
 Result<std::unique_ptr<LiveBytes>> connect_to(const std::string& address) {
     TRY_ASSIGN(const auto read, read_address(address));
     Descriptor socket(::socket(read.storage.ss_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
@@ -229,7 +228,7 @@ class FramesetCamera final : public LiveReader {
 public:
     explicit FramesetCamera(const FramesetChoice& choice)
         : LiveReader(printable(choice.name())), choice_(choice) {}
-    /// What it sends, and what that means.
+    /// Finds what is sent, and its meaning.
     Result<void> open(SourceDescription known, const std::optional<std::filesystem::path>& scene_file) {
         constexpr int first_framesets = 8;
         TRY_ASSIGN(source_,
@@ -275,14 +274,14 @@ public:
 
 private:
     MaybeTaken take() override {
-        constexpr std::size_t most_at_once = std::size_t{16} << 20U;  // then it may have been asked to stop
+        constexpr std::size_t most_at_once = std::size_t{16} << 20U;  // then it checks for a stop
         std::optional<Frameset> best;
         std::int64_t at_ns = 0;
         for (std::size_t read = 0; read < most_at_once;) {
             auto whole = parser_.next();
             damaged_ = parser_.damaged();
             repeated_ = parser_.repeated();
-            if (!whole && best) break;  // it will say so again
+            if (!whole && best) break;  // the error comes again
             if (!whole) return gone(whole.error().message);
             if (*whole) {
                 best = std::move(*whole);
@@ -327,7 +326,7 @@ private:
     FramesetParser parser_;
     JitterBuffer clock_{0, longest_way_ns};
     std::vector<std::uint8_t> chunk_ = std::vector<std::uint8_t>(std::size_t{1} << 18U);
-    std::optional<Moment> heard_;  // the first byte
+    std::optional<Moment> heard_;  // when the first byte came
     FramesetHeader newest_;        // of the frameset that was taken last
     bool shows_colour_ = false;
 };
@@ -358,14 +357,14 @@ void FramesetParser::take(std::span<const std::uint8_t> bytes) {
     credit_ = std::min(credit_ + checks_per_byte * bytes.size(), most_credit);
 }
 
-/// Passes over what is none. False: more bytes are needed.
+/// Skips bytes up to the next header. False: more bytes are needed.
 bool FramesetParser::find_header() {
     while (true) {
         const auto left = rest();
         const void* const found =
             left.empty() ? nullptr : ::memmem(left.data(), left.size(), magic.data(), magic.size());
         if (found == nullptr) {
-            // Of a magic number that goes on in the next bytes.
+            // They may begin a magic number that goes on in the next bytes.
             const std::size_t kept = std::min(left.size(), magic.size() - 1);
             pass_over(left.size() - kept);
             return false;

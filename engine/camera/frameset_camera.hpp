@@ -3,8 +3,8 @@
 // Programs that send framesets (docs/streaming.md): depth and colour of one moment, with a header that says
 // what they mean, by a pipe or a connection.
 //
-// open_frameset_camera gives what a FramesetChoice names as a live clip. FramesetParser finds framesets in
-// any bytes, and knows nothing of where they come from. Each object is used by one thread.
+// open_frameset_camera opens a FramesetChoice as a live clip. FramesetParser finds framesets in bytes of any
+// origin. Each object is used by one thread.
 
 #include <chrono>
 #include <cstddef>
@@ -20,10 +20,10 @@
 
 namespace touchable {
 
-/// What a frameset says of itself (docs/streaming.md has its bytes).
+/// The header of a frameset (docs/streaming.md has its bytes).
 struct FramesetHeader {
     std::uint64_t number = 0;
-    std::int64_t time_ns = 0;  ///< of the sender's clock; 0: it does not say
+    std::int64_t time_ns = 0;  ///< of the sender's clock; 0: not stated
     int width = 0, height = 0;
     double metres_per_unit = 0;               ///< of a depth of 1
     double fx = 0, fy = 0, cx = 0, cy = 0;    ///< of the depth picture, pixels
@@ -34,7 +34,7 @@ struct FramesetHeader {
     std::size_t depth_bytes() const {
         return std::size_t{2} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     }
-    /// Of depth and colour.
+    /// Bytes of depth and colour.
     std::size_t payload_bytes() const {
         return depth_bytes() + std::size_t{3} * static_cast<std::size_t>(colour_width) *
                                    static_cast<std::size_t>(colour_height);
@@ -49,10 +49,10 @@ struct FramesetHeader {
 };
 
 inline constexpr std::size_t frameset_header_bytes = 100;
-/// Of a depth picture, and of one of colour.
+/// Limit for the depth picture, and for the colour picture.
 inline constexpr std::size_t most_frameset_pixels = std::size_t{1} << 24U;
 
-/// A whole one.
+/// A whole frameset.
 struct Frameset {
     FramesetHeader header;
     std::shared_ptr<std::vector<std::uint8_t>> payload;  ///< depth in host order, then colour
@@ -69,18 +69,18 @@ struct Frameset {
     PlaneView colour() const;  ///< RGB of 8 bits; without colour none
 };
 
-/// Finds the framesets in a stream of bytes, from anywhere in it: what is damaged is passed over up to the
-/// next one that is whole. It holds what it was given since the last whole one, at most one frameset and what
-/// `take` was given at once; and works at most for a few times as many bytes as came.
+/// Finds the framesets in a stream of bytes, from anywhere in it: damage is skipped up to the next whole one.
+/// It holds the bytes since the last whole one, at most one frameset and one `take`; and checks at most a few
+/// times as many bytes as came.
 class FramesetParser {
 public:
     void take(std::span<const std::uint8_t> bytes);
-    /// The next whole one; nothing: more bytes are needed. An error, for good: what the sender gives is none,
-    /// or another than before.
+    /// The next whole frameset; nullopt: more bytes are needed. An error is final: the sender gives no
+    /// framesets, or others than before.
     Result<std::optional<Frameset>> next();
-    /// Framesets that were damaged or cut short, as far as they can be told from each other.
+    /// Number of framesets that were damaged or cut short, as far as they can be told apart.
     std::int64_t damaged() const { return damaged_; }
-    /// That came again, by their number, one after the other.
+    /// Number of framesets with the same number as the one before.
     std::int64_t repeated() const { return repeated_; }
 
 private:
@@ -92,8 +92,8 @@ private:
         if (count > 0 && !is_lost_) ++damaged_;
         is_lost_ = is_lost_ || count > 0;
     }
-    /// False: bytes that say again and again that a frameset begins here, and none does, would keep this
-    /// busy. What waits is passed over.
+    /// Limits the work on bytes that claim again and again that a frameset begins. False: the limit is
+    /// reached; waiting bytes are skipped.
     bool may_check(std::size_t count) {
         if (count <= credit_) {
             credit_ -= count;
@@ -104,12 +104,12 @@ private:
     }
 
     std::vector<std::uint8_t> bytes_;
-    std::size_t begin_ = 0;  // of what is not used yet
+    std::size_t begin_ = 0;  // first unused byte
     std::optional<FramesetHeader> first_;
     std::uint64_t last_number_ = 0;
-    std::size_t strays_ = 0;  // bytes passed over since the last whole one
+    std::size_t strays_ = 0;  // bytes skipped since the last whole one
     std::size_t credit_ = 0;  // bytes that may be checked
-    bool is_lost_ = true;     // what is passed over is damage that was counted, or a beginning
+    bool is_lost_ = true;     // skipped bytes are damage already counted, or a beginning
     std::int64_t damaged_ = 0, repeated_ = 0;
 };
 
@@ -117,19 +117,19 @@ private:
 struct FramesetChoice {
     std::string command{};  ///< of /bin/sh; empty: `address`
     std::string address{};  ///< as check_address takes it
-    /// Before a run: for the first byte, and from then on for each frameset.
+    /// Timeouts before a run: for the first byte, and then for each frameset.
     std::chrono::milliseconds first_patience{30'000}, patience{10'000};
 
     std::string name() const { return command.empty() ? "tcp://" + address : "pipe:" + command; }
 };
 
-/// Whether an address is "HOST:PORT", of which HOST is an address in numbers or localhost ("127.0.0.1:7000",
-/// "[::1]:7000"); an error (usage) says what would be right.
+/// Checks that an address is "HOST:PORT" with a numeric HOST or localhost ("127.0.0.1:7000", "[::1]:7000");
+/// the error (usage) says what would be right.
 Result<void> check_address(const std::string& address);
 
-/// What it sends as a live source, as `open_v4l2_camera` gives a camera's, but that the sender says its unit
-/// and its lens, where `known` or `scene_file` do not. Frames are timed by a JitterBuffer that believes in a
-/// way of 0.1 s, and waits for none. The command ends with the reader.
+/// Opens a sender as a live source, like `open_v4l2_camera`, with the sender's unit and lens unless `known`
+/// or `scene_file` state them. A JitterBuffer without delay times frames, and believes in transit times of
+/// 0.1 s at most. The command ends with the reader.
 Result<std::unique_ptr<ClipReader>> open_frameset_camera(
     const FramesetChoice& choice, const std::optional<SourceDescription>& known = {},
     const std::optional<std::filesystem::path>& scene_file = {});

@@ -31,7 +31,7 @@ AVPixelFormat pixels_as_ffmpeg_has_them(std::uint32_t code) {
     }
 }
 
-/// Around the bytes, which stay the picture's.
+/// FFmpeg's frame around the bytes, which the picture still owns.
 Result<FramePtr> frame_around(const TakenPicture& picture, const StreamFormat& format) {
     FramePtr frame(av_frame_alloc());
     if (!frame) return memory_error();
@@ -52,7 +52,7 @@ Result<FramePtr> decoded(const TakenPicture& picture) {
     return decode_picture({bytes, picture.bytes->size()}, "its picture");
 }
 
-/// As many pixels as the depth has, as nearly as the format offers them.
+/// The mode whose number of pixels is nearest to depth's.
 ModeWish wish_beside(const NodeFormat& format, const StreamFormat& depth,
                      const std::optional<FrameRate>& rate) {
     ModeWish wish;
@@ -67,11 +67,11 @@ ModeWish wish_beside(const NodeFormat& format, const StreamFormat& depth,
     return wish;
 }
 
-/// The colour camera beside one of depth: its newest pictures, of which the one nearest in time is shown.
-/// One thread.
+/// The colour camera beside a depth camera: its newest pictures, of which the one nearest in time is shown.
+/// Used by one thread.
 class ColourBeside {
 public:
-    /// A stream of a size near the depth's, at a rate near it. An error names the node.
+    /// Opens a stream of a size and a rate near the depth's. An error names the node.
     static Result<std::unique_ptr<ColourBeside>> open(const std::shared_ptr<VideoSystem>& system,
                                                       const std::string& node, const StreamFormat& depth,
                                                       const std::optional<FrameRate>& rate) {
@@ -85,7 +85,7 @@ public:
     }
     const TrackInfo& track() const { return track_; }
     int descriptor() const { return stream_->descriptor(); }
-    /// Takes what is there. An error, once, when no more will come: what happened.
+    /// Takes the newest picture, if any. An error, once, when no more will come: what happened.
     Result<void> look() {
         TRY_ASSIGN(auto taken, stream_->take(V4l2Stream::Which::newest));
         if (!taken) return {};
@@ -95,7 +95,7 @@ public:
         recent_.push_back(std::move(*taken));
         return {};
     }
-    /// Of the scene's size; nothing before the first picture that can be read.
+    /// The picture nearest in time, of the scene's size; nullopt before the first that can be read.
     std::optional<Plane> nearest(std::int64_t at_ns, const Scene& scene) {
         if (recent_.empty()) return plane_;
         const auto nearest = std::ranges::min_element(
@@ -104,7 +104,7 @@ public:
         auto rgb = converter_.rgb(*nearest, stream_->format());
         if (rgb) rgb = fit_plane(PlaneRole::colour, std::move(*rgb), scene, node_);
         plane_at_ns_ = nearest->at_ns;
-        if (rgb) plane_ = std::move(*rgb);  // otherwise the one before
+        if (rgb) plane_ = std::move(*rgb);  // otherwise keep the one before
         return plane_;
     }
 
@@ -124,7 +124,7 @@ private:
     std::int64_t plane_at_ns_ = 0;
 };
 
-/// Samples of depth.
+/// Brings samples of depth into host order.
 void put_in_host_order(const TakenPicture& picture, const StreamFormat& format) {
     const bool is_big = format.code == V4L2_PIX_FMT_Y16_BE;
     if (is_big == (std::endian::native == std::endian::big)) return;
@@ -132,7 +132,7 @@ void put_in_host_order(const TakenPicture& picture, const StreamFormat& format) 
     for (std::size_t k = 0; k + 1 < format.least; k += 2) std::swap(bytes[k], bytes[k + 1]);
 }
 
-// A camera that gives nothing for so long before a run does not work.
+// Timeout for a frame before a run.
 constexpr std::chrono::seconds patience(5);
 
 class V4l2Camera final : public LiveReader {
@@ -165,7 +165,7 @@ private:
         return {};
     }
 
-    /// What the stream is, and what it means.
+    /// Finds the stream's form and meaning by its first frames.
     Result<void> look_first(const SourceDescription& known,
                             const std::optional<std::filesystem::path>& scene_file) {
         constexpr int looked_at = 8;
@@ -237,8 +237,8 @@ private:
         std::array<pollfd, 2> waits{pollfd{depth_->descriptor(), POLLIN, 0}, {-1, POLLIN, 0}};
         if (colour_) waits[1].fd = colour_->descriptor();
         const int ready = system_->poll(waits, static_cast<int>(stop_look.count()));
-        // A driver that says that something is wrong says what when it is asked for a picture; it is not
-        // asked for ever.
+        // A driver that reports a fault gives the cause when the next picture is taken; if it never does, it
+        // is given up.
         const auto is_wrong = [](const pollfd& waited) {
             return (waited.revents & (POLLERR | POLLHUP | POLLNVAL)) != 0 && (waited.revents & POLLIN) == 0;
         };
@@ -277,9 +277,9 @@ private:
     NodeFacts facts_;
     std::unique_ptr<V4l2Stream> depth_;
     std::unique_ptr<ColourBeside> colour_;  // null: none, or it has stopped
-    std::optional<Plane> last_colour_;      // stays where that camera stops: a film has it in every frame
-    bool is_timed_by_driver_ = false;       // the picture that was taken last
-    int wrong_in_a_row_ = 0;                // polls
+    std::optional<Plane> last_colour_;      // kept if that camera stops: a film has it in every frame
+    bool is_timed_by_driver_ = false;       // of the last picture
+    int wrong_in_a_row_ = 0;                // failed polls
 };
 
 }  // namespace

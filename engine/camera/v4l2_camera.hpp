@@ -16,10 +16,10 @@
 
 namespace touchable {
 
-/// Makes RGB of a camera's pictures of colour. Keeps what it has set up.
+/// Converts a camera's colour pictures to RGB. Keeps its setup.
 class ColourConverter {
 public:
-    /// Of 8 bits, in the picture's own size. An error, without the camera's name, where a coded picture is
+    /// RGB of 8 bits, in the picture's own size. An error, without the camera's name, if a coded picture is
     /// damaged.
     Result<Plane> rgb(const TakenPicture& picture, const StreamFormat& format);
 
@@ -27,23 +27,23 @@ private:
     RgbConverter converter_;
 };
 
-/// A camera of depth that is plugged in, and what is wanted of it.
+/// A depth camera, and the mode that is wanted.
 struct V4l2Choice {
     std::string node;                       ///< "/dev/video0"
     int width = 0, height = 0;              ///< 0: the largest at 30 frames/s, up to 1280x720
     std::optional<double> rate{};           ///< frames a second; nothing: 30, or the nearest to that
     std::string colour{};                   ///< the node of colour beside it; empty: none
-    std::shared_ptr<VideoSystem> system{};  ///< nothing: this machine's
+    std::shared_ptr<VideoSystem> system{};  ///< null: this machine's
 };
 
-/// A camera as a live source: Z16, or grey of 16 bits taken for depth. What its frames mean is
-/// said by `scene_file`; or by `known` and by guesses from its first frames, as of a picture (open_clip.hpp),
-/// which the scene's remarks tell.
+/// A camera as a live source: Z16, or grey of 16 bits taken for depth. The meaning of its frames comes from
+/// `scene_file`; or from `known` and guesses from its first frames, as for a picture (open_clip.hpp), which
+/// the scene's remarks list.
 ///
 /// Before `begin` frames come one by one as the camera takes them, at most a few seconds late. From then on
-/// `next` gives the newest one, at the time at which it was taken. Numbers are the driver's count, so that
-/// what was lost, damaged or passed over is a gap. After a run that has ended it may begin another one. A
-/// camera that is unplugged has no more frames, and `remarks` say so.
+/// `next` returns the newest one, at the time at which it was taken. Numbers are the driver's count, so that
+/// lost, damaged or skipped frames leave gaps. After a run has ended, another may begin. A camera that is
+/// unplugged has no more frames, and `remarks` say so.
 Result<std::unique_ptr<ClipReader>> open_v4l2_camera(
     const V4l2Choice& choice, const std::optional<SourceDescription>& known = {},
     const std::optional<std::filesystem::path>& scene_file = {});

@@ -56,7 +56,7 @@ public:
     }
 };
 
-/// What lets this user open a node.
+/// The command that lets this user open a node.
 std::string permission_words(const std::string& node) {
     struct stat file = {};
     std::string group = "video";
@@ -101,7 +101,7 @@ std::string node_trouble(const std::string& node, int failure) {
     }
 }
 
-// A driver that never says that there are no more is not listened to for ever.
+// Limit for drivers whose lists never end.
 constexpr std::uint32_t most_entries = 256;
 constexpr std::uint32_t largest_side = 16384;
 constexpr double usual_rate = 30;
@@ -119,7 +119,7 @@ std::string text_of(const std::uint8_t (&bytes)[n]) {
     return {text, ::strnlen(text, n)};
 }
 
-/// Seconds between pictures the other way round; nothing where it is none, or none that a camera has.
+/// The rate of an interval in seconds; nullopt if that is invalid, or no camera has it.
 std::optional<FrameRate> rate_of_interval(std::uint32_t numerator, std::uint32_t denominator) {
     if (numerator == 0 || denominator == 0) return std::nullopt;
     const std::int64_t common = std::gcd(std::int64_t{numerator}, std::int64_t{denominator});
@@ -146,7 +146,7 @@ std::vector<FrameRate> rates_of(VideoSystem& system, int descriptor, std::uint32
             rates.push_back(*rate);
         if (one) continue;
         const v4l2_fract& slowest = entry.stepwise.max;
-        // All between: those that people ask for.
+        // All rates between: take the usual ones.
         for (const std::int64_t usual : {60, 30, 15})
             if (const auto least = rate_of_interval(slowest.numerator, slowest.denominator);
                 least && !rates.empty() && static_cast<double>(usual) < rates.front().per_second() &&
@@ -185,7 +185,7 @@ void find_modes(VideoSystem& system, int descriptor, NodeFormat& format) {
     }
 }
 
-/// Of an open device.
+/// The facts of an open device.
 Result<NodeFacts> facts_of_node(VideoSystem& system, int descriptor, const std::string& node) {
     v4l2_capability can = {};
     if (call(system, descriptor, VIDIOC_QUERYCAP, &can) < 0) return input_error(node_trouble(node, errno));
@@ -210,15 +210,15 @@ std::int64_t pixels_of(const NodeMode& mode) {
     return std::int64_t{mode.width} * mode.height;
 }
 
-/// The rate nearest to what is wanted; nothing where the camera says none.
+/// The rate nearest to what is wanted; nullopt if the camera states none.
 std::optional<FrameRate> nearest_rate(const NodeMode& mode, double wanted) {
     const auto nearest = std::ranges::min_element(
         mode.rates, {}, [wanted](const FrameRate& rate) { return std::abs(rate.per_second() - wanted); });
     return nearest == mode.rates.end() ? std::nullopt : std::optional(*nearest);
 }
 
-/// How well a mode goes where no size is asked for: at the usual rate before others, then the largest
-/// that is not too large.
+/// Rank of a mode if no size is wanted: first those at the usual rate, then the largest that is not too
+/// large.
 std::pair<bool, std::int64_t> usual_mark(const NodeMode& mode, double wanted) {
     const auto rate = nearest_rate(mode, wanted);
     const bool fast = !rate || rate->per_second() > 0.9 * wanted;
@@ -249,13 +249,13 @@ constexpr bool is_coded(std::uint32_t code) {
     return code == V4L2_PIX_FMT_MJPEG || code == V4L2_PIX_FMT_JPEG;
 }
 
-/// Of a row of the first plane.
+/// Bytes of a pixel in the first plane.
 constexpr std::ptrdiff_t bytes_per_pixel(std::uint32_t code) {
     if (code == V4L2_PIX_FMT_RGB24 || code == V4L2_PIX_FMT_BGR24) return 3;
     return code == V4L2_PIX_FMT_NV12 ? 1 : 2;
 }
 
-/// Without what may lie behind the last row.
+/// Bytes of a picture, without padding after the last row.
 std::size_t picture_bytes(const StreamFormat& format) {
     if (is_coded(format.code)) return 1;
     const bool has_chroma_below = format.code == V4L2_PIX_FMT_NV12;
@@ -263,7 +263,7 @@ std::size_t picture_bytes(const StreamFormat& format) {
     return static_cast<std::size_t>(format.stride * (rows - 1) + bytes_per_pixel(format.code) * format.width);
 }
 
-/// When it was taken, by the driver where its clock is the machine's and what it says can be.
+/// The driver's time of a picture, if its clock is the machine's and the time is plausible.
 std::optional<std::int64_t> drivers_time(const v4l2_buffer& buffer, std::int64_t now) {
     if ((buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) != V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC)
         return std::nullopt;
@@ -421,7 +421,7 @@ Result<void> V4l2Stream::begin(std::uint32_t code, const NodeMode& mode) {
     return {};
 }
 
-/// The driver may settle for others than were wanted: another size is taken where none was asked for.
+/// The driver may choose another form: another size is accepted if none was wanted.
 Result<void> V4l2Stream::set_format(std::uint32_t code, const NodeMode& mode) {
     v4l2_format wish = {};
     wish.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
@@ -429,7 +429,7 @@ Result<void> V4l2Stream::set_format(std::uint32_t code, const NodeMode& mode) {
     v4l2_pix_format& pixels = wish.fmt.pix;
     pixels.pixelformat = code;
     pixels.field = V4L2_FIELD_NONE;
-    pixels.bytesperline = pixels.sizeimage = 0;  // as the driver has them
+    pixels.bytesperline = pixels.sizeimage = 0;  // as the driver chooses
     if (mode.width > 0) {
         pixels.width = static_cast<std::uint32_t>(mode.width);
         pixels.height = static_cast<std::uint32_t>(mode.height);
@@ -458,7 +458,7 @@ Result<void> V4l2Stream::set_format(std::uint32_t code, const NodeMode& mode) {
     return {};
 }
 
-/// What cannot be set stays as it is; a driver without rates says none.
+/// Sets the rate if the driver can; a driver without rates reports none.
 void V4l2Stream::set_rate(const NodeMode& mode) {
     v4l2_streamparm parameters = {};
     parameters.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
@@ -499,7 +499,7 @@ Result<void> V4l2Stream::queue(std::uint32_t index) {
     return ask(VIDIOC_QBUF, &buffer) < 0 ? Result<void>(trouble(errno)) : Result<void>();
 }
 
-/// Nothing: none is there, or the driver failed to fill one.
+/// Nullopt: no buffer is ready, or the driver failed to fill one.
 Result<std::optional<v4l2_buffer>> V4l2Stream::dequeue() {
     v4l2_buffer buffer = blank_buffer(0);
     if (ask(VIDIOC_DQBUF, &buffer) == 0) {
@@ -536,16 +536,16 @@ TakenPicture V4l2Stream::copied(const v4l2_buffer& buffer) const {
 
 Result<std::optional<TakenPicture>> V4l2Stream::take(Which which) {
     std::optional<v4l2_buffer> best;
-    // No more than there are buffers: a camera that is faster than this loop does not hold it up.
+    // At most as many as there are buffers: a camera that is faster than this loop cannot keep it busy.
     for (std::size_t looks = 0; looks < buffers_.size() && (which == Which::newest || !best); ++looks) {
         const auto next = dequeue();
-        if (!next && best) break;  // it will say so again
+        if (!next && best) break;  // the error comes again
         if (!next) return next.error();
         if (!*next) break;
         const bool whole = is_whole(**next);
         damaged_ += !whole;
         const std::optional<v4l2_buffer> given_back = whole ? std::exchange(best, *next) : *next;
-        if (given_back) (void)queue(given_back->index);  // a device that is gone says so at the next look
+        if (given_back) (void)queue(given_back->index);  // a lost device is reported next time
     }
     if (!best) return std::optional<TakenPicture>();
     TakenPicture picture = copied(*best);

@@ -3,7 +3,7 @@
 // Nodes of V4L2 (Linux's video devices), and a stream of pictures from one.
 //
 // VideoSystem is the system's side, which a test replaces. look_at_node tells what a node offers,
-// depth_of_node and choose_mode choose of that, and a V4l2Stream gives the pictures, copied, with the times
+// depth_of_node and choose_mode choose from that, and a V4l2Stream gives the pictures, copied, with the times
 // at which they were taken.
 //
 // Different threads may use different devices at once; a stream is one thread's.
@@ -26,9 +26,9 @@ namespace touchable {
 class VideoSystem {
 public:
     virtual ~VideoSystem() = default;
-    /// Nodes that there are, such as "/dev/video0", in the order of their numbers.
+    /// Existing nodes, such as "/dev/video0", in the order of their numbers.
     virtual std::vector<std::string> nodes() = 0;
-    /// For reading and writing, and so that no call waits.
+    /// Opens for reading and writing, so that no call waits.
     virtual int open(const char* node) = 0;
     virtual int close(int descriptor) = 0;
     virtual int ioctl(int descriptor, unsigned long request, void* argument) = 0;
@@ -41,11 +41,11 @@ public:
 /// This machine's.
 std::shared_ptr<VideoSystem> system_video();
 
-/// A call that a signal broke off is made again.
+/// Repeats an ioctl that a signal interrupted.
 int call(VideoSystem& system, int descriptor, unsigned long request, void* argument);
 
-/// The processes that have a device open, such as "cheese (process 123)", as far as this user may see; empty:
-/// none that is seen.
+/// The processes that have a device open, such as "cheese (process 123)", as far as this user may see them;
+/// empty: none seen.
 std::string users_of_node(const std::string& node);
 
 /// A size of pictures that a camera offers, and at which rates.
@@ -58,23 +58,23 @@ struct NodeMode {
 struct NodeFormat {
     std::uint32_t code = 0;         ///< V4L2_PIX_FMT_...
     std::vector<NodeMode> modes{};  ///< empty: the camera does not say
-    bool any_size = false;          ///< sizes between the least and the greatest in `modes`, too
+    bool any_size = false;          ///< any size between the least and the greatest of `modes`, too
 };
 
-/// What a node is, as its driver tells.
+/// Facts of a node, as its driver states them.
 struct NodeFacts {
     std::string node, driver, card, bus;
-    bool captures = false;  ///< gives pictures by memory that is mapped; nodes of metadata do not
+    bool captures = false;  ///< gives pictures in mapped memory, unlike nodes of metadata
     std::vector<NodeFormat> formats{};
 };
 
-/// Opens it to look, and closes it again. Others may use it meanwhile.
+/// Opens a node, reads its facts and closes it. Other programs may use it meanwhile.
 Result<NodeFacts> look_at_node(VideoSystem& system, const std::string& node);
 
 /// Whether pictures of this format can be touched: Z16, and grey of 16 bits in either byte order.
 bool is_depth_format(std::uint32_t code);
-/// The format by which a node is touched: Z16, which is depth for certain, before grey. An error names what
-/// it gives instead.
+/// The format by which a node is touched: Z16, which is depth for certain, before grey. An error lists what
+/// it offers instead.
 Result<const NodeFormat*> depth_of_node(const NodeFacts& facts);
 /// Whether pictures of this format can be shown as colour.
 bool is_colour_format(std::uint32_t code);
@@ -88,13 +88,13 @@ std::string size_text(std::int64_t width, std::int64_t height);
 /// "30", "29.97", of frames a second.
 std::string rate_text(const FrameRate& rate);
 
-/// What is wanted of a stream; nothing: what is usual.
+/// The mode that is wanted; unset: the usual one.
 struct ModeWish {
     int width = 0, height = 0;        ///< 0: the largest of usual rate, up to 1280x720
     std::optional<double> rate = {};  ///< frames a second; nothing: 30, or the nearest to that
 };
-/// The mode to ask for. `rates` of it has one rate, or none where the camera does not say. An error, without
-/// the node's name, where the format has no such size.
+/// The mode to ask for; its `rates` has one rate, or none if the camera states none. An error, without the
+/// node's name, if the format has no such size.
 Result<NodeMode> choose_mode(const NodeFormat& format, const ModeWish& wish);
 
 /// "640x480 at 30, 15 frames/s".
@@ -105,22 +105,22 @@ struct StreamFormat {
     std::uint32_t code = 0;
     int width = 0, height = 0;
     std::ptrdiff_t stride = 0;  ///< bytes from row to row of the first plane
-    std::size_t least = 0;      ///< bytes that a whole picture has; of coded pictures 1
+    std::size_t least = 0;      ///< bytes of a whole picture; 1 if coded
 };
 
 /// A picture as the camera gave it, copied.
 struct TakenPicture {
     std::shared_ptr<std::vector<std::uint8_t>> bytes;
-    std::uint32_t sequence = 0;  ///< the driver's count, in which pictures that were lost are missing
+    std::uint32_t sequence = 0;  ///< the driver's count; lost pictures leave gaps
     std::int64_t at_ns = 0;      ///< of std::chrono::steady_clock
     bool timed_by_driver = false;
 };
 
-/// A camera is left at so many faults in a row that its driver says.
+/// A camera is given up after this many faults of its driver in a row.
 inline constexpr int most_faults_in_a_row = 100;
 
-/// A stream of a camera's pictures by buffers that its driver fills and that are mapped here. It owns the
-/// device while it is there. One thread.
+/// A stream of a camera's pictures, in mapped buffers that its driver fills. It owns the device for its
+/// lifetime. Used by one thread.
 class V4l2Stream : NonCopyable {
 public:
     /// Chooses the mode, and starts. An error names the node.
@@ -130,17 +130,17 @@ public:
     ~V4l2Stream();
 
     const StreamFormat& format() const { return format_; }
-    /// As the driver settled it; nothing: it does not say.
+    /// As the driver settled it; nullopt: not stated.
     const std::optional<FrameRate>& rate() const { return rate_; }
     /// For poll: readable once a picture is there.
     int descriptor() const { return descriptor_; }
 
     enum class Which { oldest, newest };
-    /// A picture that is there: the oldest, or the newest, those before it given back unread. Nothing where
-    /// none is there, or only damaged ones, which are counted. An error once no more will come: what
-    /// happened, without the node's name.
+    /// Takes the oldest available picture, or the newest, giving those before it back unread. Nullopt if
+    /// there is none, or only damaged ones, which are counted. An error, without the node's name, if no more
+    /// will come.
     Result<std::optional<TakenPicture>> take(Which which);
-    /// That the driver said were damaged, or that were shorter than a picture.
+    /// Pictures that the driver marked as damaged, or that were too short.
     std::int64_t damaged() const { return damaged_; }
 
 private:

@@ -1,5 +1,5 @@
-// Depth of one scale for all frames: whether a clip pumps, its codes by the lines of ShotAlignment, and what
-// a finger at rest feels of it before and after.
+// Brings depth to one scale for all frames: detects pumping, maps codes by the lines of ShotAlignment, and
+// measures what a resting finger feels of it before and after.
 #include <cmath>
 #include <cstring>
 
@@ -14,12 +14,12 @@ namespace touchable {
 namespace {
 
 constexpr std::uint16_t no_aligned_depth = 65535;
-/// Of few codes not too many are made: terrace removal has to have room between them.
+/// New code_max: codes_of_few for a clip of at most few_codes, so terrace removal has room between codes.
 constexpr std::uint16_t few_codes = 4095, codes_of_few = 8190, codes_of_many = 65534;
 constexpr int line_fraction_bits = 24;
-/// Frames that tell whether depth pumps: so many in a row, at so many places.
+/// Frames sampled to detect pumping: this many in a row, at this many places.
 constexpr std::int64_t frames_in_a_row = 4, places_of_clip = 8;
-/// Of the range of codes, from frame to frame; and of what no scale explains.
+/// Least pumping from frame to frame: share of the range of codes, and multiple of the unexplained motion.
 constexpr double least_pumping = 1.0 / 1000, times_unexplained = 2;
 
 /// Code = scale x stored + shift, in fixed point.
@@ -63,17 +63,17 @@ public:
     }
 
 private:
-    std::vector<CodeLine> lines_;  // by frame; the last one for those that could not be read before
+    std::vector<CodeLine> lines_;  // by frame; the last also serves frames that could not be read before
 };
 
-/// What reading all frames tells.
+/// Results of a pass over frames.
 struct Looked {
     ShotAlignment alignment;
     CellPicture first;
-    std::vector<std::pair<std::uint16_t, std::uint16_t>> ranges;  // of codes, by frame
+    std::vector<std::pair<std::uint16_t, std::uint16_t>> ranges;  // least and greatest code, by frame
 };
 
-/// Damaged frames tell nothing, nor what comes after them: the error comes when they are played.
+/// Stops at a damaged frame without an error: playback reports it.
 Result<void> look_at_cells(ClipReader& clip, std::int64_t from, std::int64_t count, Looked& looked) {
     TRY(clip.seek(from));
     for (std::int64_t n = 0; n < count; ++n) {
@@ -89,7 +89,7 @@ Result<void> look_at_cells(ClipReader& clip, std::int64_t from, std::int64_t cou
     return {};
 }
 
-/// By a few frames.
+/// Decides by a few frames.
 Result<bool> does_pump(ClipReader& clip, std::int64_t count) {
     double moved = 0, unexplained = 0;
     const std::int64_t apart = std::max<std::int64_t>(frames_in_a_row, count / places_of_clip);
@@ -104,7 +104,7 @@ Result<bool> does_pump(ClipReader& clip, std::int64_t count) {
            moved > times_unexplained * times_unexplained * unexplained;
 }
 
-/// From the least aligned code of any frame to the greatest, at least that of the codes as they are stored.
+/// Range of the aligned codes of all frames, in sixteenths; at least that of the stored codes.
 struct CodeSpan {
     double least = 0, most = 0;
 };
@@ -118,15 +118,15 @@ CodeSpan span_of(const std::vector<Line>& lines, const Looked& looked, std::uint
     return span;
 }
 
-/// Of whole codes, a half added, so that the next one is the nearest.
+/// The line in whole codes, fixed point; the added half makes truncation round to nearest.
 CodeLine fixed_point(const Line& line, std::uint16_t largest) {
     constexpr double one = std::int64_t{1} << line_fraction_bits;
     return {static_cast<std::int64_t>(line.scale * one),
             static_cast<std::int64_t>((line.shift / CellPicture::per_code + 0.5) * one), largest};
 }
 
-/// Near and far are those of the span. Where there were few codes, or terraces are to be removed, these are
-/// levels now, and the new codes leave room for finer ones.
+/// Near and far become those of the span. If there were few codes, or terraces are to be removed, the old
+/// code step becomes the filter's level, and the new codes are finer.
 Scene aligned_scene(Scene scene, const CodeSpan& span) {
     DepthCoding& depth = scene.depth;
     const bool were_few = depth.code_max <= few_codes;
@@ -148,13 +148,13 @@ Scene aligned_scene(Scene scene, const CodeSpan& span) {
 
 constexpr double picture_width = 0.16;  // metres of the device (docs/conventions.md, Units)
 
-/// What a finger that rests on what stands still feels of depth that changes from frame to frame.
+/// What a finger resting on a still surface feels of depth that changes from frame to frame.
 struct RestingPulse {
     double hand_metres = 0;  ///< root mean square over cells and frames, of the device
-    double newtons = 0;      ///< that times the scene's stiffness where no haptic picture says another
+    double newtons = 0;      ///< hand_metres times the scene's default stiffness
 };
 
-/// DepthCoding::depth of a code between codes.
+/// DepthCoding::depth of a fractional code.
 double depth_at(const DepthCoding& coding, double code) {
     const double share =
         std::clamp((coding.near_is_high ? code : coding.code_max - code) / coding.code_max, 0.0, 1.0);
@@ -175,8 +175,8 @@ double hand_metres_per_unit(const Scene& scene, const Line& line, const CellPict
     return picture_width * scene.camera.fx / (scene.width * *middle);
 }
 
-/// `lines` take the frames' cells to sixteenths of the scene's codes. The scale of the hand is the scene's,
-/// or that by which the picture is 0.16 m wide at the median depth of frame 0.
+/// `lines` take the frames' cells to sixteenths of the scene's codes. The hand's scale is the scene's;
+/// without one, the picture is 0.16 m wide at the median depth of frame 0.
 RestingPulse resting_pulse(const std::vector<RestingCells>& resting, const std::vector<Line>& lines,
                            const Scene& scene, const CellPicture& first) {
     double sum = 0;

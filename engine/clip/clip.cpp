@@ -73,8 +73,8 @@ Result<void> check_height(const PlaneView& plane, const Scene& scene, std::strin
     return check_largest(plane, most, where, "the scene's height_map.bits");
 }
 
-/// A track of 10 bits holds no code beyond 1023: read as one of 16 bits, all of it would lie at one plane.
-/// Metric codes are lengths, however many bits hold them; a hue is made of three samples.
+/// Refuses a track with too few bits for the scene's largest code: 10-bit codes read as 16-bit ones would all
+/// lie at one plane. Exempt: metric codes, lengths in any number of bits; hue, made of three samples.
 Result<void> check_bits(PlaneRole role, int bits, const Scene& scene, std::string_view where) {
     if (bits == 0) return {};
     const bool depth = role == PlaneRole::depth;
@@ -115,9 +115,9 @@ Plane resampled(const PlaneView& plane, int width, int height) {
                   [bytes](std::uint8_t* to, const std::uint8_t* from) { std::memcpy(to, from, bytes); });
 }
 
-/// Grey of colour, or of haptic: stiffness, the frictions being the same everywhere (take_grey_haptic).
+/// RGB from grey colour, or from grey haptic: stiffness, with constant frictions (take_grey_haptic).
 Plane grey_as_rgb(PlaneRole role, const PlaneView& plane, int bits, int width, int height) {
-    const int white = bits > 0 && bits < 8 ? 255 / ((1 << bits) - 1) : 1;  // 2 and 4 bits have whole numbers
+    const int white = bits > 0 && bits < 8 ? 255 / ((1 << bits) - 1) : 1;  // exact for 1, 2 and 4 bits
     const bool in_all = role == PlaneRole::colour;
     return mapped(plane, width, height, 3, [white, in_all](std::uint8_t* to, const std::uint8_t* from) {
         to[0] = static_cast<std::uint8_t>(white * *from);
@@ -125,7 +125,7 @@ Plane grey_as_rgb(PlaneRole role, const PlaneView& plane, int bits, int width, i
     });
 }
 
-/// Columns of one picture in the other's: column x is a + b x.
+/// Maps columns of one picture to the other's: column x lies at a + b x.
 struct Columns {
     double a = 0, b = 1;
 };

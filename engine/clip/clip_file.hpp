@@ -9,8 +9,8 @@
 // A file appears whole or not at all: until `finish` it has a hidden name, and a writer that is destroyed
 // before leaves nothing behind. What is stored keeps every value of depth, haptic and height; ClipStorage
 // says how hard the encoder tries and whether colour is exact. Readers give back what was written, and
-// refuse, with the frame's number, what was damaged since. How the containers say what they hold is in
-// tracks.hpp, for modules that make others of the kind.
+// refuse, with the frame's number, what was damaged since. The containers' metadata is in tracks.hpp, for
+// modules that write similar files.
 //
 // Each reader and writer is used by one thread at a time; a reader decodes large pictures on threads of its
 // own.
@@ -37,25 +37,25 @@ Result<std::unique_ptr<ClipReader>> open_matroska_clip(const SourceFile& file,
 Result<std::unique_ptr<ClipReader>> open_mp4_clip(const SourceFile& file,
                                                   const std::optional<SceneDescription>& described,
                                                   Colour colour = Colour::wanted);
-/// Whether a file is one of these: it has tags of ours, an MPEG-4 scene of a clip, or tracks that are named
-/// as planes of touch. One whose scene is damaged may be, or is no clip where FFmpeg cannot read the file,
-/// unless another file describes it: its reader says what is wrong with the scene.
+/// Whether a file is such a clip: it has our tags, an MPEG-4 scene of a clip, or tracks named as planes of
+/// touch. If no other file describes it, also true if its scene is damaged, or is not a clip's and FFmpeg
+/// cannot read the file: the reader then says what is wrong with the scene.
 bool is_mp4_clip(const SourceFile& file, bool is_described);
 
-/// The tracks of each plane in an MP4 file, by PlaneRole: the number of its track, and of samples of more
-/// than 8 bits that of the track with their low bits. Empty: there is no such plane.
+/// The tracks of each plane in an MP4 file, by PlaneRole: its track number and, for samples of more than 8
+/// bits, that of the track with their low bits. Empty: no such plane.
 using PlaneTracks = std::array<std::vector<std::uint32_t>, all_roles.size()>;
 
-/// Tracks of an MP4 file of which another file says what they are and mean. Any program may have written it;
-/// one with tags of ours says the frames' times.
+/// Opens tracks of an MP4 file by any program, whose roles and meaning another file gives. If the file has
+/// our tags, they give the frames' times.
 Result<std::unique_ptr<ClipReader>> open_mp4_tracks(const SourceFile& file, const PlaneTracks& tracks,
                                                     const SceneDescription& described,
                                                     Colour colour = Colour::wanted);
 
-/// What a clip's tracks are to be good at (docs/codecs.md).
+/// What a clip's tracks are optimised for (docs/codecs.md).
 enum class Archive {
     fast,   ///< quick to decode
-    small,  ///< few bytes: for each plane the coding that takes fewer
+    small,  ///< few bytes: the smallest coding for each plane
 };
 
 /// How a clip's pictures are stored. Depth, haptic and height always keep every value.
@@ -69,9 +69,9 @@ struct ClipStorage {
     Archive archive = Archive::fast;
     bool exact_colour = false;  ///< otherwise colour is as good as the eye can tell
     bool gives_colour = false;  ///< ClipWriter::stored_colour is used; costs decoding it
-    bool fragmented = false;    ///< readable while it is written, and up to where it was cut: MP4 only
-    /// Matroska: tracks that have the pictures of these frames already. They are copied as they are stored,
-    /// where that can be done, and only planes of other roles are encoded.
+    bool fragmented = false;    ///< readable while being written, and up to where it is cut: MP4 only
+    /// Matroska: tracks that already have these frames' pictures. They are copied without encoding if
+    /// possible, and only planes of other roles are encoded.
     std::optional<Copied> copied{};
 };
 
@@ -79,7 +79,7 @@ struct ClipStorage {
 Result<void> check_storable(const std::filesystem::path& path, const SceneDescription& described);
 
 /// A touchable clip: Matroska, one track per plane tagged with its role, the scene attached as JSON; filters
-/// may be left open there. A size that no clip can hold is an error of kind usage of the first `write`.
+/// may stay unstated there. A size that no clip can hold makes the first `write` fail with kind usage.
 Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& path,
                                                 const SceneDescription& described,
                                                 const ClipStorage& storage = {},
@@ -88,10 +88,9 @@ Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& pat
 
 /// A touchable clip as the paper sends it: MP4 with a track of H.264 for each plane, and an MPEG-4 scene that
 /// says what they are. Colour is the track that ordinary players show; the others are marked as auxiliary to
-/// it. Depth and height of more than 8 bits have their low bits in tracks of their own, which the scene does
-/// not name. `storage`: its archive says how hard the encoder tries; in fragments the file has no scene but
-/// tags and names of tracks, and is readable up to the last half second that was written. Otherwise as
-/// create_clip.
+/// it. Depth and height of more than 8 bits have their low bits in separate tracks, which the scene does not
+/// name. `storage`: its archive sets the encoder's effort; a fragmented file has tags and track names instead
+/// of the scene, and is readable up to the last half second written. Otherwise as create_clip.
 Result<std::unique_ptr<ClipWriter>> create_mp4_clip(const std::filesystem::path& path,
                                                     const SceneDescription& described,
                                                     const ClipStorage& storage = {},
@@ -107,12 +106,12 @@ Result<std::unique_ptr<ClipWriter>> create_named_clip(const std::filesystem::pat
                                                       Existing existing = Existing::replace,
                                                       const std::optional<SoundPart>& sound = {});
 
-/// Bits of the largest height code; the low ones beyond 8 are in a track of their own in MP4.
+/// Bits of the largest height code; MP4 has those below the high 8 in a separate track.
 constexpr int height_bits(const HeightCoding& height) {
     return std::bit_width(height.code_max);
 }
-/// The name of a track (its handler's) that has the low bits of another one: "depth_low". The high eight are
-/// in that one.
+/// Suffix of the handler name of a track with another one's low bits: "depth_low". "depth" has the high
+/// eight.
 inline constexpr const char* low_track_suffix = "_low";
 
 /// A film of what was shown and heard, for ordinary players: H.264 and AAC in MP4, or H.264 and FLAC in
@@ -123,38 +122,38 @@ public:
     static constexpr int pictures_per_second = 30;
 
     /// Refused: a name of another kind (ErrorKind::usage), a place where nothing can be written, and, with
-    /// `keep`, a file that is there (ErrorKind::input).
+    /// `keep`, an existing file (ErrorKind::input).
     static Result<std::unique_ptr<FilmWriter>> create(const std::filesystem::path& file, Existing existing);
     virtual ~FilmWriter() = default;
 
-    /// RGB, 8 bits: what is seen from place `place` of the film on (0, 1, ...: thirtieths of a second), and
-    /// until then what was before. The film has the first one's size, rounded down to even numbers; others
-    /// are fitted into it, on black. An error (ErrorKind::input) where it cannot be written.
+    /// Shows `picture` (RGB, 8 bits) from `place` of the film on (0, 1, ...: thirtieths of a second); until
+    /// then the one before stays. The film has the first one's size, rounded down to even numbers; others are
+    /// fitted into it, on black. An error (ErrorKind::input) if it cannot be written.
     virtual Result<void> add(const PlaneView& picture, std::int64_t place) = 0;
-    /// What is heard from `sample` of the film on (0 is heard with its first picture), after the first
-    /// picture; silence where nothing is. What comes when later sound is there already is left out, and so
-    /// may be what comes two seconds later than its picture. Errors as above.
+    /// Adds sound from `sample` of the film on (0: with its first picture); call it after the first picture.
+    /// Gaps are silent. Sound that comes after later sound is dropped, and sound that comes two seconds later
+    /// than its picture may be. Errors as above.
     virtual Result<void> add_sound(std::int64_t sample, std::span<const StereoSample> samples) = 0;
-    /// The last picture stays until before this place. An error where anything could not be written; then
-    /// there is no file. But where its disk became full, it is kept up to there.
+    /// Ends the film before this place; the last picture stays until then. An error if anything could not be
+    /// written; then there is no file, unless the disk became full: the film up to there is kept.
     virtual Result<void> finish(std::int64_t end) = 0;
 };
 
-/// A folder with a hidden name for files that are to appear together; it goes again with all that is left in
-/// it.
+/// A folder with a hidden name for files that are to appear together; the destructor removes it with all that
+/// is left in it.
 class HiddenFolder : NonCopyable {
 public:
     explicit HiddenFolder(const std::filesystem::path& beside);
     ~HiddenFolder();
 
     const std::filesystem::path& path() const { return path_; }
-    /// Why it could not be made, if so.
+    /// Why the folder could not be made, if so.
     const std::error_code& failure() const { return failure_; }
-    /// All in it safe on the disk, as far as its file system can.
+    /// Flushes its files to the disk, as far as the file system can.
     void sync() const;
     void remove() const;
-    /// Gives its files of these names the same names in `home`, in this order, the one that opens the others
-    /// last. With `keep` all of them or none.
+    /// Moves these files into `home`, in this order, the one that opens the others last. With `keep` all or
+    /// none.
     Result<void> move_to(const std::filesystem::path& home, const std::vector<std::string>& names,
                          Existing existing) const;
 

@@ -1,5 +1,5 @@
-// Reads our clips from files of any container: tracks are decoded side by side, frames checked against their
-// times and what the file promises, and seeking goes by the file's index as far as that leads.
+// Reads our clips from files of any container: decodes tracks in parallel, checks frames against their times
+// and the file's stated length, and seeks by the file's index as far as it leads.
 #include <cmath>
 #include <deque>
 #include <functional>
@@ -14,20 +14,20 @@
 namespace touchable {
 namespace {
 
-/// Packets of a track under way: one being decoded while another waits.
+/// Packets of a track in flight: one being decoded, one waiting.
 constexpr std::size_t packets_ahead = 2;
-/// From this many pixels on a picture is worth a thread.
+/// Pictures of at least this many pixels are decoded on a thread.
 constexpr std::int64_t pixels_for_thread = 50'000;
 
 std::optional<TrackDecoder::Picture> end_of_track() {
     return {};
 }
 
-/// Decodes a track of a file ahead of its reader: large pictures on a thread of its own, small ones when
-/// they are asked for. The same pictures and errors in the same order either way.
+/// Decodes a track of a file ahead of its reader: large pictures on a separate thread, small ones on demand.
+/// Both ways give the same pictures and errors in the same order.
 class TrackThread : NonCopyable {
 public:
-    /// What is made of each decoded plane; `where` it is, for messages.
+    /// Converts each decoded plane; `where`: its place, for messages.
     using Fit = std::function<Result<Plane>(Plane, const std::string& where)>;
     TrackThread(TrackDecoder decoder, int stream, Fit fit)
         : decoder_(std::move(decoder)),
@@ -36,7 +36,7 @@ public:
           fit_(std::move(fit)),
           threaded_(decoder_.pixels() >= pixels_for_thread) {}
 
-    /// ends once the picture being decoded is done
+    /// Waits until the picture being decoded is done.
     ~TrackThread() {
         {
             const std::lock_guard lock(mutex_);
@@ -48,20 +48,20 @@ public:
 
     PlaneRole role() const { return decoder_.role(); }
     int stream() const { return stream_; }
-    /// Complete once a picture was given.
+    /// Complete after the first picture.
     const TrackInfo& info() const { return decoder_.info(); }
-    /// Whether its packets say how long their pictures stay; known then, too.
+    /// Whether its packets state how long their pictures stay; known after the first picture.
     bool has_additions() const { return decoder_.has_additions(); }
     /// "clip.mkv: track depth".
     std::string name() const { return name_; }
 
-    /// Gives it packets to work on while others are read.
+    /// Queues packets for the thread, so that it works while other tracks are read.
     void fill(Demuxer& file) {
         while (threaded_ && has_room()) push(file);
     }
 
-    /// The next picture, whose plane is the one before where all samples are the same; nothing after the
-    /// last. Waits for it.
+    /// Waits for the next picture; nullopt after the last. If all samples are the same, its plane is the one
+    /// before.
     Result<std::optional<TrackDecoder::Picture>> next(Demuxer& file) {
         while (!final_) {
             if (auto outcome = take()) {
@@ -74,14 +74,14 @@ public:
         return *final_ ? Outcome(end_of_track()) : Outcome(final_->error());
     }
 
-    /// From the packets on that come from now on, planes are left out where that saves decoding.
+    /// Leaves out the planes of later packets if that saves decoding.
     void leave_out() { left_out_ = true; }
     /// Forgets all packets and pictures: the next packet holds this frame.
     void restart(std::int64_t frame) {
         std::unique_lock lock(mutex_);
         jobs_.clear();
         changed_.wait(lock, [this] { return !working_; });
-        if (thrown_) {  // its thread has ended with that
+        if (thrown_) {  // the exception has ended the thread
             lock.unlock();
             thread_.join();
             lock.lock();
@@ -96,7 +96,7 @@ public:
 private:
     using Outcome = Result<std::optional<TrackDecoder::Picture>>;
     struct Job {
-        Result<PacketPtr> packet;  ///< null: there is none any more
+        Result<PacketPtr> packet;  ///< null: end of the track
         bool left_out = false;
     };
     bool has_room() {
@@ -118,7 +118,7 @@ private:
             give(started.error());
     }
 
-    /// Nothing: a further packet is needed.
+    /// Returns nullopt if a further packet is needed.
     std::optional<Outcome> take() {
         std::unique_lock lock(mutex_);
         if (!threaded_ && outcomes_.empty() && !jobs_.empty()) {
@@ -138,7 +138,7 @@ private:
         return std::nullopt;
     }
 
-    /// Nothing thrown leaves the thread: `next` throws it again.
+    /// Catches every exception: `next` throws it again.
     void run() {
         std::unique_lock lock(mutex_);
         while (true) {
@@ -195,15 +195,15 @@ private:
         return std::optional(std::move(picture));
     }
 
-    TrackDecoder decoder_;  // the worker's, as is newest_
+    TrackDecoder decoder_;  // used by the worker thread, as is newest_
     const int stream_;
     const std::string name_;
     const Fit fit_;
     const bool threaded_;
     Plane newest_;
-    // The reader's.
+    // Used by the reading thread.
     bool left_out_ = false;
-    bool all_read_ = false;         // or reading failed
+    bool all_read_ = false;         // true also if reading failed
     std::optional<Outcome> final_;  // the end or the error that was given
 
     std::mutex mutex_;
@@ -245,7 +245,7 @@ public:
     }
 
     Result<void> rewind() override { return seek(0); }
-    /// By the file's index, or where that leads nowhere by reading on from the first byte.
+    /// Seeks by the file's index; if that does not lead there, reads on from the first byte.
     Result<void> seek(std::int64_t frame) override {
         if (frame < 0)
             return usage_error("frame " + std::to_string(frame) + " is before the clip's first, 0");
@@ -264,7 +264,7 @@ public:
         return {};
     }
 
-    /// Of clips that other programs have encoded anew it is not known.
+    /// 0 for clips re-encoded by other programs, whose access points are not known.
     std::int64_t access_point(std::int64_t frame) const override {
         if (!index_leads_) return 0;
         if (container_->has_whole_index()) return indexed_access_point(frame);
@@ -279,11 +279,11 @@ public:
 private:
     struct Track {
         std::unique_ptr<TrackThread> pictures;
-        std::unique_ptr<TrackThread> low{};  // of samples in two tracks
+        std::unique_ptr<TrackThread> low{};  // low bits; null: all bits are in `pictures`
         int low_bits = 0;
         bool is_lossless = false;
         Plane newest{};
-        std::int64_t until = 0;  // the frame that needs another picture
+        std::int64_t until = 0;  // first frame that needs another picture
     };
 
     Error refuse(const std::string& what, Hints hints = {}) const {
@@ -321,7 +321,7 @@ private:
         return read_poses();
     }
 
-    /// They are at the times that the frames were recorded at.
+    /// Pose times are those at which the frames were recorded.
     Result<void> read_poses() {
         const auto text = container_->poses(*demuxer_);
         if (!text) return {};
@@ -360,7 +360,7 @@ private:
         return {};
     }
 
-    /// What can be told of the whole clip once frame 0 is there.
+    /// Sets frame count, tracks and notes, once frame 0 is read.
     Result<void> describe() {
         if (whole_) {
             promised_ = whole_->frames;
@@ -383,7 +383,7 @@ private:
             return describe_tracks();
         }
         promised_ = std::ssize(*recorded_rate_.own_times);
-        const double left = *end_s - origin_seconds_ - seconds_of(promised_ - 1);  // for the last of them
+        const double left = *end_s - origin_seconds_ - seconds_of(promised_ - 1);  // for the last frame
         if (left < -rounding) return refuse_times();
         if (left > longest_gap() + rounding && pictures_of_depth() > promised_) return refuse_times();
         return describe_tracks();
@@ -409,11 +409,11 @@ private:
         return all;
     }
 
-    /// The last frame up to this one at which every track begins anew, as far as the index knows. Of some
-    /// tracks every picture is on its own: those of the others decide.
+    /// The last frame at or before this one that is a keyframe in every track, by the index. In some tracks
+    /// every picture is a keyframe: the others decide.
     std::int64_t indexed_access_point(std::int64_t frame) const {
         std::int64_t target = frame, before = frame + 1;
-        while (target < before) {  // where one begins anew another may not
+        while (target < before) {  // a keyframe of one track need not be one of another
             before = target;
             for (const int stream : streams()) {
                 if (container_->has_whole_index()) {
@@ -428,9 +428,8 @@ private:
         return target;
     }
 
-    /// The frame of the next packet, which decoding can begin with. FFmpeg leads the other tracks to where
-    /// the first decodes a frame, which may be before they show it: what they have before `least` is passed
-    /// over.
+    /// The frame of the next keyframe packet. FFmpeg seeks the other tracks to the time at which the first
+    /// decodes a frame, which may be before it is shown: packets before `least` are skipped.
     std::optional<std::int64_t> key_packet(int stream, std::int64_t least) {
         while (true) {
             const auto packet = demuxer_->peek(stream);
@@ -442,13 +441,13 @@ private:
         }
     }
 
-    /// Goes to the last frame up to this one at which every track has a picture that decoding can begin with;
-    /// false where the index leads to no such frame.
+    /// Seeks to the last frame at or before this one that is a keyframe in every track; false if the index
+    /// leads to no such frame.
     Result<bool> begin_at(std::int64_t frame) {
         const int depth = tracks_.front().pictures->stream();
         const auto go_to = [&](std::int64_t to) { return demuxer_->seek(depth, timestamp_of(depth, to)); };
         const bool is_whole = container_->has_whole_index();
-        // Of Matroska the first search reads the index.
+        // In Matroska the first search reads the index.
         if (!is_whole && !go_to(frame)) return false;
         const std::int64_t target = indexed_access_point(frame);
         if ((is_whole || target < frame) && !go_to(target)) return false;
@@ -458,7 +457,7 @@ private:
             if (!begins || (there && *there != *begins) || *begins > frame) return false;
             there = begins;
         }
-        // Pictures of an open group are shown before the one that it begins with.
+        // Pictures of an open group are shown before its keyframe.
         if (is_whole && *there != target) return false;
         number_ = *there;
         for (Track& track : tracks_) {
@@ -473,7 +472,7 @@ private:
     double seconds_of(std::int64_t frame) const {
         return static_cast<double>(recorded_rate_.time_ns(frame)) / ns_per_second;
     }
-    // Frames are at their numbers' times, to whole milliseconds; frame 0 is at the origin.
+    // Timestamps are the frames' times rounded to milliseconds; frame 0 is at the origin.
     std::optional<std::int64_t> frame_of(int stream, std::int64_t timestamp) const {
         if (timestamp == AV_NOPTS_VALUE) return std::nullopt;
         const double seconds = static_cast<double>(timestamp) * tick_of(stream) - origin_seconds_;
@@ -485,7 +484,7 @@ private:
         return std::llround((origin_seconds_ + seconds_of(frame)) / tick_of(stream));
     }
 
-    /// False after the last.
+    /// Returns false after the last picture.
     Result<bool> read_plane(Track& track, RawFrame& frame) {
         if (number_ >= track.until) {
             TRY_ASSIGN(auto picture, track.pictures->next(*demuxer_));
@@ -499,7 +498,7 @@ private:
         return true;
     }
 
-    /// To the high bits of the newest picture the low ones.
+    /// Joins the low bits to the newest picture's high bits.
     Result<void> join_low(Track& track) {
         TRY_ASSIGN(auto low, track.low->next(*demuxer_));
         const std::string where = track.pictures->name() + ", frame " + std::to_string(number_);
@@ -518,12 +517,12 @@ private:
         return {};
     }
 
-    /// A lost or moved frame shows in the timestamps, which are the frame number's up to their rounding.
+    /// Detects lost or moved frames: a timestamp must be its frame number's time, up to rounding.
     Result<void> check_time(const TrackThread& track, std::int64_t timestamp) {
         const double seconds = static_cast<double>(timestamp) * tick_of(track.stream());
         if (number_ == 0 && track.role() == PlaneRole::depth) origin_seconds_ = seconds;
         const double expected = seconds_of(number_);
-        constexpr double rounding = 0.00101;  // of two timestamps, to milliseconds
+        constexpr double rounding = 0.00101;  // seconds; two timestamps, to milliseconds
         if (timestamp != AV_NOPTS_VALUE && std::fabs(seconds - origin_seconds_ - expected) < rounding)
             return {};
         const auto& own = recorded_rate_.own_times;
@@ -542,7 +541,7 @@ private:
         return static_cast<double>(longest) / ns_per_second;
     }
 
-    /// By going through the whole file once more; as many as can be read.
+    /// Counts the pictures that can be read, in another pass over the whole file.
     std::int64_t pictures_of_depth() const {
         const auto file = container_->open();
         if (!file) return 0;
@@ -565,7 +564,7 @@ private:
         frame.number = number_;
         frame.time_ns = scene_.rate.time_ns(number_);
         for (Track& track : tracks_) {
-            // The first frame tells what a track holds, so that has all planes.
+            // Frame 0 tells each track's format, so it has all planes.
             if (!with_colour_ && number_ > 0 && track.pictures->role() == PlaneRole::colour)
                 track.pictures->leave_out();
             track.pictures->fill(*demuxer_);
@@ -602,16 +601,16 @@ private:
     std::vector<TrackInfo> infos_;
     std::vector<std::string> notes_;
     std::int64_t promised_ = 0;
-    std::optional<ClipContainer::WholePart> whole_;  // of a file that promises nothing
-    bool index_leads_ = true;                        // to access points, as far as that was tried
+    std::optional<ClipContainer::WholePart> whole_;  // of a file that states no length
+    bool index_leads_ = true;                        // false: the last seek by the index failed
     bool with_colour_ = true;
 
-    // Where the reading is; `open_file` and `start` make it anew.
+    // Reading position, reset by `open_file` and `start`.
     std::unique_ptr<Demuxer> demuxer_;
     std::vector<Track> tracks_;
     std::int64_t number_ = 0;        // of the frame that `read` gives next
     double origin_seconds_ = 0;      // timestamp of frame 0
-    std::optional<RawFrame> first_;  // read to learn the tracks' formats, not yet given away
+    std::optional<RawFrame> first_;  // read to learn the tracks' formats, not yet returned
 };
 
 Result<std::unique_ptr<ClipReader>> open_clip_file(const SourceFile& file,

@@ -1,4 +1,4 @@
-// What writers of our clips have in common, whatever the container; and files that appear together.
+// The common part of our clips' writers, for any container; and files that appear together.
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -24,7 +24,7 @@ Result<std::unique_ptr<ReadAlong>> ReadAlong::open(const TrackEncoder& encoder, 
     return std::unique_ptr<ReadAlong>(new ReadAlong(std::move(decoder)));
 }
 
-/// The encoder holds no picture back, so none waits for a later one.
+/// The encoder has no delay, so each packet decodes to a picture at once.
 Result<void> ReadAlong::add(const AVPacket& packet) {
     TRY(decoder_.send(&packet));
     TRY_ASSIGN(auto picture, decoder_.receive());
@@ -74,7 +74,7 @@ Result<void> MuxedClipWriter::add_sound_stream() {
     AVStream* const stream = avformat_new_stream(muxer_.get(), nullptr);
     if (!stream || avcodec_parameters_copy(stream->codecpar, &sound_->codec()) < 0)
         return refuse("out of memory");
-    stream->codecpar->codec_tag = 0;  // the other container's
+    stream->codecpar->codec_tag = 0;  // it is the source container's
     stream->id = sound_stream_ + 1;
     stream->time_base = millisecond;
     return {};
@@ -195,7 +195,7 @@ Result<void> HiddenFolder::move_to(const fs::path& home, const std::vector<std::
         else
             failure.assign(move_to_free_name(from, to), std::generic_category());
         if (!failure) continue;
-        if (existing == Existing::keep)  // nothing of it is left
+        if (existing == Existing::keep)  // remove what was moved
             for (auto done = names.begin(); done != name; ++done) {
                 std::error_code ignored;
                 fs::remove(home / *done, ignored);

@@ -1,4 +1,4 @@
-// What our clips say of themselves: tags, additions to blocks, frames' times and other attached texts.
+// Metadata of our clips: tags, additions to blocks, frames' times and other attached texts.
 #include "engine/clip/tracks.hpp"
 
 #include <cmath>
@@ -23,8 +23,8 @@ std::optional<std::int64_t> whole_number(std::string_view text) {
     return value;
 }
 
-// Identifier of the addition (8 bytes, FFmpeg's), frames (4), CRC-32 (4); in a stream, the number of the
-// frame (8) and when it was taken (8). All with the high byte first.
+// An addition: identifier (8 bytes, FFmpeg's), frames (4), CRC-32 (4); in a stream also the frame's number
+// (8) and when it was taken (8). All with the high byte first.
 constexpr std::size_t frames_at = 8, crc_at = 12, addition_size = 16, label_at = 16, labelled_size = 32;
 constexpr std::uint64_t addition_id = 1;
 
@@ -41,8 +41,8 @@ std::size_t start_code(std::span<const std::uint8_t> bytes, std::size_t at) {
     return bytes.size();
 }
 
-/// Matroska has a length before each unit of H.264 where its encoder has a start code (ISO/IEC 14496-15; one
-/// of four bytes begins with a zero more).
+/// CRC of H.264 units as Matroska stores them: with a length in place of the encoder's start code (ISO/IEC
+/// 14496-15; a start code of four bytes has one more zero).
 std::uint32_t crc_of_units(std::uint32_t crc, std::span<const std::uint8_t> bytes) {
     std::size_t begin = start_code(bytes, 0);
     while (begin < bytes.size()) {
@@ -200,7 +200,7 @@ SceneDescription said_of_clip(const SceneDescription& described) {
     said.unstated = described.unstated;
     said.scene.folder.reset();
     said.scene.video.reset();
-    said.scene.stored = {};  // as codes
+    said.scene.stored = {};  // the clip stores codes
     return said;
 }
 

@@ -1,4 +1,4 @@
-// Frames that are read ahead, and the far plane that they tell.
+// Prefetched frames, and the far plane estimated from them.
 #include <cstdlib>
 
 #include "engine/base/threads.hpp"
@@ -21,7 +21,7 @@ public:
         const bool is_next = given_ < frames_.size() && frame == static_cast<std::int64_t>(given_);
         return is_next ? Result<void>{} : leave_for(frame);
     }
-    /// Those that were read ahead are of the future then.
+    /// Drops prefetched frames: in a run they would come before they are taken.
     Result<void> begin(std::chrono::steady_clock::time_point zero) override {
         if (given_ < frames_.size()) TRY(leave_for(static_cast<std::int64_t>(given_)));
         return inner().begin(zero);
@@ -45,7 +45,7 @@ std::size_t bytes_of(const RawFrame& frame) {
     return bytes;
 }
 
-constexpr std::int64_t stray_of = 10'000;  // one valid pixel in so many may be stray
+constexpr std::int64_t stray_of = 10'000;  // one valid pixel in this many may be stray
 constexpr double far_margin = 1.05;
 
 /// The far plane of a metric clip that does not give one: 5 % beyond the depth that at most one valid pixel
@@ -60,7 +60,7 @@ public:
         ++frames_;
     }
 
-    /// Gives this scene that far plane; the note says what was found. An error where no depth was valid.
+    /// Sets the scene's far plane and returns a note on it. An error if no depth was valid.
     Result<std::string> settle(Scene& scene) const {
         std::int64_t valid = 0;
         const auto is_valid = [&](int code) { return coding_.is_valid(static_cast<std::uint16_t>(code)); };
@@ -79,7 +79,7 @@ public:
         SceneDescription open(scene);
         open.unstated.far = true;
         TRY_ASSIGN(scene, touchable::settle(open, {.far = depth * far_margin}));
-        // Some of the strays are within the margin.
+        // Some strays lie within the margin.
         std::int64_t lost = 0;
         for (int code = deepest + 1; code < 65536; ++code)
             if (is_valid(code) && !scene.depth.is_valid(static_cast<std::uint16_t>(code)))
@@ -94,7 +94,7 @@ public:
 
 private:
     DepthCoding coding_;
-    std::vector<std::int64_t> pixels_;  // by code, of valid ones
+    std::vector<std::int64_t> pixels_;  // pixel counts by code
     int frames_ = 0;
 };
 
@@ -107,7 +107,7 @@ public:
     }
 };
 
-/// Whether there is such a frame.
+/// Adds a frame's depth; false if there is no frame.
 Result<bool> look_at_frame(Result<std::optional<RawFrame>> frame, FarPlaneEstimator& estimator) {
     if (stop_requested()) return interrupted_error();
     if (!frame) return frame.error();

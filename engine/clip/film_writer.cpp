@@ -35,13 +35,12 @@ void lay_sound(std::span<const StereoSample> samples, AVFrame& to) {
     }
 }
 
-/// The sound of a film that is being written: two channels at
-/// SoundTrack::rate, from the film's first picture on. Calls give FFmpeg's status, negative where they
-/// failed.
+/// The sound of a film that is being written: two channels at SoundTrack::rate, from the film's first picture
+/// on. Functions return FFmpeg's status, negative on failure.
 class FilmSound {
 public:
-    /// Adds its stream, before the muxer's header is written: AAC, or FLAC where `is_exact`. The muxer writes
-    /// to `room`.
+    /// Adds its stream, before the muxer's header is written: AAC, or FLAC if `is_exact`. The muxer writes to
+    /// `room`.
     int open(AVFormatContext& muxer, ReservedOutput& room, bool is_exact) {
         const AVCodec* const codec = avcodec_find_encoder(is_exact ? AV_CODEC_ID_FLAC : AV_CODEC_ID_AAC);
         if (!codec) return AVERROR_ENCODER_NOT_FOUND;
@@ -65,7 +64,7 @@ public:
         return avcodec_parameters_from_context(stream_->codecpar, codec_.get());
     }
 
-    /// The sample that comes next.
+    /// Number of the next sample.
     std::int64_t next() const { return next_; }
     int add(std::span<const StereoSample> samples) {
         const auto whole = static_cast<std::size_t>(codec_->frame_size);
@@ -81,7 +80,7 @@ public:
         return 0;
     }
 
-    /// Silence.
+    /// Adds silence up to this sample.
     int fill_until(std::int64_t sample) {
         static constexpr StereoSample silence[1024]{};
         int status = 0;
@@ -91,7 +90,7 @@ public:
         return status;
     }
 
-    /// Before the muxer's trailer.
+    /// Call before the muxer writes its trailer.
     int finish() {
         if (!waiting_.empty())
             if (const int status = encode_waiting(static_cast<int>(waiting_.size())); status < 0)
@@ -100,7 +99,7 @@ public:
     }
 
 private:
-    /// Null: what the codec still holds.
+    /// Null flushes the codec.
     int encode(const AVFrame* frame) {
         int status = avcodec_send_frame(codec_.get(), frame);
         while (status >= 0) {
@@ -134,14 +133,14 @@ private:
     CodecPtr codec_;
     FramePtr frame_;
     PacketPtr packet_;
-    std::vector<StereoSample> waiting_;  // less than a frame of the codec's
+    std::vector<StereoSample> waiting_;  // less than one codec frame
     std::int64_t next_ = 0;
 };
 
-/// Where players can begin, in pictures.
+/// Distance of keyframes, pictures.
 constexpr std::int64_t film_access_interval = 2 * FilmWriter::pictures_per_second;
 constexpr std::int64_t samples_per_picture = SoundTrack::rate / FilmWriter::pictures_per_second;
-/// Pictures and sound lie no farther apart in the file.
+/// Largest distance of sound from its picture in the file, pictures.
 constexpr std::int64_t most_pictures_apart = 2 * FilmWriter::pictures_per_second;
 
 int even_side(double side) {
@@ -172,7 +171,7 @@ public:
     Result<void> finish(std::int64_t end) override {
         if (!picture_) return refuse("there was no picture");
         if (so_far_) so_far_ = end_tracks(end);
-        const bool is_cut = room_.is_full() && next_ > 0;  // there is room for its end
+        const bool is_cut = room_.is_full() && next_ > 0;  // room for the trailer is reserved
         if (!so_far_ && !is_cut) return so_far_;
         int status = av_write_trailer(muxer_.get());
         if (status >= 0) status = room_.close();
@@ -213,7 +212,7 @@ private:
         return check_status(sound_.add(samples));
     }
 
-    /// Both are as long as each other, and nothing waits.
+    /// Makes both tracks equally long and flushes them.
     Result<void> end_tracks(std::int64_t end) {
         TRY(repeat_until(std::max(end, next_ + 1)));
         TRY(check_status(sound_.fill_until(next_ * samples_per_picture)));
@@ -235,7 +234,7 @@ private:
         return check_status(avformat_write_header(muxer_.get(), nullptr));
     }
 
-    /// The newest picture.
+    /// Encodes the newest picture for all places before `end`.
     Result<void> repeat_until(std::int64_t end) {
         for (; next_ < end; ++next_) {
             const std::int64_t least_heard = (next_ - most_pictures_apart) * samples_per_picture;
@@ -257,7 +256,7 @@ private:
         return {};
     }
 
-    /// Into the middle of the film's picture.
+    /// Scales `picture` into the middle of the film's picture.
     Result<void> fit(const PlaneView& picture) {
         AVFrame& to = *picture_;
         if (av_frame_make_writable(&to) < 0) return refuse("out of memory");
@@ -296,8 +295,8 @@ private:
     FilmSound sound_;
     FramePtr picture_;  // the newest, as it is encoded
     ScalerPtr scaler_;
-    int from_width_ = 0, from_height_ = 0;  // of what the scaler takes
-    std::int64_t next_ = 0;                 // place that is not encoded yet
+    int from_width_ = 0, from_height_ = 0;  // input size of the scaler
+    std::int64_t next_ = 0;                 // first place not yet encoded
     Result<void> so_far_;                   // the first fault, or none
 };
 

@@ -1,4 +1,4 @@
-// When what a sender sends was taken, and is shown.
+// When a sender's framesets were taken, and when they are shown.
 
 #include <algorithm>
 
@@ -7,7 +7,7 @@
 namespace touchable {
 namespace {
 
-/// Moments of a sender's clock that are later count as not known, ns.
+/// ns; later times of a sender's clock count as unknown.
 constexpr std::int64_t latest_known_ns = std::int64_t{1} << 61U;
 
 }  // namespace
@@ -17,7 +17,7 @@ void JitterBuffer::restart() {
     last_sent_ns_ = 0;
 }
 
-/// The shortest way of the last ten seconds.
+/// The shortest transit time of the last ten seconds.
 std::int64_t JitterBuffer::shortest_way(std::int64_t way_ns, std::int64_t arrived_ns) {
     const std::int64_t bucket = arrived_ns / bucket_ns;
     auto& now = shortest_[static_cast<std::size_t>(bucket) % buckets];
@@ -31,7 +31,7 @@ std::int64_t JitterBuffer::shortest_way(std::int64_t way_ns, std::int64_t arrive
 }
 
 void JitterBuffer::adapt(std::int64_t jitter_ns, std::int64_t arrived_ns) {
-    constexpr std::int64_t fall_ns = 8'000'000'000;  // in which a delay falls to about a third
+    constexpr std::int64_t fall_ns = 8'000'000'000;  // time in which a delay falls to about a third
     jitters_[jitter_count_++ % kept] = jitter_ns;
     std::vector<std::int64_t> all(
         jitters_.begin(), jitters_.begin() + static_cast<std::ptrdiff_t>(std::min(jitter_count_, kept)));
@@ -53,7 +53,7 @@ JitterBuffer::Moments JitterBuffer::add(std::int64_t sent_ns, std::int64_t arriv
     if (goes_on) {
         const std::int64_t way_ns = arrived_ns - sent_ns;
         std::int64_t jitter_ns = way_ns - shortest_way(way_ns, arrived_ns);
-        if (jitter_ns > longest_way_ns_) {  // the clock went back, or all was held up on the way
+        if (jitter_ns > longest_way_ns_) {  // the sender's clock went back, or all was held up
             shortest_ = {};
             (void)shortest_way(way_ns, arrived_ns);
             jitter_ns = 0;

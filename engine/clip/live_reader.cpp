@@ -1,4 +1,4 @@
-// Live sources: the rules that all of them share, and recordings that behave like a camera.
+// Live sources: their common rules, and recordings that behave like a camera.
 
 #include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"
@@ -11,7 +11,7 @@ namespace {
 
 using std::chrono::steady_clock;
 
-constexpr std::int64_t most_lost = 1'000'000;  // in a row; more is another count
+constexpr std::int64_t most_lost = 1'000'000;  // in a row; more: the counter began anew
 
 Error runs_on() {
     return usage_error("a camera that runs goes to no other frame than its next");
@@ -21,10 +21,10 @@ Error told_to_stop(const std::string& kind, std::int64_t before_frame) {
             "the " + kind + " was told to stop before it gave frame " + std::to_string(before_frame)};
 }
 
-/// What chance decides about a frame.
+/// Random decisions about a frame.
 enum class Chance : std::uint64_t { drop = 1, jitter = 2 };
 
-/// 0 to below 1, the same every time.
+/// A reproducible random number, 0 to below 1.
 double drawn(Chance what, std::int64_t number) {
     const std::array<std::uint64_t, 2> key{static_cast<std::uint64_t>(what),
                                            static_cast<std::uint64_t>(number)};
@@ -72,7 +72,7 @@ Result<void> ReplayCamera::begin(steady_clock::time_point zero) {
     return {};
 }
 
-/// Of those that were not given yet: the newest that is there, or the first that comes.
+/// The newest delivered frame that was not given yet, or else the next to come.
 CameraDelivery::Frame ReplayCamera::newest_or_next() const {
     const std::int64_t now_ns = std::chrono::nanoseconds(steady_clock::now() - *zero_).count();
     const std::int64_t end = frame_count().value_or(CameraDelivery::never);
@@ -84,7 +84,7 @@ CameraDelivery::Frame ReplayCamera::newest_or_next() const {
     return frame;
 }
 
-/// The recording's frame, those before it passed over; nothing beyond its end.
+/// Reads this frame of the recording, skipping those before it; nullopt beyond its end.
 Result<std::optional<RawFrame>> ReplayCamera::read(std::int64_t number) {
     if (const auto count = frame_count()) {
         if (number >= *count) return std::optional<RawFrame>();
@@ -107,7 +107,7 @@ Result<void> ReplayCamera::wait_for(const CameraDelivery::Frame& frame) {
     return told_to_stop("camera", frame.number);
 }
 
-/// At the camera's time.
+/// The recording's next frame, with the camera's time.
 Result<std::optional<RawFrame>> ReplayCamera::next_recorded() {
     auto frame = inner().next();
     if (!frame || !*frame) return frame;
@@ -119,7 +119,7 @@ Result<std::optional<RawFrame>> ReplayCamera::next_recorded() {
 Result<std::optional<RawFrame>> ReplayCamera::next() {
     if (!zero_) return next_recorded();
     const CameraDelivery::Frame delivery = newest_or_next();
-    // No frame is decoded where none comes, or the thread is to stop.
+    // Decode nothing if no frame will come or the thread is to stop.
     if (delivery.at_ns == CameraDelivery::never || stop_requested()) return wait_for(delivery).error();
     auto frame = read(delivery.number);
     if (!frame || !*frame) return frame;
@@ -151,7 +151,7 @@ Result<std::optional<RawFrame>> LiveReader::next() {
     }
 }
 
-/// Nothing in a run whose source is gone.
+/// Returns nullopt in a run whose source is gone.
 LiveReader::MaybeTaken LiveReader::wait_for_frame() {
     const auto since = steady_clock::now();
     while (!is_gone_) {
@@ -170,7 +170,7 @@ LiveReader::MaybeTaken LiveReader::wait_for_frame() {
 
 Result<LiveReader::Taken> LiveReader::first_frame() {
     TRY_ASSIGN(auto taken, wait_for_frame());
-    return std::move(taken.value());  // before a run there is one, or an error
+    return std::move(taken.value());  // before a run: a frame or an error
 }
 
 Result<void> LiveReader::begin(std::chrono::steady_clock::time_point zero) {
@@ -190,7 +190,7 @@ Result<void> LiveReader::seek(std::int64_t frame) {
     return {};
 }
 
-/// Nothing: it was taken before the run.
+/// Returns nullopt if it was taken before the run.
 std::optional<LiveReader::Place> LiveReader::place(const Taken& taken) {
     if (zero_ns_ && taken.at_ns - *zero_ns_ <= last_time_ns_ && !last_count_) return std::nullopt;
     std::int64_t further = 1;

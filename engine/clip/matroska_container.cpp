@@ -1,4 +1,4 @@
-// What a container of any kind says of its clip, checked, and how Matroska says it.
+// A container's metadata, checked, and where Matroska has it.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -12,8 +12,8 @@
 namespace touchable {
 namespace {
 
-/// Tags say what each track is, and attachments what the clip means. A stream that was saved, or a file that
-/// is cut, is a clip as far as it goes.
+/// Tags give each track's role, attachments the clip's meaning. A saved stream, or a truncated file, is a
+/// clip up to its end.
 class MatroskaContainer final : public ClipContainer {
 public:
     explicit MatroskaContainer(const SourceFile& source)
@@ -25,17 +25,17 @@ public:
         return file;
     }
 
-    /// A stream does not know beforehand that its frames will not keep to its rate.
+    /// A stream's tag cannot tell that its frames will deviate from its rate: their times are checked.
     Result<FrameRate> rate(const Demuxer& file) override {
         auto rate = tagged_rate(file, file.attachment(clip_tags::times_file));
         if (!rate) return rate;
         TRY_ASSIGN(const auto whole, whole_part(file));
         if (!whole) return rate;
-        constexpr std::int64_t rounding_ns = 1'000'000;  // of two times
+        constexpr std::int64_t rounding_ns = 1'000'000;  // of two rounded times
         const bool differs = std::ranges::any_of(times_ns_, [&](const auto& time) {
             return std::abs(time.second - rate->time_ns(time.first)) > rounding_ns;
         });
-        // Pictures that stay for several frames are in a completed clip, which says its times.
+        // Only completed clips have pictures that stay for several frames, and these state their times.
         if (!differs || std::ssize(times_ns_) != whole->frames) return rate;
         std::vector<std::int64_t> times;
         for (const auto& [frame, ns] : times_ns_) times.push_back(ns);
@@ -81,14 +81,14 @@ public:
     }
 
 private:
-    /// By going through all of the stream once, without decoding.
+    /// Reads the whole stream once, without decoding.
     Result<void> count_pictures(const Demuxer& file) {
         TRY_ASSIGN(auto reading, Demuxer::open_matroska(source_, true));
         TRY_ASSIGN(const auto tracks, this->tracks(file, {}));
         for (const Track& track : tracks) reading->select(track.stream);
         const double tick_ns = av_q2d(file.container().streams[tracks.front().stream]->time_base) * 1e9;
         WholePart whole{.is_cut = file.is_cut()};
-        std::vector<std::int64_t> ends(tracks.size());  // of each track: frames that its pictures show
+        std::vector<std::int64_t> ends(tracks.size());  // by track: frames shown by its pictures
         std::int64_t first = 0;
         for (bool is_over = false; !is_over; whole.frames += is_over ? 0 : 1) {
             std::size_t there = 0;
@@ -115,8 +115,8 @@ private:
         return {};
     }
 
-    std::optional<WholePart> whole_;                 // of a stream or a file that is cut, once counted
-    std::map<std::int64_t, std::int64_t> times_ns_;  // of frames that have a picture of depth, from 0 up
+    std::optional<WholePart> whole_;                 // of a stream or a truncated file, once counted
+    std::map<std::int64_t, std::int64_t> times_ns_;  // by frame that has a depth picture, from 0 up
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Clips in Matroska: for each track the coding that suits its first pictures, pictures that do not change
-// stored once, and tracks copied from another clip.
+// Writes clips in Matroska: each track in the coding that suits its first pictures, unchanged pictures stored
+// once, and tracks copied from another clip.
 #include <algorithm>
 #include <cstring>
 #include <deque>
@@ -14,11 +14,11 @@ namespace {
 /// A picture as stored, and for how many frames it stays.
 struct StoredPicture {
     PacketPtr packet;
-    std::int64_t frame = 0;   ///< the first that shows it
-    std::int64_t frames = 1;  ///< that show it
+    std::int64_t frame = 0;   ///< first frame that shows it
+    std::int64_t frames = 1;  ///< number of frames that show it
 };
 
-/// A coding that a track may have. Where there are others, its bytes count so many times.
+/// A candidate coding of a track; candidates are compared by bytes times `weight`.
 struct CodingOffer {
     TrackCoding coding;
     int weight = 1;
@@ -28,18 +28,18 @@ std::vector<CodingOffer> offers_for(PlaneRole role, const PlaneView& first, cons
     using enum TrackCoding;
     if (role == PlaneRole::colour && !storage.exact_colour) return {{h264_visual}};
     const bool fast = storage.archive == Archive::fast, wide = first.bytes_per_sample == 2;
-    // What H.264 takes to decode grows with its bytes: at half the bytes of the other it is as quick.
+    // H.264's decoding time grows with its bytes: at half the bytes of the other it is as quick.
     if (fast && wide) return {{h264_quick, 2}, {rank_zstd}};
     if (fast) return {{h264_quick}};
     if (wide) return {{h264_thrifty}, {ffv1}, {rank_zstd}};
     return {{h264_thrifty}, {ffv1}};
 }
 
-/// One track of a clip that is written: pictures that do not change are stored once, and where there is a
-/// choice of codings, the one whose first pictures take the fewest bytes, by weight, is taken.
+/// One track of a clip being written: unchanged pictures are stored once, and among several codings the one
+/// whose first pictures take the fewest weighted bytes is chosen.
 class TrackWriter {
 public:
-    /// `first`: a plane as all will be. An error of kind usage where no coding has pictures of its size.
+    /// `first`: a plane like all to come. An error of kind usage if no coding supports its size.
     static Result<TrackWriter> open(PlaneRole role, const PlaneView& first, const Scene& scene,
                                     const ClipStorage& storage) {
         TrackWriter track;
@@ -52,7 +52,7 @@ public:
         for (const CodingOffer& offer : offers_for(role, first, storage))
             if (auto opened = open(offer); !opened && opened.error().kind != ErrorKind::usage)
                 return opened.error();
-        // What is too large for H.264 is not for FFV1.
+        // FFV1 supports sizes that are too large for H.264.
         if (track.codings_.empty()) TRY(open({TrackCoding::ffv1}));
         if (storage.gives_colour && track.coding() == TrackCoding::h264_visual) {
             TRY_ASSIGN(track.reader_, ReadAlong::open(track.encoder(), role));
@@ -61,7 +61,7 @@ public:
     }
 
     PlaneRole role() const { return role_; }
-    /// The plane of the next frame.
+    /// Adds the next frame's plane.
     Result<void> add(const PlaneView& plane) {
         const bool access = frames_ % clip_tags::access_interval == 0;
         if (frames_ == clip_tags::access_interval) decide();
@@ -80,26 +80,26 @@ public:
         return {};
     }
 
-    /// That plane as readers will be given it, where the coding changes values and ClipStorage::gives_colour
-    /// asked for it; empty otherwise.
+    /// The last plane as readers will get it, if the coding is lossy and ClipStorage::gives_colour is set;
+    /// empty otherwise.
     PlaneView as_read() const { return reader_ ? reader_->picture() : PlaneView{}; }
-    /// No frame comes any more.
+    /// Ends the track: no more frames.
     void end() {
         ended_ = true;
         decide();
     }
 
-    /// Whether it is known by now how the track is coded.
+    /// Whether the track's coding is chosen.
     bool decided() const { return codings_.size() == 1; }
     TrackCoding coding() const { return codings_.front().offer.coding; }
     const TrackEncoder& encoder() const { return *codings_.front().encoder; }
-    /// The oldest picture, once decided; null where there is none.
+    /// The oldest picture, once decided; null if there is none.
     const StoredPicture* oldest() const {
         const auto& pictures = codings_.front().pictures;
         return pictures.empty() ? nullptr : &pictures.front();
     }
 
-    /// Whether it is known how long that stays.
+    /// Whether it is known how long the oldest picture stays.
     bool oldest_is_complete() const { return ended_ || codings_.front().pictures.size() > 1; }
 
     StoredPicture take_oldest() {
@@ -117,7 +117,7 @@ private:
         std::int64_t bytes = 0;
     };
     TrackWriter() = default;
-    /// Whether it is the picture before once more; keeps it otherwise.
+    /// Whether the plane equals the one before; stores it otherwise.
     bool stays(const PlaneView& plane) {
         const auto row_bytes =
             static_cast<std::size_t>(plane.width * plane.channels * plane.bytes_per_sample);
@@ -132,7 +132,7 @@ private:
         return same;
     }
 
-    /// The first of those that are equally small.
+    /// Chooses the smallest coding, the first of equal ones.
     void decide() {
         const auto least = std::ranges::min_element(codings_, [](const Coding& a, const Coding& b) {
             return a.bytes * a.offer.weight < b.bytes * b.offer.weight;
@@ -142,19 +142,19 @@ private:
     }
 
     PlaneRole role_ = PlaneRole::depth;
-    std::vector<Coding> codings_;       // those that are still to choose from
+    std::vector<Coding> codings_;       // remaining candidates
     std::vector<std::uint8_t> newest_;  // samples of the picture before
     std::int64_t frames_ = 0;
     bool ended_ = false;
-    std::unique_ptr<ReadAlong> reader_;  // null: not asked for
+    std::unique_ptr<ReadAlong> reader_;  // null: not requested
 };
 
-/// Tracks of a touchable clip in Matroska as they are stored there, for a clip of the same frames: nothing is
-/// decoded or encoded, and what its coding once made of colour stays as it is.
+/// Copies tracks of a Matroska clip into a clip of the same frames: nothing is decoded or encoded, and lossy
+/// colour loses nothing more.
 class TrackCopy {
 public:
-    /// Null where they cannot be copied: the file is no Matroska, or has not all of these roles, or other
-    /// programs wrote it.
+    /// Null if they cannot be copied: the file is not Matroska, lacks one of these roles, or another program
+    /// wrote it.
     static Result<std::unique_ptr<TrackCopy>> open(const std::filesystem::path& file,
                                                    std::vector<PlaneRole> roles) {
         const SourceFile source(file);
@@ -175,7 +175,7 @@ public:
         copy->demuxer_ = std::move(*demuxer);
         copy->roles_ = std::move(roles);
         copy->frames_.resize(copy->roles_.size());
-        // Without its additions it is not known how long a picture stays.
+        // Without additions it is unknown how long a picture stays.
         for (const int stream : copy->streams_) {
             TRY_ASSIGN(const auto packet, copy->demuxer_->peek(stream));
             if (!packet || !block_addition_of(*packet)) return std::unique_ptr<TrackCopy>();
@@ -190,7 +190,7 @@ public:
         return *demuxer_->container().streams[streams_[track]];
     }
 
-    /// Frames that its pictures were taken for so far.
+    /// Frames covered by the track's pictures so far.
     std::int64_t frames(std::size_t track) const { return frames_[track]; }
     /// A track's next picture, with its BlockAddition; `packet` is null after the last.
     Result<StoredPicture> next(std::size_t track) {
@@ -211,7 +211,7 @@ private:
     std::unique_ptr<Demuxer> demuxer_;
     std::vector<PlaneRole> roles_;
     std::vector<int> streams_;
-    std::vector<std::int64_t> frames_;  // that each track's pictures were shown for so far
+    std::vector<std::int64_t> frames_;  // covered by each track's pictures so far
 };
 
 class MatroskaWriter final : public MuxedClipWriter {
@@ -282,7 +282,7 @@ private:
         return {};
     }
 
-    /// Copied pictures that are shown before this frame, in their order.
+    /// Writes the copied pictures that are shown before this frame, in their order.
     Result<void> copy_until(std::int64_t frame) {
         if (!copy_) return {};
         for (std::size_t k = ahead_.size(); k < copy_->count(); ++k) {
@@ -301,8 +301,7 @@ private:
         }
     }
 
-    /// Pictures in the order of their frames, and of a frame in the order of the tracks; up to one of which
-    /// it is not known yet how long it stays.
+    /// Writes pictures in the order of frames, then of tracks, up to the first that may still stay longer.
     Result<void> write_complete() {
         const auto decided = [](const TrackWriter& track) { return track.decided(); };
         if (!std::ranges::all_of(tracks_, decided)) return {};
@@ -327,7 +326,7 @@ private:
         return write_picture_of(track, picture);
     }
 
-    /// A picture that has its addition.
+    /// Writes a picture that has its addition.
     Result<void> write_picture_of(std::size_t stream, const StoredPicture& picture) {
         AVPacket* packet = picture.packet.get();
         packet->pts = packet->dts = time_ms(picture.frame);
@@ -346,9 +345,9 @@ private:
     }
 
     std::vector<TrackWriter> tracks_;   // track k is stream k
-    std::unique_ptr<TrackCopy> copy_;   // its tracks are the streams after those; null: none
-    std::vector<StoredPicture> ahead_;  // of each of them the picture that is written next
-    bool begun_ = false;                // the file, once it is known how all tracks are coded
+    std::unique_ptr<TrackCopy> copy_;   // its streams follow those of tracks_; null: none
+    std::vector<StoredPicture> ahead_;  // by copied track: the picture to write next
+    bool begun_ = false;                // the header is written: all codings are chosen
 };
 
 }  // namespace

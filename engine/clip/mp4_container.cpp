@@ -1,4 +1,4 @@
-// How MP4 says what a clip is: an MPEG-4 scene, tags, and names of tracks.
+// Reads a clip's metadata from MP4: an MPEG-4 scene, tags, and names of tracks.
 #include <algorithm>
 #include <cstring>
 #include <map>
@@ -19,9 +19,9 @@ constexpr ClipContainer::Words mp4_words{"tag T3D_SCENE", "tag T3D_TIMES", mp4_f
 
 /// The MPEG-4 scene of a file, as far as it has one.
 struct FoundScene {
-    std::optional<Mp4Scene> scene{};  // where it is a touchable clip
+    std::optional<Mp4Scene> scene{};  // if it is a touchable clip
     bool is_damaged = false;          // it may be a clip, or none
-    std::string fault{};              // why it is no clip; empty: it is one, or there is none
+    std::string fault{};              // why it is no clip; empty: it is one, or is absent
 };
 
 FoundScene scene_in(const mpeg4::Bytes& movie, ByteSource& file) {
@@ -39,7 +39,7 @@ FoundScene scene_in(const mpeg4::Bytes& movie, ByteSource& file) {
     return {.scene = Mp4Scene{std::move(**stream), std::move(*nodes)}};
 }
 
-/// The stream of pictures with this number; `what` it is to be, in messages.
+/// The video stream of this track number; `what`: its purpose, for messages.
 Result<std::optional<int>> stream_numbered(const Demuxer& file, std::uint32_t track,
                                            const std::string& what) {
     const AVFormatContext& container = file.container();
@@ -83,8 +83,8 @@ bool has_tracks_of_touch(mpeg4::BytesView movie) {
     return has_depth && has_more;
 }
 
-/// An MPEG-4 scene says which track is which plane, and what the planes mean, as far as it can; tags say the
-/// rest. A file without a scene, such as a fragmented one, says it by tags and by the names of its tracks.
+/// An MPEG-4 scene gives each plane's track and, as far as it can, its meaning; tags give the rest. A file
+/// without a scene, such as a fragmented one, has tags and names of tracks instead.
 class Mp4Container final : public ClipContainer {
 public:
     Mp4Container(const SourceFile& source, const std::optional<PlaneTracks>& told)
@@ -94,12 +94,12 @@ public:
         if (!is_looked_at_) TRY(look_at(*file));
         auto opened = Demuxer::open_quicktime(
             fragments_ ? mpeg4::plain_file(*fragments_, std::move(file)) : std::move(file), file_);
-        // FFmpeg refuses files of MP4Box with words that say nothing of the scene.
+        // FFmpeg's error for files of MP4Box does not mention the scene.
         if (!opened && !scene_.fault.empty()) return refuse_scene();
         return opened;
     }
 
-    /// Of a file that another program wrote: that of its pictures of depth.
+    /// A file by another program has the rate of its depth track.
     Result<FrameRate> rate(const Demuxer& file) override {
         if (file.tag(clip_tags::version_tag))
             return shortened(tagged_rate(file, file.tag(mp4_times_tag)), file);
@@ -200,7 +200,7 @@ private:
         return {};
     }
 
-    /// Of every plane, with those of the low bits.
+    /// Streams of every plane, those with low bits included.
     Result<std::vector<int>> streams(const Demuxer& file) const {
         std::vector<int> all;
         for (const PlaneRole role : all_roles) {
@@ -212,7 +212,7 @@ private:
         return all;
     }
 
-    /// What was cut off had times too.
+    /// Drops the times of frames that were cut off.
     Result<FrameRate> shortened(Result<FrameRate> rate, const Demuxer& file) {
         TRY_ASSIGN(const auto whole, whole_part(file));
         if (!rate || !rate->own_times || !whole) return rate;
@@ -220,7 +220,7 @@ private:
         if (frames >= rate->own_times->size()) return rate;
         std::vector<std::int64_t> times = *rate->own_times;
         times.resize(frames);
-        constexpr std::size_t fewest = 2;  // as a list of times has
+        constexpr std::size_t fewest = 2;  // in a list of times
         if (frames < fewest)
             rate->own_times = nullptr;
         else
@@ -234,8 +234,8 @@ private:
         return refuse(why + ": describe it with a scene file", {{Setting::scene_file, "FILE"}});
     }
 
-    /// How many of a sample's bits a track with the low ones has: as its tag says, whatever scene replaces
-    /// that.
+    /// Bits per sample in the track with the low bits: as the file's tag says, even if another scene replaces
+    /// it.
     Result<int> low_bits(const Demuxer& file, PlaneRole role, const Scene& scene) const {
         const auto json = file.tag(mp4_scene_tag);
         if (role != PlaneRole::depth && role != PlaneRole::height) return 0;

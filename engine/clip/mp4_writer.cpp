@@ -16,7 +16,7 @@ namespace {
 constexpr PlaneRole track_order[] = {PlaneRole::colour, PlaneRole::depth, PlaneRole::haptic,
                                      PlaneRole::height};
 
-/// Of the MPEG-4 scene, by PlaneRole.
+/// Object numbers in the MPEG-4 scene, by PlaneRole.
 constexpr std::array<std::uint16_t, all_roles.size()> objects{mpeg4::depth_object, mpeg4::colour_object,
                                                               mpeg4::haptic_object, mpeg4::height_object};
 
@@ -35,7 +35,7 @@ PlaneView part_of(const PlaneView& plane, Mp4Track& track) {
     return part_of(plane, track.part, track.low_bits, track.bytes);
 }
 
-/// That of a fragment at most, where frames are not longer.
+/// Longest fragment, ns, unless a frame is longer.
 constexpr std::int64_t fragment_ns = 500'000'000;
 
 class Mp4Writer final : public MuxedClipWriter {
@@ -56,7 +56,7 @@ private:
     }
 
     Result<void> amend() override { return storage_.fragmented ? Result<void>() : add_scene(); }
-    /// Those with the low bits come last: the scene does not know them.
+    /// Tracks with low bits come last: the scene does not name them.
     Result<void> open_tracks(const RawFrame& first) {
         for (const PlanePart part : {PlanePart::high, PlanePart::low}) {
             for (const PlaneRole role : track_order) {
@@ -103,8 +103,8 @@ private:
         return write_header(options);
     }
 
-    /// The movie box comes first then, and FFmpeg cannot mark its tracks: they are marked on their way into
-    /// the file. What comes later knows places only from each fragment's own beginning.
+    /// A fragmented file begins with the movie box, whose tracks FFmpeg cannot mark: they are marked on their
+    /// way into the file. Later boxes hold only offsets within their fragment.
     Result<void> begin_fragments() {
         AVIOContext* const file = muxer_->pb;
         if (avio_open_dyn_buf(&muxer_->pb) < 0) {
@@ -144,7 +144,7 @@ private:
         return av_dict_count(tags) < wanted ? refuse("out of memory") : Result<void>{};
     }
 
-    /// Each fragment begins with one.
+    /// Chooses keyframes; each fragment begins with one.
     void choose_access_point() {
         const std::int64_t frame = check_.frames() - 1;
         const auto lasts = scene_.rate.time_ns(frame + 1) - scene_.rate.time_ns(access_point_);
@@ -162,7 +162,7 @@ private:
         return write_picture(*packet, track, time_base());
     }
 
-    /// FFmpeg cannot write tracks of MPEG-4 Systems: they are added to its movie box, which is the last.
+    /// FFmpeg cannot write tracks of MPEG-4 Systems: they are added to its movie box, the file's last box.
     Result<void> add_scene() {
         avio_flush(muxer_->pb);
         const auto refuse_for = [&](const Error& why) { return error_at(output_.target().string(), why); };
@@ -200,7 +200,7 @@ private:
         return {};
     }
 
-    /// Exact where frames come evenly: a rate of 30000/1001 has ticks of 1/30000 s.
+    /// Exact at a constant rate: 30000/1001 frames/s have a time base of 1001/30000 s.
     AVRational time_base() const {
         if (scene_.rate.own_times) return {1, 1'000'000};
         return {static_cast<int>(scene_.rate.den), static_cast<int>(scene_.rate.num)};
@@ -212,7 +212,7 @@ private:
     std::vector<Mp4Track> tracks_;   // track k is stream k, and has number k + 1
     std::int64_t access_point_ = 0;  // the newest frame that decoding can begin with
     mpeg4::SceneStream scene_stream_;
-    std::unique_ptr<ReadAlong> reader_;  // of colour as stored; null: not asked for
+    std::unique_ptr<ReadAlong> reader_;  // of colour as stored; null: not requested
 };
 
 }  // namespace

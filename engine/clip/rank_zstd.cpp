@@ -14,7 +14,7 @@ using enum RankZstdMode;
 
 constexpr std::size_t possible_values = 65536;
 
-/// Small numbers of either sign become small ones: 0, -1, 1, -2, ...
+/// 0, -1, 1, -2, ... become 0, 1, 2, 3, ...
 std::uint16_t folded(int difference) {
     const bool negative = (difference & 0x8000) != 0;
     return static_cast<std::uint16_t>(difference << 1 ^ (negative ? 0xFFFF : 0));
@@ -40,7 +40,7 @@ struct StoredBytes {
     }
 };
 
-/// How much each value is beyond the one that follows the value before.
+/// Stores how much each value exceeds the value before plus 1.
 void put_distinct(const std::vector<std::uint16_t>& values, SplitBytes to) {
     int next = 0;
     for (std::size_t n = 0; n < values.size(); ++n) {
@@ -49,7 +49,7 @@ void put_distinct(const std::vector<std::uint16_t>& values, SplitBytes to) {
     }
 }
 
-/// False where they go beyond the largest sample. They cannot be out of order.
+/// False if a value exceeds the largest sample. Values cannot be out of order.
 bool take_distinct(StoredBytes from, std::size_t count, std::uint16_t* values) {
     std::uint32_t next = 0;
     for (std::size_t n = 0; n < count; ++n, ++next) {
@@ -81,7 +81,7 @@ void take_codes(StoredBytes from, int width, int height, bool by_left, std::uint
     const std::vector<std::uint16_t> nothing(row);
     const std::uint16_t* above = nothing.data();
     for (int y = 0; y < height; ++y, from.low += row, from.high += row, above = values, values += stride) {
-        std::uint32_t left = by_left ? above[0] : 0;  // by gradient: less the one above it
+        std::uint32_t left = by_left ? above[0] : 0;  // by gradient: left less above left
         for (std::size_t x = 0; x < row; ++x) {
             left += unfolded(from[x]);
             values[x] = static_cast<std::uint16_t>(by_left ? left : left + above[x]);
@@ -89,7 +89,7 @@ void take_codes(StoredBytes from, int width, int height, bool by_left, std::uint
     }
 }
 
-/// What stands before a packet's frame of zstd.
+/// The header before a packet's zstd frame.
 struct PacketHead {
     RankZstdMode mode = samples_by_gradient;
     std::size_t distinct = 0;
@@ -98,7 +98,7 @@ struct PacketHead {
     std::size_t content(std::size_t samples) const { return 2 * (distinct + samples); }
 };
 
-/// Nothing where the packet does not say of itself that it holds so many samples.
+/// Nullopt unless the packet states that it holds this many samples.
 std::optional<PacketHead> head_of(std::span<const std::uint8_t> packet, RankZstdDecoder::Version version,
                                   std::size_t samples) {
     PacketHead head;
@@ -117,7 +117,7 @@ std::optional<PacketHead> head_of(std::span<const std::uint8_t> packet, RankZstd
     return is_so ? std::optional(head) : std::nullopt;
 }
 
-/// Ranks become samples. False where one is beyond the distinct values.
+/// Turns ranks into samples. False if a rank is beyond the distinct values.
 bool look_up(const std::vector<std::uint16_t>& distinct, int width, int height, std::uint16_t* samples,
              std::ptrdiff_t stride) {
     for (int y = 0; y < height; ++y, samples += stride) {
@@ -150,7 +150,7 @@ void RankZstdEncoder::take_samples(const PlaneView& plane) {
 
 void RankZstdEncoder::find_ranks() {
     rank_of_.assign(possible_values, 0);
-    for (const std::uint16_t sample : samples_) rank_of_[sample] = 1;  // it is there
+    for (const std::uint16_t sample : samples_) rank_of_[sample] = 1;  // the value occurs
     for (std::size_t value = 0; value < possible_values; ++value) {
         if (rank_of_[value] == 0) continue;
         rank_of_[value] = static_cast<std::uint16_t>(distinct_.size());
@@ -161,7 +161,7 @@ void RankZstdEncoder::find_ranks() {
                    [this](std::uint16_t sample) { return rank_of_[sample]; });
 }
 
-/// Into the newest packet. False where memory runs out.
+/// Compresses into `newest_`. False if memory runs out.
 bool RankZstdEncoder::pack(RankZstdMode mode) {
     const bool ranked = mode != samples_by_gradient;
     if (ranked && distinct_.empty()) find_ranks();

@@ -18,7 +18,7 @@ PlaneView cropped(PlaneView plane, const ClipPart::Crop& box) {
     return plane;
 }
 
-/// Of the frames of a part.
+/// The frame rate of a part.
 FrameRate rate_of_part(const FrameRate& rate, const ClipPart& part) {
     const std::int64_t common = std::gcd(rate.num, part.every);
     const FrameRate slower{rate.num / common, rate.den * (part.every / common)};
@@ -84,7 +84,7 @@ public:
             (*frame)->time_ns = scene_.rate.time_ns(number_);
             ++number_;
             if (!part_.crop) return frame;
-            (*frame)->filled.reset();  // of the whole picture
+            (*frame)->filled.reset();  // it is for the whole picture
             for (const PlaneRole role : all_roles)
                 plane_of(**frame, role) = cropped(plane_of(**frame, role), *part_.crop);
             return frame;

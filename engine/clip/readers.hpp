@@ -1,19 +1,18 @@
 #pragma once
 
-// What readers of clips are made of: readers around a reader, and the parts of a live one.
+// Building blocks of clip readers: wrapping readers, and the parts of a live reader.
 //
-// A reader around another one takes it over and is itself a clip: a part of it, with planes that stay the
-// same under every frame, with a far plane that was found in its frames, with depth of one scale, or as a
-// camera would give it. part_of_clip, with_far_plane and with_aligned_depth hand the clip on unchanged
-// where nothing is to be done; a class of another module derives from ReaderAround, or from ChangedClip,
-// and overrides what it changes. Prefetch keeps the first frames that it read (up to 512 MiB), so that they
-// are not decoded twice.
+// A wrapping reader owns another reader and is itself a clip: a part of it, with still planes in every frame,
+// with a far plane found in its frames, with depth of one scale, or delivered as by a camera. part_of_clip,
+// with_far_plane and with_aligned_depth return the clip unchanged if there is nothing to do; classes of other
+// modules derive from ReaderAround, or from ChangedClip, and override what they change. Prefetch keeps the
+// first frames that it read (up to 512 MiB), so that they are not decoded twice.
 //
-// A LiveReader is the base of every source whose frames come as they are taken: a camera, a program that
-// sends framesets, a stream. Its sources turn bytes into frames; numbers, times, waiting, stopping, and what
-// a person reads of it are here.
+// LiveReader is the base of every source whose frames come as they are taken: a camera, a program that sends
+// framesets, a stream. Derived classes turn bytes into frames; LiveReader has the numbers, times, waits,
+// stops and remarks.
 //
-// As every reader, each is used by one thread at a time; what may be called from any thread says so.
+// Like every reader, each is used by one thread at a time; functions that any thread may call say so.
 
 #include <array>
 #include <atomic>
@@ -33,7 +32,7 @@
 
 namespace touchable {
 
-/// A reader around another one, which it is like but for what a class derived from this changes.
+/// Wraps another reader; a derived class overrides what it changes.
 class ReaderAround : public ClipReader {
 public:
     const Scene& scene() const override { return reader_->scene(); }
@@ -66,8 +65,7 @@ private:
     std::shared_ptr<ClipReader> reader_;
 };
 
-/// A reader around another one that tells of itself what a class derived from this changes: scene, tracks and
-/// notes begin as the other's.
+/// A wrapping reader with its own scene, tracks and notes, at first copies of the inner reader's.
 class ChangedClip : public ReaderAround {
 public:
     const Scene& scene() const override { return scene_; }
@@ -80,9 +78,9 @@ protected:
           scene_(inner().scene()),
           tracks_(inner().tracks()),
           notes_(inner().notes()) {}
-    /// Puts a track where the order of roles has it, in place of the one of its role. Whether there was one.
+    /// Inserts a track in the order of roles, replacing that of its role. Returns whether there was one.
     bool replace_track(PlaneRole role, TrackInfo track);
-    /// Forgets what was said of a plane that is not there any more, or of there being none.
+    /// Removes notes on a plane that is not there any more, or on its absence.
     void forget_notes_of(PlaneRole role);
 
     Scene scene_;
@@ -99,15 +97,15 @@ struct ClipPart {
 
     std::int64_t first = 0;
     std::optional<std::int64_t> last{};  ///< inclusive; nothing: the clip's last
-    std::int64_t every = 1;              ///< the first, and then each so many frames later
+    std::int64_t every = 1;              ///< takes the first, then every so many frames
     std::optional<Crop> crop{};
 
     bool is_whole() const { return first == 0 && !last && every == 1 && !crop; }
 };
 
-/// A reader of a part of a clip, as a clip: its frames are numbered from 0, at the rate that is left of the
-/// clip's; where it is cropped the camera's principal point moves, so that every pixel that is left stays
-/// where it was in the world. Refused (ErrorKind::usage) where the clip has no such frame or pixel.
+/// Returns part of a clip as a clip: frames are numbered from 0, and the rate falls with `every`. Cropping
+/// moves the camera's principal point, so that every pixel that is left keeps its place in the world. Refused
+/// (ErrorKind::usage) if the clip has no such frame or pixel.
 Result<std::unique_ptr<ClipReader>> part_of_clip(std::unique_ptr<ClipReader> clip, const ClipPart& part);
 
 /// A picture that serves all frames of a clip.
@@ -115,69 +113,68 @@ struct StillPlane {
     PlaneRole role = PlaneRole::haptic;
     Plane plane;                                 ///< of any size: as stored, or resampled already
     TrackInfo info;                              ///< how it is stored
-    std::vector<std::filesystem::path> files{};  ///< that it was read from, the one that was named first
+    std::vector<std::filesystem::path> files{};  ///< read for it; first the one that the user named
     std::vector<std::string> notes{};
-    /// Where it changes: the plane in a frame, which fits the scene, by its number and time.
+    /// If it changes: returns the plane of a frame, which fits the scene, by its number and time.
     std::function<Result<Plane>(std::int64_t frame, std::int64_t time_ns)> at{};
 };
 
-/// The clip with these planes under every frame, in place of its own of their roles. `scene` is the clip's
-/// but for what the planes mean: haptic ranges, height coding and what makes room for heights. Refused where
-/// that cannot be, or a plane does not fit it.
+/// The clip with these planes in every frame, replacing its own of their roles. `scene` is the clip's, except
+/// for the planes' meaning: haptic ranges, height coding and room for heights. Refused if the scene is
+/// invalid, or a plane does not fit it.
 Result<std::unique_ptr<ClipReader>> with_still_planes(std::unique_ptr<ClipReader> clip,
                                                       std::vector<StillPlane> planes, const Scene& scene);
 
-/// A clip of which the next frames, so far its first ones, were read already: `next` gives them before it
-/// reads on.
+/// A clip whose first frames were read already: `next` returns them before it reads on.
 std::unique_ptr<ClipReader> with_prefetched_frames(std::unique_ptr<ClipReader> clip,
                                                    std::vector<RawFrame> frames);
 
-/// Looks ahead in a clip that is at its beginning, and keeps its first frames for when it is played.
+/// Reads ahead in a clip that is at its beginning, and keeps its first frames for playback.
 class Prefetch {
 public:
     explicit Prefetch(std::unique_ptr<ClipReader> clip) : clip_(std::move(clip)) {}
 
-    /// The next of the first frames.
+    /// The next frame, which is kept.
     Result<std::optional<RawFrame>> next();
-    /// A later one, which is not kept. After it no `next`.
+    /// A later frame, which is not kept. No `next` may follow it.
     Result<std::optional<RawFrame>> at(std::int64_t frame);
     const ClipReader& clip() const { return *clip_; }
-    /// The clip, at its beginning again. Once.
+    /// Returns the clip, at its beginning again. Once.
     Result<std::unique_ptr<ClipReader>> finish();
 
 private:
     static constexpr std::size_t most_bytes = std::size_t{512} << 20;  // 25 frames of 1920x1080, all planes
 
     std::unique_ptr<ClipReader> clip_;
-    std::vector<RawFrame> frames_;  // empty where they took too much memory
+    std::vector<RawFrame> frames_;  // empty if they took too much memory
     std::size_t bytes_ = 0;
     std::int64_t number_ = 0;  // of the frame that `next` gives
     bool has_moved_ = false, is_damaged_ = false;
 };
 
-/// The frames of a clip that tell what is to be known of all of them: the first ones, and as many more that
-/// are spread over the rest. However long a clip is, to know it takes no longer.
+/// The frames from which properties of a clip are estimated: the first ones, and as many spread over the
+/// rest. The time this takes does not grow with the clip's length.
 inline constexpr std::int64_t first_frames = 16, spread_frames = 16;
-/// Their numbers, ascending, in a clip of `count` frames of which each can be read on its own.
+/// Their numbers, ascending, in a clip of `count` frames that can each be read on its own.
 std::vector<std::int64_t> telling_frames(std::int64_t count);
 
-/// A clip at its beginning. Where its description leaves the far plane open
-/// (SceneDescription::Unstated::far), so that it is the deepest code's so far, it is settled, and a note says
-/// it; otherwise the clip is unchanged. The far plane is 5 % beyond the depth that at most one valid pixel in
-/// 10 000 exceeds, in the frames that tell (telling_frames); of a clip that cannot seek, the first ones. What
-/// lies beyond it is invalid. A later frame that is damaged tells nothing: the error comes when it is played.
-/// An error where no depth is valid. Errors name `file`.
+/// Settles a far plane that the description leaves open (SceneDescription::Unstated::far), until then the
+/// deepest code's, and adds a note on it; otherwise returns the clip unchanged. The far plane is 5 % beyond
+/// the depth that at most one valid pixel in 10 000 exceeds, in telling_frames, or in the first frames of a
+/// clip that cannot seek. Depth beyond it is invalid. A later frame that is damaged is skipped: playback
+/// reports it. An error if no depth is valid. Errors name `file`. The clip is at its beginning, before and
+/// after.
 Result<std::unique_ptr<ClipReader>> with_far_plane(std::unique_ptr<ClipReader> clip, bool far_is_open,
                                                    const std::filesystem::path& file);
 
-/// Whether depth without a scale gets one for all frames. Automatic: where it pumps, which some frames tell.
+/// Whether depth without a scale gets one for all frames. Automatic: if it pumps in sampled frames.
 enum class DepthAlignment { automatic, on, off };
 
-/// The clip with codes of one scale for all frames, of 16 bits: near and far are those of the whole clip.
-/// All its frames are read once before, so that a frame is the same whichever frames were read before it;
-/// where depth does not pump (automatic), and of a clip of one frame, it is the clip as it was. A note says
-/// how far what stands still moved, before and after. Refused (`on`) where codes are not evenly spaced in
-/// depth or in 1 / depth. The clip is at its beginning, before and after, with its colour.
+/// Returns the clip with 16-bit codes of one scale for all frames: near and far are those of the whole clip.
+/// Reads all frames once beforehand, so that a frame does not depend on which frames were read before it. If
+/// depth does not pump (automatic), or the clip has one frame, returns it unchanged. A note says how far what
+/// stands still moved, before and after. Refused (`on`) if codes are not evenly spaced in depth or in 1 /
+/// depth. The clip, with its colour, is at its beginning before and after.
 Result<std::unique_ptr<ClipReader>> with_aligned_depth(std::unique_ptr<ClipReader> clip,
                                                        DepthAlignment wanted);
 
@@ -187,10 +184,10 @@ struct CellPicture {
     static constexpr std::int32_t none = -1;
     /// A square of pixels.
     struct Cell {
-        /// Mean code, sixteenths; none: of two surfaces, or with a pixel without depth.
+        /// Mean code, sixteenths; none: it has two surfaces, or a pixel without depth.
         std::int32_t depth = none;
         std::int32_t luma = none;  ///< mean brightness, sixteenths of 255 levels; none: without colour
-        bool is_textured = false;  ///< its brightness tells whether what is there moves
+        bool is_textured = false;  ///< its brightness varies enough to show motion
     };
 
     std::vector<Cell> cells;
@@ -207,30 +204,29 @@ inline std::int64_t steady_now_ns() {
     return steady_ns_of(std::chrono::steady_clock::now());
 }
 
-/// Frames of before a run are so far apart.
+/// Distance of frames before a run, ns.
 inline constexpr std::int64_t ns_before_a_run = 1000;
 
-/// "3 of the stream's framesets came late", behind the other remarks; nothing where there is none of them.
+/// Appends "3 of the stream's framesets came late"; nothing if `count` is 0.
 void add_count(std::vector<std::string>& remarks, std::int64_t count, const std::string& of_what);
 
-/// A source whose frames come as they are taken, as a clip without an end. A derived class makes frames of
-/// the source's bytes: `take` looks what is there, `wait` waits for more. The rest is the same for every
-/// source:
+/// A live source as a clip without an end. A derived class turns the source's bytes into frames: `take`
+/// polls, `wait` waits for more. The rest is the same for every source:
 ///
-/// - Before a run each frame is given, in order, and one must come within the source's patience
-///   (`nothing_came`). In a run the newest one is given, and waited for as long as the run lasts.
-/// - Numbers: before a run one after the other. In it the source's count tells what was left out; where that
-///   stands still, begins anew or leaps by more than a million, the next number follows.
-/// - Times: of before a run `ns_before_a_run` apart. In a run they count from its time 0 and never go back;
-///   what was taken before it is left out until the run's first frame has come.
+/// - Before a run `next` returns every frame, in order, and one must come before the source's timeout
+///   (`nothing_came`). In a run it returns the newest frame, and waits for it without a timeout.
+/// - Numbers: consecutive before a run. In a run the source's counter tells how many were lost; if it stands
+///   still, begins anew or leaps by more than a million, the next number follows.
+/// - Times: `ns_before_a_run` apart before a run. In a run they count from its time 0 and never go back;
+///   frames taken before it are dropped until the run's first frame has come.
 /// - The end: a source that is `gone` gives no more frames, its last one stands still, and a remark says why;
 ///   before a run that is an error. A stop of the thread that reads (stop_requested) ends its waits within
 ///   20 ms. After a run another may begin.
 ///
-/// One thread, but where ClipReader says that any may call.
+/// Used by one thread, except where ClipReader says that any may call.
 class LiveReader : public ClipReader {
 public:
-    /// What its frames mean, and files that were read to know it.
+    /// The frames' meaning, and the files it was read from.
     struct Meaning {
         Scene scene;
         UnstatedFilters unstated_filters{};
@@ -254,40 +250,40 @@ protected:
     using Moment = std::chrono::steady_clock::time_point;
     /// A frame as the source has it.
     struct Taken {
-        std::uint32_t count = 0;  ///< by the source, of 32 bits
+        std::uint32_t count = 0;  ///< the source's counter, 32 bits
         std::int64_t at_ns = 0;   ///< its time, of std::chrono::steady_clock
-        std::int64_t way_ns = 0;  ///< how long before that it was taken (taken_before)
-        RawFrame frame{};         ///< planes alone
+        std::int64_t way_ns = 0;  ///< from being taken to that time (taken_before)
+        RawFrame frame{};         ///< planes only
     };
     using MaybeTaken = Result<std::optional<Taken>>;
 
-    /// `name`: of the source, in messages; `kind`: what these call it, where it is no camera.
+    /// `name`: of the source, in messages; `kind`: what messages call it, if it is no camera.
     explicit LiveReader(std::string name, std::string kind = "camera")
         : name_(std::move(name)), kind_(std::move(kind)) {}
 
-    /// A frame that is there: before a run the oldest, in it the newest; nothing where none is. Never waits.
-    /// Where no more will come, `gone`. An error ends this `next` alone.
+    /// Returns an available frame: before a run the oldest, in it the newest; nullopt if there is none. Never
+    /// waits. Returns `gone` if no more will come. An error ends only this `next`.
     virtual MaybeTaken take() = 0;
     /// Waits until there may be a frame, at most for `stop_look`.
     virtual void wait() = 0;
-    /// Before a run, once no frame has come since then: an error where that is too long.
+    /// Called before a run while no frame has come since `since`: an error after the source's timeout.
     virtual std::optional<Error> nothing_came(Moment since) const = 0;
-    /// A run begins: what has waited for it is of before, where its time does not tell.
+    /// A run begins: drops frames that waited for it, for sources whose times do not tell.
     virtual void drain() { (void)take(); }
 
     bool has_begun() const { return zero_ns_.has_value(); }
-    /// No more will come; `why` goes on from the source's name.
+    /// Ends the source: no more frames. `why` goes on from the source's name.
     MaybeTaken gone(const std::string& why);
     void remark(std::string words);
     void take_meaning(Meaning meaning);
-    /// What `next` will give, before the run: for a source that looks at its first frames.
+    /// Waits for the next frame before the run, for a source that looks at its first frames.
     Result<Taken> first_frame();
 
     const std::string name_;
     Scene scene_;
     std::vector<TrackInfo> tracks_;
     std::vector<std::string> notes_;
-    /// Frames that remarks count.
+    /// Counts of frames, for remarks.
     std::atomic<std::int64_t> damaged_{0}, repeated_{0};
 
 private:
@@ -301,42 +297,41 @@ private:
     UnstatedFilters unstated_filters_;
     bool is_gone_ = false;
     std::int64_t next_number_ = 0;
-    std::optional<std::uint32_t> last_count_;  // of a frame of the run
+    std::optional<std::uint32_t> last_count_;  // of the run's last frame
     std::optional<std::int64_t> zero_ns_;
     std::int64_t last_time_ns_ = -1;
     struct Way {
         std::int64_t frame = -1, ns = 0;
     };
     mutable std::mutex mutex_;
-    // Guarded by it.
+    // Guarded by mutex_.
     std::vector<std::string> remarks_;
-    std::array<Way, 128> ways_;  // of the newest frames, from being taken to their time
+    std::array<Way, 128> ways_;  // newest frames: ns from being taken to their time
 };
 
-/// When framesets of a sender were taken, and are shown so that most of them are there in time and none waits
-/// longer than it must. The shortest way of the last seconds tells how the sender's clock stands to ours, and
-/// is followed as they drift apart. How much longer others take is their jitter: all wait so long as nearly
-/// all of the last ones took (97 of 100). That rises at once and falls slowly, up to a bound. A clock that
-/// jumps, forward, back or by years, begins anew with the frameset that says so; of one that stands still
-/// every frameset counts from its arrival. Reads no clock, as SegmentPace: both are functions of what they
-/// are given.
+/// Computes when a sender's framesets were taken, and when to show them so that most arrive in time and none
+/// waits longer than needed. The shortest transit time of the last seconds gives the offset of the sender's
+/// clock from ours, and follows their drift. Jitter is how much longer a frameset took; all are delayed by
+/// the jitter that 97 of 100 recent ones kept to, which rises at once and falls slowly, up to a bound. If the
+/// sender's clock jumps, forward, back or by years, the estimate begins anew with that frameset; if it stands
+/// still, framesets count from their arrival. Reads no clock, like SegmentPace: both are functions of their
+/// arguments.
 class JitterBuffer {
 public:
-    /// The longest that a frameset waits for others' sake, and the longest way that is believed, ns.
+    /// ns; the longest delay of a frameset, and the longest transit time that is believed.
     explicit JitterBuffer(std::int64_t latency_ns, std::int64_t longest_way_ns = most_way_ns)
         : latency_ns_(latency_ns), longest_way_ns_(longest_way_ns) {}
 
     struct Moments {
-        std::int64_t taken_ns =
-            0;  ///< as it would have come by the shortest way; at most the longest way ago
-        std::int64_t shown_ns = 0;  ///< never before that of the frameset before
+        std::int64_t taken_ns = 0;  ///< arrival, less jitter; at most the longest transit time before arrival
+        std::int64_t shown_ns = 0;  ///< never before the previous frameset's
     };
-    /// The moments of the next frameset, by our clock. `sent_ns`: by the sender's (0: not known);
-    /// `arrived_ns`: by ours, ever later.
+    /// Returns the moments of the next frameset, by our clock. `sent_ns`: by the sender's clock (0: unknown);
+    /// `arrived_ns`: by ours, never decreasing.
     Moments add(std::int64_t sent_ns, std::int64_t arrived_ns);
-    /// The sender was connected to anew.
+    /// The sender has reconnected: forgets its clock.
     void restart();
-    /// The time that framesets wait for others' sake now.
+    /// The current delay of framesets, ns.
     std::int64_t delay_ns() const { return delay_ns_; }
 
     static constexpr std::int64_t most_way_ns = 1'000'000'000;
@@ -357,24 +352,24 @@ private:
     std::int64_t delay_ns_ = 0, last_sent_ns_ = 0, last_arrived_ns_ = 0, last_shown_ns_ = 0;
 };
 
-/// When framesets are shown that come many at a time, as in segments of HTTP Live Streaming: as far apart as
-/// they were taken, the first one `margin_ns` after it came. Where one comes too late, all that follow are so
-/// much later; where they run far ahead, or the sender's clock jumps, it begins anew.
+/// Computes when to show framesets that arrive many at a time, as in segments of HTTP Live Streaming: as far
+/// apart as they were taken, the first one `margin_ns` after it came. A late frameset delays all that follow;
+/// if they run more than a minute ahead, or the sender's clock jumps, the pace begins anew.
 class SegmentPace {
 public:
     explicit SegmentPace(std::int64_t margin_ns) : margin_ns_(margin_ns) {}
-    /// As JitterBuffer::add.
+    /// Like JitterBuffer::add.
     JitterBuffer::Moments add(std::int64_t sent_ns, std::int64_t arrived_ns);
 
 private:
     const std::int64_t margin_ns_;
-    std::optional<std::int64_t> apart_ns_;  // our clock is so far ahead of the sender's
+    std::optional<std::int64_t> apart_ns_;  // ns from the sender's clock to when it is shown
 };
 
-/// How a camera delivers what it takes. Moments are those of a run, ns.
+/// How a camera delivers its frames. Times are ns of the run.
 struct CameraDelivery {
     static constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
-    /// A frame, and when it is there.
+    /// A frame and its delivery time.
     struct Frame {
         std::int64_t number = -1;
         std::int64_t at_ns = 0;  ///< of the run, or `never`
@@ -383,20 +378,20 @@ struct CameraDelivery {
     std::optional<FrameRate> rate{};  ///< nothing: the recording's own
     std::int64_t jitter_ns = 0;       ///< the longest time from exposure to delivery
     double drop = 0;                  ///< the share of frames that never come, 0 to below 1
-    /// Nothing is delivered between; no end: never again.
+    /// Nothing is delivered from stall_ns to resume_ns; no resume_ns: never again.
     std::optional<std::int64_t> stall_ns{}, resume_ns{};
 
-    /// What comes after `last`: the next frame that is not left out, not before its own time by the
-    /// recording's rate. As random as the settings want it, and the same every time.
+    /// The delivery after `last`: the next frame that is not dropped, not before its own time by the
+    /// recording's rate. Random within the settings, and the same every time.
     Frame after(const Frame& last, const FrameRate& recorded) const;
 };
 
 /// A recording that behaves like a camera. Frame n is taken at time_ns = n / rate and comes when
 /// CameraDelivery::after says. Frames keep the recording's numbers, so that those left out are gaps.
 ///
-/// Until `begin` it is a clip: every frame is there at once. After it `next` waits for the next delivery, and
-/// gives the newest frame where several were delivered before it was asked. A frame is decoded while it is
-/// waited for. Frames are held and not interpolated, for none of the future exists.
+/// Until `begin` it is a clip: every frame is available at once. After it `next` waits for the next delivery,
+/// and returns the newest frame if several were delivered before the call. A frame is decoded during the
+/// wait. Frames are held and not interpolated: no future frame exists.
 std::unique_ptr<ClipReader> make_replay_camera(std::unique_ptr<ClipReader> recording,
                                                const CameraDelivery& delivery);
 

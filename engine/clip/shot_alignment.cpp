@@ -7,7 +7,7 @@ namespace touchable {
 namespace {
 
 constexpr int usual_cells = 4800, least_side = 4;
-/// A cell whose codes differ by more of the frame's range holds two surfaces.
+/// A cell whose codes differ by more than 1/8 of the frame's range holds two surfaces.
 constexpr int two_surfaces_share = 8;
 constexpr int least_texture = 24;  // levels of brightness, from the darkest pixel to the brightest
 
@@ -37,7 +37,7 @@ CellDepths depths_of(const PlaneView& plane, const DepthCoding& coding, int x0, 
     }
     if (coding.all_valid(static_cast<std::uint16_t>(depths.least), static_cast<std::uint16_t>(depths.most)))
         return depths;
-    // Some pixel has none: the others still tell the frame's range.
+    // A pixel has no depth: the others still give the frame's range.
     depths = {.is_whole = false};
     for (int y = y0; y < y0 + side; ++y)
         for (int x = x0; x < x0 + side; ++x)
@@ -54,7 +54,7 @@ void read_luma(const PlaneView& colour, int x0, int y0, int side, CellPicture::C
     for (int y = y0; y < y0 + side; ++y) {
         const std::uint8_t* rgb = colour.row(y) + 3 * std::ptrdiff_t{x0};
         for (int x = 0; x < side; ++x, rgb += 3) {
-            const std::int32_t luma = 77 * rgb[0] + 150 * rgb[1] + 29 * rgb[2];  // of 256 a level
+            const std::int32_t luma = 77 * rgb[0] + 150 * rgb[1] + 29 * rgb[2];  // 256 per level
             sum += luma;
             least = std::min(least, luma);
             most = std::max(most, luma);
@@ -64,7 +64,7 @@ void read_luma(const PlaneView& colour, int x0, int y0, int side, CellPicture::C
     cell.is_textured = most - least >= 256 * least_texture;
 }
 
-/// Cells beside much darker or brighter ones change too, where anything moves.
+/// Marks cells beside much darker or brighter ones, which change too if anything moves.
 void mark_borders(std::vector<CellPicture::Cell>& cells, int columns) {
     constexpr std::int32_t step = least_texture * CellPicture::per_level;
     const auto across = static_cast<std::size_t>(columns);
@@ -80,29 +80,29 @@ void mark_borders(std::vector<CellPicture::Cell>& cells, int columns) {
 constexpr std::size_t fewest_points = 8, judging_points = 256;
 constexpr int pair_trials = 96, refinements = 6;
 constexpr double per_median = 1.4826;  // standard deviation of normal noise / median distance
-constexpr double most_scale = 16;      // and its reciprocal the least
-constexpr double least_spread = 16;    // of `from`, times the noise: nearer together no scale can be told
+constexpr double most_scale = 16;      // its reciprocal is the least
+constexpr double least_spread = 16;    // of `from`, times the noise: below it no scale is fitted
 
-constexpr double steps_of_range = 4096;  // differences below one tell nothing
+constexpr double steps_of_range = 4096;  // smaller differences are noise
 constexpr std::int32_t same_luma = 5 * CellPicture::per_level / 2, other_luma = 24 * CellPicture::per_level;
-constexpr double share_of_cut = 0.5;  // of the cells have another brightness then
-constexpr double noise_of_cut = 0.1;  // of the range, without colour
+constexpr double share_of_cut = 0.5;  // share of cells that change brightness at a cut
+constexpr double noise_of_cut = 0.1;  // fit noise at a cut, share of the range
 constexpr double noise_of_still = 1.0 / 64;
-constexpr double still_frames = 0.9;        // of a shot, in which things stand still
-constexpr std::size_t telling_texture = 6;  // of so many cells one must be textured to tell of the camera
+constexpr double still_frames = 0.9;        // share of a shot that makes it a still one
+constexpr std::size_t telling_texture = 6;  // one cell in this many must be textured to show motion
 constexpr int settled_age = 4, calm_frames = 24;
 constexpr double reference_frames = 32;  // frames over which a reference is averaged
-constexpr int moving_radius = 15;        // frames before and after, of a moving camera
+constexpr int moving_radius = 15;        // frames before and after, if the camera moves
 constexpr std::size_t most_resting = 96;
 
-/// The middle one, the lower of two; `numbers` come in another order.
+/// The median, the lower of two; reorders `numbers`.
 double median_of(std::vector<double>& numbers) {
     const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>((numbers.size() - 1) / 2);
     std::ranges::nth_element(numbers, middle);
     return *middle;
 }
 
-/// Numbers that are the same on every machine.
+/// Random numbers that are the same on every machine.
 class PairDraw {
 public:
     std::size_t below(std::size_t count) {
@@ -149,14 +149,14 @@ private:
         for (const LinePoint& point : points_) distances.push_back(distance(line, point));
         return std::max(least_noise_, per_median * median_of(distances));
     }
-    /// Of scale 1.
+    /// The median line of scale 1.
     Line shifted() const {
         std::vector<double> shifts;
         shifts.reserve(points_.size());
         for (const LinePoint& point : points_) shifts.push_back(point.to - point.from);
         return {1, median_of(shifts)};
     }
-    /// That to which half of the points lie nearest.
+    /// The line with the least median distance.
     Line by_pairs() const {
         PairDraw draw;
         const std::size_t step = std::max<std::size_t>(1, points_.size() / judging_points);
@@ -182,7 +182,7 @@ private:
         }
         return best;
     }
-    /// Weighted by 1/(1 + (distance / two noises)^2)^2: what is far away does not count.
+    /// Least squares, weighted by 1/(1 + (distance / two noises)^2)^2: outliers do not count.
     Line refined(const Line& line, double noise) const {
         double weights = 0, from = 0, to = 0;
         std::vector<double> each;
@@ -212,7 +212,7 @@ private:
     double least_noise_, spread_ = 0;
 };
 
-/// Brightness that all cells gained: a camera's exposure.
+/// Median gain in brightness: a change of the camera's exposure.
 std::int32_t gained(std::vector<std::int32_t> changes) {
     if (changes.empty()) return 0;
     const auto middle = changes.begin() + static_cast<std::ptrdiff_t>(changes.size() / 2);
@@ -220,7 +220,7 @@ std::int32_t gained(std::vector<std::int32_t> changes) {
     return *middle;
 }
 
-/// Which cells have the brightness that they had, by `before`(k), CellPicture::none where there was nothing.
+/// Which cells kept their brightness, `before`(k), up to a common gain; CellPicture::none if unknown.
 template <class Before>
 std::vector<bool> unchanged(const CellPicture& picture, Before&& before) {
     std::vector<std::int32_t> changes;
@@ -240,14 +240,14 @@ double mean_of(const std::vector<double>& numbers) {
     return sum / static_cast<double>(numbers.size());
 }
 
-/// Of frames that show nothing of each other a chain of lines may lead anywhere.
+/// Rejects lines that a chain through frames with nothing in common can lead to.
 bool is_likely(const Line& line) {
     constexpr double most_scale_of_all = 64, most_shift = 1e8;
     return line.scale >= 1 / most_scale_of_all && line.scale <= most_scale_of_all &&
            line.shift >= -most_shift && line.shift <= most_shift;
 }
 
-/// The straight line through numbers at places first, first + 1, ..., at place 0.
+/// Value at place 0 of the regression line through numbers at places first, first + 1, ...
 double regressed_at_zero(const std::vector<double>& numbers, double first) {
     const double middle = first + (static_cast<double>(numbers.size()) - 1) / 2, mean = mean_of(numbers);
     double together = 0, alone = 0;
@@ -311,7 +311,7 @@ double ShotAlignment::changed(const CellPicture& picture) const {
     return static_cast<double>(others) / static_cast<double>(picture.cells.size());
 }
 
-/// By what has the same colour; by all where that is little.
+/// Fits cells of unchanged colour, or all cells if those are few.
 LineFit ShotAlignment::fit_to_before(const CellPicture& picture, RestingCells& resting) {
     std::vector<bool> same(picture.cells.size(), true);
     if (picture.has_colour) same = unchanged(picture, [&](std::size_t k) { return before_.cells[k].luma; });
@@ -340,7 +340,7 @@ LineFit ShotAlignment::fit_to_before(const CellPicture& picture, RestingCells& r
     return *fit;
 }
 
-/// Cells whose colour is that of the reference must be many, and the depths of most of them on one line.
+/// Still if many cells have the reference's colour, and the depths of most of them lie on one line.
 void ShotAlignment::fit_to_shot(const CellPicture& picture, Fitted& fitted) {
     std::vector<bool> same(picture.cells.size(), true);
     if (picture.has_colour)
@@ -371,7 +371,7 @@ void ShotAlignment::fit_to_shot(const CellPicture& picture, Fitted& fitted) {
     remember(picture, same, fitted.to_shot, 4 * std::min(noise, noise_of_still * range_));
 }
 
-/// What stays where it was is averaged; what is there now in place of something else is as new.
+/// Averages cells that stay the same, and begins anew those with new content.
 void ShotAlignment::remember(const CellPicture& picture, const std::vector<bool>& same, const Line& line,
                              double tolerance) {
     for (std::size_t k = 0; k < picture.cells.size(); ++k) {
@@ -398,7 +398,7 @@ void ShotAlignment::begin_shot(const CellPicture& picture) {
     resting_.emplace_back();
 }
 
-/// Of which the mean leaves codes as they are.
+/// Lines whose mean leaves codes as they are.
 std::vector<Line> ShotAlignment::lines_of_still() const {
     std::vector<double> scales, shifts;
     for (const Fitted& fitted : shot_) {
@@ -412,7 +412,7 @@ std::vector<Line> ShotAlignment::lines_of_still() const {
     return lines;
 }
 
-/// Through the scales of the frames around each, as they are seen from there, a straight line.
+/// For each frame: a straight line through the scales of the frames around it, relative to its own.
 std::vector<Line> ShotAlignment::lines_of_moving() const {
     std::vector<Line> lines;
     const auto count = static_cast<std::ptrdiff_t>(shot_.size());

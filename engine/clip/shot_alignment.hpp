@@ -16,7 +16,7 @@ namespace touchable {
 struct Line {
     double scale = 1, shift = 0;
     double at(double value) const { return scale * value + shift; }
-    /// What `this` gives, in place of the value of `after`.
+    /// `after` applied to the value that this line gives.
     Line then(const Line& after) const { return {after.scale * scale, after.scale * shift + after.shift}; }
     Line inverse() const { return {1 / scale, -shift / scale}; }
 };
@@ -29,33 +29,31 @@ struct LineFit {
     Line line;
     double noise = 0;  ///< robust standard deviation of `to`
 };
-/// The line on which most points lie, however far the others are away: least median of squares over fixed
-/// pairs, then weights that fall with the distance. Where `from` is nearly the same everywhere the scale
-/// cannot be told: it is 1. Nothing of fewer than eight points. Only + - * / and comparisons, in a fixed
-/// order: the same bits everywhere. `least_noise`: distances below it tell nothing.
+/// Robust line fit: least median of squares over fixed pairs, then weights that fall with the distance. If
+/// `from` is nearly the same everywhere, the scale is 1. Nullopt for fewer than eight points. Only + - * /
+/// and comparisons, in a fixed order: the same bits everywhere. `least_noise`: distances below it are noise.
 std::optional<LineFit> fit_line(const std::vector<LinePoint>& points, double least_noise);
 
-/// Depths of cells that stood still from the frame before to a frame, there and here, sixteenths of a code.
+/// Depths of cells that stood still, in the frame before and in a frame, sixteenths of a code.
 using RestingCells = std::vector<std::pair<std::int32_t, std::int32_t>>;
 
-/// Finds for each frame of a clip the line that takes its codes to one scale. Frames come in order, and a cut
-/// begins anew. Of a shot in which most things stand still, the lines are those that keep them still: what
-/// does not move is known by colour that does not change and by depths that agree, and is remembered for the
-/// whole shot, so that the scale cannot wander. Where the camera moves nothing says what the scale was a
-/// while ago: then what is faster than a second is taken out of it, and the rest stays.
-/// The mean scale of a shot stays what it was.
+/// Finds for each frame of a clip the line that takes its codes to one scale. Frames come in order; a cut
+/// begins a new shot. In a shot in which most things stand still, the lines keep them still: unchanged colour
+/// and agreeing depths identify still cells, which are remembered for the whole shot, so that the scale
+/// cannot drift. If the camera moves, the scale a while ago is unknown: only changes faster than a second are
+/// removed. The mean scale of a shot stays what it was.
 class ShotAlignment {
 public:
     void add(CellPicture picture);
-    /// Of every frame that was added; of sixteenths of a code. Once.
+    /// The line of every added frame, in sixteenths of a code. Once.
     std::vector<Line> finish();
 
     const std::vector<RestingCells>& resting() const { return resting_; }
     std::int64_t shots() const { return shots_; }
-    /// Shots whose scale is that of what stands still.
+    /// Shots aligned by what stands still.
     std::int64_t still_shots() const { return still_shots_; }
-    /// How far what stands still moves from frame to frame, root mean square, as a share of the range of
-    /// codes; and what of that no scale and no shift explains.
+    /// Motion of still cells from frame to frame, root mean square, as a share of the range of codes; and the
+    /// part of it that no scale and shift explain.
     double pumping() const { return pairs_ > 0 ? std::sqrt(moved_ / static_cast<double>(pairs_)) : 0; }
     double unexplained() const {
         return pairs_ > 0 ? std::sqrt(unexplained_ / static_cast<double>(pairs_)) : 0;
@@ -64,12 +62,12 @@ public:
 private:
     struct Reference {
         double depth = 0, luma = 0;
-        int age = -1;  // frames since depth was another there; -1: there was none
-        int calm = 0;  // frames since the colour was
+        int age = -1;  // frames since the depth changed; -1: no depth yet
+        int calm = 0;  // frames since the colour changed
     };
     struct Fitted {
-        Line to_shot;    // as what stands still has it
-        Line to_before;  // codes of the frame before
+        Line to_shot;    // to the shot's scale
+        Line to_before;  // to the codes of the frame before
         bool is_still = false;
     };
 
@@ -85,8 +83,8 @@ private:
 
     std::vector<Line> lines_;
     std::vector<RestingCells> resting_;
-    std::vector<Fitted> shot_;           // of the shot that goes on
-    std::vector<Reference> references_;  // of its cells
+    std::vector<Fitted> shot_;           // frames of the current shot
+    std::vector<Reference> references_;  // by cell of the current shot
     CellPicture before_;
     double least_noise_ = 1, range_ = 1;  // of the shot
     double moved_ = 0, unexplained_ = 0;  // sums of squares

@@ -45,9 +45,9 @@ Error encoder_error(const std::string& what) {
     return internal_error("encoder: " + what);
 }
 
-/// How a picture is cut for FFV1: n x n slices, which decode side by side, none over 4 megapixels; 0 where
-/// FFmpeg's FFV1 has no way to cut it. (It wants at least 2 x 2 slices beyond 352x288, and where a slice
-/// would be 1 pixel wide or high it writes slice positions that cannot be read back.)
+/// How a picture is cut for FFV1: n x n slices, which decode side by side, none over 4 megapixels; 0 if
+/// FFmpeg's FFV1 cannot cut it. (It wants at least 2 x 2 slices beyond 352x288, and if a slice would be 1
+/// pixel wide or high it writes slice positions that cannot be read back.)
 int ffv1_slices(int width, int height) {
     if (width >= 32 && height >= 32) {
         constexpr int largest = 1 << 22;
@@ -64,26 +64,26 @@ int h264_slices(int width, int height) {
     return std::int64_t{width} * height < 100'000 ? 1 : 4;
 }
 
-/// x264 knows no more.
+/// x264's limit, pixels.
 constexpr int largest_h264_side = 16384;
 
 struct EncoderSettings {
     const char* encoder;
-    const char* name;  // as people call it
+    const char* name;  // in messages
     std::vector<std::pair<const char*, const char*>> options;
 };
 
 EncoderSettings settings_of(TrackCoding coding, AVPixelFormat format) {
     if (coding == TrackCoding::ffv1)
         return {"ffv1", "FFV1", {{"slicecrc", "1"}, {"coder", "1"}, {"context", "1"}}};
-    // A packet comes out for each picture that goes in, and begins anew only where `encode` asks for that.
+    // Each picture gives a packet at once; keyframes come only where `encode` asks for them.
     EncoderSettings h264{format == AV_PIX_FMT_RGB24 ? "libx264rgb" : "libx264",
                          "H.264",
                          {{"tune", "zerolatency"}, {"forced-idr", "1"}, {"udu_sei", "1"}}};
     if (is_visual(coding)) {
         const char* const quality = coding == TrackCoding::h264_visual ? "18" : "24";
-        // Streams of both qualities have the same parameter sets: VLC keeps those of the first as it goes
-        // from one to the other.
+        // Streams of both qualities have the same parameter sets: VLC keeps those of the first when it
+        // switches.
         h264.options.insert(h264.options.end(), {{"x264-params", "keyint=infinite:scenecut=0:stitchable=1"},
                                                  {"preset", "superfast"},
                                                  {"crf", quality}});
@@ -119,7 +119,7 @@ std::uint64_t golomb(BitReader& bits) {
     return (std::uint64_t{1} << zeros) - 1 + bits.get(zeros);
 }
 
-/// A flag of the sequence's parameters in avcC (ISO/IEC 14496-10, 7.3.2.1.1).
+/// Reads transform bypass from the sequence parameters in avcC (ISO/IEC 14496-10, 7.3.2.1.1).
 bool is_lossless_h264(ParameterBytes avcc) {
     constexpr std::size_t sequence_at = 8;
     constexpr std::uint64_t high_444_predictive = 244, colours_at_full_size = 3;
@@ -156,8 +156,8 @@ std::optional<ParameterBytes> hevc_unit(ParameterBytes hvcc, int kind) {
     return {};
 }
 
-/// transquant_bypass_enabled_flag of the pictures' parameters (ISO/IEC 23008-2, 7.3.2.3.1). x265 sets it as
-/// well where some blocks alone are lossless, and its message in the same place tells which.
+/// transquant_bypass_enabled_flag of the pictures' parameters (ISO/IEC 23008-2, 7.3.2.3.1). x265 also sets it
+/// if only some blocks are lossless; its message in hvcC tells.
 bool is_lossless_hevc(ParameterBytes hvcc) {
     constexpr int picture_parameters = 34;
     const std::string_view words(reinterpret_cast<const char*>(hvcc.data()), hvcc.size());
@@ -165,8 +165,8 @@ bool is_lossless_hevc(ParameterBytes hvcc) {
     const auto unit = hevc_unit(hvcc, picture_parameters);
     if (!unit) return false;
     BitReader bits(*unit);
-    bits.get(16);  // what unit it is
-    golomb(bits);  // its number, and the sequence's
+    bits.get(16);  // the unit's header
+    golomb(bits);  // ids of picture and sequence parameters
     golomb(bits);
     bits.get(7);  // dependent slices, output flag, 3 extra bits, hidden signs, cabac_init
     for (int number = 0; number < 3; ++number) golomb(bits);  // references of two lists, quantiser
@@ -174,7 +174,7 @@ bool is_lossless_hevc(ParameterBytes hvcc) {
     if (bits.flag()) golomb(bits);                            // a quantiser for each block
     golomb(bits);                                             // offsets for colour
     golomb(bits);
-    bits.get(3);  // these for each slice, weights
+    bits.get(3);  // offsets for each slice, weights
     const bool leaves_out_transform = bits.flag();
     return leaves_out_transform && !bits.is_over();
 }
@@ -234,7 +234,7 @@ Result<CodecPtr> open_encoder(TrackCoding coding, AVPixelFormat format, int widt
     context->slices = slices;
     context->thread_count = 1;
     context->flags |= AV_CODEC_FLAG_BITEXACT | AV_CODEC_FLAG_GLOBAL_HEADER;
-    const bool seen = is_visual(coding);  // by any player
+    const bool seen = is_visual(coding);  // shown by ordinary players
     context->color_range = seen ? AVCOL_RANGE_MPEG : AVCOL_RANGE_JPEG;
     if (seen) {
         context->colorspace = AVCOL_SPC_BT709;

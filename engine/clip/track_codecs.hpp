@@ -16,36 +16,36 @@ struct ZSTD_DCtx_s;
 
 namespace touchable {
 
-/// Whether tracks of this codec are read. FFmpeg knows hundreds, most of them seldom used, and seldom
-/// attacked by researchers who report what they find.
+/// Whether tracks of this codec are read. FFmpeg knows hundreds, most of them seldom used, and seldom tested
+/// for security.
 bool is_read(const AVCodecParameters& stored);
-/// "ffv1, png, ...": those that are.
+/// The codecs that are read: "ffv1, png, ...".
 std::string codecs_that_are_read();
 
-/// Whether pictures are kept as they are seen, and not to the last bit.
+/// Whether the coding is lossy, good enough to look at.
 constexpr bool is_visual(TrackCoding coding) {
     return coding == TrackCoding::h264_visual || coding == TrackCoding::h264_reduced;
 }
-/// An encoder for pictures of `width` x `height` samples in an FFmpeg pixel format. An error of kind usage
-/// where it cannot have that size.
+/// An encoder for pictures of `width` x `height` samples in an FFmpeg pixel format. An error of kind usage if
+/// the coding does not support that size.
 Result<CodecPtr> open_encoder(TrackCoding coding, AVPixelFormat format, int width, int height,
                               const FrameRate& rate);
 
-/// A picture for an encoder, its samples of no meaning yet; null where memory runs out.
+/// A picture for an encoder, with undefined samples; null if memory runs out.
 FramePtr blank_picture(AVPixelFormat format, int width, int height);
-/// From RGB of one size to such pictures of another, of BT.709 and narrow range; null where there is no way.
-/// `flags`: swscale's.
+/// A scaler from RGB of one size to an encoder's pictures of another, in BT.709 and narrow range; null if
+/// unsupported. `flags`: swscale's.
 ScalerPtr scaler_from_rgb(int from_width, int from_height, AVPixelFormat format, int width, int height,
                           int flags);
 
-/// Why pictures of this size cannot be stored.
+/// The error for pictures of a size that cannot be stored.
 Error unstorable_size(int width, int height, const std::string& why);
 
-/// Whether a track of H.264 or HEVC keeps every value, as its own parameters say: its coding may leave out
-/// the transform, for which encoders ask only where they are to be lossless. False where it does not say.
+/// Whether a track of H.264 or HEVC keeps every value: its own parameters allow transform bypass, which
+/// encoders ask for only in lossless coding. False if they do not state it.
 bool is_coded_without_loss(const AVCodecParameters& stored);
 
-/// How a container names the codec that is our own: FFmpeg has no number for it.
+/// The FourCC of our own codec in containers: FFmpeg has no number for it.
 inline constexpr std::uint32_t rank_zstd_tag = MKTAG('T', '3', 'D', '2');
 
 // A lossless coding of grey pictures of two bytes a sample, each on its own. A packet of the second version:
@@ -63,9 +63,9 @@ inline constexpr std::uint32_t rank_zstd_tag = MKTAG('T', '3', 'D', '2');
 // are 0. The difference d from what is predicted, modulo 65536 within -32768..32767, becomes the code 2d, or
 // -2d - 1 where it is negative.
 //
-// A camera that measures in millimetres has few distinct values in a picture, the farther the fewer, and so
-// have values that were stretched to more bits. A packet of the first version is the frame of mode 0, with
-// nothing before it.
+// A camera that measures in millimetres has few distinct values in a picture, fewer with distance; so do
+// values stretched to more bits. A packet of the first version is the frame of mode 0, with nothing before
+// it.
 
 struct ZstdDeleter {
     void operator()(ZSTD_CCtx_s* context) const;
@@ -75,12 +75,12 @@ struct ZstdDeleter {
 /// The modes of the second version, by their numbers.
 enum class RankZstdMode : std::uint8_t { samples_by_gradient, ranks_by_left, ranks_by_gradient };
 
-/// Of the second version.
+/// Encodes the second version.
 class RankZstdEncoder {
 public:
-    /// The packet of a picture; until the next call. Empty where memory runs out. Where `choose`, it is
-    /// encoded in each mode; the smallest packet counts, and one of ranks, which takes longer to decode, only
-    /// if it saves a 64th. Otherwise the last choice stands, unless packets have grown by a 16th since.
+    /// The packet of a picture, valid until the next call; empty if memory runs out. With `choose` every mode
+    /// is tried and the smallest packet taken, one of ranks, which takes longer to decode, only if it saves a
+    /// 64th. Otherwise the last choice stands, unless packets have grown by a 16th since.
     std::span<const std::uint8_t> encode(const PlaneView& plane, bool choose);
 
 private:
@@ -98,7 +98,7 @@ private:
     std::vector<std::uint16_t> rank_of_;  // by sample
     std::vector<std::uint8_t> bytes_;     // to be compressed
     Packet newest_, chosen_;
-    std::optional<RankZstdMode> mode_;  // that was chosen, when packets had the size
+    std::optional<RankZstdMode> mode_;  // chosen when packets had `size_then_` bytes
     std::size_t size_then_ = 0;
 };
 
@@ -107,10 +107,10 @@ public:
     enum class Version { first = 1, second = 2 };
     explicit RankZstdDecoder(Version version) : version_(version) {}
 
-    /// Whether a packet says of itself that it holds a picture of so many samples. Costs nothing.
+    /// Whether a packet states that it holds a picture of this many samples. Costs nothing.
     bool promises(std::span<const std::uint8_t> packet, std::size_t samples) const;
-    /// Decodes a packet into rows of `width` samples, `stride` samples apart. False where it does not hold
-    /// such a picture, whatever its bytes, or memory runs out; the samples are then of no meaning.
+    /// Decodes a packet into rows of `width` samples, `stride` samples apart. False if it does not hold such
+    /// a picture (any bytes are safe), or memory runs out; the samples are then undefined.
     bool decode(std::span<const std::uint8_t> packet, int width, int height, std::uint16_t* samples,
                 std::ptrdiff_t stride);
 

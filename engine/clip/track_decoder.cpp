@@ -16,10 +16,10 @@ extern "C" {
 namespace touchable {
 namespace {
 
-/// From this many pixels on a picture is worth waking threads for.
+/// Pictures of at least this many pixels are decoded by several threads.
 constexpr std::int64_t pixels_for_threads = 100'000;
 
-/// More threads than cores only take turns, and drawing waits for them.
+/// More threads than cores would only delay drawing.
 int decoding_threads(const AVCodecParameters& stored, std::size_t tracks) {
     if (std::int64_t{stored.width} * stored.height < pixels_for_threads) return 1;
     const std::size_t cores = std::thread::hardware_concurrency();
@@ -78,7 +78,7 @@ public:
 private:
     const int width_, height_;
     RankZstdDecoder decoder_;
-    FramePtr decoded_;  // not given yet
+    FramePtr decoded_;  // not yet received
     bool ended_ = false;
 };
 
@@ -142,7 +142,7 @@ Result<std::unique_ptr<PacketDecoder>> PacketDecoder::open(const AVStream& strea
     CodecPtr codec(avcodec_alloc_context3(decoder));
     if (!codec) return memory_error();
     int status = avcodec_parameters_to_context(codec.get(), &stored);
-    // Slices of a picture side by side; frames side by side would come late.
+    // Threads decode slices of one picture; frame threads would add delay.
     codec->thread_type = FF_THREAD_SLICE;
     codec->thread_count = decoding_threads(stored, tracks);
     codec->pkt_timebase = stream.time_base;
@@ -167,7 +167,7 @@ Result<TrackDecoder> TrackDecoder::open(const AVStream& stream, PlaneRole role, 
                            codecs_that_are_read());
     TRY_ASSIGN(track.decoder_, PacketDecoder::open(stream, where, PacketDecoder::largest_picture, tracks));
     track.codec_ = stream.codecpar->codec_id;
-    // Versions 0 and 1, which have no header of their own, have no checksums either.
+    // Versions 0 and 1 have neither a header of their own nor checksums.
     track.has_slice_checksums_ = track.codec_ == AV_CODEC_ID_FFV1 && stream.codecpar->extradata_size > 0;
     track.pixels_ = std::int64_t{stream.codecpar->width} * stream.codecpar->height;
     TRY(track.read_tags(stream));
@@ -190,12 +190,12 @@ Result<void> TrackDecoder::read_tags(const AVStream& stream) {
     return {};
 }
 
-/// For how many frames the picture of this packet stays, if the packet is sound.
+/// Number of frames for which this packet's picture stays; an error if the packet is damaged.
 Result<std::int64_t> TrackDecoder::frames_of(const AVPacket& packet) {
     const auto addition = block_addition_of(packet);
     if (!has_additions_) {
         has_additions_ = addition.has_value();
-        // Other programs keep the tag of a track that they encode anew, but not what belonged to its packets.
+        // Other programs keep the tag of a track that they re-encode, but not its packets' additions.
         info_.lossless = says_lossless_ && *has_additions_;
     }
     bool sound = (packet.flags & AV_PKT_FLAG_CORRUPT) == 0 && addition.has_value() == *has_additions_;
@@ -246,7 +246,7 @@ Result<FramePtr> TrackDecoder::decoded() {
     return frame;
 }
 
-/// For how many frames the picture that came out stays.
+/// Number of frames for which the picture just decoded stays.
 std::int64_t TrackDecoder::passed() {
     std::int64_t frames = 1;
     if (!frames_.empty()) {
@@ -291,7 +291,7 @@ Result<void> TrackDecoder::check_format(const AVFrame& frame) {
                        std::to_string(info_.width) + "x" + std::to_string(coded_height_) + " " + format_);
 }
 
-/// Of bytes, the high ones above the low ones.
+/// Joins a picture of high bytes above low bytes.
 Result<Plane> TrackDecoder::joined(const AVFrame& frame) const {
     const auto bytes = luma_samples(frame);
     if (!bytes || bytes->bytes_per_sample != 1 || frame.height % 2 != 0)

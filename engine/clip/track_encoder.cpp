@@ -11,15 +11,14 @@ Error track_error(PlaneRole role, const std::string& what) {
     return internal_error("encoder of track " + std::string(role_name(role)) + ": " + what);
 }
 
-/// What the codec is given: grey samples of two bytes go into H.264 as two pictures of bytes, one above the
-/// other.
+/// The codec's input: grey samples of two bytes go into H.264 as two pictures of bytes, one above the other.
 struct CodedForm {
     AVPixelFormat format;
     int width, height;
     bool split;
 };
 
-/// The smallest grey that holds the values as they are.
+/// The smallest grey format that holds the values as they are.
 AVPixelFormat grey_of(PlaneRole role, const Scene& scene) {
     if (role == PlaneRole::height || scene.depth_bits > 12) return AV_PIX_FMT_GRAY16;
     return scene.depth_bits > 10 ? AV_PIX_FMT_GRAY12 : AV_PIX_FMT_GRAY10;
@@ -73,7 +72,7 @@ void copy_samples(const PlaneView& plane, AVFrame& picture) {
     }
 }
 
-/// In place of those of the picture before.
+/// Replaces the messages of the picture before.
 bool attach_messages(std::span<const std::string> messages, AVFrame& picture) {
     av_frame_remove_side_data(&picture, AV_FRAME_DATA_SEI_UNREGISTERED);
     for (const std::string& message : messages) {
@@ -94,7 +93,7 @@ public:
     Result<void> open(TrackCoding coding, const PlaneView& first, const Scene& scene) {
         const CodedForm form = form_of(role_, coding, first, scene);
         auto codec = open_encoder(coding, form.format, form.width, form.height, scene.rate);
-        if (!codec && codec.error().kind == ErrorKind::usage && form.split)  // in terms of the scene
+        if (!codec && codec.error().kind == ErrorKind::usage && form.split)  // with the scene's size
             return unstorable_size(first.width, first.height, "H.264 takes sides of 16384 at most");
         if (!codec) return codec.error();
         codec_ = std::move(*codec);
@@ -138,7 +137,7 @@ private:
     PlaneRole role_;
     CodecPtr codec_;
     FramePtr picture_;
-    ScalerPtr scaler_;  // of is_visual
+    ScalerPtr scaler_;  // only if is_visual
 };
 
 class RankZstdTrack final : public TrackEncoder {

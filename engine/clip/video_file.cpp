@@ -1,4 +1,4 @@
-// The first track of pictures of any video file: which it is, its frames' times and rate, and its frames.
+// The track of pictures of any video file: how it is chosen, its frames, and their times and rate.
 #include <algorithm>
 #include <cmath>
 #include <string_view>
@@ -17,9 +17,9 @@ extern "C" {
 namespace touchable {
 namespace {
 
-constexpr int largest_term = 1'000'000'000;  // of a scene's rate
+constexpr int largest_term = 1'000'000'000;  // of a scene's rate, numerator or denominator
 
-/// Frames that are not to be seen: cut off by an edit list, or VP8's that only serve others.
+/// Frames that are not shown: cut off by an edit list, or VP8's reference-only frames.
 bool is_hidden(const AVPacket& packet, AVCodecID codec) {
     constexpr int vp8_shown = 0x10;
     return (packet.flags & AV_PKT_FLAG_DISCARD) != 0 || packet.size == 0 ||
@@ -35,7 +35,7 @@ bool keeps_to(const std::vector<std::int64_t>& times, AVRational tick, AVRationa
     return true;
 }
 
-/// As cameras ("DEPTH", "COLOR") and people ("Depth map") call the tracks of their recordings.
+/// Whether a track's title fits the role, as cameras ("DEPTH", "COLOR") and people ("Depth map") call it.
 bool is_named(const AVStream& stream, PlaneRole role) {
     const AVDictionaryEntry* const title = av_dict_get(stream.metadata, "title", nullptr, 0);
     if (title == nullptr) return false;
@@ -50,8 +50,8 @@ bool has_pictures(const AVStream& stream) {
            (stream.disposition & AV_DISPOSITION_ATTACHED_PIC) == 0;
 }
 
-/// Whether the first picture of a track is grey of more than 8 bits: beside a track in colour only depth is.
-/// Containers do not say it of all codecs.
+/// Whether the first picture of a track is grey of more than 8 bits: beside a track in colour that is depth.
+/// Decodes it: containers do not state this for all codecs.
 bool begins_in_deep_grey(const SourceFile& file, int stream) {
     constexpr int most_packets = 64;
     const auto demuxer = Demuxer::open_video(file);
@@ -74,7 +74,7 @@ bool begins_in_deep_grey(const SourceFile& file, int stream) {
     return false;
 }
 
-/// After the first.
+/// Times after the first, ns.
 std::vector<std::int64_t> nanoseconds(const std::vector<std::int64_t>& times, AVRational tick) {
     constexpr AVRational nanosecond{1, 1'000'000'000};
     std::vector<std::int64_t> after;
@@ -144,7 +144,7 @@ Result<void> VideoFile::rewind() {
     };
     stream_ = 0;
     while (stream_ < streams && (!may_be_it(stream_) || is_depths(stream_))) ++stream_;
-    if (stream_ == streams) stream_ = 0;  // of a single track also depth's own
+    if (stream_ == streams) stream_ = 0;  // a single track may also be named as depth
     while (stream_ < streams && !may_be_it(stream_)) ++stream_;
     const auto first_of = [&](auto&& fits) {
         for (int k = stream_; k < streams; ++k)
@@ -153,7 +153,7 @@ Result<void> VideoFile::rewind() {
     };
     int found = first_of(is_it);
     const bool are_several = first_of([&](int k) { return k > stream_; }) < streams;
-    if (found == streams && are_several && !has_disparity && !times_.empty()) found = chosen;  // once
+    if (found == streams && are_several && !has_disparity && !times_.empty()) found = chosen;  // as before
     if (found == streams && are_several && !has_disparity)
         found = first_of([&](int k) { return begins_in_deep_grey(file_, k) == (role_ == PlaneRole::depth); });
     if (found < streams) stream_ = found;
@@ -279,12 +279,12 @@ std::int64_t VideoFile::access_point(std::int64_t frame) const {
     return later == keys_.begin() ? 0 : later[-1];
 }
 
-/// False where the container's index does not lead there.
+/// False if the container's index does not lead there.
 Result<bool> VideoFile::begin_at(std::int64_t key) {
     const std::int64_t time = times_[static_cast<std::size_t>(key)];
     if (!demuxer_->seek(stream_, time)) return false;
     decoder_->restart(key);
-    // Some that belong to the pictures before may come out first.
+    // Pictures of the group before may come out first.
     for (int leading = 0; leading < 32; ++leading) {
         auto decoded = decode();
         if (!decoded || !*decoded || (*decoded)->timestamp > time) return false;

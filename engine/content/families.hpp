@@ -1,7 +1,7 @@
 #pragma once
 
-// The makers behind make_scene, one for each family of scenes, and what they share: cameras, planes made of
-// depths. Sizes and bits have been checked; each refuses what its own surface cannot be.
+// The makers behind make_scene, one for each family of scenes, and their shared helpers: cameras, planes made
+// of depths. Callers have checked sizes and bits; each maker refuses what its own surface cannot be.
 
 #include <glm/vec3.hpp>
 #include <string_view>
@@ -27,10 +27,10 @@ MadeScene make_height_field(std::string_view name, const SceneOptions& options);
 MadeScene make_primitive(std::string_view name, const SceneOptions& options);
 MadeScene make_noise(std::string_view name, const SceneOptions& options);
 
-/// What every family starts from: name, size, bits, code_max; camera and planes are still to be set.
+/// Starting scene of every family: name, size, bits, code_max; camera and planes are still to be set.
 Scene blank_scene(std::string_view name, const SceneOptions& options);
 
-/// How many threads share work on so many pixels: as SceneOptions has them, or as many as pay.
+/// Number of threads for so many pixels: `threads` (SceneOptions) if above 0, otherwise as many as pay.
 int threads_for_pixels(int threads, std::int64_t pixels);
 
 /// The camera of the height fields and primitives: 200 mm wide at 1000 mm, metres_per_unit 0.001, device one
@@ -51,7 +51,7 @@ inline constexpr double globe_device_radius = 0.032;
 void quantise(const Scene& scene, const std::vector<double>& depths, RowBands& rows,
               AnalyticScene::Planes& planes);
 
-/// The planes seen as a frame that keeps them alive.
+/// Returns a frame that shows the planes and keeps them alive.
 RawFrame view_of(std::shared_ptr<const AnalyticScene::Planes> planes, const Scene& scene,
                  std::int64_t number);
 

@@ -17,8 +17,8 @@
 namespace touchable {
 namespace {
 
-/// Axes of a turning globe in the world: the pole leans to the right and a little toward the camera, and what
-/// faces the camera moves to the right.
+/// Axes of a turning globe in the world: the pole leans to the right and a little toward the camera, and the
+/// side that faces the camera moves to the right.
 class GlobeAxes {
 public:
     GlobeAxes(const glm::dvec3& pole, double angle)
@@ -32,21 +32,21 @@ public:
     glm::dvec3 place(const glm::dvec3& direction) const {
         return {glm::dot(direction, x_), glm::dot(direction, pole_), glm::dot(direction, z_)};
     }
-    /// Back again.
+    /// The inverse of `place`.
     glm::dvec3 world(const glm::dvec3& place) const { return place.x * x_ + place.y * pole_ + place.z * z_; }
 
 private:
     glm::dvec3 pole_, east_, x_, z_;
 };
 
-/// How a globe leans and turns. Whatever was not asked for is as of the procedural planet.
+/// How a globe leans and turns. Options that are left out are as for the procedural planet.
 class GlobeMotion {
 public:
     explicit GlobeMotion(const SceneOptions& options)
         : seconds_per_turn_(options.seconds_per_turn),
           first_turn_(options.first_longitude_degrees ? -*options.first_longitude_degrees / 360 : 0.2) {
         if (!options.axial_tilt_degrees) return;
-        // In the direction in which the planet's pole leans, 0.36 to the right and 0.25 toward the camera.
+        // The same direction as the planet's pole leans to: 0.36 to the right and 0.25 toward the camera.
         const double lean = *options.axial_tilt_degrees * pi / 180;
         const glm::dvec3 way = glm::normalize(glm::dvec3(0.36, 0, 0.25));
         pole_ = sine(lean) * way + glm::dvec3(0, cosine(lean), 0);
@@ -61,7 +61,7 @@ private:
     double seconds_per_turn_, first_turn_;
 };
 
-/// What a globe feels like: land is stiffer and rougher than the sea; a coast leads from one to the other.
+/// Touch of a globe: land is stiffer and rougher than the sea; a coast leads from one to the other.
 constexpr HapticProperties sea_feel{400, 0.15, 0.10}, land_feel{1200, 0.60, 0.45},
     beyond_feel{800, 0.30, 0.20};
 constexpr HapticRanges globe_ranges{{0.1, 2}, {0, 1}, {0, 1}};
@@ -73,7 +73,7 @@ HapticProperties globe_feel(double dry) {
             sea_feel.dynamic_friction + dry * (land_feel.dynamic_friction - sea_feel.dynamic_friction)};
 }
 
-/// Code of a property value in its range (Eq. 1 turned round).
+/// Code of a property value in its range (the inverse of Eq. 1).
 std::uint8_t property_code(const PropertyRange& range, double value) {
     return static_cast<std::uint8_t>(std::floor(255 * (value - range.min) / (range.max - range.min) + 0.5));
 }
@@ -85,7 +85,7 @@ void put_feel(const HapticProperties& felt, std::uint8_t* pixel) {
     pixel[2] = property_code(globe_ranges.dynamic_friction, felt.dynamic_friction);
 }
 
-/// The bare sphere before the far plane.
+/// The bare sphere in front of the far plane.
 class Globe : public AnalyticScene {
 public:
     Globe(Scene scene, const GlobeSphere& sphere) : AnalyticScene(std::move(scene)), sphere_(sphere) {}
@@ -122,7 +122,7 @@ public:
     std::optional<Truth> closest(const glm::dvec3&, const glm::dvec3&, double) const override { return {}; }
 
 private:
-    /// One line of sight: how much of the pixel the disc covers, and what it meets there (or at the limb).
+    /// One line of sight: the disc's share of the pixel, and what the line meets there (or at the limb).
     struct Sight {
         double coverage, altitude;
         glm::dvec3 normal, to_eye;
@@ -136,8 +136,8 @@ private:
         planes.colour.resize(3 * depths.size());
         planes.haptic.resize(3 * depths.size());
         planes.height.resize(depths.size());
-        // A row's relief is lit by its neighbours'; three rows at a time keep a large picture small in
-        // memory.
+        // The light on a row's relief depends on the rows beside it; three rows at a time keep a large
+        // picture small in memory.
         rows.for_each_band(scene().height, 1, [&](const RowBand& band) {
             std::vector<Sight> row = look_along(band.first, axes);
             std::vector<Sight> above = band.first > 0 ? look_along(band.first - 1, axes) : row;
@@ -155,7 +155,7 @@ private:
         const Camera& camera = scene().camera;
         const glm::dvec3 ray = glm::dvec3(camera.u(x), camera.v(y), -1) / camera.ray_length(x, y);
         const double distance = -sphere_.centre.z, b = glm::dot(ray, sphere_.centre);
-        const double passing = std::sqrt(std::max(0.0, distance * distance - b * b));  // of the centre
+        const double passing = std::sqrt(std::max(0.0, distance * distance - b * b));  // centre distance
         const double pixel = distance / camera.fx;
         const double depth = std::max(0.0, sphere_.radius * sphere_.radius - passing * passing);
         const glm::dvec3 outward = (b - std::sqrt(depth)) * ray - sphere_.centre;
@@ -182,7 +182,7 @@ private:
             glm::dvec3 colour = sky_colour(static_cast<int>(x), y, scene().width, sight.normal,
                                            std::max(0.0, sight.altitude));
             if (sight.coverage > 0) {
-                // The ground's rise per radius across the picture, foreshortened back, toward the sun.
+                // Slope toward the sun per radius, from the rise across the picture, without foreshortening.
                 const Sight &left = row[x == 0 ? 0 : x - 1], &right = row[std::min(x + 1, row.size() - 1)];
                 const double rise_x = 0.5 * (right.ground.relief - left.ground.relief);
                 const double rise_y = 0.5 * (above[x].ground.relief - below[x].ground.relief);
@@ -209,7 +209,7 @@ private:
     Planet planet_;
 };
 
-/// A globe of maps: a sphere that rises where mountains are, before the far plane.
+/// A globe of maps: a sphere with raised mountains, in front of the far plane.
 class MapGlobe final : public AnalyticScene {
 public:
     MapGlobe(Scene scene, const GlobeSphere& sphere, const SceneOptions& options,
@@ -228,11 +228,11 @@ private:
         GlobeAxes axes;
         glm::dvec3 camera;
     };
-    /// What a line of sight meets.
+    /// The point that a line of sight meets.
     struct Sight {
         glm::dvec3 normal, to_eye;  ///< of the bare sphere there; unit vectors in the world
         glm::dvec3 place;           ///< the normal in the globe's own frame
-        double facing;              ///< cosine between both
+        double facing;              ///< cosine of the angle between both
         double width;               ///< radians that a pixel would cover if it faced the camera
     };
     using Look = CubePyramid<5>::Values;
@@ -263,8 +263,8 @@ private:
         return sight;
     }
 
-    /// Over all that a pixel covers, which is drawn out where the ground is seen at a slant: means side by
-    /// side.
+    /// The mean over all that a pixel covers, which is stretched if the ground is seen at a slant: then
+    /// several means side by side.
     template <class Mean>
     auto mean_of_pixel(const View& view, const Sight& sight, Mean&& mean) const {
         constexpr double most = 8;
@@ -282,7 +282,7 @@ private:
         return sum;
     }
 
-    /// Of the slope of all relief, as if it were as high as it is felt.
+    /// Brightness of a slope against level ground, with all relief as high as it is felt.
     double relief_light(const View& view, const Sight& sight) const {
         const auto height = [&](const glm::dvec3& place) {
             return ground_->relief * ground_->look.mean(place, sight.width, MappedGround::elevation);
@@ -312,7 +312,7 @@ private:
                           std::max(0.0, passing / sphere_.radius - 1));
     }
 
-    /// A pixel that the globe covers in part: the mean of many lines of sight.
+    /// Colour of a pixel that the globe covers in part: the mean of many lines of sight.
     glm::dvec3 limb_colour(const View& view, int column, int row) const {
         constexpr int side = 4;
         glm::dvec3 sum{0};
@@ -393,7 +393,7 @@ private:
     std::unique_ptr<const MappedGround> ground_;
 };
 
-/// A globe of `options.maps`, which are there; `scene` has the camera and coding of a globe.
+/// Makes a globe of `options.maps`, not null; `scene` has the camera and coding of a globe.
 MadeScene make_map_globe(Scene scene, const GlobeSphere& sphere, const SceneOptions& options) {
     const double distance = -sphere.centre.z, nearest = distance - sphere.radius * (1 + options.maps->relief);
     if (nearest < scene.depth.near)

@@ -1,4 +1,4 @@
-// What maps a globe can be made of, and where their shore is.
+// The check of a globe's maps, and the search for their shore.
 #include "engine/content/globe_maps.hpp"
 
 #include "engine/base/same_bits.hpp"
@@ -36,15 +36,15 @@ Range range_of(const GlobeMap& map, Value&& value) {
     return range;
 }
 
-/// A pixel of the elevation map: its height, what the mask says there, and its area. Areas are whole numbers,
-/// so that their sums are exact in any order.
+/// A pixel of the elevation map: its height, whether the mask is bright there, and its area. Areas are whole
+/// numbers, so that their sums are exact in any order.
 struct Sample {
     float height;
     bool bright;
     std::int64_t area;
 };
 
-/// By height. At most some two million: enough to tell one map from another.
+/// Sorted by height. At most some two million: enough to compare the maps.
 std::vector<Sample> samples_of(const GlobeMap& elevation, const GlobeMap& mask, double mask_middle) {
     const int step = (elevation.width + 2047) / 2048;
     std::vector<Sample> samples;
@@ -69,8 +69,8 @@ std::vector<Sample> samples_of(const GlobeMap& elevation, const GlobeMap& mask, 
 struct Areas {
     std::int64_t bright_above = 0, bright_below = 0, dark_above = 0, dark_below = 0;
 
-    /// -1 to 1: how much more often the bright is above than the dark is. 0 where they have nothing to do
-    /// with each other, however much more sea there is than land.
+    /// -1 to 1: how much more often bright pixels are above the level than dark ones. 0 if mask and elevation
+    /// are unrelated, however much more sea there is than land.
     double sense() const {
         const auto share = [](std::int64_t above, std::int64_t below) {
             return static_cast<double>(above) / static_cast<double>(std::max<std::int64_t>(above + below, 1));
@@ -99,7 +99,7 @@ void each_level(const std::vector<Sample>& samples, Visit&& visit) {
     }
 }
 
-/// What `stated` leaves of the areas: those of the last level that is not above it.
+/// The areas at the sea level `stated`: those of the last level that is not above it.
 Areas areas_at(const std::vector<Sample>& samples, double stated) {
     Areas at;
     for (const Sample& sample : samples) {
@@ -127,7 +127,7 @@ bool is_land(const GlobeMap& mask, const GlobeMaps::Shore& shore, int x, int y) 
 }
 
 Result<void> check_globe_maps(const GlobeMaps& maps) {
-    // Before the mask, which is made of it where there is none.
+    // Before the mask, which is made from the elevation map if it is missing.
     if (!maps.elevation.empty() && maps.elevation.channels != 1)
         return input_error("the elevation map has colours; must be grey");
     for (const auto& [map, which] : {std::pair{&maps.colour, "colour"},

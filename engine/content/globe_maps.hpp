@@ -1,11 +1,11 @@
 #pragma once
 
-// Pictures of a real globe that make_scene makes a touchable one of (SceneOptions::maps): colour, elevation,
-// a mask of land and ocean, and, if there is one, a haptic map. All are equirectangular; a caller owns their
-// pixels, which have to outlive the scene's making.
+// Maps of a real globe from which make_scene makes a touchable one (SceneOptions::maps): colour, elevation, a
+// mask of land and ocean, and optionally a haptic map. All are equirectangular; the caller owns their pixels,
+// which must live until the scene is made.
 //
-// check_globe_maps refuses what no globe can be made of, find_shore finds the sea level and which side of the
-// mask is land. Both only read, for any thread.
+// check_globe_maps refuses maps that make no globe, find_shore finds the sea level and which side of the mask
+// is land. Both only read, for any thread.
 
 #include <span>
 
@@ -21,42 +21,42 @@ struct GlobeMap {
     std::span<const float> values{};  ///< or numbers of one channel, row by row
     int width = 0, height = 0;
     int channels = 1;
-    int largest = 255;  ///< of codes: white, and 1 in a haptic map
+    int largest = 255;  ///< the code of white, and of 1 in a haptic map
 
     bool empty() const { return width == 0; }
-    /// As stored; of numbers also NaN and infinity.
+    /// The stored value; numbers may be NaN or infinite.
     double at(int x, int y, int channel) const {
         if (values.empty()) return samples.sample(x, y, channel);
         return values[pixel_place(x, y, width)];
     }
 };
 
-/// The maps that a globe is made of, and what is known of them.
+/// The maps that a globe is made of, and what is known about them.
 struct GlobeMaps {
     /// Where the ocean ends.
     struct Shore {
         double sea_level = 0;         ///< elevation up to this, land or not, is level with the ocean
         double top = 0;               ///< the highest elevation, above it
         bool bright_is_land = false;  ///< in the mask
-        double mask_middle = 0;       ///< of the mask's range; what is brighter is bright
-        double agreement = 0;         ///< share of the globe's area where mask and elevation say the same
+        double mask_middle = 0;       ///< middle of the mask's range; brighter pixels are bright
+        double agreement = 0;         ///< share of the globe's area where mask and elevation agree
     };
 
     GlobeMap colour;     ///< 3 channels, or 1
     GlobeMap elevation;  ///< 1 channel, in any unit
-    GlobeMap mask;       ///< land and ocean, told apart by half of its range
+    GlobeMap mask;       ///< land and ocean, separated at half of its range
     GlobeMap haptic{};   ///< 3 channels: codes of stiffness, static and dynamic friction. Empty: by the mask
-    Shore shore{};       ///< find_shore
-    double relief = 0.03;          ///< how far the highest place is above the sea, shares of the radius
-    double smoothing_degrees = 1;  ///< what is narrower is in the height plane, not in the shape; 0 to 10
+    Shore shore{};       ///< from find_shore
+    double relief = 0.03;          ///< height of the highest place above the sea, share of the radius
+    double smoothing_degrees = 1;  ///< narrower relief is in the height plane, not in the shape; 0 to 10
 };
 
-/// Refuses what no globe can be made of: a map that is missing, of the wrong kind, or not twice as wide as
-/// high, within a hundredth, and a relief or smoothing out of range. Does not look at the shore.
+/// Refuses maps that make no globe: a map that is missing, of the wrong kind, or not twice as wide as high,
+/// within a hundredth, and a relief or smoothing out of range. Does not check the shore.
 Result<void> check_globe_maps(const GlobeMaps& maps);
 
-/// The sea level, unless it is given (in the elevation map's own unit), and the sense of the mask by which
-/// both maps agree best. Refused where they do not agree. The maps are of shapes that check_globe_maps takes.
+/// Finds the sea level, unless it is given (in the elevation map's own unit), and the sense of the mask with
+/// which both maps agree best. An error if they do not agree. check_globe_maps must accept the maps' shapes.
 Result<GlobeMaps::Shore> find_shore(const GlobeMap& elevation, const GlobeMap& mask,
                                     std::optional<double> given);
 

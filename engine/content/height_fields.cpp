@@ -27,7 +27,7 @@ double angle(const Wave& wave, double x, double y) {
     return 2 * pi * (wave.kx * x + wave.ky * y) / wave.period + wave.phase;
 }
 
-/// Height over the plane at 1000 and its slopes; a pixel's Newton needs no more.
+/// Height over the plane at 1000 and its slopes; Newton's method for a pixel needs no more.
 struct Slope {
     double b, bx, by;
 };
@@ -47,8 +47,8 @@ struct Step {
     double x, y;
 };
 
-/// Newton's step for half the squared distance to the goal where its Hessian is positive definite, else
-/// straight down the gradient; never longer than 0.1 mm, so that the descent stays in the basin it began in.
+/// Newton's step for half the squared distance to the goal if its Hessian is positive definite, else straight
+/// down the gradient; never longer than 0.1 mm, so that the descent stays in the basin it began in.
 Step descent_step(const ReliefPoint& s, double dx, double dy, double dz) {
     const double gx = dx + dz * s.zx, gy = dy + dz * s.zy;
     const double hxx = 1 + s.zx * s.zx + dz * s.zxx, hyy = 1 + s.zy * s.zy + dz * s.zyy;
@@ -133,7 +133,7 @@ glm::dvec3 stroke_normal(double seconds) {
     return {nx, ny, std::sqrt(1 - nx * nx - ny * ny)};
 }
 
-/// Folds a position beyond +-limit back; true where it did.
+/// Folds a position beyond +-limit back; returns true if it did.
 bool reflect(double& position, double limit) {
     if (std::fabs(position) <= limit) return false;
     position = position > 0 ? 2 * limit - position : -2 * limit - position;
@@ -170,8 +170,8 @@ ReliefPoint relief_at(Relief relief, double x, double y, double t) {
 }
 
 MadeScene make_height_field(std::string_view name, const SceneOptions& options) {
-    // The roughest slope is 1.6 along Y: beyond four times as high as wide a ray could meet the surface
-    // twice.
+    // The steepest slope is 1.6 along Y: in a picture more than four times as high as wide, a ray could meet
+    // the surface twice.
     if (options.height > 4 * options.width)
         return refuse_scene(name, "a picture of " + std::to_string(options.width) + "x" +
                                       std::to_string(options.height) +

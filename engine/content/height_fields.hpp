@@ -1,7 +1,7 @@
 #pragma once
 
-// The height fields' surfaces, and the paths of a goal that tests and benchmarks share (docs/content.md): one
-// goal per tick of 1 ms, world, scene units.
+// The height fields' surfaces, and the goal paths that tests and benchmarks share (docs/content.md): one goal
+// per tick of 1 ms, world, scene units.
 
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -28,7 +28,7 @@ class GlobeStroke {
 public:
     static constexpr int approach_ticks = 200, stroke_ticks = 20000;
 
-    /// Of the globe without properties at this size.
+    /// For the globe without properties at this size.
     GlobeStroke(CameraPreset preset, int width, int height)
         : sphere_(globe_sphere(preset, width, height)),
           units_per_metre_(sphere_.radius / globe_device_radius) {}
@@ -57,9 +57,9 @@ public:
 
     struct Goal {
         glm::dvec3 goal;
-        double under;  ///< the surface, along Z, scene units; negative: above it
+        double under;  ///< depth under the surface along Z, scene units; negative: above it
     };
-    /// Of tick 0, 1, 2, ...
+    /// Returns the goals of ticks 0, 1, 2, ... in turn.
     Goal next();
 
 private:
@@ -72,9 +72,9 @@ private:
     double x_ = 0, y_ = 0, heading_ = 0.3;
 };
 
-/// For the stress scenes: each tick moves by up to 1 pixel in x and y and 3 units of planar depth, and every
-/// 50th tick on average jumps anywhere. It leaves the picture by up to 2 pixels, and the depths of the scene
-/// a little.
+/// A goal path for the stress scenes: each tick moves by up to 1 pixel in x and y and 3 units of planar
+/// depth, and every 50th tick on average jumps anywhere. It leaves the picture by up to 2 pixels, and the
+/// depths of the scene a little.
 class RandomWalk {
 public:
     RandomWalk(const Scene& scene, std::uint64_t seed);

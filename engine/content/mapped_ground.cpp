@@ -1,4 +1,4 @@
-// A globe of maps: lakes, shape, colours and what is felt, from the maps' pixels.
+// A globe of maps: lakes, shape, colours and touch, from the maps' pixels.
 #include "engine/content/mapped_ground.hpp"
 
 #include "engine/base/try.hpp"
@@ -6,7 +6,7 @@
 namespace touchable {
 namespace {
 
-/// The tangent of an evened one, 0 to 1, by Newton; `evened` rises everywhere there.
+/// The inverse of `evened`, 0 to 1, by Newton; `evened` rises everywhere there.
 double tangent_of(double even) {
     using namespace cube_grid;
     double tangent = even;
@@ -17,8 +17,8 @@ double tangent_of(double even) {
     return tangent;
 }
 
-/// The root of `gap` in [outside, inside], where it is above 0 outside and at most 0 inside, by false
-/// position; an end that stays twice counts half (Illinois).
+/// The root of `gap` in [outside, inside], by false position; `gap` is above 0 outside and at most 0 inside.
+/// The gap at an end that stays twice is halved (Illinois).
 template <class Gap>
 double crossing(double outside, double gap_outside, double inside, double gap_inside, Gap&& gap) {
     int stayed = 0;  // +: the inside, -: the outside
@@ -42,15 +42,15 @@ double crossing(double outside, double gap_outside, double inside, double gap_in
     return inside;
 }
 
-/// A row that a disc reaches, how far it goes there to both sides, in cells (round a pole all of the row),
-/// and what a cell there has of the sphere's area.
+/// A row that a disc reaches, its half width there in cells (round a pole all of the row), and a cell's share
+/// of the sphere's area there.
 struct Reach {
     int row, half_width;
     double cell_area;
 };
 
-/// Of a disc around any cell of a row: the great circle from latitude a to b, c apart in longitude, has the
-/// cosine sin a sin b + cos a cos b cos c.
+/// The rows of a disc around any cell of a row: the great circle from latitude a to b, c apart in longitude,
+/// has the cosine sin a sin b + cos a cos b cos c.
 std::vector<Reach> disc(const HeightGrid& grid, int row, double radius) {
     const double step = pi / grid.height;
     const auto latitude = [&](int r) { return 0.5 * pi - (r + 0.5) * step; };
@@ -67,8 +67,8 @@ std::vector<Reach> disc(const HeightGrid& grid, int row, double radius) {
     return reaches;
 }
 
-/// The lowest within `half_width` of each cell of a row, round the globe: of blocks as long as the window the
-/// lowest so far from both sides (van Herk), so that its length does not matter.
+/// Lowers `lowest` to the minimum within `half_width` of each cell of a row, round the globe: by running
+/// minima, from both sides, of blocks as long as the window (van Herk), so that its length does not matter.
 void lower_to_lowest_within(const float* row, int width, int half_width, float* lowest,
                             std::vector<float>& room) {
     const int window = 2 * half_width + 1, length = width + 2 * half_width;
@@ -96,8 +96,8 @@ HeightGrid lowest_within(const HeightGrid& heights, double radius, RowBands& row
     return lowest;
 }
 
-/// Weights fall evenly from the middle: the mean of the means over discs of a third, two thirds and all of
-/// the radius.
+/// A mean with weights that fall evenly from the middle: the mean of the means over discs of a third, two
+/// thirds and all of the radius.
 HeightGrid mean_within(const HeightGrid& heights, double radius, RowBands& rows) {
     HeightGrid mean = heights;
     const auto width = static_cast<std::size_t>(heights.width);
@@ -114,7 +114,7 @@ HeightGrid mean_within(const HeightGrid& heights, double radius, RowBands& rows)
                     for (std::size_t x = 0; x < 3 * width; ++x)
                         sums[x + 1] = sums[x] + double{row[x % width]};
                     const auto half = static_cast<std::size_t>(reach.half_width),
-                               cells = std::min(2 * half + 1, width);  // each of the row once
+                               cells = std::min(2 * half + 1, width);  // each cell of the row once
                     for (std::size_t x = 0; x < width; ++x) {
                         const std::size_t first = width + x - half;
                         total[x] += reach.cell_area * (sums[first + cells] - sums[first]);
@@ -130,7 +130,7 @@ HeightGrid mean_within(const HeightGrid& heights, double radius, RowBands& rows)
     return mean;
 }
 
-/// Water side by side in a row, and what of connected water is counted at its root.
+/// Adjacent water in a row; the root of connected water has its counts.
 struct Run {
     int row, first, end;
     std::size_t parent;
@@ -152,7 +152,7 @@ void join(std::vector<Run>& runs, std::size_t a, std::size_t b) {
     runs[a].high += runs[b].high;
 }
 
-/// Of one row; across the date line they are one.
+/// Adds the runs of one row; joins those that meet at the date line.
 void add_runs(const GlobeMaps& maps, int y, std::vector<Run>& runs) {
     const GlobeMap &mask = maps.mask, &elevation = maps.elevation;
     const std::size_t first_of_row = runs.size();
@@ -170,9 +170,9 @@ void add_runs(const GlobeMaps& maps, int y, std::vector<Run>& runs) {
         join(runs, first_of_row, runs.size() - 1);
 }
 
-/// Which pixels of the mask are lakes above the sea: connected water of which more than half is above sea
-/// level. (At a coast mask and elevation differ by a pixel or two, so elevation alone does not tell.) Row by
-/// row; empty where there is none.
+/// Returns the pixels of the mask that are lakes above the sea: connected water of which more than half is
+/// above sea level. (At a coast mask and elevation differ by a pixel or two, so elevation alone does not
+/// decide.) Row by row; empty if there is none.
 std::vector<bool> lakes_above_sea(const GlobeMaps& maps) {
     std::vector<Run> runs;
     std::size_t above = 0;  // the first run of the row above that may touch
@@ -197,7 +197,7 @@ std::vector<bool> lakes_above_sea(const GlobeMaps& maps) {
     return lakes;
 }
 
-/// What the maps say of a place, together.
+/// Reads all maps at a place.
 class MapReader {
 public:
     explicit MapReader(const GlobeMaps& maps)
@@ -220,7 +220,7 @@ public:
                    return std::clamp((stored - shore_.sea_level) / (shore_.top - shore_.sea_level), 0.0, 1.0);
                });
     }
-    /// Linear light, by the same gamma of 2 by which pictures are written.
+    /// Linear light, with the gamma of 2 with which pictures are written.
     double light(const MapPlace& place, int channel) const {
         const GlobeMap& map = maps_.colour;
         return between_pixels(map, place, [&](int x, int y) {
@@ -243,7 +243,7 @@ private:
     const std::vector<bool> lakes_;
 };
 
-/// The mean of `sum(place)` over taps that stand for a cell of `cell` radians around a direction, of a map
+/// The mean of `at(place)` over taps that stand for a cell of `cell` radians around a direction, of a map
 /// whose pixels at the equator are `pixel` radians wide.
 template <class At>
 auto mean_over_cell(const glm::dvec3& direction, double cell, double pixel, At&& at) {
@@ -262,12 +262,12 @@ auto mean_over_cell(const glm::dvec3& direction, double cell, double pixel, At&&
     return sum;
 }
 
-/// How fine the shape is: its pixels around the equator, a quarter of a degree wide for all but coarse maps.
+/// Resolution of the shape: pixels around the equator, a quarter of a degree wide except for coarse maps.
 int shape_pixels(const GlobeMaps& maps) {
     return std::clamp(2 * std::max(maps.elevation.width, maps.mask.width), 180, 1440);
 }
 
-/// Elevations at even places of the globe, of a map with finer pixels the lowest of several, so that no
+/// Elevations on an even grid of the globe; for a map with finer pixels the lowest of several, so that no
 /// strait is lost.
 HeightGrid lowest_elevations(const GlobeMaps& maps, const MapReader& reader, RowBands& rows) {
     const int finest = std::max(maps.elevation.width, maps.mask.width);
@@ -332,7 +332,7 @@ std::optional<CubePyramid<3>> haptic_pyramid(const GlobeMaps& maps, const MapRea
     });
 }
 
-/// How far the relief is over the shape at most.
+/// Largest height of the relief over the shape.
 double largest_over(const DisplacedSphere& shape, const CubePyramid<5>& look, int cells, double relief,
                     RowBands& rows) {
     const CubeGrid grid(cells);
@@ -429,14 +429,14 @@ DisplacedSphere::Tiles DisplacedSphere::tiles_of(int side, RowBands& rows) const
     return tiles;
 }
 
-/// Each bound becomes that of all tiles that something within the window of its tile may lie in. Only those
-/// in coarse tiles that are near enough are looked at.
+/// Widens each bound to all tiles that a point within the window of its tile may lie in. Checks only tiles in
+/// coarse tiles that are near enough.
 void DisplacedSphere::widen(Tiles& tiles, const Tiles& coarse, RowBands& rows) const {
     const std::vector<Bound> own = tiles.bounds;
     const double widest = *std::ranges::max_element(tiles.radii),
                  widest_coarse = *std::ranges::max_element(coarse.radii);
     const auto cosine_within = [](double angle) { return angle < pi ? cosine(1.01 * angle) : -1.0; };
-    const int inside = coarse.side / tiles.side;  // tiles along a coarse one
+    const int inside = coarse.side / tiles.side;  // tiles along a coarse tile
     const auto each_in = [&](std::size_t coarse_tile, auto&& visit) {
         const int n = static_cast<int>(coarse_tile), face = n / (coarse.count * coarse.count),
                   row = n / coarse.count % coarse.count, column = n % coarse.count;
@@ -463,16 +463,16 @@ void DisplacedSphere::widen(Tiles& tiles, const Tiles& coarse, RowBands& rows) c
     });
 }
 
-/// Along the ray, s from where it is nearest to the middle (at distance q): its own distance is sqrt(q^2 +
-/// s^2), which is convex, and the angle that it turns is at most q ds, as long as it is outside of the unit
-/// sphere. So the bounds say how far it may go without passing the surface.
+/// s is measured along the ray from its point nearest to the middle, at distance q: the ray's distance from
+/// the middle is sqrt(q^2 + s^2), which is convex, and outside the unit sphere it turns by an angle of at
+/// most q ds. So the bounds say how far the ray can go without passing the surface.
 std::optional<double> DisplacedSphere::first_hit(const glm::dvec3& from, const glm::dvec3& ray) const {
     const double to_nearest = -glm::dot(from, ray);
     const glm::dvec3 nearest = from + to_nearest * ray;
     const double q_square = glm::dot(nearest, nearest), q = std::sqrt(q_square);
     const double outermost = 1 + highest_;
     if (q >= outermost) return std::nullopt;
-    // Where it enters the sphere of this radius, which it meets.
+    // Where the ray enters a sphere of this radius, which it must meet.
     const auto entry = [&](double radius) { return -std::sqrt(radius * radius - q_square); };
     const auto distance_at = [&](double s) { return std::sqrt(q_square + s * s); };
     const auto gap_at = [&](double s) { return distance_at(s) - 1 - rise(nearest + s * ray); };
@@ -500,7 +500,7 @@ std::optional<double> DisplacedSphere::first_hit(const glm::dvec3& from, const g
             gap = distance - 1 - rise_at(place);
             if (gap <= 0) return s == before ? to_nearest + s : root_up_to(s, gap);
             const double climbing = bound.steepest * q, falling = -s / distance;
-            // Over level ground it would meet the surface there; a little beyond may be inside.
+            // Over level ground the ray would meet the surface there; a little beyond may be inside.
             const double beyond = falling > 0 ? s + 1.25 * gap / falling : end;
             if (beyond < std::min(next, end) && -beyond / distance_at(beyond) > climbing)
                 if (const double inside = gap_at(beyond); inside <= 0)  // there is one crossing at most
@@ -517,10 +517,10 @@ std::optional<double> DisplacedSphere::first_hit(const glm::dvec3& from, const g
 }
 
 HeightGrid valley_floor(const HeightGrid& heights, double radius, RowBands& rows) {
-    // A little more than the mean reaches, so that it is bilinearly between cells, too.
+    // A little more than the mean's reach, so that the floor stays below the heights between cells, too.
     const double margin = 1.5 * pi / heights.height;
     HeightGrid floor = mean_within(lowest_within(heights, radius + margin, rows), radius, rows);
-    // What rounding and the last cell of a disc leave.
+    // Removes what rounding and the last cell of a disc leave above the heights.
     for (std::size_t n = 0; n < floor.values.size(); ++n)
         floor.values[n] = std::clamp(floor.values[n], 0.0F, heights.values[n]);
     return floor;

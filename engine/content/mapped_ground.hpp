@@ -1,7 +1,7 @@
 #pragma once
 
-// What a globe of maps is made of: maps read between their pixels, values all over a sphere on the grids of a
-// cube, a sphere with relief and where a ray meets it, and the smooth ground under mountains.
+// Parts of a globe of maps: maps interpolated between their pixels, values on a sphere in the grids of a
+// cube, a sphere with relief and its intersection with a ray, and the smooth ground under mountains.
 
 #include <array>
 #include <cmath>
@@ -14,20 +14,21 @@
 
 namespace touchable {
 
-/// Of all channels of a pixel together.
+/// The sum of a pixel's channels.
 double mask_brightness(const GlobeMap& mask, int x, int y);
-/// What the mask says of a pixel.
+/// Whether the mask marks a pixel as land.
 bool is_land(const GlobeMap& mask, const GlobeMaps::Shore& shore, int x, int y);
 
 /// A place on a globe, each from 0 to 1: from west to east, and from north to south.
 struct MapPlace {
     double east, south;
 };
-/// Of a direction of any length but 0 in the globe's own frame: +Y north, +Z longitude 0, +X 90 degrees east.
+/// The place of a direction in the globe's own frame, length not 0: +Y north, +Z longitude 0, +X 90 degrees
+/// east.
 MapPlace map_place(const glm::dvec3& direction);
 
-/// Bilinear between the pixels of one channel, across the date line and the poles too. `value` is what counts
-/// of a pixel: value(x, y).
+/// Bilinear between the pixels of one channel, also across the date line and the poles. `value(x, y)` returns
+/// the value of a pixel.
 template <class Value>
 double between_pixels(const GlobeMap& map, const MapPlace& place, Value&& value) {
     const double column = place.east * map.width - 0.5, row = place.south * map.height - 0.5;
@@ -52,8 +53,8 @@ double between_pixels(const GlobeMap& map, const MapPlace& place, Value&& value)
 
 namespace cube_grid {
 
-/// Nearly 4/pi times the arctangent of a tangent from -1 to 1, so that even steps of it are even angles to a
-/// hundredth, without an arctangent.
+/// Nearly 4/pi times the arctangent of a tangent from -1 to 1, without an arctangent: even steps of it are
+/// even angles to a hundredth.
 inline constexpr double even_1 = 1.2732, even_3 = -0.3647, even_5 = 1 - even_1 - even_3;
 inline double evened(double tangent) {
     const double square = tangent * tangent;
@@ -68,10 +69,9 @@ struct CubePlace {
     double x, y;
 };
 
-/// Points all over a sphere: a square grid on each face of the cube around it, whose cells are nearly equal
-/// as seen from the middle. No place is special, as the poles are of a map. A point on an edge of the cube is
-/// a point of each face there, with the same direction to the bit, so what is bilinear between the points has
-/// no seam.
+/// Points all over a sphere: a square grid on each face of the cube around it, whose cells have nearly equal
+/// angles. It has no special places like the poles of a map. A point on an edge of the cube belongs to each
+/// face there, with the same direction to the bit, so bilinear interpolation has no seam.
 class CubeGrid {
 public:
     explicit CubeGrid(int cells);  ///< along each side of a face; even
@@ -84,15 +84,15 @@ public:
     }
     /// Unit vector to a point; i and j from 0 to `cells()`.
     glm::dvec3 direction(int face, int i, int j) const;
-    /// Of a direction of any length but 0.
+    /// The place of a direction of any length but 0.
     CubePlace place(const glm::dvec3& direction) const;
 
     /// The mean angle from a point to the next one, radians.
     double spacing() const { return pi / (2 * cells_); }
-    /// No two points are nearer to each other in angle than this many times their distance in cells.
+    /// Lower bound of the angle between two points per cell of their distance, radians.
     double least_spacing() const { return 1.0 / cells_; }
 
-    /// Bilinear: `at(index)` of the four points around a place.
+    /// Bilinear interpolation of `at(index)` of the four points around a place.
     template <class At>
     double between(const CubePlace& place, At&& at) const {
         const int i = column(place.x), j = column(place.y);
@@ -123,22 +123,22 @@ inline CubePlace CubeGrid::place(const glm::dvec3& direction) const {
     return on(2, direction.z, direction.x, direction.y);
 }
 
-/// Two unit vectors that are square to a unit vector and to each other, without a pole where they are not
-/// there (Duff et al., Building an Orthonormal Basis, Revisited).
+/// Two unit vectors perpendicular to a unit vector and to each other, defined everywhere, without a pole
+/// (Duff et al., Building an Orthonormal Basis, Revisited).
 inline std::pair<glm::dvec3, glm::dvec3> tangents(const glm::dvec3& n) {
     const double sign = n.z < 0 ? -1.0 : 1.0, a = -1 / (sign + n.z), b = n.x * n.y * a;
     return {{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}};
 }
 
-/// Values on a globe, 0 to 1, in several channels, and the same ever coarser: what is seen from afar is a
-/// mean, so that it does not shimmer. Directions are in the globe's own frame, of any length but 0.
+/// Values on a globe, 0 to 1, in several channels, and at ever coarser levels: a distant view shows means, so
+/// that it does not shimmer. Directions are in the globe's own frame, of any length but 0.
 template <std::size_t channels>
 class CubePyramid {
 public:
     using Values = std::array<double, channels>;
 
-    /// `values(direction)` for unit vectors is the mean of what lies within about a cell, by threads that
-    /// share the rows.
+    /// `values(direction)` returns the mean within about a cell around a unit vector; threads that share the
+    /// rows call it.
     template <class Of>
     CubePyramid(int cells, RowBands& rows, Of&& values) {
         levels_.push_back(filled(cells, rows, values));
@@ -162,7 +162,7 @@ public:
         }
         return values;
     }
-    /// The same of one channel.
+    /// The same for one channel.
     double mean(const glm::dvec3& direction, double width, std::size_t channel) const {
         const Detail detail = detail_of(width);
         const double fine = between(levels_[detail.finer], direction, channel);
@@ -181,7 +181,7 @@ private:
     };
     struct Detail {
         std::size_t finer;
-        double coarser_share;  ///< 0 to 1 of the next level
+        double coarser_share;  ///< 0 to 1; weight of the next level
     };
 
     template <class Of>
@@ -229,7 +229,7 @@ private:
         return sum;
     }
 
-    /// Level n is the mean over 2^n cells of level 0; between them linear in the width.
+    /// Level n is the mean over 2^n cells of level 0; between two levels the mean is linear in the width.
     Detail detail_of(double width) const {
         double cells = width / levels_.front().grid.spacing();
         std::size_t finer = 0;
@@ -241,34 +241,34 @@ private:
     std::vector<Level> levels_;
 };
 
-/// A sphere of radius 1 around the origin that rises here and there: in direction d its surface is at 1 +
-/// rise(d), the rise being bilinear between the points of a CubeGrid, at least 0.
+/// A sphere of radius 1 around the origin with a raised surface: in direction d it is at 1 + rise(d). The
+/// rise is bilinear between the points of a CubeGrid, and at least 0.
 class DisplacedSphere {
 public:
-    /// `rise`: of each point, at least 0. The grid has a multiple of 128 cells.
+    /// `rise`: of each point, at least 0. The grid must have a multiple of 128 cells.
     DisplacedSphere(CubeGrid grid, std::vector<float> rise, RowBands& rows);
 
     /// `direction`: of any length but 0.
     double rise(const glm::dvec3& direction) const { return rise_at(grid_.place(direction)); }
     double highest() const { return highest_; }
 
-    /// The distance to where a ray first meets the surface, to double precision. `from` is outside of all of
-    /// it, `ray` of length 1. (Of two crossings that lie within `least_step` the first may be missed.)
+    /// The distance at which a ray first meets the surface, to double precision. `from` must be outside the
+    /// whole surface, `ray` of length 1. (The first of two crossings within `least_step` may be missed.)
     std::optional<double> first_hit(const glm::dvec3& from, const glm::dvec3& ray) const;
 
     static constexpr double least_step = 1e-6;
 
 private:
-    /// What the rise, and its change per radian, are at most in a part of the surface.
+    /// Upper bounds of the rise, and of its change per radian, in a part of the surface.
     struct Bound {
         float highest, steepest;
     };
     /// Square tiles of cells, 0 to `count` - 1 along a face.
     struct Tiles {
         int side, count;
-        double window;  ///< radians: a bound is that of a tile and of all that is so near to it
+        double window;  ///< radians: a bound covers a tile and all that is this near to it
         std::vector<glm::dvec3> middles{};
-        std::vector<double> radii{};  ///< radians from the middle, of the part of the sphere that it lies in
+        std::vector<double> radii{};  ///< radians from the middle that enclose the tile
         std::vector<Bound> bounds{};
 
         std::size_t index(int face, int column, int row) const {
@@ -292,22 +292,20 @@ private:
     Tiles coarse_, fine_;
 };
 
-/// Maps of a globe, made into what its pictures are made of. Lengths are in radii, directions in the globe's
-/// own frame.
+/// Maps of a globe, prepared for its pictures. Lengths are in radii, directions in the globe's own frame.
 struct MappedGround {
-    /// Channels of `look`: linear light; how much of it is land; how high, of the relief, above the sea.
+    /// Channels of `look`: linear light; share of land; height above the sea as a share of the relief.
     enum Channel : std::size_t { red, green, blue, land, elevation };
 
-    double relief;  ///< of elevation 1
+    double relief;  ///< height of elevation 1
     DisplacedSphere shape;
     CubePyramid<5> look;
     std::optional<CubePyramid<3>> touch;  ///< haptic codes as shares of 255
     double largest_height;                ///< of the relief over the shape; 0: all relief is in the shape
 };
 
-/// `finest`: the angle of the smallest pixel in radians, beyond which no detail of a map is kept. Refused are
-/// maps that make no globe (check_globe_maps). Takes seconds for large pictures,
-/// and looks at stop_requested.
+/// `finest`: the angle of the smallest pixel, radians; finer detail of a map is dropped. Refuses maps that
+/// make no globe (check_globe_maps). Takes seconds for large pictures, and checks stop_requested.
 Result<std::unique_ptr<const MappedGround>> map_ground(const GlobeMaps& maps, double finest, RowBands& rows);
 
 /// Heights all over a globe, in rows from north to south, each from west to east; at the middles of their
@@ -317,10 +315,10 @@ struct HeightGrid {
     std::vector<float> values{};
 };
 
-/// The smooth ground under mountains: nowhere above the heights, also between the middles of cells, level
-/// with the sea wherever that is, and without anything narrower than `radius` (radians, on the sphere). At
-/// each place the lowest height within a little more than that, then a mean of these within it: as each of
-/// those is at most the height here, so is their mean.
+/// The smooth ground under mountains: nowhere above the heights, not even between the middles of cells, level
+/// with the sea at sea, and without anything narrower than `radius` (radians, on the sphere). Each place
+/// takes the lowest height within a little more than `radius`, then the mean of these within `radius`: each
+/// of them is at most the height here, so their mean is, too.
 HeightGrid valley_floor(const HeightGrid& heights, double radius, RowBands& rows);
 
 }  // namespace touchable

@@ -11,8 +11,8 @@ namespace {
 
 constexpr double land_share = 0.38;
 
-/// Places spread evenly enough over the sphere, without an angle: grid points of a cube's shell, drawn to the
-/// sphere and counted by the area each stands for.
+/// Places spread evenly enough over the sphere, without an angle: grid points of a cube's shell, projected to
+/// the sphere and weighted by the area that each stands for.
 struct Place {
     glm::dvec3 at;
     double area;
@@ -114,7 +114,7 @@ glm::dvec3 in_daylight(const glm::dvec3& ground, const glm::dvec3& normal, const
     const double light = 0.012 + 1.55 * day * (0.18 + 0.82 * std::max(0.0, facing)) * relief_light;
     const glm::dvec3 colour = light * ground;
 
-    // More air is looked through toward the limb.
+    // The line of sight passes through more air toward the limb.
     const double grazing = 1 - std::max(0.0, glm::dot(normal, to_eye));
     const double air = day * (0.05 + 0.75 * grazing * grazing * grazing);
     return glm::mix(colour, air_colour * (0.35 + 0.65 * std::max(0.0, facing)), std::min(1.0, air));

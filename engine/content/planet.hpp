@@ -1,7 +1,7 @@
 #pragma once
 
-// The procedural planet: what lies where on it, and how that looks. Colours are linear light, 0 to 1; only
-// the picture, never the touch, depends on them.
+// The procedural planet: its ground, and how that looks. Colours are linear light, 0 to 1; only the picture,
+// never the touch, depends on them.
 
 #include <array>
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace touchable {
 
-/// What lies at one place of the procedural planet.
+/// The ground at one place of the procedural planet.
 struct Ground {
     double elevation;  ///< over the sea: about -1 to 1, land where positive
     double relief;     ///< 0 (sea, coast) to 1 (highest mountain)
@@ -19,8 +19,7 @@ struct Ground {
     double ice;        ///< 0 to 1: polar and mountain snow, sea ice
 };
 
-/// A deterministic planet that looks like one and is none: continents, mountains and climate from seeded
-/// noise. 38 % of it is land.
+/// A deterministic imaginary planet: continents, mountains and climate from seeded noise. 38 % of it is land.
 class Planet {
 public:
     explicit Planet(std::uint64_t seed);
@@ -37,8 +36,8 @@ private:
 /// Towards the sun: a unit vector in the world.
 inline constexpr glm::dvec3 sunward{-0.56, 0.42, 0.7141428428542850};
 
-/// Colour of a place in the day, of the ground's own colour. `normal` is the unit vector up, `to_eye` one
-/// toward the eye; `relief_light` is how much brighter the ground is than level ground, 1: as bright.
+/// Colour in the day of a place whose ground has this colour. `normal` is the unit vector up, `to_eye` one
+/// toward the eye; `relief_light` is the ground's brightness relative to level ground.
 glm::dvec3 in_daylight(const glm::dvec3& ground, const glm::dvec3& normal, const glm::dvec3& to_eye,
                        double relief_light);
 

@@ -1,4 +1,4 @@
-// Scenes by their names, what their families share, and their frames.
+// Scenes by name, what their families share, and their frames.
 #include "engine/content/scenes.hpp"
 
 #include "engine/base/try.hpp"
@@ -48,7 +48,7 @@ struct Preset {
     double globe_distance;
 };
 
-/// Of CameraPreset a, a_prime and b.
+/// For CameraPreset a, a_prime and b.
 constexpr Preset presets[] = {
     {6.983, 0.00123, 10, 200, 105}, {6.983, 0.0123, 10, 200, 105}, {4.7, 0.0112, 40, 180, 110}};
 
@@ -124,7 +124,7 @@ Error refuse_scene(std::string_view name, const std::string& what) {
 }
 
 int threads_for_pixels(int threads, std::int64_t pixels) {
-    constexpr std::int64_t least_pixels = 1 << 14;  // what pays for starting a thread
+    constexpr std::int64_t least_pixels = 1 << 14;  // fewest that pay for starting a thread
     if (threads > 0) return threads;
     const auto cores = std::max<std::int64_t>(std::thread::hardware_concurrency(), 1);
     return static_cast<int>(std::clamp<std::int64_t>(pixels / least_pixels, 1, cores));

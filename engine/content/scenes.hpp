@@ -3,14 +3,14 @@
 // Generated scenes, most of whose surfaces are known in closed form: globes, height fields, primitives, noise
 // (docs/content.md).
 //
-// make_scene makes one by its name and SceneOptions; scene_names lists the names. An AnalyticScene gives two
-// things: frames as a recording of it would store them (frame: codes in the scene's depth coding, haptic and
+// make_scene makes a scene by its name and SceneOptions; scene_names lists the names. An AnalyticScene
+// returns frames as a recording of it would store them (frame: codes in the scene's depth coding, haptic and
 // height planes, colour), and the truth that tests and benchmarks measure against (depth, closest,
-// exact_frame). The same options give the same bits on every machine: what is drawn by lot comes from a seed
+// exact_frame). The same options give the same bits on every machine: random numbers come from a seed
 // (engine/content/seeded_noise.hpp), and sines from engine/base/same_bits.hpp.
 //
-// A frame of a large picture is made by several threads (SceneOptions::threads); one thread at a time may ask
-// a scene for frames.
+// A frame of a large picture is made by several threads (SceneOptions::threads); one thread at a time may
+// request frames of a scene.
 
 #include <glm/vec3.hpp>
 #include <string_view>
@@ -32,15 +32,15 @@ struct SceneOptions {
     int bits = 16;                          ///< of the stored depth, 8 to 16
     CameraPreset preset = CameraPreset::b;  ///< globe only
     double tilt_degrees = 20;               ///< plane: angle between its normal and the optical axis, 0 to 60
-    double tilt_direction_degrees = 0;      ///< plane: where it recedes to in the picture; 0 right, 90 up
+    double tilt_direction_degrees = 0;      ///< plane: direction in which it recedes; 0 right, 90 up
     std::uint64_t seed = 1;                 ///< noise, cliffs, grain, and the planet of globe
     bool properties = false;                ///< globe: rotating planet with land and ocean, heights, friction
-    const GlobeMaps* maps = nullptr;  ///< globe with properties: in place of the planet, until it is made
+    const GlobeMaps* maps = nullptr;  ///< globe with properties: replaces the planet; read while it is made
     double seconds_per_turn = 12;     ///< globe with properties: above 0
-    std::optional<double> axial_tilt_degrees{};       ///< the same: of the pole from upright, -90 to 90
-    std::optional<double> first_longitude_degrees{};  ///< the same: that faces the camera at time 0
+    std::optional<double> axial_tilt_degrees{};       ///< the same: tilt of the pole, -90 to 90
+    std::optional<double> first_longitude_degrees{};  ///< the same: facing the camera at time 0
     FrameRate rate{};                                 ///< frames come evenly
-    int threads = 0;  ///< that share a frame's rows; 0: one for each core. No bit depends on them
+    int threads = 0;  ///< that share a frame's rows; 0: as many as pay, at most one per core. Same bits
 };
 
 /// A scene whose surface is known in closed form (docs/content.md). Everything is the same bits everywhere.
@@ -64,12 +64,12 @@ public:
 
     /// Depth at pixel (x, y) at time t (seconds), of the scene's semantics, scene units, before height.
     virtual double depth(double x, double y, double t) const = 0;
-    /// The same of a whole row of pixels.
+    /// The same for a whole row of pixels.
     virtual void row_depths(int y, double t, double* depths) const {
         for (int x = 0; x < scene_.width; ++x) depths[x] = depth(x, y, t);
     }
-    /// Nearest surface point to `goal`, searched by descent from `start` (a point on or near the surface)
-    /// where the surface has several. Nothing for scenes without a truth: noise, cliffs, grain, the planet's
+    /// Nearest surface point to `goal`; if the surface has several, searched by descent from `start` (a point
+    /// on or near the surface). nullopt for scenes without a truth: noise, cliffs, grain, the planet's
     /// relief, and a globe of maps, whose facets between pixels have no tangent.
     virtual std::optional<Truth> closest(const glm::dvec3& /*goal*/, const glm::dvec3& /*start*/,
                                          double /*t*/) const {
@@ -86,17 +86,17 @@ protected:
     explicit AnalyticScene(Scene scene) : scene_(std::move(scene)) {}
 
 private:
-    /// Adds colour, haptic and height planes at time t, where the scene has them, whose depths are these.
+    /// Adds the colour, haptic and height planes that the scene has, at time t, for these depths.
     virtual void paint(double /*t*/, const std::vector<double>& /*depths*/, RowBands& /*rows*/,
                        Planes& /*planes*/) const {}
-    /// False where every frame is the same picture.
+    /// False if every frame is the same picture.
     virtual bool moves() const { return false; }
     std::shared_ptr<const Planes> planes(double t) const;
     int threads_of_a_frame() const;
     friend Result<std::unique_ptr<AnalyticScene>> make_scene(std::string_view, const SceneOptions&);
 
     Scene scene_;
-    int threads_ = 0;                    // as SceneOptions has them
+    int threads_ = 0;                    // from SceneOptions
     mutable std::once_flag still_once_;  // a picture that never changes is made once
     mutable std::shared_ptr<const Planes> still_;
 };

@@ -7,7 +7,7 @@
 namespace touchable {
 namespace {
 
-/// Turns an octave off the lattice of the one before, so that their zeros do not meet.
+/// Shifts an octave off the lattice of the one before, so that their zeros do not meet.
 constexpr glm::dvec3 octave_shift{17.31, 5.77, 41.93};
 constexpr double octave_scale = 2.03;
 

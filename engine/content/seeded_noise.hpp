@@ -1,10 +1,10 @@
 #pragma once
 
-// Numbers drawn by lot that are the same on every machine: single ones, and smooth noise in space.
+// Random numbers that are the same on every machine: single ones, and smooth noise in space.
 //
-// SplitMix64 gives numbers one by one from a seed, mix64 one of a given number, so that pixels can be drawn
-// in any order. GradientNoise is smooth in space, in octaves or with ridges. A SplitMix64 is used by one
-// thread, a GradientNoise by any number.
+// SplitMix64 returns numbers one by one from a seed, mix64 one for a given number, so that pixels can be
+// drawn in any order. GradientNoise is smooth in space, in octaves or with ridges. A SplitMix64 is used by
+// one thread, a GradientNoise by any number.
 
 #include <algorithm>
 #include <array>
@@ -50,8 +50,8 @@ public:
     double at(const glm::dvec3& p) const;
     /// Sum of `count` octaves, each about twice as fine and half as strong as the one before.
     double octaves(glm::dvec3 p, int count) const;
-    /// The same with sharp crests where an octave crosses zero; each finer one grows on the crests above it.
-    /// 0 to about 1.
+    /// The same with sharp crests where an octave crosses zero; each finer octave grows on the crests of the
+    /// coarser ones. 0 to about 1.
     double ridges(glm::dvec3 p, int count) const;
 
 private:

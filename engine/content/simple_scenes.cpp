@@ -33,7 +33,7 @@ private:
     glm::dvec3 normal_;
 };
 
-/// Two balls before a wall, one partly before the other.
+/// Two balls in front of a wall, one partly in front of the other.
 class SpheresScene final : public AnalyticScene {
 public:
     explicit SpheresScene(Scene scene) : AnalyticScene(std::move(scene)) {}
@@ -49,8 +49,7 @@ public:
         return nearest;
     }
 
-    /// Of the nearest point of each ball and of the wall, the nearest; whether the camera sees it is not
-    /// asked.
+    /// The nearest of the nearest points of each ball and of the wall, whether or not the camera sees it.
     std::optional<Truth> closest(const glm::dvec3& goal, const glm::dvec3& start, double) const override {
         Truth best{{goal.x, goal.y, -wall}, {0, 0, 1}};
         double least = std::fabs(goal.z + wall);
@@ -77,8 +76,8 @@ private:
     const std::array<Ball, 2> balls{Ball{{-22, 4, -1020}, 45}, Ball{{35, -10, -960}, 30}};
 };
 
-/// Upright bands of the picture, flat and facing the camera, each 1, 2, ... 10 levels before its left
-/// neighbour; between them lies the sheet of rays that separates two columns. Across the picture it is a
+/// Upright bands of the picture, flat and facing the camera, each 1, 2, ... 10 levels nearer than its left
+/// neighbour; between two bands lies the sheet of rays that separates two columns. Across the picture it is a
 /// polyline in (X, planar depth), the same at every Y.
 class StepScene final : public AnalyticScene {
 public:
@@ -96,7 +95,7 @@ public:
         double least = -1;
         for (int band = 0; band < bands; ++band) {
             const double d = band_depth(band);
-            // Far beyond the picture for the outermost bands: they go on.
+            // The outermost bands go on far beyond the picture.
             const double left = band == 0 ? -1e6 : d * edge(band),
                          right = band == bands - 1 ? 1e6 : d * edge(band + 1);
             consider({left, d}, {right, d}, goal, least, best);
@@ -119,7 +118,7 @@ private:
     double edge(int band) const {
         return scene().camera.u(static_cast<double>(band) * scene().width / bands - 0.5);
     }
-    /// Keeps the nearest point of one straight piece, from its left end to its right as the camera sees it.
+    /// Updates `best` from one straight piece, given from its left end to its right as the camera sees it.
     static void consider(Corner a, Corner b, const glm::dvec3& goal, double& least, Truth& best) {
         const double dx = b.x - a.x, dd = b.d - a.d, squared = dx * dx + dd * dd;
         const double along = std::clamp(((goal.x - a.x) * dx + (-goal.z - a.d) * dd) / squared, 0.0, 1.0);
@@ -158,14 +157,13 @@ MadeScene make_plane(std::string_view name, const SceneOptions& options) {
 
 enum class NoiseKind { noise, cliffs, grain };
 
-/// Pixels that know nothing of their neighbours, for stress: there is no surface to be near to, only a mesh.
+/// Pixels that are independent of their neighbours, for stress: there is no true surface, only a mesh.
 class NoiseScene final : public AnalyticScene {
 public:
     NoiseScene(Scene scene, NoiseKind kind, std::uint64_t seed)
         : AnalyticScene(std::move(scene)), kind_(kind), seed_(seed) {}
 
-    /// Depth of the nearest pixel of the picture; always one that a code stands for where the kind is noise
-    /// or cliffs, or grain of 8 bits.
+    /// Depth of the nearest pixel; for noise, cliffs and grain of 8 bits always the depth of a code.
     double depth(double x, double y, double /*t*/) const override {
         const auto column =
             static_cast<std::uint64_t>(std::clamp(std::floor(x + 0.5), 0.0, scene().width - 1.0));

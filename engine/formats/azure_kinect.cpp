@@ -1,5 +1,5 @@
-// Recordings of an Azure Kinect: their calibration, and the scene that it makes. The pictures are read as
-// those of any video.
+// Recordings of an Azure Kinect: their calibration, and the scene made of it. The pictures are read as those
+// of any video.
 
 #include "engine/formats/formats_read.hpp"
 
@@ -17,10 +17,10 @@ namespace {
 
 using checked_json::Node;
 
-/// What a mode keeps of a sensor's picture, once it is scaled to `whole`.
+/// The part that a mode keeps of a sensor's picture, which is scaled to `whole` first.
 struct SensorMode {
     PictureSize picture, whole;
-    int cut_x, cut_y;  ///< pixels of `whole` at the left and above
+    int cut_x, cut_y;  ///< pixels of `whole` cut off at the left and above
 };
 constexpr SensorMode depth_modes[] = {{{640, 576}, {1024, 1024}, 192, 180},  // NFOV_UNBINNED
                                       {{320, 288}, {512, 512}, 96, 90},      // NFOV_2X2BINNED
@@ -90,7 +90,7 @@ Result<K4aCameras> read_cameras(const Node& root, PictureSize depth_size,
 
 constexpr const char* calibration_file = "calibration.json";
 
-/// Of the track of this name.
+/// The picture size of the track with this name.
 std::optional<PictureSize> size_of_track(const AVFormatContext& container, const std::string& name) {
     for (unsigned k = 0; k < container.nb_streams; ++k) {
         const AVStream& stream = *container.streams[k];

@@ -1,5 +1,5 @@
 // Recordings of ROS as clips. Their topics are messages of connections (BagFile). One topic of pictures is
-// depth, another one of them may be its colour; cameras, poses and units are in topics beside them.
+// depth, another may be its colour; cameras, poses and units are in topics beside them.
 
 #include "engine/formats/formats_read.hpp"
 
@@ -29,7 +29,7 @@ struct BagPictures {
     std::string topic;
     bool is_compressed = false;  ///< sensor_msgs/CompressedImage
     RosPictureKind kind = RosPictureKind::none;
-    std::string encoding;              ///< or format, of the first
+    std::string encoding;              ///< or format, of the first message
     std::vector<BagMessage> messages;  ///< in the order in which they were recorded
 };
 
@@ -37,16 +37,16 @@ struct BagPictures {
 struct BagStreams {
     BagPictures depth;
     std::optional<BagPictures> colour;
-    std::vector<std::string> others;  ///< that could be depth as well
+    std::vector<std::string> others;  ///< topics that could be depth as well
 };
 
-constexpr std::size_t most_topics = 200;  // of pictures, of which the first is looked at
+constexpr std::size_t most_topics = 200;  // topics of pictures; the first message of each is read
 
 bool is_of(const BagConnection& connection, const RosType& type) {
     return connection.type == type.name && connection.md5 == type.md5;
 }
 
-/// The first message of a topic; nothing where it has none of that type.
+/// The first message of a topic; nothing if it has none of that type.
 Result<std::optional<std::string>> first_message(BagFile& bag, const std::string& topic,
                                                  const RosType& type) {
     std::vector<std::uint32_t> ids;
@@ -61,11 +61,11 @@ Result<std::optional<std::string>> first_message(BagFile& bag, const std::string
     return std::optional(std::move(*bytes));
 }
 
-/// All topics of pictures that have any.
+/// All topics of pictures that have messages.
 Result<std::vector<BagPictures>> topics_of_pictures(BagFile& bag) {
     std::vector<BagPictures> topics;
     std::size_t looked_at = 0;
-    // Reading messages may find further connections, behind these.
+    // Reading messages may add connections at the end.
     for (std::size_t n = 0; n < bag.connections().size(); ++n) {
         const BagConnection connection = bag.connections()[n];
         const bool is_compressed = is_of(connection, ros_compressed_image);
@@ -107,7 +107,7 @@ bool is_registered_topic(const std::string& pictures) {
     return has_word(pictures, {"aligned", "registered"});
 }
 
-/// How well a topic goes as depth; 0: not at all.
+/// How likely a topic is depth; 0: not at all.
 int depth_mark(const BagPictures& pictures) {
     if (pictures.kind != RosPictureKind::depth16 && pictures.kind != RosPictureKind::depth_floats) return 0;
     const std::string& name = pictures.topic;
@@ -118,7 +118,7 @@ int depth_mark(const BagPictures& pictures) {
            (has_word(name, {"rect"}) ? 4 : 0) + (pictures.is_compressed ? 0 : 2);
 }
 
-/// How much of their beginnings two topics have in common, in names between slashes.
+/// How many names between slashes two topics have in common, from the beginning.
 int common_names(const std::string& a, const std::string& b) {
     const auto end = std::mismatch(a.begin(), a.end(), b.begin(), b.end()).first;
     return static_cast<int>(std::count(a.begin(), end, '/'));
@@ -142,18 +142,18 @@ std::string found_there(const std::vector<BagPictures>& topics) {
     return words.empty() ? "no pictures" : words + (topics.size() > 4 ? ", ..." : "");
 }
 
-/// The pinhole camera of a topic of pictures by the sensor_msgs/CameraInfo beside it; nothing where it has
-/// none. Of pictures that are rectified, the camera that they are rectified to.
+/// The pinhole camera of a topic of pictures, from the sensor_msgs/CameraInfo beside it. For rectified
+/// pictures it is the camera that they are rectified to.
 struct BagCamera {
     Intrinsics intrinsics;
     std::string topic;  ///< of the CameraInfo
-    std::string frame;  ///< of coordinates, as header.frame_id names it
-    /// None of a picture that is rectified, and of a kind that is not known.
+    std::string frame;  ///< of coordinates (header.frame_id)
+    /// Without distortion for rectified pictures and for an unknown kind of lens.
     LensDistortion lens;
-    std::string unknown_lens;  ///< what such a kind is called
+    std::string unknown_lens;  ///< name of the unknown kind
 };
 
-/// Of the kinds whose terms are those of LensDistortion.
+/// Reads the lens, if its kind has the terms of LensDistortion.
 void find_lens(const RosCameraInfo& info, BagCamera& camera) {
     const auto& terms = info.distortion;
     if (std::ranges::all_of(terms, [](double term) { return term == 0; })) return;
@@ -168,20 +168,20 @@ void find_lens(const RosCameraInfo& info, BagCamera& camera) {
         camera.unknown_lens = info.distortion_model;
 }
 
-/// Without what ROS adds for the way in which pictures are packed.
+/// The topic without ROS's suffix for the way in which pictures are packed.
 std::string without_transport(std::string pictures) {
     for (const std::string transport : {"/compressedDepth", "/compressed"})
         if (pictures.ends_with(transport)) pictures.resize(pictures.size() - transport.size());
     return pictures;
 }
 
-/// Of /device_0/sensor_0/Depth_0/image/data what is before /image/data; empty for others.
+/// The part of /device_0/sensor_0/Depth_0/image/data before /image/data; empty for other topics.
 std::string realsense_stream(const std::string& pictures) {
     constexpr std::string_view end = "/image/data";
     return pictures.ends_with(end) ? pictures.substr(0, pictures.size() - end.size()) : "";
 }
 
-/// Where the CameraInfo of pictures may be, the likeliest first.
+/// Topics that may have the pictures' CameraInfo, the likeliest first.
 std::vector<std::string> camera_topics(const std::string& pictures) {
     std::vector<std::string> topics;
     if (const std::string stream = realsense_stream(pictures); !stream.empty())
@@ -193,9 +193,8 @@ std::vector<std::string> camera_topics(const std::string& pictures) {
     return topics;
 }
 
-/// By names and encodings: depth that is registered to colour before other depth, raw before compressed;
-/// colour of the same camera; an infrared picture only where there is no colour. An error says which topics
-/// there are.
+/// Chooses topics by names and encodings: depth that is registered to colour before other depth, raw before
+/// compressed; colour of the same camera; infrared only if there is no colour. An error lists the topics.
 Result<BagStreams> choose_bag_streams(BagFile& bag) {
     TRY_ASSIGN(auto topics, topics_of_pictures(bag));
     const auto best = [&](auto&& mark) {
@@ -217,7 +216,7 @@ Result<BagStreams> choose_bag_streams(BagFile& bag) {
     return streams;
 }
 
-/// Nothing where no CameraInfo is beside the pictures.
+/// The camera of a topic of pictures; nothing if no CameraInfo is beside them.
 Result<std::optional<BagCamera>> bag_camera(BagFile& bag, const std::string& pictures) {
     for (const std::string& topic : camera_topics(pictures)) {
         TRY_ASSIGN(const auto bytes, first_message(bag, topic, ros_camera_info));
@@ -247,8 +246,8 @@ Result<std::optional<BagCamera>> bag_camera(BagFile& bag, const std::string& pic
     return std::optional<BagCamera>();
 }
 
-/// How the camera of a RealSense's pictures stands: from the recording's reference, metres; nothing where it
-/// does not say.
+/// The pose of the camera of a RealSense's pictures, from the recording's reference, metres; nothing if it is
+/// not stated.
 Result<std::optional<CameraPose>> bag_pose(BagFile& bag, const std::string& pictures) {
     const std::string stream = realsense_stream(pictures);
     if (stream.empty()) return std::optional<CameraPose>();
@@ -268,7 +267,7 @@ Result<std::optional<CameraPose>> bag_pose(BagFile& bag, const std::string& pict
     return std::optional(pose);
 }
 
-/// Metres that a stored 1 stands for, where a RealSense says it: /device_0/sensor_0/option/Depth Units/value.
+/// Metres of a stored 1, if a RealSense states it: /device_0/sensor_0/option/Depth Units/value.
 Result<std::optional<double>> bag_depth_unit(BagFile& bag, const std::string& pictures) {
     const auto device = pictures.find('/', 1), sensor = pictures.find('/', device + 1);
     if (!pictures.starts_with("/device_") || device == std::string::npos || sensor == std::string::npos)
@@ -287,8 +286,8 @@ struct Stamped {
     BagMessage message;
 };
 
-/// Of all messages, read in the order in which they lie in the file, so that each chunk is unpacked once.
-/// Those in chunks that were given up are left out.
+/// Reads the stamps of all messages, in the file's order, so that each chunk is unpacked once. Messages in
+/// chunks that were given up are left out.
 Result<std::vector<Stamped>> with_stamps(BagFile& bag, std::vector<BagMessage> messages) {
     std::ranges::sort(messages, {}, [](const BagMessage& each) { return std::tie(each.chunk, each.offset); });
     std::vector<Stamped> stamped;
@@ -302,7 +301,7 @@ Result<std::vector<Stamped>> with_stamps(BagFile& bag, std::vector<BagMessage> m
     return stamped;
 }
 
-/// Whether both have stamps, by one clock.
+/// Whether both have stamps by one clock.
 bool tell_times(const std::vector<Stamped>& depth, const std::vector<Stamped>& colour) {
     const auto ends = [](const std::vector<Stamped>& all) {
         const auto [first, last] = std::ranges::minmax_element(all, {}, &Stamped::taken_ns);
@@ -316,7 +315,7 @@ bool tell_times(const std::vector<Stamped>& depth, const std::vector<Stamped>& c
     return begin > 0 && begin <= last + second && first <= end + second;
 }
 
-/// The depth of a recording, and the colour that goes with it, picture by picture.
+/// Reads a recording's depth, and the colour that goes with it.
 class BagRecording final : public FrameSource {
 public:
     static Result<std::shared_ptr<BagRecording>> open(const SourceFile& file) {
@@ -331,10 +330,10 @@ public:
     const BagStreams& streams() const { return streams_; }
     std::int64_t count() const { return static_cast<std::int64_t>(streams_.depth.messages.size()); }
     bool has_colour() const { return streams_.colour.has_value(); }
-    /// When each picture of depth was taken, seconds, in order: as its header says, or where headers of depth
-    /// and colour do not tell, when it was recorded.
+    /// Times of the depth pictures, seconds, in order: from their headers, or, if the headers of depth and
+    /// colour cannot be used, the times of recording.
     const std::vector<double>& times() const { return times_; }
-    /// Of colour the one that is nearest in time.
+    /// Decodes a frame's picture; for colour, the one nearest in time.
     Result<StoredImage> stored(PlaneRole role, std::int64_t frame) {
         const BagPictures& from = pictures(role);
         TRY_ASSIGN(const auto bytes,
@@ -355,7 +354,7 @@ public:
         TRY_ASSIGN(auto image, stored(role, frame));
         return TrackPicture{std::move(image)};
     }
-    /// Of colour its place among the pictures of colour.
+    /// For colour, the index among colour's pictures.
     std::int64_t picture_number(PlaneRole role, std::int64_t frame) const override {
         return role == PlaneRole::depth
                    ? frame
@@ -405,10 +404,10 @@ private:
     std::unique_ptr<BagFile> bag_;
     BagStreams streams_;
     std::vector<double> times_;
-    std::vector<std::size_t> colours_;  // of each depth, its colour's place
+    std::vector<std::size_t> colours_;  // colour's index for each depth
 };
 
-/// What a person says stands; the rest is what the recording says.
+/// Completes what a person stated with what the recording says.
 Result<SourceDescription> completed(BagRecording& recording, SourceDescription known,
                                     std::vector<Remark>& remarks) {
     const BagStreams& streams = recording.streams();
@@ -431,7 +430,7 @@ Result<SourceDescription> completed(BagRecording& recording, SourceDescription k
     return known;
 }
 
-/// How the lens of depth bends, and where colour's camera stands, as far as the recording says it.
+/// Sets depth's lens and colour's camera as far as the recording states them.
 Result<void> add_cameras(BagRecording& recording, Scene& scene, std::vector<Remark>& remarks) {
     const BagStreams& streams = recording.streams();
     TRY_ASSIGN(const auto depth, bag_camera(recording.bag(), streams.depth.topic));

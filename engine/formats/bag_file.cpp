@@ -1,5 +1,4 @@
-// How chunks are unpacked, and recordings of ROS 1: records of fields and data, which an index at the end
-// lists.
+// Unpacks chunks, and reads recordings of ROS 1: records of fields and data, which an index at the end lists.
 
 #include "engine/formats/bag_file.hpp"
 
@@ -16,7 +15,7 @@
 namespace touchable {
 namespace {
 
-constexpr std::uint32_t largest_chunk = 128 << 20;  // recorders begin another one after each MiB or ten
+constexpr std::uint32_t largest_chunk = 128 << 20;  // recorders write chunks of one to ten MiB
 constexpr std::size_t piece_bytes = 64 << 10;
 
 /// Packed bytes of a file, piece by piece.
@@ -89,7 +88,7 @@ Result<void> unpack_lz4(PackedPieces& pieces, std::string& to) {
     return {};
 }
 
-/// One frame or several, whose memory zstd does not take from what the frame says.
+/// Unpacks one or several frames; the output's size is fixed, whatever a frame states.
 Result<void> unpack_zstd(PackedPieces& pieces, std::string& to) {
     const std::unique_ptr<ZSTD_DStream, decltype(&ZSTD_freeDStream)> stream(ZSTD_createDStream(),
                                                                             ZSTD_freeDStream);
@@ -113,7 +112,7 @@ Result<std::string> unpack(ByteSource& file, const PackedChunk& chunk) {
     if (size > largest_chunk)
         return input_error("has a chunk of " + std::to_string(size >> 20) + " MiB: at most " +
                            std::to_string(largest_chunk >> 20) + " are read");
-    // LZ4 cannot make more of a byte; bzip2 and zstd make of one, at most, what no recording has.
+    // LZ4 cannot expand a byte to more; for bzip2 and zstd no recording comes near this limit.
     if (const std::uint32_t most = compression == "lz4" ? 255 : 4096; size / most > packed)
         return input_error("is damaged: has a chunk of " + std::to_string(size) + " bytes in " +
                            std::to_string(packed));
@@ -129,10 +128,10 @@ Result<std::string> unpack(ByteSource& file, const PackedChunk& chunk) {
     return bytes;
 }
 
-/// What the records of a recording of ROS 1 are.
+/// Kinds of records in a recording of ROS 1.
 enum class BagOp : std::uint8_t { message = 2, bag_header, index, chunk, chunk_info, connection };
 
-constexpr std::uint32_t longest_header = 1 << 20;  // topics are as long as people make them
+constexpr std::uint32_t longest_header = 1 << 20;  // bytes; topics' names may be long
 
 Error at_byte(std::uint64_t at, const std::string& what) {
     return input_error("is damaged: the record at byte " + std::to_string(at) + " " + what);
@@ -141,7 +140,7 @@ Error at_byte(std::uint64_t at, const std::string& what) {
 /// Fields "name=value" of a record, whose values are bytes.
 class BagFields {
 public:
-    /// Nothing where they do not fill the bytes.
+    /// Nothing if the fields do not fill the bytes.
     static std::optional<BagFields> of(std::string bytes) {
         for (std::size_t at = 0; at < bytes.size();) {
             std::uint32_t length = 0;
@@ -271,7 +270,7 @@ private:
     struct Chunk {
         std::uint64_t at = 0;
         std::vector<std::uint32_t> connections;  ///< that have messages in it
-        // Of its own record; read when first asked for.
+        // From the chunk's own record; read on first use.
         bool is_read = false;
         std::string compression;
         std::uint64_t data_at = 0;
@@ -291,7 +290,7 @@ private:
         return record;
     }
 
-    /// Connections and chunks, as the end of the file lists them.
+    /// Reads connections and chunks from the index at the file's end.
     Result<void> read_index() {
         const std::uint64_t end = bytes_->size();
         TRY_ASSIGN(const auto header, record_at(*bytes_, bag_magic.size() + bag_version.size(), end));
@@ -362,7 +361,7 @@ private:
         return {};
     }
 
-    /// By the records of index that follow the chunk.
+    /// Adds messages by the index records that follow the chunk.
     Result<void> find_messages(std::uint32_t number, std::span<const std::uint32_t> connections,
                                std::vector<BagMessage>& found) {
         Chunk& chunk = chunks_[number];

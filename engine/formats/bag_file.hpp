@@ -18,7 +18,7 @@ struct BagConnection {
     std::string md5;   ///< of the type's definition
 };
 
-/// Where a message is.
+/// A message's place in the file.
 struct BagMessage {
     std::int64_t time_ns = 0;  ///< when it was recorded
     std::uint32_t connection = 0;
@@ -26,37 +26,36 @@ struct BagMessage {
     std::uint64_t offset = 0;  ///< bytes in the unpacked chunk
 };
 
-/// `packed` bytes of a file from `at` on, which `compression` ("bz2", "lz4", "zstd", or empty: none) made of
-/// `size` bytes.
+/// `size` bytes that `compression` ("bz2", "lz4", "zstd", or empty: none) stored as `packed` bytes of a file
+/// from `at` on.
 struct PackedChunk {
     std::string_view compression;
     std::uint64_t at = 0;
     std::uint32_t packed = 0, size = 0;
 };
 
-/// A recording of messages as ROS 1 serialises them; those of ROS 2 are brought into that form
-/// (ros_messages.hpp).
+/// A recording of messages in ROS 1's serialisation; those of ROS 2 are converted to it (ros_messages.hpp).
 class BagFile {
 public:
     virtual ~BagFile() = default;
-    /// One of ROS 1 ("#ROSBAG V2.0"), plain or packed by bzip2 or LZ4, by its index, without which it is
-    /// refused, as a recording that was cut has none; so is one that is encrypted. Or one of ROS 2, in MCAP
-    /// or in SQLite. At most two unpacked chunks are kept in memory.
+    /// Opens a recording of ROS 1 ("#ROSBAG V2.0", plain, bzip2 or LZ4) or of ROS 2 (MCAP or SQLite). A ROS 1
+    /// recording needs its index, which one that was cut lacks, and must not be encrypted. At most two
+    /// unpacked chunks are kept in memory.
     static Result<std::unique_ptr<BagFile>> open(const SourceFile& file);
 
     const std::vector<BagConnection>& connections() const { return connections_; }
     /// All messages of these connections, in the order in which they were recorded.
     virtual Result<std::vector<BagMessage>> messages(std::span<const std::uint32_t> connections) = 0;
-    /// Its first bytes, or all of them, as ROS 1 serialises them.
+    /// A message's first `most` bytes, or all of them, in ROS 1's serialisation.
     virtual Result<std::string> read(const BagMessage& message,
                                      std::size_t most = std::numeric_limits<std::size_t>::max()) = 0;
 
     const std::string& name() const { return name_; }
-    /// Whether it is in a chunk of which something cannot be read, as was found out when it was to be.
+    /// Whether an earlier read failed on damage in the message's chunk.
     bool is_given_up(const BagMessage& message) const { return why_given_up(message.chunk) != nullptr; }
-    /// The first of some messages that can be read.
+    /// Reads the first of these messages that can be read.
     Result<std::string> read_first(std::span<const BagMessage> messages);
-    /// What of it cannot be read and is left out, for a person, as far as it was looked at; empty: nothing.
+    /// For a person: what reads so far found damaged and left out; empty: nothing.
     virtual std::string left_out() const;
 
 protected:
@@ -64,17 +63,17 @@ protected:
 
     explicit BagFile(std::string name) : name_(std::move(name)) {}
     void add_connection(BagConnection connection) { connections_.push_back(std::move(connection)); }
-    /// What a chunk has, unpacked now or among the newest two, depth's and colour's. Refused where that is
-    /// not exactly as large as it should be. An error says what is wrong, but not in which file.
+    /// A chunk's unpacked bytes; the newest two, depth's and colour's, are kept. An error if the size is not
+    /// exactly the stated one; it says what is wrong, but not in which file.
     Result<ByteSource*> unpacked_chunk(std::uint32_t number, ByteSource& file, const PackedChunk& chunk);
     Error damaged(const std::string& what) const { return input_error(name_ + ": is damaged: " + what); }
     Error too_large(std::uint64_t message_size) const;
-    /// Where it is the file that is wrong, what cannot be read of a chunk is left out; `why` either way.
+    /// Returns `why`. If the file is at fault (ErrorKind::input), what is damaged in the chunk is left out.
     Error give_up_chunk(std::uint32_t chunk, Error why) {
         if (why.kind == ErrorKind::input) given_up_.emplace(chunk, why);
         return why;
     }
-    /// Why a chunk was given up; null: it was not.
+    /// The error for which a chunk was given up; null: it was not.
     const Error* why_given_up(std::uint32_t chunk) const {
         const auto found = given_up_.find(chunk);
         return found == given_up_.end() ? nullptr : &found->second;
@@ -89,20 +88,20 @@ private:
 
     std::string name_;
     std::vector<BagConnection> connections_;
-    std::map<std::uint32_t, Error> given_up_;  // chunks
-    std::deque<Unpacked> unpacked_;            // the newest is the last
+    std::map<std::uint32_t, Error> given_up_;  // by chunk
+    std::deque<Unpacked> unpacked_;            // the newest is last
 };
 
 /// Whether a file's first bytes, 16 or all that it has, are those of a recording that BagFile reads.
 bool is_recording_of_ros(std::string_view begin);
 
-/// A recording in MCAP (mcap_file.cpp), as ROS 2 writes it; its chunks plain or packed by LZ4 or zstd. Of one
-/// that was cut, what is there.
+/// Opens a recording in MCAP (mcap_file.cpp), as ROS 2 writes it; its chunks are plain, LZ4 or zstd. A
+/// recording that was cut is read up to the cut.
 Result<std::unique_ptr<BagFile>> open_mcap_file(const SourceFile& file);
 bool is_mcap(std::string_view begin);
 
-/// A recording in SQLite (.db3; db3_file.cpp), as ROS 2 writes it: tables topics and messages, messages in
-/// CDR. What is in a write-ahead log beside it is left out.
+/// Opens a recording in SQLite (.db3; db3_file.cpp), as ROS 2 writes it: tables topics and messages, messages
+/// in CDR. A write-ahead log beside it is not read.
 Result<std::unique_ptr<BagFile>> open_db3_file(const SourceFile& file);
 bool is_sqlite(std::string_view begin);
 

@@ -1,6 +1,6 @@
-// Cameras in the files of others. JSON, XML and YAML are all read as JSON, in which a camera is whatever has
-// focal lengths or a matrix, under the names that programs use for them; Middlebury's, COLMAP's and
-// ARKitScenes' texts have readers of their own. Declared in source_description.hpp and camera_sidecar.hpp.
+// Cameras in other programs' files. JSON, XML and YAML are all read as JSON, in which a camera is any object
+// with focal lengths or a matrix under the names that programs use; Middlebury's, COLMAP's and ARKitScenes'
+// texts have readers of their own. Declared in source_description.hpp and camera_sidecar.hpp.
 
 #include <algorithm>
 #include <cctype>
@@ -51,14 +51,15 @@ std::vector<double> numbers_in(std::string_view text) {
     return numbers;
 }
 
-/// A matrix of 3x3 numbers by rows or by columns, or of 3x4 or 4x4 by rows. Of shares of a picture's sides it
-/// is taken where both its points are near the middle.
+/// The camera of a 3x3 matrix by rows or by columns, or of a 3x4 or 4x4 one by rows. A matrix of shares of a
+/// picture's sides counts if its principal point is near the middle.
 std::optional<Intrinsics> from_matrix(const std::vector<double>& m) {
     if (m.size() == 16 || m.size() == 12)
         return from_matrix({m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]});
     if (m.size() != 9) return {};
     const bool by_rows = m[2] != 0 || m[5] != 0;
-    // Other matrices, a rotation or a pose, are no camera's. A pixel's skew moves no place by more than half.
+    // Other matrices, a rotation or a pose, are no camera's. A skew of a pixel moves no point by more than
+    // half a pixel.
     constexpr double most_skew = 1, least_focal = 1;
     const double cx = by_rows ? m[2] : m[6], cy = by_rows ? m[5] : m[7];
     const auto is_middle = [](double at) { return at > 0.25 && at < 0.75; };
@@ -83,7 +84,7 @@ void flatten(const Json& value, std::vector<double>& numbers) {
 }
 
 /// An object's members by their bare names: fl_x, FL.x and flx are one. Of several with one bare name the
-/// first is there. Refers to the object.
+/// first counts. Refers to the object.
 class Members {
 public:
     explicit Members(const Json& object) {
@@ -112,7 +113,8 @@ public:
         return value != nullptr && value->is_string() ? value->get_ref<const std::string&>()
                                                       : std::string_view();
     }
-    /// Of a member that is a list, of lists, with its numbers in `data`, or an object of two; at most 17.
+    /// The numbers of a member: a list, also of lists, an object with `data`, or one of two numbers; at most
+    /// 17.
     std::vector<double> list(std::initializer_list<const char*> names) const {
         std::vector<double> numbers;
         for (const char* name : names) {
@@ -140,7 +142,7 @@ double degrees_of(double angle, bool is_radians) {
     return is_radians ? angle * 180 / pi : angle;
 }
 
-/// How wide a camera sees: an angle, or a renderer's focal length and aperture in millimetres.
+/// A camera's view by an angle, or by a renderer's focal length and aperture in millimetres.
 std::optional<Intrinsics> view_of(const Members& members) {
     constexpr double widest = 179, least = 1, most_radians = 3.13;
     double x = members.number({"fovx", "hfov", "horizontalfov", "fovh", "fovxdeg", "xfov"}),
@@ -162,7 +164,7 @@ std::optional<Intrinsics> view_of(const Members& members) {
                                 : members.number({"sensorwidth", "horizontalaperture", "sensorwidthmm",
                                                   "aperturewidth", "filmwidth", "filmbackwidth"});
         if (lens > 0 && wide > 0) x = 360 / pi * arctangent(0.5 * wide / lens);
-        // The height of a sensor says nothing: renderers cut it to the picture's shape.
+        // A sensor's height is ignored: renderers cut it to the picture's shape.
     }
     const auto is_angle = [](double degrees) { return degrees >= least && degrees <= widest; };
     if (!is_angle(x) && !is_angle(y)) return {};
@@ -176,7 +178,7 @@ std::optional<Intrinsics> intrinsics_of(const Json& object) {
     const Members members(object);
     const auto centre = [&](std::initializer_list<const char*> names) {
         const double at = members.number(names);
-        return at == 0 ? std::optional<double>() : std::optional(at);  // the middle where it is not said
+        return at == 0 ? std::optional<double>() : std::optional(at);  // nothing: the middle
     };
     auto cx = centre({"ppx", "cx", "u0", "cu", "k02", "principalpointx", "cxdepth", "mxdepth", "cxd"}),
          cy = centre({"ppy", "cy", "v0", "cv", "k12", "principalpointy", "cydepth", "mydepth", "cyd"});
@@ -185,7 +187,7 @@ std::optional<Intrinsics> intrinsics_of(const Json& object) {
         cx = pair[0], cy = pair[1];
     double fx = members.number({"fx", "focallengthx", "flx", "fu", "k00", "focalx", "fxdepth", "fxd"}),
            fy = members.number({"fy", "focallengthy", "fly", "fv", "k11", "focaly", "fydepth", "fyd"});
-    // Metashape's principal point is measured from the middle, pixels' corners being whole.
+    // Metashape's principal point is measured from the middle, with whole numbers at pixels' corners.
     const Json* const resolution = members.find("resolution");
     if (const double f = members.number({"f"}); fx == 0 && f > 1 && resolution && resolution->is_object())
         if (const auto size = members.list({"resolution"}); size.size() == 2)
@@ -196,7 +198,7 @@ std::optional<Intrinsics> intrinsics_of(const Json& object) {
     if (fx == 0 && cx)
         if (const auto pair = members.list({"focallength", "focal", "focals", "f"}); pair.size() == 2)
             fx = pair[0], fy = pair[1];
-    // One number is pixels only beside a principal point in pixels.
+    // A single focal length is pixels only beside a principal point in pixels.
     if (fx == 0 && cx && *cx > 1) fx = members.number({"focallength", "focal", "focallengthpx", "f"});
     if (fx > 0) return Intrinsics{fx, fy > 0 ? fy : fx, cx, cy};
     for (const char* matrix : {"kdepth",
@@ -268,8 +270,7 @@ double metres_of_words(std::string_view words) {
     return unit.empty() && slash != std::string_view::npos ? times : 0;
 }
 
-/// Metres of a unit of depth, which an object names, or that of a renderer's scene; 0: it does not say.
-/// `name`: its own.
+/// Metres of the unit that an object states for depth or a renderer's scene; 0: none. `name`: the object's.
 double unit_of_members(const Json& object, const std::string& name) {
     const Members members(object);
     for (const char* member : {"depthunit", "depthunits"})
@@ -283,9 +284,9 @@ double unit_of_members(const Json& object, const std::string& name) {
     return metres >= least && metres <= most ? metres : 0;
 }
 
-/// How many codes a metre has, by an object's own members; 0: it does not say. Three ways are in use: codes
-/// in a metre (Open3D, ORB-SLAM, ScanNet), metres of a code (RealSense, instant-ngp, nerfstudio), and
-/// millimetres of a code (BOP, beside cam_K).
+/// Codes in a metre, by an object's own members; 0: not stated. Three conventions are in use: codes in a
+/// metre (Open3D, ORB-SLAM, ScanNet), metres of a code (RealSense, instant-ngp, nerfstudio), and millimetres
+/// of a code (BOP, beside cam_K).
 double codes_per_metre_of(const Json& object, const std::string& name = "") {
     const Members members(object);
     constexpr double most_metres = 0.005, most_millimetres = 20, least_codes = 50, most_codes = 1e6;
@@ -304,12 +305,12 @@ double codes_per_metre_of(const Json& object, const std::string& name = "") {
     double scale = members.number({"depthscale", "depthscales", "scaledepth"});
     if (is_metres(scale)) return 1 / scale;
     if (scale > 0 && scale <= most_millimetres && members.has("camk")) return 1000 / scale;
-    // 1 is BOP's millimetre, or says that there is nothing to do.
+    // 1 is BOP's millimetre, or means no scaling.
     if (scale > most_metres && scale != 1)
         return scale <= most_millimetres ? 1000 / scale : is_count(scale) ? scale : 0;
     if (const double in_words = metres_of_words(members.words("depthscale")); is_metres(in_words))
         return 1 / in_words;
-    // A scene in centimetres says nothing of whole numbers.
+    // The unit of a scene, such as centimetres, says nothing of integer codes.
     const bool is_of_scene = members.has("metersperunit") || members.has("meterspersceneunit");
     if (const double unit = unit_of_members(object, name); unit > 0 && (!is_of_scene || is_metres(unit)))
         return is_count(1 / unit) ? 1 / unit : 0;
@@ -324,8 +325,8 @@ double rate_of_members(const Json& object, const std::string& = "") {
     return rate > 0 && rate <= highest ? rate : 0;
 }
 
-/// What stands in a line of its own, or in a member, as librealsense prints it:
-/// "[ 640x480  p[319.1 240.2]  f[600 601]  Brown Conrady [0 0 0 0 0] ]".
+/// A camera in a line of its own, or in a member, as librealsense prints it: "[ 640x480 p[319.1 240.2] f[600
+/// 601] Brown Conrady [0 0 0 0 0] ]".
 std::optional<CameraFile> from_printed(std::string_view text) {
     constexpr std::size_t longest = 1 << 12;
     text = text.substr(0, longest);
@@ -356,7 +357,7 @@ std::optional<CameraFile> from_printed(std::string_view text) {
     return made;
 }
 
-/// A file of a stereo camera of ZED has a section for each size of its pictures, which it does not tell.
+/// The picture size by a section's name: a ZED stereo camera's file does not state its sections' sizes.
 std::pair<int, int> size_by_name(const std::string& name) {
     constexpr std::pair<const char*, std::pair<int, int>> sizes[] = {
         {"_CAM_2K", {2208, 1242}}, {"_CAM_FHD", {1920, 1080}}, {"_CAM_FHD1200", {1920, 1200}},
@@ -370,7 +371,7 @@ bool is_number_name(const std::string& name) {
     return !name.empty() && name.find_first_not_of("0123456789") == std::string::npos;
 }
 
-/// The stem of the picture that an object is of; empty: it names none, or no number of one.
+/// The stem of the picture that an object names; empty: it names none, or one without a number.
 std::string picture_of(const Json& object) {
     const Members members(object);
     for (const char* name : {"filepath", "imgname", "imagename", "filename"}) {
@@ -382,14 +383,13 @@ std::string picture_of(const Json& object) {
     return "";
 }
 
-/// What the members around one say of it.
+/// What the members around an object say of it.
 struct Around {
     std::string name{}, frame{};
     int width = 0, height = 0, depth = 0;
 };
 
-/// Of members or elements, each of a frame, by their `keys`, the one of the wanted picture; -1: none is, or
-/// it is not sure.
+/// Index of the wanted picture among the `keys` of members or elements, one a frame; -1: none, or not sure.
 int place_of(const FrameKey& wanted, const std::vector<std::string>& keys) {
     if (wanted.stem.empty() || keys.size() < std::max<std::size_t>(wanted.pictures, 2)) return -1;
     int found = -1;
@@ -404,7 +404,7 @@ int place_of(const FrameKey& wanted, const std::vector<std::string>& keys) {
 
 void find_cameras(const Json& json, std::vector<CameraFile>& found, const FrameKey& wanted, Around around);
 
-/// The elements of a list, each an object, or a pair of a name and an object.
+/// Finds cameras in a list's elements, each an object, or a pair of a name and an object.
 void find_in_list(const Json& list, std::vector<CameraFile>& found, const FrameKey& wanted, Around around) {
     struct Element {
         const Json* object;
@@ -436,8 +436,8 @@ void find_in_list(const Json& list, std::vector<CameraFile>& found, const FrameK
     }
 }
 
-/// Adds the cameras in `json` to `found`, depth's first, and of cameras that each have a frame that of the
-/// wanted one. What has focal lengths or a matrix is one camera, whatever else is in it.
+/// Adds the cameras in `json` to `found`, depth's first; if each has a frame, only that of the wanted one. An
+/// object with focal lengths or a matrix is one camera, whatever else is in it.
 void find_cameras(const Json& json, std::vector<CameraFile>& found, const FrameKey& wanted, Around around) {
     constexpr int deepest = 6;
     if (around.depth++ > deepest || found.size() >= most_cameras) return;
@@ -495,7 +495,7 @@ void find_cameras(const Json& json, std::vector<CameraFile>& found, const FrameK
         if (std::ranges::find(first, member) == std::end(first)) inner(member);
 }
 
-/// Of the whole text, or of what is in it, `deepest` members down: ORB-SLAM's Camera, a configuration's cam.
+/// What `of` finds first in `json` or up to `deepest` members down: ORB-SLAM's Camera, a configuration's cam.
 template <class Of>
 double first_said(const Json& json, Of of, int deepest, const std::string& name = "") {
     double said = json.is_object() ? of(json, name) : 0;
@@ -573,7 +573,7 @@ std::vector<CameraFile> from_colmap(std::string_view text) {
     return cameras;
 }
 
-/// ARKitScenes' .pincam: width height fx fy cx cy; Matterport3D's has five numbers of a lens more.
+/// ARKitScenes' .pincam: width height fx fy cx cy; Matterport3D's has five more, of a lens.
 std::optional<Intrinsics> from_pincam(const std::vector<double>& numbers) {
     if ((numbers.size() != 6 && numbers.size() != 11) || !is_side(numbers[0]) || !is_side(numbers[1]))
         return {};
@@ -593,7 +593,7 @@ std::optional<Intrinsics> from_four(const std::vector<double>& n) {
     return Intrinsics{n[0], n[1], n[2], n[3]};
 }
 
-/// How often frames come that were taken at these times; 0: they are no times of frames.
+/// Frames a second by these times; 0: they are no times of frames.
 double rate_of_times(std::vector<double> seconds) {
     if (seconds.empty()) return 0;
     // Since 1970, in nano-, micro- and milliseconds.
@@ -610,7 +610,7 @@ double rate_of_times(std::vector<double> seconds) {
     return rate && rate->per_second() <= highest ? rate->per_second() : 0;
 }
 
-/// How often a table's frames come, by their times: of one that counts frames or says where a camera stood.
+/// Sets the rate by a table's times, if it counts frames or has a camera's poses.
 void read_times(const NumberTable& table, CameraText& said) {
     const int time = table.column({"timestamp", "timestamps", "time", "t", "sec", "seconds", "timestampns"});
     const bool counts = table.column({"frame", "frameid", "frameindex", "framenumber", "index"}) >= 0;
@@ -622,7 +622,7 @@ void read_times(const NumberTable& table, CameraText& said) {
     said.timed_rows = seconds.size();
 }
 
-/// A row of a table is an object, as in a list of JSON; at most `most_cameras`, evenly, or the wanted one.
+/// Reads a table's rows as objects in a list of JSON: at most `most_cameras`, evenly, or the wanted one.
 void read_rows(const NumberTable& table, const FrameKey& wanted, CameraText& said) {
     const int frame = table.column({"frame", "frameid", "frameindex", "framenumber", "index"});
     std::vector<std::string> keys;
@@ -639,8 +639,8 @@ void read_rows(const NumberTable& table, const FrameKey& wanted, CameraText& sai
     }
 }
 
-/// Where each camera is that of a frame, as numbers for names tell, all become one: the median. A camera's
-/// focus moves by a few per cent; what differs by more is the cameras of a rig.
+/// If each camera is that of a frame, all become one: the median. A camera's focus moves by a few per cent;
+/// cameras that differ by more are those of a rig.
 void join_frames(CameraText& said) {
     constexpr double most_moved = 1.1;
     std::vector<CameraFile>& cameras = said.cameras;
@@ -653,8 +653,8 @@ void join_frames(CameraText& said) {
     if (is_one) said.cameras = {median};
 }
 
-/// Numbers without words: a matrix, with or without more behind it (a baseline, a lens), one for each frame,
-/// or bare numbers.
+/// Cameras in numbers without words: a matrix, with or without more behind it (a baseline, a lens), one for
+/// each frame, or bare numbers.
 CameraText from_numbers(const std::vector<double>& numbers) {
     constexpr std::size_t of_matrix = 9, most_behind = 6;
     if (const auto found = from_matrix(numbers)) return {{{.intrinsics = *found}}};
@@ -699,7 +699,7 @@ std::optional<Intrinsics> from_mvsnet(std::string_view text) {
     return from_matrix(numbers);
 }
 
-/// No camera in the text is no error here.
+/// A text without a camera is no error here.
 CameraText cameras_in_text(std::string_view text, const FrameKey& wanted = {}) {
     if (auto found = from_calib(text)) return {{std::move(*found)}};
     if (auto found = from_mvsnet(text)) return {{{.intrinsics = *found}}};
@@ -726,7 +726,7 @@ CameraText cameras_in_text(std::string_view text, const FrameKey& wanted = {}) {
     return said;
 }
 
-/// An object in each line: cameras are those of the first that has any, the rate is by their times.
+/// Reads an object in each line: the cameras of the first that has any, and the rate by their times.
 CameraText cameras_in_lines(std::string_view text, const FrameKey& wanted) {
     CameraText said;
     std::vector<double> seconds;
@@ -767,7 +767,7 @@ bool is_no_camera(const CameraFile& file) {
 
 CameraFile median_camera_file(std::span<const CameraFile> cameras) {
     CameraFile median = cameras.front();
-    // Of those that have it.
+    // The median of a number over the cameras that have it.
     const auto middle = [&](auto value_of) {
         std::vector<double> all;
         for (const CameraFile& each : cameras)

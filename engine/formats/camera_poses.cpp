@@ -1,5 +1,5 @@
-// Where the camera stood, by files beside pictures: lists with times (TUM RGB-D), matrices of frames
-// (Redwood, Open3D) and Record3D's metadata.json. Declared in camera_sidecar.hpp.
+// The camera's poses, from files beside pictures: lists with times (TUM RGB-D), matrices of frames (Redwood,
+// Open3D) and Record3D's metadata.json. Declared in camera_sidecar.hpp.
 
 #include <sstream>
 
@@ -19,15 +19,15 @@ constexpr double most_apart_seconds = 0.02;  // between a frame and its pose
 /// Poses in the order of the frames.
 using PoseRow = std::vector<std::optional<CameraPose>>;
 
-/// 4x4 numbers, the last row 0 0 0 1; metres.
+/// The pose of 4x4 numbers, the last row 0 0 0 1; metres. Nothing if they are no pose.
 std::optional<CameraPose> pose_of_matrix(const std::array<double, 16>& m, double metres_per_unit) {
     const std::array<double, 9> rotation{m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]};
     if (!is_rotation(rotation) || m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1) return {};
     return pose_at(rotation, {m[3], m[7], m[11]}, metres_per_unit);
 }
 
-/// Redwood's and Open3D's: a line of three numbers, the first that of the frame, then the matrix that brings
-/// the camera's points into the world.
+/// Parses Redwood's and Open3D's poses: a line of three numbers, the first that of the frame, then the matrix
+/// from the camera to the world.
 Result<PoseRow> poses_of_log(const std::string& text, const std::string& name, double metres_per_unit) {
     std::istringstream words(text);
     PoseRow poses;
@@ -47,8 +47,8 @@ Result<PoseRow> poses_of_log(const std::string& text, const std::string& name, d
     return poses;
 }
 
-/// Record3D's: a list of [qx, qy, qz, qw, x, y, z] for each frame, of a camera that looks along -z with y up.
-/// Nothing where it has none.
+/// Parses Record3D's poses: a list of [qx, qy, qz, qw, x, y, z] for each frame, of a camera that looks along
+/// -z with y up. Empty if there are none.
 Result<PoseRow> poses_of_record3d(const std::string& text, const std::string& name, double metres_per_unit) {
     PoseRow poses;
     Json json;
@@ -77,7 +77,7 @@ Result<PoseRow> poses_of_record3d(const std::string& text, const std::string& na
     return poses;
 }
 
-/// The nearest in time for each frame.
+/// The pose nearest in time for each frame.
 PoseRow nearest_poses(const std::vector<CameraPath::TimedPose>& poses,
                       const std::vector<double>& frame_seconds) {
     std::vector<double> seconds;

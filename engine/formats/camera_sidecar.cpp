@@ -22,16 +22,16 @@ namespace fs = std::filesystem;
 
 struct CameraCandidate {
     fs::path file;
-    bool is_named = false;  // as a camera's file is
-    bool is_own = false;    // the picture's, by its stem or number
-    bool is_text = false;   // neither named so nor of members: only what names its numbers is a camera
+    bool is_named = false;  // as a camera's file
+    bool is_own = false;    // the picture's own, by its stem or number
+    bool is_text = false;   // neither named so nor of members: a camera in it must name its numbers
 };
 
 bool is_any_of(const std::string& name, std::initializer_list<const char*> known) {
     return std::ranges::find(known, name) != known.end();
 }
 
-/// What programs call a camera's file. Poses are none.
+/// Whether a file has a name that programs give a camera's file. Files of poses do not count.
 bool is_named_camera(const std::string& name, const std::string& stem) {
     if (has_word(name, {"extrinsic", "pose", "trajector", "groundtruth"})) return false;
     const bool is_numbered_cam =
@@ -41,7 +41,7 @@ bool is_named_camera(const std::string& name, const std::string& stem) {
            is_any_of(name, {"metadata", "metadata.json", "transforms.json"});
 }
 
-/// Lists of pictures and of poses, which have readers of their own, and what this program writes.
+/// Whether a file is of pictures or poses, which have own readers, written by this program, or no camera's.
 bool is_of_others(const std::string& name) {
     return is_any_of(name,
                      {"scene.json", "poses.txt", "groundtruth.txt", "trajectory.log", "depth.txt", "rgb.txt",
@@ -51,7 +51,7 @@ bool is_of_others(const std::string& name) {
 
 constexpr std::size_t most_looked_at = 1'000'000;  // entries of a folder
 
-/// What lies in a folder, by name.
+/// A folder's entries by name, but pictures and videos, whose stems go to `picture_stems`.
 std::vector<fs::path> texts_in(const fs::path& folder, std::vector<std::string>& picture_stems) {
     std::vector<fs::path> texts;
     std::error_code ignored;
@@ -105,14 +105,14 @@ std::set<std::string> words_of(const std::string& name) {
     return words;
 }
 
-/// What is sought, with what the pictures' names tell.
+/// The pictures whose camera is sought, with what their names tell.
 struct Sought : PicturesOfCamera {
     std::vector<std::string> stems{};  // of the frames, or of pictures named as this one is, at most 64
     int telling = 0;                   // their telling_number
     FrameKey key{};                    // of a single picture
-    std::set<std::string> words{};     // of depth's folders, that tell cameras apart
-    std::string below{};               // the folder we come from, small letters; empty: none
-    bool needs_camera = false;         // of files that are not named as a camera's
+    std::set<std::string> words{};     // of depth's folders' names; tell cameras apart
+    std::string below{};               // subfolder that the search came from, small letters
+    bool needs_camera = false;         // ignore files without one, unless named as a camera's
 };
 
 /// Whether no letter or number of a name stands at this place.
@@ -120,7 +120,7 @@ bool ends_word(const std::string& name, std::size_t at) {
     return at == name.size() || std::isalnum(static_cast<unsigned char>(name[at])) == 0;
 }
 
-/// The length of the words that both stems begin with.
+/// Number of letters of the whole words with which both stems begin.
 std::size_t same_words(const std::string& picture, const std::string& stem) {
     std::size_t same = 0;
     for (std::size_t k = 0; k <= std::min(picture.size(), stem.size()); ++k) {
@@ -130,8 +130,8 @@ std::size_t same_words(const std::string& picture, const std::string& stem) {
     return same;
 }
 
-/// Whether two stems begin with the same words, numbers among them, and the second has no other number behind
-/// these: v2_depth and v2_K.
+/// Whether two stems begin with the same words, with a number among them, and the second has no further
+/// number: v2_depth and v2_K.
 bool has_stem_of(const std::string& picture, const std::string& stem) {
     const std::size_t same = same_words(picture, stem);
     return has_digit(stem.substr(0, same)) && !has_digit(stem.substr(same));
@@ -142,9 +142,9 @@ std::string last_word(const std::string& stem) {
     return stem.substr(std::min(stem.find_last_of("_-. "), stem.size()));
 }
 
-/// Whether one of these names, which are sorted, begins with these words.
+/// Whether one of these sorted names begins with these words.
 bool is_beginning(const std::string& words, const std::vector<std::string>& names) {
-    // A name goes on with no letter or number: the characters between those of ASCII.
+    // The next character is no letter or number: the ranges between those in ASCII.
     constexpr std::pair<const char*, const char*> ends[] = {{"", "0"}, {":", "A"}, {"[", "a"}, {"{", "\xff"}};
     return std::ranges::any_of(ends, [&](const auto& end) {
         const auto at = std::ranges::lower_bound(names, words + end.first);
@@ -152,8 +152,8 @@ bool is_beginning(const std::string& words, const std::vector<std::string>& name
     });
 }
 
-/// Whether a file is by its name of another picture than this one: chair_camera, of chair_depth and not of
-/// table_depth. `others`: the names of the pictures that end with the word that this one ends with, sorted.
+/// Whether a file's name assigns it to another picture: chair_camera to chair_depth, and not to table_depth.
+/// `others`: the names of the pictures that end with the same word as this one, sorted.
 bool is_of_another(const std::string& picture, const std::string& stem,
                    const std::vector<std::string>& others) {
     for (std::size_t k = same_words(picture, stem) + 1; k <= stem.size(); ++k)
@@ -161,10 +161,10 @@ bool is_of_another(const std::string& picture, const std::string& stem,
     return false;
 }
 
-/// Files of a folder that may be a camera's, the picture's own first, then named ones. Of pictures' own files
-/// only this picture's; of folders' only that of the one we come from.
+/// Files of a folder that may be a camera's, the picture's own first, then by name. Leaves out other
+/// pictures' own files, and those named as a subfolder, unless the search came from it.
 std::vector<CameraCandidate> candidates_in(const fs::path& folder, const Sought& pictures) {
-    constexpr std::size_t most_named = 100, most_others = 16;  // more are of something else
+    constexpr std::size_t most_named = 100, most_others = 16;  // more are something else
     constexpr std::uintmax_t longest_other = 1 << 20, longest_text = 1 << 22;
     std::vector<std::string> picture_stems;
     std::vector<CameraCandidate> named, others;
@@ -192,7 +192,7 @@ std::vector<CameraCandidate> candidates_in(const fs::path& folder, const Sought&
                                                      ".bin", ".mat", ".csv", ".pincam"}))
                 if (named.size() < most_named) named.push_back({file, true, is_own});
         } else if (!pictures.only_named && is_small_text(extension) && !is_of_others(name)) {
-            // A picture of a folder: what is no other picture's may be of all.
+            // For one picture of a folder: a file that is no other picture's may serve all.
             const std::string before_dot = stem.substr(0, stem.rfind('.'));  // robot.info beside robot.mp4
             const bool is_shared = !std::ranges::binary_search(picture_stems, stem) &&
                                    !std::ranges::binary_search(picture_stems, before_dot);
@@ -212,7 +212,7 @@ std::vector<CameraCandidate> candidates_in(const fs::path& folder, const Sought&
     return named;
 }
 
-/// Which number of these stems, from their ends, tells one from the other: 16 in 0001_depth16 does not.
+/// Which number, counted from the end, is different in all these stems: 16 in 0001_depth16 is not.
 int telling_number(std::span<const std::string> stems) {
     constexpr int most_numbers = 8;
     for (int from_end = 0; from_end < most_numbers; ++from_end) {
@@ -237,8 +237,8 @@ std::string shape_of(const std::string& stem) {
     return shape;
 }
 
-/// The files that pictures with these stems have in a folder, one each: of the same stem, or of the same
-/// number in names that are alike but for their numbers. Of each kind that has one for every picture.
+/// Series of files in a folder, with one for each of the pictures' stems: of the same stem, or of the same
+/// number in names that are alike but for their numbers. Only kinds with a file for every picture.
 std::vector<std::vector<fs::path>> series_in(const fs::path& folder, const Sought& pictures) {
     std::vector<std::string> ignored;
     using Files = std::map<std::string, fs::path>;
@@ -284,7 +284,7 @@ struct OwnCameras {
 };
 std::optional<OwnCameras> cameras_of_frames(const fs::path& folder, const Sought& pictures) {
     if (pictures.frames.size() < 2) return {};
-    // Four or six numbers without names may be anything elsewhere.
+    // In other folders, four or six numbers without names may be anything.
     const bool is_of_cameras = is_folder_of_cameras(folder);
     std::vector<std::vector<fs::path>> all = series_in(folder, pictures);
     std::stable_partition(all.begin(), all.end(), [](const std::vector<fs::path>& files) {
@@ -308,7 +308,7 @@ std::optional<OwnCameras> cameras_of_frames(const fs::path& folder, const Sought
     return {};
 }
 
-/// The camera's files of a single picture in a folder first; those of the pictures beside it are left out.
+/// The candidates of a single picture, its own files first; those of the pictures beside it are left out.
 std::vector<CameraCandidate> candidates_of_picture(const fs::path& folder, const Sought& pictures) {
     std::vector<CameraCandidate> candidates = candidates_in(folder, pictures);
     if (pictures.is_whole_folder || pictures.stems.size() < 2) return candidates;
@@ -332,13 +332,13 @@ std::vector<CameraCandidate> candidates_of_picture(const fs::path& folder, const
     return candidates;
 }
 
-/// How far a point is from the middle of a side, of which it is a share.
+/// Distance of a point from the middle of a side, as a share of the side.
 double off_middle(double at, int side) {
     return std::abs((at + 0.5) / side - 0.5);
 }
 
-/// How well a camera goes with depth's pictures, what counts most first. Two that differ only behind the
-/// first `sure_marks` are a choice.
+/// How well a camera fits depth's pictures, what counts most first. If two differ only behind the first
+/// `sure_marks`, the choice is not sure.
 using CameraMark = std::array<double, 9>;
 constexpr std::size_t sure_marks = 7;
 CameraMark mark_of(const CameraCandidate& candidate, const CameraFile& camera, const Sought& pictures) {
@@ -378,7 +378,7 @@ CameraMark mark_of(const CameraCandidate& candidate, const CameraFile& camera, c
             double(!camera.has_distortion)};
 }
 
-/// Whether a text has a number in it: in its first 64 KiB.
+/// Whether a text has a number in its first 64 KiB.
 bool has_number(const fs::path& file) {
     constexpr std::size_t enough = 1 << 16;
     return first_bytes(SourceFile(file), enough).find_first_of("0123456789") != std::string::npos;
@@ -410,7 +410,7 @@ void take_frames(const fs::path& folder, const Sought& pictures, CameraBeside& b
     const fs::path within = folder.lexically_relative(pictures.folder);
     beside.file = own->first;
     if (own->median.differs && !within.empty() && *within.begin() != "..") {
-        // A pattern of an extension, which stands for other files as well where there are more than frames.
+        // The pattern is that of an extension, and matches other files as well if there are more than frames.
         std::vector<std::string> ignored;
         const auto texts = texts_in(folder, ignored);
         const auto alike = std::ranges::count(texts, own->first.extension(), &fs::path::extension);
@@ -432,12 +432,12 @@ std::optional<CameraFile> azure_kinect_camera(const fs::path& file, const Sought
                       .has_distortion = read->depth_lens.any()};
 }
 
-/// What a file says that may be taken.
+/// What a candidate says, without cameras that are too doubtful.
 Result<CameraText> said_by(const CameraCandidate& candidate, const Sought& pictures) {
     TRY_ASSIGN(auto said, read_camera_text(candidate.file, pictures.key));
     if (said.cameras.empty() && candidate.is_named)
         if (auto found = azure_kinect_camera(candidate.file, pictures)) said.cameras = {std::move(*found)};
-    // A camera is what names its numbers, or is a whole matrix; four or six numbers may be anything.
+    // A camera names its numbers, or is a whole matrix; four or six bare numbers may be anything.
     if (candidate.is_text) std::erase_if(said.cameras, &CameraFile::is_bare);
     // Beside a single picture an angle alone, in a file of any name, may be that of a window.
     if (!pictures.is_whole_folder && !candidate.is_named && !candidate.is_own)
@@ -453,12 +453,12 @@ double focal_length(const CameraFile& camera, const Sought& pictures) {
     return scaled_camera(trusted_intrinsics(camera.intrinsics, width, height, ignored), width, height).fx;
 }
 
-/// The cameras that may be the pictures' as surely as the best of them.
+/// The cameras that fit the pictures as surely as the best of them.
 struct LikelyCameras {
     CameraMark mark{};  // of the best
     std::size_t count = 0;
     double least = 0, most = 0;  // focal lengths
-    /// Whether another one is better than those before it.
+    /// Counts another camera; returns whether it is better than those before it.
     bool take(const CameraMark& of_other, double focal) {
         const bool is_better = count == 0 || of_other > mark;
         const bool is_as_sure =
@@ -476,7 +476,7 @@ struct LikelyCameras {
 /// Adds to `beside` what files of one folder say. `tells`: also names those that are not understood.
 void look_in(const fs::path& folder, const Sought& pictures, bool tells, CameraBeside& beside) {
     LikelyCameras best;
-    bool is_any_angle = false;  // in a file of any name, as a window's is
+    bool is_any_angle = false;  // in a file of any name, so perhaps a window's
     if (!beside.camera) take_frames(folder, pictures, beside);
     const bool is_known = beside.camera.has_value();
     if (is_known && !tells) return;
@@ -529,7 +529,7 @@ void look_in(const fs::path& folder, const Sought& pictures, bool tells, CameraB
                              " that differ, " + which);
 }
 
-/// Whether a folder is a part of a recording by its name: what lies above it is of the recording as well.
+/// Whether a folder is named as a part of a recording, to which the folder above then belongs as well.
 bool is_part_by_name(const fs::path& folder) {
     const std::string name = small_letters(folder.filename().string());
     return has_word(name, {"depth", "disp", "camera", "cam_", "frames", "image", "rgb", "color", "colour",
@@ -550,7 +550,7 @@ std::vector<fs::path> texts_of_colour(const fs::path& folder) {
     return files;
 }
 
-/// A matrix of three or four rows; nothing where the file has none, or one that moves nothing.
+/// A matrix of three or four rows; nothing if the file has none, or the unit matrix.
 std::optional<CameraPose> movement_of(const fs::path& file) {
     constexpr std::size_t longest = 1 << 12;
     auto text = read_given_file(file, file.string(), "a matrix", longest);
@@ -568,20 +568,20 @@ std::optional<CameraPose> movement_of(const fs::path& file) {
     return moves ? std::optional(pose) : std::nullopt;
 }
 
-/// A camera that names no size is of pictures of this size.
+/// The camera, for pictures of this size if it states none.
 Intrinsics sized(Intrinsics camera, int width, int height) {
     if (camera.width <= 0 || camera.height <= 0) camera.width = width, camera.height = height;
     return camera;
 }
 
-/// Whether a pixel is elsewhere by more than two hundredths of the picture.
+/// Whether the cameras differ by more than two hundredths of the focal lengths or of the picture.
 bool differs(const Camera& a, const Camera& b, const Scene& scene) {
     constexpr double share = 0.02;
     return std::abs(a.fx - b.fx) > share * b.fx || std::abs(a.fy - b.fy) > share * b.fy ||
            std::abs(a.cx - b.cx) > share * scene.width || std::abs(a.cy - b.cy) > share * scene.height;
 }
 
-/// What names tell of the pictures whose camera is sought, and of those beside a single one.
+/// Sets words, stems, telling number and key by the names of the pictures, or of those beside a single one.
 void know_names(const fs::path& of_depth, Sought& pictures) {
     for (const fs::path& folder : {pictures.folder, of_depth})
         for (const std::string& word : words_of(folder.filename().string()))
@@ -628,7 +628,7 @@ bool has_pictures(const fs::path& folder) {
            std::ranges::any_of(others, [&](const fs::path& file) { return fs::is_directory(file, ignored); });
 }
 
-/// Folders in `base` that have cameras by their names.
+/// Adds the folders in `base` that are named for cameras.
 void add_camera_folders(const fs::path& base, std::vector<fs::path>& folders) {
     constexpr std::size_t most_taken = 16;
     constexpr const char* known[] = {
@@ -653,8 +653,8 @@ void add_camera_folders(const fs::path& base, std::vector<fs::path>& folders) {
     folders.insert(folders.end(), found.begin(), found.end());
 }
 
-/// A camera of pictures of another shape than these: says how these were made of them, which is not sure. One
-/// of the same shape on its side is turned; of others scaled_camera takes the middle. Empty: of this shape.
+/// For a camera of pictures of another shape: says how these pictures were probably made of those. The same
+/// shape on its side is turned; of others scaled_camera takes the middle. Empty: the same shape.
 std::string guess_shape(Intrinsics& camera, int width, int height) {
     if (camera.width <= 0 || camera.height <= 0 || width <= 0 || height <= 0) return "";
     constexpr double most_apart = 0.02;
@@ -739,7 +739,7 @@ CameraBeside camera_beside(const PicturesOfCamera& pictures_of) {
         look_in(at, above, false, beside);
         if (!goes_on) break;
     }
-    // A scale in the pictures' own file, or in the one that is named as they are, is theirs.
+    // A scale in the pictures' own file, or in one named as the picture, goes before the camera's file.
     const bool has_own_scale =
         !beside.scale_file.empty() &&
         (beside.scale_file == pictures.own_file ||
@@ -759,8 +759,7 @@ CameraBeside camera_beside(const PicturesOfCamera& pictures_of) {
 
 namespace {
 
-/// A size of pictures in use, of the shape of these and at most a thirtieth from this width; nothing where
-/// there is none.
+/// A usual picture size with the shape of these and a width at most a thirtieth off; nothing: there is none.
 std::optional<std::pair<int, int>> usual_size(double near_width, int width, int height) {
     constexpr std::pair<int, int> usual[] = {
         {320, 240},   {480, 360},   {512, 384},   {512, 424},   {640, 360},   {640, 480},
@@ -818,7 +817,7 @@ Intrinsics trusted_intrinsics(Intrinsics camera, int width, int height, std::str
 }
 
 Result<std::vector<Camera>> read_frame_cameras(const PictureFiles& files, int width, int height) {
-    constexpr double farthest = 1e6;                 // pixels; further off is a slip
+    constexpr double farthest = 1e6;                 // pixels; more is a mistake
     constexpr std::size_t most_frames = 10'000'000;  // each has its camera in memory
     if (files.count() > most_frames)
         return input_error(files.file(0).string() + ": is the camera of " + std::to_string(files.count()) +
@@ -856,7 +855,7 @@ Camera median_camera(std::span<const Camera> cameras) {
 }
 
 PixelShift shift_between(const Camera& clip, const Camera& stored, int width, int height) {
-    // It grows or falls steadily along a row and a column: the largest is at an edge.
+    // The shift is linear along rows and columns, so the largest is at an edge.
     PixelShift shift;
     const auto along = [&](double clip_f, double clip_c, double stored_f, double stored_c, int size) {
         double largest = 0;

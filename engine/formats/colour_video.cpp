@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t most_entries = 100'000;  // of a folder, that are looked at
+constexpr std::size_t most_entries = 100'000;  // looked at in a folder
 constexpr const char* video_extensions[] = {".mp4", ".mov", ".mkv", ".webm", ".avi", ".m4v"};
 constexpr const char* depth_words[] = {"depths", "depth", "disparity", "disp", "vis"};
 constexpr const char* colour_words[] = {"src", "rgb", "color", "colour", "image", "video"};
@@ -20,8 +20,8 @@ bool is_letter(char c) {
     return c >= 'a' && c <= 'z';
 }
 
-/// A name in small letters without this word and the separator beside it; nothing where it is no word of the
-/// name: "walk_depth_1" without "depth" is "walk_1".
+/// A name in small letters without this word and the separator beside it; nothing if the name does not have
+/// the word: "walk_depth_1" without "depth" is "walk_1".
 std::optional<std::string> without_word(const std::string& name, const std::string& word) {
     for (auto at = name.find(word); at != std::string::npos; at = name.find(word, at + 1)) {
         const std::size_t end = at + word.size();

@@ -1,7 +1,7 @@
 #pragma once
 
-// Videos of colour beside depth, by their names: beside a video of depth (walk_rgb.avi beside walk_depth.mkv)
-// and beside pictures of depth (rgb.mp4 beside depth/*.png).
+// Finds colour videos by their names: beside a depth video (walk_rgb.avi beside walk_depth.mkv) and beside
+// depth pictures (rgb.mp4 beside depth/*.png).
 
 #include <cstdint>
 #include <filesystem>
@@ -14,7 +14,7 @@
 
 namespace touchable {
 
-/// Whether a name ends as those of videos do.
+/// Whether a name ends as a video's.
 bool is_named_as_video(const std::filesystem::path& file);
 
 /// Whether a video's name has a word for depth (depth, disp, vis).
@@ -23,18 +23,18 @@ bool is_named_as_depth_video(const std::filesystem::path& file);
 /// All videos of a folder, by name.
 std::vector<std::filesystem::path> video_files_in(const std::filesystem::path& folder);
 
-/// A video of colour, and how it was found.
+/// A colour video, and how it was found.
 struct ColourVideo {
-    std::string name;  ///< in its folder
+    std::string name;  ///< file name
     std::shared_ptr<VideoFile> file;
-    bool is_named = false;              ///< by its name; else as the only one, of as many frames as depth
-    std::vector<std::string> others{};  ///< names of those that could be colour as well
+    bool is_named = false;              ///< found by name; else as the only video, with depth's frame count
+    std::vector<std::string> others{};  ///< names of other videos that could be colour
 };
-/// The video whose name is that of `depth` without its word for depth, or with a word for colour in its
-/// place, whatever the case; nothing where no such file is a video.
+/// The video named as `depth` without its word for depth, or with a word for colour in its place, ignoring
+/// case; nothing if no such file opens as a video.
 std::optional<ColourVideo> colour_video_beside(const std::filesystem::path& depth);
 
-/// Of a folder with pictures of depth of so many frames; nothing where none is.
+/// The colour video in a folder of depth pictures with `frames` frames; nothing if there is none.
 std::optional<ColourVideo> colour_video_in(const std::filesystem::path& folder, std::int64_t frames);
 
 }  // namespace touchable

@@ -19,7 +19,7 @@ namespace {
 constexpr std::string_view sqlite_magic("SQLite format 3\0", 16);
 constexpr int steps_at_once = 1000;
 
-/// What a hostile schema may make long is short.
+/// Limits what a hostile schema could make long.
 void set_sqlite_limits(sqlite3* database) {
     constexpr int text_bytes = 1 << 20;
     const int limits[][2] = {{SQLITE_LIMIT_LENGTH, text_bytes}, {SQLITE_LIMIT_SQL_LENGTH, text_bytes},
@@ -35,7 +35,7 @@ void set_sqlite_limits(sqlite3* database) {
     sqlite3_drop_modules(database, nullptr);  // of virtual tables
 }
 
-/// SQLite itself does not miss what is cut from the last page.
+/// Refuses a cut last page, which SQLite itself does not notice.
 Result<void> check_pages(ByteSource& bytes) {
     constexpr std::uint64_t header = 100;
     unsigned char size[2]{};
@@ -47,12 +47,12 @@ Result<void> check_pages(ByteSource& bytes) {
     return {};
 }
 
-/// A database of SQLite in bytes that may be hostile. It is read as it is: no other file is opened
-/// (neither journal nor write-ahead log), nothing is written, and neither views nor virtual tables nor
-/// extensions answer. Errors say what is wrong, after a colon behind the file's name.
+/// A SQLite database in bytes that may be hostile. No other file is opened (neither journal nor write-ahead
+/// log), nothing is written, and views, virtual tables and extensions are off. Errors say what is wrong; the
+/// caller puts the file's name and a colon before them.
 class SqliteBytes : NonCopyable {
 public:
-    /// `bytes` outlive it.
+    /// `bytes` must outlive the database.
     static Result<std::unique_ptr<SqliteBytes>> open(ByteSource& bytes) {
         TRY(check_pages(bytes));
         std::unique_ptr<SqliteBytes> opened(new SqliteBytes(bytes));
@@ -75,8 +75,8 @@ public:
         sqlite3_close(database_);
     }
 
-    /// Calls `row` for every row that the statement answers with, until it fails. Answers take steps by the
-    /// number of bytes; one that takes more is refused.
+    /// Calls `row` for every row of the statement's result, until `row` fails. A statement that takes too
+    /// many steps for the database's size is refused.
     Result<void> each_row(const char* statement, const std::function<Result<void>(sqlite3_stmt&)>& row) {
         steps_ = 0;
         sqlite3_stmt* prepared = nullptr;
@@ -91,7 +91,7 @@ public:
         }
     }
 
-    /// A value of bytes: its size, and then what it begins with. Of one value at a time.
+    /// find_blob returns a blob's size, read_blob then its first bytes; one blob at a time.
     Result<std::uint64_t> find_blob(const char* table, const char* column, std::int64_t row) {
         steps_ = 0;
         const int status = blob_ != nullptr
@@ -188,7 +188,7 @@ private:
         return SQLITE_OK;
     }
 
-    /// What is behind the end is zeros.
+    /// Bytes behind the end read as zeros.
     static int read_file(sqlite3_file* file, void* to, int count, sqlite3_int64 at) {
         SqliteBytes& self = *owner_of(file);
         const auto from = static_cast<std::uint64_t>(at), wanted = static_cast<std::uint64_t>(count),
@@ -211,17 +211,17 @@ private:
 
     static int is_enough(void* database) {
         SqliteBytes& self = *static_cast<SqliteBytes*>(database);
-        constexpr std::uint64_t least = 10'000;  // thousands of steps: a second's tenth
+        constexpr std::uint64_t least = 10'000;  // thousands of steps; a tenth of a second
         return ++self.steps_ > least + self.bytes_.size() / (2 * steps_at_once) || stop_requested() ? 1 : 0;
     }
 
     ByteSource& bytes_;
-    std::string name_;  // of its own among SQLite's file systems
+    std::string name_;  // unique among SQLite's file systems
     sqlite3_vfs system_{};
     sqlite3* database_ = nullptr;
     sqlite3_blob* blob_ = nullptr;
-    std::optional<Error> unread_;  // of the bytes
-    std::uint64_t steps_ = 0;      // of the answer, thousands
+    std::optional<Error> unread_;  // why the bytes could not be read
+    std::uint64_t steps_ = 0;      // of the statement, thousands
 };
 
 std::string column_text(sqlite3_stmt& row, int column) {
@@ -277,7 +277,7 @@ public:
     std::string left_out() const override { return left_out_; }
 
 private:
-    /// Those of a recording, as tables of which every column is stored.
+    /// Checks that a recording's tables exist and that all their columns are stored.
     Result<void> check_tables() {
         int tables = 0, computed = 0;
         auto counted = database_->each_row(
@@ -286,7 +286,7 @@ private:
                 ++tables;
                 return {};
             });
-        constexpr int hidden = 6;  // column of the answer
+        constexpr int hidden = 6;  // column of the result
         for (const char* columns : {"PRAGMA table_xinfo(topics)", "PRAGMA table_xinfo(messages)"})
             if (counted)
                 counted = database_->each_row(columns, [&](sqlite3_stmt& row) -> Result<void> {
@@ -301,7 +301,7 @@ private:
             "messages");
     }
 
-    /// Those that nothing here reads are left out.
+    /// Adds the topics; other types and encodings are left out.
     Result<void> add_topics() {
         const auto added = database_->each_row(
             "SELECT id, name, type, serialization_format FROM topics",
@@ -317,7 +317,7 @@ private:
         return added ? added : at_file(added.error());
     }
 
-    /// A table gives its rows by their numbers: what does not ends nowhere.
+    /// Adds all messages. Rows must ascend by number: those of a damaged table may never end.
     Result<void> find_messages() {
         std::optional<std::int64_t> last;
         const auto found = database_->each_row(
@@ -328,7 +328,7 @@ private:
                 last = number;
                 const auto topic = topics_.find(sqlite3_column_int64(&row, 1));
                 if (topic == topics_.end()) return {};
-                constexpr std::uint64_t least = 32;  // bytes of a message that is read
+                constexpr std::uint64_t least = 32;  // bytes of a message
                 if (found_.size() > bytes_->size() / least)
                     return input_error("is damaged: has more messages than bytes for them");
                 found_.push_back(
@@ -343,7 +343,7 @@ private:
     std::unique_ptr<ByteSource> bytes_;
     std::unique_ptr<SqliteBytes> database_;
     std::vector<RosType> types_;                    // of each connection
-    std::map<std::int64_t, std::uint32_t> topics_;  // their connections
+    std::map<std::int64_t, std::uint32_t> topics_;  // the topics' connections
     std::vector<BagMessage> found_;                 // `offset`: the row
     std::string left_out_;
 };

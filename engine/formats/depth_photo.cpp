@@ -25,7 +25,7 @@ public:
     bool is_tiff() const { return big_endian_ || bytes_.starts_with("II*\0"sv); }
     std::uint32_t first_directory() const { return number(4, 4); }
 
-    /// The single number of an entry of a directory; 0 where there is none.
+    /// The single number of an entry of a directory; 0 if there is none.
     std::uint32_t find(std::size_t directory, std::uint32_t tag) const {
         const std::size_t count = number(directory, 2);
         for (std::size_t k = 0; k < count; ++k) {
@@ -51,7 +51,7 @@ private:
     bool big_endian_;
 };
 
-/// Lists each element with its attributes, and its text where it holds nothing else.
+/// Lists each element with its attributes, and its text if it holds nothing else.
 struct EntryLister : pugi::xml_tree_walker {
     XmpEntries entries;
     bool for_each(pugi::xml_node& node) override {
@@ -66,7 +66,7 @@ struct EntryLister : pugi::xml_tree_walker {
     }
 };
 
-/// Both pictures, each of which is given away once.
+/// Both pictures, each of which can be read once.
 class PhotoPictures final : public FrameSource {
 public:
     PhotoPictures(std::string file, DepthPhoto photo) : file_(std::move(file)), photo_(std::move(photo)) {}
@@ -86,7 +86,7 @@ void add_guess(Scene& scene, std::string what, Hints otherwise) {
     add_remark(scene.remarks, {std::move(what), true, {}, std::move(otherwise)});
 }
 
-/// By what is known, what the file says, its focal length, or a guess.
+/// Sets the camera: as stated, the file's, from its focal length, or a guess.
 void find_camera(const DepthPhoto& photo, const SourceDescription& known, Scene& scene) {
     const Hints otherwise{{Setting::field_of_view}, {Setting::intrinsics}};
     const int width = scene.width, height = scene.height;
@@ -122,7 +122,7 @@ void find_camera(const DepthPhoto& photo, const SourceDescription& known, Scene&
     }
 }
 
-/// The scene of what a photograph's file says, and of guesses for what it does not.
+/// The scene that a photograph's file states, with guesses for the rest.
 Result<SceneDescription> described_photo(const std::filesystem::path& file, const DepthPhoto& photo,
                                          const SourceDescription& known) {
     SceneDescription described;

@@ -7,24 +7,24 @@
 namespace touchable {
 namespace {
 
-constexpr std::uint16_t no_depth = 65535;  // a code beyond every code_max here, but of multiples of a unit
-constexpr double far_margin = 1.05;        // the far plane lies so much farther than what is farthest
+constexpr std::uint16_t no_depth = 65535;  // beyond every code_max here, except for multiples of a unit
+constexpr double far_margin = 1.05;        // far plane over the farthest depth
 
 constexpr double most_beyond = 1e5, most_before = 1e3;  // times the median
-constexpr double most_range = 9e5;  // from near to far, of the million that a scene may have
-constexpr double rounding = 1e-6;   // relative; a plane in a file of floats may lie so much beyond itself
+constexpr double most_range = 9e5;                      // far over near; a scene may have a million
+constexpr double rounding = 1e-6;                       // relative; a float may lie so much beyond its plane
 
-/// Every so many pixels tell the median as well as all.
+/// One pixel in so many tells the median as well as all.
 constexpr std::int64_t sample_step = 97;
 constexpr std::size_t most_samples = 100'000;
-/// And so many of a picture, evenly spread, tell the lattice that floats came from.
+/// Number of evenly spread pixels of a picture that tell the lattice that floats came from.
 constexpr std::size_t lattice_samples = 8192;
 
 std::string range_words(double least, double most) {
     return short_number(least) + " to " + short_number(most);
 }
 
-/// Which of the floats that were looked at are kept, and how; `what` they are.
+/// Says which of the floats that were looked at are kept, and how; `what`: what they are.
 std::string kept_words(const FloatLattice& lattice, const std::string& what) {
     if (lattice.is_rounded)
         return "depth is floats of 11 bits (halves), " + what +
@@ -35,18 +35,18 @@ std::string kept_words(const FloatLattice& lattice, const std::string& what) {
            ": these are kept exactly, others are rounded to the nearest of them";
 }
 
-/// Without the last bits that products have of their own.
+/// Removes a product's rounding error: returns the nearest number of seven decimals if it is that near.
 double without_rounding(double number) {
     const double plain = std::floor(number * 1e7 + 0.5) / 1e7;
     return std::abs(plain - number) <= 1e-14 * number ? plain : number;
 }
 
-/// The nearest of even steps, where there are such.
+/// The nearest of the even steps, if there are any; otherwise the value.
 double on_step(double value, const std::optional<FloatLattice>& even) {
     return even ? even->first + std::floor((value - even->first) / even->step + 0.5) * even->step : value;
 }
 
-/// Whole values, as pictures of integers have them, with all their digits.
+/// A value in words; whole ones, as in pictures of integers, with all their digits.
 std::string value_words(double value) {
     const bool is_whole = value == std::floor(value) && std::abs(value) < 1e6;
     return is_whole ? std::to_string(static_cast<std::int64_t>(value)) : short_number(value);
@@ -75,7 +75,7 @@ bool DepthValues::is_valid(double value) const {
     return value >= lower_ && value <= upper_ && value > 0;
 }
 
-/// `begin(first, last)` is called before each piece of them.
+/// Calls `work(k, value)` for all pixels, and `begin(first, last)` before each piece of them.
 template <class Begin, class Work>
 void DepthValues::for_each(const StoredImage& picture, Begin&& begin, Work&& work) const {
     const RendererBackground background(picture);
@@ -94,7 +94,7 @@ void DepthValues::for_each(const StoredImage& picture, Begin&& begin, Work&& wor
 
 void DepthValues::look(const StoredImage& picture) {
     is_float_ = !picture.values.empty();
-    const std::size_t every = picture.values.size() / lattice_samples | 1U;  // no even width divides it
+    const std::size_t every = picture.values.size() / lattice_samples | 1U;  // odd: hits different columns
     farthest_.begin_picture(picture.values.size());
     const auto nothing = [](std::size_t, std::size_t) {};
     for_each(picture, nothing, [&](std::size_t k, double value) {
@@ -111,7 +111,7 @@ void DepthValues::look(const StoredImage& picture) {
     });
 }
 
-/// Of what was looked at; of nothing a depth that favours neither of the planes.
+/// The median depth looked at; if there is none, a depth that favours neither plane.
 double DepthValues::median() {
     if (sample_.empty()) return std::sqrt(coding_.near * coding_.far);
     const auto middle = sample_.begin() + static_cast<std::ptrdiff_t>(sample_.size() / 2);
@@ -126,7 +126,7 @@ std::string DepthValues::background_words() const {
            " % of the pixels are background (infinity, 1e9 and beyond, or 65504): no depth";
 }
 
-/// A far plane that is not stated, of multiples of `step` (0: of any lengths).
+/// Sets a far plane that is not stated, for multiples of `step` (0: for any lengths); returns a note.
 std::string DepthValues::find_far(Scene& scene, double step) {
     if (!far_is_open_ || sample_.empty()) return "";
     const double deepest = farthest_.without_strays(), scale = coding_.scale;
@@ -138,7 +138,7 @@ std::string DepthValues::find_far(Scene& scene, double step) {
                     : "";
 }
 
-/// Floats that are whole multiples of a unit have the codes of a picture of integers.
+/// Floats that are whole multiples of a unit get the codes of a picture of integers.
 std::string DepthValues::settle_multiples(Scene& scene, const FloatLattice& lattice) {
     DepthCoding& depth = scene.depth;
     is_metric_ = true;
@@ -152,8 +152,8 @@ std::string DepthValues::settle_multiples(Scene& scene, const FloatLattice& latt
            lost;
 }
 
-/// Even steps of depth or of 1/depth. The planes, which are set, move inward to such steps. Nothing: there
-/// are too many of them.
+/// Settles even steps of depth or of 1/depth. The planes, which are set, move inward to such steps. Nothing:
+/// there are too many steps.
 std::optional<std::string> DepthValues::settle_steps(Scene& scene, const FloatLattice& lattice) {
     DepthCoding& depth = scene.depth;
     of_reciprocal_ = lattice.of_reciprocals;
@@ -176,7 +176,7 @@ std::optional<std::string> DepthValues::settle_steps(Scene& scene, const FloatLa
                                    range_words(depth.near, depth.far));
 }
 
-/// Depths themselves, as floats.
+/// Settles floats that are depths themselves.
 Result<std::string> DepthValues::settle_lengths(Scene& scene) {
     DepthCoding& depth = scene.depth;
     const auto lattice = lattice_.of_lengths(depth.scale * scene.metres_per_unit);
@@ -188,7 +188,7 @@ Result<std::string> DepthValues::settle_lengths(Scene& scene) {
     std::string lost;
     if (!has_planes_) {
         lost = find_far(scene, 0);
-        // What is so much farther or nearer than most of it stands for something else.
+        // Values that much farther or nearer than most stand for something else.
         deepest = std::min(far_is_open_ ? depth.far / far_margin : depth.scale * most_, median * most_beyond);
         const double nearest = std::max(median / most_before, deepest / most_range);
         if (far_is_open_ || depth.far > deepest * far_margin) depth.far = deepest * far_margin;
@@ -201,7 +201,7 @@ Result<std::string> DepthValues::settle_lengths(Scene& scene) {
     return settle_floats(scene, median, deepest) + lost;
 }
 
-/// From plane to plane, evenly in what is finer at the median.
+/// Settles codes from plane to plane, evenly in depth or 1/depth, whichever is finer at the median.
 std::string DepthValues::settle_floats(Scene& scene, double median, double deepest) {
     DepthCoding& depth = scene.depth;
     const double near = depth.near, far = depth.far;
@@ -220,23 +220,23 @@ std::string DepthValues::settle_floats(Scene& scene, double median, double deepe
            (sample_.empty() ? " (of what was looked at nothing is between near and far)" : ", the median");
 }
 
-/// Integers are even steps of 1, and floats may be of any.
+/// The values' even steps: 1 for integers, any or none for floats.
 std::optional<FloatLattice> DepthValues::even_steps() {
     if (!is_float_) return FloatLattice{0, 1};
     auto lattice = lattice_.of_numbers();
-    // Disparities go on to a far plane beyond the deepest.
+    // Disparities need codes up to a far plane beyond the deepest.
     if (lattice && far_margin * (most_ - least_) / lattice->step > 0.9 * code_max_) lattice.reset();
     return lattice;
 }
 
-/// Values on a line of 1 / depth (or depth): `far` and `near` are the values at the planes.
+/// Settles values that are linear in 1 / depth (or depth); `far` and `near`: the values at the planes.
 Result<std::string> DepthValues::settle_line(Scene& scene, double far, double near, bool near_is_high,
                                              const std::optional<FloatLattice>& even) {
     DepthCoding& depth = scene.depth;
     depth.near_is_high = near_is_high;
     first_ = std::min(far, near);
     const double range = std::abs(near - far);
-    // Without a scale all values are depths: none has to be left for what is none.
+    // Without a scale all values are depths: no code has to be left for no depth.
     if (!is_float_ && range > code_max_ && stored_.kind == StoredDepth::Kind::relative) code_max_ = no_depth;
     if (!is_float_ && range > code_max_)
         return input_error("depth has values from " + range_words(first_, first_ + range) +
@@ -250,7 +250,7 @@ Result<std::string> DepthValues::settle_line(Scene& scene, double far, double ne
 }
 
 Result<std::string> DepthValues::settle(Scene& scene) {
-    // Of planes that are stated what is to come can be depth.
+    // If both planes are stated, later frames may still have depth.
     if (most_ < least_ && !has_planes_) return input_error("no frame has a valid depth" + background_words());
     if (most_ == least_)
         most_ = std::nextafter(most_ * (1 + 1e-6) + 1e-6, std::numeric_limits<double>::max());
@@ -267,8 +267,7 @@ Result<std::string> DepthValues::settle(Scene& scene) {
         if (even) {
             const double steps = (at_far - even->first) / even->step;
             at_far = even->first + even->step * (stored_.scale > 0 ? std::floor(steps) : std::ceil(steps));
-            // Where the offset is far above all disparities, a far plane behind them is more codes away than
-            // there are.
+            // If the offset is far above all disparities, a far plane behind them would need too many codes.
             const double most_apart = even->step * code_max_;
             if (is_float_) at_far = std::clamp(at_far, at_near - most_apart, at_near + most_apart);
         }
@@ -311,7 +310,7 @@ Image DepthValues::codes(StoredImage picture) const {
     if (!makes_codes()) return std::move(picture.image);
     Image codes{picture.image.width, picture.image.height, 2, 1, {}};
     const std::size_t pixels = pixel_count(codes);
-    codes.samples.reserve(2 * pixels);  // which takes memory as it is filled
+    codes.samples.reserve(2 * pixels);  // memory is taken as it is filled
     const bool is_float = !picture.values.empty();
     std::size_t done = 0;
     const auto begin = [&](std::size_t first, std::size_t last) {

@@ -15,10 +15,10 @@
 namespace touchable {
 
 /// The largest of many values, of which one in 10 000 may be stray (FarPlaneEstimator's rule, for values that
-/// are no codes yet). Takes memory for as many as may be stray in all telling frames.
+/// are not codes yet). Keeps as many values as may be stray in all telling frames.
 class FarthestValues {
 public:
-    /// Values of one more picture follow, at most so many.
+    /// Call before adding a picture's values, at most `pixels` of them.
     void begin_picture(std::size_t pixels) {
         most_kept_ = std::max(most_kept_, (first_frames + spread_frames) * pixels / stray_of + 1);
     }
@@ -32,13 +32,13 @@ public:
         least_kept_ = *last;
         kept_.resize(most_kept_);
     }
-    /// What one value in 10 000 exceeds at most. Needs a value.
+    /// The value that at most one in 10 000 exceeds. Needs at least one value.
     double without_strays() {
         const auto at = kept_.begin() + static_cast<std::ptrdiff_t>(count_ / stray_of);
         std::nth_element(kept_.begin(), at, kept_.end(), std::greater<>());
         return *at;
     }
-    /// Share of the values; of a bound that is no less than what is `without_strays`.
+    /// Share of the values above `bound`, which must not be below `without_strays`.
     double share_beyond(double bound) const {
         const auto beyond =
             std::count_if(kept_.begin(), kept_.end(), [&](float value) { return value > bound; });
@@ -48,42 +48,41 @@ public:
 private:
     static constexpr std::size_t stray_of = 10'000;
     std::vector<float> kept_;
-    float least_kept_ = 0;  // once there are `most_kept_`
+    float least_kept_ = 0;  // valid once `most_kept_` are kept
     std::size_t most_kept_ = 1, count_ = 0;
 };
 
-/// Makes codes of what depth pictures hold, where those are not codes already: floats, disparities, depth
-/// without a scale, words in another order of bits. Some frames are looked at first (telling_frames); then
-/// the scene's coding is settled by what they hold, and codes are made of all. What is nearer than all that
-/// they held is at the near plane then; what is farther is no depth, or at the far plane where depth has no
-/// scale.
+/// Turns depth pictures that are not codes into codes: floats, disparities, depth without a scale, words in
+/// another order of bits. Some frames are looked at first (telling_frames) and settle the scene's coding;
+/// then all are converted. Values nearer than all that were seen go to the near plane; farther ones are no
+/// depth, or go to the far plane if depth has no scale.
 ///
-/// Integers keep every value: disparities and depth without a scale become evenly spaced codes of 1 / depth,
-/// or of depth. Floats that are evenly spaced (FloatLattice) do so too: lengths that are multiples of a unit
-/// get the codes that a picture of integers would have. A float between two codes, of a frame that was not
-/// looked at, is rounded to the nearest. Other floats become 65535 codes, evenly in depth or in 1 / depth,
-/// whichever is finer at the median. A far plane that is not stated is 5 % beyond what one pixel in 10 000
-/// exceeds. Of lengths whose near and far plane are both stated codes go from plane to plane, whatever the
-/// frames hold. A renderer's background (RendererBackground) is no depth. What goes over all pixels is
-/// unfinished where it is asked to stop meanwhile, which the caller looks for.
+/// Integers and evenly spaced floats (FloatLattice) keep every value: disparities and depth without a scale
+/// become evenly spaced codes of 1 / depth, or of depth; lengths that are multiples of a unit get the codes
+/// that a picture of integers would have. A float between two codes, in a frame that was not looked at, is
+/// rounded to the nearest. Other floats become 65535 codes, evenly in depth or in 1 / depth, whichever is
+/// finer at the median. A far plane that is not stated is 5 % beyond the depth that one pixel in 10 000
+/// exceeds. If near and far plane of lengths are both stated, codes go from plane to plane, whatever the
+/// frames hold. A renderer's background (RendererBackground) is no depth. If the thread is asked to stop, a
+/// visit to all pixels ends early; callers check that.
 class DepthValues {
 public:
-    /// As they are described; that stays until `settle`.
+    /// Until `settle`, the described coding applies.
     explicit DepthValues(const SceneDescription& described);
 
     /// Whether pictures like this one have to be looked at before codes are made.
     bool needs_looks(const StoredImage& first) const {
         return !first.values.empty() || stored_.kind != StoredDepth::Kind::codes;
     }
-    /// One more.
+    /// Takes one more picture into account.
     void look(const StoredImage& picture);
-    /// Settles `scene`'s coding; says what a code stands for now. An error where no value was valid.
+    /// Settles `scene`'s coding; returns in words what a code stands for. An error if no value was valid.
     Result<std::string> settle(Scene& scene);
     /// Whether the far plane is still to be found in the codes.
     bool leaves_far_open() const { return far_is_open_ && !is_settled_; }
-    /// Whether pictures are not their codes already.
+    /// Whether pictures need converting to codes.
     bool makes_codes() const { return is_settled_ || stored_.is_reordered(); }
-    /// As the settled scene has them: of 16 bits where it makes them.
+    /// The picture's codes in the settled scene; 16 bits if it converts them.
     Image codes(StoredImage picture) const;
 
 private:
@@ -110,25 +109,25 @@ private:
                                     const std::optional<FloatLattice>& even);
 
     StoredDepth stored_;
-    DepthCoding coding_;  // as it was written
-    bool far_is_open_;    // there
-    bool has_planes_;     // lengths, of which both are stated
+    DepthCoding coding_;  // as described
+    bool far_is_open_;    // in the description
+    bool has_planes_;     // lengths with both planes stated
     bool is_float_ = false;
     double least_ = 0, most_ = -1;  // valid values
-    std::vector<float> sample_;     // of them, for their median
+    std::vector<float> sample_;     // some of them, for their median
     LatticeSearch lattice_;
     FarthestValues farthest_;
-    std::int64_t pixels_ = 0;  // that were valid
+    std::int64_t pixels_ = 0;  // valid ones
     std::int64_t looked_at_ = 0, backgrounds_ = 0;
 
-    // Code = (value - first) per_value, or of its reciprocal; rounded, where values are floats.
+    // Code = (value or its reciprocal - first) * per_value, rounded for floats.
     bool is_settled_ = false, of_reciprocal_ = false, is_high_near_ = true;
-    bool is_metric_ = false;  // codes are multiples of a unit
-    bool keeps_far_ = false;  // what is farther than the far plane lies on it
+    bool is_metric_ = false;                                         // codes are multiples of a unit
+    bool keeps_far_ = false;                                         // values beyond the far plane go to it
     double lower_ = 0, upper_ = std::numeric_limits<double>::max();  // of lengths
     double first_ = 0, per_value_ = 1;
     std::uint16_t code_max_ = 65534;  // larger ones are not valid
-    std::uint16_t none_ = 65535;      // what is no depth
+    std::uint16_t none_ = 65535;      // the code for no depth
 };
 
 }  // namespace touchable

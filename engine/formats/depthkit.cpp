@@ -16,16 +16,16 @@
 namespace touchable {
 namespace {
 
-/// A colour means a depth where R + G + B > 0.3, of bytes as 0 to 1.
+/// A colour means a depth if R + G + B > 0.3, with bytes scaled to 0 to 1.
 constexpr int least_sum = 77;
-/// Hue is a circle: what lies at the near plane, red, slips past it to the far end when it is compressed. So
-/// the last 1/32 of the circle means no depth.
+/// Hue is a circle: compression may move depth at the near plane, red, past it to the far end. So the last
+/// 1/32 of the circle means no depth.
 constexpr int deepest_code = DepthCoding::hue_circle - DepthCoding::hue_circle / 32;
 /// Textures are compressed in blocks of 4x4 pixels; a median of 5x5 sees beyond one. Holes are specks and the
 /// blocks' dark rims.
 constexpr FilterSettings usual_filter{5, 2};
 
-/// The few fields that matter, of a YAML text that Unity wrote.
+/// Reads the few fields that matter from a YAML text that Unity wrote.
 class DepthkitMetadata {
 public:
     static Result<DepthkitMetadata> read(const std::filesystem::path& file) {
@@ -95,7 +95,7 @@ Result<int> whole_pixels(const DepthkitMetadata& metadata, std::string_view fiel
     return metadata.refuse(field, std::to_string(*number), "a whole number of pixels, 1 to 32768");
 }
 
-/// Pictures laid out otherwise are refused: what they mean cannot be told from these fields.
+/// Refuses other layouts, whose meaning these fields do not tell.
 Result<void> check_layout(const DepthkitMetadata& metadata, int width, int height) {
     TRY_ASSIGN(const auto format, metadata.text("format"));
     if (format != "perpixel") return metadata.refuse("format", format, "perpixel");
@@ -147,7 +147,7 @@ Result<SceneDescription> scene_from(const DepthkitMetadata& metadata) {
     return described;
 }
 
-/// Pictures at an even rate, each of which holds both planes.
+/// Reads pictures at an even rate, each of which holds both planes.
 class DepthkitPictures final : public FrameSource {
 public:
     explicit DepthkitPictures(const SourceFile& video) : source_(video), file_(video.string()) {}
@@ -165,7 +165,7 @@ public:
         return where(frame) + ", " + std::string(role_name(role));
     }
 
-    /// Two views of one picture.
+    /// Both planes are views of one picture.
     Result<TrackPicture> picture(PlaneRole role, std::int64_t frame) override {
         if (newest_number_ != frame) {
             newest_number_ = -1;
@@ -203,7 +203,7 @@ private:
         return {};
     }
 
-    /// Frames by their duration, which is exact where all last equally long; `check_time` finds where not.
+    /// The rate by frame count and duration, exact if all frames are equally long; `check_time` checks that.
     Result<void> read_rate() {
         count_ = stream().nb_frames;
         const AVRational base = stream().time_base;
@@ -229,7 +229,7 @@ private:
         return {};
     }
 
-    /// False where the index does not lead there: then the reading may be anywhere.
+    /// Seeks by the index. False if that does not lead there; then the reading position is undefined.
     bool begin_at(std::int64_t frame) {
         const double time = static_cast<double>(origin_) + ticks_of(frame);
         const bool is_somewhere = demuxer_->seek(stream_, std::llround(time));
@@ -258,14 +258,14 @@ private:
                            std::to_string(count_) + " frames: it is truncated or damaged");
     }
 
-    /// After frame 0, in the stream's time base.
+    /// A frame's time after frame 0, in the stream's time base.
     double ticks_of(std::int64_t frame) const {
         const AVRational base = stream().time_base;
         return static_cast<double>(frame) * static_cast<double>(rate_.den) / static_cast<double>(rate_.num) *
                base.den / base.num;
     }
 
-    /// At the frame number's time, up to one tick of the stream's clock.
+    /// An error if a picture is more than one tick of the stream's clock off its frame number's time.
     Result<void> check_time(const TrackDecoder::Picture& picture) {
         if (number_ == 0) origin_ = picture.timestamp;
         const double expected = ticks_of(number_);
@@ -282,9 +282,9 @@ private:
     std::string file_;
     FrameRate rate_;
     std::int64_t count_ = 0;
-    bool is_all_keys_ = false;  // so that decoding can begin with any frame
+    bool is_all_keys_ = false;  // decoding can begin with any frame
 
-    // Where the reading is; `rewind` makes it anew.
+    // The reading position; `rewind` resets it.
     std::unique_ptr<Demuxer> demuxer_;
     int stream_ = 0;
     std::optional<TrackDecoder> decoder_;

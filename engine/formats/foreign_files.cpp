@@ -29,7 +29,7 @@ struct Look {
     std::string extension() const { return small_letters(path.extension().string()); }
     std::string name() const { return small_letters(path.filename().string()); }
     std::string shell_name() const { return shell_word(path.string()); }
-    /// Inside quotes of a command in Python, where a name has no quotes of its own.
+    /// In quotes for a command in Python; only right for a name without quotes.
     std::string python_name() const { return "'" + printable(path.filename().string()) + "'"; }
 };
 
@@ -93,7 +93,7 @@ std::optional<std::string> zip(const Look& look) {
            " -d " + shell_word(stem) + after_play(shell_word(stem));
 }
 
-/// One that is cut is damaged, whatever else it is.
+/// Whether a ZIP file has its end; one that is cut is damaged, whatever else it is.
 bool is_whole_zip(const SourceFile& file) {
     constexpr std::size_t end_of_zip = 22;
     const auto bytes = bytes_of_file(file);
@@ -144,7 +144,7 @@ std::optional<std::string> matlab(const Look& look) {
            ")['NAME']) in Python makes an array of its variable of depth" + after_play("depth.npy");
 }
 
-/// One that begins as HDF5 is opened; others have something of another program before it.
+/// A file that begins as HDF5 can be opened; others have a block of another program before it.
 std::optional<std::string> hdf5(const Look& look) {
     if (picture_kind(look.begin) == "HDF5") return "is an HDF5 file: touchable play " + look.shell_name();
     constexpr std::string_view magic("\x89HDF\r\n\x1a\n");
@@ -234,7 +234,7 @@ std::optional<std::string> other_geometry(const Look& look) {
 }
 
 using Recognise = std::optional<std::string> (*)(const Look&);
-/// Asked in this order.
+/// Tried in this order.
 constexpr Recognise known_kinds[] = {git_lfs, svo,        zip,          packed, sens, oni,           matlab,
                                      hdf5,    colmap_map, colmap_model, ply,    pcd,  other_geometry};
 constexpr Recognise misleading_kinds[] = {git_lfs, svo, zip, other_geometry};

@@ -1,10 +1,10 @@
 #pragma once
 
-// The readers of formats, for open_clip.cpp, which has the stages by which a file becomes a clip, and their
-// table. A format has a probe (`is_`), a reader (`open_`), and, where its files do not say what their depth
-// is, a guess (`guess_`) from what is `known` of them. Each is a function of what the stages before it found
-// (Candidate); none calls one before it. A clip that is made of others' files, a scene's text or glTF, opens
-// them by the same readers of pictures and videos.
+// The readers of formats. open_clip.cpp has the table of formats and the stages that make a file a clip. A
+// format has a probe (`is_`), a reader (`open_`), and, if its files do not say what their depth is, a guess
+// (`guess_`) from what is `known` of them. Each takes what the earlier stages found (Candidate) and calls no
+// earlier stage. Formats that name other files (a scene's text, glTF) open them with the same readers of
+// pictures and videos.
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
@@ -19,28 +19,28 @@ namespace touchable {
 class FrameSource;
 class VideoFile;
 
-/// A clip at its beginning, or why it cannot be read.
+/// A clip at its beginning, or an error.
 using Opened = Result<std::unique_ptr<ClipReader>>;
 
-/// What describes a clip: a scene file; or what is said and known of its pictures, and guesses for the rest,
-/// which its remarks tell.
+/// A clip's description: a scene file's; or what a person stated and files tell, with guesses for the rest,
+/// which its remarks name.
 struct GuessedScene : SceneDescription {
-    std::vector<std::filesystem::path> inputs{};  ///< files that were read for it, beside pictures
-    std::vector<std::string> notes{};             ///< before what the reader has to say
-    // What was opened for it, so that the clip need not open it again.
-    std::shared_ptr<ReadPictures> pictures{};  ///< of a folder or a picture
-    std::shared_ptr<VideoFile> video{};        ///< of a video: its depth; of a folder: its colour
-    std::shared_ptr<FrameSource> recording{};  ///< of ROS
+    std::vector<std::filesystem::path> inputs{};  ///< files read for it, other than pictures
+    std::vector<std::string> notes{};             ///< come before the reader's own notes
+    // Files opened for the guess, so that the clip need not open them again.
+    std::shared_ptr<ReadPictures> pictures{};  ///< of a folder or a single picture
+    std::shared_ptr<VideoFile> video{};        ///< a video's depth, or a folder's colour
+    std::shared_ptr<FrameSource> recording{};  ///< a recording of ROS
 };
 
-/// What the caller of open_clip says.
+/// open_clip's arguments.
 struct OpenSettings {
     SourceDescription known{};
     Colour colour = Colour::wanted;
     DepthAlignment alignment = DepthAlignment::automatic;
 
-    /// Whether `known` describes pictures. With a least confidence, a channel or a data set alone the rest
-    /// comes from a scene file, or from guesses.
+    /// Whether `known` describes pictures. A least confidence, a channel or a data set alone does not: the
+    /// rest then comes from a scene file or from guesses.
     bool is_known() const {
         SourceDescription said = known;
         said.least_confidence.reset();
@@ -50,19 +50,19 @@ struct OpenSettings {
     }
 };
 
-/// What Matroska and WebM begin with.
+/// First bytes of Matroska and WebM files.
 inline constexpr std::string_view matroska_magic = "\x1a\x45\xdf\xa3";
 
-/// What may be a clip, as far as it is known.
+/// A file or folder that may be a clip, with what is known of it so far.
 struct Candidate {
     SourceFile source;  ///< a file; with `folder`, the video in it that the scene names
-    std::optional<std::filesystem::path> folder{};  ///< of pictures or videos, in place of a file
-    std::optional<GuessedScene> scene{};            ///< in place of what the file says of itself
+    std::optional<std::filesystem::path> folder{};  ///< of pictures or videos; nothing: the clip is a file
+    std::optional<GuessedScene> scene{};            ///< replaces what the file says of itself
     OpenSettings wanted{};
 
     static constexpr std::size_t telling_bytes = 16;
     std::string begin = folder ? std::string() : first_bytes(source, telling_bytes);
-    /// The folder that names in the scene are of.
+    /// The folder that file names in the scene are relative to.
     std::filesystem::path home() const { return folder ? *folder : source.path().parent_path(); }
     std::optional<SceneDescription> described() const {
         return scene ? std::optional<SceneDescription>(*scene) : std::nullopt;
@@ -71,96 +71,97 @@ struct Candidate {
 
 // guessed_scene.cpp
 
-/// Of a folder: which pictures are depth and which are colour, by their names, kinds and lists; then as for a
-/// picture. An error says what was found there.
+/// Chooses a folder's depth and colour pictures by their names, kinds and lists; the rest as for a picture.
+/// An error says what the folder has.
 Result<GuessedScene> guess_folder(const std::filesystem::path& folder, const SourceDescription& known);
 
-/// Of a file's depth as in this picture, with a camera's file beside it perhaps. Where `coding` is given it
-/// stands, and nothing of the picture but its size counts. The scene has the file's name, and names no files.
+/// Guesses the scene of a file with depth as in this picture; a camera's file beside it counts. `coding`, if
+/// given, is kept, and only the picture's size counts. The scene has the file's name and names no files.
 Result<GuessedScene> guess_scene(const std::filesystem::path& file, const StoredImage& depth,
                                  const SourceDescription& known, const DepthCoding* coding = nullptr);
 
-/// Of a single picture of depth. Camera: as said, by preset, by a camera's file beside it, or 60 degrees
-/// wide. Unit: as said, by preset, or by the size of its values. `scene.folder` names it.
+/// Guesses the scene of a single depth picture. Camera: as stated, from a camera's file beside it, by preset,
+/// or 60 degrees wide. Unit: as stated, by preset, from files or names, or by the size of its values.
+/// `scene.folder` names the picture.
 Result<GuessedScene> guess_picture(const SourceFile& file, const SourceDescription& known);
 
 // image_folder.cpp
 
-/// Pictures in `folder`, found by the patterns of the scene's FolderSource.
+/// Opens the pictures in `folder` that match the patterns of the scene's FolderSource.
 Opened open_image_folder(const std::filesystem::path& folder, const GuessedScene& described,
                          Colour colour = Colour::wanted,
                          DepthAlignment alignment = DepthAlignment::automatic);
 
 // video_clip.cpp
 
-/// Of a video without a scene file, by its first picture: LeRobot's depth; Record3D's export (hue on the
-/// left, its camera at the file's end); a half that is grey beside one that is not; grey everywhere; one map
-/// of hues everywhere. Camera and unit as for a picture. An error says what was seen, and what would open it.
+/// Guesses the scene of a video by its first picture: LeRobot's depth; Record3D's export (hue on the left,
+/// its camera at the file's end); one half grey and the other not; grey everywhere; one map of hues
+/// everywhere. Camera and unit as for a picture. An error says what was seen and what would open it.
 Result<GuessedScene> guess_video(const SourceFile& file, const SourceDescription& known);
-/// The video, or the two, in `folder` that the scene's VideoSource names.
+/// Opens the one or two videos in `folder` that the scene's VideoSource names.
 Opened open_videos(const std::filesystem::path& folder, const GuessedScene& described,
                    Colour colour = Colour::wanted, DepthAlignment alignment = DepthAlignment::automatic);
 
 // lerobot.cpp
 
-/// LeRobot's video of depth: grey of 12 bits as HEVC, metres.
+/// LeRobot's depth video: 12-bit grey in HEVC, metres.
 struct LeRobotDepth {
     DepthCoding coding;
-    std::filesystem::path info{};    ///< the file that says so; empty: none does, and it is LeRobot's usual
-    std::filesystem::path colour{};  ///< the video of colour beside it, as seen from its folder; empty: none
-    std::optional<Intrinsics> camera{};  ///< that `info` may name; LeRobot's own do not
+    std::filesystem::path info{};        ///< the file that states the coding; empty: LeRobot's defaults apply
+    std::filesystem::path colour{};      ///< the colour video's path from depth's folder; empty: none
+    std::optional<Intrinsics> camera{};  ///< stated in `info`; LeRobot's own files have none
 };
-/// As the features say in NAME.info.json beside NAME.mp4, or in meta/info.json of the data set that it lies
-/// in. Nothing where there is neither and its pixels (`codec` and `pixel_format`, as FFmpeg calls them) are
-/// not as LeRobot has them. Refused: what is said to be such depth and was encoded anew otherwise, and
-/// numbers that are no such coding.
+/// Reads the features in NAME.info.json beside NAME.mp4, or in meta/info.json of the data set around it.
+/// Returns nothing if neither file describes the video and its `codec` and `pixel_format` (FFmpeg's names)
+/// are not LeRobot's. An error if a file calls the video LeRobot's depth but it was re-encoded in another
+/// format, or if the numbers are no valid coding.
 Result<std::optional<LeRobotDepth>> find_lerobot_depth(const SourceFile& video, const std::string& codec,
                                                        const std::string& pixel_format);
-/// The videos of depth in a data set's folder, by name; none where it is no data set with depth.
+/// The depth videos in a data set's folder, by name; none if the folder is no data set with depth.
 Result<std::vector<std::filesystem::path>> lerobot_depth_videos(const std::filesystem::path& folder);
 
 // scene_text.cpp and mp4_stills.cpp (docs/codecs.md)
 
-/// Whether a file is the text of an MPEG-4 scene, as its first word tells.
+/// Whether a file is the text of an MPEG-4 scene, by its first word.
 bool is_scene_text(const Candidate& file);
-/// A touchable clip whose MPEG-4 scene is text, beside the pictures or videos that it names. They lie in its
-/// folder or below; nothing is fetched from elsewhere.
+/// Opens a touchable clip whose MPEG-4 scene is text. The pictures or videos that the text names must lie in
+/// its folder or below; nothing is fetched from elsewhere.
 Opened open_scene_text(const Candidate& file);
 
-/// Whether an MP4 file's MPEG-4 scene is a static one in the same file: its depth is an ImageTexture, whose
-/// track is a PNG or JPEG picture.
+/// Whether an MP4 file holds a static MPEG-4 scene: its depth is an ImageTexture whose track is a PNG or JPEG
+/// picture.
 bool is_mp4_stills(const SourceFile& file);
-/// Such a scene as a clip of one frame.
+/// Opens a static MPEG-4 scene as a clip of one frame.
 Opened open_mp4_stills(const Candidate& file);
 
 // gltf_reader.cpp (docs/codecs.md)
 
 /// Whether a file is glTF, by its name (.gltf, .glb) or its first bytes.
 bool is_gltf(const Candidate& file);
-/// A touchable clip that a glTF scene describes: its planes are textures, tracks of one MP4 file or pictures,
-/// in the scene's folder or below; nothing is fetched. What they mean stands in "extras" of its mesh. Without
-/// that, near and far plane and the camera are assumed, and said. Refused where no texture is depth.
+/// Opens the clip that a glTF scene describes: its planes are textures, tracks of one MP4 file or pictures,
+/// in the scene's folder or below; nothing is fetched. The mesh's "extras" say what they mean; without these,
+/// near and far plane and the camera are assumed, with remarks. An error if no texture is depth.
 Opened open_gltf_clip(const Candidate& file);
 
 // azure_kinect.cpp
 
-/// Whether a file is Matroska as the Azure Kinect's recorder writes it: tracks of the names DEPTH and perhaps
-/// COLOR, tags K4A_*.
+/// Whether a file is Matroska as the Azure Kinect's recorder writes it: a track DEPTH and perhaps one COLOR,
+/// tags K4A_* or an attached calibration.json.
 bool is_k4a_recording(const Candidate& file);
-/// Its scene: depth in millimetres, cameras and lenses as its calibration.json has them.
+/// The recording's scene: depth in millimetres, cameras and lenses from its calibration.json.
 Result<GuessedScene> guess_k4a(const SourceFile& file, const SourceDescription& known);
 
 /// The cameras of an Azure Kinect, or of an Orbbec Femto that records as one.
 struct K4aCameras {
-    Camera depth;  ///< of the picture as it is stored, which its lens bends
+    Camera depth;  ///< of the stored picture, which has the lens's distortion
     LensDistortion depth_lens;
-    std::optional<ColourCamera> colour;  ///< scene units: metres
+    std::optional<ColourCamera> colour;  ///< lengths in metres
 };
-/// Pixels of a picture.
+/// A picture's size, pixels.
 struct PictureSize {
     int width = 0, height = 0;
 };
-/// What a recording's calibration.json says of pictures of these sizes, which the camera's modes have.
+/// Reads a recording's calibration.json for pictures of these sizes, each that of a camera mode.
 Result<K4aCameras> parse_azure_kinect_calibration(std::string_view text, PictureSize depth,
                                                   const std::optional<PictureSize>& colour,
                                                   const std::string& where);
@@ -169,26 +170,25 @@ Result<K4aCameras> parse_azure_kinect_calibration(std::string_view text, Picture
 
 /// The name of a Depthkit video's description: "Test.Metadata.asset" for "Test.mov".
 std::filesystem::path depthkit_metadata_name(const std::filesystem::path& video);
-/// The description beside a video; nothing where there is none.
+/// The description beside a video; nothing if there is none.
 std::optional<std::filesystem::path> depthkit_metadata_of(const std::filesystem::path& video);
-/// The video that such a description lies beside; nothing where there is none, or the file is none.
+/// The video beside a description; nothing if there is none, or `metadata` is no such file.
 std::optional<std::filesystem::path> depthkit_video_of(const std::filesystem::path& metadata);
-/// The scene by such a description, a Unity asset: all but name and rate, lengths in metres. Refused where a
-/// field is missing or the pictures are laid out otherwise than one perspective, uncropped, colour above
-/// depth.
+/// Reads the scene from a description, a Unity asset: all but name and rate, lengths in metres. An error if a
+/// field is missing, or if the layout is not one perspective, uncropped, with colour above depth.
 Result<SceneDescription> read_depthkit_metadata(const std::filesystem::path& file);
-/// A Depthkit video with its description beside it, QuickTime or MP4: colour in the upper half of each
+/// Opens a Depthkit video (QuickTime or MP4) with its description beside it: colour in the upper half of each
 /// picture, depth as hue in the lower.
 Opened open_depthkit_clip(const Candidate& video);
 
 // bag_clip.cpp; bag_file.hpp has the probe
 
-/// What a recording of ROS says of itself (camera, unit, times), and guesses for the rest.
+/// Describes a recording of ROS by what it says of camera, unit and times, and guesses the rest.
 Result<GuessedScene> guess_bag(const SourceFile& file, const SourceDescription& known);
-/// Its depth and colour as a clip of its scene.
+/// Opens the recording's depth and colour as a clip.
 Opened open_bag_clip(const Candidate& file);
-/// The file of a recording in a folder as ROS 2 makes it, with metadata.yaml and a .db3 or an .mcap; nothing
-/// where it is no such folder. Refused: one with several files, and one whose file is packed as a whole.
+/// The .db3 or .mcap file in a recording's folder as ROS 2 makes it, with metadata.yaml; nothing for other
+/// folders. An error if the recording has several files, or its file is compressed as a whole.
 Result<std::optional<std::filesystem::path>> ros2_recording_in(const std::filesystem::path& folder);
 
 }  // namespace touchable

@@ -1,5 +1,5 @@
-// A glTF file of version 2, what its haptic material says of touch, and the clip that its textures are. Until
-// read_gltf all of it throws: a checked_json::Refusal, or the Error of a file that it names.
+// A glTF file of version 2, its haptic material, and the clip in its textures. All functions before read_gltf
+// may throw: a checked_json::Refusal, or the Error of a file that the glTF names.
 
 #include "engine/formats/formats_read.hpp"
 
@@ -23,10 +23,10 @@ namespace {
 using checked_json::Node;
 using checked_json::Refusal;
 
-/// A video as a texture (MPEG_texture_video), which is tracks of a file.
+/// A video as a texture (MPEG_texture_video): tracks of a file.
 struct GltfVideo {
     std::string file;                   ///< as its uri says
-    std::vector<std::uint32_t> tracks;  ///< their numbers in that file; empty: it does not say which
+    std::vector<std::uint32_t> tracks;  ///< their numbers in that file; empty: not stated
     std::string format;                 ///< such as "RGB", "DEPTH_COMPONENT"
     int width = 0, height = 0;          ///< pixels
 };
@@ -36,7 +36,7 @@ std::vector<Node> gltf_array(const Node& array) {
     return array.elements(0, most, "an array");
 }
 
-/// An extension of a node, if it has that.
+/// A node's extension of this name, if it has it.
 std::optional<Node> gltf_extension(const Node& node, const char* name) {
     if (!node.has("extensions")) return std::nullopt;
     const Node all = node["extensions"];
@@ -44,17 +44,17 @@ std::optional<Node> gltf_extension(const Node& node, const char* name) {
     return all.has(name) ? std::optional(all[name]) : std::nullopt;
 }
 
-/// The element of an array of which `index` is the number; `what`: in words, such as "textures".
+/// The array's element with the number `index`; `what`: the array in words, such as "textures".
 Node one_of(const Node& array, const Node& index, const std::string& what) {
     const auto found = array.element(static_cast<std::size_t>(index.whole()));
     if (!found) index.refuse("a number of one of " + std::to_string(array.size()) + " " + what);
     return *found;
 }
 
-/// Values of three bytes of text take a hundred of memory.
+/// Bytes; a value of three bytes of text takes a hundred of memory.
 constexpr std::size_t largest_json = std::size_t{8} << 20U;
 
-/// The two parts of a file: what it says, and the bytes it carries.
+/// The two parts of a file: its JSON, and the bytes that it carries.
 struct GltfParts {
     std::string_view json;
     std::optional<std::string_view> carried;
@@ -96,7 +96,7 @@ std::uint32_t track_number(const Node& track) {
     return number;
 }
 
-/// The first that is a file here: no other place is ever asked.
+/// The first alternative that is a local file; nothing is ever fetched.
 Node local_alternative(const Node& media) {
     const std::vector<Node> all = gltf_array(media["alternatives"]);
     for (const Node& one : all)
@@ -105,7 +105,7 @@ Node local_alternative(const Node& media) {
     all.front()["uri"].refuse("the name of a file beside it, as nothing is fetched");
 }
 
-/// What a file says, .gltf or .glb, and the bytes that it carries. `bytes` has to stay.
+/// A file's JSON, .gltf or .glb, and the bytes that it carries. `bytes` must outlive it.
 class GltfFile : NonCopyable {
 public:
     GltfFile(const std::filesystem::path& file, std::string_view bytes) : file_(file) {
@@ -119,7 +119,7 @@ public:
 
     const std::filesystem::path& file() const { return file_; }
     Node root() const { return {json_, ""}; }
-    /// Of one of the arrays at the root, such as textures[2].
+    /// An element of one of the root's arrays, such as textures[2].
     Node element(const char* array, const Node& index) const { return one_of(root()[array], index, array); }
     Node texture(std::size_t number) const {
         const Node all = root()["textures"];
@@ -130,7 +130,7 @@ public:
         return *found;
     }
 
-    /// What a texture shows where its file is read as a picture. `texture`: of the array "textures".
+    /// The picture that a texture shows. `texture`: an element of the array "textures".
     LinkedFile picture(const Node& texture) {
         if (!texture.has("source"))
             throw Refusal{
@@ -140,9 +140,8 @@ public:
         return carried_picture(element("bufferViews", image["bufferView"]));
     }
 
-    /// What it shows moving; nothing where it has no MPEG_texture_video. Of the alternatives of a medium the
-    /// first that is a file here.
-    /// Through accessor, view and buffer to the tracks of a medium.
+    /// The video that a texture shows, found through accessor, view and buffer; nothing if it has no
+    /// MPEG_texture_video. Of a medium's alternatives, the first local file.
     std::optional<GltfVideo> video(const Node& texture) const {
         const auto moving = gltf_extension(texture, "MPEG_texture_video");
         if (!moving) return std::nullopt;
@@ -176,18 +175,18 @@ public:
         return video;
     }
 
-    /// The file that a URI of it names.
+    /// The file that a URI in this file names.
     LinkedFile linked(const std::string& uri) const {
         auto link = follow_link(uri, file_);
         if (!link) throw link.error();
         return std::move(*link);
     }
 
-    /// The others that were read for pictures.
+    /// Other files that were read for pictures.
     const std::vector<std::filesystem::path>& read_files() const { return read_files_; }
 
 private:
-    /// A stretch of a buffer.
+    /// The bytes of a buffer view.
     LinkedFile carried_picture(const Node& view) {
         const Node buffer = element("buffers", view["buffer"]);
         constexpr std::int64_t most = std::int64_t{1} << 40;
@@ -206,7 +205,7 @@ private:
         } else if (carried_) {
             bytes = *carried_;
         } else {
-            buffer["uri"].text();  // is missing
+            buffer["uri"].text();  // throws: it is missing
         }
         if (begin > bytes.size() || length > bytes.size() - begin)
             view["byteLength"].refuse("within its buffer, which has " + std::to_string(bytes.size()) +
@@ -222,22 +221,22 @@ private:
 
 /// One property in a haptic material of glTF.
 struct GltfLayer {
-    std::size_t texture = 0;               ///< of the array "textures"
-    int channel = 0;                       ///< 0, red, where it does not say another; 2 at most
-    std::optional<PropertyRange> range{};  ///< at black and white, where it says that
+    std::size_t texture = 0;               ///< index in "textures"
+    int channel = 0;                       ///< 0 (red) to 2; 0 if not stated
+    std::optional<PropertyRange> range{};  ///< at black and white, if stated
 };
 
-/// What a material of MPEG_haptic_material has. The extension knows one friction; beside a texture "extras"
-/// may say more: "touchable_range" [black, white], "touchable_channel" 0 to 2, "touchable_kind" "static",
+/// What a material of MPEG_haptic_material has. The extension has one friction; "extras" beside a texture may
+/// say more: "touchable_range" [black, white], "touchable_channel" 0 to 2, "touchable_kind" "static",
 /// "dynamic", and of a custom texture "height".
 struct GltfTouch {
     std::array<std::optional<GltfLayer>, 3> properties;  ///< as property_names
     std::optional<GltfLayer> height;
-    std::vector<std::string> notes{};  ///< what of it is not used
+    std::vector<std::string> notes{};  ///< what is not used
 };
 
 constexpr const char* haptic_extension = "MPEG_haptic_material";
-/// Of a draft of 2022, which files of that time have.
+/// The name in a draft of 2022, in files of that time.
 constexpr const char* haptic_extension_of_draft = "MPEG_material_haptic";
 
 std::optional<Node> extra(const Node& entry, const char* name) {
@@ -253,7 +252,7 @@ std::vector<Node> materials_of(const GltfFile& gltf) {
     return {};
 }
 
-/// The number of the material that a mesh names: the first mesh with one.
+/// The number of the haptic material of the first mesh that names one.
 std::optional<Node> material_of_mesh(const GltfFile& gltf) {
     if (!gltf.root().has("meshes")) return std::nullopt;
     for (const Node& mesh : gltf_array(gltf.root()["meshes"])) {
@@ -276,8 +275,7 @@ bool is_touched(const Node& material) {
     return std::ranges::any_of(all, is_height);
 }
 
-/// Picks the textures of one material: the one that the file's first mesh with one names, or else the first
-/// that is touched.
+/// Picks the textures of one material: that of the file's first mesh with one, or else the first with touch.
 class MaterialReader {
 public:
     explicit MaterialReader(const GltfFile& gltf) : gltf_(gltf), name_(gltf.file().string()) {}
@@ -322,8 +320,8 @@ private:
         return *std::ranges::find_if(materials, is_touched);
     }
 
-    /// Of the textures of a property, and of this kind or of none, the one of high resolution, or of low
-    /// where there is none. A reference leads to signals in binary form, which is not read.
+    /// A property's texture of this kind or of none: the first of high resolution, or else of low. An error
+    /// if there are only references, which lead to signals in binary form that are not read.
     std::optional<Node> entry(const Node& material, const char* property, const char* kind) {
         if (!material.has(property)) return std::nullopt;
         std::vector<Node> entries;
@@ -374,7 +372,7 @@ private:
     GltfTouch touch_;
 };
 
-/// Where nothing is said of a property: stiffness in N/mm, static and dynamic friction.
+/// Values of properties that are not stated: stiffness in N/mm, static and dynamic friction.
 std::array<double, 3> untouched(const Scene& scene) {
     const HapticProperties& usual = scene.default_properties;
     return {usual.stiffness / 1000.0, usual.static_friction, usual.dynamic_friction};
@@ -420,13 +418,13 @@ HapticLayers as_pictures(GltfFile& gltf, const Scene& scene) {
     return layers;
 }
 
-/// Where a plane is.
+/// Source of a plane.
 struct ClipTexture {
     std::optional<GltfVideo> video;
-    std::string picture;  ///< a file in the scene's folder or below, where it is no video
+    std::string picture;  ///< if no video: a file in the scene's folder or below
 };
 
-/// The array's element of which `choose` makes something, the first.
+/// The first result of `choose` for an array's elements that is not empty.
 template <class Choose>
 auto first_of(const Node& root, const char* array, const Choose& choose)
     -> decltype(choose(root, std::size_t{0})) {
@@ -449,7 +447,7 @@ public:
         find_planes();
         SceneDescription scene = file_.scene ? SceneDescription(*file_.scene) : described();
         if (!file_.scene && touch_) take_touch(scene.scene);
-        if (touch_ && !maps_.haptic)  // otherwise the map says so
+        if (touch_ && !maps_.haptic)  // a map has the same notes
             for (const std::string& note : touch_->notes) add_remark(remarks_, {note});
         scene.scene.remarks = joined_remarks(std::move(scene.scene.remarks), remarks_);
         scene.scene.folder.reset();
@@ -464,7 +462,7 @@ public:
     }
 
 private:
-    /// In the scene's folder or below.
+    /// The name of a file in the scene's folder or below.
     std::string name_beside(const std::string& uri) const {
         const std::filesystem::path file = gltf_.linked(uri).file;
         const std::filesystem::path named =
@@ -475,7 +473,7 @@ private:
         return named.string();
     }
 
-    /// As its mesh says; otherwise the video whose samples are depth.
+    /// Index of depth's texture: as the mesh says, otherwise the first video of format DEPTH_COMPONENT.
     std::optional<std::size_t> depth_texture() const {
         if (own_) return static_cast<std::size_t>((*own_)["depth"].whole());
         return first_of(
@@ -487,7 +485,7 @@ private:
             });
     }
 
-    /// As its mesh says; otherwise what is drawn on the first mesh that is drawn with a picture.
+    /// Index of colour's texture: as the mesh says, otherwise the base colour of the first mesh that has one.
     std::optional<std::size_t> colour_texture() const {
         if (own_)
             return own_->has("colour") ? std::optional(static_cast<std::size_t>((*own_)["colour"].whole()))
@@ -529,14 +527,14 @@ private:
                 "it is "
                 "no clip; what it says of touch serves a clip of depth"};
         at(PlaneRole::depth) = plane(*depth);
-        const auto colour = colour_texture();  // a picture of it stands in for the video
+        const auto colour = colour_texture();  // a picture only stands in for a video
         if (colour && (!at(PlaneRole::depth)->video || is_video(*colour)))
             at(PlaneRole::colour) = plane(*colour);
         find_touch();
     }
 
-    /// In a clip of ours a material's textures are one plane. Those of others are videos, each of its own;
-    /// pictures alone are a map, as of any other clip.
+    /// In a clip of ours, a material's textures are one plane. Other programs' videos are sources of their
+    /// own; pictures alone are a map, as for any other clip.
     void find_touch() {
         const std::vector<Node> materials = materials_of(gltf_);
         if (std::ranges::none_of(materials, is_touched)) return;
@@ -588,7 +586,7 @@ private:
         return std::move(*scene);
     }
 
-    /// Of depth that says nothing of lengths: of larger values as a depth buffer's are, which are farther.
+    /// The scene for depth without stated lengths: larger values are farther, as in a depth buffer.
     SceneDescription assumed() const {
         const auto& video = depth().video;
         if (!video)
@@ -618,7 +616,7 @@ private:
         return std::move(*guessed);
     }
 
-    /// Ranges beside a texture count, as a person may have changed them there. Whether they differ.
+    /// Takes the ranges beside textures, where a person may have changed them. Returns whether they differ.
     bool take_ranges(Scene& scene) const {
         const std::array<PropertyRange*, 3> ranges{&scene.haptic.stiffness, &scene.haptic.static_friction,
                                                    &scene.haptic.dynamic_friction};
@@ -635,7 +633,7 @@ private:
         return is_other;
     }
 
-    /// The same of heights, which are metres there.
+    /// The same for heights, which are metres there.
     bool take_height(Scene& scene) const {
         const GltfLayer& height = *touch_->height;
         if (height.channel != 0)
@@ -676,7 +674,7 @@ private:
         return planes_[static_cast<std::size_t>(role)];
     }
     const ClipTexture& depth() const { return *planes_.front(); }
-    /// Files for programs that know no depth video: they are inputs, too, which nothing may write over.
+    /// Files for programs without depth video: they are inputs, too, so that nothing overwrites them.
     std::vector<std::filesystem::path> files_of_others() const {
         std::vector<std::filesystem::path> files;
         for (const char* array : {"images", "buffers"}) {
@@ -690,7 +688,7 @@ private:
         return files;
     }
 
-    /// Tracks of one file, and pictures beside them.
+    /// Opens tracks of one file, and pictures beside them.
     Opened open_tracks(const SceneDescription& described) const {
         const std::string& file = depth().video->file;
         PlaneTracks tracks;
@@ -702,7 +700,7 @@ private:
             if (!plane->video) {
                 if (role == PlaneRole::haptic) maps.haptic = gltf_.file();
                 if (role == PlaneRole::height) maps.height = folder_ / plane->picture;
-                continue;  // a picture of colour is what others show of the video
+                continue;  // a picture of colour is the poster for other programs
             }
             if (plane->video->file != file)
                 throw Refusal{name + " and depth are videos in two files: must be tracks of one"};
@@ -717,7 +715,7 @@ private:
         return with_still_maps(std::move(reader), maps);
     }
 
-    /// Pictures; or videos, each a file of its own.
+    /// Opens pictures, or videos that are each a file of its own.
     Opened open_files(SceneDescription described) const {
         FolderSource files;
         const bool is_moving = depth().video.has_value();
@@ -754,15 +752,15 @@ private:
     const Candidate& file_;
     GltfFile gltf_;
     std::filesystem::path folder_;
-    const std::optional<Node> own_;  // what we wrote of it
+    const std::optional<Node> own_;  // "touchable" in a mesh's extras
     std::array<std::optional<ClipTexture>, all_roles.size()> planes_;
     std::optional<GltfTouch> touch_;
     StillMaps maps_;                       // pictures that serve all frames of a video
-    std::optional<TouchSources> sources_;  // of touch that is no plane of ours, and moves
+    std::optional<TouchSources> sources_;  // of moving touch that is no plane of ours
     std::vector<Remark> remarks_;
 };
 
-/// What `read` makes of a file, with its name before what is wrong.
+/// Calls `read` and turns what it throws into errors that begin with the file's name.
 template <class Read>
 auto read_gltf(const std::filesystem::path& file, const Read& read) -> decltype(read()) {
     try {

@@ -1,5 +1,5 @@
-// The scene is drawn as a still mesh by programs that know no video (FallbackMesh). Its video, its haptic
-// material and its scene file stand in extensions and "extras", which they may leave unread (GltfScene).
+// Programs without video support draw the scene as a still mesh (FallbackMesh). Its video, its haptic
+// material and its scene file are in extensions and "extras", which programs may ignore (GltfScene).
 
 #include "engine/formats/gltf_writer.hpp"
 
@@ -21,11 +21,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int most_cells = 96;  // of the mesh, along the longer side
-/// Of the distance between two vertices across the line of sight, at the nearer one: what is steeper is taken
-/// for an edge.
+/// Depth between two vertices over their distance across the view, at the nearer one; more is an edge.
 constexpr double steepest_slope = 4;
 
-/// Pixels from 0 to the last, evenly.
+/// Evenly spaced pixels from 0 to the last.
 std::vector<int> mesh_places(int pixels, int longer_side) {
     const int cells = std::clamp(most_cells * pixels / longer_side, 1, std::max(1, pixels - 1));
     std::vector<int> places;
@@ -63,8 +62,8 @@ private:
         add_position(x, y, there.value_or(scene_.depth.far));
     }
 
-    /// Where no corner is in a hole. Corners that lie far before another are as deep as that, so that from
-    /// the clip's own camera nothing is missing between two surfaces.
+    /// Adds a triangle if no corner is in a hole. Corners that lie far before another get its depth, so that
+    /// from the clip's own camera nothing is missing between two surfaces.
     void add_triangle(Corner corners) {
         if (std::ranges::any_of(corners, [this](std::uint32_t corner) { return is_hole_[corner]; })) return;
         const std::uint32_t deepest = *std::ranges::min_element(
@@ -74,7 +73,7 @@ private:
         mesh_.triangles.push_back(corners);
     }
 
-    /// Whether one lies far behind the other.
+    /// Whether one vertex lies far behind the other.
     bool is_edge(std::uint32_t a, std::uint32_t b) const {
         const auto &from = mesh_.positions[a], &to = mesh_.positions[b];
         const double nearer = std::min(-from[2], -to[2]), deeper = to[2] - from[2];
@@ -84,7 +83,7 @@ private:
                steepest_slope * steepest_slope * (across_x * across_x + across_y * across_y);
     }
 
-    /// Another vertex where the camera sees this one, but as deep as that other.
+    /// Adds a vertex that the camera sees at the place of `vertex`, as deep as `deeper`; returns its index.
     std::uint32_t add_behind(std::uint32_t vertex, std::uint32_t deeper) {
         std::array<float, 3> position = mesh_.positions[vertex];
         const float farther = mesh_.positions[deeper][2] / position[2];
@@ -101,7 +100,7 @@ private:
         mesh_.triangles = {{0, 2, 3}, {0, 3, 1}};
     }
 
-    /// Along -Z, scene units; nothing in a hole.
+    /// Depth along -Z, scene units; nothing in a hole.
     std::optional<double> planar(int x, int y) const {
         const DepthCoding& coding = scene_.depth;
         if (coding.kind == DepthCodingKind::hue) return std::nullopt;
@@ -137,12 +136,12 @@ struct GltfPlane {
     std::string picture;              ///< a file's name
 };
 
-/// The files that a glTF scene is of, all in its folder.
+/// The files of a glTF scene, all in its folder.
 struct GltfClipFiles {
     std::string video;              ///< MP4; empty: pictures
-    std::vector<GltfTrack> tracks;  ///< that it has
-    std::string poster;             ///< what is drawn of it where videos are not known
-    std::string mesh;               ///< bytes_of_mesh
+    std::vector<GltfTrack> tracks;  ///< of that file
+    std::string poster;             ///< shown by programs without MPEG_texture_video
+    std::string mesh;               ///< has bytes_of_mesh
     std::array<std::optional<GltfPlane>, all_roles.size()> planes;
 
     std::optional<GltfPlane>& plane(PlaneRole role) { return planes[static_cast<std::size_t>(role)]; }
@@ -151,7 +150,7 @@ struct GltfClipFiles {
     }
 };
 
-/// Members stay in the order in which a person reads them.
+/// Members stay in the order in which they are added, for human readers.
 using OrderedJson = nlohmann::ordered_json;
 
 // Numbers of OpenGL, by which glTF names types, filters and targets.
@@ -178,8 +177,8 @@ std::string as_uri(std::string_view name) {
     return uri;
 }
 
-/// A touchable clip as glTF 2.0 (docs/codecs.md): extensions of MPEG, all of which a program may leave
-/// unread, and in "extras" of the mesh, under "touchable", the scene file. Indented JSON.
+/// Writes a touchable clip as glTF 2.0 (docs/codecs.md) in indented JSON: extensions of MPEG, all of which a
+/// program may ignore, and the scene file in the mesh's "extras", under "touchable".
 class GltfScene {
 public:
     GltfScene(const SceneDescription& described, const GltfClipFiles& files, const FallbackMesh& mesh)
@@ -217,7 +216,7 @@ private:
     bool is_moving() const { return !files_.video.empty(); }
     int& texture_of(PlaneRole role) { return textures_[static_cast<std::size_t>(role)]; }
 
-    /// The buffer of the still mesh, its views and what they hold.
+    /// Adds the buffer of the still mesh, its views and their accessors.
     void add_mesh_data() {
         const std::size_t vertices = mesh_.positions.size(), corners = 3 * mesh_.triangles.size();
         const int buffer =
@@ -252,7 +251,7 @@ private:
                                                       {"type", "VEC2"}});
     }
 
-    /// What is drawn is the first, with a picture for those who know no video; the others are data.
+    /// The first texture is drawn, with a picture for programs without video support; the others are data.
     void add_textures() {
         const auto sampler = [&](int filter) {
             return add("samplers", {{"magFilter", filter},
@@ -280,7 +279,7 @@ private:
         }
     }
 
-    /// What is to be MPEG_texture_video of a texture, and the buffer that its frames come into.
+    /// Makes the MPEG_texture_video of a texture; adds the buffer for its frames.
     OrderedJson video_texture(PlaneRole role, const GltfPlane& plane) {
         const bool is_wide = plane.tracks.size() > 1,
                    is_hue = role == PlaneRole::depth && scene_.depth.kind == DepthCodingKind::hue,
@@ -317,7 +316,7 @@ private:
         return {{"texture", {{"index", texture_of(role)}}}, {"type", type}, {"extras", std::move(extras)}};
     }
 
-    /// The extension knows one friction, no heights and no units: "extras" do.
+    /// The extension has one friction, no heights and no units: "extras" add these.
     void add_haptic_material() {
         OrderedJson material{{"name", "haptics"}};
         const HapticRanges& ranges = scene_.haptic;
@@ -369,7 +368,7 @@ private:
         add("meshes", std::move(mesh));
     }
 
-    /// The clip's own, as far as glTF has such: its axis goes through the picture's middle.
+    /// Adds the clip's camera as far as glTF can: its axis goes through the picture's middle.
     void add_camera() {
         const Camera& camera = scene_.camera;
         const double across = scene_.width / camera.fx, down = scene_.height / camera.fy;
@@ -386,7 +385,7 @@ private:
         described.scene.folder.reset();
         described.scene.video.reset();
         described.scene.stored = {};
-        described.unstated.rate = is_moving();  // its file says it
+        described.unstated.rate = is_moving();  // the video states it
         OrderedJson own{{"depth", texture_of(PlaneRole::depth)}};
         if (files_.plane(PlaneRole::colour)) own["colour"] = texture_of(PlaneRole::colour);
         own["scene"] = OrderedJson::parse(scene_to_json(described));
@@ -412,7 +411,7 @@ void append_word(std::string& bytes, Number number) {
     for (int k = 0; k < 4; ++k) bytes += static_cast<char>(word >> (8 * k) & 255U);
 }
 
-/// Indices, positions and texture coordinates as its buffer has them, little-endian.
+/// Indices, positions and texture coordinates, in the buffer's order, little-endian.
 std::string bytes_of_mesh(const FallbackMesh& mesh) {
     std::string bytes;
     for (const auto& triangle : mesh.triangles)
@@ -424,13 +423,13 @@ std::string bytes_of_mesh(const FallbackMesh& mesh) {
     return bytes;
 }
 
-/// RFC 6381: what a player must know to decode it, of its parameters.
+/// RFC 6381: the codec parameters that a player must know to decode a track; empty if not H.264.
 std::string codecs_of(const AVCodecParameters& stored) {
     if (stored.codec_id != AV_CODEC_ID_H264 || stored.extradata_size < 4) return "";
     return formatted("avc1.%02X%02X%02X", stored.extradata[1], stored.extradata[2], stored.extradata[3]);
 }
 
-/// Grey of 8 bits, near and far as they are stored.
+/// Depth as grey of 8 bits, near and far as stored.
 Image as_seen(const PlaneView& depth, int code_max) {
     Image image{depth.width, depth.height, 1, 1, {}};
     for (int y = 0; y < depth.height; ++y)
@@ -492,7 +491,7 @@ public:
 
 private:
     std::string name(const std::string& end) const { return place_.stem().string() + end; }
-    /// Messages speak of the place that the files are to have.
+    /// Names the files' final folder in a message instead of the hidden one.
     Error as_named(Error error) const {
         const std::string hidden = hidden_.path().string(), home = place_.parent_path().string();
         for (auto at = error.message.find(hidden); at != std::string::npos;
@@ -514,7 +513,7 @@ private:
         return write_png_to(hidden_.path() / name, plane, place_.parent_path() / name, PngEffort::quick);
     }
 
-    /// Which of its tracks is which plane, as their handlers' names say.
+    /// Finishes the video, and finds each plane's tracks by their handlers' names.
     Result<void> end_video(GltfClipFiles& files) {
         TRY(video_->finish());
         files.video = name(".mp4");
@@ -549,7 +548,7 @@ private:
         return {};
     }
 
-    /// Of a still its colour serves.
+    /// Writes the poster; a still's colour serves as one.
     Result<void> write_poster(GltfClipFiles& files) {
         const auto& colour = files.plane(PlaneRole::colour);
         files.poster = colour && is_still_ ? colour->picture : name(".png");
@@ -564,7 +563,7 @@ private:
     bool is_still_;
     Existing existing_;
     HiddenFolder hidden_;
-    std::unique_ptr<ClipWriter> video_;  // null: of a still
+    std::unique_ptr<ClipWriter> video_;  // null: a still
     RawFrame first_;
     std::int64_t frames_ = 0;
     std::vector<std::string> names_;  // in the order in which the files appear

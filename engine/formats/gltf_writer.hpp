@@ -9,17 +9,17 @@
 
 namespace touchable {
 
-/// A still surface for programs that know no depth video: in metres, X right, Y up, the camera at the origin
-/// looking along -Z.
+/// A still surface for programs without support for depth video: in metres, X right, Y up, the camera at the
+/// origin looking along -Z.
 struct FallbackMesh {
     std::vector<std::array<float, 3>> positions;
-    std::vector<std::array<float, 2>> texture_places;  ///< of each position: (0, 0) is the upper left corner
+    std::vector<std::array<float, 2>> texture_places;     ///< of each position; (0, 0): the upper left corner
     std::vector<std::array<std::uint32_t, 3>> triangles;  ///< counter-clockwise as the camera sees them
 };
 
-/// A frame's depth by at most 97 vertices along its longer side, heights and filters left out. Where it is a
-/// hole there is no triangle. Where it falls away so steeply that two surfaces lie behind each other, the
-/// deeper one goes on to the edge of the nearer. Of a frame without depth: a rectangle.
+/// Makes a mesh of a frame's depth, with at most 97 vertices along its longer side, without heights and
+/// filters. Holes have no triangles. If depth changes so steeply that one surface lies behind another, the
+/// deeper one is extended to the edge of the nearer. A frame without depth becomes a rectangle.
 FallbackMesh fallback_mesh(const RawFrame& frame, const Scene& scene);
 
 }  // namespace touchable

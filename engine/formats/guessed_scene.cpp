@@ -1,5 +1,5 @@
-// The scene of depth pictures that have no scene file (SceneGuess). What is known (SourceDescription) stands;
-// what is not is taken from files beside the pictures, from their names and from their values.
+// Guesses the scene of depth pictures without a scene file (SceneGuess). Stated values (SourceDescription)
+// are kept; the rest comes from files beside the pictures, from their names and from their values.
 
 #include <cmath>
 #include <iterator>
@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Remarks begin with them, by which guessed_in and doubts_unit know them.
+// Beginnings of remarks, by which guessed_in and doubts_unit recognise them.
 constexpr std::string_view doubt_mark = "the median depth is ", no_scale_mark = "depth has no scale",
                            direction_guess_mark = "values are lengths, though they are larger",
                            code_guess_mark = "a code is ", value_guess_mark = "values are ",
@@ -36,19 +36,19 @@ constexpr std::string_view doubt_mark = "the median depth is ", no_scale_mark = 
                            colour_guess_mark = "colour lies on depth's pixels";
 /// Begins what a remark on a unit says of other units that fit.
 constexpr std::string_view other_units_mark = "that is ";
-/// N/mm. Where a camera saw nothing no wall pushes with all that a device can (docs/scene_file.md, Holes).
+/// N/mm. A hole's wall, which no camera saw, must not push with full force (docs/scene_file.md, Holes).
 constexpr double soft_holes = 0.1;
-constexpr double most_of_lengths = 1.05;                 // lower in a picture, times what is above
+constexpr double most_of_lengths = 1.05;                 // lower third of a picture over the upper
 constexpr double assumed_near = 0.5, assumed_far = 1.5;  // metres, of depth without a scale
 
-/// By the name of depth's channel in a rendering, or else by its values.
+/// The preset by the name of depth's channel in a rendering, or else by its values.
 EvidentPreset evident_in(const StoredImage& picture) {
     if (picture.beside && is_exr_depth_of_unreal(picture.beside->depth_name))
         return {preset_named("unreal"), "its channel's name is Unreal's"};
     return evident_preset(picture);
 }
 
-/// As programs say it: 29.97 stands for 30000/1001.
+/// The rate that programs mean by a number: 29.97 is 30000/1001.
 FrameRate stated_rate(double per_second) {
     const double whole = std::round(per_second), ntsc = whole * 1000 / 1001;
     if (std::abs(per_second - ntsc) < 0.0006 * whole && whole >= 24)
@@ -78,7 +78,8 @@ bool is_named_disparity(const std::string& name) {
            has_word(name, {"inverse_depth", "inv_depth", "invdepth", "inversedepth"});
 }
 
-/// Distances from the camera's centre. Hypersim's depth_meters are such, and Replicator's distance_to_camera.
+/// Whether a name says distances from the camera's centre, as Hypersim's depth_meters and Replicator's
+/// distance_to_camera are.
 bool is_named_range(const std::string& name) {
     return has_whole_word(name, {"range", "ranges", "ray", "euclidean", "radial", "depthperspective"}) ||
            has_word(name, {"depth_meters", "distance_to_camera"});
@@ -104,7 +105,7 @@ bool holds_words(const StoredImage& picture) {
     return picture.values.empty() && picture.image.bytes_per_sample == 2 && picture.bits == 16;
 }
 
-/// Null where no preset is named.
+/// The stated preset, an error if it is none for pictures; null: none is stated.
 Result<const SourceDescription::Preset*> known_preset(const SourceDescription& known) {
     if (known.preset.empty()) return static_cast<const SourceDescription::Preset*>(nullptr);
     if (const SourceDescription::Preset* preset = preset_named(known.preset)) return preset;
@@ -115,16 +116,16 @@ Result<const SourceDescription::Preset*> known_preset(const SourceDescription& k
                        {{Setting::preset}});
 }
 
-/// A scene in the making, of depth as in one picture: its camera, unit, values and rate. What is not said or
-/// known is guessed, and each guess is a remark.
+/// Makes a scene of depth as in one picture: its camera, unit, values and rate. What is not stated is
+/// guessed, and each guess is a remark.
 class SceneGuess {
 public:
-    /// `evident`: what is taken where neither a person nor a file says how depth is stored.
+    /// `evident`: the preset if neither a person nor a file says how depth is stored.
     SceneGuess(const SourceDescription& known, const SourceDescription::Preset* preset,
                EvidentPreset evident = {})
         : known_(known), preset_(evident.preset ? evident.preset : preset), evident_(std::move(evident)) {}
 
-    /// Of depth as in this picture; `coding`, if any, stands, whatever its values are.
+    /// Describes depth as in this picture; `coding`, if any, is kept, whatever the values are.
     Result<void> describe(const fs::path& folder, const StoredImage& depth,
                           const DepthCoding* coding = nullptr) {
         scene_.width = depth.image.width;
@@ -168,11 +169,11 @@ public:
         add_remark(scene_.remarks, {std::move(guess), true, std::move(otherwise), std::move(hints)});
     }
     void say(std::string guess, Hints hints) { say(std::move(guess), {}, std::move(hints)); }
-    /// What a file or a person said, and the settings that say another.
+    /// Adds what a file or a person stated, with the settings that override it.
     void tell(std::string fact, std::string otherwise = {}, Hints hints = {}) {
         add_remark(scene_.remarks, {std::move(fact), false, std::move(otherwise), std::move(hints)});
     }
-    /// Of a rendering, which may have colour in depth's own files.
+    /// Tells the channels of a rendering, which may have colour in depth's own files.
     void tell_of_layers(const BesideDepth& beside, bool takes_colour) {
         if (beside.depth_name.empty()) return;  // a cloud's
         std::string said = "depth is channel " + beside.depth_name;
@@ -183,7 +184,7 @@ public:
         say(std::move(said));
     }
 
-    /// Of a cloud: its points' z, which are lengths whatever their name.
+    /// Depth is the z of a cloud's points: lengths, whatever the file's name.
     void know_points() { are_points_ = true; }
 
     void tell_of_preset() {
@@ -193,7 +194,7 @@ public:
             Hints{{Setting::preset}, {Setting::depth_unit}});
     }
 
-    /// Of JPEG what is lost, which nothing here brings back.
+    /// Tells what a JPEG has lost, which cannot be restored.
     void tell_of_jpeg(const StoredImage& depth) {
         if (depth.codec != "mjpeg") return;
         const DepthCoding& coding = scene_.depth;
@@ -206,7 +207,7 @@ public:
     }
 
     void know_cameras(const GuessedCameras& cameras) { frames_ = cameras; }
-    /// Of depth's pictures; their folder's where theirs has no letters (disp/0001.png).
+    /// Takes evidence from the pictures' name, or their folder's if theirs has no letters (disp/0001.png).
     void know_name(const fs::path& path) {
         const std::string own = path.stem().string();
         const bool has_letters =
@@ -217,7 +218,7 @@ public:
         says_range_ = is_named_range(name);
         unit_in_name_ = unit_in_name(name);
     }
-    /// Of the array that is depth in its file, which says more than the file's.
+    /// Takes evidence from the name of depth's array, which says more than the file's.
     void know_array(const std::string& name) {
         says_disparity_ =
             is_named_disparity(name) || (says_disparity_ && small_letters(name).find("depth") == name.npos);
@@ -229,16 +230,16 @@ public:
     bool takes_frame_cameras() const {
         return !beside_.frame_cameras.empty() && !known_.intrinsics && !known_.fov && !frames_;
     }
-    /// Where a camera's file is sought; its folder is that of `describe`.
+    /// Sets where a camera's file is sought; `describe` sets the folder.
     void know_place(PicturesOfCamera place) { place_ = std::move(place); }
-    /// That of a video of colour with as many frames as depth.
+    /// Takes the rate of a colour video with as many frames as depth.
     void take_rate(const ColourVideo& video) {
         scene_.rate = video.file->rate();
         tell(short_number(scene_.rate.per_second()) + " frames a second, as " + printable(video.name) +
                  " has as many frames at that rate",
              "a scene file's rate says otherwise");
     }
-    /// That of a file beside depth, if one states it.
+    /// Takes the rate that a file beside depth states; false if none does.
     bool take_stated_rate() {
         constexpr double slowest = 0.01;
         if (beside_.frames_per_second < slowest) return false;
@@ -250,8 +251,7 @@ public:
              "a scene file's rate says otherwise");
         return true;
     }
-    /// By the times of its frames, a rate that a file beside them states, or that of a video of colour with
-    /// as many frames.
+    /// Sets the rate by the frames' times, a file beside them, or a colour video with as many frames.
     Result<void> find_rate(const fs::path& folder, std::int64_t frames,
                            const std::optional<ColourVideo>& video) {
         TRY_ASSIGN(const auto files, depth_files(folder, *scene_.folder));
@@ -273,8 +273,8 @@ public:
         return {};
     }
 
-    /// Where files there say that colour does not lie on depth's pixels: takes colour's camera from them, or
-    /// says that colour is taken to lie there all the same.
+    /// If files there say that colour does not lie on depth's pixels, takes colour's camera from them, or
+    /// adds a remark that colour is nevertheless taken to lie there.
     void place_colour(const fs::path& folder, const fs::path& colour, ReadPictures& pictures) {
         const fs::path here = folder.empty() ? fs::path(".") : folder;
         const auto picture = pictures.look(colour);
@@ -299,7 +299,7 @@ public:
 private:
     bool preset_is_packed() const { return preset_ && preset_->stored.packed; }
     std::uint16_t largest_code() const { return scene_.depth_bits == 8 ? 255 : 65535; }
-    /// A camera's file that a person named is scaled as one that is found, or refused.
+    /// A person's camera file, scaled as one that is found; an error if it is for other pictures.
     Result<Intrinsics> named_intrinsics() {
         if (known_.file.empty()) return *known_.intrinsics;
         std::string doubt;
@@ -319,7 +319,7 @@ private:
         return camera;
     }
 
-    /// A camera's file that a person named may say depth's scale as well.
+    /// Takes depth's scale from a camera's file that a person named, if it states one.
     void take_scale_of(const fs::path& file) {
         const auto said = read_camera_text(file);
         if (!said) return;
@@ -416,7 +416,7 @@ private:
         return names.empty() ? "" : "; not understood as a camera's file: " + printable(names, 200);
     }
 
-    /// By the size of what is there.
+    /// Sets the unit: as stated, by preset, by names or files beside depth, or by the size of the values.
     Result<void> find_unit(const EstimatedValues& values) {
         if (!values.any)
             return input_error(
@@ -472,7 +472,7 @@ private:
             set_metric(preset_->metres_per_code);
             return {};
         }
-        // Numbers of 8 bits are as good as never lengths.
+        // Numbers of 8 bits are hardly ever lengths.
         if (const double codes = beside_.codes_per_metre; codes > 0 && !values.is_float && values.bits > 8) {
             set_metric(1 / codes);
             const fs::path& file = beside_.scale_file;
@@ -504,9 +504,8 @@ private:
         return {};
     }
 
-    /// Whether lengths go along the ray of each pixel, as the name may say, or along the camera's axis. Depth
-    /// cameras measure the latter, and recordings have it so; floats in files are as a renderer or a laser
-    /// has them.
+    /// Decides whether lengths go along each pixel's ray, as the name may say, or along the camera's axis, as
+    /// depth cameras record them. Floats in files may be either, as a renderer or a laser has them.
     void find_semantics(bool is_float) {
         if (known_.semantics || scene_.depth.kind != DepthCodingKind::metric) return;
         if (says_range_) {
@@ -556,8 +555,8 @@ private:
             say("values are 8 bits stored as 16, as all are multiples of " + std::to_string(values.divisor),
                 otherwise);
         if (values.bits == 8 || values.is_of_bytes() || values.is_normalised || is_signed) {
-            // What is larger where it is nearer is 1/depth, as most networks guess it; what grows with depth
-            // is depth.
+            // Values that are larger for near pixels are 1/depth, as most networks guess it; others are
+            // depth.
             const bool near_is_high = is_signed || values.lower >= values.upper;
             set_relative(near_is_high, near_is_high);
         } else if (values.is_float) {
@@ -572,7 +571,7 @@ private:
                           short_number(0.01 * values.median, 3) + " m if they are centimetres"
                     : "",
                 may_be_centimetres ? Hints{{Setting::depth_unit, "0.01"}} : otherwise);
-            // What is lower in a picture is mostly nearer.
+            // The lower part of a picture is mostly nearer.
             if (values.lower > most_of_lengths * values.upper && !are_points_)
                 say(std::string(direction_guess_mark) +
                         " in the lower third of the picture, as 1/depth of networks is",
@@ -585,7 +584,7 @@ private:
         }
     }
 
-    /// The unit of words that was guessed, and others that fit them too, with the size of the scene in each.
+    /// Tells the guessed unit of 16-bit values and others that fit, with the scene's size in each.
     void say_unit(const EstimatedValues& values, double unit) {
         const std::string guess = std::string(code_guess_mark) + short_number(1000 * unit) + " mm, as ";
         if (!list_.empty()) {
@@ -620,7 +619,7 @@ private:
         for (const auto& [is_possible, other, when] : readings) {
             if (!is_possible) continue;
             others += "; " + size(*parsed_number(other)) + ' ' + when;
-            // The sky is no depth, which the preset knows.
+            // The preset knows that the sky is no depth.
             if (std::string_view(other) == "0.01")
                 hints.push_back({Setting::preset, "vkitti"});
             else
@@ -636,8 +635,8 @@ private:
             others.empty() ? "" : std::string(other_units_mark) + size(unit) + others, std::move(hints));
     }
 
-    /// Cameras measure in whole millimetres, and files may have these times 5, 10 or 100. Whether that
-    /// settles the unit.
+    /// Guesses the unit by the values' divisor: cameras measure whole millimetres, and files may have these
+    /// times 5, 10 or 100. False if that does not settle it.
     bool guess_unit_of_multiples(const EstimatedValues& values) {
         constexpr double nearest = 250, deepest = 12'000;  // millimetres, of a median
         const int divisor = values.divisor;
@@ -656,7 +655,7 @@ private:
         return true;
     }
 
-    /// Names a unit by which the values would be lengths that a hand reaches, if there is one.
+    /// Adds a remark if the unit is doubtful, with one by which the values are in a hand's reach, if any.
     void doubt_unit(const EstimatedValues& values) {
         if (scene_.depth.kind != DepthCodingKind::metric || !scene_.stored.is_plain()) return;
         std::string otherwise = "a unit is the metres that a stored 1 stands for, such as 0.001";
@@ -674,7 +673,7 @@ private:
             add_remark(scene_.remarks, std::move(*doubt));
     }
 
-    /// Cameras write 0 where they see nothing. Depth without a scale has something everywhere.
+    /// Sets the codes that are no depth: cameras write 0. Depth without a scale has none.
     void set_invalid(const StoredImage& depth, bool has_negative_none) {
         if (scene_.stored.kind == StoredDepth::Kind::relative) return;
         const bool is_told = preset_ != nullptr || known_.metres_per_code.has_value();
@@ -693,7 +692,7 @@ private:
                                     : "0 is no depth");
     }
 
-    /// Only of depth that has metres, as the movement has.
+    /// Takes colour's camera from ViSP's files, which are in metres; false if there is none, or depth is not.
     bool take_colour_camera(const fs::path& movement, const Image& colour) {
         if (scene_.stored.kind == StoredDepth::Kind::relative) return false;
         const auto found = visp_colour_camera(movement, beside_.file, colour.width, colour.height);
@@ -722,13 +721,13 @@ private:
     std::vector<fs::path> inputs_;
     PicturesOfCamera place_;
     CameraBeside beside_;
-    CameraFile file_;                                                      // that beside_ has, if any
-    std::optional<GuessedCameras> frames_;                                 // that have one each
+    CameraFile file_;                       // beside_'s camera, if any
+    std::optional<GuessedCameras> frames_;  // cameras of frames that have one each
     bool is_named_ = false, says_disparity_ = false, says_range_ = false;  // the pictures' names
     std::optional<UnitInName> unit_in_name_;
     bool is_unit_guessed_ = false;
     std::string list_;                  // of pictures and their times; empty: there is none
-    bool has_camera_of_depth_ = false;  // which was said, or read
+    bool has_camera_of_depth_ = false;  // stated, or read
     bool are_points_ = false;           // of a cloud
 };
 
@@ -751,7 +750,7 @@ void know_own_camera(const Intrinsics& camera, const fs::path& file, PicturesOfC
     place.own_file = fs::weakly_canonical(file, ignored);
 }
 
-/// The pattern where each frame's camera can be read by it; otherwise none.
+/// The pattern if each frame's camera can be read by it; otherwise empty.
 std::string usable_cameras(const fs::path& folder, FolderSource source, const std::string& pattern,
                            const Scene& scene) {
     source.cameras = pattern;
@@ -879,7 +878,7 @@ Result<SceneDescription> guess_camera(const StoredImage& first, const SourceDesc
                                       std::vector<fs::path>& inputs) {
     TRY_ASSIGN(const auto preset, known_preset(known));
     SceneGuess guess(known, preset);
-    TRY(guess.describe("/dev", first));  // where no camera's file lies
+    TRY(guess.describe("/dev", first));  // has no camera's file
     GuessedScene guessed = guess.made();
     inputs = std::move(guessed.inputs);
     return SceneDescription(std::move(guessed));
@@ -949,8 +948,7 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
 }
 
 std::optional<Remark> unit_doubt(double median_m, std::string otherwise, Hints hints) {
-    // From an endoscope's to a lidar's: a unit that is wrong by a thousand leaves this for what a hand
-    // reaches.
+    // From an endoscope's depths to a lidar's. A unit wrong by a thousand moves a hand's reach out of this.
     constexpr double nearest = 0.01, farthest = 300;  // metres
     if (median_m >= nearest && median_m <= farthest) return std::nullopt;
     return Remark{std::string(doubt_mark) + length_in_words(median_m) + ": the unit may be wrong", false,

@@ -1,5 +1,5 @@
-// HEIC, HEIF and AVIF photographs: libheif decodes them (HeicImage); what it hides or would trip over is read
-// of the file's boxes here.
+// HEIC, HEIF and AVIF photographs: libheif decodes them (HeicImage); what it hides or mishandles is read from
+// the file's boxes here.
 
 #include <libheif/heif.h>
 
@@ -18,10 +18,10 @@
 namespace touchable {
 namespace {
 
-/// Ends of a range of disparities that can be reciprocal metres: a phone sees no nearer and no farther.
+/// Limits for disparities to be reciprocal metres: a phone sees no nearer and no farther.
 constexpr double nearest_of_phones = 0.02, farthest_of_phones = 500;  // metres
 
-/// Big-endian numbers from the front; 0 where there are no more bytes, and then `at_end`.
+/// Reads big-endian numbers; once there are too few bytes, numbers are 0 and `at_end` is true.
 class HeifBytes {
 public:
     explicit HeifBytes(std::string_view bytes) : rest_(bytes) {}
@@ -59,14 +59,14 @@ struct HeifBox {
             length = bytes.number(8);
             header = 16;
         }
-        if (length == 0) length = available;  // to the end of what holds it
+        if (length == 0) length = available;  // to the end of its container
         if (length < header || length > available) return std::nullopt;
         box.content = bytes.take(static_cast<std::size_t>(length - header));
         return box;
     }
 };
 
-/// The first box of a type; empty where there is none.
+/// Content of the first box of a type; empty if there is none.
 std::string_view find_box(std::string_view within, std::string_view type) {
     HeifBytes bytes(within);
     while (const auto box = HeifBox::next(bytes))
@@ -78,7 +78,7 @@ std::string_view without_version(std::string_view full_box) {
     return full_box.size() < 4 ? std::string_view() : full_box.substr(4);
 }
 
-/// Of a property that turns (irot: a quarter turns to the left) or mirrors (imir); nothing for others.
+/// The orientation of a property that turns (irot: quarter turns left) or mirrors (imir); otherwise nothing.
 std::optional<Orientation> turn_of(const HeifBox& property) {
     const int value = property.content.empty() ? 0 : property.content[0] & 3;
     constexpr int exif_of_left_turns[] = {1, 8, 3, 6};
@@ -87,7 +87,7 @@ std::optional<Orientation> turn_of(const HeifBox& property) {
     return std::nullopt;
 }
 
-/// Bits of an H.265 unit, without the bytes that keep start codes out of it; 0 after the last.
+/// Reads the bits of an H.265 unit without the bytes that prevent start codes in it; 0 after the last.
 class UnitBits {
 public:
     explicit UnitBits(std::string_view unit) {
@@ -119,7 +119,7 @@ private:
     std::size_t at_ = 0;
 };
 
-/// Of a sequence parameter set (H.265, 7.3.2.2).
+/// The size in a sequence parameter set (H.265, 7.3.2.2).
 CodedSize size_of_sequence(std::string_view unit) {
     constexpr std::size_t unit_header = 16, profile = 88, level = 8;  // bits
     UnitBits bits(unit);
@@ -133,8 +133,8 @@ CodedSize size_of_sequence(std::string_view unit) {
     }
     if (layers > 0) bits.skip(2 * (std::size_t{8} - layers));
     bits.skip(of_layers);
-    bits.exp_golomb();                         // its number
-    if (bits.exp_golomb() == 3) bits.skip(1);  // 4:4:4, whose planes may be apart
+    bits.exp_golomb();                         // number of the set
+    if (bits.exp_golomb() == 3) bits.skip(1);  // 4:4:4: whether its planes are separate
     CodedSize size;
     size.width = bits.exp_golomb();
     size.height = bits.exp_golomb();
@@ -153,7 +153,7 @@ void set_depths(DepthPhoto& photo, DepthCodingKind kind, bool near_is_high, doub
     photo.coding.far = far;
 }
 
-/// Whether the disparities of code 0 and of the largest code can be reciprocal metres; then takes them so.
+/// Takes the disparities of code 0 and of the largest code as reciprocal metres; false if they cannot be.
 bool take_disparities(DepthPhoto& photo, double least, double most) {
     if (!is_range(least, most) || least <= 0) return false;
     const double near = 1 / most, far = 1 / least;
@@ -182,7 +182,7 @@ std::optional<Intrinsics> apple_camera(const XmpEntries& entries) {
         matrix[0], matrix[4], matrix[6], matrix[7], static_cast<int>(*width), static_cast<int>(*height)};
 }
 
-/// Whether Apple's metadata tell the depths.
+/// Sets the coding from Apple's metadata; false if they do not tell the depths.
 bool describe_by_apple(const XmpEntries& entries, DepthPhoto& photo) {
     const XmpProperties xmp = properties_of(entries);
     const auto least = xmp_number(xmp, "apdi:FloatMinValue"), most = xmp_number(xmp, "apdi:FloatMaxValue");
@@ -202,8 +202,8 @@ bool describe_by_apple(const XmpEntries& entries, DepthPhoto& photo) {
     return true;
 }
 
-/// How the codec says that depth is represented; nothing where it says a number that H.265 has no meaning
-/// for. libheif hands any number on: only its bytes may be looked at before that is known.
+/// The codec's representation of depth; nothing for a number without a meaning in H.265. libheif passes any
+/// number on: until it is checked, only its bytes may be read, not the enumerator.
 std::optional<heif_depth_representation_type> representation(const heif_depth_representation_info& info) {
     std::underlying_type_t<heif_depth_representation_type> number;
     std::memcpy(&number, &info.depth_representation_type, sizeof number);
@@ -211,7 +211,7 @@ std::optional<heif_depth_representation_type> representation(const heif_depth_re
     return info.depth_representation_type;
 }
 
-/// Whether the codec's metadata tell the depths.
+/// Sets the coding from the codec's metadata; false if they do not tell the depths.
 bool describe_by_codec(const heif_depth_representation_info& info, heif_depth_representation_type type,
                        DepthPhoto& photo) {
     if (type == heif_depth_representation_type_nonuniform_disparity) {
@@ -249,7 +249,7 @@ using HeifOptionsPtr = std::unique_ptr<heif_decoding_options, HeifRelease<heif_d
 using HeifDepthInfoPtr =
     std::unique_ptr<const heif_depth_representation_info, HeifRelease<heif_depth_representation_info_free>>;
 
-/// Nothing where the picture has no such channel.
+/// Copies a channel without padding; nothing if the picture has no such channel.
 std::optional<Image> packed_channel(const heif_image* image, heif_channel channel, int bytes, int samples) {
     int stride = 0;
     const std::uint8_t* from = heif_image_get_plane_readonly(image, channel, &stride);
@@ -264,7 +264,7 @@ std::optional<Image> packed_channel(const heif_image* image, heif_channel channe
     return packed;
 }
 
-/// Of a picture that is grey: its chroma may be off by what an encoder loses.
+/// Whether a picture is grey: its chroma may be off by what an encoder loses.
 bool is_neutral(const heif_image* image) {
     for (const heif_channel channel : {heif_channel_Cb, heif_channel_Cr}) {
         const int bits = heif_image_get_bits_per_pixel_range(image, channel);
@@ -329,8 +329,8 @@ private:
         return limit_sizes();
     }
 
-    /// Pictures put together of tiles have one more size, in their own data: libheif holds that against a
-    /// limit.
+    /// Checks all sizes and limits libheif to the largest: a picture of tiles has one more size, in its own
+    /// data, which only libheif checks.
     Result<void> limit_sizes() {
         std::int64_t largest = 0;
         const auto admit = [&](std::int64_t width, std::int64_t height, const std::string& what) {
@@ -351,8 +351,8 @@ private:
         heif_context_set_maximum_image_size_limit(context_.get(), side + 1);
     }
 
-    /// libheif takes for granted that layers are there, and that no picture is a tile of itself; it decodes a
-    /// tile as often as it is named.
+    /// libheif assumes that layers exist and that no picture is a tile of itself, and decodes a tile as often
+    /// as it is named: refuses such files.
     Result<void> check_parts() const {
         constexpr int most_nested = 4, most_decoded = 1 << 14;
         const HeifParts parts = read_heif_parts(bytes_);
@@ -378,7 +378,7 @@ private:
                                bytes_.size(), where_ + ": " + what);
     }
 
-    /// Its luma as stored: never through a conversion of colours. Or green, where red and blue are the same.
+    /// Reads depth's luma as stored, without colour conversion; or green, if red and blue are the same.
     Result<void> read_depth() {
         heif_image* decoded = nullptr;
         TRY(done(heif_decode_image(depth_.get(), &decoded, heif_colorspace_undefined, heif_chroma_undefined,
@@ -423,7 +423,7 @@ private:
         return {};
     }
 
-    /// libheif turned both as the file says of each. Depth of which it says nothing goes with the picture.
+    /// libheif turned both as the file says. Depth without turns of its own gets those of the picture.
     void orient() {
         heif_item_id primary_id = 0;
         heif_context_get_primary_image_ID(context_.get(), &primary_id);
@@ -435,14 +435,14 @@ private:
         }
         const std::string exif = metadata(primary_.get(), "Exif");
         if (exif.size() < 4) return;
-        const std::uint64_t offset = HeifBytes(exif).number(4);  // from after itself to the TIFF header
+        const std::uint64_t offset = HeifBytes(exif).number(4);  // from behind this number to the TIFF header
         if (offset < exif.size() - 4)
             photo_.film_focal_length =
                 parse_exif(std::string_view(exif).substr(4 + static_cast<std::size_t>(offset)))
                     .film_focal_length;
     }
 
-    /// The first block of a type; empty where there is none.
+    /// The first metadata block of a type; empty if there is none.
     std::string metadata(const heif_image_handle* handle, const char* type) const {
         heif_item_id id = 0;
         if (heif_image_handle_get_list_of_metadata_block_IDs(handle, type, &id, 1) != 1) return {};
@@ -477,7 +477,7 @@ bool is_heif(const Candidate& file) {
 Opened open_heic_image(const Candidate& file) {
     TRY_ASSIGN(auto whole, read_picture_bytes(file.source));
     auto read = unless_stopped([bytes = std::move(whole), where = file.source.string()]() mutable {
-        try {  // libheif's own containers
+        try {  // libheif's own containers may throw
             return HeicImage(std::move(bytes), where).read();
         } catch (const std::bad_alloc&) {
             return Result<DepthPhoto>(
@@ -510,7 +510,7 @@ std::map<std::uint32_t, Orientation> read_heif_turns(std::string_view file) {
     return turns;
 }
 
-/// By their names, not by the boxes around them: libheif reads boxes whose lengths are wrong as well.
+/// Finds boxes by name, not by the boxes around them: libheif also reads boxes with wrong lengths.
 std::vector<CodedSize> read_heif_coded_sizes(std::string_view file) {
     constexpr std::string_view name = "hvcC", version = "\x01";
     constexpr std::size_t most_boxes = 4096, most_bytes = 4096, fixed_bytes = 22;
@@ -534,8 +534,8 @@ std::vector<CodedSize> read_heif_coded_sizes(std::string_view file) {
     return sizes;
 }
 
-/// By their names, in what holds them by its length: the data of pictures may have such names by chance.
-/// Where a length is none, to the end.
+/// Finds boxes by name within their containers' lengths, as picture data may have such names by chance. A
+/// container with an invalid length goes to the end of the file.
 HeifParts read_heif_parts(std::string_view file) {
     constexpr std::size_t name_bytes = 4, most_parts = 1 << 15;
     HeifParts parts;

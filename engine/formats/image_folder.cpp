@@ -1,5 +1,5 @@
-// Folders of pictures: read as clips (FolderPictures), and written (PictureWriter), frames first into a
-// hidden folder beside their place.
+// Folders of pictures: read as clips (FolderPictures), and written (PictureWriter), first into a hidden
+// folder beside their place.
 
 #include "engine/formats/formats_read.hpp"
 
@@ -34,13 +34,13 @@ namespace fs = std::filesystem;
 
 // --- Reading
 
-/// Of files with pictures of several planes.
+/// A plane's layer in files with pictures of several planes.
 PictureLayer layer_of(PlaneRole role) {
     if (role == PlaneRole::colour) return PictureLayer::colour;
     return role == PlaneRole::haptic ? PictureLayer::materials : PictureLayer::own;
 }
 
-/// Files that were found for a track are inputs of the clip, each once.
+/// Adds the files that were found for a track to the clip's inputs, each once.
 void add_inputs(const PictureFiles& found, StoredClip& clip) {
     if (!found.remark.empty()) clip.notes.push_back(found.remark);
     if (!found.list.empty()) clip.inputs.push_back(found.list);
@@ -48,10 +48,10 @@ void add_inputs(const PictureFiles& found, StoredClip& clip) {
         if (clip.inputs.empty() || clip.inputs.back() != file) clip.inputs.push_back(file);
 }
 
-/// A file for each picture, or one that holds those of all frames.
+/// Reads a file for each picture, or one that holds all frames.
 class FolderPictures final : public FrameSource {
 public:
-    /// `colour_video`: colour, where it is a video that is open already.
+    /// `colour_video`: colour, if it is a video that is open already.
     FolderPictures(fs::path folder, const Scene& scene, std::shared_ptr<ReadPictures> pictures,
                    std::shared_ptr<VideoFile> colour_video)
         : folder_(std::move(folder)),
@@ -59,12 +59,12 @@ public:
           pictures_(pictures ? std::move(pictures) : std::make_shared<ReadPictures>()),
           colour_video_(std::move(colour_video)) {}
 
-    /// Every track has every frame, or the first that is missing is named.
+    /// Finds every track's files for every frame; an error names the first that is missing.
     Result<void> find(StoredClip& clip, Colour colour) {
         const SceneDescription& described = clip.described;
         const FolderSource& source = *described.scene.folder;
         TRY_ASSIGN(auto depth, depth_files(folder_, source));
-        // Of a single file that holds a stack of pictures.
+        // A single file may hold a stack of pictures.
         TRY_ASSIGN(auto stack, depth.files.size() == 1 ? pictures_->stack_in(depth.files.front())
                                                        : Result<std::shared_ptr<ImageStack>>(nullptr));
         if (stack) depth.frames = static_cast<std::size_t>(stack->count());
@@ -156,7 +156,7 @@ public:
         if (is_colour_video(role)) return colour_frame(frame);
         return track(role).is_still() ? 0 : frame;
     }
-    /// Tracks of files of their own.
+    /// Whether all tracks have files of their own.
     bool reads_side_by_side() const override { return reads_side_by_side_; }
     void keep(std::int64_t frame, StoredImage picture) override {
         if (!tracks_.front().stack) pictures_->keep(file(tracks_.front(), frame), std::move(picture));
@@ -180,7 +180,7 @@ private:
     }
     const Track& track(PlaneRole role) const { return *std::ranges::find(tracks_, role, &Track::role); }
 
-    /// Of the frames; their median is the scene's, where it has none.
+    /// Reads the frames' cameras; their median becomes the scene's, if it has none.
     Result<void> find_cameras(const PictureFiles& depth, StoredClip& clip) const {
         const Scene& scene = clip.described.scene;
         TRY_ASSIGN(auto found, camera_files(folder_, *scene.folder, depth));
@@ -203,8 +203,8 @@ private:
         return {};
     }
 
-    /// How frames of the video are found: in their order where there are as many as of depth; by the numbers
-    /// in the names of depth's files where the video has so many frames; else by time.
+    /// Chooses how the video's frames are found: in their order if there are as many as depth's; by the
+    /// numbers in the names of depth's files if the video has so many frames; else by time.
     void pair_colour_video(const PictureFiles& depth, StoredClip& clip) {
         const auto frames = colour_video_->count(), pictures = static_cast<std::int64_t>(depth.count());
         if (colour_video_->note()) clip.notes.push_back(*colour_video_->note());
@@ -239,7 +239,7 @@ private:
         return lent_picture(colour_video_->info(), std::move(rgb));
     }
 
-    /// Each file of a row is one frame, also where it has several pages.
+    /// Notes that each of several files is one frame, even if it has several pages.
     void tell_of_pages(const PictureFiles& depth, StoredClip& clip) const {
         const fs::path& first = depth.files.front();
         const auto pages = pictures_->stack_in(first);
@@ -271,7 +271,7 @@ private:
         return own != tracks_.end() && own->files.files == tracks_.front().files.files;
     }
 
-    /// What they feel like, or that nothing says it.
+    /// Notes where materials get their properties from, or that nothing states these.
     void tell_of_materials(StoredClip& clip) {
         if (materials_)
             clip.notes.push_back("haptic is that of " + std::to_string(clip.described.materials.size()) +
@@ -297,8 +297,8 @@ private:
     std::optional<MaterialPictures> materials_;
     std::shared_ptr<VideoFile> colour_video_;  // null: colour is pictures, or there is none
     RgbConverter colour_converter_;
-    std::vector<double> numbers_;  // of the video's frame for each of depth; empty: by time or order
-    std::optional<FrameRate> pairing_rate_;  // by time: depth's
+    std::vector<double> numbers_;            // video frame for each of depth; empty: by time or order
+    std::optional<FrameRate> pairing_rate_;  // depth's, if frames are found by time
     bool reads_side_by_side_ = false;
 };
 
@@ -316,12 +316,12 @@ std::string numbered(PlaneRole role, std::int64_t frame) {
     return std::string(role_name(role)) + formatted("_%06lld.png", static_cast<long long>(frame));
 }
 
-/// "NAME_colour.png", beside a file NAME of whatever kind.
+/// "NAME_colour.png", beside a file NAME of any kind.
 std::string picture_beside(const fs::path& file, PlaneRole role) {
     return file.stem().string() + "_" + std::string(role_name(role)) + ".png";
 }
 
-/// What a folder and a still have in common: frames come in order, and all files get their names, or none.
+/// Common part of folders and stills: frames come in order, and all files get their names, or none.
 class PictureWriter : public ClipWriter {
 public:
     PictureWriter(const fs::path& place, const SceneDescription& described)
@@ -359,7 +359,7 @@ public:
 
 protected:
     virtual Result<void> write_frame(const RawFrame& frame) = 0;
-    /// The scene file, last.
+    /// Writes the scene file, last.
     virtual Result<void> end() = 0;
     virtual fs::path opens_by() const = 0;
     virtual Result<void> name_it() = 0;
@@ -375,7 +375,7 @@ protected:
         out.close();
         return out ? Result<void>{} : input_error((home() / name).string() + ": cannot be written");
     }
-    /// What describes the pictures that are here, without their names.
+    /// The description of the pictures, without their names.
     SceneDescription described_pictures() const {
         SceneDescription described(scene_);
         described.unstated = unstated_;
@@ -412,7 +412,7 @@ private:
         return {};
     }
 
-    /// Of a plane that has not changed so far nothing is written.
+    /// Writes a plane's picture; nothing is written while the plane has not changed.
     Result<void> write_plane(PlaneRole role, const PlaneView& plane) {
         bool& changes = changes_[static_cast<std::size_t>(role)];
         if (role != PlaneRole::depth && !changes) {
@@ -482,7 +482,7 @@ private:
         return {};
     }
 
-    /// At once where the file system can exchange two names; what was there goes with the hidden folder.
+    /// Atomic if the file system can exchange two names; the old folder is then removed with the hidden one.
     Result<void> replace() {
         if (renameat2(AT_FDCWD, hidden_.path().c_str(), AT_FDCWD, place_.c_str(), RENAME_EXCHANGE) == 0)
             return {};
@@ -504,10 +504,10 @@ private:
 
 class StillWriter final : public PictureWriter {
 public:
-    /// `depth`, `text`: names of its picture of depth, and of what describes all.
+    /// `depth`, `text`: names of the depth picture, and of the file that describes all.
     struct Form {
         std::string depth, text;
-        std::string (*describe)(const SceneDescription&);  // their names are in scene.folder
+        std::string (*describe)(const SceneDescription&);  // names are in scene.folder
     };
     StillWriter(const fs::path& place, const SceneDescription& described, Existing existing, Form form)
         : PictureWriter(place, described), existing_(existing), form_(std::move(form)) {}
@@ -538,7 +538,7 @@ private:
     std::vector<std::string> names_;  // of its files, in the order in which they appear
 };
 
-/// The name with all links followed, so that what is replaced is what they lead to.
+/// The path with all links followed, so that their target is replaced.
 fs::path whole_name(const fs::path& path) {
     std::error_code failure;
     fs::path whole = fs::weakly_canonical(fs::absolute(path, failure), failure);
@@ -583,7 +583,7 @@ std::string scene_text_of(const SceneDescription& described) {
     return "# The text of an MPEG-4 scene; touchable play opens it\n" + mpeg4::scene_text(tree);
 }
 
-/// Of a plane's pictures ("depth_000000.png", or "haptic.png") or what describes them.
+/// Whether a name is a plane's picture's ("depth_000000.png", or "haptic.png") or a describing file's.
 bool is_picture_name(const std::string& name) {
     if (name == scene_name || name == times_list || name == poses_list) return true;
     return std::ranges::any_of(all_roles, [&](PlaneRole role) {

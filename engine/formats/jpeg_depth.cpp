@@ -18,13 +18,13 @@ using namespace std::string_view_literals;
 
 constexpr char app1 = '\xe1', start_of_scan = '\xda', end_of_image = '\xd9';
 
-/// Goes from segment to segment; coded data, which has none but restarts in it, is passed over.
+/// Goes from segment to segment; skips coded data, in which only restart markers occur.
 class SegmentReader {
 public:
     explicit SegmentReader(std::string_view jpeg) : all_(jpeg) {
         if (all_.starts_with("\xff\xd8"sv)) at_ = 2;
     }
-    /// The marker of the next segment, and `content`; nothing where it is cut.
+    /// Returns the marker of the next segment and sets `content`; nothing if the segment is cut.
     std::optional<char> next() {
         if (at_ == 0) return std::nullopt;
         if (in_scan_) skip_coded();
@@ -92,7 +92,7 @@ std::vector<Piece> pieces_of(const std::vector<std::string_view>& segments, std:
     return pieces;
 }
 
-/// Every byte of the packet once, or an error.
+/// The packet; an error unless the pieces have every byte of it once.
 Result<std::string> joined(const std::vector<Piece>& pieces, const std::string& where) {
     if (pieces.empty())
         return input_error(where + ": its XMP names an extended packet that is not in the file");
@@ -144,8 +144,8 @@ bool begins_picture(std::string_view bytes) {
     return bytes.starts_with("\xff\xd8\xff") || bytes.starts_with("\x89PNG");
 }
 
-/// Properties of a depth map that lies in the XMP, and of one that lies after the picture: they have other
-/// prefixes and mean the same.
+/// Prefixes of a depth map's properties, for a map in the XMP and for one after the picture. The properties
+/// mean the same.
 constexpr const char* in_xmp = "GDepth:";
 constexpr const char* after_picture = "DepthMap:";
 
@@ -249,8 +249,8 @@ private:
         return {};
     }
 
-    /// EXIF's orientation is of the picture as stored, which its depth map shares, but for programs that
-    /// turned the map already.
+    /// EXIF's orientation is that of the stored picture and of its depth map, unless a program has turned the
+    /// map already.
     void orient() {
         const ExifFacts exif = read_jpeg_exif(bytes_);
         photo_.film_focal_length = exif.film_focal_length;
@@ -369,7 +369,7 @@ std::optional<Intrinsics> dynamic_depth_camera(const XmpProperties& xmp) {
     const auto fx = number("FocalLengthX"), fy = number("FocalLengthY"), width = number("ImageWidth"),
                height = number("ImageHeight");
     if (!fx || !(*fx > 0) || !is_xmp_side(width) || !is_xmp_side(height)) return std::nullopt;
-    // Focal lengths are of pixels; the principal point is a share of the picture, or pixels, too.
+    // Focal lengths are pixels; the principal point is a share of the picture, or pixels, too.
     const auto centre = [](std::optional<double> at, double size) -> std::optional<double> {
         if (!at) return std::nullopt;
         return *at >= 0 && *at <= 1 ? *at * size - 0.5 : *at;

@@ -30,7 +30,7 @@ using OrderedJson = nlohmann::ordered_json;
 constexpr std::uint16_t largest_lerobot_code = 4095;
 
 /// LeRobot's codes of depth (lerobot 0.6, datasets/depth_utils.py), lengths in metres: 4095 even steps of
-/// ln(depth + shift). Code 0 is where nothing was seen: LeRobot reads it as its nearest depth.
+/// ln(depth + shift). Code 0 stands for pixels without depth; LeRobot reads it as its nearest depth.
 DepthCoding lerobot_coding(double near = 0.01, double far = 10, double shift = 3.5) {
     DepthCoding coding;
     coding.kind = DepthCodingKind::log;
@@ -84,7 +84,7 @@ bool is_depth(const Feature& video) {
     return said != nullptr && *said == true;
 }
 
-/// Those that are videos.
+/// The features that are videos.
 using Videos = std::vector<Feature>;
 Videos videos_in(const Json& json) {
     Videos videos;
@@ -120,7 +120,7 @@ Result<DepthCoding> coding_of(const Json& feature, const std::string& where) {
     return is_log ? lerobot_coding(near, far, shift) : lerobot_linear_coding(near, far);
 }
 
-/// Where the description of a video may be, the nearest first.
+/// Files that may describe a video, the nearest first.
 std::vector<fs::path> descriptions_of(const fs::path& video) {
     std::vector<fs::path> files{lerobot_info_file(video)};
     std::error_code failure;
@@ -145,8 +145,7 @@ std::string without_depth(std::string name) {
     return name;
 }
 
-/// The video of colour that lies in the data set as this one of depth does: of the same name, or the only
-/// one.
+/// The colour video that lies in the data set as this depth video does: with the same name, or the only one.
 fs::path colour_of(const fs::path& video, const std::string& depth, const Videos& videos) {
     std::vector<std::string> names;
     for (const Feature& each : videos)
@@ -162,7 +161,7 @@ fs::path colour_of(const fs::path& video, const std::string& depth, const Videos
     return other.lexically_relative(own.parent_path());
 }
 
-/// The videos that a description speaks of; none where it is of something else.
+/// The videos in a description; none if the file describes something else.
 Result<Videos> read_videos(const fs::path& file) {
     constexpr std::size_t largest = std::size_t{16} << 20;
     TRY_ASSIGN(auto text, read_given_file(file, file.string(), "a LeRobot data set's description", largest));
@@ -173,8 +172,8 @@ Result<Videos> read_videos(const fs::path& file) {
     }
 }
 
-/// What a description says of this video; nothing where it speaks of others. `is_usual`: it may be the only
-/// one of depth, wherever it lies.
+/// What a description says of this video; nothing if it does not describe it. `is_usual`: the video may be
+/// the description's only one of depth, wherever it lies.
 Result<std::optional<LeRobotDepth>> read_description(const fs::path& file, const fs::path& video,
                                                      bool is_usual) {
     TRY_ASSIGN(const Videos videos, read_videos(file));
@@ -222,7 +221,7 @@ private:
     Result<void> begin() {
         const AVCodec* const codec = avcodec_find_encoder_by_name("libx265");
         if (!codec) return failed("this FFmpeg has none (libx265)");
-        // x265 is built for 8, 10 and 12 bits, each or not.
+        // A build of x265 may lack 8, 10 or 12 bits.
         if (!encodes(*codec, AV_PIX_FMT_GRAY12))
             return failed("this machine's libx265 was built without 12 bits (gray12le)");
         encoder_.reset(avcodec_alloc_context3(codec));
@@ -263,7 +262,7 @@ private:
         return failed(ffmpeg_text(status));
     }
 
-    /// In metres, as LeRobot's own.
+    /// The description file, in metres as LeRobot's own.
     std::string description() const {
         const DepthCoding& depth = scene_.depth;
         const double metres = scene_.metres_per_unit;
@@ -295,7 +294,7 @@ private:
     Error failed(const std::string& why) const {
         return internal_error(output_.target().string() + ": the encoder of HEVC: " + why);
     }
-    /// Exact where frames come evenly.
+    /// The time base; exact if frames come evenly.
     AVRational tick() const {
         if (scene_.rate.own_times) return {1, 1'000'000};
         return {static_cast<int>(scene_.rate.den), static_cast<int>(scene_.rate.num)};
@@ -373,8 +372,7 @@ Result<std::optional<LeRobotDepth>> find_lerobot_depth(const SourceFile& video, 
         if (!is_file(file)) continue;
         const bool is_its_own = file.filename() != "info.json";
         auto found = read_description(file, video.path(), is_usual || is_its_own);
-        // Other programs have files of this name, which say nothing of a video that cannot be LeRobot's
-        // depth.
+        // Other programs have such files: an invalid one is ignored if the video cannot be LeRobot's depth.
         if (!found && !is_usual) continue;
         if (!found) return found.error();
         if (!*found) continue;

@@ -1,5 +1,4 @@
-// Recordings in MCAP: records in the file and in its chunks, by the indices of the chunks where these are
-// right.
+// Recordings in MCAP: reads records in the file and in its chunks, by the chunks' indices if these are right.
 
 #include "engine/formats/bag_file.hpp"
 
@@ -14,9 +13,9 @@ namespace touchable {
 namespace {
 
 constexpr std::string_view mcap_magic("\x89MCAP0\r\n", 8);
-constexpr std::uint64_t record_head = 9;  // what it is, its length
+constexpr std::uint64_t record_head = 9;  // kind, length
 constexpr std::size_t message_head = 22;  // channel, sequence, when logged, when published
-constexpr std::size_t index_pair = 16;    // when, where
+constexpr std::size_t index_pair = 16;    // time, offset
 constexpr std::uint64_t longest_text = 1 << 16;
 constexpr std::size_t pairs_at_once = 4096;
 constexpr std::uint32_t outside = 0xffffffff;  // a message in no chunk
@@ -105,7 +104,7 @@ private:
         std::string compression;
         std::vector<Index> indices{};
         bool has_wrong_index = false, is_lost = false;
-        std::vector<BagMessage> found{};  // where it has no index that is right
+        std::vector<BagMessage> found{};  // if it has no valid index
     };
     struct Channel {
         RosType type{};
@@ -117,7 +116,7 @@ private:
         return read ? read : error_at(name(), read.error());
     }
 
-    /// Of the file, or of an unpacked chunk. What is cut is left out.
+    /// Reads the records of the file or of an unpacked chunk, up to one that is cut.
     Result<void> records(ByteSource& bytes, std::uint32_t chunk) {
         const std::uint64_t end = bytes.size();
         for (std::uint64_t at = chunk == outside ? mcap_magic.size() : 0; at + record_head <= end;) {
@@ -151,7 +150,7 @@ private:
             const auto channel = fields.number<std::uint16_t>();
             fields.number<std::uint32_t>();
             const auto time = static_cast<std::int64_t>(fields.number<std::uint64_t>());
-            if (!channels_.contains(channel)) return {};  // a channel stands before its messages
+            if (!channels_.contains(channel)) return {};  // a channel precedes its messages
             auto& found = chunk == outside ? loose_ : chunks_[chunk].found;
             found.push_back({time, channel, chunk, at - record_head});
         }
@@ -183,7 +182,7 @@ private:
         return {};
     }
 
-    /// Of the chunk before it. Where it cannot be one, the chunk is looked through instead.
+    /// Adds an index of the newest chunk. If it is invalid, the chunk is searched instead.
     void add_index(RosFields fields, std::uint64_t at, std::uint64_t length) {
         McapChunk& chunk = chunks_.back();
         const auto channel = fields.number<std::uint16_t>();
@@ -204,7 +203,7 @@ private:
         if (fields.ok() && type) schemas_.emplace(id, *type);
     }
 
-    /// Those that nothing here reads are left out.
+    /// Adds a channel; other types and encodings are left out.
     void add_channel(RosFields fields) {
         const auto id = fields.number<std::uint16_t>(), schema = fields.number<std::uint16_t>();
         const std::string topic(fields.text()), encoding(fields.text());
@@ -215,13 +214,14 @@ private:
             add_connection({id, topic, std::string(known.name), std::string(known.md5)});
     }
 
-    /// Nothing of it can be read.
+    /// Gives up a chunk as a whole.
     Error lose(std::uint32_t number, const Error& why) {
         chunks_[number].is_lost = why.kind == ErrorKind::input;
         return give_up_chunk(number, why);
     }
 
-    /// For channels, and for messages where no index tells them. What cannot be unpacked is given up.
+    /// Searches a chunk for channels, and for messages if it has no index; gives up one that cannot be
+    /// unpacked.
     Result<void> look_into(std::uint32_t number) {
         const auto bytes = contents(number);
         if (!bytes) return chunks_[number].is_lost ? Result<void>{} : bytes.error();
@@ -242,8 +242,8 @@ private:
         return bytes;
     }
 
-    /// What a chunk's indices say of these channels; false where one of them is wrong. An index as long as a
-    /// hole in a file is found out before it is kept: no two messages are at one place.
+    /// Adds the messages of these channels by a chunk's indices; false if an index is wrong. An index as long
+    /// as a hole in a file is detected before it is kept: no two messages have the same offset.
     Result<bool> read_indices(std::uint32_t number, std::span<const std::uint32_t> channels,
                               std::vector<BagMessage>& found) {
         const McapChunk& chunk = chunks_[number];

@@ -21,13 +21,13 @@
 namespace touchable {
 namespace {
 
-/// What the file's movie box says, but for where samples are.
+/// The file's movie box, without the tables of where samples are.
 Result<mpeg4::Bytes> movie_of(const SourceFile& file) {
     TRY_ASSIGN(const auto bytes, bytes_of_file(file));
     return mpeg4::movie_head_of(*bytes);
 }
 
-/// Nothing where the scene has no such plane. Errors have no place.
+/// The first sample of a plane's track; nothing if the scene has no such plane. Errors do not name the file.
 Result<std::optional<mpeg4::FirstSample>> sample_of_plane(const mpeg4::Bytes& movie, const Mp4Scene& scene,
                                                           PlaneRole role) {
     TRY_ASSIGN(const auto track, track_of_plane(scene, role));
@@ -37,15 +37,15 @@ Result<std::optional<mpeg4::FirstSample>> sample_of_plane(const mpeg4::Bytes& mo
     return std::optional(*sample);
 }
 
-constexpr std::uint64_t largest_picture = std::uint64_t{257} << 20;  // as of a picture in a file
+constexpr std::uint64_t largest_picture = std::uint64_t{257} << 20;  // as for a picture in a file
 
-/// What the object types of an ImageTexture are.
+/// Whether bytes begin as one of the object types of an ImageTexture.
 bool is_png_or_jpeg(const mpeg4::Bytes& begin) {
     const std::string_view kind = picture_kind({reinterpret_cast<const char*>(begin.data()), begin.size()});
     return kind == "PNG" || kind == "JPEG";
 }
 
-/// A texture that changes has no place among still ones.
+/// Refuses a moving texture beside still ones.
 Result<void> check_textures(const mpeg4::ClipNodes& nodes, const std::string& file) {
     for (const auto& [texture, plane] :
          {std::pair{&nodes.colour, "colour"}, {&nodes.haptic, "haptic"}, {&nodes.height, "height"}})
@@ -55,8 +55,7 @@ Result<void> check_textures(const mpeg4::ClipNodes& nodes, const std::string& fi
     return {};
 }
 
-/// Each plane's picture, the first sample of its track. FFmpeg refuses files of MP4Box, so its tables are not
-/// asked.
+/// Reads each plane's picture, the first sample of its track; not by FFmpeg, which refuses MP4Box's files.
 class Mp4Stills final : public FrameSource {
 public:
     explicit Mp4Stills(const SourceFile& source) : source_(source), file_(source.string()) {}
@@ -105,7 +104,7 @@ public:
 private:
     SourceFile source_;
     std::string file_;
-    StillRules rules_{DepthCodingKind::linear, true};  // as the paper's own example is
+    StillRules rules_{DepthCodingKind::linear, true};  // the paper's own example is lossy
     std::array<mpeg4::FirstSample, all_roles.size()> samples_{};
 };
 
@@ -191,7 +190,7 @@ private:
         return {};
     }
 
-    /// For a second, as a still picture has no time.
+    /// Adds a picture that lasts a second, as a still picture has no time.
     Result<void> add_picture(AVFormatContext& muxer, std::size_t track) const {
         const std::string& png = stills_[track].png;
         const PacketPtr packet(av_packet_alloc());
@@ -205,7 +204,7 @@ private:
         return status < 0 ? refuse("cannot be written: " + ffmpeg_text(status)) : Result<void>{};
     }
 
-    /// The file before it has its scene.
+    /// The file without its scene.
     Result<mpeg4::Bytes> tracks() const {
         AVFormatContext* made = nullptr;
         int status = avformat_alloc_output_context2(&made, nullptr, "mp4", nullptr);

@@ -1,13 +1,12 @@
-// How a path becomes a ClipReader: one way down, whose stages follow each other in this file. None calls one
-// before it.
+// How a path becomes a ClipReader: by these stages, in this file's order. No stage calls an earlier one.
 //
 //   find      what a path and a scene file lead to: a file, or a folder of pictures (Candidate). Scene files
 //             and folders that hold one recording are followed to what they name; an archive of pictures is
-//             unpacked, and is then the folder that came of it (ZipFolder).
-//   probe     the first row of the table `formats` that recognises it, each asked once at most.
-//   describe  the scene of what does not say itself what its depth is: as a scene file has it, fitted to the
-//             file; otherwise what tells it is read, and the rest is guessed. What was opened for it goes
-//             along (GuessedScene).
+//             unpacked and becomes a folder (ZipFolder).
+//   probe     the first row of the table `formats` that recognises it; each probe is called once at most.
+//   describe  the scene of files that do not say themselves what their depth is: a scene file's, fitted to
+//             the file; otherwise read from what is beside them, with guesses for the rest. Files that were
+//             opened for it are passed on (GuessedScene).
 //   open      the row's reader; open_stored_clip settles the scene by what its pictures tell.
 //
 // A file on a server goes the same way from `probe` on; a stream has a reader of its own. At the end all
@@ -41,7 +40,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* own_scene_file = "scene.json";  // of a folder that describes itself
 
-/// What describes pictures that do not describe themselves.
+/// The settings that describe pictures without a scene.
 Hints of_bare_pictures() {
     return {{Setting::intrinsics},
             {Setting::field_of_view},
@@ -52,7 +51,7 @@ Hints of_bare_pictures() {
 
 // --- Find
 
-/// Whether a path is a folder; refused where it is neither that nor a file.
+/// Whether a path is a folder; an error if it is neither that nor a file.
 Result<bool> leads_to_folder(const fs::path& path) {
     std::error_code failure;
     const auto status = fs::status(path, failure);
@@ -66,12 +65,12 @@ bool is_scene_file(const fs::path& path) {
     return small_letters(path.extension().string()) == ".json";
 }
 
-/// A file, or what is in a folder, as a scene file describes it.
+/// Finds a file, or what is in a folder, as a scene file describes it.
 Result<Candidate> find_described(const fs::path& path, bool is_folder, const fs::path& scene_file,
                                  const OpenSettings& wanted) {
     TRY_ASSIGN(auto described, read_scene_file(scene_file));
     const auto& video = described.scene.video;
-    if ((!is_folder || video) && described.unstated.camera)  // which only a folder's cameras could give
+    if ((!is_folder || video) && described.unstated.camera)  // only a folder's cameras could give one
         return error_at(scene_file.string(), settle(described, {}).error());
     if (is_folder && !video && !described.scene.folder)
         return input_error(scene_file.string() +
@@ -89,13 +88,13 @@ bool is_jpeg(const Candidate& candidate) {
     return candidate.begin.starts_with("\xff\xd8\xff");
 }
 
-/// A picture as the scene file of its name describes it, which `init-scene` and `convert` write beside one.
+/// Finds a file; a picture with the scene file of its name, which `init-scene` and `convert` write beside it.
 Result<Candidate> find_file(const fs::path& path, const OpenSettings& wanted) {
     Candidate found{path, {}, {}, wanted};
     const fs::path beside = fs::path(path).replace_extension(".json");
     const bool is_picture = !picture_kind(found.begin).empty() || is_organised_cloud(found.source);
     if (wanted.is_known() || !is_picture || !is_file(beside)) return found;
-    if (is_jpeg(found) && has_jpeg_depth(found.source)) return found;  // which says itself what it is
+    if (is_jpeg(found) && has_jpeg_depth(found.source)) return found;  // its own metadata describe it
     auto described = read_scene_file(beside);
     if (described && described->scene.folder && described->scene.folder->depth == path.filename())
         found.scene =
@@ -103,7 +102,7 @@ Result<Candidate> find_file(const fs::path& path, const OpenSettings& wanted) {
     return found;
 }
 
-/// Of a LeRobot data set with one video of depth that video; of any other folder nothing.
+/// The depth video of a LeRobot data set, an error if it has several; nothing for any other folder.
 Result<std::optional<fs::path>> lerobot_video_in(const fs::path& folder) {
     TRY_ASSIGN(const auto videos, lerobot_depth_videos(folder));
     if (videos.empty()) return std::optional<fs::path>{};
@@ -113,8 +112,8 @@ Result<std::optional<fs::path>> lerobot_video_in(const fs::path& folder) {
                        shell_word(videos.front().string()));
 }
 
-/// Of a folder that has no pictures, and one video or two, the one that is named depth: the other one may be
-/// its colour. Nothing of any other folder.
+/// The video named depth in a folder without pictures and with one or two videos, of which the other may be
+/// its colour. Nothing for any other folder.
 std::optional<fs::path> depth_video_in(const fs::path& folder) {
     const auto videos = video_files_in(folder);
     const auto is_depth = [](const fs::path& video) { return is_named_as_depth_video(video); };
@@ -123,7 +122,7 @@ std::optional<fs::path> depth_video_in(const fs::path& folder) {
                                           : std::nullopt;
 }
 
-/// The one recording that it holds, or its pictures, described by its own scene file or not.
+/// Finds the folder's one recording, or its pictures, with or without a scene file of its own.
 Result<Candidate> find_in_folder(const fs::path& folder, const OpenSettings& wanted) {
     const auto own = folder / own_scene_file;
     const bool has_own = is_file(own);
@@ -171,10 +170,10 @@ Result<Candidate> find_clip(const fs::path& path, const std::optional<fs::path>&
     return is_folder ? find_in_folder(path, wanted) : find_file(path, wanted);
 }
 
-// --- Probe: each is asked only where no row of the table before it has recognised the file
+// --- Probe: each is called only if no earlier row of the table has recognised the file
 
-/// Ours, also one that is cut, even to nearly nothing, of which its reader tells best what is wrong. Others
-/// have nothing that makes a clip of ours of them.
+/// A clip of ours, by its tags or its scene; also a file that is cut, even to nearly nothing, as the reader
+/// of our clips tells best what is wrong.
 bool is_matroska(const Candidate& candidate) {
     if (candidate.begin.size() < 4) return true;
     if (!candidate.begin.starts_with(matroska_magic)) return false;
@@ -186,7 +185,7 @@ bool is_matroska(const Candidate& candidate) {
         if (av_dict_get(container.streams[k]->metadata, clip_tags::role_tag, nullptr, 0)) return true;
     return false;
 }
-/// With tags of ours or an MPEG-4 scene.
+/// MP4 with tags of ours or an MPEG-4 scene.
 bool is_mpeg4(const Candidate& candidate) {
     return candidate.begin.size() >= 8 && candidate.begin.substr(4, 4) == "ftyp" && !is_heif(candidate) &&
            is_mp4_clip(candidate.source, candidate.scene || candidate.wanted.is_known());
@@ -212,8 +211,8 @@ bool is_bare(const Candidate& candidate) {
 bool is_described(const Candidate& candidate) {
     return candidate.scene.has_value();
 }
-/// Any JPEG but one of depth itself: that has no depth in its metadata, and a person describes it, or it is
-/// grey all over.
+/// Any JPEG but one that is a depth picture itself: without depth in its metadata, and grey all over or
+/// described by a person.
 bool is_jpeg_photo(const Candidate& candidate) {
     if (!is_jpeg(candidate)) return false;
     if (has_jpeg_depth(candidate.source)) return true;
@@ -247,7 +246,7 @@ Result<GuessedScene> describe_picture(const Candidate& candidate) {
     made.scene.video.reset();
     const FolderSource of = made.scene.folder.value_or(FolderSource());
     if (of.depth == name) return made;
-    // Planes in the same files as depth are in this one.
+    // Planes that share depth's files are in this file.
     FolderSource& here = made.scene.folder.emplace();
     here.depth = name;
     if (!of.depth.empty() && of.colour == of.depth) here.colour = name;
@@ -255,7 +254,7 @@ Result<GuessedScene> describe_picture(const Candidate& candidate) {
     return made;
 }
 
-/// A scene stands for what is in it, also where it speaks of another file.
+/// A scene file's contents apply even if it names another file.
 Result<GuessedScene> describe_video(const Candidate& candidate) {
     if (!candidate.scene) return guess_video(candidate.source, candidate.wanted.known);
     GuessedScene made = *candidate.scene;
@@ -294,7 +293,7 @@ Result<GuessedScene> describe_folder(const Candidate& candidate) {
 
 // --- Open
 
-/// The pictures or videos that the scene names.
+/// Opens the pictures or videos that the scene names.
 Opened open_named(const Candidate& candidate) {
     const auto open = candidate.scene->scene.video ? open_videos : open_image_folder;
     return open(candidate.home(), *candidate.scene, candidate.wanted.colour, candidate.wanted.alignment);
@@ -309,10 +308,10 @@ Opened open_mpeg4(const Candidate& candidate) {
     return open_mp4_clip(candidate.source, candidate.described(), candidate.wanted.colour);
 }
 
-/// What a path says itself of its depth. From `described` on, a person's camera, unit or preset is refused.
+/// How much files say of their own depth. From `described` on, a person's camera, unit or preset is refused.
 enum class FileKind {
     folder,
-    bare,       ///< a file that says nothing, or not all: the rest is known, or guessed
+    bare,       ///< nothing, or not all: the rest is stated, or guessed
     photo,      ///< all but the camera
     described,  ///< all, in a file beside it
     text,       ///< all, as the text of an MPEG-4 scene
@@ -375,7 +374,7 @@ const Format formats[] = {
 constexpr const char* clip_extensions[] = {".mkv", ".webm", ".mp4",  ".m4v", ".mov",
                                            ".avi", ".bag",  ".mcap", ".db3"};
 
-/// Null: it is of none of them.
+/// The first format that recognises a candidate; null: none does.
 const Format* probe(const Candidate& candidate) {
     for (const Format& format : formats)
         if ((format.kind == FileKind::folder) == candidate.folder.has_value() && format.probe(candidate))
@@ -383,7 +382,7 @@ const Format* probe(const Candidate& candidate) {
     return nullptr;
 }
 
-/// The file says itself what a camera, a unit or a preset would say.
+/// The error for a camera, unit or preset that is given for a file with its own scene.
 Error refused_description(const std::string& name, bool has_scene) {
     if (!has_scene)
         return usage_error(name +
@@ -398,7 +397,7 @@ Error refused_description(const std::string& name, bool has_scene) {
         {{Setting::scene_file, "FILE"}});
 }
 
-/// A file of another program that is known and not opened.
+/// The error for a known file of another program, which is not opened.
 std::optional<Error> foreign_refusal(const Format* format, const Candidate& candidate) {
     if (candidate.folder) return {};
     auto what = misleading_file(candidate.source, candidate.begin);
@@ -407,14 +406,14 @@ std::optional<Error> foreign_refusal(const Format* format, const Candidate& cand
     return input_error(candidate.source.string() + ": " + *what);
 }
 
-/// Why what is of this format (null: of none) is not opened.
+/// Why a candidate of this format (null: none) is not opened; nothing: it is.
 std::optional<Error> refusal(const Format* format, const Candidate& candidate) {
     if (auto foreign = foreign_refusal(format, candidate)) return foreign;
     const fs::path& file = candidate.source.path();
     const FileKind kind = format ? format->kind : FileKind::described;
     if (format && kind > FileKind::photo && candidate.wanted.is_known())
         return refused_description(file.string(), kind == FileKind::clip);
-    // A scene's text may name pictures; where it names videos, their reader checks this.
+    // A scene's text may name pictures; if it names videos, their reader checks this.
     const bool has_codes = !candidate.scene || candidate.scene->scene.stored.is_plain();
     if (kind > FileKind::photo && kind != FileKind::text && !has_codes)
         return usage_error(file.string() +
@@ -434,7 +433,7 @@ std::optional<Error> refusal(const Format* format, const Candidate& candidate) {
                        depthkit_metadata_name(file).string() + " beside it");
 }
 
-/// Depth of a clip that has its scene is aligned only where that is asked for, and by all its colour.
+/// Aligns the depth of a clip with its own scene only if alignment is `on`, with all its colour.
 Opened open_aligned(const Format& format, Candidate candidate) {
     if (format.open == open_named || candidate.wanted.alignment != DepthAlignment::on)
         return format.open(candidate);
@@ -445,7 +444,7 @@ Opened open_aligned(const Format& format, Candidate candidate) {
     return aligned;
 }
 
-/// From `probe` on. Files that were read for the scene are inputs of the clip, too: nothing may write over
+/// The stages from `probe` on. Files read for the scene become the clip's inputs, so that nothing overwrites
 /// them.
 Opened open_found(Candidate candidate) {
     const Format* const format = probe(candidate);
@@ -460,7 +459,7 @@ Opened open_found(Candidate candidate) {
     return reader;
 }
 
-/// A stream, or a file on a server; one that names other files is refused, as they are not fetched.
+/// Opens a stream or a file on a server; refuses a file that names others, as these are not fetched.
 Opened open_url(const StreamUrl& url, const std::optional<GuessedScene>& scene, const OpenSettings& wanted) {
     StreamSource source{.url = url};
     if (url.transport == StreamTransport::http && !url.is_playlist()) {
@@ -486,7 +485,7 @@ Opened open_url(const StreamUrl& url, const std::optional<GuessedScene>& scene, 
     return open_stream_clip(source, scene, wanted.colour);
 }
 
-/// An archive of pictures, as the folder that it unpacks to.
+/// Opens an archive of pictures as the folder that it unpacks to.
 Opened open_zip_folder(const ZipPlace& place, const std::optional<fs::path>& scene_file,
                        const OpenSettings& wanted) {
     TRY_ASSIGN(auto folder, ZipFolder::unpack(place.archive, place.inner));
@@ -521,7 +520,7 @@ Opened open_path(const fs::path& path, const std::optional<fs::path>& scene_file
     return reader;
 }
 
-/// The scene of a clip of ours, without the files that it once was of.
+/// The scene in a clip of ours, without the names of the files that it was made from.
 Result<GuessedScene> scene_in(const Format& format, Candidate candidate) {
     candidate.wanted.colour = Colour::left_out;
     TRY_ASSIGN(const auto reader, format.open(candidate));
@@ -531,8 +530,8 @@ Result<GuessedScene> scene_in(const Format& format, Candidate candidate) {
     return scene;
 }
 
-/// A name of pictures that `convert` can make beside a clip: what is there is not replaced. Without an
-/// extension it is a folder's, which ends in / where it has a dot.
+/// An unused name beside a clip for the pictures that `convert` can make of it. Without an extension it is a
+/// folder's, and ends in / if it has a dot.
 fs::path free_name(const fs::path& clip, const char* extension) {
     const fs::path stem = clip.parent_path() / clip.stem();
     fs::path name = stem;
@@ -552,7 +551,7 @@ Error nothing_to_guess(const fs::path& file, const char* what, const char* exten
                        shell_word(file.string()) + ' ' + shell_word(free_name(file, extension).string()));
 }
 
-/// The scene of a file that has none, or the one that is in a clip of ours.
+/// Guesses the scene of a file without one, or returns the one in a clip of ours.
 Result<GuessedScene> guess_file(const fs::path& file, const SourceDescription& known) {
     const Candidate candidate{file, {}, {}, {known}};
     const Format* const format = probe(candidate);
@@ -588,7 +587,7 @@ Result<GuessedScene> guess_path(const fs::path& path, const SourceDescription& k
     return guess_folder(path, known);
 }
 
-/// What was made of files that were read no further, because the caller gave up, may be wrong.
+/// An error if the thread was asked to stop: files may have been read only in part, and the result wrong.
 template <class Made>
 Result<Made> unless_given_up(Result<Made> made) {
     return stop_requested() ? interrupted_error() : std::move(made);

@@ -7,7 +7,7 @@
 // at the clip's beginning. What a file does not say of its depth and its camera comes from a scene file, or
 // from a SourceDescription, which is what a person knows of them; the rest is guessed: camera, unit, coding,
 // rate, and which files are depth and which are colour. Each guess is a remark in the reader's scene, with
-// the settings that say another, so that a program can show what was assumed. `guess_clip` returns that
+// the settings that override it, so that a program can show what was assumed. `guess_clip` returns that
 // description alone, to be written as a scene file and corrected.
 //
 //   TRY_ASSIGN(const auto guessed, guess_clip("pictures", known));
@@ -32,31 +32,30 @@ namespace touchable {
 struct ClipFormat {
     const char* what;     ///< in words
     const char* command;  ///< how it is opened, such as "touchable play FOLDER"
-    Hints settings{};     ///< with these
+    Hints settings{};     ///< settings of that command
 };
-/// All of them, in the order in which they are tried.
+/// All formats, in the order in which they are tried.
 std::vector<ClipFormat> clip_formats();
 
-/// Whether a file's name ends as those of videos and recordings do. Pictures' do not: most are frames of a
-/// clip.
+/// Whether a file's name ends as a video's or a recording's. Pictures' do not: most are frames of a clip.
 bool is_named_as_clip(const std::filesystem::path& file);
 
-/// The scene of a path that has no scene file: a folder of pictures, a picture or video of depth, a
-/// recording. Of a clip of ours, the scene that is in it.
-/// What only a whole clip tells is left open (unstated): a reader settles it.
+/// Guesses the scene of a path that has no scene file: a folder of pictures, a depth picture or video, a
+/// recording. For a clip of ours, returns the scene in it. What only the whole clip tells is left open
+/// (unstated); a reader settles it.
 Result<SceneDescription> guess_clip(const std::filesystem::path& path, const SourceDescription& known);
 
 /// Opens a file, a folder, a URL, or a scene file, whose patterns are relative to it. A folder is described
-/// by `scene_file`, by a scene.json in it, or by `known` and guesses. With a clip that has a scene,
-/// `scene_file` replaces that scene. Colour that is left out need not be decoded. `alignment`: of depth
-/// without a scale (with_aligned_depth); where it is `on`, of any clip that can have it.
+/// by `scene_file`, by a scene.json in it, or by `known` and guesses. If the clip has a scene of its own,
+/// `scene_file` replaces it. Colour that is left out need not be decoded. `alignment` applies to depth
+/// without a scale (with_aligned_depth); `on` applies it to any clip that can have it.
 Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
                                               const std::optional<std::filesystem::path>& scene_file = {},
                                               const std::optional<SourceDescription>& known = {},
                                               Colour colour = Colour::wanted,
                                               DepthAlignment alignment = DepthAlignment::automatic);
 
-/// The video, or the two, that the scene's VideoSource names in `folder`.
+/// Opens the one or two videos in `folder` that the scene's VideoSource names.
 Result<std::unique_ptr<ClipReader>> open_video_clip(const std::filesystem::path& folder,
                                                     const SceneDescription& described,
                                                     Colour colour = Colour::wanted,

@@ -17,11 +17,11 @@ namespace {
 constexpr std::size_t largest_cloud_header = std::size_t{64} << 10;
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
-/// TextWords of a text between blanks, one after the other.
+/// Splits a text at blanks, one word after the other.
 class TextWords {
 public:
     explicit TextWords(std::string_view text) : text_(text) {}
-    /// Empty: there is no other.
+    /// Empty after the last word.
     std::string_view next() {
         constexpr std::string_view blanks = " \t\r\n";
         text_.remove_prefix(std::min(text_.find_first_not_of(blanks), text_.size()));
@@ -38,7 +38,7 @@ private:
 class HeaderLines {
 public:
     explicit HeaderLines(std::string_view bytes) : bytes_(bytes.substr(0, largest_cloud_header)) {}
-    /// Nothing where no whole one is left.
+    /// Nothing if no whole line is left.
     std::optional<std::string_view> next() {
         const std::size_t end = bytes_.find('\n', at_);
         if (end == std::string_view::npos) return {};
@@ -89,7 +89,7 @@ double number_at(const char* from, const Scalar& scalar, bool big_endian) {
     return static_cast<double>(static_cast<std::int64_t>(bits << unused) >> unused);
 }
 
-/// Also nan and inf; what is too large or too small for a number is none. Nothing: the word is no number.
+/// Parses a number, also nan and inf; beyond the range of a double it is NaN. Nothing: the word is no number.
 std::optional<double> number_in(std::string_view word) {
     if (word.starts_with('+')) word.remove_prefix(1);
     double number = 0;
@@ -115,7 +115,7 @@ struct SlopeFit {
         squares += slope * slope;
         products += slope * place;
     }
-    /// Negative where the axis goes the other way.
+    /// Negative if the axis goes the other way.
     double focal() const {
         const double spread = squares - slopes * slopes / count;
         return spread > 0 ? (products - slopes * places / count) / spread : not_a_number;
@@ -123,7 +123,7 @@ struct SlopeFit {
     double middle() const { return (places - focal() * slopes) / count; }
 };
 
-/// Takes the points of a cloud, and finds the camera that they are of.
+/// Collects a cloud's points, and finds their camera.
 class CloudPicture {
 public:
     CloudPicture(int width, int height, bool has_colour)
@@ -205,7 +205,7 @@ private:
                                "camera (t.geometry.PointCloud.project_to_depth_image of Open3D) and save "
                                "that picture, then: touchable play depth.png");
         Intrinsics camera{std::abs(fx), std::abs(fy), cx, cy, width_, height_};
-        // In OpenGL's frame y goes up. Slopes are by z, which is negative there.
+        // In OpenGL's frame y goes up and z, by which slopes are divided, is negative.
         const bool begins_below = !is_ahead_ && fx < 0 && fy < 0;
         if (begins_below) {
             turn_rows(depth_, static_cast<std::size_t>(width_));
@@ -259,7 +259,7 @@ struct PcdHeader {
 
 constexpr std::uint64_t largest_count = 1'000'000'000;
 
-/// Nothing where it is none.
+/// Parses a PCD header; nothing if it is none.
 std::optional<PcdHeader> pcd_header(std::string_view bytes) {
     constexpr std::size_t most_fields = 64, largest_field = 4096;
     PcdHeader header;
@@ -306,7 +306,7 @@ std::optional<PcdHeader> pcd_header(std::string_view bytes) {
     return {};
 }
 
-/// Unpacks LZF into exactly as many bytes; nothing where the packed ones are none.
+/// Unpacks LZF into exactly `size` bytes; nothing if `packed` is invalid.
 std::optional<std::string> unpacked_lzf(std::string_view packed, std::size_t size) {
     std::string out;
     out.reserve(size);
@@ -314,7 +314,7 @@ std::optional<std::string> unpacked_lzf(std::string_view packed, std::size_t siz
     const auto next = [&] { return static_cast<unsigned char>(packed[at++]); };
     while (at < packed.size()) {
         const std::size_t control = next();
-        if (control < 32) {  // so many bytes as they are, and one more
+        if (control < 32) {  // control + 1 literal bytes
             const std::size_t count = control + 1;
             if (count > packed.size() - at || count > size - out.size()) return {};
             out += packed.substr(at, count);
@@ -332,7 +332,7 @@ std::optional<std::string> unpacked_lzf(std::string_view packed, std::size_t siz
     return out.size() == size ? std::optional(std::move(out)) : std::nullopt;
 }
 
-/// The bytes of a PCD file's points, unpacked into `unpacked` where they are packed.
+/// The bytes of a PCD file's points, unpacked into `unpacked` if they are packed.
 Result<std::string_view> pcd_points(const PcdHeader& header, std::string_view bytes, std::uint64_t size,
                                     std::string& unpacked, const std::string& where) {
     const std::string_view data = bytes.substr(header.end);
@@ -394,7 +394,7 @@ Result<OrganisedCloud> decode_pcd(std::string_view bytes, const std::string& whe
     const int width = static_cast<int>(header->width), height = static_cast<int>(header->height);
     if (header->data == "ascii") {
         const std::string_view text = bytes.substr(header->end);
-        // Each number is a digit and what ends it, at least.
+        // Each number takes at least two bytes: a digit and a separator.
         if (points * header->point_words * 2 > text.size() + 1) return cut_short(where);
         CloudPicture picture(width, height, colour != nullptr);
         TextWords words(text);
@@ -418,7 +418,7 @@ Result<OrganisedCloud> decode_pcd(std::string_view bytes, const std::string& whe
     TRY_ASSIGN(const std::string_view data,
                pcd_points(*header, bytes, points * header->point_bytes, unpacked, where));
     CloudPicture picture(width, height, colour != nullptr);
-    // Packed points have each field of all of them, one field behind the other.
+    // Packed points are stored field by field: first one field of all points, then the next.
     const bool by_fields = header->data == "binary_compressed";
     const auto at = [&](const PcdField& field, std::size_t k) {
         return data.data() + (by_fields ? field.offset * points + k * field.scalar.bytes
@@ -447,7 +447,7 @@ struct PlyElement {
     std::uint64_t count = 0;
     std::vector<PlyProperty> properties{};
 
-    /// The place of the first property of one of these names that is a single number.
+    /// Index of the first property with one of these names that is a single number.
     std::optional<std::size_t> place_of(std::initializer_list<std::string_view> names) const {
         for (std::size_t k = 0; k < properties.size(); ++k)
             if (!properties[k].count && std::ranges::count(names, properties[k].name) > 0) return k;
@@ -482,7 +482,7 @@ std::optional<Scalar> ply_scalar(std::string_view name) {
     return {};
 }
 
-/// Nothing where it is none.
+/// Parses a PLY header; nothing if it is none.
 std::optional<PlyHeader> ply_header(std::string_view bytes) {
     constexpr std::size_t most_elements = 64, most_properties = 256;
     PlyHeader header;
@@ -526,7 +526,7 @@ std::optional<PlyHeader> ply_header(std::string_view bytes) {
     return {};
 }
 
-/// Numbers of a PLY file behind its header, one after the other.
+/// Reads the numbers behind a PLY file's header, one after the other.
 class PlyNumbers {
 public:
     PlyNumbers(std::string_view format, std::string_view data)
@@ -534,7 +534,7 @@ public:
           big_endian_(format == "binary_big_endian"),
           data_(data),
           words_(data) {}
-    /// Nothing at the end, and where a word is no number.
+    /// Nothing at the end, and if a word is no number.
     std::optional<double> next(const Scalar& scalar) {
         if (is_text_) return number_in(words_.next());
         if (data_.size() < scalar.bytes) return {};
@@ -542,8 +542,7 @@ public:
         data_.remove_prefix(scalar.bytes);
         return number;
     }
-    /// The numbers of one row of an element, a list's alone by its first, or NaN where it is empty. False
-    /// where they end.
+    /// Reads the numbers of one row of an element; of a list its first, NaN if it is empty. False at the end.
     bool take(const PlyElement& element, std::vector<double>& numbers) {
         numbers.clear();
         for (const PlyProperty& property : element.properties) {
@@ -571,7 +570,7 @@ private:
 
 constexpr const char* ply_grid = "range_grid";  // says for each pixel which point is there, if one is
 
-/// Whether it has a point for each pixel, or says which one has none.
+/// Whether the file has a point for each pixel, or a grid that says which pixel has which point.
 bool has_ply_grid(const PlyHeader& header) {
     const PlyElement *const vertices = header.element("vertex"), *const grid = header.element(ply_grid),
                             *const faces = header.element("face");
@@ -599,7 +598,7 @@ Result<OrganisedCloud> decode_ply(std::string_view bytes, const std::string& whe
                                                   vertices.place_of({"blue", "b", "diffuse_blue"})};
     const bool has_colour = colours[0] && colours[1] && colours[2];
     const std::string_view data = bytes.substr(header->end);
-    // A number is a byte at least, in text a digit and what ends it.
+    // A number takes at least a byte; in text two: a digit and a separator.
     const std::uint64_t least = header->format == "ascii" ? 2 : 1,
                         numbers_stated = vertices.count * vertices.properties.size();
     if (numbers_stated * least > data.size() + 1 || (grid && grid->count * least > data.size() + 1))
@@ -609,7 +608,7 @@ Result<OrganisedCloud> decode_ply(std::string_view bytes, const std::string& whe
         float x, y, z;
         std::array<std::uint8_t, 3> rgb{};
     };
-    std::vector<Point> points;  // where a grid says which is where
+    std::vector<Point> points;  // if a grid says which is where
     const auto place = [&](std::size_t pixel, const Point& point) {
         picture.put(pixel, double{point.x}, double{point.y}, double{point.z});
         if (has_colour) picture.paint(pixel, point.rgb);

@@ -1,8 +1,7 @@
 #pragma once
 
-// Organised clouds of points, PCD and PLY: one point for each pixel of a camera, row by row. Their z is a
-// picture of depth, colour may be beside it, and where x and y lie tells the camera. Pure functions, for any
-// thread.
+// Organised point clouds, PCD and PLY: one point for each pixel of a camera, row by row. Their z is a depth
+// picture, colour may be beside it, and x and y tell the camera. Pure functions, for any thread.
 
 #include <filesystem>
 #include <optional>
@@ -17,20 +16,20 @@
 namespace touchable {
 
 struct OrganisedCloud {
-    StoredImage depth;                   ///< floats, NaN where there is no point; `beside` may have colour
-    std::optional<Intrinsics> camera{};  ///< that its points are of; none: it has no point
+    StoredImage depth;                   ///< floats, NaN for pixels without a point; `beside` may have colour
+    std::optional<Intrinsics> camera{};  ///< the camera of the points; nothing: there is no point
 };
 
-/// Whether a name ends as those of clouds do, with rows and columns or without.
+/// Whether a name ends in .pcd or .ply, as clouds with rows and columns and other clouds do.
 bool is_named_cloud(const std::filesystem::path& file);
 
-/// Whether a cloud says that it has rows and columns, by its header, which the first 64 KiB have. A mesh has
-/// none.
+/// Whether a cloud's header, within its first 64 KiB, states rows and columns. Always false for a mesh.
 bool begins_organised_cloud(std::string_view begin);
 bool is_organised_cloud(const SourceFile& file);
 
-/// Refused: what is cut or damaged, and points that no pinhole camera sees in rows and columns, as those of a
-/// lidar are. Depth is z, or -z where no z is positive (OpenGL). Messages begin with `where`.
+/// Decodes a cloud. Depth is z, or -z if no z is positive (OpenGL). An error if the bytes are cut or damaged,
+/// or if the rows and columns are not the pixels of one pinhole camera (a lidar's are not). Messages begin
+/// with `where`.
 Result<OrganisedCloud> decode_organised_cloud(std::string_view bytes, const std::string& where);
 
 }  // namespace touchable

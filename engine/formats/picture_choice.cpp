@@ -1,4 +1,4 @@
-// Which pictures are depth, and which are colour, by their names and by what they hold.
+// Chooses which pictures are depth, and which are colour, by their names and by what they hold.
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 using SharedPicture = std::shared_ptr<const StoredImage>;
 
-/// Colour that is grey everywhere as grey, and depth of 24 bits as floats.
+/// Turns RGB that is grey everywhere into grey, and depth of 24 bits into floats.
 Result<SharedPicture> as_depth(SharedPicture stored, const fs::path& file, bool is_packed = false) {
     if (!stored->values.empty() || stored->image.channels == 1) return stored;
     if (is_packed || looks_packed(stored->image)) {
@@ -37,7 +37,7 @@ Result<SharedPicture> as_depth(SharedPicture stored, const fs::path& file, bool 
         StoredImage{std::move(*grey), of.codec, of.pixel_format, of.bits, of.interlaced, {}, of.beside});
 }
 
-/// Of a picture, or the first of a stack.
+/// Depth in a picture, or in the first of a stack.
 Result<SharedPicture> depth_in(const fs::path& file, ReadPictures& pictures, bool is_packed) {
     auto looked = pictures.look(file);
     return looked ? as_depth(std::move(*looked), file, is_packed) : looked;
@@ -48,13 +48,13 @@ Result<SharedPicture> depth_in_stack(ImageStack& stack, std::int64_t frame, cons
     return as_depth(std::make_shared<const StoredImage>(std::move(picture)), file);
 }
 
-/// Whether a picture has a value; an error where the search was interrupted.
+/// Whether a picture has a usable value; an error if the search was interrupted.
 Result<bool> holds_values(const StoredImage& picture) {
     const bool any = estimate_values(picture).any;
     return stop_requested() ? Result<bool>(interrupted_error()) : any;
 }
 
-/// Whether a name has a word of pictures that look like depth and are none: infrared light as such.
+/// Whether a name has a word for infrared pictures, which look like depth and are none.
 bool names_infrared(const std::string& name) {
     std::string word;
     for (const char c : small_letters(name) + ' ') {
@@ -69,7 +69,7 @@ bool names_infrared(const std::string& name) {
     return false;
 }
 
-/// How well a group goes as depth: 0 not at all.
+/// How likely a group is depth; 0: not at all.
 int depth_mark(const PictureGroup& group, ReadPictures& pictures) {
     if (has_word(group.pattern, {"conf", "mask", "label", "normal", "haptic", "height", "validity"}))
         return 0;
@@ -79,7 +79,7 @@ int depth_mark(const PictureGroup& group, ReadPictures& pictures) {
     const bool is_packed = first.values.empty() && looks_packed(first.image);
     if (first.values.empty() && !is_packed && !is_grey(first.image)) return 0;
     const bool is_deep = is_packed || !first.values.empty() || first.image.bytes_per_sample == 2;
-    // Less than what is dense, and what is depth, beside it.
+    // Counts less than dense depth beside it.
     if (has_word(group.pattern, {"sparse"}) || names_infrared(group.pattern)) return is_deep ? 1 : 0;
     return (has_word(group.pattern, {"depth", "disp", "range", "dpt"}) ? 4 : 0) + (is_deep ? 2 : 0);
 }
@@ -108,7 +108,7 @@ std::string found_there(const std::vector<PictureGroup>& groups) {
     return words.empty() ? "no pictures" : words + (groups.size() > 4 ? ", ..." : "");
 }
 
-/// All groups of a folder. Of those that call themselves depth the first picture can be read.
+/// All groups of a folder. An error if the first picture of a group named depth cannot be read.
 Result<std::vector<PictureGroup>> readable_groups(const fs::path& folder, ReadPictures& pictures) {
     std::vector<PictureGroup> groups = picture_groups(folder);
     constexpr std::size_t most_groups = 200;  // the largest are first, and each is looked at
@@ -121,7 +121,7 @@ Result<std::vector<PictureGroup>> readable_groups(const fs::path& folder, ReadPi
     return groups;
 }
 
-/// The groups that go best as depth, the largest first.
+/// The groups that are most likely depth, the largest first.
 std::vector<const PictureGroup*> depths_among(const std::vector<PictureGroup>& groups,
                                               ReadPictures& pictures) {
     std::vector<const PictureGroup*> best;
@@ -135,8 +135,7 @@ std::vector<const PictureGroup*> depths_among(const std::vector<PictureGroup>& g
     return best;
 }
 
-/// Groups of grey of 8 bits, which no name or kind says to be depth: used where a preset or the folder's name
-/// says so.
+/// Groups of grey that no name or kind shows to be depth; used if a preset or the folder's name says depth.
 std::vector<const PictureGroup*> greys_among(const std::vector<PictureGroup>& groups,
                                              ReadPictures& pictures) {
     std::vector<const PictureGroup*> greys;
@@ -166,15 +165,15 @@ const PictureGroup* colour_among(const std::vector<PictureGroup>& groups,
     return elsewhere;
 }
 
-/// Whether a group could be depth, though another one goes better: deep pictures without a word for depth,
-/// and sparse depth.
+/// Whether a group could be depth, though another is likelier: deep pictures without a word for depth, and
+/// sparse depth.
 bool may_be_depth(const PictureGroup& group, ReadPictures& pictures) {
     if (names_infrared(group.pattern) || has_word(group.pattern, {"point"})) return false;
     const int mark = depth_mark(group, pictures);
     return mark == 1 || mark == 2;
 }
 
-/// Of `groups`, those whose first picture has depth, `depths` first, into what is left out.
+/// Adds the groups whose first picture has depth, `depths` first, to what is left out.
 Result<void> find_left_out(std::vector<const PictureGroup*> depths, const std::vector<PictureGroup>& groups,
                            ReadPictures& pictures, ChosenPictures& chosen) {
     constexpr std::size_t most_told = 20;  // each is looked at
@@ -200,7 +199,7 @@ Result<void> find_left_out(std::vector<const PictureGroup*> depths, const std::v
     return {};
 }
 
-/// What was found in a folder without depth, and what to do.
+/// The error for a folder without depth: what it has, and what to do.
 Error without_depth(const fs::path& folder, const std::vector<PictureGroup>& groups) {
     std::string message =
         folder.string() + ": no pictures of depth were found (there are " + found_there(groups);
@@ -235,7 +234,7 @@ Result<ChosenPictures> choose_pictures(const fs::path& folder, const SourceDescr
         (is_relative || has_word(fs::weakly_canonical(folder).filename().string(), {"depth"})))
         depths = greys_among(groups, pictures);
     if (depths.empty() && stop_requested()) return interrupted_error();
-    // What has no channel or data set of the name that a person said tells which it has.
+    // A file without the channel or data set that a person named gives an error with those that it has.
     if (depths.empty() && !(known.channel.empty() && known.dataset.empty()))
         for (const PictureGroup& group : groups) TRY(pictures.look(group.first));
     if (depths.empty()) return without_depth(folder, groups);
@@ -244,7 +243,7 @@ Result<ChosenPictures> choose_pictures(const fs::path& folder, const SourceDescr
         chosen.colour = *colour;
     else if (const PictureGroup* const unfetched = unfetched_among(groups, chosen.depth))
         chosen.unfetched = unfetched->pattern;
-    if (stop_requested()) return interrupted_error();  // so it may not be that there is none
+    if (stop_requested()) return interrupted_error();  // colour may then have been missed
     const auto haptic = std::ranges::find_if(
         groups, [](const PictureGroup& group) { return has_word(group.pattern, {"haptic"}); });
     if (haptic != groups.end()) chosen.haptic = haptic->pattern;
@@ -277,7 +276,7 @@ Result<std::shared_ptr<const StoredImage>> telling_depth(const std::vector<fs::p
 std::optional<fs::path> colour_beside(const fs::path& depth, ReadPictures& pictures) {
     const std::string stem = depth.stem().string();
     std::vector<std::string> stems;
-    if (!realsense_metadata_of(depth)) stems.push_back(stem);  // beside which it is depth in colours
+    if (!realsense_metadata_of(depth)) stems.push_back(stem);  // there, that is depth in false colours
     for (const char* of_depth : {"depth", "Depth", "disp0", "disparity"})
         if (const auto at = stem.find(of_depth); at != std::string::npos)
             for (const char* of_colour : {"color", "colour", "rgb", "image", "Color", "im0"})

@@ -38,7 +38,7 @@ public:
         if (field.size() < digits_) field.insert(0, digits_ - field.size(), '0');
         return folder / (before_ + field + after_);
     }
-    /// Numbers of the files that are there, from `first` on, in order.
+    /// Numbers of the existing files, from `first` on, in order.
     std::vector<std::int64_t> numbers(const fs::path& folder, std::int64_t first) const {
         std::vector<std::int64_t> found;
         const std::string before = (folder / before_).filename().string();
@@ -68,7 +68,7 @@ Error missing(const fs::path& file, std::string_view what, std::size_t frame, co
                        "): " + (fs::exists(file, ignored) ? "is no regular file" : "is missing") + more);
 }
 
-/// Where depth's first picture is missing and later ones are there.
+/// A hint if depth's first picture is missing and later ones exist; otherwise empty.
 std::string first_of(const fs::path& folder, const Numbered& pattern, std::int64_t expected) {
     const auto later = pattern.numbers(folder, expected);
     return later.empty() ? ""
@@ -76,8 +76,7 @@ std::string first_of(const fs::path& folder, const Numbered& pattern, std::int64
                                ": give folder.first";
 }
 
-/// Where depth's picture of number `expected` is missing and later ones of its row are there: which numbers
-/// are missing.
+/// If depth's picture `expected` is missing and later ones of its row exist: which numbers are missing.
 std::string beyond(const fs::path& folder, const Numbered& pattern, std::int64_t expected,
                    std::int64_t step) {
     auto later = pattern.numbers(folder, expected);
@@ -119,7 +118,7 @@ Result<PictureFiles> numbered_files(const fs::path& folder, const FolderSource& 
     return found;
 }
 
-/// Runs of digits by the number they are, all else by its bytes.
+/// Compares runs of digits as numbers, and all else by its bytes.
 bool comes_before(const std::string& a, const std::string& b) {
     const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
     std::size_t i = 0, j = 0;
@@ -141,7 +140,7 @@ bool comes_before(const std::string& a, const std::string& b) {
     return a.size() - i < b.size() - j;
 }
 
-/// Digits, or two runs of them with a point between: a time.
+/// Whether words are digits, or two runs of them with a point between: a time.
 bool is_picture_number(std::string_view words) {
     const auto digits = [](std::string_view run) {
         return !run.empty() && std::ranges::all_of(run, [](char c) { return c >= '0' && c <= '9'; });
@@ -151,9 +150,9 @@ bool is_picture_number(std::string_view words) {
     return digits(words.substr(0, point)) && digits(words.substr(point + 1));
 }
 
-/// A name, and the numbers in it: runs of digits, two of which with a point between them are one, a time.
+/// The numbers in a name: runs of digits; two with a point between them are one number, a time.
 struct NumbersInName {
-    std::string form;  // a star for each of the numbers
+    std::string form;  // the name, with a star for each number
     std::vector<std::string> numbers;
     std::vector<std::size_t> places;  // where each begins in the name
 };
@@ -177,9 +176,9 @@ NumbersInName numbers_in(const std::string& name) {
     return found;
 }
 
-/// Which of their numbers orders names that have several and are alike outside these: the first that is a
-/// time, else the first that is another one in each name. Nothing where none is another one in each, and
-/// where a number comes again later in that order, as that of one camera of several does.
+/// Which of several numbers orders names that are alike outside these: the first that is a time, else the
+/// first that differs in all names. Nothing if none differs in all, or if in that order a number recurs after
+/// others, as that of one of several cameras does.
 std::optional<std::size_t> ordering_number(const std::vector<NumbersInName>& names) {
     const std::size_t count = names.front().numbers.size();
     const auto column = [&](std::size_t number) {
@@ -204,7 +203,7 @@ std::optional<std::size_t> ordering_number(const std::vector<NumbersInName>& nam
     const std::size_t order = time.value_or(*counter);
     std::vector<std::size_t> places(names.size());
     std::iota(places.begin(), places.end(), std::size_t{0});
-    // What is equal comes by its other numbers, whatever order the folder has.
+    // Equal ones are ordered by their other numbers, not by the folder's order.
     std::ranges::sort(places, [&](std::size_t a, std::size_t b) {
         const auto &one = names[a].numbers, &other = names[b].numbers;
         if (comes_before(one[order], other[order])) return true;
@@ -219,10 +218,9 @@ std::optional<std::size_t> ordering_number(const std::vector<NumbersInName>& nam
     return order;
 }
 
-/// Words with several numbers each, as a counter and a time, or a time and the device's ticks (NYU Depth):
-/// the number that orders them in their place. Those that are not alike outside their numbers as most are,
-/// are left out. Where none orders them, and where they do not begin and end with numbers, all stay as they
-/// are.
+/// Replaces words with several numbers, such as a counter and a time, or a time and the device's ticks (NYU
+/// Depth), by the number that orders them. Words that differ from most outside their numbers are left out. If
+/// no number orders them, or no words begin and end with numbers, all stay unchanged.
 void take_ordering_numbers(std::vector<std::pair<std::string, std::string>>& words_and_names) {
     std::map<std::string, std::vector<std::size_t>> forms;
     std::vector<NumbersInName> all;
@@ -248,8 +246,9 @@ bool is_hidden(const std::string& name) {
     return name.starts_with(".");
 }
 
-/// The star stands for a number, or for several with words between them (take_ordering_numbers). Where no
-/// file has one there, as only a scene file's pattern may ask for, it stands for any words.
+/// Files of a star pattern. The star stands for a number, or several with words between
+/// (take_ordering_numbers). If no file has a number there, as only a scene file's pattern allows, it stands
+/// for any words.
 Result<PictureFiles> starred_files(const fs::path& folder, const std::string& pattern) {
     const fs::path within = (folder / pattern).parent_path();
     const std::string name = fs::path(pattern).filename().string();
@@ -289,7 +288,7 @@ Result<PictureFiles> starred_files(const fs::path& folder, const std::string& pa
     return found;
 }
 
-/// Lines "time name", "name", or a remark after '#'; names from the list's own folder.
+/// Reads lines "time name" or "name", with comments after '#'; names are relative to the list's folder.
 Result<PictureFiles> listed_files(const fs::path& list) {
     TRY_ASSIGN(auto text, read_given_file(list, list.string(), "a list of pictures", largest_list));
     std::istringstream in(std::move(text));
@@ -325,7 +324,7 @@ Result<PictureFiles> listed_files(const fs::path& list) {
     return found;
 }
 
-/// Seconds of a key that is 1; nothing where keys only count.
+/// Seconds of a key that is 1; nothing if keys only count.
 std::optional<double> seconds_per_key(const PictureFiles& pictures) {
     const std::vector<double>& keys = pictures.keys;
     if (keys.size() < 2) return {};
@@ -339,7 +338,7 @@ std::optional<double> seconds_per_key(const PictureFiles& pictures) {
     return 1;
 }
 
-/// After the first; nothing where keys only count.
+/// Seconds after the first picture; nothing if keys only count.
 std::optional<std::vector<double>> seconds_of(const PictureFiles& pictures) {
     const auto unit = seconds_per_key(pictures);
     if (!unit) return {};
@@ -348,8 +347,8 @@ std::optional<std::vector<double>> seconds_of(const PictureFiles& pictures) {
     return seconds;
 }
 
-/// Says which numbers a row lacks whose files are counted, evenly; nothing where no two of them are one step
-/// apart, as of chosen frames and of times.
+/// Says which numbers are missing in a row of evenly counted files; empty if no two are one step apart, as of
+/// chosen frames, and for times.
 std::string gaps_in(const PictureFiles& found, const std::string& pattern) {
     if (found.count() < 3 || found.keys.empty() || found.has_decimals || seconds_per_key(found)) return "";
     constexpr double largest = 1e15;  // whole numbers, exactly
@@ -372,7 +371,7 @@ std::string gaps_in(const PictureFiles& found, const std::string& pattern) {
     return pattern + ": missing numbers: " + printable(gaps, 120);
 }
 
-/// Says so where two pictures have nearly one time, which no two frames can have.
+/// Says which two pictures have nearly the same time, as no two frames can; otherwise empty.
 std::string close_times(const PictureFiles& found, const std::string& pattern) {
     const auto unit = seconds_per_key(found);
     constexpr double shortest_seconds = 1e-9 * shortest_frame_ns;
@@ -384,19 +383,19 @@ std::string close_times(const PictureFiles& found, const std::string& pattern) {
     return "";
 }
 
-/// Of numbers that are missing, or of times that cannot be.
+/// A remark on missing numbers or impossible times; empty: none.
 std::string row_remark(const PictureFiles& found, const std::string& pattern) {
     return rate_of(found) ? close_times(found, pattern) : gaps_in(found, pattern);
 }
 
-/// Of frames that are so many seconds apart: a whole number a second where it is nearly one.
+/// The rate of frames that are `step` seconds apart: a whole number a second if it is nearly one.
 FrameRate rate_of_step(double step) {
     const double rate = 1 / step, whole = std::round(rate);
     if (whole >= 1 && std::abs(rate - whole) < 0.015 * whole) return {static_cast<std::int64_t>(whole), 1};
     return {static_cast<std::int64_t>(std::round(1000 * rate)), 1000};
 }
 
-/// Nothing where they are no times of this world.
+/// Nanoseconds after the first; empty if times are too far apart to be real.
 std::vector<std::int64_t> nanoseconds(const std::vector<double>& seconds) {
     constexpr double ns_per_second = 1e9, longest_seconds = 4e9;
     std::vector<std::int64_t> ns;
@@ -409,7 +408,7 @@ std::vector<std::int64_t> nanoseconds(const std::vector<double>& seconds) {
 }
 
 bool keeps_to(const FrameRate& rate, const std::vector<double>& seconds) {
-    constexpr double tolerance = 0.002;  // what a stamp of milliseconds may be rounded by, twice
+    constexpr double tolerance = 0.002;  // rounding to milliseconds, twice
     for (std::size_t n = 0; n < seconds.size(); ++n) {
         const double even = static_cast<double>(rate.time_ns(static_cast<std::int64_t>(n))) * 1e-9;
         if (!(std::fabs(seconds[n] - seconds[0] - even) <= tolerance)) return false;
@@ -417,7 +416,7 @@ bool keeps_to(const FrameRate& rate, const std::vector<double>& seconds) {
     return true;
 }
 
-/// Says which of depth's numbers no file of another plane has; nothing where they are times.
+/// Says which of depth's numbers no file of another plane has; empty for times.
 std::string unpaired(const PictureFiles& found, const PictureFiles& depth, std::string_view what) {
     for (const PictureFiles* row : {&found, &depth})
         if (row->has_decimals || seconds_per_key(*row)) return "";
@@ -430,7 +429,7 @@ std::string unpaired(const PictureFiles& found, const PictureFiles& depth, std::
            ": missing numbers that depth has; those frames get the nearest one's: " + printable(numbers, 120);
 }
 
-/// The files of a plane, or of the cameras, that go with depth's: `pattern`, and their `own` numbers.
+/// Pairs the files of a plane, or of the cameras, with depth's, by their `pattern` and their `own` numbers.
 Result<PictureFiles> paired_files(const fs::path& folder, std::string_view what, const std::string& pattern,
                                   const PictureNumbers& own, const FolderSource& source,
                                   const PictureFiles& depth) {
@@ -469,7 +468,7 @@ bool is_picture(const fs::path& file) {
 }
 
 /// A name with a star for one of its numbers before the extension, 0 being the last: a run of digits, or two
-/// with a point between them. Nothing where it has not so many.
+/// with a point between them. Nothing if the name has fewer.
 std::optional<std::string> starred(const std::string& name, int number) {
     const auto is_digit = [&](std::size_t k) { return k < name.size() && name[k] >= '0' && name[k] <= '9'; };
     std::size_t end = name.rfind('.');
@@ -488,7 +487,7 @@ std::optional<std::string> starred(const std::string& name, int number) {
     }
 }
 
-/// Arrays of cameras' matrices, by their names: no pictures, whatever folder they are in.
+/// Whether a file is named as an array of cameras' matrices: it is no picture, in any folder.
 bool is_named_camera_array(const fs::path& file) {
     const std::string extension = small_letters(file.extension().string()),
                       stem = small_letters(file.stem().string());
@@ -516,7 +515,7 @@ void add_files(const fs::path& folder, const std::string& within, Wanted is_want
     }
 }
 
-/// Files whose last number tells nothing, as it is the same in all, by a number before it: 0001_depth16.png.
+/// Groups files whose last number is the same in all by a number before it: 0001_depth16.png.
 void join_by_earlier_numbers(std::map<std::string, PictureGroup>& groups) {
     constexpr int most_numbers = 8;
     for (int number = 1; number < most_numbers; ++number) {
@@ -538,8 +537,8 @@ void join_by_earlier_numbers(std::map<std::string, PictureGroup>& groups) {
     }
 }
 
-/// The pattern of names that are alike outside their numbers: a star in place of all from the first that
-/// differs to the last.
+/// The pattern of names that are alike outside their numbers: one star from the first number that differs to
+/// the last.
 std::string pattern_of_all(const std::vector<NumbersInName>& names, const std::string& first) {
     const auto differs = [&](std::size_t number) {
         return std::ranges::any_of(names, [&](const NumbersInName& name) {
@@ -553,8 +552,8 @@ std::string pattern_of_all(const std::vector<NumbersInName>& names, const std::s
     return first.substr(0, places[begin]) + '*' + first.substr(places[last] + numbers[last].size());
 }
 
-/// Files of which several numbers differ from each to the next, so that by a star for one of them alone they
-/// would be many groups of few: one group, where one of their numbers orders them.
+/// Joins files in which several numbers change, so that a star for only one makes many small groups, into one
+/// group if one of the numbers orders them.
 void join_by_all_numbers(const fs::path& folder, std::map<std::string, PictureGroup>& groups) {
     std::map<std::string, std::vector<std::string>> forms;  // patterns of groups alike outside all numbers
     for (const auto& [pattern, group] : groups) {
@@ -570,8 +569,8 @@ void join_by_all_numbers(const fs::path& folder, std::map<std::string, PictureGr
         std::vector<std::string> files{};
         std::vector<NumbersInName> names{};  // of these files
     };
-    std::map<std::string, Alike> files_of;
-    std::set<fs::path> read;  // each folder once, for all forms in it
+    std::map<std::string, Alike> files_of;  // by form
+    std::set<fs::path> read;                // a folder may have many forms, and is read once
     std::size_t entries = 0;
     for (const auto& [form, patterns] : forms) {
         const fs::path within = fs::path(form).parent_path();
@@ -602,7 +601,7 @@ void join_by_all_numbers(const fs::path& folder, std::map<std::string, PictureGr
     }
 }
 
-/// Those in `folder / within`, each with its slash.
+/// The folders in `folder / within`, each with its slash.
 std::vector<std::string> folders_in(const fs::path& folder, const std::string& within, std::size_t& entries) {
     std::vector<std::string> found;
     std::error_code ignored;
@@ -617,7 +616,7 @@ std::vector<std::string> folders_in(const fs::path& folder, const std::string& w
     return found;
 }
 
-/// Of the folder itself and of those in it, largest first; where these have none, of those in them
+/// The groups in the folder and its subfolders, largest first; if these have none, those in their subfolders
 /// (depth/Camera_0 of Virtual KITTI).
 std::vector<PictureGroup> groups_of(const fs::path& folder, Wanted is_wanted) {
     std::map<std::string, PictureGroup> found;
@@ -640,7 +639,7 @@ std::vector<PictureGroup> groups_of(const fs::path& folder, Wanted is_wanted) {
     return groups;
 }
 
-/// Folders two above those with pictures, as each is looked into so far down.
+/// Folders two levels above pictures too deep for a search of `folder`, which goes two levels down.
 std::set<fs::path> folders_further_down(const fs::path& folder) {
     constexpr int deepest = 5;
     constexpr std::size_t most_looked_at = 100'000, most_folders = 100;

@@ -11,10 +11,10 @@ namespace touchable {
 namespace {
 
 constexpr float nothing_there = std::numeric_limits<float>::max();
-constexpr int beside_surface = 4;  // pixels: holes so near to a surface may be filled with it
+constexpr int beside_surface = 4;  // pixels; a hole so near to a surface takes its depth
 constexpr double widest = 100;     // from a camera's axis, at distance 1: no picture reaches so far
 
-/// By how much depths differ, so many cells apart, of a surface that is 80 degrees steep.
+/// Relative difference of depths that are `cells` apart on a surface that is 80 degrees steep.
 float steepest_margin(double focal_length, double cells) {
     constexpr double slope = 5.67, most = 0.2;
     return static_cast<float>(std::min(cells * slope / focal_length, most));
@@ -24,8 +24,8 @@ std::int32_t nearest_pixel(double at) {
     return static_cast<std::int32_t>(std::clamp(std::floor(at + 0.5), -1.0, 1e6));
 }
 
-/// For each pixel of the clip's camera, the one of a picture by another that shows the same ray; -1: none.
-/// Columns depend on columns alone, and rows on rows.
+/// For each pixel of the clip's camera, the pixel of a picture by camera `stored` that shows the same ray;
+/// -1: none. Columns depend on columns alone, and rows on rows.
 std::vector<std::int32_t> shifted_pixels(const Scene& scene, const Camera& stored) {
     const Camera& camera = scene.camera;
     std::vector<std::int32_t> columns, from;
@@ -43,7 +43,7 @@ std::vector<std::int32_t> shifted_pixels(const Scene& scene, const Camera& store
     return from;
 }
 
-/// The same where the pictures are by a lens that bends.
+/// The same for pictures with a lens's distortion.
 std::vector<std::int32_t> unbent_pixels(const Scene& scene, const LensDistortion& lens,
                                         const Camera& stored) {
     const Camera& camera = scene.camera;
@@ -65,7 +65,7 @@ std::vector<std::int32_t> unbent_pixels(const Scene& scene, const LensDistortion
     return from;
 }
 
-/// Stored samples that are no depth; nothing where every one is.
+/// A stored sample that is no depth; nothing if every sample is a depth.
 std::optional<std::uint16_t> no_depth_code(const Scene& scene) {
     if (scene.depth.kind == DepthCodingKind::hue) return std::uint16_t{0};  // black
     for (int code = 0; code < (1 << scene.depth_bits); ++code)
@@ -89,7 +89,7 @@ public:
         if (scene_.folder) scene_.folder->camera_numbers = {};
     }
 
-    /// What a person should know, by frame 0.
+    /// Adds notes for a person, by frame 0.
     Result<void> open() {
         TRY(look_at_cameras());
         if (lens_.any())
@@ -159,7 +159,7 @@ private:
         return {};
     }
 
-    /// Depth stays what it is, planar or range: the same ray from the same place meets the same point.
+    /// Finds each pixel's stored one. Depth, planar or range, keeps its value: a ray meets the same point.
     void take_pixels_of(const Camera& stored) {
         if (from_camera_ == stored) return;
         from_camera_ = stored;
@@ -190,8 +190,8 @@ private:
     std::vector<std::string> notes_;
     LensDistortion lens_;
     std::span<const Camera> cameras_;      // of the frames; empty: the scene's
-    std::optional<Camera> from_camera_{};  // that from_ is of
-    std::vector<std::int32_t> from_{};     // of each pixel; empty: itself
+    std::optional<Camera> from_camera_{};  // for which from_ was made
+    std::vector<std::int32_t> from_{};     // stored pixel of each pixel; empty: the same one
     std::optional<std::uint16_t> no_depth_{};
     std::optional<ColourRegistration> registration_;
 };
@@ -244,7 +244,7 @@ void ColourRegistration::place_all(const PlaneView& depth) {
         }
 }
 
-/// In each row, pixels without depth between two that have it, or beside one.
+/// Places pixels without depth that lie, in their row, between two with depth, or beside one.
 void ColourRegistration::place_holes() {
     for (int y = 0; y < height_; ++y) {
         const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
@@ -264,7 +264,7 @@ void ColourRegistration::place_holes() {
     }
 }
 
-/// At the first of these depths at which the colour camera sees it.
+/// Places a pixel at the first of these depths at which the colour camera sees it.
 void ColourRegistration::place_hole(int x, int y, const std::array<float, 3>& depths) {
     const std::size_t at = pixel_place(x, y, width_);
     for (const float depth : depths) {
@@ -293,10 +293,10 @@ void ColourRegistration::find_nearest() {
     }
 }
 
-/// Of a cell and the eight around it.
+/// Finds the nearest depth of each cell and the eight around it.
 void ColourRegistration::spread_nearest() {
     const auto at = [this](int i, int j) { return pixel_place(i, j, cells_x_); };
-    std::vector<float> row(static_cast<std::size_t>(cells_x_));  // of three rows
+    std::vector<float> row(static_cast<std::size_t>(cells_x_));  // least of three rows
     for (int j = 0; j < cells_y_; ++j) {
         const float *above = &nearest_[at(0, std::max(j - 1, 0))], *here = &nearest_[at(0, j)],
                     *below = &nearest_[at(0, std::min(j + 1, cells_y_ - 1))];
@@ -320,7 +320,7 @@ ColourRegistration::Sight ColourRegistration::sight_of(const Place& place) const
     return is_seen ? Sight::seen : Sight::hidden;
 }
 
-/// A row, or what of a column has no colour yet.
+/// Fills the gaps of a row, or those that are left in a column.
 void ColourRegistration::fill_line(std::size_t first, std::size_t step, std::size_t count) {
     const auto at = [first, step](std::size_t n) { return first + n * step; };
     for (std::size_t k = 0; k < count;) {

@@ -12,46 +12,45 @@
 
 namespace touchable {
 
-/// A clip as one pinhole camera sees all of it: the lens of its depth is undone, and its colour brought onto
-/// depth's pixels, where its scene has a `lens` or a `colour_camera`, and frames whose camera is another than
-/// the scene's are brought onto that; the scene that it then gives has none of these. Other clips as they
-/// are.
+/// Presents a clip as one pinhole camera sees it: undoes the lens of depth (the scene's `lens`), brings
+/// colour onto depth's pixels (`colour_camera`), and brings frames of other cameras onto the scene's camera.
+/// The resulting scene has none of these. Clips without them are returned unchanged.
 ///
-/// Each pixel then has the stored depth, haptic and height (and colour that has depth's pixels) of the one
-/// nearest to where it was shown; nothing is mixed. A picture of depth has no depth where nothing was shown;
-/// where other cameras make that necessary and every code is a depth, an error says so. Depth is not changed
-/// by its new place, planar or range: both are what they were along the ray.
+/// Each pixel gets depth, haptic and height (and colour that has depth's pixels) of the stored pixel nearest
+/// to its ray; nothing is mixed. Pixels beyond the stored picture have no depth; an error if frames' cameras
+/// require this and every code is a depth. Depth keeps its value, planar or range, as both stay the same
+/// along a ray.
 Result<std::unique_ptr<ClipReader>> with_pinhole_frames(std::unique_ptr<ClipReader> clip);
 
-/// Brings colour onto depth's pixels: each takes the pixel of the colour picture in which its point of the
-/// surface lies. Depth stays as it is.
+/// Brings colour onto depth's pixels: each takes the pixel of the colour picture that shows its point of the
+/// surface. Depth stays as it is.
 ///
-/// - A point is hidden where a surface lies before it as the colour camera sees it, or up to one and
-///   a half of depth's pixels beside it: nearer by more than a slope of 80 degrees would explain. (Depth does
-///   not say where between two of its pixels a surface ends, and a lens spreads its colour.) It is grey, as
-///   all is beyond the colour picture's edge: no colour is better than a wrong one.
-/// - A gap of `most_filled` pixels of a row or a column at most takes the colour of the pixel beside it, of
-///   the two sides that of the farther one: what is hidden belongs to what lies behind.
-/// - A pixel without depth is taken to be as far away as the nearest one of its row with depth, where that is
-///   up to four pixels away; else, or where it is hidden there, as the farther one of its neighbours in the
-///   row; or else the other.
+/// - A point is hidden if, for the colour camera, a surface in front of it or up to one and a half of depth's
+///   pixels beside it is nearer by more than a slope of 80 degrees would explain. (Depth does not say where
+///   between two of its pixels a surface ends, and a lens spreads its colour.) Hidden points and all beyond
+///   the colour picture's edge are grey: no colour is better than a wrong one.
+/// - A gap of at most `most_filled` pixels in a row or column takes the colour of the farther one of the two
+///   pixels beside it: hidden points belong to the surface behind.
+/// - A pixel without depth takes that of the nearest pixel in its row with depth, if that is up to four
+///   pixels away; otherwise, or if it is hidden there, that of its farther neighbour in the row, or else of
+///   the other.
 class ColourRegistration {
 public:
-    /// Of a scene with a colour_camera, whose depth coding is settled. What grows with the pictures takes
-    /// memory with the first of them: a scene file can claim any size.
+    /// `scene` has a colour_camera and a settled depth coding. Buffers of a picture's size are allocated with
+    /// the first picture: a scene file can claim any size.
     explicit ColourRegistration(const Scene& scene);
 
-    /// Such a gap is a speck of noise or of rounding, and colours two pixels apart differ little: a colour
-    /// camera itself mixes those of two pixels. A wider one would be seen as a stripe.
+    /// A gap this narrow is a speck of noise or rounding, and colours two pixels apart differ little: a
+    /// colour camera itself mixes those of two pixels. A wider one would show as a stripe.
     static constexpr std::size_t most_filled = 2;
 
-    /// Finds out where each pixel's colour is. `depth` of the scene's size.
+    /// Finds each pixel's place in the colour picture. `depth`: of the scene's size.
     void look_at(const PlaneView& depth);
-    /// Looks at it, too. `colour`: RGB of the colour camera's size.
+    /// Calls look_at and returns colour on depth's pixels. `colour`: RGB of the colour camera's size.
     Image registered(const PlaneView& depth, const PlaneView& colour);
-    /// Of the pixels with depth last looked at, those that the colour camera does not see: 0 to 1.
+    /// Share, 0 to 1, of the last picture's pixels with depth that the colour camera does not see.
     double unseen_share() const { return unseen_share_; }
-    /// Of all of them, with depth or without, those that are grey.
+    /// Share of all its pixels, with depth or without, that are grey.
     double grey_share() const { return grey_share_; }
 
 private:
@@ -77,17 +76,17 @@ private:
     const ColourCamera colour_;
     const double reach_;                 // of the colour camera's lens
     std::vector<double> depth_of_code_;  // 0: not valid
-    // Of the picture at hand, one for each pixel.
+    // For the current picture, one for each pixel.
     std::vector<std::uint8_t> has_depth_;
-    std::vector<float> depth_;  // planar; of pixels without depth what they are taken for; 0: nothing
+    std::vector<float> depth_;  // planar; assumed for pixels without depth; 0: none
     std::vector<Place> places_;
     std::vector<Sight> sights_;
     std::vector<std::int32_t> from_;  // the pixel whose colour it has: itself, one beside it; -1: grey
     double unseen_share_ = 0, grey_share_ = 0;
-    // What is nearest to the colour camera, in cells as wide as depth's pixels appear to it.
+    // Depths nearest to the colour camera, in cells as wide as depth's pixels appear to it.
     const double cell_;  // colour pixels
     const float scale_;  // cells in a colour pixel
-    // A point so many times as far away as what is nearest in its cell, or in one beside it, is hidden.
+    // A point is hidden beyond this many times the nearest depth in its cell, or around it.
     const float margin_, wide_margin_;
     const int cells_x_, cells_y_;
     std::vector<float> nearest_, nearest_around_;

@@ -28,7 +28,7 @@ std::size_t index_at(const StoredImage& picture, std::size_t k) {
     return is_index ? static_cast<std::size_t>(value) : no_index;
 }
 
-/// The nearest sample of the range.
+/// The sample that stands for `value` in a range, rounded to the nearest.
 std::uint8_t sample_of(double value, const PropertyRange& range) {
     if (!(range.max > range.min)) return 0;
     const double share = (value - range.min) / (range.max - range.min);
@@ -42,7 +42,7 @@ Result<std::shared_ptr<const StoredImage>> ReadPictures::look(const std::filesys
         return std::shared_ptr<const StoredImage>(there->second);
     TRY_ASSIGN(const auto stack, stack_in(file));
     TRY_ASSIGN(auto picture, stack ? stack->image(0) : read(file, PictureLayer::own));
-    // A stack is read again, which opens nothing.
+    // A stack's picture is not kept: reading it again opens nothing.
     return stack ? std::make_shared<const StoredImage>(std::move(picture)) : kept(file, std::move(picture));
 }
 
@@ -108,7 +108,7 @@ Result<StoredImage> ReadPictures::read(const std::filesystem::path& file, Pictur
     if (is_hdf5 || (!dataset_.empty() && has_named_arrays(opened))) {
         TRY_ASSIGN(const auto stack, is_hdf5 ? open_hdf5_stack(opened, dataset_)
                                              : open_npy_stack(opened, least_confidence_, dataset_));
-        return stack->image(0);  // a file of a row is one frame
+        return stack->image(0);  // each file of several is one frame
     }
     TRY_ASSIGN(auto bytes, read_picture_bytes(opened));
     if (begins_organised_cloud(bytes)) return read_cloud(std::move(bytes), file, layer);
@@ -123,7 +123,7 @@ Result<StoredImage> ReadPictures::read(const std::filesystem::path& file, Pictur
 
 Result<StoredImage> ReadPictures::read_cloud(std::string bytes, const std::filesystem::path& file,
                                              PictureLayer layer) {
-    // Decoding may go on after a stop, when this is gone.
+    // Decoding may go on after a stop, when this object no longer exists.
     const auto camera = std::make_shared<std::optional<Intrinsics>>();
     const auto decode = [camera](std::string_view cloud, const std::string& name) -> Result<StoredImage> {
         TRY_ASSIGN(auto decoded, decode_organised_cloud(cloud, name));

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view metadata_ending = "_metadata.csv", snapshot_ending = "_Depth.raw";
 
-/// The value in the row of a name: "Fx,105.75". Nothing where there is no such row.
+/// The value in the row of a name: "Fx,105.75". Nothing if there is no such row.
 std::optional<std::string_view> value_of_row(std::string_view table, std::string_view name) {
     for (std::size_t at = 0; at < table.size();) {
         const std::size_t end = std::min(table.find('\n', at), table.size());
@@ -63,7 +63,7 @@ std::optional<fs::path> realsense_snapshot_in(const fs::path& folder) {
         found = at->path();
     }
     if (!found) return {};
-    // Beside a recording of pictures a snapshot is not what the folder is of.
+    // A folder with other depth pictures is opened for these, not for a snapshot among them.
     std::string own = found->filename().string();
     own.resize(own.size() - snapshot_ending.size());
     const auto is_other_depth = [&](const PictureGroup& group) {
@@ -79,7 +79,7 @@ Result<Intrinsics> parse_realsense_metadata(std::string_view text, const std::st
                            (format ? ", not " + in_quotes(*format) : ""));
     TRY_ASSIGN(const double width, number_of_row(text, "Resolution x", where));
     TRY_ASSIGN(const double height, number_of_row(text, "Resolution y", where));
-    constexpr double most = 1e6;  // of a side, to be a whole number; the picture's limit is lower
+    constexpr double most = 1e6;  // a side fits an int; a picture's limit is lower
     const auto side = [&](double number) { return static_cast<int>(std::clamp(number, 0.0, most)); };
     TRY(check_picture_size(side(width), side(height), where));
     Intrinsics camera{.width = side(width), .height = side(height)};

@@ -1,4 +1,4 @@
-// Messages of ROS 1, their making from CDR, and the pictures in them.
+// Messages of ROS 1, their conversion from CDR, and the pictures in them.
 
 #include "engine/formats/ros_messages.hpp"
 
@@ -25,7 +25,7 @@ public:
         return all;
     }
     std::int64_t stamp_ns() {
-        number<std::uint32_t>();  // of the message among its likes
+        number<std::uint32_t>();  // sequence number
         const std::int64_t seconds = number<std::uint32_t>(), rest = number<std::uint32_t>();
         return seconds * 1'000'000'000 + rest;
     }
@@ -41,8 +41,8 @@ std::optional<Message> if_whole(const MessageFields& fields, Message message) {
     return message;
 }
 
-/// Values one after the other, each copied from CDR, where a number stands at a multiple of its size behind
-/// the four bytes that say what kind of CDR it is. Once the bytes are too few, nothing more is copied.
+/// Copies values one after the other from CDR, in which a number is aligned to its size, counted from behind
+/// the four bytes that state the kind of CDR. Once the bytes run out, nothing more is copied.
 class CdrCopy {
 public:
     explicit CdrCopy(std::string_view values) : from_(values) {}
@@ -60,7 +60,7 @@ public:
         align(sizeof(double));
         bytes(count * sizeof(double));
     }
-    /// Which ends with a zero in CDR.
+    /// Copies a text, which in CDR ends with a zero.
     void text() {
         align(sizeof(std::uint32_t));
         const std::uint32_t length = value_of(next(sizeof(std::uint32_t)));
@@ -78,7 +78,7 @@ public:
     }
 
 private:
-    /// 0 where there are no bytes.
+    /// 0 if there are no bytes.
     static std::uint32_t value_of(std::string_view bytes) {
         std::uint32_t value = 0;
         std::memcpy(&value, bytes.data(), bytes.size());
@@ -88,7 +88,7 @@ private:
         const std::size_t beyond = at_ % size;
         if (beyond > 0) next(size - beyond);
     }
-    /// All of them, or none.
+    /// The next `count` bytes, or none if there are fewer.
     std::string_view next(std::size_t count) {
         is_over_ = is_over_ || count > from_.size() - at_;
         const std::string_view bytes = from_.substr(at_, is_over_ ? 0 : count);
@@ -102,11 +102,11 @@ private:
     bool is_over_ = false;
 };
 
-/// Groups of four bits in words of 32, low byte first, the highest group of a word first.
+/// Reads groups of four bits from 32-bit words, low byte first, the highest group of a word first.
 class RvlNibbles {
 public:
     explicit RvlNibbles(std::string_view words) : words_(words) {}
-    /// Three bits a group, the lowest first; the fourth says that another one follows.
+    /// Reads a number: three bits a group, the lowest first; the fourth bit says that another group follows.
     std::uint32_t number() {
         std::uint32_t value = 0;
         for (int bits = 0; bits < 32; bits += 3) {
@@ -136,7 +136,7 @@ private:
 
     std::string_view words_;
     std::uint32_t word_ = 0;
-    int left_ = 0;  // groups of the word
+    int left_ = 0;  // groups left in the word
     bool is_over_ = false;
 };
 
@@ -212,7 +212,7 @@ Image rgb_of(const RosImage& image, const RosEncoding& encoding) {
     return rgb;
 }
 
-/// Grey and floats: rows without padding, in host order.
+/// Copies rows of grey or floats without padding, in host order.
 template <class Values>
 void copy_rows(const RosImage& image, int bytes, Values& values) {
     const std::size_t row = static_cast<std::size_t>(bytes) * image.width;
@@ -223,11 +223,10 @@ void copy_rows(const RosImage& image, int bytes, Values& values) {
         swap_bytes(to, std::size_t{image.width} * image.height, static_cast<std::size_t>(bytes));
 }
 
-/// What stands before depth that is packed by compressed_depth_image_transport: which kind, a, b.
+/// Bytes that compressed_depth_image_transport writes before packed depth: which kind, a, b.
 constexpr std::size_t packed_head = 12;
 
-/// Columns, rows, and then RVL. Some cameras leave out what compressed_depth_image_transport writes before
-/// it.
+/// Decodes columns, rows, and then RVL. Some cameras leave out compressed_depth_image_transport's head.
 Result<StoredImage> rvl_picture(std::string_view bytes, const std::string& where) {
     // A run of pixels that are 0 takes a few bytes, however long it is; others take half a byte and more.
     constexpr std::size_t size_bytes = 8, largest_ratio = 50, always_possible = std::size_t{1} << 23;
@@ -254,7 +253,7 @@ Result<StoredImage> rvl_picture(std::string_view bytes, const std::string& where
     return input_error(where + ": is damaged: is not the RVL of a picture");
 }
 
-/// PNG of reciprocals: depth = a / (code - b), 0 is none.
+/// Turns codes of reciprocals into depths, a / (code - b); code 0 is no depth.
 void make_floats(StoredImage& picture, float a, float b) {
     const Image& image = picture.image;
     const std::size_t pixels = pixel_count(image.width, image.height);
@@ -409,7 +408,7 @@ RosPictureKind ros_compressed_kind(std::string_view format) {
 }
 
 Result<StoredImage> ros_picture(const RosImage& message, const std::string& where) {
-    RosImage image = message;  // only refers to its pixels
+    RosImage image = message;  // copies no pixels
     const RosEncoding* const encoding = encoding_named(image.encoding);
     if (encoding == nullptr)
         return input_error(where + ": is of encoding " + in_quotes(image.encoding) +

@@ -1,7 +1,7 @@
 #pragma once
 
-// Messages as ROS 1 serialises them, and what ROS 2 has of them, brought into that form. Texts and data are
-// parts of the bytes given. A message is nothing where the bytes are too few for it.
+// Messages in ROS 1's serialisation, and the conversion of ROS 2's to it. Texts and data refer to the bytes
+// given. Parsers return nothing if there are too few bytes.
 
 #include <array>
 #include <cstddef>
@@ -14,8 +14,7 @@
 
 namespace touchable {
 
-/// A type of messages that is read, in the one form that it has had: its name, and the hash of its
-/// definition.
+/// A message type that is read: its name, and the hash of the only definition that it has had.
 struct RosType {
     std::string_view name, md5;
     bool operator==(const RosType&) const = default;
@@ -26,8 +25,8 @@ inline constexpr RosType ros_image{"sensor_msgs/Image", "060021388200f6f0f447d0f
     ros_transform{"geometry_msgs/Transform", "ac9eff44abf714214112b05d54a3cf9b"},
     ros_float{"std_msgs/Float32", "73fcbf46b49191e672908e50842a83d4"};
 
-/// Values one after the other, low byte first, and texts behind their lengths, as also MCAP has them. Once
-/// the bytes are too few, all that follows is 0.
+/// Reads values one after the other, low byte first, and texts behind their lengths; MCAP has the same form.
+/// Once the bytes run out, all further values are 0 or empty.
 class RosFields {
 public:
     explicit RosFields(std::string_view bytes) : left_(bytes) {}
@@ -59,7 +58,7 @@ struct RosHeader {
     std::int64_t stamp_ns = 0;
     std::string_view frame;
 };
-/// Of messages that begin with a header: enough of their bytes for its stamp.
+/// First bytes of a message with a header that include the header's stamp.
 inline constexpr std::size_t ros_stamp_bytes = 12;
 std::optional<std::int64_t> ros_stamp(std::string_view begin);
 
@@ -105,30 +104,31 @@ struct RosTransform {
 };
 std::optional<RosTransform> parse_ros_transform(std::string_view message);
 
-/// A message of ROS 2, which is CDR, as ROS 1 serialises it: sensor_msgs' Image, CompressedImage and
-/// CameraInfo, which are the same fields in the same order but for the sequence number of a header (0 then).
-/// Ends where the bytes do, and is empty where they are of another type or no plain CDR, low byte first.
+/// Converts a message of ROS 2 (CDR) to ROS 1's serialisation: sensor_msgs' Image, CompressedImage and
+/// CameraInfo, which differ only in the header's sequence number (set to 0). The result of a message that is
+/// cut short ends there, too. It is empty for another type, and for any encoding but plain little-endian CDR.
 std::string ros1_of_cdr(std::string_view cdr, const RosType& type);
-/// The one of these types that a recording of ROS 2 calls so ("sensor_msgs/msg/Image"), or as ROS 1 does.
+/// The type that ROS 2 ("sensor_msgs/msg/Image") or ROS 1 calls `name`, if ros1_of_cdr can convert it.
 std::optional<RosType> ros2_type(std::string name);
-/// Bytes of CDR that make the first `ros_stamp_bytes` of it.
+/// Bytes of CDR that convert to the first `ros_stamp_bytes`.
 inline constexpr std::size_t cdr_stamp_bytes = 12;
 
-/// What a message of pictures holds, as its encoding says.
+/// What a picture message holds, by its encoding.
 enum class RosPictureKind { none, grey8, depth16, depth_floats, colour };
 RosPictureKind ros_picture_kind(std::string_view encoding);
-/// Of compressed pictures by their format ("16UC1; compressedDepth", "rgb8; jpeg compressed bgr8", "png");
-/// what is depth, the name of a topic tells where the format does not.
+/// The same for compressed pictures, by their format ("16UC1; compressedDepth", "rgb8; jpeg compressed bgr8",
+/// "png"). If the format does not tell depth from colour, the topic's name has to.
 RosPictureKind ros_compressed_kind(std::string_view format);
 
-/// Grey of 8 or 16 bits, floats, or RGB of 8 bits: bytes in host order, without padding. Messages begin with
-/// `where`.
+/// Decodes to grey of 8 or 16 bits, floats, or RGB of 8 bits, in host order, without padding. Messages begin
+/// with `where`.
 Result<StoredImage> ros_picture(const RosImage& image, const std::string& where);
-/// PNG and JPEG; depth that `compressed_depth_image_transport` packed as PNG or RVL, floats in metres.
+/// Decodes PNG, JPEG, and depth that `compressed_depth_image_transport` packed as PNG or RVL (floats in
+/// metres).
 Result<StoredImage> ros_picture(const RosCompressedImage& image, const std::string& where);
 
-/// Depth as RVL packs it (Wilson, Fast lossless depth image compression, 2017), `pixels` of them; nothing
-/// where the words end before, or hold more in one run than are left.
+/// Unpacks `pixels` depths from RVL (Wilson, Fast lossless depth image compression, 2017); nothing if the
+/// words end before, or a run is longer than the pixels left.
 std::optional<std::vector<std::uint16_t>> unpack_rvl(std::string_view words, std::size_t pixels);
 
 }  // namespace touchable

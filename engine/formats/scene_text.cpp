@@ -23,7 +23,7 @@ std::string_view without_mark(std::string_view text) {
     return text.starts_with(mark) ? text.substr(mark.size()) : text;
 }
 
-/// The texts of a scene and of what it means, with the file's name before every error.
+/// Opens a scene's text and the planes that it names; errors begin with the file's name.
 class SceneTextClip {
 public:
     explicit SceneTextClip(const Candidate& file) : file_(file), folder_(file.home()) {}
@@ -61,7 +61,7 @@ private:
         return {};
     }
 
-    /// In the scene's folder or below.
+    /// The file of a texture, in the scene's folder or below.
     Result<std::string> file_of(const PlaneTexture& texture, const char* plane) const {
         const std::string of_plane = std::string("the texture of ") + plane;
         if (texture.url.object > 0)
@@ -84,7 +84,7 @@ private:
         auto described = mpeg4::described_by_pictures(nodes_, first->image.width, first->image.height,
                                                       first->bits, notes_);
         if (!described) return refuse(described.error().message);
-        pictures.haptic_may_be_lossy = true;  // as the paper's own example is
+        pictures.haptic_may_be_lossy = true;  // the paper's own example is lossy
         described->scene.folder = std::move(pictures);
         return described;
     }

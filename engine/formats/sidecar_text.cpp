@@ -22,7 +22,7 @@ std::string_view next_line(std::string_view& rest) {
     return line;
 }
 
-/// Where a field ends: not within brackets, as in K[0,2].
+/// Index of the separator that ends a field; those within brackets, as in K[0,2], do not.
 std::size_t end_of_field(std::string_view line, char between) {
     int open = 0;
     for (std::size_t k = 0; k < line.size(); ++k) {
@@ -32,7 +32,7 @@ std::size_t end_of_field(std::string_view line, char between) {
     return std::string_view::npos;
 }
 
-/// The fields of a line; of blanks several are one.
+/// The fields of a line; several blanks count as one.
 std::vector<std::string_view> fields_of(std::string_view line, char between) {
     std::vector<std::string_view> fields;
     while (fields.size() <= most_columns) {
@@ -50,7 +50,7 @@ bool has_letter(std::string_view text) {
     return std::ranges::any_of(text, [](unsigned char c) { return std::isalpha(c) != 0; });
 }
 
-/// Nothing where a field is no number.
+/// The fields' numbers; empty if a field is no number.
 std::vector<double> numbers_of(const std::vector<std::string_view>& fields) {
     std::vector<double> numbers;
     for (const std::string_view field : fields) {
@@ -68,13 +68,13 @@ Json yaml_scalar(std::string_view text) {
     return is_quoted ? std::string(text.substr(1, text.size() - 2)) : std::string(text);
 }
 
-/// Numbers are names as well.
+/// A member's name, which may be a number.
 std::string yaml_name(std::string_view text) {
     const Json name = yaml_scalar(text);
     return name.is_string() ? name.get<std::string>() : name.dump();
 }
 
-/// Where a comment begins: at the start, or after a space.
+/// A line without its comment, which begins at the start or after a space.
 std::string_view without_comment(std::string_view line) {
     char quote = 0;
     for (std::size_t k = 0; k < line.size(); ++k) {
@@ -86,7 +86,7 @@ std::string_view without_comment(std::string_view line) {
     return line;
 }
 
-/// Lists and maps in brackets.
+/// Parses lists and maps in brackets.
 class YamlInBrackets {
 public:
     explicit YamlInBrackets(std::string_view text) : rest_(text) {}
@@ -164,7 +164,7 @@ public:
             if (colon == std::string_view::npos) continue;
             add(map, yaml_name(line.substr(0, colon)),
                 value_of(trimmed(line.substr(colon + 1)), indent, depth));
-            // What stands further in without a reason is passed over.
+            // Skips lines that are indented further without a reason.
             while (at_ < lines_.size() && lines_[at_].indent > indent) ++at_;
         }
         return map;
@@ -187,7 +187,7 @@ private:
             const bool is_bracket = text.starts_with('[') || text.starts_with('{');
             if (!text.empty() && !is_bracket && text[0] != '"' && text[0] != '\'' &&
                 (text.starts_with("- ") || text.find(": ") != std::string_view::npos || text.back() == ':')) {
-                // A map or a list that begins here: as if it stood in a line of its own, at its own place.
+                // A map or a list that begins here is read as if in a line of its own, at its place.
                 lines_[at_].indent += static_cast<std::size_t>(text.data() - lines_[at_].text.data());
                 lines_[at_].text = text;
                 list.push_back(block(lines_[at_].indent, depth + 1));
@@ -199,7 +199,7 @@ private:
         return list;
     }
 
-    /// What stands behind a name, or in the lines below it.
+    /// The value behind a name, or in the lines below it.
     Json value_of(std::string_view text, std::size_t indent, int depth) {
         while (!text.empty() && (text[0] == '!' || text[0] == '&')) {
             const auto end = text.find_first_of(" \t");
@@ -217,7 +217,7 @@ private:
         return below > indent || (below == indent && is_item()) ? block(below, depth + 1) : Json();
     }
 
-    /// A value in brackets may go on over lines.
+    /// Joins the lines of a value in brackets.
     std::string gathered(std::string_view text) {
         std::string all;
         std::ptrdiff_t open = 0;
@@ -229,7 +229,7 @@ private:
         return all;
     }
 
-    /// Names with a point lead further in.
+    /// Adds a member; a name with a point becomes a member of a member.
     static void add(Json& map, std::string_view name, Json value) {
         const auto point = name.find('.');
         Json* within = &map;
@@ -245,17 +245,17 @@ private:
     std::size_t at_ = 0;
 };
 
-/// YAML as programs write a camera into it, as JSON: maps and lists by indentation or in brackets, numbers
-/// and words. Tags, anchors and comments are passed over; of several documents the first is read, of members
-/// with one name the first. What has a point in its name, such as Camera.fx of ORB-SLAM, is a member of a
-/// member. Null for what is no map, is nested deeper than 16, or is none of this.
+/// Parses YAML in the form in which programs write cameras: maps and lists by indentation or in brackets,
+/// numbers and words. Tags, anchors and comments are skipped; only the first document is read, and the first
+/// member of a name. A name with a point, such as ORB-SLAM's Camera.fx, becomes a member of a member. Null if
+/// the text is no map, is nested deeper than 16, or is none of this.
 Json plain_yaml(std::string_view text) {
     YamlLines lines(text);
     Json made = lines.block(lines.first_indent(), 0);
     return made.is_object() && !made.empty() ? std::move(made) : Json();
 }
 
-/// An element as JSON has it: numbers, words, members; several of one name are a list.
+/// An element as JSON: numbers, words, or members; several members of one name become a list.
 Json json_of(const pugi::xml_node& node, int depth = 0) {
     constexpr int deepest = 8;
     Json members = Json::object();
@@ -271,7 +271,7 @@ Json json_of(const pugi::xml_node& node, int depth = 0) {
         if (!there->is_array()) *there = Json::array({std::move(*there)});
         there->push_back(std::move(value));
     }
-    // Attributes of what has members or nothing in it: <resolution width="160" height="120"/>.
+    // Attributes, if the element has members or is empty: <resolution width="160" height="120"/>.
     if (!members.empty() || node.first_child().empty())
         for (const pugi::xml_attribute& attribute : node.attributes()) {
             const auto number = parsed_number(attribute.value());

@@ -96,14 +96,14 @@ Camera scaled_camera(const Intrinsics& said, int width, int height) {
         };
         intrinsics.fx = said.fov_x > 0 ? focal(said.fov_x, w) : focal(said.fov_y, h);
         intrinsics.fy = said.fov_y > 0 ? focal(said.fov_y, h) : intrinsics.fx;
-        constexpr double rounded = 0.005;  // angles that differ by less are of square pixels
+        constexpr double rounded = 0.005;  // relative; a smaller difference means square pixels
         if (std::abs(intrinsics.fy - intrinsics.fx) < rounded * intrinsics.fx) intrinsics.fy = intrinsics.fx;
     }
     Camera camera{intrinsics.fx, intrinsics.fy, 0.5 * (width - 1), 0.5 * (height - 1)};
     const bool has_size = intrinsics.width > 0 && intrinsics.height > 0;
     double x = has_size ? static_cast<double>(width) / intrinsics.width : 1,
            y = has_size ? static_cast<double>(height) / intrinsics.height : 1;
-    // Of another shape: cameras cut off what is too much, and stretch nothing.
+    // For pictures of another shape: cameras crop and do not stretch.
     if (std::abs(x - y) > 0.01 * x) x = y = std::max(x, y);
     camera.fx *= x;
     camera.fy *= y;

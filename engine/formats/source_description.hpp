@@ -3,7 +3,7 @@
 // What is known of depth pictures, videos and recordings that have no scene file: a SourceDescription. A
 // program fills it in from what a person typed and passes it to open_clip, guess_clip (open_clip.hpp) or a
 // camera (engine/camera, guess_camera). Everything that it leaves out is guessed, and the scene's remarks say
-// so. What a person names of touch, StillMaps, is laid under all frames of an open clip by with_still_maps.
+// so. with_still_maps lays a person's touch pictures (StillMaps) under all frames of an open clip.
 //
 //   SourceDescription known;
 //   known.metres_per_code = 0.001;
@@ -30,9 +30,9 @@ namespace touchable {
 /// Focal lengths and principal point, pixels.
 struct Intrinsics {
     double fx = 0, fy = 0;
-    std::optional<double> cx{}, cy{};  ///< otherwise the middle of the picture
-    int width = 0, height = 0;         ///< of the pictures that they are of; 0: of any
-    /// Degrees from edge to edge, across and down, where fx is 0; 0: not said, then pixels are square.
+    std::optional<double> cx{}, cy{};  ///< nothing: the middle of the picture
+    int width = 0, height = 0;         ///< of the camera's pictures; 0: any size
+    /// Degrees from edge to edge, across and down, used if fx is 0; 0: not stated, and pixels are square.
     double fov_x = 0, fov_y = 0;
     bool operator==(const Intrinsics&) const = default;
 };
@@ -40,26 +40,26 @@ struct Intrinsics {
 /// The camera with this view whose pictures are `width` x `height`.
 Camera scaled_camera(const Intrinsics& intrinsics, int width, int height);
 
-/// What a person says of pictures without a scene file. What is left out is guessed, and said.
+/// What a person states of pictures without a scene file. What is left out is guessed, with remarks.
 struct SourceDescription {
     /// What is known of the pictures of a data set, a camera or a program.
     struct Preset {
         const char* name;
         const char* what;            ///< in words
-        Intrinsics intrinsics;       ///< fx 0: `fov` tells, or a file beside the pictures
+        Intrinsics intrinsics;       ///< fx 0: from `fov` or a file beside the pictures
         double fov = 0;              ///< from edge to edge, degrees
         double metres_per_code = 0;  ///< 0: not metric
-        int invalid = 0;             ///< a code that is no depth, beside 0
+        int invalid = 0;             ///< a code other than 0 that is no depth
         StoredDepth stored{};
     };
 
     std::optional<Intrinsics> intrinsics;
     std::optional<double> fov;                  ///< from the left edge to the right one, degrees
-    std::optional<double> metres_per_code;      ///< of metric depth: of a stored 1
-    std::filesystem::path file;                 ///< that `intrinsics` were read from, if any
+    std::optional<double> metres_per_code;      ///< for metric depth: metres of a stored 1
+    std::filesystem::path file;                 ///< from which `intrinsics` were read, if any
     std::optional<DepthSemantics> semantics{};  ///< along the camera's axis (planar) or along the ray (range)
     std::string preset;                         ///< a name of a Preset or of VideoValues; empty: none
-    /// Of arrays with a confidence beside depth (open_npy_stack).
+    /// For arrays with a confidence beside depth (open_npy_stack).
     std::optional<double> least_confidence{};
     std::string channel{};  ///< of renderings (OpenEXR): depth's channel or layer; empty: found by its name
     std::string dataset{};  ///< of HDF5 and .npz: depth's data set or array; empty: found by its name
@@ -67,47 +67,47 @@ struct SourceDescription {
 };
 
 std::span<const SourceDescription::Preset> all_presets();
-/// Null: there is none of that name.
+/// Null: no preset has that name.
 const SourceDescription::Preset* preset_named(const std::string& name);
 
-/// Names of all of them, and then of those that are for videos alone: hue, mean.
+/// Names of all presets, and then of those that are for videos alone: hue, mean.
 std::vector<std::string> preset_names();
-/// Which number of a video's pixels is depth, by a preset's name that is for videos alone.
+/// What of a video's pixels is depth, by the name of a preset that is for videos alone.
 std::optional<VideoValues> video_values_named(const std::string& name);
 
-/// Those of the first camera in a camera's own file of up to 16 MiB: JSON, YAML, XML, a matrix, or the files
-/// of COLMAP, Kalibr, Middlebury, ORB-SLAM and ARKitScenes. An error says what a file without a camera should
+/// Reads the first camera in a camera's own file of up to 16 MiB: JSON, YAML, XML, a matrix, or the files of
+/// COLMAP, Kalibr, Middlebury, ORB-SLAM and ARKitScenes. An error says what a file without a camera should
 /// have.
 Result<Intrinsics> read_intrinsics(const std::filesystem::path& file);
 
-/// The scene of a camera's depth, as in its first picture; it says nothing of files. `inputs` gets those that
-/// were read for it.
+/// Guesses the scene of a live depth camera by its first picture; it names no files. `inputs` gets the files
+/// that were read for it.
 Result<SceneDescription> guess_camera(const StoredImage& first, const SourceDescription& known,
                                       std::vector<std::filesystem::path>& inputs);
 
 /// A remark that doubts the unit of a clip whose median depth, in metres, no depth camera measures; nothing
-/// where the unit may be right. `otherwise` and `hints` are the remark's.
+/// if the unit may be right. `otherwise` and `hints` are the remark's.
 std::optional<Remark> unit_doubt(double median_m, std::string otherwise, Hints hints);
 
-/// What a guess is of: what changes most of what is felt if it is wrong, and is wrong most often, first. The
-/// place of colour is seen alone.
+/// What a remark guesses, in order of how much a wrong guess changes what is felt and how often it is wrong.
+/// The place of colour changes only what is seen.
 enum class Guessed {
     direction,     ///< that values are lengths, though they look like 1/depth: the scene may be inside out
     scale,         ///< depth has none
     unclear_unit,  ///< other units fit as well
     camera,
     unit,
-    storage,  ///< as which preset has it depth is stored, by its values or its name
-    axis,     ///< that depth goes along the camera's axis, and not along each pixel's ray
+    storage,  ///< the preset by which depth is stored, by its values or its name
+    axis,     ///< that depth is along the camera's axis, not along each pixel's ray
     colour_place,
     little
 };
-/// Of a guess just made, or read from a scene file; of all other remarks `little`.
+/// For a guess just made, or read from a scene file; `little` for all other remarks.
 Guessed guessed_in(const Remark& remark);
 /// Whether a remark doubts the unit (unit_doubt); also one that was read from a scene file.
 bool doubts_unit(const Remark& remark);
 
-/// Pictures of touch that serve a whole clip, in place of its own.
+/// Touch pictures that serve a whole clip, in place of its own.
 struct StillMaps {
     /// A picture (RGB: stiffness, static and dynamic friction; grey: stiffness), X3D with a
     /// HapticTexturesSurface, or glTF with MPEG_haptic_material.

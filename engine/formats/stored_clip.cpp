@@ -9,7 +9,7 @@
 namespace touchable {
 namespace {
 
-/// A palette is a way to store 8-bit RGB, which a picture of few colours may have and the next one not.
+/// A palette is a way to store 8-bit RGB: a picture of few colours may have one, and the next not.
 bool is_same_format(const std::string& a, const std::string& b) {
     const auto is_rgb = [](const std::string& format) { return format == "rgb24" || format == "pal8"; };
     return a == b || (is_rgb(a) && is_rgb(b));
@@ -77,7 +77,7 @@ private:
         if (said) clip_.notes.push_back(std::move(*said));
     }
 
-    /// How frame 0 is stored stands for all.
+    /// Reads a track's frame 0, whose storage all later ones must share.
     Result<void> read_first(Track& track) {
         TRY_ASSIGN(auto picture, clip_.pictures->picture(track.role, 0));
         const StoredImage& stored = picture.image;
@@ -93,8 +93,8 @@ private:
         return take(track, 0, std::move(picture));
     }
 
-    /// Depth that is no codes yet: its range in these frames settles what they will be. A later one that is
-    /// damaged tells nothing.
+    /// For depth that is not codes yet: its range in the telling frames settles the codes. A later frame that
+    /// is damaged is skipped.
     Result<void> look_at_some(const StoredImage& first) {
         values_.look(first);
         for (const std::int64_t frame : telling_frames(clip_.count)) {
@@ -113,7 +113,7 @@ private:
         return {};
     }
 
-    /// What is wrong with the first of several tracks counts, in whatever order they were read.
+    /// Reads a frame's tracks. The error is that of the first track with one, in any order of reading.
     Result<void> read_all(std::int64_t frame) {
         std::vector<Result<void>> outcomes(tracks_.size());
         const auto read_one = [&](std::size_t n) {
@@ -136,7 +136,7 @@ private:
 
     Result<void> read(Track& track, std::int64_t frame) {
         if (track.number == clip_.pictures->picture_number(track.role, frame)) return {};
-        track = {track.role};  // first, so that its memory can serve the next
+        track = {track.role};  // freed first, so that its memory can serve the next
         TRY_ASSIGN(auto picture, clip_.pictures->picture(track.role, frame));
         const TrackInfo& first = infos_[static_cast<std::size_t>(&track - tracks_.data())];
         const auto text = [](int width, int height, const std::string& format) {
@@ -152,7 +152,7 @@ private:
         return take(track, frame, std::move(picture));
     }
 
-    /// As the newest of its track.
+    /// Makes a picture the newest of its track.
     Result<void> take(Track& track, std::int64_t frame, TrackPicture picture) {
         const std::string where = clip_.pictures->where(track.role, frame);
         const bool is_depth = track.role == PlaneRole::depth;
@@ -172,7 +172,7 @@ private:
         return {};
     }
 
-    /// Number `number_`.
+    /// The frame `number_`.
     RawFrame frame_of_newest() const {
         RawFrame frame;
         frame.number = number_;
@@ -185,7 +185,7 @@ private:
     StoredClip clip_;
     Scene scene_;
     std::vector<Track> tracks_;
-    std::vector<TrackInfo> infos_;  // of each
+    std::vector<TrackInfo> infos_;  // of each track
     DepthValues values_;
     RowBands side_by_side_{2};  // a row is a track
     std::int64_t number_ = 0;   // of the frame that `next` gives
@@ -230,7 +230,7 @@ Result<std::unique_ptr<ClipReader>> open_stored_clip(StoredClip clip, Colour col
     auto reader = std::make_unique<StoredClipReader>(std::move(clip));
     TRY(reader->open());
     const bool far_is_open = reader->leaves_far_open();
-    // Aligned by its colour, even where colour is left out afterwards.
+    // Alignment uses colour, even if colour is left out afterwards.
     TRY_ASSIGN(auto aligned, with_aligned_depth(std::move(reader), alignment));
     if (colour == Colour::left_out) aligned->leave_out_colour();
     return with_far_plane(std::move(aligned), far_is_open, name);

@@ -1,5 +1,5 @@
-// Touch in pictures of other programs: links that lead to them, layers of one property each and their
-// joining, maps of a whole clip, videos of touch (TouchPictures).
+// Touch in pictures of other programs: links to them, layers of one property each, joined into one plane,
+// maps of a whole clip, videos of touch (TouchPictures).
 
 #include "engine/formats/touch_maps.hpp"
 
@@ -16,7 +16,7 @@
 namespace touchable {
 namespace {
 
-/// "http" of "http://host/a.png"; a drive's letter is one as well.
+/// "http" of "http://host/a.png"; a drive's letter counts, too.
 std::string scheme_of(std::string_view url) {
     const std::size_t colon = url.find(':');
     if (colon == std::string_view::npos ||
@@ -51,7 +51,7 @@ Result<LinkedFile> data_of(std::string_view url, const std::filesystem::path& ho
 
 constexpr std::array<std::string_view, 3> channel_names{"red", "green", "blue"};
 
-/// A sample's channel in 8 bits; of grey there is one. (A picture of floats has none.)
+/// A pixel's channel in 8 bits; grey has only one. (A picture of floats has no samples.)
 std::uint8_t channel_of(const StoredImage& stored, std::size_t pixel, int channel) {
     const Image& image = stored.image;
     const auto bytes = static_cast<std::size_t>(image.bytes_per_sample);
@@ -66,7 +66,7 @@ std::uint8_t channel_of(const StoredImage& stored, std::size_t pixel, int channe
 /// A picture of one property: grey, 8 bits.
 struct LayerPicture {
     LinkedFile from;
-    int channel = 0;  ///< of that
+    int channel = 0;  ///< of that picture
     Image image{};
 };
 /// `notes` gets what is lost.
@@ -94,7 +94,7 @@ Result<LayerPicture> read_layer(const LinkedFile& link, int channel, std::string
     return picture;
 }
 
-/// Samples of `from` for each of `to`, by way of a picture of `between`.
+/// Index of the sample of `from` for each of `to`, resampled by way of a picture of `between`.
 std::vector<int> samples_by_way(int from, int between, int to) {
     const std::vector<int> first = nearest_samples(from, between);
     std::vector<int> samples = nearest_samples(between, to);
@@ -102,7 +102,7 @@ std::vector<int> samples_by_way(int from, int between, int to) {
     return samples;
 }
 
-/// One channel of a picture into one of a picture of three, pixel by pixel from these columns and rows.
+/// Copies a channel of a picture into one of an RGB picture, from these columns and rows.
 void put_channel(const PlaneView& from, int channel, const std::vector<int>& columns,
                  const std::vector<int>& rows, std::size_t to_channel, Image& to) {
     std::uint8_t* pixel = to.samples.data() + to_channel;
@@ -115,7 +115,7 @@ void put_channel(const PlaneView& from, int channel, const std::vector<int>& col
     }
 }
 
-/// No larger than what is made of it: a picture of 16000x16000 for a small clip need not be held.
+/// A picture to fill, no larger than the scene: 16000x16000 pixels for a small clip need not be held.
 Image room_for(const TrackInfo& whole, const Scene& scene) {
     const auto pixels = [](int width, int height) { return std::int64_t{width} * height; };
     const std::int64_t wanted = pixels(scene.width, scene.height);
@@ -129,9 +129,9 @@ std::string size_words(int width, int height) {
     return std::to_string(width) + "x" + std::to_string(height);
 }
 
-/// One haptic picture of all layers, of the size of the first that is a picture, or of the scene's where that
-/// is smaller; others are resampled to the nearest pixel. Each must be whole: 8 bits are kept of grey, and
-/// a channel of colour. `scene` gets the ranges, and the remarks.
+/// Joins all layers into one haptic picture, of the size of the first picture, or of the scene if that is
+/// smaller; others are resampled to the nearest pixel. Pictures must be of integers: of grey 8 bits are kept,
+/// of colour a channel. `scene` gets the ranges and remarks.
 Result<StillPlane> join_layers(HapticLayers layers, std::string_view format, Scene& scene) {
     std::vector<std::string> notes = std::move(layers.notes);
     TrackInfo info{"haptic", std::string(format), "rgb24", 0, 0};
@@ -146,7 +146,7 @@ Result<StillPlane> join_layers(HapticLayers layers, std::string_view format, Sce
             continue;
         }
         if (last.image.samples.empty() || !(last.from == *picture) || last.channel != channel) {
-            last = {};  // two large ones are one too many
+            last = {};  // freed first: two large ones would be one too many
             TRY_ASSIGN(last, read_layer(*picture, channel, property, notes));
             if (!picture->file.empty()) layers.files.push_back(picture->file);
         }
@@ -174,7 +174,7 @@ Result<StillPlane> join_layers(HapticLayers layers, std::string_view format, Sce
                       std::move(notes)};
 }
 
-/// After a byte order mark and blanks.
+/// The first letter after a byte order mark and blanks.
 char first_letter(std::string_view text) {
     if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
     const std::size_t at = text.find_first_not_of(" \t\r\n");
@@ -186,7 +186,7 @@ TrackInfo track_of(PlaneRole role, const StoredImage& stored) {
             stored.image.height};
 }
 
-/// What a picture has to be to be touched.
+/// Decodes a picture; an error if it cannot be touched.
 Result<StoredImage> touch_picture(std::string_view bytes, PlaneRole role, const std::string& where) {
     TRY_ASSIGN(auto stored, decode_stored_image(std::string(bytes), where));
     if (!stored.values.empty()) return input_error(where + ": is a picture of floats: must be of integers");
@@ -194,7 +194,7 @@ Result<StoredImage> touch_picture(std::string_view bytes, PlaneRole role, const 
     return std::move(fits.image);
 }
 
-/// Fewer bits than 8 as 8.
+/// Widens samples of fewer than 8 bits to 8.
 void widen(StoredImage& stored) {
     if (stored.bits >= 8) return;
     const int white = 255 / ((1 << stored.bits) - 1);
@@ -213,8 +213,8 @@ Result<StillPlane> haptic_picture(const std::filesystem::path& file, std::string
     return still;
 }
 
-/// A length for white where the scene has none: a level, but no more than half of the nearest depth. Metric
-/// codes begin at next to nothing; those that no height could be taken off become no depth.
+/// Sets the height of white in a scene without one: a level, at most half of the nearest depth. Metric codes
+/// begin near 0; those without room for a height become no depth.
 void give_height(Scene& scene) {
     HeightCoding& height = scene.height_coding;
     DepthCoding& depth = scene.depth;
@@ -231,12 +231,12 @@ void give_height(Scene& scene) {
     height.max_height = in_levels ? length / depth.level() : length;
 }
 
-/// The pictures of all properties, joined for one frame after the other.
+/// Joins the pictures of all properties, one frame after the other.
 class TouchPictures {
 public:
     explicit TouchPictures(const ClipReader& clip) : scene_(clip.scene()), frames_(clip.frame_count()) {}
 
-    /// What the plane is in frame 0, and what a person should know.
+    /// Opens the sources. Returns the plane of frame 0, with notes for a person.
     Result<StillPlane> open(const TouchSources& sources) {
         StillPlane still{PlaneRole::haptic, {}, {"haptic", "", "rgb24", scene_.width, scene_.height}};
         const std::array<const PropertyRange*, 3> ranges{
@@ -337,7 +337,7 @@ private:
         return {};
     }
 
-    /// Whether the layer shows another picture than before.
+    /// Moves a layer to a frame; returns whether its picture changed.
     Result<bool> go_on(Layer& layer, std::int64_t frame, double seconds) const {
         if (!layer.video) return false;
         VideoFile& video = *layer.video;

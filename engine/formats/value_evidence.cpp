@@ -34,7 +34,7 @@ struct Words {
                 pixels += counts[word];
             }
     }
-    /// Pixels whose word does so.
+    /// Number of pixels whose word fulfils `does`.
     template <class Does>
     std::int64_t that(Does&& does) const {
         std::int64_t found = 0;
@@ -65,7 +65,7 @@ int divisor_of(const Words& words) {
 
 constexpr unsigned kinect_none = 2047;
 
-/// Disparities of a Kinect are of 11 bits, 2047 is none, and beyond 1092 nothing is that it could see.
+/// Whether words are a Kinect's disparities: of 11 bits, 2047 is none, and it sees nothing beyond 1092.
 template <class Order>
 bool is_kinect(const Words& words, Order&& order) {
     const auto is_near = [&](unsigned word) { return order(word) >= 300 && order(word) <= 1092; };
@@ -74,8 +74,8 @@ bool is_kinect(const Words& words, Order&& order) {
            words.that(is_near) > words.pixels / 4 && words.that(is_usual) > words.pixels * 9 / 10;
 }
 
-/// Disparities in their plain order could be millimetres but for two things: 2047 piles up, as each Kinect
-/// has a shadow beside what is near, and nothing lies between what it can see and that.
+/// Disparities in plain order could be millimetres, except for two things: 2047 is frequent, as a Kinect has
+/// a shadow beside near objects, and no word lies between 1092 and 2047.
 bool is_plain_kinect(const Words& words) {
     constexpr std::int64_t least_pile = 200;  // one pixel in so many
     const auto same = [](unsigned word) { return word; };
@@ -102,7 +102,7 @@ void for_neighbours(const StoredImage& picture, Work&& work) {
     });
 }
 
-/// On one surface: within 3 %.
+/// Whether two depths may be on one surface: within 3 %.
 bool is_smooth(unsigned a, unsigned b) {
     return a > 0 && b > 0 && 33 * (a > b ? a - b : b - a) <= std::max(a, b);
 }
@@ -111,10 +111,9 @@ unsigned rotated_millimetres(unsigned word) {
     return word >> 3 | (word & 7U) << 13;
 }
 
-/// Kinect for Windows SDK 1: millimetres x 8, with the number of the person who is there in the 3 lowest
-/// bits. Those bits may also be what is beyond 8.191 m (`is_rotated`). A person's bits are known by surfaces
-/// that go on across the edge, or by a 2 or more where no 1 is, which would be depth from 16.384 m on behind
-/// none from 8.192 m on.
+/// Kinect for Windows SDK 1: millimetres x 8, with a person's number in the 3 lowest bits. Those bits may
+/// instead be depth beyond 8.191 m (`is_rotated`). They are a person's if surfaces go on across their edges,
+/// or if there is a 2 or more but no 1, which would be depth from 16.384 m on without any from 8.192 m on.
 bool has_player(const StoredImage& picture, const Words& words) {
     constexpr unsigned nearest = 400, deepest = 8000;  // what a Kinect sees
     constexpr std::int64_t fewest_pairs = 16, one_in = 20;
@@ -137,8 +136,8 @@ bool has_player(const StoredImage& picture, const Words& words) {
     return smooth >= fewest_pairs && one_in * smooth >= pairs && smooth > 4 * smooth_rotated;
 }
 
-/// Whether a confidence that is the same everywhere lies above lengths: the words of a room are then within a
-/// few hundredths of one number, its lengths are not.
+/// Whether one confidence lies above all lengths: a room's words are then within a few hundredths of one
+/// number, and its lengths are not.
 bool has_one_confidence(const Words& words) {
     constexpr unsigned lengths = 0x1fff;
     const unsigned least = words.each.front().word, most = words.each.back().word;
@@ -147,7 +146,7 @@ bool has_one_confidence(const Words& words) {
 }
 
 /// Android's DEPTH16: 13 bits of millimetres, and a confidence in the 3 highest. Where these differ between
-/// neighbours, the others go on as if nothing was.
+/// neighbours, the lengths go on smoothly.
 bool has_confidence(const StoredImage& picture, const Words& words) {
     constexpr unsigned lengths = 0x1fff;
     constexpr std::int64_t fewest_pairs = 64, one_in = 1000;
@@ -163,7 +162,7 @@ bool has_confidence(const StoredImage& picture, const Words& words) {
            smooth > 4 * smooth_whole;
 }
 
-/// Millimetres times 8, with the bits above 16 below: 1 from 8.192 m on, 2 from 16.384 m on.
+/// Millimetres times 8, with the bits above the 16th as the lowest: 1 from 8.192 m on, 2 from 16.384 m on.
 bool is_rotated(const Words& words) {
     constexpr unsigned nearest = 250, deepest = 24'000;
     const auto millimetres = rotated_millimetres;
@@ -192,13 +191,13 @@ std::optional<double> negative_none(const StoredImage& picture, const RendererBa
     return is_one ? found : std::nullopt;
 }
 
-/// The median of many finite floats, exactly, in memory for none of them: they are given twice, and counted
-/// by the upper half of their bits first, then by the lower half where the upper one is the median's.
+/// The exact median of many finite floats without storing them: they are added twice, and counted first by
+/// the upper half of their bits, then by the lower half if the upper one is the median's.
 class MedianCounts {
 public:
     MedianCounts() : counts_(halves) {}
     void add(float value) { ++counts_[ordered_bits(value) >> 16U]; }
-    /// Once all were added. Of an even number the upper one of both in the middle.
+    /// Call once all were added. Of an even number, the median is the upper one of the two in the middle.
     void begin_again(std::size_t count) {
         left_ = count / 2;
         for (upper_ = 0; left_ >= counts_[upper_]; ++upper_) left_ -= counts_[upper_];
@@ -219,7 +218,7 @@ public:
 private:
     static constexpr std::uint32_t sign = 0x80000000U;
     static constexpr std::size_t halves = 65536;
-    /// In the order of the floats.
+    /// Bits that sort as the floats do.
     static std::uint32_t ordered_bits(float value) {
         const auto bits = std::bit_cast<std::uint32_t>(value);
         return (bits & sign) != 0 ? ~bits : bits ^ sign;
@@ -227,19 +226,18 @@ private:
 
     std::vector<std::size_t> counts_;
     std::size_t left_ = 0;     // values of the upper half below the median
-    std::uint32_t upper_ = 0;  // half of its bits
+    std::uint32_t upper_ = 0;  // upper half of the median's bits
 };
 
 constexpr double rounding_of_floats =
     0x1p-22;                            // relative: of a quotient, or of a product with a rounded unit
 constexpr double least_step = 64;       // roundings: a number lies that near a lattice once in 32 times
 constexpr double most_off = 0.01;       // share of the floats that may lie between
-constexpr double beyond_codes = 0.001;  // and beyond the codes
+constexpr double beyond_codes = 0.001;  // and that may lie beyond the codes
 constexpr std::size_t fewest_numbers = 8;
 constexpr std::size_t most_fitted = 4096;
 constexpr double coarsest_of_depths = 1.0 / 25, coarsest_of_reciprocals = 1.0 / 4;  // of the median
-/// That halves fit a unit though they came from none. It may be large: they are moved by no more than what
-/// rounding to them did.
+/// Probability that halves fit a unit by chance. It may be large: halves move by no more than their rounding.
 constexpr double strongest_chance = 0.05;
 
 struct Occurring {
@@ -247,7 +245,7 @@ struct Occurring {
     double pixels;
 };
 
-/// Each number once, ascending, without the share that is beyond all others.
+/// Each number once, ascending, without the share of largest ones that may lie beyond the codes.
 struct Numbers {
     std::vector<Occurring> each;
     double pixels = 0, median = 0, rounding = 0;
@@ -280,7 +278,7 @@ double nearest_whole(double x) {
     return std::floor(x + 0.5);
 }
 
-/// Share of the pixels between the numbers of a lattice. It is looked at no further once it is too large.
+/// Share of the pixels between the numbers of a lattice; the count ends once it is too large.
 double share_off(const Numbers& numbers, double first, double step) {
     double off = 0;
     for (const Occurring& each : numbers.each) {
@@ -303,7 +301,7 @@ std::size_t numbers_occurring(const Numbers& numbers, double first, double step)
     return occurring;
 }
 
-/// Numbers of the lattice that occur are enough, and the codes suffice for all.
+/// Whether enough of the lattice's numbers occur, and the codes suffice for all.
 bool is_useful(const Numbers& numbers, double first, double step, double coarsest) {
     if (!(step >= least_step * numbers.rounding) || step > coarsest) return false;
     const double from = first == 0 && numbers.least() > 0 ? 0 : numbers.least();
@@ -338,7 +336,7 @@ double common_step(double a, double b, double nothing) {
     return a;
 }
 
-/// A number of few digits, or one divided by a whole one, where such a one is that near.
+/// The number of few digits, or 1 over a whole number, within `tolerance` of `step`; `step` if there is none.
 double plain_number(double step, double tolerance) {
     for (double digits = 1; digits <= 1e7; digits *= 10) {
         const double plain = nearest_whole(step * digits) / digits;
@@ -350,7 +348,7 @@ double plain_number(double step, double tolerance) {
     return std::abs(plain - step) <= tolerance ? plain : step;
 }
 
-/// A lattice through `anchor`, fitted to the numbers from there outward, each counted once its place is
+/// A lattice through `anchor`, fitted to the numbers from there outward; a number counts if its place is
 /// beyond doubt.
 struct Fit {
     double first, step;
@@ -375,7 +373,7 @@ Fit fitted(const std::vector<double>& sorted, std::size_t anchor, double step, d
     return {at - std::floor(at / found) * found, found};
 }
 
-/// The same through zero, as it is where the numbers are whole multiples.
+/// The step of a lattice through zero, for numbers that are whole multiples.
 double fitted_through_zero(const std::vector<double>& sorted, double step) {
     double kk = 1, kd = step;
     for (const double number : sorted) {
@@ -387,8 +385,8 @@ double fitted_through_zero(const std::vector<double>& sorted, double step) {
     return kd / kk;
 }
 
-/// Any lattice: what neighbours of the sorted numbers have in common, a few of them at a time, so that one
-/// that is off the lattice spoils few of these trials. The coarsest stands.
+/// Finds any lattice: the common step of gaps between sorted numbers, a few gaps at a time, so that a number
+/// off the lattice spoils few of these trials. The coarsest lattice found is taken.
 std::optional<FloatLattice> of_any_step(const Numbers& numbers, double coarsest) {
     constexpr std::size_t trials = 9, in_a_trial = 6;
     const std::size_t every = 1 + numbers.each.size() / most_fitted;
@@ -421,7 +419,7 @@ std::optional<FloatLattice> of_any_step(const Numbers& numbers, double coarsest)
     return best;
 }
 
-/// The lowest bit that is set in a float of 11 bits; 0 of one that has more.
+/// The value of the lowest bit set in a float of 11 bits; 0 for one that has more.
 double lowest_bit_of_half(float value) {
     std::uint32_t bits = 0;
     std::memcpy(&bits, &value, sizeof bits);
@@ -433,15 +431,15 @@ double lowest_bit_of_half(float value) {
     return double{one} * lowest / 0x800000U;
 }
 
-/// Halves are as far apart as this where they are as large as `value`.
+/// Distance between neighbouring halves as large as `value`.
 double step_of_halves(double value) {
     double step = 0x1p-24;
     while (step * 2048 <= value) step *= 2;
     return step;
 }
 
-/// Halves that are the nearest ones to multiples of a usual unit: where units are farther apart than halves,
-/// most halves do not occur.
+/// Finds a usual unit whose multiples, rounded, are these halves: where its multiples are farther apart than
+/// halves, most halves do not occur.
 std::optional<FloatLattice> of_rounded_unit(const Numbers& numbers, double metres) {
     for (const double unit : usual_units) {
         const double step = unit / metres;
@@ -463,8 +461,7 @@ std::optional<FloatLattice> of_rounded_unit(const Numbers& numbers, double metre
     return std::nullopt;
 }
 
-/// The step of the halves nearest to zero, as long as that leaves codes for all; a coarser one where few are
-/// so near.
+/// The step of the halves nearest to zero, if codes suffice for all; else a coarser one, if few are so near.
 std::optional<FloatLattice> of_halves(const Numbers& numbers) {
     double step = 0x1p100;
     for (const Occurring& each : numbers.each)
@@ -636,7 +633,7 @@ EstimatedValues estimate_values(const StoredImage& picture) {
     values.zeros = static_cast<double>(zeros) / static_cast<double>(pixels);
     values.largest = static_cast<double>(largest) / static_cast<double>(pixels);
     values.negative = static_cast<double>(negative) / static_cast<double>(pixels);
-    // All of the range is used, and nothing stands for what was not seen.
+    // The whole range is used, and no value stands for no depth.
     values.is_normalised = values.bits != 8 && !values.has_background && !none && beyond == 0 &&
                            negative == 0 && at_least > 0 && at_most > 0 && 20 * (pixels - usable) < pixels;
     values.divisor = common_divisor(picture);

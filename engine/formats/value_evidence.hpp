@@ -1,8 +1,8 @@
 #pragma once
 
-// What the numbers of a depth picture tell of how they were stored: their unit, bits in another order, a
-// renderer's background, the even steps that floats came from. What goes over all pixels is unfinished where
-// the thread is asked to stop meanwhile; callers check stop_requested.
+// Finds out from a depth picture's numbers how they were stored: their unit, bits in another order, a
+// renderer's background, the even steps that floats came from. Functions that visit all pixels end early,
+// with an incomplete result, if the thread is asked to stop; callers check stop_requested.
 
 #include <cmath>
 #include <cstddef>
@@ -29,44 +29,43 @@ inline std::size_t pixel_count(const Image& image) {
     return static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
 }
 
-/// The largest number to 1000 of which all values of 16 bits are multiples; 1: they have none, or are no
-/// evidence. 0 and 65535 say nothing, one pixel in a thousand may differ, and fewer than 20 values that
-/// differ are no evidence.
+/// The largest number up to 1000 of which all 16-bit values are multiples; 1: there is none, or no evidence.
+/// 0 and 65535 are ignored, one pixel in a thousand may differ, and fewer than 20 different values are no
+/// evidence.
 int common_divisor(const StoredImage& picture);
 
 /// Depth of 24 bits in an RGB picture of 8 bits (StoredDepth::packed): red has the lowest bits. Its largest
 /// value is no depth.
 inline constexpr double packed_none = 0xffffff;
-/// Whether an RGB picture looks like that. Where blue differs by 1 between neighbours, a byte that ran over
-/// has green jump back by nearly all of its range; no photograph and no colour map does so. Depth that stays
-/// within one step of blue (4 m of 1 km) shows nothing.
+/// Whether an RGB picture looks packed: if blue differs by 1 between neighbours, the carry makes green jump
+/// back by nearly its whole range, which no photograph and no colour map does. Depth within one step of blue
+/// (4 m of 1 km) gives no evidence.
 bool looks_packed(const Image& image);
-/// Makes floats of such a picture, exact whole numbers. False, and unchanged, if it is not RGB of 8 bits, or
-/// the thread is asked to stop.
+/// Turns a packed picture into floats, exact whole numbers. False, and nothing is changed, if it is not RGB
+/// of 8 bits or the thread is asked to stop.
 bool unpack_depth(StoredImage& picture);
 /// Whether a picture's floats came from `unpack_depth`.
 inline bool is_unpacked(const StoredImage& picture) {
     return !picture.values.empty() && picture.pixel_format == "rgb24";
 }
 
-/// The preset that the values of 16 bits show: a Kinect's raw disparities (kinect-raw; nyu with bytes
-/// swapped), bits rotated by 3 (sun), a player's number in the 3 lowest bits (kinect-sdk1), a confidence in
-/// the 3 highest (depth16). Of floats: depth of 24 bits (carla). Null: no evidence of any, as in
-/// `common_divisor`.
+/// The preset that 16-bit values show: a Kinect's raw disparities (kinect-raw; nyu with bytes swapped), bits
+/// rotated by 3 (sun), a player's number in the 3 lowest bits (kinect-sdk1), a confidence in the 3 highest
+/// (depth16). For unpacked floats: depth of 24 bits (carla). Null: no evidence, as in `common_divisor`.
 struct EvidentPreset {
     const SourceDescription::Preset* preset = nullptr;
     std::string why{};  ///< "its values ...", in words
 };
 EvidentPreset evident_preset(const StoredImage& picture);
 
-/// Of 16 bits the largest code but 65535, where it stands for no depth: all its bits are set (4095, 8191) or
-/// it is round (10000), more than one pixel in 200 has it, and no other comes near it.
+/// The largest 16-bit code below 65535, if it stands for no depth: all its bits are set (4095, 8191) or it is
+/// round (10000), more than one pixel in 200 has it, and no other code comes near it.
 std::optional<std::uint16_t> none_above_all(const StoredImage& picture);
 
-/// What renderers write into pictures of floats where they see nothing, in whatever unit: infinity, 1e9 and
-/// beyond (Blender: 1e10), and the largest number of 16 bits, 65504, which is what files of halves have in
-/// their place. Halves become floats of 32 bits in other programs. So 65504 is background in any picture of
-/// floats, but not where that has a depth farther than it. Of either sign. Codes have no background.
+/// Recognises what renderers write into float pictures for pixels without a surface, in any unit and of
+/// either sign: infinity, 1e9 and beyond (Blender: 1e10), and 65504, the largest half (16-bit float), which
+/// files of halves have in their place. Other programs turn halves into 32-bit floats, so 65504 is background
+/// in any float picture that has no depth farther than it. Codes have no background.
 class RendererBackground {
 public:
     explicit RendererBackground(const StoredImage& picture);
@@ -85,45 +84,45 @@ private:
 struct EstimatedValues {
     bool is_float = false;
     bool has_background = false;  ///< a renderer's (RendererBackground)
-    bool any = false;  ///< is neither 0, background nor, of 16 bits, the largest; what follows is of these
+    bool any = false;  ///< has usable values: not 0, background or (integers) 65535; the rest is of these
     int bits = 16;
     double median = 0;
     double upper = 0, lower = 0;  ///< means of the upper and the lower third of the picture
-    double negative = 0;          ///< share of all; 0 where all of them are one number, which is none then
+    double negative = 0;          ///< share of all pixels; 0 if all are one number, which is no depth then
     bool has_negative_none = false;
-    double zeros = 0, largest = 0;  ///< share of 0, and of integers of 16 bits of 65535
-    bool is_normalised = false;     ///< from the least that can be stored (floats: 0) to the most (1)
-    int divisor = 1;                ///< of integers of 16 bits (common_divisor)
-    /// Of 8 bits that were stretched to 16.
+    double zeros = 0, largest = 0;  ///< shares of the pixels that are 0 and, for 16-bit integers, 65535
+    bool is_normalised = false;     ///< uses the whole range that can be stored (floats: 0 to 1)
+    int divisor = 1;                ///< for 16-bit integers (common_divisor)
+    /// Whether the values are 8 bits stretched to 16.
     bool is_of_bytes() const { return divisor == 256 || divisor == 257; }
 };
 EstimatedValues estimate_values(const StoredImage& picture);
 
-/// Evenly spaced numbers that floats came from: first + k step, with whole k from 0 on. Of depths, or of
+/// Evenly spaced numbers from which floats were made: first + k step, with whole k from 0 on; depths, or
 /// their reciprocals (disparity).
 struct FloatLattice {
     double first = 0;  ///< 0 <= first < step; 0: whole multiples of the step
     double step = 0;
     bool of_reciprocals = false;
-    bool is_rounded = false;  ///< the floats have 11 bits (halves) and are the nearest to its numbers
+    bool is_rounded = false;  ///< the floats have 11 bits (halves) and are its numbers rounded
     double off = 0;           ///< share of the floats that lie between its numbers
 };
 
-/// Finds the lattice of floats by a sample of them. Chance is ruled out: at least 8 of its numbers occur,
-/// all but one float in a hundred lie on it, within what rounding to 32 bits (or 11, is_rounded) does to
-/// them, where those of no lattice would do so once in 32 times at most. Its span is at most `most_codes`
-/// steps, which 1 float in 1000 may exceed. What is coarser than 1/25 of the median (of reciprocals 1/4) is
-/// none: floats of a few flat things are no sensor's. The same floats in any order give the same lattice.
+/// Finds the lattice of floats from a sample of them. Chance is ruled out: at least 8 of the lattice's
+/// numbers occur, and all but one float in a hundred lie on it to within the rounding to 32 bits (or 11,
+/// is_rounded), which a float of no lattice does once in 32 times at most. The lattice spans at most
+/// `most_codes` steps, which 1 float in 1000 may exceed. A step above 1/25 of the median (of reciprocals 1/4)
+/// does not count: floats of a few flat things are no sensor's. The order of the floats does not matter.
 class LatticeSearch {
 public:
     static constexpr int most_codes = 65534;
 
-    /// One float; finite.
+    /// Adds a finite float to the sample.
     void add(float value) { sample_.push_back(value); }
-    /// Lengths: `metres` is of a stored 1. Multiples of a millimetre are taken as those, whatever larger
-    /// unit they share. Depths first, then reciprocals.
+    /// For lengths; `metres`: of a stored 1. Multiples of a millimetre get that step, even if they share a
+    /// larger one. Tries depths first, then reciprocals.
     std::optional<FloatLattice> of_lengths(double metres);
-    /// Numbers without a unit: even steps, wherever they begin.
+    /// For numbers without a unit: even steps, with any first number.
     std::optional<FloatLattice> of_numbers();
 
 private:

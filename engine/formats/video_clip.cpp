@@ -1,5 +1,5 @@
-// A video without a scene file is guessed by its first picture (VideoGuess); what a scene's VideoSource says
-// is read by VideoPictures.
+// VideoGuess guesses the scene of a video without a scene file by its first picture; VideoPictures reads what
+// a scene's VideoSource names.
 
 #include "engine/formats/formats_read.hpp"
 
@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* otherwise = "a scene file's video.layout and values say otherwise";
 
-/// What Record3D writes behind the pictures of its MP4: {"intrinsicMatrix": [nine numbers], ...}.
+/// The camera that Record3D writes at the end of its MP4: {"intrinsicMatrix": [nine numbers], ...}.
 std::optional<Intrinsics> record3d_camera(const SourceFile& file) {
     constexpr std::uint64_t longest = 1 << 16;
     const auto bytes = bytes_of_file(file);
@@ -59,7 +59,7 @@ DepthCoding record3d_coding() {
     return coding;
 }
 
-/// Of a video with Record3D's camera at its end: the left half, which is hue unless it shows that it is not.
+/// Depth in a video with Record3D's camera at its end: the left half, as hue unless its look differs.
 std::optional<DepthInVideo> record3d_depth(VideoPicture& picture, std::optional<VideoValues> said) {
     DepthInVideo depth{VideoLayout::left, VideoValues::hue};
     const auto part = depth_part(depth.layout, picture.width(), picture.height());
@@ -181,7 +181,7 @@ private:
         return guess_scene(file_.path(), size, known_, &coding);
     }
 
-    /// Samples of up to 11 bits are guessed as those of 8 are: they are too few for lengths.
+    /// Samples of up to 11 bits are treated as 8-bit ones: so few bits are no lengths.
     Result<GuessedScene> of_grey(VideoPicture& picture, const PicturePart& part) {
         constexpr int fewest_of_lengths = 12;
         auto plane = picture.depth(source_.values, part);
@@ -246,7 +246,7 @@ private:
         return guessed;
     }
 
-    /// Videos of other lengths are of other episodes.
+    /// Adds colour to the scene; a video of another length is of other episodes, and left out.
     void add_lerobot_colour(const LeRobotDepth& depth, const VideoFile& video, Scene& scene) const {
         if (depth.colour.empty()) return;
         const auto colour = VideoFile::open(file_.path().parent_path() / depth.colour, PlaneRole::colour);
@@ -278,12 +278,12 @@ private:
     VideoSource source_;
 };
 
-/// Depth in a track of one file; colour beside it in the same pictures, or in a track of its own.
+/// Reads depth in a track of one file, and colour in the same pictures or in a track of its own.
 class VideoPictures final : public FrameSource {
 public:
     VideoPictures(const VideoSource& source, const Scene& scene, std::shared_ptr<VideoFile> depth)
         : source_(source), width_(scene.width), height_(scene.height), depth_(std::move(depth)) {}
-    /// Colour as a track of its own, which begins so many seconds before depth does.
+    /// Adds colour in a track of its own, which begins `late` seconds before depth.
     void add_colour(std::unique_ptr<VideoFile> colour, double late) {
         colour_ = std::move(colour);
         colour_late_ = late;
@@ -317,13 +317,13 @@ public:
         TRY_ASSIGN(auto plane, is_depth ? picture->depth(source_.values, *part) : picture->rgb());
         if (!is_depth) plane.view = part_of(plane.view, colour_part(source_.layout, width, height, bar));
         TrackPicture made = lent_picture(depth_->info(), std::move(plane));
-        // Values of colours that are luma and differences were changed before they were encoded.
+        // In pictures of luma and colour differences, hue and mean were changed before encoding.
         made.lossless =
             made.lossless && (source_.values == VideoValues::grey || made.image.pixel_format == "gbrp");
         return made;
     }
 
-    /// Of colour in a track of its own, what is nearest in time.
+    /// For colour in a track of its own, the picture nearest in time.
     std::int64_t picture_number(PlaneRole role, std::int64_t frame) const override {
         const bool is_own = role == PlaneRole::colour && colour_;
         return is_own ? colour_->nearest(depth_->seconds(frame) + colour_late_) : frame;
@@ -337,7 +337,7 @@ private:
         return VideoPicture(std::move(frame), converter, video.where(number));
     }
 
-    /// Once for both planes that may be in it.
+    /// Reads a picture once for both planes that may be in it.
     Result<VideoPicture*> read_depth(std::int64_t frame) {
         if (newest_number_ != frame) {
             newest_number_ = -1;
@@ -349,7 +349,7 @@ private:
         return &*newest_;
     }
 
-    /// Between two parts that are less than halves.
+    /// The bar between two parts that are less than halves; 0: none.
     int bar_of(int width, int height) const {
         const bool is_beside = is_side_by_side(source_.layout);
         const int side = is_beside ? width : height, bar = side - 2 * (is_beside ? width_ : height_);
@@ -366,8 +366,8 @@ private:
     std::int64_t newest_number_ = -1;
 };
 
-/// The planes of the description belong to the codes for black and white. The coding's own are those of its
-/// least and greatest code, evenly beyond.
+/// The description's planes are those of the codes for black and white. Moves them, evenly, to the coding's
+/// least and greatest code.
 Result<void> settle_relative(const CodeRange& range, const std::string& where, StoredClip& clip) {
     DepthCoding& depth = clip.described.scene.depth;
     const bool is_inverse = depth.kind == DepthCodingKind::inverse;
@@ -393,7 +393,7 @@ Result<void> settle_relative(const CodeRange& range, const std::string& where, S
     return {};
 }
 
-/// `depth` is open.
+/// Opens the scene's colour video; `depth` is open already.
 Result<void> add_colour(const fs::path& folder, const VideoFile& depth, VideoPictures& pictures,
                         StoredClip& clip) {
     const VideoSource& source = *clip.described.scene.video;

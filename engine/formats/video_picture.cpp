@@ -14,7 +14,7 @@ const AVPixFmtDescriptor& pixel_format_of(const AVFrame& frame) {
     return *av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
 }
 
-/// Grey of two bytes in the other order than this machine's, such as PNG has it: the same in this one's.
+/// Converts grey of two bytes in the other byte order, such as PNG's, to the host's; otherwise nothing.
 std::optional<Image> in_host_order(const AVFrame& frame) {
     const AVPixFmtDescriptor& format = pixel_format_of(frame);
     const bool is_big = (format.flags & AV_PIX_FMT_FLAG_BE) != 0;
@@ -35,7 +35,7 @@ class RampCounts {
 public:
     void add(const std::uint8_t* pixel) {
         constexpr int off = 24, full = 255 - off;  // codecs move colours by so much
-        constexpr int dark = 48;                   // no depth, where depth is hue
+        constexpr int dark = 48;                   // for hue, darker is no depth
         for (std::size_t k = 0; k < orders_.size(); ++k) {
             const int first = pixel[orders_[k][0]], second = pixel[orders_[k][1]],
                       third = pixel[orders_[k][2]];
@@ -43,7 +43,7 @@ public:
             unsaturated_[k] += second <= off ? first > dark && first < full - off : third > off;
         }
     }
-    /// Nearly all fit one order, and many of them are no full hue: darker, or on the way to white.
+    /// Whether nearly all fit one order, and many of them are no full hue: darker, or on the way to white.
     bool is_ramp(std::int64_t pixels) const {
         for (std::size_t k = 0; k < orders_.size(); ++k)
             if (100 * fits_[k] >= 97 * pixels && 10 * unsaturated_[k] >= pixels) return true;
@@ -68,7 +68,7 @@ struct PartLook {
     }
 };
 
-/// A margin is left out: codecs mix colours across the border of two halves.
+/// Leaves out a margin: codecs mix colours across the border of two halves.
 PartLook look_of(const PlaneView& rgb) {
     constexpr int codec_noise = 24, tint = 40, dark = 48, least_full = 192;
     const int margin = std::min({16, rgb.width / 8, rgb.height / 8});
@@ -96,8 +96,8 @@ PartLook look_of(const PlaneView& rgb) {
             100 * nearly >= 98 * pixels, is_ramp, most - least <= 8};
 }
 
-/// Columns in the middle that are all of one colour: Depth Anything's videos have 50 white ones there, of
-/// which codecs blur the outer ones.
+/// Number of columns of one colour in the middle: Depth Anything's videos have 50 white ones there, of which
+/// codecs blur the outer ones. 0: no such bar.
 int bar_in_the_middle(const PlaneView& rgb) {
     constexpr int usual = 50, blurred = 8, codec_noise = 24;
     const int middle = rgb.width / 2;
@@ -116,7 +116,7 @@ int bar_in_the_middle(const PlaneView& rgb) {
     return may_be_bar(bar, rgb.width) && (rgb.width - bar) % 2 == 0 ? bar : 0;
 }
 
-/// The half that is so, where the other one is not.
+/// The half that looks like these values, if the other half does not.
 std::optional<DepthInVideo> half_of(const PlaneView& rgb, VideoValues values, int bar) {
     for (const VideoLayout layout :
          {VideoLayout::left, VideoLayout::right, VideoLayout::top, VideoLayout::bottom}) {
@@ -234,7 +234,7 @@ CodeRange VideoPicture::code_range(VideoValues values) const {
     const int scale = 1 << (bits() - 8);
     const CodeRange limited{16 * scale, 235 * scale};
     if (frame_->color_range == AVCOL_RANGE_MPEG) return limited;
-    // Full grey that was encoded as luma often comes without a word on its range.
+    // Full-range grey that was encoded as luma often states no range.
     const auto samples = luma_samples(*frame_);
     for (int y = 0; samples && y < samples->height; ++y)
         for (int x = 0; x < samples->width; ++x) {

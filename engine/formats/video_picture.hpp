@@ -18,17 +18,17 @@ struct PicturePart {
 constexpr bool is_side_by_side(VideoLayout layout) {
     return layout == VideoLayout::left || layout == VideoLayout::right;
 }
-/// Depth's part of a picture of this size, and what is left for colour. Nothing where it has no two halves.
-/// `bar`: columns, or rows, between the two that are of neither.
+/// Depth's and colour's parts of a picture of this size. Nothing if it has no two equal halves. `bar`:
+/// columns, or rows, between the two that belong to neither.
 std::optional<PicturePart> depth_part(VideoLayout layout, int width, int height, int bar = 0);
 PicturePart colour_part(VideoLayout layout, int width, int height, int bar = 0);
-/// Whether so many columns of that many can be such a bar.
+/// Whether `bar` of `side` columns can be such a bar.
 constexpr bool may_be_bar(int bar, int side) {
     return bar >= 16 && 4 * bar <= side;
 }
-/// A part of a plane, which stays where it is.
+/// A view of a part of a plane; copies no samples.
 PlaneView part_of(PlaneView plane, const PicturePart& part);
-/// Its samples, rows without padding.
+/// A copy of a view's samples, without padding.
 Image packed_image(const PlaneView& view);
 
 /// The codes that stand for black and white.
@@ -37,7 +37,7 @@ struct CodeRange {
     bool operator==(const CodeRange&) const = default;
 };
 
-/// A picture of a video, and what can be made of it.
+/// A video's picture, and its conversions.
 class VideoPicture {
 public:
     /// Messages begin with `where`. The converter serves many pictures of one video.
@@ -47,13 +47,13 @@ public:
     int height() const { return frame_->height; }
     /// Whether its pixels are red, green and blue, or luma beside colour differences.
     bool has_colours() const;
-    /// Of a grey sample as stored; of other pixels 8.
+    /// Bits of a grey or luma sample as stored; 8 for RGB.
     int bits() const;
-    /// In 8 bits, all of it; made once.
+    /// The whole picture in 8 bits; converted once.
     Result<Plane> rgb();
-    /// Values of depth as they are stored: never through a conversion of ranges. Hue: RGB.
+    /// Depth's values as stored, never through a conversion of ranges. For hue: RGB.
     Result<Plane> depth(VideoValues values, const PicturePart& part);
-    /// The usual range, 16 to 235, for luma without a stated one, unless values lie outside.
+    /// The codes of black and white; for luma without a stated range 16 to 235, unless values lie outside.
     CodeRange code_range(VideoValues values) const;
 
 private:
@@ -66,19 +66,19 @@ private:
     std::optional<Plane> rgb_;
 };
 
-/// Where depth is in the pictures of a video, and what of a pixel it is.
+/// Depth's part of a video's pictures, and what of a pixel depth is.
 struct DepthInVideo {
     VideoLayout layout = VideoLayout::alone;
     VideoValues values = VideoValues::grey;
     int bar = 0;           ///< columns between both halves
-    bool is_ramp = false;  ///< of `mean`: from black through colours to white
+    bool is_ramp = false;  ///< for `mean`: from black through colours to white
 };
-/// By one picture. Grey comes first, then hue (of what is lit nine tenths are of full colour: one channel
-/// full and one at 0), then what is nearly grey or a ramp, whose depth is the mean of its colours. Each
-/// counts everywhere, or in one half where the other half is not so. Where `said` tells what values are, they
-/// are that: in such a half, otherwise everywhere. Nothing of a picture in which no depth is.
+/// Finds depth in one picture: grey first, then hue (nine tenths of the lit pixels are of full colour: one
+/// channel full and one at 0), then nearly grey or a ramp, whose depth is the mean of its colours. Each must
+/// hold everywhere, or in one half and not in the other. If `said` states the values, depth is the half that
+/// has them, otherwise the whole picture. Nothing if there is no depth.
 std::optional<DepthInVideo> find_depth_in(VideoPicture& picture, std::optional<VideoValues> said);
-/// The same of depth whose layout is known.
+/// The same for depth whose part is known.
 std::optional<VideoValues> values_in(VideoPicture& picture, const PicturePart& part);
 
 }  // namespace touchable

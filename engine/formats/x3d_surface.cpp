@@ -19,7 +19,7 @@ constexpr std::size_t largest_x3d = std::size_t{16} << 20U;
 
 constexpr std::string_view blanks = " \t\r\n,";
 
-/// A list of strings: each in double quotes, or one without any.
+/// Parses a list of strings: each in double quotes, or a single one without.
 std::vector<std::string> strings_in(std::string_view text) {
     text = trimmed(text, blanks);
     if (text.empty()) return {};
@@ -40,7 +40,7 @@ std::vector<std::string> strings_in(std::string_view text) {
 
 struct Property {
     const char *map, *value, *least, *most;
-    double usual;  ///< without a map
+    double usual;  ///< value without a map
 };
 constexpr std::array<Property, 3> properties{
     {{"stiffnessMap", "stiffness", "minStiffness", "maxStiffness", 0.5},
@@ -51,14 +51,14 @@ bool is_surface(const pugi::xml_node& node) {
     return std::string_view(node.name()) == "HapticTexturesSurface";
 }
 
-/// The child that a surface has for a map.
+/// A surface's child node for a map.
 pugi::xml_node map_of(const pugi::xml_node& surface, std::string_view name) {
     return surface.find_child([&](const pugi::xml_node& child) {
         return std::string_view(child.attribute("containerField").value()) == name;
     });
 }
 
-/// What the file has of surfaces, and of nodes with names.
+/// The file's surfaces, and its nodes with names.
 struct Nodes : pugi::xml_tree_walker {
     std::vector<pugi::xml_node> with_maps;
     bool any_surface = false;
@@ -95,7 +95,7 @@ public:
     }
 
 private:
-    /// What is empty counts as left out.
+    /// A field's number; an empty field counts as left out.
     Result<double> number(const char* field, double usual) const {
         const std::string_view given = surface_.attribute(field).value();
         std::string_view text = trimmed(given, blanks);

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t most_members = 100'000, gibibyte = std::uint64_t{1} << 30;
 constexpr std::uint64_t largest_unpacked = 16 * gibibyte, left_on_disk = gibibyte;
-/// Of what is neither a picture nor a video by its name: a camera's file, a list, a scene.
+/// Bytes of a member that is no picture or video by its name: a camera's file, a list, a scene.
 constexpr std::uint64_t largest_sidecar = std::uint64_t{16} << 20;
 
 bool is_named_zip(const fs::path& file) {
@@ -30,7 +30,7 @@ bool is_named_zip(const fs::path& file) {
     return name.ends_with(".zip") && !name.ends_with(".zarr.zip");
 }
 
-/// Hidden files, and what macOS adds, are of no clip.
+/// Whether a member is hidden or added by macOS, and so belongs to no clip.
 bool is_hidden_below(const fs::path& name) {
     return std::ranges::any_of(name, [](const fs::path& part) {
         const std::string word = part.string();
@@ -61,7 +61,7 @@ bool is_below(const fs::path& file, const fs::path& folder) {
 
 struct OpenedZip {
     ZipArchive archive;
-    std::vector<ZipMember> wanted{};  ///< that a clip can be of
+    std::vector<ZipMember> wanted{};  ///< that a clip may need
     bool has_pictures = false;        ///< other than arrays, which a .npz has
 };
 
@@ -82,8 +82,8 @@ Result<OpenedZip> open_archive(const fs::path& file) {
     return opened;
 }
 
-/// The folder, among the members, that is opened: that of a scene file, that whose folders have pictures
-/// named depth, or pictures, where it is the only one; or else the deepest with all members in it.
+/// The members' folder to open: that of a scene file; the only one with folders of pictures named depth, or
+/// of pictures; or else the deepest with all members in it.
 fs::path folder_of_clip(const std::vector<ZipMember>& members) {
     std::set<fs::path> of_depth, of_pictures;
     fs::path common = fs::path(members.front().name).parent_path();
@@ -102,7 +102,7 @@ fs::path folder_of_clip(const std::vector<ZipMember>& members) {
     return has_word(common.filename().string(), {"depth"}) ? *telling.begin() : common;
 }
 
-/// Refuses what would take too much of the disk, or cannot be what it states.
+/// Refuses members that would take too much of the disk, or cannot be unpacked safely.
 Result<void> check_sizes(const std::vector<ZipMember>& members, const fs::path& archive,
                          const fs::path& folder) {
     std::uint64_t size = 0;
@@ -138,7 +138,7 @@ Result<void> check_sizes(const std::vector<ZipMember>& members, const fs::path& 
                        unzip_words(archive));
 }
 
-/// Writes what a member unpacks to into a new file.
+/// Unpacks a member into a new file.
 Result<void> unpack_member(const ZipArchive& archive, const ZipMember& member, const fs::path& file,
                            const std::string& where) {
     const auto failed = [&](int why) {
@@ -175,7 +175,7 @@ void replace_all(std::string& text, const std::string& old, const std::string& o
         text.replace(at, old.size(), other);
 }
 
-/// A base of ZipReader, before the one that has the files open: so the folder is removed last.
+/// First base of ZipReader: the folder is removed after the other base has closed its files.
 struct KeptFolder {
     std::shared_ptr<ZipFolder> folder;
 };
@@ -207,7 +207,7 @@ private:
 std::optional<ZipPlace> zip_of_pictures(const fs::path& path) {
     std::error_code ignored;
     fs::path archive = path, inner;
-    // Whatever follows an archive's name is in it.
+    // The rest of the path behind an archive's name is in the archive.
     while (!archive.empty() && !fs::exists(archive, ignored) && archive != archive.parent_path()) {
         inner = inner.empty() ? archive.filename() : archive.filename() / inner;
         archive = archive.parent_path();
@@ -215,7 +215,7 @@ std::optional<ZipPlace> zip_of_pictures(const fs::path& path) {
     if (!is_named_zip(archive) || !is_file(archive)) return {};
     if (first_bytes(SourceFile(archive), 4) != std::string_view("PK\x03\x04", 4)) return {};
     const auto opened = open_archive(archive);
-    // What is damaged says so where it is opened as an archive of arrays.
+    // A damaged archive is reported when it is opened as an archive of arrays.
     return opened && opened->has_pictures ? std::optional(ZipPlace{archive, inner}) : std::nullopt;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// A ZIP archive of pictures, which is opened as the folder that it unpacks to: a private folder of temporary
-// files, which goes with the clip. Messages speak of the archive in place of that folder.
+// A ZIP archive of pictures is unpacked into a private temporary folder, which is opened as a clip and
+// removed with it. Messages name the archive instead of that folder.
 
 #include <filesystem>
 #include <memory>
@@ -14,22 +14,22 @@
 
 namespace touchable {
 
-/// What an archive unpacked to, removed with it by the process that unpacked it.
+/// The folder that an archive was unpacked to. Its destructor removes it in the unpacking process.
 class ZipFolder : NonCopyable {
 public:
-    /// Members that can be of a clip: pictures, videos, and what may describe them. Refused are archives that
-    /// are damaged or encrypted, members that lead out of them, and what takes more than 16 GiB or leaves the
-    /// disk of temporary files less than 1 GiB. `inner`: the folder in it to unpack; empty: all of it.
+    /// Unpacks the members that a clip may need: pictures, videos, and files that may describe them. An error
+    /// if the archive is damaged or encrypted, a member's name leads out of it, or the members take more than
+    /// 16 GiB or leave less than 1 GiB free on the temporary disk. `inner`: the folder to unpack; empty: all.
     static Result<std::shared_ptr<ZipFolder>> unpack(const std::filesystem::path& archive,
                                                      const std::filesystem::path& inner);
     ~ZipFolder();
 
     const std::filesystem::path& archive() const { return archive_; }
-    /// The folder to open: the one with the pictures of depth, or that all members are in.
+    /// The folder to open: the one with the depth pictures, or the one that all members are in.
     const std::filesystem::path& opened() const { return opened_; }
-    /// Whether a path leads into it.
+    /// Whether a path leads into the temporary folder.
     bool has(const std::filesystem::path& file) const;
-    /// A message, with the archive's name in place of that of the folder.
+    /// Returns a message with the temporary folder's name replaced by the archive's.
     std::string named(std::string message) const;
     Error named(Error error) const {
         error.message = named(std::move(error.message));
@@ -42,19 +42,19 @@ private:
 
     std::filesystem::path archive_;
     std::filesystem::path temporary_{};  ///< empty: not made
-    std::filesystem::path root_{};       ///< in it, by the archive's name
+    std::filesystem::path root_{};       ///< in temporary_, named as the archive
     std::filesystem::path opened_{};
-    int owner_ = 0;  ///< the process
+    int owner_ = 0;  ///< process that unpacked the archive
 };
 
-/// The archive of pictures that a path names, and the folder in it that the path goes on with, if any.
-/// Nothing where it names no such archive. An archive with arrays of NumPy alone (.npz) is none.
+/// The archive of pictures that a path names, and the folder in it that the rest of the path names, if any.
+/// Nothing for other paths, and for an archive with NumPy arrays alone (.npz).
 struct ZipPlace {
     std::filesystem::path archive, inner{};
 };
 std::optional<ZipPlace> zip_of_pictures(const std::filesystem::path& path);
 
-/// The clip with the folder that it is read from, which it keeps; its files are the archive.
+/// Makes the clip keep the folder that it is read from, and have the archive as its input file.
 std::unique_ptr<ClipReader> with_zip_folder(std::unique_ptr<ClipReader> clip,
                                             std::shared_ptr<ZipFolder> folder);
 

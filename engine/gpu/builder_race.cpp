@@ -10,8 +10,8 @@
 #include "engine/gpu/vulkan_builder.hpp"
 #include "engine/scene/plane_memory.hpp"
 
-// What a device's builders take, measured on that very device: copies over the bus are many times a kernel's
-// time on one machine, and nothing on another, and no rule about kinds of device knows which.
+// Measures the builders on the device itself: copies over the bus take many times a kernel's time on one
+// machine and nothing on another, and the kind of device does not tell which.
 
 namespace touchable {
 namespace {
@@ -54,7 +54,7 @@ bool same_frames(const SurfaceFrame& a, const SurfaceFrame& b) {
 
 using Slots = SurfaceFrame[2];
 
-/// The least time of a frame, ms, once each has been built `warm` times; the slots have the last two then.
+/// The least time of a frame, ms, after building each `warm` times; the slots then hold the last two.
 Result<double> least_ms(SurfaceBuilder& builder, const std::vector<RawFrame>& frames, int warm, int timed,
                         Slots& slots) {
     double least = HUGE_VAL;
@@ -109,8 +109,7 @@ void measure_builders(const std::shared_ptr<GpuDevice>& device) {
         std::getenv("TOUCHABLE_GPU_PLAN") != nullptr)
         return;
     GpuFacts::Measured measured;
-    // A device that was lost over it never gets that again. Memory that was not there, or a stop, says
-    // nothing.
+    // A device that the race lost is not measured again. After missing memory or a stop it is.
     if (!race(device, plan, measured) && !device->lost()) return;
     facts.measured.cpu_ms = measured.cpu_ms;
     facts.measured.vulkan_ms = measured.vulkan_ms;

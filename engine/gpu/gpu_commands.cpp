@@ -12,7 +12,7 @@ struct Scope {
     VkAccessFlags2 writes, uses;
 };
 
-/// Of GpuStage compute, transfer, indirect and graphics.
+/// By GpuStage: compute, transfer, indirect and graphics.
 constexpr Scope scopes[] = {
     {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_WRITE_BIT,
      VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT},
@@ -31,7 +31,7 @@ std::string range_text(std::size_t offset, std::size_t bytes, const GpuBuffer& b
            "' (" + std::to_string(buffer.size()) + " bytes)";
 }
 
-/// Why this binding of a storage buffer cannot be: it makes no sense, or is more than the device can.
+/// Refuses a binding of a storage buffer that is invalid, or beyond the device's limits.
 Result<void> check_storage(const GpuBinding& binding, std::size_t bytes, const GpuFacts::Limits& limits) {
     if (bytes == 0 || !is_within(binding.offset, bytes, binding.buffer.size()))
         return internal_error(range_text(binding.offset, bytes, binding.buffer) + " are not there");

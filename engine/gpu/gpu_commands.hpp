@@ -4,9 +4,9 @@
 //
 // A GpuBuffer is memory that a CPU, a GPU or both reach. A GpuProgram is a compute kernel of shaders/ with
 // its specialisation constants and bindings. GpuCommands record dispatches, copies and barriers and submit
-// them once; a submission is waited for by its number, and a wait ends where the GPU hangs (patience).
+// them once; waits are for a submission's number, and end if the GPU hangs (patience).
 //
-// Commands are one thread's. Errors are of kind gpu; a call that makes no sense is of kind internal.
+// Commands are used by one thread. Errors are of kind gpu; those of invalid calls are of kind internal.
 
 #include <vulkan/vulkan.h>
 #include <array>
@@ -25,8 +25,7 @@ namespace touchable {
 
 /// Where a buffer's memory is. All but `device` are mapped for the CPU, coherently.
 enum class GpuMemory {
-    shared,    ///< both sides work on it: in device memory where that is cached for the CPU, else in host
-               ///< memory
+    shared,    ///< both sides work on it: in device memory if that is cached for the CPU, else in host memory
     device,    ///< for the GPU alone
     upload,    ///< written by the CPU once and in order, read by the GPU
     readback,  ///< written by the GPU, read by the CPU
@@ -39,13 +38,13 @@ class GpuBuffer {
 public:
     GpuBuffer() = default;
 
-    /// `bytes` (at least 1) are rounded up to whole texels of 16. Fails (ErrorKind::gpu) where that much
-    /// memory of that sort cannot be had; the name says which buffer in errors and debuggers.
+    /// `bytes` (at least 1) are rounded up to whole texels of 16. Fails (ErrorKind::gpu) if the memory cannot
+    /// be allocated; the name identifies the buffer in errors and debuggers.
     static Result<GpuBuffer> create(const GpuDevice& device, std::string name, std::size_t bytes,
                                     GpuMemory memory);
 
-    /// The CPU's own memory, to be copied from or read as storage: no byte of it is copied here. It stays
-    /// where it is as long as the buffer. Fails (ErrorKind::gpu) where the device imports no memory.
+    /// Imports the CPU's memory, to be copied from or read as storage, without a copy here. It stays in place
+    /// as long as the buffer. Fails (ErrorKind::gpu) if the device imports no memory.
     static Result<GpuBuffer> import(const GpuDevice& device, std::string name,
                                     std::shared_ptr<const PlaneBlock> block);
 
@@ -54,7 +53,7 @@ public:
     std::size_t bytes() const { return state_->bytes; }  ///< as asked for
     std::size_t size() const { return state_->size; }    ///< in whole texels: what kernels may touch
     VkBuffer handle() const { return state_->buffer; }
-    /// Null where the buffer has more texels than a view may (limits.max_texel_buffer_elements).
+    /// Null if the buffer has more texels than a view may (limits.max_texel_buffer_elements).
     VkBufferView texels() const { return state_->texels; }
     /// The same with texels of one uint32 each.
     VkBufferView words() const { return state_->words; }
@@ -68,7 +67,7 @@ public:
         return {reinterpret_cast<T*>(state_->mapped), state_->bytes / sizeof(T)};
     }
 
-    /// Keeps the buffer (and so `mapped`) alive, for those who need not know what it is.
+    /// Keeps the buffer (and `mapped`) alive, for users that need not know its type.
     std::shared_ptr<const void> keep_alive() const { return state_; }
 
 private:
@@ -78,7 +77,7 @@ private:
         std::shared_ptr<VulkanDevice> vulkan;
         std::string name;
         std::size_t bytes = 0;
-        std::size_t size = 0;  // with what it was rounded up by
+        std::size_t size = 0;  // rounded up to whole texels
         VkBuffer buffer = VK_NULL_HANDLE;
         VkDeviceMemory memory = VK_NULL_HANDLE;
         VkBufferView texels = VK_NULL_HANDLE, words = VK_NULL_HANDLE;
@@ -93,7 +92,7 @@ private:
     std::shared_ptr<const State> state_;
 };
 
-/// The memory type that serves a use best, among those whose bit is set in `allowed`; none where no type
+/// The memory type that serves a use best, among those whose bit is set in `allowed`; nullopt if no type
 /// serves it.
 std::optional<std::uint32_t> choose_memory_type(const VkPhysicalDeviceMemoryProperties& memory,
                                                 std::uint32_t allowed, GpuMemory use);
@@ -104,16 +103,16 @@ enum class GpuBindingKind {
     storage_texels,  ///< uimageBuffer, rgba32ui
 };
 
-/// How C++ believes to talk to a kernel: what its shaders/name.h says.
+/// A kernel's interface as C++ knows it, from its shaders/name.h.
 struct GpuLayout {
     std::uint32_t push_bytes = 0;          ///< sizeof the push constants; 0: none
     std::vector<GpuBindingKind> bindings;  ///< of set 0, binding numbers 0, 1, 2...
     std::array<std::uint32_t, 3> group_size{1, 1, 1};
 };
 
-/// The difference between what a kernel's SPIR-V says and what C++ believes, in words; empty where there is
-/// none. Only tests define it (tests/gpu/spirv_layout.hpp), and so hold each kernel that they create against
-/// its SPIR-V: the program has no reason to, as both are of one build.
+/// The difference between a kernel's SPIR-V and its GpuLayout, in words; empty if there is none. Only tests
+/// define it (tests/gpu/spirv_layout.hpp), to check each kernel that they create: the program need not, as
+/// both are of one build.
 [[gnu::weak]] std::string layout_fault(std::span<const std::uint32_t> spirv, const GpuLayout& layout,
                                        std::span<const std::uint32_t> constants);
 
@@ -123,8 +122,8 @@ public:
     GpuProgram() = default;
 
     /// `constants` are the values of specialisation constants 0, 1, 2... (floats and ints as their bits, bool
-    /// 0 or 1). Refused with ErrorKind::gpu where the device or its driver cannot, and in tests with
-    /// ErrorKind::internal where there is a `layout_fault`; the message names the kernel.
+    /// 0 or 1). Refused with ErrorKind::gpu if the device or its driver cannot, and in tests with
+    /// ErrorKind::internal if there is a `layout_fault`; the message names the kernel.
     static Result<GpuProgram> create(const GpuDevice& device, std::string name,
                                      std::span<const std::uint32_t> spirv, GpuLayout layout,
                                      std::span<const std::uint32_t> constants = {});
@@ -150,14 +149,14 @@ private:
     std::shared_ptr<const State> state_;
 };
 
-/// What one binding of a dispatch is: a buffer, or for storage buffers a part of one. Offsets are multiples
-/// of limits.min_storage_buffer_alignment; texels are always the whole buffer.
+/// One binding of a dispatch: a buffer, or for storage buffers a part of one. Offsets are multiples of
+/// limits.min_storage_buffer_alignment; texels are always the whole buffer.
 struct GpuBinding {
     GpuBinding(const GpuBuffer& whole) : buffer(whole) {}
     GpuBinding(const GpuBuffer& part_of, std::size_t offset_bytes, std::size_t size_bytes)
         : buffer(part_of), offset(offset_bytes), bytes(size_bytes) {}
 
-    /// Of texels: a uint32 each, and not four of them.
+    /// Texels of one uint32 each, not four.
     static GpuBinding words(const GpuBuffer& whole) {
         GpuBinding binding(whole);
         binding.is_words = true;
@@ -172,12 +171,12 @@ struct GpuBinding {
     VkBufferView texels() const { return is_words ? buffer.words() : buffer.texels(); }
 };
 
-/// Who wrote, and who reads or writes next. Host needs no barrier: what the CPU wrote before the submission
-/// is seen, and when a submission has completed the CPU sees what it wrote.
+/// The stage that wrote, and the one that reads or writes next. The CPU needs no barrier: a submission sees
+/// what it wrote before, and once a submission has completed the CPU sees its writes.
 enum class GpuStage { compute, transfer, indirect, graphics };
 
-/// Whether marks are timed. On a GPU that is software each timestamp ends what was drawn together, and its
-/// threads wait for each other.
+/// Whether marks are timed. On a software GPU each timestamp ends a batch of drawing, and its threads wait
+/// for each other.
 enum class GpuTiming { by_marks, none };
 
 /// How many groups of `size` cover `count` items.
@@ -185,13 +184,12 @@ constexpr std::uint32_t groups_for(std::uint32_t count, std::uint32_t size) {
     return count / size + (count % size != 0);
 }
 
-/// Records work and submits it. Not for two threads at once; any number of these may be recorded side by
-/// side.
+/// Records work and submits it. Used by one thread; several may be recorded in parallel.
 ///
-/// A call that makes no sense (wrong push constants, bindings, ranges: ErrorKind::internal) or is more than
-/// this device can (too many groups, texels or bytes in one binding: ErrorKind::gpu) records nothing; the
-/// first such fault is what `submit` returns, naming program and binding. Everything used is kept alive until
-/// the submission has completed.
+/// An invalid call (wrong push constants, bindings, ranges: ErrorKind::internal) or one beyond the device's
+/// limits (too many groups, texels or bytes in one binding: ErrorKind::gpu) records nothing; `submit` returns
+/// the first such fault, naming program and binding. Everything used is kept alive until the submission has
+/// completed.
 class GpuCommands {
 public:
     /// Workgroups in x, y and z.
@@ -204,7 +202,7 @@ public:
         std::uint64_t value() const { return value_; }  ///< on the device's timeline
         bool done() const { return device_->completed() >= value_; }
         Result<void> wait() const { return device_->wait(value_); }
-        /// Of a picture that a person waits for.
+        /// The same for a picture that the user waits for.
         Result<void> wait_for_picture() const { return device_->wait(value_, GpuDevice::longest_picture); }
         /// By mark, in order; empty before it is done, and without timing.
         std::vector<GpuDevice::Time> times() const;
@@ -220,9 +218,9 @@ public:
         std::shared_ptr<const std::vector<GpuDevice::Time>>
             times_;  // written by GpuDevice::collect under its lock
     };
-    /// What is made on a device once and then serves again: there for what the commands that make it do
-    /// afterwards, and for other commands from when these were submitted. Of commands that were recorded and
-    /// forgotten nothing is there. What the CPU makes is there at once.
+    /// Whether something that is made on a device once may be used: by the commands that make it, after that,
+    /// and by other commands once these were submitted. Commands that are never submitted make nothing. What
+    /// the CPU makes may be used at once.
     class Made {
     public:
         void by(const GpuCommands& commands) { submitted_ = commands.submitted(); }
@@ -240,10 +238,10 @@ public:
     static Result<GpuCommands> begin(std::shared_ptr<GpuDevice> device, const std::string& label,
                                      GpuTiming timing = GpuTiming::by_marks);
     GpuCommands(GpuCommands&&) noexcept;
-    ~GpuCommands();  ///< what was not submitted is forgotten
+    ~GpuCommands();  ///< drops what was not submitted
 
-    /// Runs `groups` workgroups; none where one of them is 0. `push` has exactly the size of the program's
-    /// push constants, `bindings` are as many as its layout's.
+    /// Runs `groups` workgroups; none if one of them is 0. `push` has exactly the size of the program's push
+    /// constants, `bindings` are as many as its layout's.
     template <class Push>
     void dispatch(const GpuProgram& program, const Push& push, std::initializer_list<GpuBinding> bindings,
                   Groups groups) {
@@ -267,23 +265,23 @@ public:
     /// Copies bytes; the ranges lie in the buffers and do not overlap.
     void copy(const GpuBuffer& from, std::size_t from_offset, const GpuBuffer& to, std::size_t to_offset,
               std::size_t bytes);
-    /// Writes `value` over and over; offset and size are multiples of 4.
+    /// Writes `value` repeatedly; offset and size are multiples of 4.
     void fill(const GpuBuffer& buffer, std::uint32_t value, std::size_t offset, std::size_t bytes);
     void fill(const GpuBuffer& buffer, std::uint32_t value) {
         fill(buffer, value, 0, buffer ? buffer.size() : 0);
     }
 
-    /// What `from` has done before is done, and seen by what `to` does after.
+    /// Earlier work of `from` is completed, and seen by later work of `to`.
     void barrier(GpuStage from, GpuStage to);
 
-    /// Ends the stretch since the mark before (or `begin`); at most 31 of them.
+    /// Ends the interval since the mark before (or `begin`); at most 31 marks.
     void mark(const std::string& label);
 
     /// For commands this class does not know (drawing): the command buffer, and what to keep alive for them.
     VkCommandBuffer handle() const;
     void keep(std::shared_ptr<const void> resource);
 
-    /// Becomes true when these are submitted, and outlives them (Made).
+    /// Becomes true when these commands are submitted; outlives them (Made).
     std::shared_ptr<const bool> submitted() const { return submitted_; }
 
     /// Gives the work to the queue and does not wait for it.

@@ -21,8 +21,8 @@ struct Feature {
 #name, [](GpuFeatures & f) -> VkBool32& { return f.part.name; } \
     }
 
-/// What kernels declare (tests/gpu/device_test.cpp holds both against each other), and what is called.
-/// Every Vulkan 1.3 has the latter, but wants to be asked.
+/// Features that kernels declare (tests/gpu/device_test.cpp compares both), and those that the code calls.
+/// Every Vulkan 1.3 has the latter, but they must be enabled.
 constexpr Feature needed_features[] = {
     TOUCHABLE_FEATURE(core.features, shaderInt64), TOUCHABLE_FEATURE(v12, timelineSemaphore),
     TOUCHABLE_FEATURE(v13, synchronization2),      TOUCHABLE_FEATURE(v13, maintenance4),
@@ -38,8 +38,8 @@ constexpr Feature optional_features[] = {
 constexpr const char* needed_extensions[] = {VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME};
 constexpr const char* optional_extensions[] = {
     VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME,
-    // Where a device has it, it is Vulkan on top of something else, not all of Vulkan, and has to be told
-    // that this is known. Nothing of what may be missing then is used here.
+    // A device that has it implements a subset of Vulkan on another API, and requires this to be enabled.
+    // Nothing that may be missing then is used here.
     "VK_KHR_portability_subset",
 };
 
@@ -121,8 +121,7 @@ GpuFacts::Limits limits_of(const Properties& properties) {
     return limits;
 }
 
-/// The queue family to use: one that computes and draws, else one that computes; negative where there is
-/// none.
+/// The queue family to use: one that computes and draws, else one that computes; negative if there is none.
 int queue_family_of(VkPhysicalDevice device) {
     const auto families = families_of(device);
     for (const VkQueueFlags wanted : {VK_QUEUE_COMPUTE_BIT | VK_QUEUE_GRAPHICS_BIT, VK_QUEUE_COMPUTE_BIT + 0})
@@ -153,7 +152,7 @@ GpuFacts facts_of(VkPhysicalDevice device) {
     facts.kind = kind_of(oldest.deviceType);
     GpuFeatures features;
     GpuOffer offer{oldest.apiVersion, extensions_of(device), false};
-    if (oldest.apiVersion < VK_API_VERSION_1_3) {  // may not be asked for chains of newer Vulkan
+    if (oldest.apiVersion < VK_API_VERSION_1_3) {  // must not get chains of newer Vulkan
         facts.missing = missing_from(offer, features);
         return facts;
     }
@@ -244,7 +243,7 @@ Result<VkSemaphore> create_timeline(VulkanDevice& gpu) {
     return timeline;
 }
 
-/// What a device that hangs may still be at work on, up to a value of its timeline.
+/// What a hanging device may still use, up to a value of its timeline.
 struct Remains {
     std::shared_ptr<VulkanDevice> vulkan;
     VkSemaphore timeline;
@@ -277,7 +276,7 @@ VkResult wait_on(const VulkanDevice& gpu, VkSemaphore timeline, std::uint64_t va
     return vkWaitSemaphores(gpu.device, &info, static_cast<std::uint64_t>(timeout.count()));
 }
 
-/// Lets go of what has been finished after all.
+/// Frees what has been finished after all.
 void free_finished_remains() {
     const std::lock_guard lock(abandoned().mutex);
     std::erase_if(abandoned().remains, [](const Remains& left) {
@@ -387,12 +386,12 @@ bool GpuDevice::comes_to_rest() {
     }
     const bool rests = wait_on(*vulkan_, timeline_, newest,
                                lost() ? std::chrono::nanoseconds(0) : patience_.load()) != VK_TIMEOUT;
-    if (!rests) vulkan_->lost = true;  // no later wait has to be as patient
+    if (!rests) vulkan_->lost = true;  // later waits fail at once
     return rests;
 }
 
-/// Waiting for a device that hangs may be waiting for ever, and what it may still read and write must not be
-/// freed under it. So recordings in flight, all they use and the device itself are left in memory.
+/// A hanging device may never finish, and what it may still read and write must not be freed. So recordings
+/// in flight, all they use and the device itself are left in memory.
 void GpuDevice::abandon() {
     const std::lock_guard lock(abandoned().mutex);
     abandoned().remains.push_back({vulkan_, timeline_, submitted_, patience_, std::move(in_flight_)});
@@ -443,7 +442,7 @@ void GpuDevice::give_back(std::unique_ptr<GpuRecording> recording) {
 
 Result<std::uint64_t> GpuDevice::submit(std::unique_ptr<GpuRecording> recording) {
     if (lost()) return lost_error(*vulkan_);
-    const std::lock_guard lock(mutex_);  // values are given in the order in which the queue gets the work
+    const std::lock_guard lock(mutex_);  // values follow the order of the queue
     VkCommandBufferSubmitInfo commands{};
     commands.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO;
     commands.commandBuffer = recording->commands;
@@ -471,14 +470,14 @@ Result<std::uint64_t> GpuDevice::submit(std::unique_ptr<GpuRecording> recording)
 
 void GpuDevice::collect() {
     const std::uint64_t done = completed();
-    // What is let go may be the last handle to something large: after the lock, so that no other thread waits
-    // for it.
+    // Freed after the lock is released: these may be the last handles to something large, for which no other
+    // thread should wait.
     std::vector<std::shared_ptr<const void>> let_go;
     const std::lock_guard lock(mutex_);
     while (!in_flight_.empty() && in_flight_.front()->value <= done) {
         auto recording = std::move(in_flight_.front());
         in_flight_.pop_front();
-        // Some drivers wait for all that is in flight until they tell.
+        // Some drivers wait for all work in flight before they return times.
         if (recording->times.use_count() > 1) recording->read_times();
         let_go.insert(let_go.end(), recording->kept.begin(), recording->kept.end());
         recording->release();

@@ -1,11 +1,11 @@
 #pragma once
 
-// Vulkan's devices: which there are, what each can do, and the one that is used.
+// Vulkan's devices: a list, what each can do, and the one that is used.
 //
-// GpuFacts say of each device what it is and why it cannot be used, if so. GpuDevice::open takes one by name
-// or the best, with the features that kernels and drawing need, and optional ones where it has them. A device
-// that is lost stays lost: every call says so from then on, and its memory is not freed while it may still be
-// written (docs/architecture.md, A GPU that is lost).
+// GpuFacts say what a device is and, if so, why it cannot be used. GpuDevice::open takes one by name or the
+// best, with the features that kernels and drawing need, and optional ones if it has them. A lost device
+// stays lost: every later call fails, and its memory is not freed while it may still be written
+// (docs/architecture.md, A GPU that is lost).
 //
 // A device may be used by several threads; each has its own commands (gpu_commands.hpp).
 
@@ -33,10 +33,10 @@ enum class GpuKind { discrete, integrated, virtualised, software, other };
 /// For people and JSON: "discrete", "integrated", "virtual", "software", "other".
 std::string_view name_of(GpuKind kind);
 
-/// What people call a device that calls itself otherwise: "lavapipe", where it says llvmpipe; else empty.
+/// The usual name of a device that reports another: "lavapipe" for llvmpipe; else empty.
 std::string_view nickname_of(std::string_view device_name);
 
-/// What a Vulkan device says of itself, and what this engine needs and it lacks.
+/// Properties of a Vulkan device, and what it lacks for this engine.
 struct GpuFacts {
     /// The limits a kernel or a buffer of this engine can run into; bytes unless said otherwise.
     struct Limits {
@@ -53,7 +53,7 @@ struct GpuFacts {
         std::uint32_t min_storage_buffer_alignment = 0;
         std::uint32_t min_texel_buffer_alignment = 0;
         double timestamp_period_ns = 0;    ///< of one tick of a timestamp; 0: the queue has none
-        std::uint32_t timestamp_bits = 0;  ///< of a timestamp that count; beyond, it begins anew
+        std::uint32_t timestamp_bits = 0;  ///< valid bits of a timestamp, which wraps beyond them
     };
 
     std::string name;         ///< "llvmpipe (LLVM 15.0.6, 256 bits)"
@@ -67,11 +67,11 @@ struct GpuFacts {
     bool int64_atomics = false;    ///< 64-bit atomics on storage buffers
     bool float64 = false;          ///< doubles in kernels
     std::uint64_t import_alignment = 0;  ///< of host memory that it imports; 0: it cannot
-    /// What was measured on this machine, ms, once: kept with the device's programs. Negative: nothing was.
-    /// Infinite: it cannot be had, or was wrong.
+    /// Times measured once on this machine, ms, and kept with the device's programs. Negative: not measured.
+    /// Infinite: unavailable, or its result was wrong.
     struct Measured {
         double cpu_ms = -1, vulkan_ms = -1;   ///< a frame of 1920x1080 by either builder (measure_builders)
-        double over_bus_ms = -1;              ///< by the latter where kernels reach over the bus
+        double over_bus_ms = -1;              ///< by the latter, with kernels that reach over the bus
         double mesh_ms = -1, raster_ms = -1;  ///< a picture of it by either painter (measure_painters)
     };
     Measured measured{};
@@ -80,16 +80,16 @@ struct GpuFacts {
     bool usable() const { return missing.empty(); }
 };
 
-/// Which device a request means: "auto" (discrete before integrated, virtual and software; the first of a
-/// kind), the index of a device, or, upper or lower case alike, a part of one's name or nickname or its kind
-/// ("software", or "cpu"). Refused (ErrorKind::gpu) where there is no such device, where a word means several
-/// usable ones, or where it lacks something; the message names every device and what it lacks.
+/// The device that a request means: "auto" (discrete before integrated, virtual and software; the first of a
+/// kind), an index, or, in any case of letters, a part of a name or nickname, or a kind ("software", or
+/// "cpu"). Refused (ErrorKind::gpu) if there is no such device, if a word means several usable ones, or if it
+/// lacks something; the message names every device and what it lacks.
 Result<std::size_t> choose_gpu(std::span<const GpuFacts> gpus, std::string_view request);
 
 class GpuMessages;
 class VulkanInstance;
 
-/// What a device's driver made of kernels, and what was measured of it, for the runs to come.
+/// A device's compiled kernels and measured times, for later runs.
 struct ProgramsToKeep {
     std::filesystem::path file;
     std::string bytes;
@@ -98,8 +98,7 @@ struct ProgramsToKeep {
 Result<void> keep_programs(const ProgramsToKeep& programs);
 
 /// The raw Vulkan: instance, device and queue. Everything made from them (buffers, programs, images) holds a
-/// shared_ptr to this, never to GpuDevice, so that it can be in flight there without keeping it alive for
-/// ever.
+/// shared_ptr to this, never to GpuDevice, so that objects in flight do not keep GpuDevice alive for ever.
 struct VulkanDevice : NonCopyable {
     ~VulkanDevice();  ///< waits until the device is idle
 
@@ -112,30 +111,30 @@ struct VulkanDevice : NonCopyable {
     std::mutex queue_mutex;
     VkPhysicalDeviceMemoryProperties memory{};
 
-    // Functions of extensions; null where the extension is optional and absent.
+    // Functions of extensions; null if the extension is optional and absent.
     PFN_vkCmdPushDescriptorSetKHR push_descriptors = nullptr;
     PFN_vkSetDebugUtilsObjectNameEXT set_name = nullptr;
     PFN_vkGetMemoryHostPointerPropertiesEXT host_memory_types = nullptr;
 
-    /// What the driver has made of kernels: of this run, and of earlier ones in `programs_file`, where
-    /// facts.measured is kept too. Null where it cannot be had.
+    /// The driver's compiled kernels of this run, and of earlier ones in `programs_file`, which has
+    /// facts.measured, too. Null if unavailable.
     VkPipelineCache programs = VK_NULL_HANDLE;
     std::filesystem::path programs_file;  ///< empty: nothing is kept
-    std::uint64_t kept_hash = 0;          ///< of what is in it
+    std::uint64_t kept_hash = 0;          ///< of its content
 
-    /// Makes `programs`, of what an earlier run kept for this device and driver in `folder`, if anything.
+    /// Makes `programs`, from what an earlier run kept for this device and driver in `folder`, if anything.
     void open_programs(const std::filesystem::path& folder);
-    /// What is new since it was kept or taken, to be kept; nothing where nothing is. The device's end keeps
-    /// the rest. One thread at a time.
+    /// Programs that were not kept or taken yet; nullopt if there are none. The destructor keeps the rest.
+    /// One thread at a time.
     std::optional<ProgramsToKeep> take_new_programs();
 
     /// Sticky: once true, every submission and every wait fails.
     std::atomic<bool> lost = false;
 
     /// The error of a failed call ("vkQueueSubmit2: VK_ERROR_DEVICE_LOST on llvmpipe"); marks the device lost
-    /// where the result says so.
+    /// if the result says so.
     Error failed(std::string_view call, VkResult result);
-    /// That error, where the call failed.
+    /// That error, if the call failed.
     Result<void> checked(std::string_view call, VkResult result);
 
     std::string take_kept(std::string bytes);
@@ -143,29 +142,28 @@ struct VulkanDevice : NonCopyable {
     /// The instance, as window systems want it.
     VkInstance instance_handle() const;
 
-    /// What debuggers and validation messages call an object; nothing without the debug extension.
+    /// Names an object for debuggers and validation messages; without the debug extension does nothing.
     void name_object(VkObjectType type, std::uint64_t handle, const std::string& name) const;
 };
 
-/// Keeps something until the process ends: what a GPU that hangs may still use must not be freed under it,
-/// nor the device it belongs to.
+/// Keeps an object until the process ends: what a hanging GPU may still use must not be freed, nor its
+/// device.
 void leave_for_good(std::shared_ptr<const void> what);
 
-/// What Vulkan has here, usable or not, in the order of `--gpu INDEX`. Empty where there is a Vulkan loader
-/// without a driver; fails where there is not even an instance to be had.
+/// Vulkan's devices, usable or not, in the order of `--gpu INDEX`. Empty for a Vulkan loader without a
+/// driver; fails if no instance can be created.
 Result<std::vector<GpuFacts>> list_gpus();
 
 struct GpuOptions {
     std::string request = "auto";  ///< as in choose_gpu
-    /// Ask the validation layer, synchronisation checks included, to watch every call; refused where it is
-    /// not installed. TOUCHABLE_VULKAN_VALIDATION=1 in the environment asks as well, and prints what it says
-    /// to stderr.
+    /// Enables the validation layer, synchronisation checks included; refused if it is not installed.
+    /// TOUCHABLE_VULKAN_VALIDATION=1 in the environment enables it, too, and prints its messages to stderr.
     bool validation = false;
-    /// Of the window system that pictures are to be shown by; where there are any, the device also gets
+    /// Extensions of the window system that shows pictures; if there are any, the device also gets
     /// swapchains, and one without them is refused.
     std::vector<std::string> window_extensions{};
-    /// Where programs are kept from run to run, so that they are made quickly; it need not exist. Empty:
-    /// nowhere.
+    /// Folder of programs kept from run to run, so that they are made quickly; it need not exist. Empty:
+    /// none.
     std::filesystem::path cache_folder{};
 };
 
@@ -181,27 +179,27 @@ public:
         double ms = 0;
     };
     static Result<std::shared_ptr<GpuDevice>> open(const GpuOptions& options = {});
-    /// Waits for what is in flight, but not for a lost device: what that may still be at work on is left as
-    /// it is, for ever or until another one is opened after it has finished.
+    /// Waits for work in flight, but not for a lost device: what that may still use is kept, for ever or
+    /// until another one is opened after it has finished.
     ~GpuDevice();
 
     const GpuFacts& facts() const { return vulkan_->facts; }
     const std::shared_ptr<VulkanDevice>& vulkan() const { return vulkan_; }
-    /// What the validation layer says (vulkan_instance.hpp).
+    /// The validation layer's messages (vulkan_instance.hpp).
     std::shared_ptr<const GpuMessages> messages() const;
 
     /// The timeline's value so far: every submission up to it has completed. No lock; a lost device stands
     /// still.
     std::uint64_t completed() const;
 
-    /// Waits for a value that GpuCommands::submit gave. Fails (ErrorKind::gpu) on a lost device, and where
-    /// that takes longer than the patience there is, or than `at_most`: a device that hangs is lost.
+    /// Waits for a value that GpuCommands::submit gave. Fails (ErrorKind::gpu) on a lost device, and if it
+    /// takes longer than `patience` or `at_most`: a device that hangs is lost.
     Result<void> wait(std::uint64_t value,
                       std::chrono::nanoseconds at_most = std::chrono::nanoseconds::max());
-    /// The longest wait of a thread that takes a person's keys.
+    /// The longest wait of a thread that handles the user's keys.
     static constexpr std::chrono::seconds longest_picture{10};
-    /// By default 10 s; a minute for a software Vulkan, which compiles a kernel at its first dispatch
-    /// and never hangs, but is slow where others want the processor too.
+    /// The longest wait. By default 10 s; a minute for software Vulkan, which compiles a kernel at its first
+    /// dispatch and never hangs, but is slow on a busy processor.
     std::chrono::nanoseconds patience() const { return patience_; }
     void set_patience(std::chrono::nanoseconds patience) { patience_ = patience; }
 
@@ -209,17 +207,17 @@ public:
     /// not at all.
     bool comes_to_rest();
 
-    /// A driver that lost the device, a wait in vain, or `lose`. Sticky: open another one.
+    /// True after the driver lost the device, a wait timed out, or `lose`. Sticky: open another one.
     bool lost() const { return vulkan_->lost; }
 
-    /// From now on the device behaves as if the driver had lost it: how tests kill it in the middle.
+    /// From now on the device behaves as if the driver had lost it: for tests.
     void lose() { vulkan_->lost = true; }
 
 private:
     friend class GpuCommands;
 
     GpuDevice(std::shared_ptr<VulkanDevice> vulkan, VkSemaphore timeline);
-    Result<std::unique_ptr<GpuRecording>> take_recording();   ///< a used one where there is one
+    Result<std::unique_ptr<GpuRecording>> take_recording();   ///< a used one if there is one
     void give_back(std::unique_ptr<GpuRecording> recording);  ///< one that was not submitted
     Result<std::uint64_t> submit(std::unique_ptr<GpuRecording> recording);
     void collect();  ///< reads timestamps of completed recordings and lets go of what they used
@@ -236,10 +234,10 @@ private:
     std::vector<std::unique_ptr<GpuRecording>> idle_;
 };
 
-/// At a program's end, before `main` returns: waits for software Vulkans that were given up at work, for each
-/// as long as its patience. They compute and compile on threads of this process, which must not meet what
-/// `exit` takes from the driver's libraries. A GPU of hardware needs nothing of this process, and is not
-/// waited for. What has finished is let go.
+/// Call before `main` returns: waits for software Vulkans that were given up at work, each up to its
+/// patience. They compute and compile on threads of this process, which must not use what `exit` destroys in
+/// the driver's libraries. Hardware needs nothing of this process, and is not waited for. Frees what has
+/// finished.
 void wait_for_given_up_gpus();
 
 }  // namespace touchable

@@ -11,13 +11,13 @@ constexpr VkMemoryPropertyFlags visible = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
 constexpr VkMemoryPropertyFlags coherent = VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
 constexpr VkMemoryPropertyFlags cached = VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
 
-/// How well memory with these properties serves; negative: not at all.
+/// How well memory with these properties serves a use; negative: not at all.
 int worth(VkMemoryPropertyFlags flags, GpuMemory use) {
     if (flags & ~(local | visible | coherent | cached)) return -1;  // protected, lazy: not ordinary memory
     const auto has = [flags](VkMemoryPropertyFlags wanted) { return (flags & wanted) == wanted; };
     if (use == GpuMemory::device) return 2 * has(local) + !has(visible);
     if (!has(visible | coherent)) return -1;
-    // Reading uncached memory is so slow that where it is comes second.
+    // Reading uncached memory is so slow that its place comes second.
     if (use == GpuMemory::shared) return has(cached) ? 2 + has(local) : !has(local);
     if (use == GpuMemory::readback) return 2 * has(cached) + !has(local);
     return !has(local);  // upload: what the CPU may see of device memory can be small
@@ -41,7 +41,7 @@ std::uint64_t heap_bytes(const VulkanDevice& gpu, std::uint32_t memory_type) {
     return gpu.memory.memoryHeaps[gpu.memory.memoryTypes[memory_type].heapIndex].size;
 }
 
-/// What the device can not do of this layout; empty where it can.
+/// Which limit of the device this layout exceeds; empty: none.
 std::string beyond(const GpuLayout& layout, const GpuFacts::Limits& limits) {
     std::uint64_t invocations = 1;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -156,7 +156,7 @@ GpuBuffer::State::~State() {
     if (memory) vkFreeMemory(vulkan->device, memory, nullptr);  // and its mapping; what is imported stays
 }
 
-/// The buffer without its memory.
+/// Creates the buffer without its memory.
 Result<std::shared_ptr<GpuBuffer::State>> GpuBuffer::make_state(const GpuDevice& device, std::string name,
                                                                 std::size_t bytes, bool imported) {
     auto state = std::make_shared<State>();
@@ -211,7 +211,7 @@ Result<void> GpuBuffer::allocate(State& state, std::uint32_t memory_type, std::s
                    vkBindBufferMemory(gpu.device, state.buffer, state.memory, 0));
 }
 
-/// Of its texels, where those are not more than a view may have.
+/// Creates views of its texels, if these are not more than a view may have.
 Result<void> GpuBuffer::make_views(State& state) {
     VulkanDevice& gpu = *state.vulkan;
     const struct {

@@ -18,12 +18,12 @@ struct GpuRecording : NonCopyable {
     static Result<std::unique_ptr<GpuRecording>> create(std::shared_ptr<VulkanDevice> vulkan);
     ~GpuRecording();
 
-    /// Begins anew, after all that was submitted before and seeing what it wrote. Not while in flight.
+    /// Begins anew, after all earlier submissions and seeing what they wrote. Not while in flight.
     Result<void> begin(GpuTiming timing);
-    void stamp();        ///< one more timestamp; nothing where the queue has none, or none is wanted
-    Result<void> end();  ///< what it writes is seen by the CPU once it has completed
+    void stamp();        ///< adds a timestamp, if the queue has any and marks are timed
+    Result<void> end();  ///< the CPU sees its writes once it has completed
     void read_times();   ///< fills `times`; once completed
-    void release();      ///< lets go of what it used
+    void release();      ///< releases what it used
 
     std::shared_ptr<VulkanDevice> vulkan;
     VkCommandPool pool = VK_NULL_HANDLE;
@@ -37,13 +37,13 @@ struct GpuRecording : NonCopyable {
     std::shared_ptr<std::vector<GpuDevice::Time>> times;
 };
 
-/// Ticks from one timestamp to a later one, of which only the low `bits` count: what stands above is whatever
-/// the queue left there, and a count that was full has begun anew in between.
+/// Ticks from one timestamp to a later one. Only the low `bits` are valid, and the counter may have wrapped
+/// in between.
 std::uint64_t ticks_between(std::uint64_t from, std::uint64_t to, std::uint32_t bits);
 
 VkDescriptorType descriptor_type(GpuBindingKind kind);
 
-/// A barrier over all memory.
+/// Records a barrier over all memory.
 void record_barrier(VkCommandBuffer commands, VkPipelineStageFlags2 from, VkAccessFlags2 written,
                     VkPipelineStageFlags2 to, VkAccessFlags2 used);
 

@@ -11,10 +11,9 @@
 #include "engine/gpu/gpu_device.hpp"
 #include "shaders/block.spv.h"
 
-// What a driver makes of kernels, kept from run to run: an NVIDIA driver takes 15 to 580 ms for each, and
-// keeps nothing itself where it has no folder to do so. A file for each device, in what the driver gives as
-// the data of its VkPipelineCache, behind a head of ours: a driver refuses the data of another one, but need
-// not survive damaged data.
+// Compiled kernels, kept from run to run: an NVIDIA driver takes 15 to 580 ms for each, and keeps none itself
+// without a folder for it. One file for each device: our head, then the data of the driver's VkPipelineCache.
+// A driver refuses the data of another one, but need not survive damaged data.
 
 namespace touchable {
 namespace {
@@ -24,17 +23,17 @@ constexpr std::size_t most_bytes = std::size_t{64} << 20;
 struct Head {
     char magic[16] = {'t', 'o', 'u', 'c', 'h', 'a', 'b', 'l', 'e', ' ', 'p', 'r', 'o', 'g', ' ', '1'};
     std::uint32_t vendor = 0, device = 0, driver_version = 0;
-    std::uint32_t kernel = 0;  // of this program's version: a hash of the one that is measured
+    std::uint32_t kernel = 0;  // hash of the measured kernel, for the program's version
     std::uint8_t cache_uuid[VK_UUID_SIZE] = {};
-    std::uint64_t threads = 0;  // of the CPU that was measured beside
+    std::uint64_t threads = 0;  // of the CPU that was measured, too
     GpuFacts::Measured measured;
-    std::uint64_t bytes = 0, hash = 0;  // of what comes after it; of that and `measured`
+    std::uint64_t bytes = 0, hash = 0;  // of what follows the head; of that and `measured`
 
     bool operator==(const Head& other) const { return std::memcmp(this, &other, sizeof(*this)) == 0; }
 };
 static_assert(sizeof(Head) == 72 + sizeof(GpuFacts::Measured));
 
-/// FNV-1a of words of 8 bytes: against damage, not against people.
+/// FNV-1a of words of 8 bytes: against damage, not against attacks.
 std::uint64_t hash_of(const void* from, std::size_t bytes, std::uint64_t hash = 14695981039346656037U) {
     const auto* const first = static_cast<const char*>(from);
     for (std::size_t k = 0; k < bytes; k += 8) {
@@ -61,7 +60,7 @@ Head head_of(const VulkanDevice& gpu, std::string_view data) {
     return head;
 }
 
-/// A device's own name, as two drivers of it do not read each other's.
+/// A name for each device and driver, as two drivers do not read each other's data.
 std::filesystem::path file_name(const VulkanDevice& gpu) {
     VkPhysicalDeviceProperties properties;
     vkGetPhysicalDeviceProperties(gpu.physical, &properties);
@@ -82,7 +81,7 @@ void VulkanDevice::open_programs(const std::filesystem::path& folder) {
         const bool is_there = std::filesystem::exists(programs_file, failed);
         auto kept = read_given_file(programs_file, programs_file.string(), "what a driver made of kernels",
                                     most_bytes + sizeof(Head));
-        // What could not be read, as after a stop, is not replaced.
+        // A file that could not be read, as after a stop, is not replaced.
         if (is_there && !kept && kept.error().kind != ErrorKind::input) programs_file.clear();
         if (kept) data = take_kept(std::move(*kept));
     }
@@ -93,8 +92,8 @@ void VulkanDevice::open_programs(const std::filesystem::path& folder) {
     if (vkCreatePipelineCache(device, &info, nullptr, &programs) != VK_SUCCESS) programs = VK_NULL_HANDLE;
 }
 
-/// The programs of a file, and what was measured; nothing where it is damaged, or not of this device, this
-/// driver and this program's kernels.
+/// Takes a file's programs, and its measured times if they are of this CPU; empty if it is damaged, or not of
+/// this device, this driver and this program's kernels.
 std::string VulkanDevice::take_kept(std::string bytes) {
     Head head;
     if (bytes.size() < sizeof(Head)) return {};
@@ -115,7 +114,7 @@ std::string VulkanDevice::take_kept(std::string bytes) {
 
 std::optional<ProgramsToKeep> VulkanDevice::take_new_programs() {
     if (!programs || programs_file.empty()) return std::nullopt;
-    // Of a lost device what was measured is kept: that it was lost there.
+    // Of a lost device only measured times are kept: they tell that it was lost there.
     std::string data;
     std::size_t bytes = 0;
     if (!lost && vkGetPipelineCacheData(device, programs, &bytes, nullptr) == VK_SUCCESS &&

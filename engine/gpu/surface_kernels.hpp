@@ -1,7 +1,6 @@
 #pragma once
 
-// The kernels of the surface, and its Vulkan builder for those that choose how they march (tests,
-// benchmarks).
+// The kernels of the surface, and its Vulkan builder with a choice of plan (tests, benchmarks).
 
 #include <array>
 #include <cstdint>
@@ -18,40 +17,40 @@
 
 namespace touchable {
 
-/// The kernels that march along strips (shaders/strip.h). The first three take it from stored
-/// values to codes, validity and parts of bounds, which are final where no filter comes after them.
+/// Kernels that march along strips (shaders/strip.h). The first three turn stored values into codes, validity
+/// and parts of bounds, which are final if no filter follows.
 enum class StripKernel { decode, median3, median5, fill_holes };
 
-/// How rows are shared among lanes, and planes between GPU and CPU. The same bits come of any.
+/// How rows are shared among lanes, and planes between GPU and CPU. Every plan gives the same bits.
 struct SurfacePlan {
     std::uint32_t group_size = 8;      ///< lanes of a workgroup
     std::uint32_t segment_texels = 0;  ///< of a row for one lane, a multiple of 4; 0: the whole row
     bool along_x = false;              ///< neighbouring lanes take neighbouring segments, not rows
-    bool copies = false;  ///< to and from memory of the GPU's own, instead of working on the CPU's
-    /// Of a frame that has changed in part only that is built, up to this share of its blocks. 0: always all.
+    bool copies = false;               ///< to and from the GPU's own memory, instead of working on the CPU's
+    /// Largest share of changed blocks up to which only those are built. 0: always whole frames.
     double break_even = 0.6;
     /// Decoding, medians and bounds by the one kernel for GPUs (shaders/block.comp), not along strips. It
-    /// builds frames as a whole.
+    /// builds whole frames.
     bool blocks = false;
-    /// Where both are so: what is read is read where it lies in the CPU's memory, and what is made is written
-    /// there too, by the kernel and over the bus, which goes both ways at once. Nothing is copied before or
-    /// after it.
+    /// With `copies` and `blocks`: the kernel reads from and writes to the CPU's memory over the bus, which
+    /// goes both ways at once. Nothing is copied before or after it.
     bool over_bus = false;
 
     bool builds_in_part() const { return break_even > 0 && !blocks; }
-    /// Rows that are no whole texels lose their gaps before they are copied to the CPU.
+    /// Whether rows that are not whole texels lose their gaps before they are copied to the CPU.
     bool packs_rows(int width) const { return blocks && copies && width % 8 != 0; }
 };
-/// What a device likes: few long marches on a CPU; elsewhere blocks, and many short marches with coalesced
-/// loads for what marches there too. TOUCHABLE_GPU_PLAN=discrete in the environment asks for a GPU's plan on
-/// any device, =over-bus for one that reaches over the bus, which is otherwise taken where that was measured
-/// to be faster.
+/// The plan that suits a device: few long marches on a CPU; elsewhere blocks, and many short marches with
+/// coalesced loads for kernels along strips. TOUCHABLE_GPU_PLAN=discrete in the environment forces a GPU's
+/// plan on any device, =over-bus one that reaches over the bus, which is otherwise taken if measured to be
+/// faster.
 SurfacePlan plan_for(const GpuFacts& facts);
 
-/// `coding`, as kernels test it. Codes at the ends of the range that are marked invalid narrow it.
+/// The valid codes of `coding` as kernels test them: a range, which invalid codes at its ends have narrowed,
+/// and the invalid codes within it.
 ValidCodes valid_codes_of(const DepthCoding& coding);
 
-/// The programs of the surface on one device, each made when it is first asked for. One thread at a time.
+/// The programs of the surface on one device, each made at its first use. One thread at a time.
 class SurfaceKernels {
 public:
     explicit SurfaceKernels(std::shared_ptr<GpuDevice> device) : device_(std::move(device)) {}
@@ -86,13 +85,13 @@ private:
 /// The builder of make_vulkan_builder (vulkan_builder.hpp), and what its stages took.
 class VulkanSurfaceBuilder : public SurfaceBuilder {
 public:
-    /// Milliseconds of the last frame on the device, by stage: "read in" and "read back" where its memory is
-    /// its own; "hue" and "fill" where there are such; "median" (or "decode"); with filters after it
-    /// "temporal", "terraces" and another "decode"; "bounds". None where nothing had changed.
+    /// Milliseconds of the last frame on the device, by stage: "read in" and "read back" if its memory is its
+    /// own; "hue", "flying pixels" and "fill" if used; "median" (or "decode"); with filters after it
+    /// "temporal", "terraces" and another "decode"; "bounds". Empty if nothing had changed.
     virtual const std::vector<GpuDevice::Time>& stages() const = 0;
 };
 
-/// Refused as the builder of a device is. `kernels` may serve many builders, one thread at a time.
+/// Refused like the builder of a device. `kernels` may serve many builders, one thread at a time.
 Result<std::unique_ptr<VulkanSurfaceBuilder>> make_vulkan_builder(const Scene& scene,
                                                                   std::shared_ptr<SurfaceKernels> kernels,
                                                                   const SurfacePlan& plan);

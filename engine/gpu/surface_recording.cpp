@@ -41,7 +41,7 @@ static_assert(sizeof(TileBounds) == 8 && offsetof(TileBounds, least) == 0 &&
 constexpr ValidCodes finer_codes{
     0, no_finer_code - 1, {no_such_code, no_such_code, no_such_code, no_such_code}};
 
-/// Whether no_finer_code is beyond all codes, so that it can stand for what is invalid.
+/// Whether no_finer_code is beyond all codes, so that it can mark invalid ones.
 bool leaves_room_above(const ValidCodes& valid) {
     return valid.valid_min + valid.valid_span < no_finer_code;
 }
@@ -71,7 +71,7 @@ SurfacePlan plan_for(const GpuFacts& facts) {
         plan.blocks && plan.copies &&
         (is_asked ? over_bus
                   : facts.measured.over_bus_ms >= 0 && facts.measured.over_bus_ms < facts.measured.vulkan_ms);
-    // To compare a frame with the one before takes the CPU longer than all of it takes a GPU.
+    // Comparing a frame with the one before takes the CPU longer than building all of it takes a GPU.
     plan.break_even = 0;
     return plan;
 }
@@ -90,7 +90,7 @@ ValidCodes valid_codes_of(const DepthCoding& coding) {
     return codes;
 }
 
-/// A program, when it is first asked for.
+/// Makes a program at its first use.
 Result<GpuProgram> SurfaceKernels::made(GpuProgram& kept, const char* name,
                                         std::span<const std::uint32_t> spirv, GpuLayout layout,
                                         std::span<const std::uint32_t> constants) {
@@ -184,7 +184,7 @@ Result<void> SurfaceRecording::check_limits() const {
             "the vulkan builder cannot filter in time (filter.temporal is on) where depth.invalid names some "
             "of 65536 codes but neither 0 nor 65535; must be the cpu builder"};
     const GpuFacts::Limits& limits = device().facts().limits;
-    // Of hue three channels.
+    // Hue has three channels.
     const std::size_t most_bytes = std::size_t{is_hue() ? 24U : 16U} * pitch_ * height_;
     if (most_bytes / 16 > limits.max_texel_buffer_elements || most_bytes > limits.max_storage_buffer_range)
         return more_than_the_device_can(scene_, device(), "a buffer");
@@ -224,7 +224,7 @@ Result<void> SurfaceRecording::make_buffers() {
     return make_table();
 }
 
-/// Of the filter that looks codes up: the temporal one, which is the first, or terrace removal.
+/// Makes the table of the filter that looks codes up: the temporal one, which is first, or terrace removal.
 Result<void> SurfaceRecording::make_table() {
     const auto* temporal = filters_.find<TemporalFilter>();
     const auto* terraces = filters_.find<TerraceFilter>();
@@ -278,8 +278,8 @@ Result<GpuProgram> SurfaceRecording::program_for(StripKernel kernel, const Store
                                     working && working->table ? 1U : 0U});
 }
 
-/// The kernel that ends in codes, validity and bounds or parts of them. With `working` in working codes, and
-/// only validity is final.
+/// Records the kernel that makes codes, validity and bounds or parts of them. With `working` it makes working
+/// codes, and only validity is final.
 Result<void> SurfaceRecording::record_codes(Frame& frame, const WorkingCodes* working, const GpuBuffer& to) {
     TRY(plan_.blocks ? record_block(frame, working, to) : record_strips(frame, working, to));
     frame.commands.barrier(GpuStage::compute, GpuStage::compute);
@@ -327,7 +327,7 @@ Result<void> SurfaceRecording::record_strips(Frame& frame, const WorkingCodes* w
     return {};
 }
 
-/// Working codes, where they are not there yet.
+/// Records working codes, unless they are there already.
 Result<void> SurfaceRecording::record_finer(const WorkingCodes& working, Frame& frame) {
     if (std::exchange(frame.is_finer, true)) return {};
     TRY(record_codes(frame, has_room_above() ? &working : nullptr, finer_));
@@ -341,7 +341,7 @@ Result<void> SurfaceRecording::record(const FilterPlan::MedianWindow& window, Fr
     return {};
 }
 
-/// What the filter reads and writes changes places from frame to frame.
+/// The filter's input and output change places from frame to frame.
 Result<void> SurfaceRecording::record(const TemporalFilter& filter, Frame& frame) {
     TRY(record_finer(filter.working, frame));
     TRY_ASSIGN(const auto program, kernels_->temporal());
@@ -404,8 +404,6 @@ Result<void> SurfaceRecording::record_hue(Frame& frame) {
     return {};
 }
 
-/// A pass that fills no hole leaves both buffers alike, so that all after it may be left out, but for the
-/// second: what the first one reads is not in these buffers.
 Result<void> SurfaceRecording::record(const FlyingPixels& filter, Frame& frame) {
     StoredRows& rows = frame.rows;
     TRY_ASSIGN(const auto program, kernels_->flying_pixels(rows.sample_bytes));
@@ -419,6 +417,8 @@ Result<void> SurfaceRecording::record(const FlyingPixels& filter, Frame& frame) 
     return {};
 }
 
+/// A pass that fills no hole leaves both buffers alike, so that all passes after it are skipped, except for
+/// the second: the first one does not read from these buffers.
 Result<void> SurfaceRecording::record(const FilterPlan::HoleFilling& filling, Frame& frame) {
     StoredRows& rows = frame.rows;
     if (!rows.may_be_invalid()) return {};

@@ -18,26 +18,26 @@ struct RowRange {
     std::uint32_t count() const { return last - first; }
 };
 
-/// What the kernels of one builder have to build of its next frame: all of it, or a list of blocks. What they
-/// leave in memory that is not a slot's holds the newest frame.
+/// What a builder's kernels must build of its next frame: all of it, or a list of blocks. Their memory
+/// outside slots holds the newest frame.
 class BlockList {
 public:
-    /// `reach`: of the filters; nothing: each frame is built as a whole, as it is where more than the share
-    /// `most` of all blocks would be listed. At most `run` neighbours are listed as one.
+    /// `reach`: of the filters; nullopt: every frame is built as a whole, which also happens if more than the
+    /// share `most` of all blocks would be listed. At most `run` neighbours are listed as one.
     static Result<BlockList> create(const GpuDevice& device, int width, int height, std::optional<int> reach,
                                     double most, int run);
 
-    /// To be called first of each frame, with what its slot holds; gives what it is going to hold.
+    /// Call first for each frame, with the build that its slot holds; returns the one that it will hold.
     BuildNumber advance(const RawFrame& raw, const BuildNumber& held);
-    /// To be called when the frame is built. Without that the next one is built as a whole.
+    /// Call when the frame is built. Without that the next one is built as a whole.
     void done() { done_ = true; }
 
-    std::uint32_t count() const { return count_; }  ///< of runs; 0 too where all are to be built
-    /// Since which frame haptic and height planes have been those of the newest.
+    std::uint32_t count() const { return count_; }  ///< of runs; also 0 if all are to be built
+    /// The frame since which haptic and height planes have not changed.
     BuildNumber touch_planes() const { return changes_->touch_planes(); }
-    /// Of pixels, that the blocks lie in; none where nothing has changed.
+    /// Rows of pixels with listed blocks; empty if nothing has changed.
     const RowRange& rows() const { return rows_; }
-    double share() const { return share_; }  ///< of all blocks that are to be built
+    double share() const { return share_; }  ///< share of all blocks that is to be built
     /// The runs, as ListedBlocks.
     const GpuBuffer& buffer() const { return buffer_; }
 
@@ -55,12 +55,12 @@ private:
     RowRange rows_;
 };
 
-/// Where a kernel reads from: stored values or codes, in rows of whole texels.
+/// A kernel's input: stored values or codes, in rows of whole texels.
 struct StoredRows {
     GpuBuffer buffer;
     std::uint32_t sample_bytes = 2, pitch = 0;  ///< texels from row to row
     ValidCodes valid;
-    std::size_t offset = 0;              ///< bytes before the first row; of what is read as a storage buffer
+    std::size_t offset = 0;              ///< bytes before the first row, if read as a storage buffer
     std::optional<std::size_t> bytes{};  ///< of all rows; none: to the buffer's end
 
     GpuBinding binding() const {
@@ -76,13 +76,13 @@ struct StoredRows {
     }
 };
 
-/// Depth planes of one builder's frames, as its kernels read them. Planes that lie in blocks of plane memory
-/// the GPU copies from there; others the CPU copies first, to buffers that keep what is not taken anew.
+/// Depth planes of a builder's frames, as its kernels read them. The GPU copies planes in blocks of plane
+/// memory from there; others the CPU copies first, to buffers that keep rows that are not taken anew.
 class StoredPlane {
 public:
-    /// `valid`: of its values. `turns`: frames that may be taken before the work of the first is done. Where
-    /// frames are built in part all have the same pitch, as they have when the CPU copies them.
-    /// `in_place`: kernels read the CPU's memory, as storage buffers.
+    /// `valid`: valid values. `turns`: frames that may be taken before the first is finished. Frames that are
+    /// built in part all have the pitch that the CPU's copies have. `in_place`: kernels read the CPU's
+    /// memory, as storage buffers.
     StoredPlane(std::shared_ptr<GpuDevice> device, const ValidCodes& valid, const SurfacePlan& plan,
                 int turns, bool in_place)
         : device_(std::move(device)),
@@ -91,7 +91,7 @@ public:
           uploads_(static_cast<std::size_t>(turns)),
           imports_(plan.copies && !plan.builds_in_part() && device_->facts().import_alignment > 0) {}
 
-    /// Some rows, at least one, of a frame's depth; all of them where the frame before had another form.
+    /// Takes rows, at least one, of a frame's depth; all of them if the frame before had another form.
     Result<StoredRows> take(const RawFrame& raw, const RowRange& rows);
     /// Records what `take` leaves to the GPU.
     void record_reading_in(GpuCommands& commands);
@@ -100,8 +100,8 @@ private:
     /// Bytes that the GPU copies.
     struct Source {
         GpuBuffer buffer;
-        std::size_t from = 0, to = 0, bytes = 0;  // to: in the GPU's own
-        std::shared_ptr<const void> storage;      // of a frame that is read where it lies
+        std::size_t from = 0, to = 0, bytes = 0;  // to: in own_
+        std::shared_ptr<const void> storage;      // of a frame that is read in place
     };
     struct Imported {
         std::shared_ptr<const PlaneBlock> block;
@@ -117,35 +117,35 @@ private:
     std::shared_ptr<GpuDevice> device_;
     const ValidCodes valid_;
     const bool copies_;
-    std::vector<GpuBuffer> uploads_;  // as the CPU writes it, in turn
+    std::vector<GpuBuffer> uploads_;  // written by the CPU, in turn
     std::size_t turn_ = 0;
-    GpuBuffer own_;                  // the GPU's, where that is not the same
-    Source source_;                  // by the last call
+    GpuBuffer own_;                  // the GPU's copy, if separate
+    Source source_;                  // of the last `take`
     std::deque<Imported> imported_;  // the last used first
     bool imports_;
 };
 
-/// A scene's kernels, one stage after the other, from stored values to codes, validity and bounds in a slot's
-/// memory, and what lies between the stages.
+/// A scene's kernels, stage after stage, from stored values to codes, validity and bounds in a slot's memory,
+/// and the buffers between stages.
 class SurfaceRecording {
 public:
-    /// Refused (ErrorKind::gpu) where the scene's frames are more than the device can do.
+    /// Refused (ErrorKind::gpu) if the scene's frames are beyond the device's limits.
     static Result<SurfaceRecording> create(const Scene& scene, std::shared_ptr<SurfaceKernels> kernels,
                                            const SurfacePlan& plan);
 
     const FilterPlan& filters() const { return filters_; }
-    /// Where codes are to be read back from: of these planes, or packed.
+    /// The buffer to read codes back from: these planes', or the packed one.
     const GpuBuffer& codes_of(const VulkanPlanes& planes) const {
         return packed_ ? packed_ : planes.codes.gpu;
     }
-    /// Its reach; nothing too where stages leave something between them that is of one frame alone.
+    /// The filters' reach; nullopt also if buffers between stages hold only one frame.
     std::optional<int> reach() const { return is_one_kernel() ? filters_.reach() : std::nullopt; }
-    /// Where the plan does and there is one kernel. Of several one would read over the bus, and another one
-    /// write: with a temporal filter that took an H200 a tenth longer than copies.
+    /// If the plan does and there is one kernel. Of several, one would read over the bus and another write:
+    /// with a temporal filter that took an H200 a tenth longer than copies.
     bool reaches_over_bus() const { return plan_.over_bus && is_one_kernel(); }
 
-    /// Records a frame, or of one the listed blocks. `begins`: it is not the successor of the last one that
-    /// was recorded, and done.
+    /// Records a frame, or its listed blocks. `begins`: it does not follow the last frame that was recorded
+    /// and done.
     Result<void> record(GpuCommands& commands, const StoredRows& stored, const BlockList& list, bool begins,
                         const VulkanPlanes& planes);
 
@@ -154,8 +154,8 @@ private:
 
     const GpuDevice& device() const { return *kernels_->device(); }
     bool is_hue() const { return scene_.depth.kind == DepthCodingKind::hue; }
-    /// Otherwise 0 stands for what is invalid, as in the end: that is free then, and codes are the stored
-    /// ones.
+    /// Whether no_finer_code can mark invalid codes. Otherwise 0 does, as in the end: it is free then, and
+    /// codes are the stored ones.
     bool has_room_above() const;
     bool is_one_kernel() const;
     bool packs_rows() const { return plan_.packs_rows(scene_.width); }
@@ -170,7 +170,7 @@ private:
         const bool begins;
         const VulkanPlanes& planes;
         StoredRows rows;                           // what the next stage reads
-        StripKernel kernel = StripKernel::decode;  // which is to end in codes; a median waits for that
+        StripKernel kernel = StripKernel::decode;  // that is to make codes; a median waits for it
         bool is_finer = false;                     // the rows are working codes
     };
 
@@ -206,7 +206,7 @@ private:
     GpuBuffer held_;           // for how many frames codes have only been held
     GpuBuffer fill_passes_;    // which passes of hole filling have something to do
     GpuBuffer parts_;          // of tile bounds
-    GpuBuffer table_;          // of working codes, where these are looked up
+    GpuBuffer table_;          // of working codes, if these are looked up
 };
 
 }  // namespace touchable

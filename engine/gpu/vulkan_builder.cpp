@@ -7,13 +7,13 @@ namespace touchable {
 
 namespace {
 
-/// They are compared within about 50 us.
+/// Compared within about 50 us.
 constexpr long pixels_compared_per_thread = 800'000;
 
 constexpr std::size_t row_texel_bytes = 16;
 
-/// Blocks that a lane marches along at most, where it marches along whole rows of whole frames: not so many
-/// that one core waits for another.
+/// Most blocks that a lane marches along, if it marches along whole rows of whole frames: few enough that no
+/// core waits for another.
 constexpr int longest_run = 8;
 
 /// Frames that are begun before the first is finished: one that the CPU reads or takes, one that the GPU
@@ -32,8 +32,8 @@ public:
           stored_(device_, valid_codes_of(scene.depth), plan, frames_in_flight(),
                   recording_.reaches_over_bus()) {}
 
-    /// Makes what a frame's kernels need, which on a GPU takes longer than many frames: before the first of
-    /// them is waited for.
+    /// Makes a frame's programs before the first frame is waited for: on a GPU that takes longer than many
+    /// frames.
     Result<void> make_programs() {
         TRY_ASSIGN(auto planes, take_spare());
         TRY_ASSIGN(auto commands, GpuCommands::begin(device_, "surface"));
@@ -101,12 +101,12 @@ private:
     struct Begun {
         RawFrame raw;
         VulkanPlanes planes;
-        BuildNumber touch_planes{};  // since when they are the same
+        BuildNumber touch_planes{};  // the build since which they are the same
         double share = 1;
-        std::optional<GpuCommands::Submission> submission{};  // nothing: nothing had changed
+        std::optional<GpuCommands::Submission> submission{};  // nullopt: nothing had changed
     };
 
-    /// For a frame to come.
+    /// Keeps planes for a later frame.
     void keep(VulkanPlanes planes) {
         if (planes.serves(*device_, scene_.width, scene_.height, plan_)) spare_.push_back(std::move(planes));
     }
@@ -117,7 +117,7 @@ private:
         return planes;
     }
 
-    /// The slot has the planes from now on, and a frame to come those that it had.
+    /// Gives the slot these planes; those that it had serve a later frame.
     VulkanVertices& give(VulkanPlanes planes, SurfaceFrame& slot) {
         if (auto* const there = dynamic_cast<VulkanVertices*>(slot.vertices.get())) {
             keep(std::exchange(there->planes, std::move(planes)));
@@ -145,7 +145,7 @@ private:
         return {};
     }
 
-    /// Rows of listed blocks: what a slot holds of others in the GPU's memory it holds in the CPU's.
+    /// Copies rows of listed blocks: the slot's memory on the CPU has the others already.
     void record_reading_back(GpuCommands& commands, const VulkanPlanes& planes) const {
         commands.barrier(GpuStage::compute, GpuStage::transfer);
         const auto copy = [&](const GpuBuffer& from, const GpuBuffer& to, std::uint32_t rows,
@@ -189,7 +189,7 @@ private:
     SurfaceRecording recording_;
     BlockList list_;
     StoredPlane stored_;
-    std::optional<RawFrame::Place> last_;  // of the frame that is remembered
+    std::optional<RawFrame::Place> last_;  // of the last submitted frame
     std::deque<Begun> begun_;
     std::vector<VulkanPlanes> spare_;
     std::vector<GpuDevice::Time> stages_;
@@ -208,7 +208,7 @@ Result<BlockList> BlockList::create(const GpuDevice& device, int width, int heig
     list.height_ = static_cast<std::uint32_t>(height);
     list.most_ = most;
     list.run_ = run;
-    // A tile's bounds are those of its own blocks and of the pixels after them, to the right and below.
+    // A tile's bounds cover its own blocks and the pixels after them, to the right and below.
     if (reach) ++*reach;
     list.changes_ = std::make_unique<FrameChanges>(width, height, reach, usable_vector_units().front());
     list.bands_ =
@@ -258,7 +258,7 @@ Result<void> StoredPlane::make_own(std::size_t bytes) {
     return {};
 }
 
-/// Where the plane can be copied from as it lies, with rows of whole texels: its block, imported once.
+/// Finds the plane's block, imported once, if it can be copied in place, with rows of whole texels.
 bool StoredPlane::find_block(const RawFrame& raw, std::size_t least_pitch) {
     const PlaneView& depth = raw.depth;
     const auto pitch = static_cast<std::size_t>(std::max<std::ptrdiff_t>(depth.stride, 0));
@@ -284,7 +284,7 @@ bool StoredPlane::find_block(const RawFrame& raw, std::size_t least_pitch) {
             imports_ = false;
             return false;
         }
-        // Of blocks that are not lent again the import is the only owner, by two handles.
+        // Only the import owns blocks that are not lent again, by two handles.
         std::erase_if(imported_, [](const Imported& each) { return each.block.use_count() <= 2; });
         imported_.push_front({block, *made});
         std::size_t bytes_of_all = 0;
@@ -298,7 +298,7 @@ bool StoredPlane::find_block(const RawFrame& raw, std::size_t least_pitch) {
     return true;
 }
 
-/// Rows one after the other from texel to texel, by the CPU.
+/// Copies rows by the CPU, each to begin at a texel.
 Result<void> StoredPlane::upload(const PlaneView& depth, const RowRange& rows, std::size_t pitch) {
     turn_ = (turn_ + 1) % uploads_.size();
     GpuBuffer& buffer = uploads_[turn_];

@@ -187,7 +187,7 @@ Result<std::unique_ptr<VulkanInstance>> VulkanInstance::create(
     VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(made->messages_.get());
     VkValidationFeaturesEXT checks{};
     checks.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT;
-    checks.pNext = &messenger;  // also speaks of the instance's own beginning and end
+    checks.pNext = &messenger;  // also reports on the instance's creation and destruction
     checks.enabledValidationFeatureCount = 1;
     checks.pEnabledValidationFeatures = &synchronisation;
 
@@ -205,7 +205,7 @@ Result<std::unique_ptr<VulkanInstance>> VulkanInstance::create(
         info.ppEnabledLayerNames = &validation_layer;
         extensions = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
     }
-    // Without it the loader hides drivers on top of something else, such as MoltenVK.
+    // Without it the loader hides drivers on top of another API, such as MoltenVK.
     if (extension_is_here(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME)) {
         info.flags = VK_INSTANCE_CREATE_ENUMERATE_PORTABILITY_BIT_KHR;
         extensions.push_back(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
@@ -234,8 +234,8 @@ VulkanInstance::~VulkanInstance() {
     if (messenger_)
         function_of<PFN_vkDestroyDebugUtilsMessengerEXT>(instance_, "vkDestroyDebugUtilsMessengerEXT")(
             instance_, messenger_, nullptr);
-    // The first of a process stays: it keeps the driver loaded, which when unloaded leaves its static memory
-    // behind (lavapipe and the validation layer do), and which is slow to load again.
+    // A process's first instance stays: it keeps the driver loaded, which leaves its static memory behind
+    // when unloaded (lavapipe and the validation layer do), and is slow to load again.
     static std::atomic<VkInstance> first = VK_NULL_HANDLE;
     VkInstance none = VK_NULL_HANDLE;
     if (instance_ && !first.compare_exchange_strong(none, instance_)) vkDestroyInstance(instance_, nullptr);
@@ -286,7 +286,7 @@ void VulkanDevice::name_object(VkObjectType type, std::uint64_t handle, const st
     info.objectType = type;
     info.objectHandle = handle;
     info.pObjectName = name.c_str();
-    set_name(device, &info);  // a name that could not be given costs nothing but the name
+    set_name(device, &info);  // a failure costs only the name
 }
 
 void leave_for_good(std::shared_ptr<const void> what) {

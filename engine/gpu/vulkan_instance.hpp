@@ -1,6 +1,6 @@
 #pragma once
 
-// Vulkan itself, and what of it this engine needs: what gpu_device.cpp judges devices by and opens one of.
+// The Vulkan instance, and the requirements by which gpu_device.cpp judges and opens devices.
 
 #include <vulkan/vulkan.h>
 
@@ -12,7 +12,7 @@
 
 namespace touchable {
 
-/// Vulkan's features, as asked of a device and as asked for.
+/// Vulkan's features: those of a device, or those to enable.
 struct GpuFeatures : NonCopyable {  // its parts point at each other
     GpuFeatures();
 
@@ -22,24 +22,24 @@ struct GpuFeatures : NonCopyable {  // its parts point at each other
     VkPhysicalDeviceVulkan13Features v13{};
 };
 
-/// What a device without Vulkan's help would be asked: everything `missing_from` judges.
+/// What a device offers, as plain data: everything that `missing_from` judges.
 struct GpuOffer {
     std::uint32_t api_version = 0;
     std::vector<std::string> extensions;
     bool computes = false;  ///< has a queue that does
 };
 
-/// What this engine needs and a device that offers this lacks, in words.
+/// What this engine needs and a device with this offer lacks, in words.
 std::vector<std::string> missing_from(const GpuOffer& offer, const GpuFeatures& features);
 
-/// Turns on what this engine needs, and of what is merely good to have what `here` has.
+/// Enables the features that this engine needs, and the optional ones that `here` has.
 void enable(GpuFeatures& wanted, const GpuFeatures& here);
 
 /// Extensions to enable: the needed ones, and the optional ones among `here`.
 std::vector<const char*> extensions_to_enable(const std::vector<std::string>& here);
 
-/// What the validation layer said, warnings and errors. Outlives the device, whose end it may speak of.
-/// Every method may be called from any thread.
+/// Warnings and errors of the validation layer. Outlives the device, whose destruction may add some. Every
+/// method may be called from any thread.
 class GpuMessages {
 public:
     void add(std::string message);
@@ -50,12 +50,12 @@ private:
     std::vector<std::string> messages_;
 };
 
-/// Vulkan itself, with the validation layer's watch where it was asked for.
+/// A Vulkan instance, with the validation layer if requested.
 class VulkanInstance : NonCopyable {
 public:
-    /// Null where there is a loader but no driver. Fails (ErrorKind::gpu) where validation is asked for and
-    /// not installed, and where Vulkan fails.
-    /// `extensions`: wanted besides, such as a window system's; one that is not here is refused by name.
+    /// Null if there is a loader but no driver. Fails (ErrorKind::gpu) if validation is requested and not
+    /// installed, or if Vulkan fails. `extensions`: further ones, such as a window system's; a missing one is
+    /// refused by name.
     static Result<std::unique_ptr<VulkanInstance>> create(bool validation,
                                                           const std::vector<std::string>& extensions = {});
     ~VulkanInstance();

@@ -100,7 +100,7 @@ private:
             if (bits_.flag())
                 return wrong("PROTO " + printable(made.name) + ": has a ROUTE, which is not read");
         }
-        forget_names();  // its own end with it
+        forget_names();  // its names end with it
         if (bits_.get(2) != 0)
             return wrong("PROTO " + printable(made.name) +
                          ": its fields are quantised or animated, which is not read");
@@ -168,7 +168,7 @@ private:
         return NodePtr(std::move(made));
     }
 
-    /// By version: 0 leads to the next one's numbers, and 1 of version 2 to prototypes.
+    /// Reads a number version by version: 0 leads to the next version, and 1 of version 2 to prototypes.
     Result<std::string> type(NodeSlot slot) {
         for (int version = 1; version <= versions; ++version) {
             const auto code = bits_.get(code_bits(slot, version));
@@ -187,7 +187,7 @@ private:
         return wrong("a node of no kind");
     }
 
-    /// By a mask or as a list, as SceneEncoder::fields.
+    /// Reads fields by a mask or as a list, like SceneEncoder::fields.
     Result<void> fields(Node& node, int depth) {
         const auto& all = *fields_of(scene_.prototypes, node.type);
         const NodeType* const known =
@@ -330,7 +330,7 @@ private:
     SceneTree scene_;
     std::vector<std::uint64_t> prototype_ids_;
     std::map<std::uint64_t, NodePtr> named_;
-    std::set<std::string> names_;        // theirs
+    std::set<std::string> names_;        // their names
     const Prototype* inside_ = nullptr;  // whose body is read
 };
 
@@ -341,7 +341,7 @@ void find_named(const std::vector<FieldValue>& values, std::vector<const Node*>&
         if (const auto* inner = std::get_if<NodePtr>(&value)) find_named(*inner, found);
 }
 
-/// The nodes that have names, each once, in the order in which the binary form meets them.
+/// The nodes that have names, each once, in the order of the binary form.
 void find_named(const NodePtr& node, std::vector<const Node*>& found) {
     if (!node || std::ranges::find(found, node.get()) != found.end()) return;
     if (!node->name.empty()) found.push_back(node.get());
@@ -358,7 +358,7 @@ std::vector<const Node*> named_nodes(const SceneTree& scene) {
     return found;
 }
 
-/// What a field of an EXTERNPROTO, which says no value, has.
+/// The value of a field of an EXTERNPROTO, which states none.
 FieldValue zero_of(FieldType type) {
     switch (type) {
         case FieldType::boolean:
@@ -461,7 +461,7 @@ private:
         return fields(*node);
     }
 
-    /// By version: 0 leads to the next one's numbers, and 1 of version 2 to prototypes.
+    /// Writes a number version by version: 0 leads to the next version, and 1 of version 2 to prototypes.
     Result<void> type_code(const Node& node, NodeSlot slot) {
         const Prototype* const prototype = prototype_named(scene_.prototypes, node.type);
         NodeCode wanted{slot, 2, 1};
@@ -481,8 +481,9 @@ private:
         return {};
     }
 
-    /// Those that differ from their initial values, by a mask or as a list, whichever is shorter. The body of
-    /// a prototype numbers all fields of a node, everything else only those that can have a value.
+    /// Writes fields that differ from their initial values, by a mask or as a list, whichever is shorter. In
+    /// a prototype's body the mask has all fields, and a field that is an outer one (IS) is numbered among
+    /// all; otherwise only fields that can have a value count.
     Result<void> fields(const Node& node) {
         const auto& specs = *fields_of(scene_.prototypes, node.type);
         const NodeType* const known =
@@ -490,7 +491,7 @@ private:
         const std::size_t standard = specs.size() - static_cast<std::size_t>(known ? known->paper_fields : 0);
         struct Item {
             const FieldSpec* spec;
-            const Field* given;  // null: nothing to say
+            const Field* given;  // null: the initial value
             std::size_t number;  // among those that can have a value
         };
         std::vector<Item> items;

@@ -3,13 +3,13 @@
 // BIFS: the binary form of an MPEG-4 scene (ISO/IEC 14496-11), bit by bit, for the nodes that node_types.hpp
 // knows.
 //
-// encode_scene writes a tree as one access unit, which MP4Box and this decoder read, by a BifsConfig that
+// encode_scene writes a tree as one access unit, which MP4Box and this decoder read, with a BifsConfig that
 // says how many bits its numbers take: config_for finds the least, encode_config writes it into a file's
-// description of the stream. decode_config and decode_scene are the way back; they refuse what they cannot
-// know the length of. Nesting, counts and lengths are limited, because the bits come from outside.
+// description of the stream. decode_config and decode_scene are the inverse; they refuse parts whose length
+// they cannot know. Nesting, counts and lengths are limited, because the bits come from outside.
 //
-// BitReader and BitWriter are streams of bits, the highest first, for other formats too; each is one
-// thread's. The functions keep no state, for any thread.
+// BitReader and BitWriter are streams of bits, the highest first, also for other formats; each is used by one
+// thread. The functions keep no state, for any thread.
 
 #include <cstdint>
 #include <span>
@@ -26,7 +26,7 @@ constexpr int bits_for(std::uint64_t value) {
     return bits;
 }
 
-/// Numbers one after the other, each in so many bits, the highest first.
+/// Writes numbers one after the other, each in so many bits, the highest first.
 class BitWriter {
 public:
     void put(std::uint64_t value, int bits) {
@@ -44,7 +44,7 @@ private:
     std::size_t used_ = 0;
 };
 
-/// Reads them again. Beyond the end there are zeros, which `is_over` tells.
+/// Reads what BitWriter wrote. Beyond the end it returns zeros, and `is_over` is true.
 class BitReader {
 public:
     explicit BitReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
@@ -67,24 +67,24 @@ private:
     std::size_t at_ = 0;  // the next bit
 };
 
-/// How a stream of BIFS is to be read, which is stated before it (BIFSConfig, BIFSv2Config).
+/// Parameters for reading a BIFS stream, stated before it (BIFSConfig, BIFSv2Config).
 struct BifsConfig {
     int version = 2;  ///< 1 has no prototypes
     int node_id_bits = 1, route_id_bits = 0, prototype_id_bits = 0;
-    int width = 0, height = 0;  ///< of the picture, pixels; 0: not said
-    /// What MPEG-4 calls such a stream (objectTypeIndication).
+    int width = 0, height = 0;  ///< of the picture, pixels; 0: not stated
+    /// MPEG-4's number of such a stream (objectTypeIndication).
     std::uint8_t object_type() const { return version == 1 ? 1 : 2; }
 };
-/// The least that this scene needs.
+/// The smallest configuration for this scene.
 BifsConfig config_for(const SceneTree& scene, int width, int height);
 std::vector<std::uint8_t> encode_config(const BifsConfig& config);
 /// `object_type`: 1 or 2.
 Result<BifsConfig> decode_config(std::span<const std::uint8_t> bytes, int object_type);
 
-/// A scene as one access unit that begins it anew (SceneReplace), with the names of nodes, prototypes and
-/// fields. An error where a node has no binary form, such as the paper's own, or stands where it cannot.
+/// Writes a scene as one access unit that begins it anew (SceneReplace), with the names of nodes, prototypes
+/// and fields. An error if a node has no binary form, such as the paper's own, or none in its place.
 Result<std::vector<std::uint8_t>> encode_scene(const SceneTree& scene, const BifsConfig& config);
-/// Bytes behind it say nothing. Errors name the bit at which they were met.
+/// Ignores bytes after the scene. Errors name the bit at which they occurred.
 Result<SceneTree> decode_scene(std::span<const std::uint8_t> bytes, const BifsConfig& config);
 
 }  // namespace touchable::mpeg4

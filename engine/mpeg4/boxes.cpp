@@ -13,7 +13,7 @@ namespace touchable::mpeg4 {
 namespace {
 
 constexpr std::size_t most_boxes = 1 << 16;
-/// Of a movie box without its tables, and of a table that stays.
+/// Limits of a movie box without its tables, and of a table that stays.
 constexpr std::size_t most_head_bytes = std::size_t{16} << 20, longest_table = std::size_t{64} << 10;
 constexpr int most_nested = 8;
 
@@ -22,7 +22,7 @@ bool is_box_of_boxes(std::string_view type) {
     return std::ranges::find(known, type) != std::end(known);
 }
 
-/// The boxes between two places, those too without their tables.
+/// The boxes between two places, without long tables inside them either.
 Result<Bytes> heads_between(ByteSource& file, std::uint64_t at, std::uint64_t end, int depth) {
     Bytes heads;
     while (at + 8 <= end) {
@@ -49,17 +49,17 @@ Result<Bytes> heads_between(ByteSource& file, std::uint64_t at, std::uint64_t en
 /// A sample of a track, such as a picture.
 struct Sample {
     std::uint32_t bytes = 0;
-    std::uint32_t duration = 0;    ///< until the next is decoded, in the track's time scale
-    std::int32_t shown_later = 0;  ///< than it is decoded
+    std::uint32_t duration = 0;    ///< until the next one is decoded, in the track's time scale
+    std::int32_t shown_later = 0;  ///< time from decoding to display
     bool is_key = true;            ///< decoding can begin with it
 };
-/// Samples that stand one behind the other in the file.
+/// Samples that follow each other in the file.
 struct Chunk {
     std::uint64_t at = 0;
     std::uint32_t samples = 0;
     std::uint32_t description = 1;  ///< which entry of the track's stsd
 };
-/// All of a track, in the order of decoding.
+/// All samples of a track, in the order of decoding.
 struct TrackSamples {
     std::vector<Sample> samples;
     std::vector<Chunk> chunks;
@@ -91,7 +91,7 @@ Error contradiction(std::string_view type, std::size_t samples) {
                        " samples");
 }
 
-/// What a table of runs says of each sample: of so many in a row the same number.
+/// Calls `put(index, number)` for each sample of a table of runs: counts, each with their number.
 template <class Put>
 Result<void> each_in_runs(BytesView stbl, std::string_view type, std::size_t samples, Put put) {
     TRY_ASSIGN(const auto runs, table_in(stbl, type, 2));
@@ -119,7 +119,7 @@ Result<void> read_sizes(BytesView stbl, std::size_t most, std::vector<Sample>& t
 
 Result<void> read_keys(BytesView stbl, std::vector<Sample>& to) {
     TRY_ASSIGN(const auto keys, table_in(stbl, "stss", 1));
-    if (keys.bytes.empty()) return {};  // all are
+    if (keys.bytes.empty()) return {};  // all samples are keys
     for (Sample& sample : to) sample.is_key = false;
     for (std::size_t k = 0; k < keys.count; ++k) {
         const std::uint64_t number = keys.at(k);
@@ -149,7 +149,7 @@ Result<void> read_chunks(BytesView stbl, TrackSamples& to) {
     return next == to.samples.size() ? Result<void>() : contradiction("stsc", to.samples.size());
 }
 
-/// A box with a version, and a list of entries behind their number.
+/// A box with a version, a count, and so many entries.
 class List {
 public:
     void put(std::uint64_t number, int bytes = 4) { put_number(entries_, number, bytes); }
@@ -167,7 +167,7 @@ private:
     std::uint64_t count_ = 0;
 };
 
-/// So many in a row the same number.
+/// A table of runs of the same number.
 template <class Number>
 List runs_of(const std::vector<Sample>& samples, Number number) {
     List runs;
@@ -182,8 +182,8 @@ List runs_of(const std::vector<Sample>& samples, Number number) {
     return runs;
 }
 
-/// What a track's tables say (box stbl); nothing where they are empty. An error where they contradict each
-/// other or have more than `most`.
+/// Reads a track's tables of samples (box stbl); no samples if they are empty. An error if they contradict
+/// each other or have more than `most`.
 Result<TrackSamples> samples_in(BytesView stbl, std::size_t most) {
     TrackSamples track;
     std::vector<Sample>& samples = track.samples;
@@ -198,7 +198,7 @@ Result<TrackSamples> samples_in(BytesView stbl, std::size_t most) {
     return track;
 }
 
-/// The tables of these samples, which stand in a file so many bytes later: all boxes of a stbl but its stsd.
+/// The tables of these samples, which are `later` bytes later in a file: all boxes of a stbl except its stsd.
 Bytes tables_of(const TrackSamples& track, std::uint64_t later) {
     const auto& samples = track.samples;
     Bytes all = runs_of(samples, [](const Sample& s) { return s.duration; }).box("stts");
@@ -235,7 +235,7 @@ Bytes tables_of(const TrackSamples& track, std::uint64_t later) {
 constexpr std::uint64_t most_box_bytes = std::uint64_t{64} << 20;
 constexpr std::uint64_t most_samples = std::uint64_t{1} << 23;
 
-/// What a sample is where its fragment does not say.
+/// Values of a sample that its fragment does not state.
 struct SampleDefaults {
     std::uint32_t description = 1, duration = 0, bytes = 0, flags = 0;
 };
@@ -253,7 +253,7 @@ struct PictureTrack {
 /// A run of samples (trun) of a fragment.
 struct FragmentRun {
     PictureTrack* track = nullptr;
-    std::optional<std::uint64_t> time{};  // where the fragment says it
+    std::optional<std::uint64_t> time{};  // if the fragment states it
     Chunk chunk{};
     std::vector<Sample> samples{};
 };
@@ -263,7 +263,7 @@ bool is_picture_handler(BytesView trak) {
     return handler == 0x76696465 || handler == 0x61757876;  // vide, auxv
 }
 
-/// A number of a box with a version, of four bytes or, from version 1 on, of eight.
+/// Writes a number of a box with a version: of four bytes or, from version 1 on, of eight.
 void put_versioned(Bytes& box, std::size_t at, std::size_t at_when_long, std::uint64_t number) {
     const bool is_long = !box.empty() && box[0] == 1;
     Bytes bytes;
@@ -273,7 +273,7 @@ void put_versioned(Bytes& box, std::size_t at, std::size_t at_when_long, std::ui
         std::copy(bytes.begin(), bytes.end(), box.begin() + static_cast<std::ptrdiff_t>(from));
 }
 
-/// Which stretch is played: one without an end (0), as fragmented files have it, is as long as the track.
+/// The edits of what is played: one without an end (0), as in fragmented files, becomes as long as the track.
 Bytes with_duration(BytesView edits, std::uint64_t duration) {
     Bytes made(edits.begin(), edits.end());
     constexpr std::size_t head = 8;
@@ -290,7 +290,7 @@ class Gatherer {
 public:
     explicit Gatherer(ByteSource& file)
         : file_(file), most_samples_(std::min<std::uint64_t>(most_samples, file.size())) {}
-    /// False where it speaks of no fragments.
+    /// Returns false if the movie box announces no fragments.
     Result<bool> read_movie(const Box::Place& moov) {
         TRY_ASSIGN(const auto place, first_box(file_, "mvex", moov.content, moov.end));
         if (!place) return false;
@@ -329,7 +329,7 @@ public:
         return true;
     }
 
-    /// False where some of its samples are not there.
+    /// Returns false if some of its samples are missing.
     Result<bool> add_fragment(const Box::Place& moof) {
         if (moof.end - moof.content > most_box_bytes) return input_error("has more than 64 MiB");
         TRY_ASSIGN(const auto bytes, bytes_at(file_, moof.content, moof.end - moof.content));
@@ -361,10 +361,10 @@ public:
         return made(made(0).size());
     }
 
-    /// Plain files begin at time 0: what all tracks begin later is left out, what one begins later than
-    /// another is how much later its pictures are shown.
+    /// Plain files begin at time 0: the earliest track is moved there, and a track that begins later than it
+    /// shows its pictures later by the difference.
     Result<void> align() {
-        // Fractions of seconds, as whole numbers: a tick may be a whole frame.
+        // Fractions of seconds in integers: a tick may be a whole frame.
         constexpr std::uint64_t latest = std::uint64_t{1} << 61;
         struct Moment {
             std::uint64_t seconds, ticks, timescale;  // ticks: beyond the seconds
@@ -398,8 +398,8 @@ public:
     }
 
 private:
-    /// Of a track in a fragment. `data_end`: of the track before, where this one's samples begin if it does
-    /// not say otherwise.
+    /// Reads a track's runs in a fragment. `data_end`: of the track before, where this track's samples begin
+    /// unless it states otherwise.
     Result<bool> read_runs(BytesView traf, const Box::Place& moof, std::uint64_t& data_end,
                            std::vector<FragmentRun>& runs) {
         TRY_ASSIGN(const auto parts, boxes_in(traf));
@@ -439,8 +439,8 @@ private:
         return true;
     }
 
-    /// From `at` on, or from where it says, counted from `base`; `at` is the end then. False where its
-    /// samples are not all there.
+    /// Reads a run from `at` on, or from its stated offset to `base`; `at` becomes its end. Returns false if
+    /// some of its samples are missing.
     Result<bool> read_run(BytesView trun, const SampleDefaults& defaults, std::uint64_t base,
                           std::uint64_t& at, FragmentRun& to) {
         const std::uint64_t flags = number_at(trun, 1, 3), count = number_at(trun, 4, 4);
@@ -476,7 +476,7 @@ private:
         return true;
     }
 
-    /// A stretch without samples is the last one's before it.
+    /// A gap between samples prolongs the last sample before it.
     Result<void> append(FragmentRun& run) {
         PictureTrack& track = *run.track;
         const std::uint64_t time = run.time.value_or(track.end);
@@ -500,7 +500,7 @@ private:
         return {};
     }
 
-    /// Of its tracks only those of pictures.
+    /// The movie box, with the tracks of pictures only.
     Bytes movie(std::uint64_t later) const {
         std::uint64_t duration = 0;
         for (const PictureTrack& track : tracks_)
@@ -518,7 +518,7 @@ private:
         return made;
     }
 
-    /// Its own boxes, but for the tables of samples.
+    /// The track's own boxes, with new tables of samples.
     Bytes trak_of(const PictureTrack& track, std::uint64_t later) const {
         constexpr std::string_view edits[] = {"edts", "elst"}, tables[] = {"mdia", "minf", "stbl"};
         Bytes samples = box_of("stsd", content_at(track.trak, {"mdia", "minf", "stbl", "stsd"}));
@@ -532,7 +532,7 @@ private:
         return found == tracks_.end() ? nullptr : &*found;
     }
 
-    /// In the movie's time scale.
+    /// A track's length in the movie's time scale.
     std::uint64_t movie_time(const PictureTrack& track) const {
         const double ticks = static_cast<double>(track.end - track.begin) * timescale_ / track.timescale;
         constexpr double most = 1e18;
@@ -543,7 +543,7 @@ private:
     Bytes moov_;
     std::uint32_t timescale_ = 0;
     std::vector<PictureTrack> tracks_;
-    const std::uint64_t most_samples_;  // of a byte or more each
+    const std::uint64_t most_samples_;  // each has a byte or more
     std::uint64_t samples_ = 0;
 };
 
@@ -571,7 +571,7 @@ private:
 Result<std::vector<Box>> boxes_in(BytesView bytes) {
     std::vector<Box> boxes;
     while (!bytes.empty()) {
-        // Where nothing but a few zeros is left, a writer of QuickTime has ended its list with them.
+        // A few zeros at the end are a QuickTime writer's end of its list.
         if (bytes.size() < 8 && std::ranges::all_of(bytes, [](std::uint8_t b) { return b == 0; })) break;
         const std::uint64_t stated = number_at(bytes, 0, 4);
         const std::uint64_t head = stated == 1 ? 16 : 8;

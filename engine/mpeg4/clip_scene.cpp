@@ -8,7 +8,7 @@ namespace touchable::mpeg4 {
 
 namespace {
 
-/// A node with what its scene says of it.
+/// A node, with the prototypes of its scene.
 class NodeView {
 public:
     NodeView(const SceneTree& scene, const Node& node) : scene_(scene), node_(node) {}
@@ -16,7 +16,7 @@ public:
     bool is(std::string_view type) const { return node_.type == type; }
     Error wrong(const std::string& what) const { return input_error(printable(node_.type) + ": " + what); }
 
-    /// Of a field by its name, initial where it is not given; null where there is no such field.
+    /// Values of a field by its name, the initial ones if it is not given; null: no such field.
     const std::vector<FieldValue>* values(std::string_view name) const {
         if (const Field* given = node_.field(name)) return &given->values;
         const auto* const specs = fields_of(scene_.prototypes, node_.type);
@@ -30,7 +30,7 @@ public:
             return wrong("must have a field " + std::string(name) + " of the paper's type");
         return std::get<T>(all->front());
     }
-    /// The node of a field; nothing where there is none.
+    /// The node of a field; nullopt: none.
     Result<std::optional<NodeView>> node(const char* name) const {
         TRY_ASSIGN(auto found, value<NodePtr>(name));
         if (!found) return std::optional<NodeView>();
@@ -65,7 +65,7 @@ private:
     const Node& node_;
 };
 
-/// Beside the Shape: what touchable wrote for itself, a line each; empty where it is a WorldInfo of others.
+/// The scene file that touchable wrote beside the Shape, a line each; empty if no WorldInfo is its own.
 std::string scene_file_in(const SceneTree& scene) {
     const Field* children = scene.root->type == "Group" ? scene.root->field("children") : nullptr;
     for (const FieldValue& each : children ? children->values : std::vector<FieldValue>()) {
@@ -86,7 +86,7 @@ std::string scene_file_in(const SceneTree& scene) {
     return {};
 }
 
-/// The same as a node.
+/// The node with this scene file.
 NodePtr scene_file_node(const std::string& text) {
     Field info{"info", {}};
     for (std::size_t at = 0; at <= text.size();) {
@@ -150,7 +150,7 @@ Result<void> read_surface(const NodeView& surface, ClipNodes& made) {
     return {};
 }
 
-/// Nothing where the node has no such field, or it is NULL.
+/// nullopt if the node has no such field, or it is NULL.
 Result<std::optional<NodeView>> haptic_surface_of(const NodeView& node) {
     return node.values("hapticSurface") ? node.node("hapticSurface")
                                         : Result<std::optional<NodeView>>(std::nullopt);
@@ -238,7 +238,7 @@ Result<ClipNodes> nodes_in(const SceneTree& scene) {
     return made;
 }
 
-constexpr double pixel_width = 0.001;  // of a scene that knows pixels alone
+constexpr double pixel_width = 0.001;  // for a scene in pixels alone
 
 bool is_in_the_middle(const Camera& camera, int width, int height) {
     const Camera paper = camera_from_focal_length(camera.fx, 1, width, height);
@@ -249,7 +249,7 @@ std::array<double PropertyRange::*, 2> ends() {
     return {&PropertyRange::min, &PropertyRange::max};
 }
 
-/// The numbers that nodes have of a clip, whose camera is this one.
+/// The numbers that nodes state of a clip with this camera.
 std::vector<double> numbers_of(const ClipNodes& nodes, const Camera& camera) {
     std::vector<double> all{camera.fx, nodes.near, nodes.far, nodes.max_height};
     for (const PropertyRange* range :
@@ -259,7 +259,7 @@ std::vector<double> numbers_of(const ClipNodes& nodes, const Camera& camera) {
 }
 
 bool is_same(double a, double b) {
-    constexpr double rounding = 1e-6;  // of numbers of four bytes, one of them of two
+    constexpr double rounding = 1e-6;  // of numbers of four bytes; one is a quotient of two
     return std::fabs(a - b) <= rounding * std::fmax(std::fabs(a), std::fabs(b));
 }
 
@@ -268,7 +268,7 @@ double focal_length_in_pixels(double angle, int pixels) {
     return pixels / 2.0 * cosine(angle / 2) / sine(angle / 2);
 }
 
-/// Of a picture of depth, which has 8 or 16.
+/// Bits of a picture of depth: 8 or 16.
 int picture_bits(const Scene& scene) {
     return scene.depth_bits > 8 ? 16 : 8;
 }
@@ -445,7 +445,7 @@ Result<bool> take_nodes(const ClipNodes& nodes, Scene& scene) {
     TRY_ASSIGN(const auto camera, camera_of(nodes, scene.width, scene.height));
     const ClipNodes before = nodes_from(scene);
     ClipNodes now = nodes;
-    if (nodes.focal_length == 0) {  // a DepthImage, which says nothing of touch
+    if (nodes.focal_length == 0) {  // a DepthImage, which states no touch
         now.ranges = before.ranges;
         now.max_height = before.max_height;
     }

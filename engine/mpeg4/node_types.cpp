@@ -146,7 +146,7 @@ const NodeType* node_type(NodeSlot slot, int version, int code) {
 }
 
 int code_bits(NodeSlot slot, int version) {
-    // Of each slot in versions 1 to 5. A prototype is numbered in version 2, which so has a bit everywhere.
+    // Of each slot in versions 1 to 5. Prototypes are numbered in version 2, so it has a bit everywhere.
     constexpr std::array<std::array<int, versions>, 8> bits{{
         {7, 4, 2, 3, 6},  // world
         {6, 3, 2, 3, 5},  // three_d

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint64_t most_sample_bytes = 64 << 10;
 
-/// A descriptor of MPEG-4 Systems: a tag, a length, and what is in it.
+/// A descriptor of MPEG-4 Systems: a tag, a length, and a content.
 struct Descriptor {
     std::uint8_t tag = 0;
     BytesView content;
@@ -78,7 +78,7 @@ Result<FirstSample> first_sample_of(const Track& track) {
                        number_at(sizes, 8, 4)};
 }
 
-/// Its first, which says all.
+/// The first sample, which holds everything.
 Result<Bytes> first_sample(const Track& track, const ReadBytes& read) {
     TRY_ASSIGN(const auto sample, first_sample_of(track));
     if (sample.bytes > most_sample_bytes)
@@ -113,7 +113,7 @@ Result<BifsConfig> config_of(const Track& track) {
     return decode_config(config->content, decoder->content[0]);
 }
 
-/// Commands that say which stream each object is; those that say something else say nothing here.
+/// Reads the commands that say which stream each object is; ignores others.
 Result<std::map<std::uint16_t, std::uint32_t>> objects_in(BytesView sample, BytesView referred) {
     std::map<std::uint16_t, std::uint32_t> objects;
     TRY_ASSIGN(const auto commands, descriptors_in(sample));
@@ -145,7 +145,7 @@ constexpr int object_stream = 1, scene_stream = 3;
 constexpr std::uint8_t object_stream_type = 1;  // objectTypeIndication: MPEG-4 Systems
 constexpr std::uint32_t timescale = 1000;
 
-/// Of less than 128 bytes in every use here but the last, whose length takes as many bytes as it needs.
+/// The length takes more than one byte from 128 bytes on.
 Bytes descriptor(std::uint8_t tag, BytesView content) {
     Bytes made{tag};
     int bytes = 1;
@@ -187,7 +187,7 @@ struct SystemsTrack {
 Bytes esds(const SystemsTrack& track) {
     Bytes config{track.object_type, static_cast<std::uint8_t>(track.stream_type << 2 | 1)};
     put_number(config, track.sample.size(), 3);
-    put_bytes(config, zeros(8));  // rates: not said
+    put_bytes(config, zeros(8));  // rates: not stated
     if (!track.decoder_info.empty()) put_bytes(config, descriptor(decoder_info, track.decoder_info));
     Bytes stream = zeros(3);  // its number is the track's, in a file
     put_bytes(stream, descriptor(decoder_config, config));
@@ -258,7 +258,7 @@ Bytes systems_trak(const SystemsTrack& track, std::uint64_t movie_duration, std:
     return box_of("trak", trak);
 }
 
-/// Which track each object is: by its place among those that the track of descriptors refers to.
+/// States which track each object is: by its place among the tracks that the descriptors' track refers to.
 Bytes object_descriptors(const SceneStream& stream) {
     Bytes all;
     std::uint32_t place = 0;
@@ -276,7 +276,7 @@ Bytes object_descriptors(const SceneStream& stream) {
 Bytes initial_object_descriptor(std::uint32_t scene_track, std::uint32_t object_track) {
     Bytes content;
     put_number(content, 1 << 6 | 0x0F, 2);  // number 1, no URL, profiles not in line, reserved bits
-    put_bytes(content, Bytes(5, 0xFF));     // no capability is asked for
+    put_bytes(content, Bytes(5, 0xFF));     // no capability is required
     for (const std::uint32_t track : {scene_track, object_track}) {
         Bytes id;
         put_number(id, track, 4);
@@ -293,7 +293,7 @@ bool shows_pictures(BytesView trak) {
     return number_at(content_at(trak, {"mdia", "hdlr"}), 8, 4) == 0x76696465;  // vide
 }
 
-/// The same track as one that is there: of one that is not enabled MPEG-4 Systems know no object.
+/// The same track, enabled: MPEG-4 Systems ignore the object of a track that is not.
 Bytes enabled(BytesView trak) {
     constexpr std::string_view head[] = {"tkhd"};
     const BytesView before = content_at(trak, {"tkhd"});
@@ -304,7 +304,7 @@ Bytes enabled(BytesView trak) {
     return with_content(trak, head, after);
 }
 
-/// The same track, as auxiliary to another one if it has pictures and is not that one.
+/// The same track, marked as auxiliary to `shown` if it has pictures and is not that one.
 Result<Bytes> marked(BytesView trak, std::uint32_t shown) {
     if (track_id(trak) == shown || !shows_pictures(trak)) return Bytes(trak.begin(), trak.end());
     constexpr std::string_view auxv = "auxv";
@@ -364,7 +364,7 @@ Result<Bytes> with_scene_stream(BytesView moov, const SceneStream& stream, std::
 
     const Bytes objects = object_descriptors(stream);
     Bytes scene = stream.scene;
-    scene.push_back(0);  // of some decoders the last byte is not read (docs/codecs.md)
+    scene.push_back(0);  // some decoders do not read the last byte (docs/codecs.md)
     Bytes samples = scene;
     put_bytes(samples, objects);
     SystemsTrack scenes{

@@ -252,7 +252,7 @@ private:
         return made;
     }
 
-    /// One value, or of a list: those in brackets, or one without.
+    /// One value; for a list, the values in brackets, or one without.
     Result<std::vector<FieldValue>> values(FieldKind kind, int depth) {
         std::vector<FieldValue> all;
         const bool in_brackets = kind.is_list && token_.is("[");
@@ -473,7 +473,7 @@ private:
     void line(int depth) { text_ += '\n' + std::string(2 * static_cast<std::size_t>(depth), ' '); }
 
     std::span<const Prototype> prototypes_;
-    std::set<const Node*> written_;  // those with names, which are used from now on
+    std::set<const Node*> written_;  // named nodes, of which USE speaks from now on
     std::string text_;
 };
 

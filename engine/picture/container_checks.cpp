@@ -18,17 +18,17 @@ namespace touchable {
 
 namespace {
 
-/// Sound whose samples have no sizes counts them one by one, of which a coded byte holds dozens.
+/// Sound samples without sizes are counted singly; a coded byte holds dozens, at most this many.
 constexpr std::uint64_t samples_per_byte = 64;
 constexpr int most_nested = 10;
-constexpr std::size_t head_bytes = 16;  // of a box, and of what a table begins with
+constexpr std::size_t head_bytes = 16;  // of a box, or of a table
 
 struct Box {
     std::string_view type;
     std::uint64_t content, end;
 };
 
-/// Of a table of version, flags, a number of entries, and these.
+/// A table has a version, flags, a number of entries, and the entries.
 struct TableKind {
     std::string_view type;
     std::uint64_t entry_bytes;
@@ -70,8 +70,7 @@ public:
     }
 
 private:
-    /// Of a box that may be another one in disguise: FFmpeg takes free space for the movie's box where it
-    /// begins so.
+    /// Whether a box of free space begins like the movie's box: FFmpeg then takes it for that.
     Result<bool> hides_a_movie(const Box& box) {
         if ((box.type != "free" && box.type != "hoov") || box.content + 8 > box.end) return false;
         TRY_ASSIGN(const auto head, head_of(box));
@@ -101,21 +100,21 @@ private:
         return hold(box, AV_RB32(head.data() + 4), 8 * kind.entry_bytes, 8);
     }
 
-    /// QuickTime's are boxes alone; MP4's stand behind a version.
+    /// QuickTime's metadata are boxes only; MP4's follow a version.
     Result<void> metadata(const Box& box, int depth) {
         TRY_ASSIGN(const auto head, head_of(box));
         const bool is_quicktime = AV_RB32(head.data() + 4) == AV_RB32("hdlr");
         return boxes(std::min(box.content + (is_quicktime ? 0 : 4), box.end), box.end, depth + 1);
     }
 
-    /// Of samples that belong together: which do, or what there is to know of each group, of a byte or more.
+    /// Groups of samples: which samples are in each, or its description, of a byte or more.
     Result<void> groups(const Box& box) {
         TRY_ASSIGN(const auto head, head_of(box));
         const std::uint64_t count_at = head[0] == 0 ? 8 : 12;
         return hold(box, AV_RB32(head.data() + count_at), box.type == "sbgp" ? 64 : 8, count_at + 4);
     }
 
-    /// Of samples: one for all, or each its own.
+    /// Sizes of samples: one for all, or one for each.
     Result<void> sizes(const Box& box) {
         TRY_ASSIGN(const auto head, head_of(box));
         const std::uint64_t samples = AV_RB32(head.data() + 8);
@@ -125,7 +124,7 @@ private:
         return hold(box, samples, is_compact ? head[7] : 32, 12);
     }
 
-    /// Of a fragment's samples: its flags say what each has an entry of.
+    /// A fragment's samples: its flags state which entries each has.
     Result<void> run(const Box& box) {
         TRY_ASSIGN(const auto head, head_of(box));
         const std::uint32_t flags = AV_RB32(head.data());
@@ -137,7 +136,7 @@ private:
         return bits == 0 ? count_unsized(box, samples) : hold(box, samples, bits, 8);
     }
 
-    /// Which stretches of a track are played: FFmpeg has the samples of each in its index once more.
+    /// Edits, the stretches of a track that are played: FFmpeg's index repeats the samples of each.
     Result<void> edits(const Box& box) {
         constexpr std::uint64_t least_bytes = 12;
         edits_ += (box.end - box.content) / least_bytes;
@@ -171,7 +170,7 @@ private:
 constexpr std::uint64_t id_ebml = 0x1A45DFA3, id_segment = 0x18538067, id_cluster = 0x1F43B675,
                         id_void = 0xEC;
 constexpr std::uint64_t unknown_size = ~std::uint64_t{0};
-/// All of a clip but its pictures: more than the index of a day. A demuxer keeps it in memory.
+/// Bytes of all but the pictures, which a demuxer keeps in memory; the index of a day takes less.
 constexpr std::uint64_t largest_headers = 64 << 20;
 
 struct Element {
@@ -180,7 +179,7 @@ struct Element {
     std::uint64_t end() const { return content + size; }
 };
 
-/// Elements where they are said to be. Once reading fails there is nothing anywhere.
+/// Reads elements at stated positions. After a failed read it finds none.
 class ElementReader {
 public:
     explicit ElementReader(ByteSource& bytes) : bytes_(bytes) {}
@@ -188,7 +187,7 @@ public:
     /// Why reading failed.
     const std::optional<Error>& failure() const { return failure_; }
 
-    /// Identifier and size of the element at `position`; nothing where there is none.
+    /// Identifier and size of the element at `position`; nullopt if there is none.
     std::optional<Element> at(std::uint64_t position) {
         position_ = position;
         const auto id = number(4, true);
@@ -197,7 +196,7 @@ public:
         return Element{*id, *size, position_};
     }
 
-    /// True unless the element begins with a CRC-32 element that the rest of it does not have.
+    /// False if the element begins with a CRC-32 that the rest of it does not match, or reading fails.
     bool crc_holds(const Element& element) {
         std::array<std::uint8_t, 1 << 16> bytes;
         constexpr std::size_t crc_bytes = 6;  // identifier 0xBF, size 0x84, four bytes

@@ -25,7 +25,7 @@ AVCodecID codec_of(std::string_view bytes) {
     return AV_CODEC_ID_NONE;
 }
 
-/// FFmpeg fills in what a cut file lacks, and says nothing. Neither marker can occur inside coded data, so a
+/// FFmpeg silently fills in what a truncated file lacks. Neither marker can occur inside coded data, so a
 /// whole JPEG has an end marker after its last start of a scan; a whole PNG ends with its IEND chunk.
 bool is_cut(AVCodecID codec, std::string_view bytes) {
     if (codec == AV_CODEC_ID_PNG) return bytes.find("IEND\xae\x42\x60\x82") == std::string_view::npos;
@@ -33,24 +33,23 @@ bool is_cut(AVCodecID codec, std::string_view bytes) {
     return end == std::string_view::npos || scan == std::string_view::npos || end < scan;
 }
 
-/// FFmpeg passes over whatever stands before the header of a PNG, of which nothing is known then.
+/// FFmpeg skips whatever precedes the header of a PNG, but png_header reads it only in first place.
 bool has_late_header(AVCodecID codec, std::string_view bytes) {
     return codec == AV_CODEC_ID_PNG && bytes.substr(0, 16).substr(12) != "IHDR";
 }
 
-/// What the header of a PNG says that its decoder keeps to itself.
+/// Facts of a PNG's header that its decoder does not give.
 struct PngHeader {
     int bits = 8;
-    std::uint64_t pixels = 0, bytes = 0;  ///< these: before they are packed
+    std::uint64_t pixels = 0, bytes = 0;  ///< bytes: unpacked
     bool grey = false, interlaced = false;
-    std::optional<std::size_t> colours{};  ///< of its palette
-    bool made_after = false;               ///< FFmpeg makes its samples of others once all are decoded
+    std::optional<std::size_t> colours{};  ///< in its palette
+    bool made_after = false;               ///< FFmpeg converts its samples once all are decoded
 };
 
 constexpr std::size_t png_signature = 8;
 
-/// The first chunk of these bytes of a PNG, up to its checksum; its name is empty where there is no whole
-/// one.
+/// The first chunk of these bytes of a PNG, up to its checksum; its name is empty if the chunk is incomplete.
 struct PngChunk {
     std::string_view name{}, all{};
     std::size_t length = 0;
@@ -64,7 +63,7 @@ struct PngChunk {
     }
 };
 
-/// As many as FFmpeg takes: of several palettes the last one before the picture's data.
+/// Colours of the palette that FFmpeg takes: the last one before the picture's data.
 std::size_t colours_in_palette(std::string_view png) {
     std::size_t colours = 0;
     for (png.remove_prefix(png_signature);;) {
@@ -75,7 +74,7 @@ std::size_t colours_in_palette(std::string_view png) {
     }
 }
 
-/// Bytes that a picture is packed in.
+/// Bytes of packed picture data (IDAT).
 std::size_t packed_pixels(std::string_view png) {
     std::size_t bytes = 0;
     for (png.remove_prefix(std::min(png_signature, png.size()));;) {
@@ -86,8 +85,8 @@ std::size_t packed_pixels(std::string_view png) {
     }
 }
 
-/// Bytes followed by the zeros FFmpeg's decoders may read past their end. Without the texts and colour
-/// profiles of a PNG, which FFmpeg would unpack, however large, and which are not asked for.
+/// A packet of these bytes, followed by the zeros that FFmpeg's decoders may read past the end. Leaves out
+/// texts and colour profiles of a PNG: they are not needed, and FFmpeg would unpack them, however large.
 Result<PacketPtr> packet_of(std::string_view bytes) {
     std::vector<std::string_view> parts;
     std::size_t size = 0;
@@ -137,8 +136,8 @@ PngHeader png_header(std::string_view png) {
     return header;
 }
 
-/// Noise laid where a decoder will put the last row of a picture: where data run out before it, FFmpeg's PNG
-/// decoder says nothing, and the noise stays.
+/// Noise in the memory of a picture's last row before it is decoded: if the data end before that row,
+/// FFmpeg's PNG decoder says nothing, and the noise stays.
 class LastRow {
 public:
     explicit LastRow(std::uint8_t seed) : seed_(seed) {}
@@ -169,8 +168,8 @@ private:
 
 constexpr std::uint32_t deflate_expansion = 1032;  // times as many bytes, at most
 
-/// Pixels that these bytes can hold, whatever they claim: deflate makes at most 1032 bytes of one, and a
-/// block of 8x8 pixels of a JPEG takes at least a bit.
+/// Most pixels that these bytes can hold: deflate makes at most 1032 bytes of one, and a block of 8x8 pixels
+/// of a JPEG takes at least a bit.
 std::int64_t held_pixels(AVCodecID codec, std::string_view bytes) {
     const auto size = static_cast<std::int64_t>(bytes.size());
     if (codec == AV_CODEC_ID_PNG)
@@ -178,8 +177,8 @@ std::int64_t held_pixels(AVCodecID codec, std::string_view bytes) {
     return size * 8 * 64;
 }
 
-/// Gives a decoder the memory of its picture, unless that is larger than the file can hold. This is FFmpeg's
-/// memory, not plane memory: the picture is gathered into an Image, and drop_rows gives its pages back.
+/// Allocates a decoder's picture, unless it has more pixels than the file can hold. This is FFmpeg's memory,
+/// not plane memory: the picture is gathered into an Image, and drop_rows returns its pages.
 class PictureMemory {
 public:
     PictureMemory(std::int64_t held_pixels, const LastRow* last_row)
@@ -230,8 +229,8 @@ Result<FramePtr> decode(const std::string& where, AVCodecID codec_id, const AVPa
     return frame;
 }
 
-/// Pixels of the largest picture in a JPEG, times the scans that go over it. Neither marker can occur inside
-/// coded data.
+/// Pixels of the largest picture in a JPEG, times the number of scans. Neither marker can occur inside coded
+/// data.
 std::uint64_t scanned_pixels(std::string_view jpeg) {
     std::uint64_t pixels = 0, scans = 1;
     for (std::size_t at = 0; (at = jpeg.find('\xff', at)) != std::string_view::npos; ++at) {
@@ -247,7 +246,7 @@ std::uint64_t scanned_pixels(std::string_view jpeg) {
     return pixels * scans;
 }
 
-/// Whether it may: some hundredths of a second.
+/// Whether decoding may take some hundredths of a second or more.
 bool takes_long(AVCodecID codec, const AVPacket& packet) {
     constexpr std::uint64_t many = 1 << 23;
     const std::string_view bytes = view_of(packet);
@@ -255,7 +254,7 @@ bool takes_long(AVCodecID codec, const AVPacket& packet) {
     return std::max<std::uint64_t>(png_header(bytes).bytes, deflate_expansion * packed_pixels(bytes)) >= many;
 }
 
-/// FFmpeg decodes a picture in one go, which takes seconds of the largest. A stop does not wait for them.
+/// FFmpeg decodes a picture in one go, which takes seconds for the largest. A stop does not wait for it.
 Result<FramePtr> decode_unless_stopped(const std::string& where, AVCodecID codec, const AVPacket& packet,
                                        std::optional<LastRow> last_row) {
     if (!takes_long(codec, packet)) return decode(where, codec, packet, last_row ? &*last_row : nullptr);
@@ -268,8 +267,8 @@ Result<FramePtr> decode_unless_stopped(const std::string& where, AVCodecID codec
     return std::move(*frame);
 }
 
-/// FFmpeg unpacks all that follows the pixels, too. Where they cannot be packed at all their data are hardly
-/// longer than they.
+/// Refuses data beyond the pixels, which FFmpeg would unpack, too: even incompressible pixels have hardly
+/// more data than their own size.
 Result<void> check_packed_pixels(AVCodecID codec, const PngHeader& header, std::string_view bytes,
                                  const std::string& where) {
     constexpr std::size_t always = std::size_t{64} << 10;
@@ -280,7 +279,7 @@ Result<void> check_packed_pixels(AVCodecID codec, const PngHeader& header, std::
                        std::to_string(header.pixels) + " pixels");
 }
 
-/// FFmpeg makes pixels black that name a colour beyond the palette's last.
+/// Refuses pixels with a colour beyond the palette's last, which FFmpeg would make black.
 Result<void> check_indices(const std::string& where, const AVFrame& frame, std::size_t colours) {
     for (int y = 0; y < frame.height && !stop_requested(); ++y) {
         const std::uint8_t* row = frame.data[0] + static_cast<std::ptrdiff_t>(frame.linesize[0]) * y;
@@ -292,8 +291,8 @@ Result<void> check_indices(const std::string& where, const AVFrame& frame, std::
     return {};
 }
 
-/// A PNG is decoded once more, over other noise, where its last row is the noise, or was made of what was
-/// decoded and may have been noise: no row that was decoded depends on it.
+/// Finds PNGs whose data end early: if the last row is the noise, or was converted from samples that may be
+/// noise, decodes again over other noise and compares. Decoded rows do not depend on the noise.
 Result<FramePtr> decode_png(const std::string& where, const AVPacket& packet, const PngHeader& header) {
     const LastRow noise(1), other(2);
     std::vector<std::uint8_t> last_row;
@@ -345,12 +344,12 @@ Image rgb_rows(const AVFrame& frame, int first, int count) {
     return image;
 }
 
-/// Gives these rows' memory back to the system, as far as it is whole pages: they may not be read again. Of a
-/// frame that has no other owner.
+/// Returns the whole pages of these rows to the system: they may not be read again. The frame must have no
+/// other owner.
 void drop_rows(AVFrame& frame, int first, int count) {
     const AVPixFmtDescriptor& format = descriptor(frame);
     const bool has_palette = (format.flags & AV_PIX_FMT_FLAG_PAL) != 0;
-    if (format.log2_chroma_h != 0) return;  // rows of other planes are not these
+    if (format.log2_chroma_h != 0) return;  // chroma planes have fewer rows
     for (int plane = 0; plane < (has_palette ? 1 : AV_NUM_DATA_POINTERS) && frame.data[plane]; ++plane) {
         const auto stride = static_cast<std::size_t>(std::max(frame.linesize[plane], 0));
         give_back(frame.data[plane] + stride * static_cast<std::size_t>(first),
@@ -358,7 +357,7 @@ void drop_rows(AVFrame& frame, int first, int count) {
     }
 }
 
-/// Rows that are copied at once; then their memory goes back, so that a picture is held once and not twice.
+/// Rows copied before their memory is returned, so that a picture is held once and not twice.
 constexpr int rows_at_once = 64;
 
 /// A picture whose rows `append(samples, first, count)` adds at the end.
@@ -394,19 +393,19 @@ int channels_of(const AVFrame& frame) {
     return av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format))->nb_components;
 }
 
-/// Of red, green and blue of 16 bits the one that holds numbers.
+/// The channel of 16-bit red, green and blue that holds numbers.
 struct NumbersInColour {
     int channel = 0;
     bool is_all = false;  // they are the same in all three
 };
 
-/// The one with the most values, where the others are the same or masks, of few values (EVIMO); the first
-/// where each has few, as a frame without depth has. Nothing where they are colours, or at a stop.
+/// The channel with the most values, if the others are the same or masks of few values (EVIMO); the first if
+/// each has few, like a frame without depth. Nullopt if they are colours, or at a stop.
 std::optional<NumbersInColour> numbers_in_colour(const AVFrame& frame) {
     constexpr std::ptrdiff_t most_of_a_mask = 256, times_as_many = 4, few = 16;
     std::array<std::vector<bool>, 3> seen;
     for (auto& values : seen) values.resize(65536);
-    std::array<bool, 3> differs{};  // from the next one
+    std::array<bool, 3> differs{};  // from the next channel
     const int step = 2 * channels_of(frame);
     for (int y = 0; y < frame.height; ++y) {
         if (stop_requested()) return std::nullopt;
@@ -433,7 +432,7 @@ std::optional<NumbersInColour> numbers_in_colour(const AVFrame& frame) {
     return NumbersInColour{static_cast<int>(most)};
 }
 
-/// The grey of formats that `grey_samples` does not see: 16 bits as PNG has them (high byte first), grey with
+/// Grey of formats that `grey_samples` does not support: 16 bits as PNG has them (high byte first), grey with
 /// alpha, and one channel of colour of 16 bits.
 struct GreyOfPng {
     const AVFrame& frame;
@@ -479,7 +478,7 @@ auto rgb_of(const AVFrame& frame) {
     };
 }
 
-/// Not in plane memory: a GPU may have imported that, and drop_rows would take its pages away.
+/// RGB outside plane memory: a GPU may have imported that, and drop_rows would take its pages away.
 Result<FramePtr> rgb_to_gather(const AVFrame& frame) {
     FramePtr rgb(av_frame_alloc());
     if (!rgb) return memory_error();
@@ -491,7 +490,7 @@ Result<FramePtr> rgb_to_gather(const AVFrame& frame) {
     return rgb;
 }
 
-/// `channel`: the name of the one that was read, where it is one of several.
+/// `channel`: set to the name of the channel read, if there are several.
 Result<Image> image_from(const std::string& where, FramePtr frame, std::string& channel) {
     const Error unread = input_error(where + ": has pixel format " + format_name(*frame) +
                                      "; grey of 8 or 16 bits and colour of 8 bits are read");
@@ -517,7 +516,7 @@ Result<Image> image_from(const std::string& where, FramePtr frame, std::string& 
     return gathered(*frame, 1, 3, rgb_of(*frame));
 }
 
-/// Grey of 1, 2 and 4 bits comes spread over 8.
+/// Undoes FFmpeg's spreading of 1, 2 and 4 bits over 8.
 void gather(Image& image, int bits) {
     const int step = 255 / ((1 << bits) - 1);
     until_stopped(image.samples.size(), [&](std::size_t first, std::size_t last) {

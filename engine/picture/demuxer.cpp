@@ -17,12 +17,12 @@ namespace {
 /// iPhone's Cinematic videos have a track of disparity: HEVC, but its sample entry is called `dish`, which
 /// FFmpeg does not know.
 struct DisparityTracks {
-    std::vector<int> ids;                 ///< of the tracks, as their tkhd has them; none: it has none
-    std::vector<std::uint64_t> names_at;  ///< of the bytes `dish`
+    std::vector<int> ids;                 ///< track numbers, from tkhd; empty: no such tracks
+    std::vector<std::uint64_t> names_at;  ///< places of the bytes `dish`
 };
 
 constexpr std::string_view disparity = "dish", hevc = "hvc1";
-/// Of boxes in boxes, down to a table of samples; and of tracks of disparity, of which there is one.
+/// Depth of nested boxes, down to a table of samples; and tracks of disparity, of which a video has one.
 constexpr int deepest = 6;
 constexpr std::size_t most_tracks = 16;
 
@@ -57,9 +57,9 @@ private:
             }
         if (type == "tkhd" && content < end) {
             TRY_ASSIGN(const auto head, head_at<24>(bytes_, content, end));
-            track_ = static_cast<int>(AV_RB32(head.data() + (head[0] == 1 ? 20 : 12)));  // behind its times
+            track_ = static_cast<int>(AV_RB32(head.data() + (head[0] == 1 ? 20 : 12)));  // after its times
         }
-        constexpr std::uint64_t entry = 8;  // behind version and count
+        constexpr std::uint64_t entry = 8;  // after version and count
         if (type == "stsd" && content + entry + 8 <= end) {
             TRY_ASSIGN(const auto head, head_at<16>(bytes_, content, end));
             const std::string_view name(reinterpret_cast<const char*>(head.data()) + entry + 4, 4);
@@ -75,7 +75,7 @@ private:
     int track_ = 0, depth_ = 0;
 };
 
-/// The same bytes with `hvc1` in place of each of these names.
+/// Bytes of a file with `hvc1` in place of each of these names.
 class ShownAsHevc final : public ByteSource {
 public:
     ShownAsHevc(std::unique_ptr<ByteSource> bytes, std::vector<std::uint64_t> names_at)
@@ -94,7 +94,7 @@ private:
     std::vector<std::uint64_t> names_at_;
 };
 
-/// Frames one stream may run ahead of another, and what they all may hold while they wait.
+/// Frames by which a stream may run ahead of another, and bytes of all packets that wait.
 constexpr std::size_t queue_limit = 64, queued_bytes_limit = std::size_t{1} << 30;
 
 std::optional<std::string> entry(const AVDictionary* dictionary, const char* name) {
@@ -196,18 +196,18 @@ std::optional<double> Demuxer::pictures_end() const {
         const AVStream& stream = *container_->streams[k];
         has_sound = has_sound || stream.codecpar->codec_type == AVMEDIA_TYPE_AUDIO;
         if (stream.codecpar->codec_type != AVMEDIA_TYPE_VIDEO) continue;
-        // As Matroska's writers have it: 00:00:03.007000000.
+        // Matroska's form: 00:00:03.007000000.
         int hours = 0, minutes = 0;
         double seconds = 0;
         const std::string stated = entry(stream.metadata, "DURATION").value_or("");
         if (std::sscanf(stated.c_str(), "%d:%d:%lf", &hours, &minutes, &seconds) != 3) {
-            if (stream.duration <= 0) continue;  // nor as MP4's do
+            if (stream.duration <= 0) continue;  // nor has it MP4's duration
             hours = minutes = 0;
             seconds = static_cast<double>(stream.duration) * av_q2d(stream.time_base);
         }
         pictures_s = std::max(pictures_s, 3600.0 * hours + 60.0 * minutes + seconds);
     }
-    // FFmpeg 7 leaves an MP4's own open; its tracks have theirs.
+    // FFmpeg 7 leaves an MP4's own duration open; its tracks have theirs.
     const std::int64_t whole_us = container_->duration;
     if (whole_us == AV_NOPTS_VALUE || whole_us <= 0)
         return pictures_s > 0 ? std::optional(pictures_s) : std::nullopt;
@@ -226,7 +226,7 @@ std::optional<std::string> Demuxer::attachment(const std::string& file_name) con
     return std::nullopt;
 }
 
-/// Null at the end; `failed` follows the file's name where it cannot be read.
+/// Null at the end; `failed` follows the file's name in an error.
 Result<PacketPtr> Demuxer::read_packet(const char* failed) {
     PacketPtr packet(av_packet_alloc());
     if (!packet) return memory_error();
@@ -289,7 +289,7 @@ bool Demuxer::has_flag(int stream, int entry, int flag) const {
     return found && (found->flags & flag) != 0;
 }
 
-/// Its place in the index, which may begin with pictures that are only there to decode others.
+/// A picture's place in the index, which may begin with pictures that only serve to decode others.
 int Demuxer::entry_of(int stream, std::int64_t picture) const {
     const int entries = avformat_index_get_entries_count(container_->streams[stream]);
     int first = 0;

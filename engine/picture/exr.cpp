@@ -17,14 +17,14 @@ namespace {
 
 /// A channel of an OpenEXR file with its numbers as they are stored.
 struct ExrChannel : ExrChannelName {
-    std::string in_part{};  ///< its name there
+    std::string in_part{};  ///< its name in the part
     NumberFormat format{};
     bool is_of_each_pixel = true;  ///< not subsampled
 };
 
 struct ExrWindow {
     int x = 0, y = 0, width = 0, height = 0;
-    /// Nothing of one that is empty or too large.
+    /// Nullopt if the box is empty or too large.
     static std::optional<ExrWindow> of(const exr_attr_box2i_t& box) {
         const auto width = std::int64_t{box.max.x} - box.min.x + 1,
                    height = std::int64_t{box.max.y} - box.min.y + 1;
@@ -54,16 +54,16 @@ struct ExrChunk {
 };
 using PutExrChunk = std::function<Result<void>(const ExrChunk&)>;
 
-/// A file in memory as OpenEXR reads it, and the first that was wrong with it.
+/// A file in memory as OpenEXR reads it, and the first error in it.
 struct ExrBytes {
     std::string_view bytes;
     std::string wrong;
 };
 
-// Of all parts together. OpenEXR takes as long as the square of either says.
+// Limits for all parts together. OpenEXR's time grows with the square of either.
 constexpr std::size_t most_channels = 1024, most_attributes = 8192;
 
-constexpr std::size_t largest_exr_piece = std::size_t{256} << 20;  // of memory that OpenEXR takes at once
+constexpr std::size_t largest_exr_piece = std::size_t{256} << 20;  // of one allocation by OpenEXR
 
 void* take_memory(std::size_t size) {
     return size <= largest_exr_piece ? std::malloc(size) : nullptr;
@@ -87,12 +87,11 @@ void keep_first_exr_error(exr_const_context_t context, exr_result_t, const char*
     if (wrong.empty()) wrong = printable(text, 200);
 }
 
-/// Goes through the headers of a file before OpenEXR does, to find out what that has to work for. What is
-/// damaged it leaves to OpenEXR.
+/// Scans the headers of a file before OpenEXR does, to limit its work. Damage is left to OpenEXR to report.
 class ExrHeaders {
 public:
     explicit ExrHeaders(std::string_view bytes) : rest_(bytes) {}
-    /// What is too much; empty where nothing is.
+    /// Which limit is exceeded; empty if none is.
     std::string refusal() {
         constexpr std::size_t before_headers = 8, version_at = 5;
         constexpr unsigned several_parts = 0x10;
@@ -108,7 +107,7 @@ public:
     }
 
 private:
-    /// Of one part; false where it is damaged or there is too much.
+    /// Reads one part's header; false if it is damaged or exceeds a limit.
     bool one_header() {
         while (!rest_.starts_with('\0')) {
             std::string_view name, type, content;
@@ -128,7 +127,7 @@ private:
             ++channels_;
         }
     }
-    /// Up to a zero byte.
+    /// Takes bytes up to a zero byte.
     bool word(std::string_view& found) {
         const auto end = rest_.find('\0');
         if (end == std::string_view::npos) return false;
@@ -136,7 +135,7 @@ private:
         rest_.remove_prefix(end + 1);
         return true;
     }
-    /// So many bytes as the four before them say, the lowest first.
+    /// Takes as many bytes as the four before them state, the lowest first.
     bool sized(std::string_view& found) {
         if (rest_.size() < 4) return false;
         std::size_t size = 0;
@@ -239,7 +238,7 @@ public:
         if (context_) exr_finish(&context_);
     }
 
-    /// First: its channels, at most 1024, of all parts that are not deep.
+    /// Call first. Lists the channels, at most 1024, of all parts that are not deep.
     Result<void> open() {
         if (const std::string refusal = ExrHeaders(bytes_.bytes).refusal(); !refusal.empty())
             return refused(refusal);
@@ -270,7 +269,7 @@ public:
         if (!data || !display) return refused("has a window that is empty or larger than 16384x16384 pixels");
         if (!display->holds(*data))
             return refused("has a data window beyond its display window: must be inside");
-        // Of depth, colour and material indices, which may all be made of it at once.
+        // Bytes of depth, colour and material indices, which may all be unpacked at once.
         const auto needed = static_cast<std::uint64_t>(display->width) *
                             static_cast<std::uint64_t>(display->height) * (4 + 3 + 4);
         TRY(check_expansion(needed, bytes_.bytes.size(), where_));
@@ -310,7 +309,7 @@ public:
     }
 
 private:
-    /// Of a part that is not deep.
+    /// Lists the channels of a part that is not deep.
     Result<void> list_channels(int part) {
         exr_storage_t storage;
         const exr_attr_chlist_t* list = nullptr;
@@ -319,7 +318,7 @@ private:
             return damaged();
         if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED) return {};
         int parts = 1;
-        const char* name = nullptr;  // which every one of several has
+        const char* name = nullptr;  // which each of several parts has
         if (exr_get_count(context_, &parts) != EXR_ERR_SUCCESS) return damaged();
         if (parts > 1 && exr_get_name(context_, part, &name) != EXR_ERR_SUCCESS) return damaged();
         for (int k = 0; k < list->num_channels; ++k) {
@@ -362,21 +361,21 @@ Error in_colour(const ExrFile& file) {
     return file.refused("is in colour: a picture of depth has a channel Z, depth, Y or R");
 }
 
-/// A picture that is made of one or several channels of a part, of which there may be others.
+/// A picture made of one or several channels of a part, which may have others.
 class ExrPicture {
 public:
     virtual ~ExrPicture() = default;
     virtual std::vector<const ExrChannel*> channels() const = 0;
     /// Numbers of a chunk; those of its own channels begin at `first`.
     virtual Result<void> put(const ExrChunk& chunk, std::size_t first) = 0;
-    /// Before any: of this size.
+    /// Called before `put`, with the part's size.
     virtual void begin(const ExrPart& part) = 0;
     virtual StoredImage finish() = 0;
 
     int part() const { return channels().front()->part; }
 };
 
-/// Numbers as they are: depth, with channels that have to be the same, or material indices.
+/// Numbers as stored: depth, with channels that must be the same, or material indices.
 class ExrNumbers final : public ExrPicture {
 public:
     ExrNumbers(const ExrFile& file, const ExrChannel& channel) : file_(file), channels_{&channel} {}
@@ -400,7 +399,7 @@ public:
 
 private:
     const NumberFormat& format() const { return channels_.front()->format; }
-    /// A picture without data: NaN, of integers 0.
+    /// Fills the picture with the number for no data: NaN, or 0 for integers.
     void fill_with_nothing(const ExrWindow& window) {
         const std::uint16_t half_nan = 0x7e00;
         const std::uint32_t nan = format().kind == NumberFormat::Kind::floating ? 0x7fc00000 : 0;
@@ -457,7 +456,7 @@ private:
     Image image_;
 };
 
-/// What can be seen or counted: floats of each pixel; of `integers` those as well.
+/// Whether a channel can be read: floats for each pixel; with `integers` these as well.
 bool is_usable(const ExrChannel& channel, bool integers) {
     return channel.is_of_each_pixel && (integers || channel.format.kind == NumberFormat::Kind::floating);
 }
@@ -498,7 +497,7 @@ Result<ExrNumbers> depth_of(const ExrFile& file, const ExrLayers& layers) {
     return depth;
 }
 
-/// Those of one part, together.
+/// Reads pictures of one part together.
 Result<void> read_together(const ExrFile& file, const std::vector<ExrPicture*>& pictures) {
     TRY_ASSIGN(const auto part, file.part(pictures.front()->part()));
     std::vector<const ExrChannel*> channels;
@@ -519,7 +518,7 @@ Result<StoredImage> read_alone(const ExrFile& file, ExrPicture& picture) {
     return picture.finish();
 }
 
-/// Of another part than depth's it may be what cannot be read: then there is none.
+/// A picture beside depth; nullopt if it is in another part than depth's and cannot be read.
 std::optional<StoredImage> read_beside(const ExrFile& file, ExrPicture& picture, bool is_read) {
     if (is_read) return picture.finish();
     auto read = read_alone(file, picture);

@@ -39,7 +39,7 @@ std::string joined_words(const std::vector<std::string>& words) {
     return name;
 }
 
-/// Of this name; from part `home` where it has one. Here and in what follows names are in small letters.
+/// The channel of this name, from part `home` if that has one. From here on names are in small letters.
 std::optional<std::size_t> channel_named(const ExrChannelNames& channels, const std::string& name, int home) {
     std::optional<std::size_t> elsewhere;
     for (std::size_t k = 0; k < channels.size(); ++k) {
@@ -89,7 +89,7 @@ bool is_rest_of_colour(const ExrChannelNames& channels, std::size_t k, const std
     return (own == "ry" || own == "by") && channel_beside(channels, k, "y");
 }
 
-/// Whether a pass is known to be something else, whatever its channels are called.
+/// Whether a pass is known not to be depth, whatever its channels are called.
 bool is_of_other_pass(const std::vector<std::string>& words) {
     constexpr std::string_view others[] = {"mist",           "normal",       "denoising normal", "position",
                                            "vector",         "uv",           "indexma",          "indexob",
@@ -99,14 +99,14 @@ bool is_of_other_pass(const std::vector<std::string>& words) {
     });
 }
 
-/// Whether a file is a picture of that channel's layer and nothing more.
+/// Whether that channel's layer is the file's only one.
 bool is_only_layer(const ExrChannelNames& channels, std::size_t k) {
     return std::ranges::all_of(channels, [&](const ExrChannelName& other) {
         return other.part == channels[k].part && exr_layer_of(other.name) == exr_layer_of(channels[k].name);
     });
 }
 
-/// How well a channel goes as depth: 0 not at all.
+/// How well a channel fits as depth; 0: not at all.
 int depth_rank(const ExrChannelNames& channels, std::size_t k) {
     const std::string& name = channels[k].name;
     const std::vector<std::string> words = words_of(name);
@@ -119,7 +119,7 @@ int depth_rank(const ExrChannelNames& channels, std::size_t k) {
     return own == "y" ? 2 : own == "r" ? 1 : 0;
 }
 
-/// A name of which words[first] is the pass: what stands before it and behind it is of the view layer.
+/// A layer's name with `pass` in place of `count` words from words[first]; the rest names the view layer.
 std::string layer_of_pass(const std::vector<std::string>& words, std::size_t first, std::size_t count,
                           const std::string& pass) {
     std::vector<std::string> layer(words.begin(), words.begin() + static_cast<std::ptrdiff_t>(first));
@@ -128,7 +128,7 @@ std::string layer_of_pass(const std::vector<std::string>& words, std::size_t fir
     return joined_words(layer);
 }
 
-/// What the view layer of a depth calls another pass of it.
+/// The name of another pass in the view layer of a depth.
 std::string pass_beside(const std::string& depth, const std::string& pass) {
     const std::vector<std::string> words = words_of(depth);
     const auto found = std::find_if(words.begin(), words.end() - 1, is_depth_word);
@@ -161,14 +161,14 @@ std::optional<std::size_t> materials_beside(const ExrChannelNames& channels, std
     return std::nullopt;
 }
 
-/// How many view layers these depths are of.
+/// Number of view layers that these depths are in.
 int view_layers_of(const ExrChannelNames& channels, const std::vector<std::size_t>& depths) {
     std::set<std::pair<int, std::string>> layers;
     for (const std::size_t k : depths) layers.emplace(channels[k].part, pass_beside(channels[k].name, ""));
     return static_cast<int>(layers.size());
 }
 
-/// What has to be as depth is, for it not to be of a picture in colour.
+/// Finds the channels that must equal depth; otherwise it is a picture in colour.
 void find_rest_of_colour(const ExrChannelNames& channels, ExrLayers& layers) {
     const std::size_t depth = *layers.depth;
     const std::string own = words_of(channels[depth].name).back();
@@ -226,9 +226,9 @@ double light_of(double srgb) {
     return base * base * root * root;  // to the power of 2.4
 }
 
-/// A float's upper 16 bits lead to a sample that is the right one or next to it.
+/// By a float's upper 16 bits: a sample that is the right one or next to it.
 struct SrgbTable {
-    std::array<float, 257> least{};  // light of each sample, and one that none has
+    std::array<float, 257> least{};  // least light of each sample, then infinity
     std::array<std::uint8_t, 0x3f80> first{};
 
     SrgbTable() {
@@ -243,7 +243,7 @@ struct SrgbTable {
     }
 };
 
-/// Of every float of 16 bits that is not negative and below 1.
+/// The sample of every float of 16 bits from 0 to below 1.
 struct HalfTable {
     std::array<std::uint8_t, 0x3c00> sample{};
 

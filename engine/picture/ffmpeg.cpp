@@ -23,7 +23,7 @@ namespace {
 
 constexpr int input_buffer_bytes = 1 << 16;
 
-/// What FFmpeg's calls for bytes come to.
+/// Serves FFmpeg's reads and seeks.
 struct InputBytes {
     std::optional<Error> failure{};
 
@@ -140,16 +140,16 @@ Result<InputPtr> open_bytes(std::unique_ptr<InputBytes> bytes, bool is_stored, c
 }
 
 constexpr int buffer_bytes = 1 << 15;
-// What waits in the buffer, and a muxer's end; of its index what a picture and its sound take in it.
+// Bytes for the buffer and a muxer's end; bytes in its index of a picture with its sound.
 constexpr std::int64_t least_reserve = 1 << 16, bytes_of_index = 128;
 constexpr std::int64_t pictures_reserved = 4;
-// Around a packet, and in the index.
+// Bytes around a packet, and in the index.
 constexpr std::int64_t bytes_beside_packet = 48;
 
 /// Null: out of memory.
 AVBufferRef* plane_buffer(std::size_t bytes, PlaneContent content) {
     using Lease = std::shared_ptr<std::uint8_t>;
-    // FFmpeg, which may be the caller, knows no exceptions.
+    // The caller may be FFmpeg, which knows no exceptions.
     std::unique_ptr<Lease> lease(new (std::nothrow) Lease(take_plane_memory(bytes, content)));
     if (!lease || !*lease) return nullptr;
     const auto end = [](void* ended, std::uint8_t*) { delete static_cast<Lease*>(ended); };
@@ -222,7 +222,7 @@ int give_plane_memory(AVCodecContext* decoder, AVFrame* picture, int flags) {
         begins[plane] = bytes;
         bytes += aligned_bytes(sizes[plane] + overrun, plane_alignment);
     }
-    // Where data are missing, decoders leave samples as they are. These must not be another picture's.
+    // If data are missing, decoders leave samples as they are. These must not be another picture's.
     picture->buf[0] = plane_buffer(bytes, PlaneContent::zero);
     if (!picture->buf[0]) return AVERROR(ENOMEM);
     for (std::size_t plane = 0; plane < sizes.size() && sizes[plane] > 0; ++plane) {
@@ -266,7 +266,7 @@ std::optional<std::string> decode_base64(std::string_view text, Base64Padding pa
     const bool fits = padded == 0 && padding == Base64Padding::optional ? written % 4 != 1
                                                                         : written % 4 == 0 && padded <= 2;
     if (!fits) return std::nullopt;
-    // FFmpeg takes a "=" or a 0 for the end wherever it stands: the bytes before it are fewer.
+    // FFmpeg stops at a "=" or a 0 anywhere: it then gives fewer bytes.
     std::string bytes(digits.size() * 3 / 4, '\0');
     const auto size = static_cast<int>(bytes.size());
     if (av_base64_decode(reinterpret_cast<std::uint8_t*>(bytes.data()), digits.c_str(), size) != size)

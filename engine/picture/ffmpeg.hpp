@@ -4,9 +4,9 @@
 //
 // FramePtr, PacketPtr, CodecPtr, ScalerPtr and InputPtr own FFmpeg's objects; what differs between FFmpeg's
 // versions is here and nowhere else. plane_picture and give_plane_memory put pictures into plane memory. A
-// Demuxer takes a video file apart into packets by stream: what a container claims of itself is checked first
-// (its boxes, its Matroska elements, where it ends), before FFmpeg believes it, and FFmpeg reads by our own
-// reads, so that a stop is obeyed meanwhile. ReservedOutput writes a container with room kept for its end.
+// Demuxer takes a video file apart into packets by stream: what a container claims is checked first (its
+// boxes, its Matroska elements, its end), and FFmpeg reads by our own functions, so that a stop is obeyed.
+// ReservedOutput writes a container with room reserved for its end.
 //
 // Include it in .cpp files and in private headers: it brings FFmpeg's own. Errors are lines about the named
 // file (ErrorKind::input), or ErrorKind::interrupted. Each object is used by one thread at a time.
@@ -28,11 +28,11 @@ namespace touchable {
 
 enum class Base64Padding { required, optional };
 
-/// RFC 4648, with white space between characters. Nothing where it is anything else.
+/// RFC 4648, with white space between characters. Nullopt for anything else.
 std::optional<std::string> decode_base64(std::string_view text,
                                          Base64Padding padding = Base64Padding::required);
 
-/// Of all that FFmpeg opens here: it gives up waits and work once the thread that it works on is asked to
+/// Interrupt callback of everything that FFmpeg opens here: ends its waits and work once its thread is to
 /// stop (stop_requested).
 extern const AVIOInterruptCB stops_with_thread;
 
@@ -86,52 +86,51 @@ bool is_key_frame(const AVFrame& frame);
 /// Whether an encoder takes pictures of this format. One that lists none takes any.
 bool encodes(const AVCodec& codec, AVPixelFormat format);
 
-/// Of a file that does not say how long it is.
+/// The error for a file that does not state its length.
 Error never_completed(const std::string& file);
 
 /// Takes a video file apart into packets, stream by stream. Interleaved streams wait in short queues.
 class Demuxer {
 public:
-    /// Bytes that come one after the other, and once.
+    /// Bytes that can be read once, in order.
     class ByteFlow {
     public:
         virtual ~ByteFlow() = default;
-        /// At most `count` bytes, as soon as there are any: how many; 0 at the end.
+        /// Waits for bytes and reads up to `count`; returns how many, 0 at the end.
         virtual Result<std::size_t> read(std::uint8_t* to, std::size_t count) = 0;
     };
 
-    /// Refused is a file that does not say how long it is, unless it may be a stream.
+    /// Refuses a file that does not state its length, unless it may be a stream.
     static Result<std::unique_ptr<Demuxer>> open_matroska(const SourceFile& file, bool may_be_stream = false);
-    /// QuickTime, and MP4, which is made of the same boxes. Tracks of disparity are
-    /// HEVC like others.
+    /// QuickTime, and MP4, which has the same boxes. Disparity tracks are opened as HEVC.
     static Result<std::unique_ptr<Demuxer>> open_quicktime(const SourceFile& file);
-    /// The same of other bytes than the file's; `file` is how messages call it.
+    /// The same for bytes from elsewhere; `file`: their name in messages.
     static Result<std::unique_ptr<Demuxer>> open_quicktime(std::unique_ptr<ByteSource> bytes,
                                                            const std::string& file);
 
     /// Any of these, or AVI, as its first bytes tell.
     static Result<std::unique_ptr<Demuxer>> open_video(const SourceFile& file);
 
-    /// Of bytes that end at `end`; `format` as FFmpeg calls it, `name` as people do.
+    /// Opens bytes that end at `end`; `format`: FFmpeg's name; `name`: that of messages.
     static Result<std::unique_ptr<Demuxer>> open(std::unique_ptr<ByteSource> bytes, std::uint64_t end,
                                                  const std::string& file, const char* format,
                                                  const std::string& name);
 
-    /// Of bytes as they come, in which what is damaged is passed over where that is possible: `next_packet`
-    /// alone. At most 16 tracks.
+    /// Opens bytes as they come; skips damage where possible. Only `next_packet` reads them. At most 16
+    /// tracks.
     static Result<std::unique_ptr<Demuxer>> open_live(std::shared_ptr<ByteFlow> flow, const std::string& file,
                                                       const char* format);
 
     const AVFormatContext& container() const { return *container_; }
-    /// Of Matroska: it does not say how long it is; and whether it ends within something, or before it said.
+    /// Matroska: no length is stated; and whether it ends within an element, or before its stated length.
     bool is_open_ended() const { return is_open_ended_; }
     bool is_cut() const { return is_cut_; }
-    /// Whether that is a track of disparity of an iPhone's Cinematic video.
+    /// Whether a stream is the disparity of an iPhone's Cinematic video.
     bool is_disparity(int stream) const;
     /// A tag of the whole file.
     std::optional<std::string> tag(const char* name) const;
-    /// Seconds at which the pictures end: of a file that has sound as well, by what its picture tracks say of
-    /// themselves, where they do. Nothing where the file says nothing.
+    /// Seconds at which the pictures end; if the file has sound as well, by the picture tracks' own
+    /// durations, if stated. Nullopt if the file states none.
     std::optional<double> pictures_end() const;
     /// The bytes of an attached file.
     std::optional<std::string> attachment(const std::string& file_name) const;
@@ -142,22 +141,21 @@ public:
     Result<PacketPtr> next(int stream);
     /// The next packet of any stream, whatever is selected; null after the last.
     Result<PacketPtr> next_packet() { return read_packet(""); }
-    /// To a packet of `stream` that decoding can begin with, at `timestamp` (of that stream) or before. False
-    /// where the file offers no way there. What follows may be anything: a reader checks the times.
+    /// Seeks to a keyframe of `stream` at or before `timestamp` (of that stream). False if the file offers no
+    /// way there. The next packets may be any: readers must check their times.
     bool seek(int stream, std::int64_t timestamp);
-    /// When the index has a packet of `stream` that decoding can begin with, at `timestamp` or the last
-    /// before; nothing where it has none. Of Matroska, whose index is read by the first `seek`, once there
-    /// was one.
+    /// Time of the index's last keyframe of `stream` at or before `timestamp`; nullopt if it has none.
+    /// Matroska's index is read by the first `seek`.
     std::optional<std::int64_t> key_before(int stream, std::int64_t timestamp) const;
 
-    /// How many pictures a file has whose index has every one, as MP4's. They are counted in the order in
-    /// which they are decoded, which begins anew with each that decoding can begin with.
+    /// Number of pictures in an index that has all, as MP4's. They are counted in decoding order; none is
+    /// reordered across a keyframe.
     std::int64_t pictures(int stream) const;
-    /// The last one up to this that decoding can begin with.
+    /// The last keyframe at or before this picture.
     std::int64_t key_picture(int stream, std::int64_t picture) const;
     /// Whether decoding can begin with any packet of `stream`, as far as the index goes.
     bool is_all_keys(int stream) const;
-    /// The packet that `next` gives; null at the end.
+    /// The packet that `next` will return; null at the end.
     Result<const AVPacket*> peek(int stream);
 
 private:
@@ -174,29 +172,29 @@ private:
     bool is_open_ended_ = false, is_cut_ = false;
 };
 
-/// Of QuickTime and MP4, up to `end`: whether the tables of samples hold what they claim. FFmpeg takes memory
-/// for all that a table claims before it reads any of it. Refused (ErrorKind::input) are one that claims more
-/// than it holds, and samples without a table of their own, or played again and again, of which there are
-/// more than the file has bytes for.
+/// Checks that sample tables of QuickTime and MP4, up to `end`, hold what they claim: FFmpeg allocates all
+/// that a table claims before it reads any. Refused (ErrorKind::input): a table that claims more than it
+/// holds, and more samples than the file has bytes for, without a table of their own or repeated by edits.
 Result<void> check_box_tables(ByteSource& bytes, std::uint64_t end);
 
-/// A file that an FFmpeg muxer writes, which has room on its disk for what is still to come before it is
-/// written: the next pictures, and what a muxer puts at the end. So a writer that stops in time leaves a
-/// whole file on a disk that became full. File systems that cannot reserve room have none.
+/// A file written by an FFmpeg muxer, with disk space reserved for the next pictures and for what the muxer
+/// puts at the end. So a writer that stops in time leaves a whole file on a full disk. Some file systems
+/// cannot reserve space.
 class ReservedOutput : NonCopyable {
 public:
     ReservedOutput() = default;
     ~ReservedOutput();
 
-    /// A file that is there already, for `muxer`, which lives as long as this. Below 0: FFmpeg's error.
+    /// Opens an existing file for `muxer`, which lives as long as this. Below 0: FFmpeg's error.
     int open(const std::filesystem::path& file, AVFormatContext& muxer);
-    /// A picture is written: the next ones may be as large.
+    /// Call after each picture: the next ones may be as large.
     void end_picture();
-    /// Before the muxer is given a packet, which it may hold for a while: room for it. False: it is full.
+    /// Reserves room for a packet; call before the muxer gets it, which may hold it back. False: the disk is
+    /// full.
     bool reserve_for(const AVPacket& packet);
-    /// No room is left but what is reserved: it is time to end.
+    /// Whether only reserved room is left: time to end the file.
     bool is_full() const { return is_full_; }
-    /// What waits is written, and the file is as long as what is in it. Below 0: FFmpeg's error.
+    /// Flushes, cuts off the reserved room and closes the file. Below 0: FFmpeg's error.
     int close();
 
 private:
@@ -207,8 +205,8 @@ private:
     AVIOContext* io_ = nullptr;
     int file_ = -1;
     std::int64_t at_ = 0, end_ = 0;  // of the file
-    std::int64_t allocated_ = 0;     // of it, with what is reserved
-    std::int64_t packets_end_ = 0;   // where it ends at most once the muxer has written all its packets
+    std::int64_t allocated_ = 0;     // bytes on disk, with those reserved
+    std::int64_t packets_end_ = 0;   // upper bound of the file's end with all packets written
     std::int64_t pictures_ = 0, picture_begin_ = 0, largest_picture_ = 0;
     bool can_reserve_ = true, is_full_ = false;
 };

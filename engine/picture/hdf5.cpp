@@ -26,9 +26,9 @@ constexpr std::chrono::seconds longest_child(60);
 
 // --- The tools
 
-/// What one of them writes. `words`: its name, options and the file.
+/// The output of a tool. `words`: its name, options and the file.
 Result<std::string> ask_tool(std::vector<std::string> words, std::uint64_t most) {
-    // No plugin is loaded, which a file could ask for; and no lock, which some disks do not know.
+    // Load no plugin, which a file could ask for; take no lock, which some disks do not support.
     const std::vector<std::string> settings{"HDF5_PLUGIN_PRELOAD=::", "HDF5_USE_FILE_LOCKING=FALSE",
                                             "LC_ALL=C"};
     constexpr ChildLimits limits{std::uint64_t{1} << 30, 60};
@@ -85,8 +85,7 @@ std::optional<std::vector<std::int64_t>> extents_of(std::string_view text) {
     return extents;
 }
 
-/// Of a type as h5ls has it, in one line or several. Nothing: its numbers are not of whole bytes, or are
-/// none.
+/// The format of a type in h5ls's words, one line or several. Nullopt: it is not numbers of whole bytes.
 std::optional<NumberFormat> format_of_type(std::string_view type) {
     using Kind = NumberFormat::Kind;
     constexpr bool is_big = std::endian::native == std::endian::big;
@@ -130,7 +129,7 @@ std::optional<NumberFormat> format_of_type(std::string_view type) {
 
 // --- The data set that is depth
 
-/// "#refs#" is what MATLAB refers to.
+/// Excludes "#refs#", to which MATLAB refers.
 std::vector<NamedArray> named_arrays(const std::vector<Hdf5DataSet>& sets) {
     std::vector<NamedArray> arrays;
     for (const Hdf5DataSet& set : sets)
@@ -152,7 +151,7 @@ Result<std::vector<Hdf5DataSet>> chosen(const std::vector<Hdf5DataSet>& all) {
     return sets;
 }
 
-/// The one of this name, with or without the slash before it.
+/// The data set of this name, with or without the slash before it.
 Result<std::vector<Hdf5DataSet>> named(const std::vector<Hdf5DataSet>& all, const std::string& name) {
     const std::string path = name.starts_with('/') ? name : '/' + name;
     const auto found = std::ranges::find(all, path, &Hdf5DataSet::path);
@@ -169,7 +168,7 @@ Result<std::vector<Hdf5DataSet>> named(const std::vector<Hdf5DataSet>& all, cons
     return std::vector{*found};
 }
 
-/// Others of as many pictures of the same size that are named depth as well; in words.
+/// Lists other data sets of the same shape that are named depth as well.
 std::string other_depths(const std::vector<Hdf5DataSet>& all, const Hdf5DataSet& read) {
     std::vector<std::string> names;
     for (const NamedArray& array : named_arrays(all))
@@ -184,8 +183,8 @@ std::string other_depths(const std::vector<Hdf5DataSet>& all, const Hdf5DataSet&
 
 class Hdf5Stack final : public ImageStack {
 public:
-    /// `sets`: one, or a row of one picture each. `pictures` as its numbers lie. Of MATLAB, which stores its
-    /// last index first, they are turned over: rows become columns.
+    /// `sets`: one, or several of one picture each. `pictures`: as stored. `is_turned`: MATLAB's, which
+    /// stores its last index first: rows become columns.
     Hdf5Stack(SourceFile file, std::vector<Hdf5DataSet> sets, const ArrayPictures& pictures, bool is_turned,
               std::string left_out)
         : file_(std::move(file)),
@@ -214,8 +213,8 @@ public:
         return image;
     }
 
-    /// Refuses more than can be in the file; and whether integers that may be beyond 16 bits are, in any
-    /// picture.
+    /// Refuses more data than the file can hold, and sets floats_ if integers of any picture are beyond 16
+    /// bits.
     Result<void> check() {
         if (picture_bytes() > largest_hdf5_picture)
             return input_error(where() + ": has pictures of " + std::to_string(picture_bytes()) +
@@ -245,8 +244,8 @@ private:
                static_cast<std::uint64_t>(format().bytes);
     }
 
-    /// Pictures are read in blocks that begin at multiples of their length, so that a clip that is played
-    /// backward needs no more of them.
+    /// Pictures are read in blocks that begin at multiples of their length, so that playing backward reads no
+    /// more blocks.
     Result<NumberPicture> read(std::int64_t number) {
         const auto fit = static_cast<std::int64_t>(bytes_at_once / picture_bytes());
         const auto together = is_row() ? 1 : std::max(std::int64_t{1}, fit);
@@ -268,11 +267,11 @@ private:
         return picture;
     }
 
-    /// Of `pictures` pictures from `first` on, as they are stored.
+    /// The stored numbers of `pictures` pictures from `first` on.
     Result<std::string> numbers(std::int64_t first, std::int64_t pictures) const {
         const Hdf5DataSet& set = set_of(first);
         std::vector<std::int64_t> start(set.shape.size()), extents = set.shape;
-        // Extents before that of the pictures' number are 1.
+        // Extents before the count of pictures are 1.
         const auto counts = std::ranges::find_if(extents, [](std::int64_t extent) { return extent > 1; });
         if (pictures_.count > 1) {
             start[static_cast<std::size_t>(counts - extents.begin())] = first;
@@ -319,7 +318,7 @@ bool is_hdf5(std::string_view begin) {
 Result<std::vector<Hdf5DataSet>> hdf5_data_sets(std::string_view listing) {
     std::vector<Hdf5DataSet> sets;
     std::set<std::string> paths, groups;
-    Hdf5DataSet* set = nullptr;  // that the lines below it tell of
+    Hdf5DataSet* set = nullptr;  // described by the next lines
     bool is_in_type = false;
     for (std::string_view rest = listing; !rest.empty();) {
         std::string_view line = rest.substr(0, rest.find('\n'));
@@ -327,7 +326,7 @@ Result<std::vector<Hdf5DataSet>> hdf5_data_sets(std::string_view listing) {
         if (line.starts_with('/')) {
             const std::string path = take_path(line);
             const std::string_view what = trimmed(line);
-            // A name or a filter's name with a line break could make up a data set that h5ls did not list.
+            // A name or a filter's name with a line break could fake a data set in the listing.
             const bool is_listed = path == "/" || groups.contains(path.substr(0, path.rfind('/')));
             if (!is_listed || !paths.insert(path).second)
                 return input_error("is damaged: h5ls lists " + in_quotes(path) + " where it cannot be");

@@ -26,10 +26,10 @@ Error file_error(const std::filesystem::path& file, const std::string& what) {
     return input_error(file.string() + ": " + what);
 }
 
-/// The values of 8192x8192 pixels as floats, and what stands around them.
+/// 8192x8192 pixels as floats, and their headers.
 constexpr std::size_t largest_file = std::size_t{257} << 20;
 
-/// P and a letter or digit, and what ends a word.
+/// P, one of `kinds`, and a character that ends the word.
 bool is_netpbm(std::string_view begin, std::string_view kinds) {
     return begin.size() > 2 && begin[0] == 'P' && kinds.find(begin[1]) != std::string_view::npos &&
            std::string_view(" \t\r\n#").find(begin[2]) != std::string_view::npos;
@@ -109,12 +109,12 @@ std::uint32_t colour_at(const std::uint8_t* rgb) {
     return 0xFF000000U | std::uint32_t{rgb[0]} << 16 | std::uint32_t{rgb[1]} << 8 | rgb[2];
 }
 
-/// The colours of a picture of RGB, opaque and ascending, so that neighbours are alike; none where they are
-/// too many.
+/// The colours of a picture of RGB, opaque and ascending, so that neighbours are alike; none if they are too
+/// many.
 std::vector<std::uint32_t> few_colours(const PlaneView& image) {
     constexpr std::size_t most = 256;
     std::unordered_set<std::uint32_t> found;
-    std::uint32_t newest = 0;  // which is none: it is not opaque
+    std::uint32_t newest = 0;  // no colour: it is not opaque
     for (int y = 0; y < image.height; ++y)
         for (int x = 0; x < image.width; ++x) {
             const std::uint32_t colour = colour_at(image.row(y) + std::ptrdiff_t{3} * x);
@@ -149,7 +149,7 @@ Result<FramePtr> indexed_input(const PlaneView& image, const std::vector<std::ui
     return frame;
 }
 
-/// FFmpeg writes 256 colours whatever there are: those beyond the first `count` go.
+/// Drops the palette's colours beyond the first `count`: FFmpeg always writes 256.
 Result<std::string> with_short_palette(std::string png, std::size_t count) {
     constexpr std::size_t whole = 3 * 256;
     const std::size_t name = png.find("PLTE");
@@ -174,14 +174,14 @@ Result<std::string> encode_png(const AVFrame& frame, PngEffort effort) {
     encoder->height = frame.height;
     encoder->pix_fmt = static_cast<AVPixelFormat>(frame.format);
     encoder->time_base = {1, 1};
-    // Without it FFmpeg writes pHYs of 0:1, which is no shape of a pixel.
+    // Without it FFmpeg writes pHYs of 0:1, an invalid shape.
     encoder->sample_aspect_ratio = {1, 1};
     encoder->thread_count = 1;
     encoder->flags |= AV_CODEC_FLAG_BITEXACT;
     const bool quick = effort == PngEffort::quick;
     if (quick) encoder->compression_level = 3;
     AVDictionary* options = nullptr;
-    const bool is_indexed = frame.format == AV_PIX_FMT_PAL8;  // of which no index foretells the next
+    const bool is_indexed = frame.format == AV_PIX_FMT_PAL8;  // no index predicts the next
     av_dict_set(&options, "pred", is_indexed ? "none" : quick ? "up" : "mixed", 0);
     int status = avcodec_open2(encoder.get(), codec, &options);
     av_dict_free(&options);
@@ -288,7 +288,7 @@ Result<StoredImage> decode_stored_image(std::string bytes, const std::string& wh
     const PictureKind* kind = kind_of(bytes);
     if (!kind && is_git_lfs_pointer(bytes)) return input_error(where + ": " + git_lfs_words);
     if (!kind) return input_error(where + ": is no picture that is read: " + kinds_text());
-    if (kind->decode == decode_coded_image) return decode_coded_image(bytes, where);  // looks for itself
+    if (kind->decode == decode_coded_image) return decode_coded_image(bytes, where);  // obeys a stop
     return decode_unless_stopped(std::move(bytes), where, kind->decode);
 }
 

@@ -43,7 +43,7 @@ template <class Number>
 float as_float(Number number) {
     return static_cast<float>(number);
 }
-/// A number that no float can hold is beyond all that could be touched.
+/// A number beyond the range of float becomes infinite: too far to be touched.
 float as_float(double number) {
     if (std::abs(number) > std::numeric_limits<float>::max())
         return std::copysign(std::numeric_limits<float>::infinity(), static_cast<float>(number > 0 ? 1 : -1));
@@ -54,7 +54,7 @@ const char* order_name(bool big_endian) {
     return big_endian ? "be" : "le";
 }
 
-/// After FFmpeg's names for what is like its formats.
+/// Named like FFmpeg's similar formats.
 std::string number_format_name(const NumberFormat& format) {
     const bool floating = format.kind == NumberFormat::Kind::floating;
     if (!floating && format.bytes == 1) return "gray";
@@ -81,7 +81,7 @@ public:
         rest_.remove_prefix(length);
         return word;
     }
-    /// -1 where the next word is no whole number, or more than nine digits.
+    /// -1 if the next word is no whole number of up to nine digits.
     int number() {
         const std::string_view word = next();
         int value = 0;
@@ -89,7 +89,7 @@ public:
         const bool whole = failure == std::errc() && end == word.data() + word.size() && word.size() <= 9;
         return whole && value >= 0 ? value : -1;
     }
-    /// What follows the one blank that ends a header.
+    /// The data after the one blank that ends a header.
     std::string_view data() const { return rest_.empty() ? rest_ : rest_.substr(1); }
     bool at_blank() const { return !rest_.empty() && is_blank(rest_.front()); }
 
@@ -127,9 +127,9 @@ Result<NetpbmHeader> netpbm_header(NetpbmWords& words, const std::string& where)
     return header;
 }
 
-/// Numbers written as words, in the bytes that a binary file would have: the high one first.
+/// Converts numbers written as words to a binary file's bytes: the high one first.
 Result<std::string> bytes_of_words(NetpbmWords& words, const NetpbmHeader& header, const std::string& where) {
-    // A digit and a blank each.
+    // Each takes a digit and a blank.
     if (words.data().size() / 2 + 1 < header.sample_count()) return cut_picture(where);
     std::string bytes;
     bytes.reserve(header.sample_count() * static_cast<std::size_t>(header.bytes_per_sample()));
@@ -151,7 +151,7 @@ StoredImage grey_picture(std::string_view data, const NetpbmHeader& header, int 
     return std::move(picture).finish(header.channels == 3 ? "ppm" : "pgm");
 }
 
-/// Colour of 16 bits is read where it is grey: red, green and blue the same.
+/// Whether red, green and blue are the same: only then colour of 16 bits is read.
 bool is_grey16(std::string_view data) {
     for (std::size_t at = 0; at < data.size(); at += 6)
         if (data.compare(at, 2, data, at + 2, 2) != 0 || data.compare(at, 2, data, at + 4, 2) != 0)
@@ -181,16 +181,16 @@ Result<StoredImage> netpbm_picture(std::string_view data, const NetpbmHeader& he
 }
 
 constexpr tmsize_t largest_tile = tmsize_t{64} << 20;
-constexpr tmsize_t largest_piece = tmsize_t{256} << 20;  // of memory that libtiff takes at once
+constexpr tmsize_t largest_piece = tmsize_t{256} << 20;  // of one allocation by libtiff
 
 struct CloseTiff {
     void operator()(TIFF* tiff) const { TIFFClose(tiff); }
 };
 
-/// A file as libtiff reads it, and the first that was wrong with it.
+/// A file as libtiff reads it, and the first error in it.
 struct TiffBytes {
     ByteSource& bytes;
-    std::string_view in_memory{};  // the same bytes, where they are in memory
+    std::string_view in_memory{};  // the same bytes, if they are in memory
     toff_t at = 0;
     std::string wrong{};
 };
@@ -237,7 +237,7 @@ void unmap_tiff(thandle_t, void*, toff_t) {}
     if (wrong.empty()) wrong = printable(text, 200);
     return 1;
 }
-/// Unknown tags and the like.
+/// Ignores unknown tags and the like.
 int ignore_warning(TIFF*, void*, const char*, const char*, std::va_list) {
     return 1;
 }
@@ -287,7 +287,7 @@ TiffLayout layout_of(TIFF* tiff) {
     return layout;
 }
 
-/// What of TIFF's many kinds is not read; empty where this one is.
+/// Why a TIFF of this kind is not read; empty if it is.
 std::string refusal_of(const TiffLayout& layout) {
     const auto is = [](const char* what, int number, const char* right) {
         return std::string(what) + " " + std::to_string(number) + ": must be " + right;
@@ -310,7 +310,7 @@ std::string refusal_of(const TiffLayout& layout) {
     return "";
 }
 
-/// Takes pixels where they belong: numbers of grey, or RGB of 8 bits.
+/// Collects pixels: numbers of grey, or RGB of 8 bits.
 class TiffPixels {
 public:
     explicit TiffPixels(const TiffLayout& layout) : layout_(layout) {
@@ -322,7 +322,7 @@ public:
         rgb_ = {width, height, 1, 3, {}};
         rgb_.samples.resize(std::size_t{layout.width} * layout.height * 3);
     }
-    /// `across` is how many pixels a row of them has in memory. False for colour where only grey is read.
+    /// `across`: pixels of a row in memory. False for colour if only grey is read.
     bool put(int x, int y, const char* pixels, int width, int height, int across) {
         const int step = layout_.pixel_bytes();
         const NumberBlock block{pixels, width, height, step, std::ptrdiff_t{step} * across};
@@ -353,7 +353,7 @@ private:
         }
         return true;
     }
-    /// Of 16 bits, red, green and blue the same.
+    /// Whether red, green and blue of 16 bits are the same.
     static bool is_grey(const NumberBlock& block) {
         for (int row = 0; row < block.height; ++row) {
             const char* at = block.first + block.row_step * row;
@@ -406,7 +406,7 @@ TiffOutcome read_rows(TIFF* tiff, const TiffLayout& layout, TiffPixels& pixels) 
 }
 
 Error tiff_damage(const TiffBytes& file, const std::string& where) {
-    if (stop_requested()) return interrupted_error();  // which may be why its bytes did not come
+    if (stop_requested()) return interrupted_error();  // which makes reads fail
     return input_error(where + ": is damaged" + (file.wrong.empty() ? "" : ": " + file.wrong));
 }
 
@@ -416,15 +416,14 @@ Result<TiffLayout> checked_layout(TIFF* tiff, std::uint64_t packed, const std::s
     TRY(check_picture_size(layout.width, layout.height, where));
     if (const std::string refusal = refusal_of(layout); !refusal.empty())
         return input_error(where + ": " + refusal);
-    // Of a page that is one strip its bytes and its picture are in memory at once, the picture mostly as
-    // floats.
+    // A page of one strip and its picture, mostly floats, are in memory at once.
     const auto needed = static_cast<std::uint64_t>(layout.pixel_bytes()) +
                         (layout.bytes() > 2 || layout.format != SAMPLEFORMAT_UINT ? 4 : layout.bytes());
     TRY(check_expansion(std::uint64_t{layout.width} * layout.height * needed, packed, where));
     return layout;
 }
 
-/// The page that libtiff stands at.
+/// Reads the current page of libtiff.
 Result<TiffPixels> tiff_page(TIFF* tiff, const TiffBytes& file, const std::string& where) {
     TRY_ASSIGN(const auto layout, checked_layout(tiff, file.bytes.size(), where));
     TiffPixels pixels(layout);
@@ -441,10 +440,10 @@ Result<TiffPixels> tiff_page(TIFF* tiff, const TiffBytes& file, const std::strin
     return pixels;
 }
 
-/// What tells whether two pages are frames of one clip: the tags that decide how pixels are stored, as the
-/// file has them, so that no page is unpacked to find it out.
+/// The tags that decide how a page's pixels are stored, as the file has them. Pages with the same tags are
+/// frames of one clip; no page is unpacked to find that out.
 struct TiffPage {
-    using Entry = std::pair<std::uint64_t, std::uint64_t>;  // count, and the value where it is a single one
+    using Entry = std::pair<std::uint64_t, std::uint64_t>;  // count, and the value if there is only one
     std::uint64_t at = 0;                                   // of its directory
     std::map<std::uint16_t, Entry> tags{};
     bool is_another_view = false;  // a smaller copy, or a mask of another page
@@ -456,7 +455,7 @@ struct TiffPage {
     }
 };
 
-/// The page whose like are frames: the first, or where that is in colour the first in grey of more than 8
+/// The page that all frames are like: the first, or if that is in colour the first in grey of more than 8
 /// bits, if there is one.
 std::size_t first_frame_of(const std::vector<TiffPage>& pages) {
     if (!pages.front().is_in_colour()) return 0;
@@ -468,7 +467,7 @@ std::size_t first_frame_of(const std::vector<TiffPage>& pages) {
     return depth == pages.end() ? 0 : static_cast<std::size_t>(depth - pages.begin());
 }
 
-/// Walks a TIFF's directories, classic or BigTIFF, without what they lead to.
+/// Walks a TIFF's directories, classic or BigTIFF, without reading what they point to.
 class TiffDirectories {
 public:
     TiffDirectories(ByteSource& bytes, const std::string& where) : bytes_(bytes), where_(where) {}
@@ -480,8 +479,8 @@ public:
         if (begin.size() < (is_wide_ ? 16U : 8U)) return damage();
         std::uint64_t at = number(begin, is_wide_ ? 8 : 4, is_wide_ ? 8 : 4);
         std::vector<TiffPage> found;
-        // Directories do not overlap, so all together are no larger than the file; those that go in a circle
-        // are.
+        // Directories do not overlap, so all together are no larger than the file, unless their list is
+        // circular.
         for (std::uint64_t taken = 0; at != 0;) {
             if (stop_requested()) return interrupted_error();
             TRY_ASSIGN(auto page, page_at(at, taken));
@@ -496,7 +495,7 @@ public:
     }
 
 private:
-    /// Adds its bytes to `taken`.
+    /// Reads a directory; adds its bytes to `taken`.
     Result<TiffPage> page_at(std::uint64_t at, std::uint64_t& taken) {
         const std::size_t wide = is_wide_ ? 8 : 4, count_bytes = is_wide_ ? 8 : 2,
                           entry_bytes = is_wide_ ? 20 : 12;
@@ -549,7 +548,7 @@ private:
     std::uint64_t next_ = 0;
 };
 
-/// The pages of a TIFF, each unpacked when it is asked for.
+/// The pages of a TIFF, each unpacked on demand.
 class TiffStack final : public ImageStack {
 public:
     TiffStack(std::unique_ptr<ByteSource> bytes, std::string where, std::vector<TiffPage> pages,
@@ -591,11 +590,11 @@ private:
         if (TIFFSetSubDirectory(tiff_.get(), pages_[static_cast<std::size_t>(number)].at) != 1)
             return tiff_damage(file_, where);
         const TiffLayout layout = layout_of(tiff_.get());
-        if (layout.width != layout_.width || layout.height != layout_.height)  // a tag that is there twice
+        if (layout.width != layout_.width || layout.height != layout_.height)  // by a duplicate tag
             return tiff_damage(file_, where);
         return tiff_page(tiff_.get(), file_, where);
     }
-    /// Whether integers that may be beyond 16 bits are, in any page.
+    /// Sets floats_ if integers of any page are beyond 16 bits.
     Result<void> find_floats() {
         const NumberFormat format = layout_.numbers();
         const bool codes = format.kind == NumberFormat::Kind::unsigned_integer && format.bytes <= 2;
@@ -617,7 +616,7 @@ private:
     TiffPtr tiff_;  // reads by file_
 };
 
-/// A name with a star for its last run of digits, and the number that it is, without zeros before it.
+/// A name with a star for its last run of digits, and that number, without leading zeros.
 std::pair<std::string, std::string> numbered_name(const std::string& name) {
     constexpr const char* digits = "0123456789";
     const auto last = name.find_last_of(digits);
@@ -639,8 +638,8 @@ bool has_any(const std::string& name, std::initializer_list<std::string_view> wo
                                [&](std::string_view word) { return name.find(word) != std::string::npos; });
 }
 
-/// Whether a name tells of something else than depth. Names with depth in them may have words of colour and
-/// cameras, too: depth_image, camera_depth.
+/// Whether a name means something else than depth. Names with depth in them may also have words for colour
+/// and cameras: depth_image, camera_depth.
 bool names_no_depth(const NamedArray& array) {
     const std::string name = short_name(array);
     const bool has_normal = name.find("normal") != std::string::npos && !has_any(name, {"normali"});
@@ -650,9 +649,8 @@ bool names_no_depth(const NamedArray& array) {
                           "c2w", "w2c", "point", "xyz", "label", "segm", "semantic", "instance", "_ids"});
 }
 
-/// Those of one picture each, of one size and type, whose names differ by a number alone, in the order of
-/// their numbers. Empty where not all are of one such row, or where of several rows not one alone has depth
-/// in its name.
+/// Arrays of one picture each, of one size and type, whose names differ only by a number, in the order of the
+/// numbers. Empty unless all are in one such row, or one row of several has depth in its name.
 std::vector<std::size_t> row_among(std::span<const NamedArray> arrays,
                                    const std::vector<std::size_t>& places) {
     std::map<std::string, std::vector<std::size_t>> rows;
@@ -709,7 +707,7 @@ Result<std::vector<std::size_t>> depth_among(std::span<const NamedArray> arrays,
         if (std::ranges::count_if(places, fits) == 1) return std::vector{*std::ranges::find_if(places, fits)};
     }
     if (auto row = row_among(arrays, places); !row.empty() || places.empty()) return row;
-    // Where any is named depth, those alone.
+    // If any is named depth, only those.
     std::vector<NamedArray> several;
     for (const std::size_t place : places) several.push_back(arrays[place]);
     if (std::ranges::any_of(several, has_depth_in_name))
@@ -805,7 +803,7 @@ void NumberPicture::put(int x, int y, const NumberBlock& block) {
 
 StoredImage NumberPicture::finish(const std::string& codec, bool floats_anyway) && {
     constexpr bool host_is_big = std::endian::native == std::endian::big;
-    if (!is_whole_) {  // of which nothing is asked any more
+    if (!is_whole_) {  // stopped: the result is not used
         StoredImage none;
         none.image = {1, 1, 1, 1, {0}};
         return none;

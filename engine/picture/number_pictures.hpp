@@ -26,13 +26,13 @@ struct NumberFormat {
     bool big_endian = false;
 };
 
-/// The pictures of an array: height x width, or a stack, count x height x width; also with 1 behind it, and
-/// with 1 in any place before height.
+/// The pictures of an array: height x width, or a stack, count x height x width; also with a last extent of
+/// 1, and with extents of 1 before height.
 struct ArrayPictures {
     std::int64_t count = 1;
     int width = 0, height = 0;
 };
-/// Those of an array with these extents. An array of others is refused, and of sides beyond
+/// The pictures of an array with these extents. Refuses other shapes, and sides beyond
 /// `largest_picture_side`.
 Result<ArrayPictures> pictures_of_array(const std::vector<std::int64_t>& extents, const std::string& where);
 /// "3x480x640".
@@ -40,30 +40,29 @@ std::string shape_text(const std::vector<std::int64_t>& extents);
 
 /// An array of a file that has several: a data set of HDF5, or a member of a .npz.
 struct NamedArray {
-    std::string name;  ///< of HDF5 a path, whose last part counts
+    std::string name;  ///< in HDF5 a path, whose last part counts
     std::vector<std::int64_t> shape;
-    std::optional<NumberFormat> format;  ///< nothing: it has no numbers that are read
+    std::optional<NumberFormat> format;  ///< nullopt: it has no numbers that are read
     bool is_boolean = false;
 
     std::string in_words() const { return printable(name) + " of " + shape_text(shape); }
 };
 /// Whether the last part of its name has the word depth.
 bool has_depth_in_name(const NamedArray& array);
-/// Whether it tells of each pixel whether its depth holds, by its name: a confidence, a mask.
+/// Whether it is, by name or type, a confidence or a mask of depth.
 bool is_trust_of_depth(const NamedArray& array);
-/// Whether it may be depth by its name, its shape and its numbers: no colour, camera, normals, trust of
-/// depth, and no table, which is narrow and not named depth.
+/// Whether it may be depth by its name, its shape and its numbers: not colour, camera, normals, confidence or
+/// mask, and not a narrow table, unless that is named depth.
 bool may_be_depth(const NamedArray& array);
-/// The places of those that are depth. One: the only one named depth; else the only one whose name begins so;
+/// The places of depth's arrays. One: the only one named depth; else the only one whose name begins with it;
 /// else the only one with depth in its name; else the only one that may be depth. Several: a row of one
 /// picture each, of one size and type, whose names differ by a number alone, in the order of their numbers.
-/// Empty where none may be depth. The error of several begins with "has", and calls each a `what`.
+/// Empty if none may be depth. The error of several begins with "has", and calls each a `what`.
 Result<std::vector<std::size_t>> depth_among(std::span<const NamedArray> arrays, const std::string& what);
-/// At most eight of them, in words.
+/// Names of at most eight arrays, in words.
 std::string some_of(std::span<const NamedArray> arrays);
 
-/// Numbers in memory, with the bytes from one to the next of its row and of its column, which may be
-/// negative.
+/// Numbers in memory, with the bytes to the next number of a row and of a column, which may be negative.
 struct NumberBlock {
     const char* first;
     int width, height;
@@ -73,16 +72,16 @@ struct NumberBlock {
 /// A picture that is filled with numbers block by block.
 class NumberPicture {
 public:
-    /// No side is larger than `largest_picture_side`. Where it is asked to stop meanwhile it takes no
-    /// numbers, and is one pixel when it is finished.
+    /// Sides are `largest_picture_side` at most. After a stop meanwhile it takes no numbers, and finishes as
+    /// one pixel.
     NumberPicture(int width, int height, const NumberFormat& format);
-    /// With its upper left number at x, y. The block lies within the picture.
+    /// Puts the block's upper left number at x, y. The block lies within the picture.
     void put(int x, int y, const NumberBlock& block);
     /// Whether all numbers so far are stored as they are: integers from 0 to 65535.
     bool has_codes() const { return codes_; }
-    /// Unsigned integers of 8 and 16 bits as they are. Other integers become 16 bits where all fit, and else
-    /// floats, which floating numbers are in any case, rounded to the nearest. Unfinished where it is asked
-    /// to stop meanwhile.
+    /// Unsigned integers of 8 and 16 bits stay as they are. Other integers become 16 bits if all fit and not
+    /// `floats_anyway`, otherwise floats; floating numbers become floats, rounded to the nearest. Unfinished
+    /// if a stop comes meanwhile.
     StoredImage finish(const std::string& codec, bool floats_anyway = false) &&;
 
 private:
@@ -97,7 +96,7 @@ private:
     bool codes_, is_whole_ = false;
 };
 
-/// PGM and PPM, binary (P5, P6) and text (P2, P3). Samples are as stored, however large the greatest may be.
+/// PGM and PPM, binary (P5, P6) and text (P2, P3). Samples stay as stored, whatever the greatest value.
 Result<StoredImage> decode_netpbm(std::string_view bytes, const std::string& where);
 
 /// PFM with one float a pixel ("Pf"), of either byte order. Its scale is not multiplied in.
@@ -105,8 +104,9 @@ Result<StoredImage> decode_pfm(std::string_view bytes, const std::string& where)
 
 bool is_tiff(std::string_view begin);
 
-/// The first page: grey of integers or floats of 8 to 64 bits, colour of 8 (of 16 where it is grey). Other
-/// samples of a pixel, such as alpha, are dropped.
+/// The first page, or if that is in colour the first in grey of more than 8 bits, if any: grey of integers or
+/// floats of 8 to 64 bits, colour of 8 (of 16 if it is grey). Further samples of a pixel, such as alpha, are
+/// dropped.
 Result<StoredImage> decode_tiff(std::string_view bytes, const std::string& where);
 
 bool is_npy(std::string_view begin);
@@ -114,23 +114,23 @@ bool is_npy(std::string_view begin);
 Result<StoredImage> decode_npy(std::string_view bytes, const std::string& where);
 
 bool is_npz(std::string_view begin);
-/// The same of a .npz file, which is a zip archive of .npy files: of the array that depth is read from.
+/// The same for a .npz file, a zip archive of .npy files: the array that depth is read from.
 Result<StoredImage> decode_npz(std::string_view bytes, const std::string& where);
 
 /// A data set of an HDF5 file, as h5ls (-r -v) lists it.
 struct Hdf5DataSet {
     std::string path;                      ///< from the root on: "/data/demo_0/obs/depth"
     std::vector<std::int64_t> shape{};     ///< each extent 2^31 at most
-    std::optional<NumberFormat> format{};  ///< nothing: it has no numbers of 8 to 64 bits
+    std::optional<NumberFormat> format{};  ///< nullopt: it has no numbers of 8 to 64 bits
     std::string type{};                    ///< h5ls's words for it
     std::string packed_by{};               ///< h5ls's words for its filters
     bool is_elsewhere = false;             ///< its numbers are in other files
 };
-/// All that are arrays, in their order. A listing in which a name is twice, or in no group, is refused.
+/// All data sets that are arrays, in order. Refuses a listing with a name twice, or in no group.
 Result<std::vector<Hdf5DataSet>> hdf5_data_sets(std::string_view listing);
 
 bool is_hdf5(std::string_view begin);
-/// HDF5 is read from its file alone (open_hdf5_stack).
+/// Refuses: HDF5 is only read as a file (open_hdf5_stack).
 Result<StoredImage> refuse_hdf5(std::string_view bytes, const std::string& where);
 
 }  // namespace touchable

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view npy_magic = "\x93NUMPY";
 
-/// What a file of NumPy's format 1.0 to 3.0 says before its data.
+/// The header of a file in NumPy's format 1.0 to 3.0.
 struct NpyHeader {
     NumberFormat format;
     bool columns_first = false;  ///< Fortran order: the first index runs fastest
@@ -24,7 +24,7 @@ struct NpyHeader {
     std::size_t data_at = 0;  ///< bytes before the data
 };
 
-/// The few of Python's literals of which a header consists.
+/// Parses the few Python literals of a header.
 class PythonText {
 public:
     explicit PythonText(std::string_view text) : rest_(text) {}
@@ -134,7 +134,7 @@ Result<NpyHeader> header_of_text(std::string_view dictionary, const std::string&
     return header;
 }
 
-/// Every extent of the shape is at most 2^31.
+/// Every extent of the header's shape is at most 2^31.
 Result<NpyHeader> read_npy_header(ByteSource& bytes, const std::string& where) {
     char begin[12] = {};
     if (bytes.size() < sizeof begin) return damaged_header(where);
@@ -153,26 +153,25 @@ Result<NpyHeader> read_npy_header(ByteSource& bytes, const std::string& where) {
     return header;
 }
 
-/// One member that is an array.
+/// A member that is an array.
 struct NpzArray {
     std::string name;  // without ".npy"
     ZipMember member;
     std::uint64_t size;
-    std::optional<NpyHeader> header{};  // of what can be read
-    bool is_possible = true;            // that so many bytes are packed in those of the file
+    std::optional<NpyHeader> header{};  // if it can be read
+    bool is_possible = true;            // it can unpack to its stated size
 };
 
 /// A .npy file inside a .npz file, which is a zip archive.
 struct NpzMember {
     std::unique_ptr<ByteSource> bytes;  ///< keeps the archive open
     std::string where;                  ///< both names, as messages begin
-    std::string array{};                ///< its name; empty: the file is of one array alone
-    /// Arrays of as many pictures of the same size that tell where depth holds; empty: there is none.
+    std::string array{};                ///< its name; empty: the file is a single array
+    /// Names of arrays of as many pictures of the same size that rate depth; empty: none.
     std::string confidence{}, mask{};
-    /// The arrays of one picture each that are frames together, in the place of `bytes`; empty: there are
-    /// none.
+    /// Arrays of one picture each, which are the frames in place of `bytes`; empty: none.
     std::vector<NpzArray> row{};
-    ZipArchive archive{};    ///< of all that are named
+    ZipArchive archive{};    ///< of all named arrays
     std::string left_out{};  ///< ImageStack
     std::vector<SmallArray> small_arrays{};
 };
@@ -210,7 +209,7 @@ double number_in(const char* bytes, const NumberFormat& format) {
     return static_cast<double>(static_cast<std::int64_t>(bits << unused) >> unused);
 }
 
-/// Those with numbers that can be read: not half floats, not in Fortran order.
+/// Small arrays with readable numbers, not in Fortran order; half floats become NaN.
 std::vector<SmallArray> small_arrays_of(const ZipArchive& archive, const std::vector<NpzArray>& arrays) {
     constexpr std::uint64_t most_numbers = 65536;
     constexpr std::size_t most_arrays = 64;
@@ -248,14 +247,14 @@ std::vector<NamedArray> named_arrays(const std::vector<NpzArray>& arrays) {
     return named;
 }
 
-/// Cameras' matrices, or as many of them.
+/// Whether the shape is that of a camera's matrix, or of several.
 bool is_of_matrices(const std::vector<std::int64_t>& shape) {
     const std::size_t sides = shape.size();
     if (sides < 2 || sides > 3 || shape[sides - 1] != shape[sides - 2]) return false;
     return shape[sides - 1] == 3 || shape[sides - 1] == 4;
 }
 
-/// Those that are depth: one, or a row of one picture each.
+/// The places of depth's arrays: one, or several of one picture each.
 Result<std::vector<std::size_t>> depth_places(const std::vector<NamedArray>& arrays,
                                               const std::string& wanted) {
     if (!wanted.empty()) {
@@ -275,14 +274,14 @@ Result<std::vector<std::size_t>> depth_places(const std::vector<NamedArray>& arr
     return places;
 }
 
-/// Whether an array is of as many pictures of the same size.
+/// Whether an array has as many pictures as depth, of the same size.
 bool is_of_same_pictures(const NamedArray& array, const NamedArray& depth) {
     const auto own = pictures_of_array(array.shape, ""), other = pictures_of_array(depth.shape, "");
     return array.format && own && other && own->count == other->count && own->width == other->width &&
            own->height == other->height;
 }
 
-/// Finds the confidence and the mask of depth, and says what else may be depth, or tells where it holds.
+/// Finds depth's confidence and mask, and lists other arrays that may be depth, confidence or mask.
 void find_beside(const std::vector<NamedArray>& arrays, const NamedArray& depth, NpzMember& found) {
     const auto has = [](const NamedArray& array, const char* word) {
         return small_letters(array.name).find(word) != std::string::npos;
@@ -297,7 +296,7 @@ void find_beside(const std::vector<NamedArray>& arrays, const NamedArray& depth,
         if (has(*array, "conf")) confidences.push_back(array);
         if (is_byte && (name == "valid" || name == "valid_mask" || name == "mask")) masks.push_back(array);
     }
-    // A confidence of this name is depth's own, so one of other pictures is refused when it is read.
+    // A confidence of this name is depth's own, so one with other pictures is refused when read.
     for (const NamedArray& array : arrays)
         if (&array != &depth && array.format && (array.name == "conf" || array.name == "confidence"))
             confidences = {&array};
@@ -344,7 +343,7 @@ Result<NpzMember> depth_member_of(ZipArchive archive, const std::string& where, 
     return found;
 }
 
-/// The array that depth is read from. Messages begin with `where`.
+/// Opens the array that depth is read from. Messages begin with `where`.
 Result<NpzMember> open_npz(std::unique_ptr<ByteSource> bytes, const std::string& where,
                            const std::string& wanted = {}) {
     TRY_ASSIGN(auto archive, open_zip(std::move(bytes), most_members, where));
@@ -353,7 +352,7 @@ Result<NpzMember> open_npz(std::unique_ptr<ByteSource> bytes, const std::string&
 
 constexpr std::size_t npy_block = std::size_t{1} << 20;
 
-/// Of pixel k, row by row. What is no number is least.
+/// The number of pixel k, row by row; NaN counts as the lowest.
 float number_at(const StoredImage& picture, std::size_t k) {
     if (picture.values.empty()) {
         const PlaneView codes = picture.image.view();
@@ -370,8 +369,7 @@ std::size_t pixels_of(const StoredImage& picture) {
 
 class NpyStack final : public ImageStack {
 public:
-    /// Of the bytes of a .npy file, which may be of booleans where it is a `mask`; messages begin with
-    /// `where`.
+    /// Opens a .npy file's bytes; booleans are allowed if `is_mask`. Messages begin with `where`.
     static Result<NpyStack> of(std::unique_ptr<ByteSource> bytes, std::string where, bool is_mask = false) {
         TRY_ASSIGN(auto header, read_npy_header(*bytes, where));
         if (header.is_boolean && !is_mask) return unknown_type("|b1", where);
@@ -416,7 +414,7 @@ public:
     /// All pictures become floats.
     void use_floats() { floats_ = true; }
 
-    /// Where `confidence` is below `least` there is no depth. Refused where it is of other pictures.
+    /// Removes depth where `confidence` is below `least`. Refused if its pictures differ in number or size.
     Result<void> trust(NpyStack confidence, std::optional<double> least) {
         if (confidence.count() != count() || confidence.width() != width() || confidence.height() != height())
             return input_error(confidence.where_ + ": is of " + std::to_string(confidence.count()) +
@@ -437,8 +435,8 @@ public:
         return {};
     }
 
-    /// Where `mask` is 0 there is no depth, if it is of 0 and 1 and most of its first picture is 1; otherwise
-    /// it is another mask than depth's, and is not taken.
+    /// Removes depth where `mask` is 0, if it has only 0 and 1, and 1 in most of its first picture; otherwise
+    /// it is not depth's mask: returns false.
     Result<bool> take_mask(NpyStack mask) {
         TRY_ASSIGN(const auto first, mask.image(0));
         const auto& samples = first.image.samples;
@@ -449,7 +447,7 @@ public:
     }
 
 private:
-    /// Takes depth away where `trust`'s picture of the same number is below `least`.
+    /// Removes depth where `trust`'s picture of the same number is below `least`.
     static Result<void> drop(StoredImage& image, NpyStack& trust, std::int64_t number, double least) {
         TRY_ASSIGN(const auto numbers, trust.image(number));
         const auto bytes = static_cast<std::size_t>(image.image.bytes_per_sample);
@@ -484,7 +482,7 @@ private:
         return {};
     }
 
-    /// Whether integers that may be beyond 16 bits are, in any picture.
+    /// Sets floats_ if integers of any picture are beyond 16 bits.
     Result<void> find_floats() {
         const bool codes =
             header_.format.kind == NumberFormat::Kind::unsigned_integer && header_.format.bytes <= 2;
@@ -569,7 +567,7 @@ private:
         const NpzArray& own = row_[static_cast<std::size_t>(number)];
         return NpyStack::of(unpacked(archive_, own), where_ + ": " + printable(own.name));
     }
-    /// Whether integers that may be beyond 16 bits are, in any picture.
+    /// Sets floats_ if integers of any picture are beyond 16 bits.
     Result<void> find_floats() {
         const NumberFormat& format = row_.front().header->format;
         const bool codes = format.kind == NumberFormat::Kind::unsigned_integer && format.bytes <= 2;
@@ -598,7 +596,7 @@ Result<StoredImage> only_image(Result<NpyStack> stack, const std::string& where)
                        ": must be one picture here");
 }
 
-/// What a member is read as, one array alone.
+/// The stack of a member that is one array.
 Result<NpyStack> stack_of(NpzMember member, const std::string& file, std::optional<double> least_confidence) {
     TRY_ASSIGN(auto stack, NpyStack::of(std::move(member.bytes), member.where));
     stack.leave_out(member.left_out);

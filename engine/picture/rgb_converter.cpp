@@ -11,16 +11,16 @@ namespace {
 
 using YuvFactors = RgbConverter::YuvFactors;
 
-// Loops over plain arrays, which become vectors by themselves: a word for each pixel, then its three bytes.
+// Loops over plain arrays, which the compiler vectorises: a word for each pixel, then its three bytes.
 
-/// So many pixels at once, whose words stay in the nearest cache.
+/// Pixels converted at once, whose words stay in the nearest cache.
 constexpr int chunk = 512;
 
-/// The lower three bytes of each word.
+/// Stores the lower three bytes of each word.
 [[gnu::always_inline]] inline void store_words(const std::uint32_t* words, int count, std::uint8_t* rgb) {
     using Bytes = std::uint8_t __attribute__((vector_size(16)));
     int x = 0;
-    // Four pixels are stored with four bytes beyond them, where the next ones come.
+    // Four pixels are stored with four more bytes, which the next ones overwrite.
     for (; x + 8 <= count; x += 4) {
         Bytes four;
         std::memcpy(&four, words + x, sizeof(four));
@@ -46,7 +46,7 @@ void make_row(VectorUnit unit, int width, std::uint8_t* rgb, const WordsOf& word
         });
 }
 
-/// Sums as swscale has them: of 32 bits, which colours that cannot be seen go beyond, and are black then.
+/// Clamps a sum as swscale does: in 32 bits, which invisible colours exceed; these become black.
 [[gnu::always_inline]] inline std::uint32_t channel_of(int sum) {
     const int value = static_cast<int>(static_cast<std::uint32_t>(sum) << 6) >> 22;
     const int positive = value < 0 ? 0 : value;
@@ -59,7 +59,7 @@ struct ChromaRow {
     explicit ChromaRow(int width) : u(static_cast<std::size_t>(width)), v(static_cast<std::size_t>(width)) {}
 };
 
-/// A pixel's is nearer to one sample than to the other.
+/// Interpolates chroma for pixels, each nearer to one sample than to the other.
 [[gnu::always_inline]] inline void widen(const std::uint8_t* __restrict samples, int count,
                                          std::int16_t* __restrict quarters) {
     quarters[0] = static_cast<std::int16_t>(4 * samples[0]);
@@ -71,7 +71,7 @@ struct ChromaRow {
     quarters[2 * count - 1] = static_cast<std::int16_t>(4 * samples[count - 1]);
 }
 
-/// The mean of two rows of u and v, which may be the same.
+/// Takes the mean of two rows of u and v, which may be the same.
 [[gnu::always_inline]] inline void make_words(const std::uint8_t* __restrict y, const ChromaRow& above,
                                               const ChromaRow& below, const YuvFactors& factors, int from,
                                               int count, std::uint32_t* __restrict words) {
@@ -176,7 +176,7 @@ bool RgbConverter::is_set_up_for(const AVFrame& frame) const {
 }
 
 bool RgbConverter::set_up_for(const AVFrame& frame) {
-    format_ = AV_PIX_FMT_NONE;  // nothing is set up where this fails
+    format_ = AV_PIX_FMT_NONE;  // nothing is set up if this fails
     scaler_.reset();
     factors_.reset();
     if (is_yuv420(frame))

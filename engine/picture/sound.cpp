@@ -15,8 +15,8 @@ namespace touchable {
 
 namespace {
 
-/// A file of a kind that may have sound: Matroska, QuickTime and MP4, WAV. Null where it is of another, or is
-/// no ordinary file.
+/// Opens a file of a kind that may have sound: Matroska, QuickTime and MP4, WAV. Null for others, and if it
+/// is no ordinary file.
 InputPtr open_sound_container(const std::filesystem::path& file) {
     auto bytes = bytes_of_file(file);
     if (!bytes) return nullptr;
@@ -26,8 +26,8 @@ InputPtr open_sound_container(const std::filesystem::path& file) {
     return container ? std::move(*container) : nullptr;
 }
 
-/// Seconds at which the clip's first frame is shown, which is when its sound begins to count: 0 where there
-/// is none near the file's begin. Goes on through the file.
+/// Seconds at which the clip's first frame is shown, time 0 of its sound; 0 if no frame is near the file's
+/// begin. Reads on in the file.
 double begin_of_pictures(AVFormatContext& container, AVPacket& packet) {
     constexpr int most_packets = 1000;
     const int pictures = av_find_best_stream(&container, AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
@@ -48,13 +48,12 @@ void leave_out_all_but(int stream, AVFormatContext& container) {
         if (static_cast<int>(k) != stream) container.streams[k]->discard = AVDISCARD_ALL;
 }
 
-/// Where times in the file say otherwise by less, samples follow each other without a gap.
+/// If times in the file differ by less, samples follow each other without a gap.
 constexpr std::int64_t tolerance = SoundTrack::rate / 50;
 constexpr int most_faults = 1000;
-constexpr double farthest_s = 1e9;  // a time beyond is none
+constexpr double farthest_s = 1e9;  // later times are ignored
 constexpr std::int64_t longest_frame = std::int64_t{SoundTrack::rate} * 10;
-/// Of what is recorded anywhere. The tables of a resampler grow with the rate that a file claims, to
-/// gigabytes.
+/// Highest rate in use. The tables of a resampler grow with the rate that a file claims, to gigabytes.
 constexpr int highest_rate = 768'000;
 
 struct ResamplerDeleter {
@@ -80,7 +79,7 @@ public:
         constexpr double before_s = 0.1;
         const double seconds = begin_s_ + static_cast<double>(sample) / rate - before_s;
         const auto timestamp = static_cast<std::int64_t>(std::floor(seconds / av_q2d(stream_.time_base)));
-        // A file without a way there is read on from where it is.
+        // If the file offers no way there, reading goes on from where it is.
         if (av_seek_frame(container_.get(), stream_.index, timestamp, AVSEEK_FLAG_BACKWARD) < 0)
             (void)av_seek_frame(container_.get(), stream_.index, timestamp, 0);  // before the first
         avcodec_flush_buffers(decoder_.get());
@@ -134,14 +133,14 @@ private:
                 return;
             }
         } while (packet_->stream_index != stream_.index);
-        // What cannot be decoded is left out; the times of what follows make up for it.
+        // Packets that cannot be decoded are left out; later times make up for them.
         if (avcodec_send_packet(decoder_.get(), packet_.get()) < 0) note_fault();
     }
 
-    /// After a jump a decoder may lack what came before, which is no damage.
+    /// After a seek a decoder may lack earlier packets, which is no damage.
     void note_fault() { is_damaged_ = is_damaged_ || next_.has_value(); }
 
-    /// Resamples the frame, and leaves out what is no longer waited for.
+    /// Resamples the frame, and drops samples before `wanted_`.
     void take() {
         decoded_ = resampled();
         const auto stated = sample_of(*frame_);
@@ -162,7 +161,7 @@ private:
         return std::llround(seconds * rate);
     }
 
-    /// Of the decoded frame; nothing where it is of a kind that cannot be.
+    /// The decoded frame, resampled; empty if its kind is not supported.
     std::vector<StereoSample> resampled() {
         if (!resampler_ || frame_->sample_rate != from_rate_ || frame_->format != from_format_ ||
             frame_->ch_layout.nb_channels != from_channels_)
@@ -202,10 +201,10 @@ private:
     FramePtr frame_;
     ResamplerPtr resampler_;
     int from_rate_ = 0, from_format_ = -1, from_channels_ = 0;
-    std::int64_t wanted_ = 0;           // that is read next
-    std::optional<std::int64_t> next_;  // that the next frame begins with, unless it says otherwise
+    std::int64_t wanted_ = 0;           // sample that is read next
+    std::optional<std::int64_t> next_;  // that of the next frame, unless it states another
     std::vector<StereoSample> decoded_;
-    std::int64_t begin_ = 0;  // that they begin with
+    std::int64_t begin_ = 0;  // sample that decoded_ begins with
     bool ended_ = false, is_damaged_ = false;
     int faults_ = 0;  // of the decoder since the last seek
 };
@@ -228,7 +227,7 @@ public:
         begin_ms_ = begin_s * 1000 + static_cast<double>(sound.from_ns) * 1e-6;
         length_ms_ = static_cast<double>(sound.to_ns - sound.from_ns) * 1e-6;
         leave_out_all_but(stream, *container_);
-        // What a file without an index holds before is read past.
+        // In a file without an index earlier packets are skipped.
         const double begin_ticks = begin_ms_ * 0.001 / av_q2d(stream_.time_base);
         if (av_seek_frame(container_.get(), stream, std::llround(begin_ticks), AVSEEK_FLAG_BACKWARD) < 0)
             (void)av_seek_frame(container_.get(), stream, 0, 0);
@@ -243,7 +242,7 @@ public:
     }
 
 private:
-    /// One packet of any stream: into `ahead_` if it is heard in the stretch.
+    /// Reads a packet of any stream, into `ahead_` if it is heard in the stretch.
     Result<void> read_one() {
         Packet packet(av_packet_alloc());
         if (!packet) return memory_error();
@@ -255,7 +254,7 @@ private:
         if (packet->stream_index != stream_.index || packet->pts == AV_NOPTS_VALUE) return {};
         const double to_ms = 1000 * av_q2d(stream_.time_base);
         const double at_ms = static_cast<double>(packet->pts) * to_ms - begin_ms_;
-        // Rounded, what begins with the first frame may be half a millisecond early.
+        // Rounding may put a packet half a millisecond before the first frame.
         if (at_ms < -0.5) return {};
         ended_ = at_ms >= length_ms_;
         if (ended_) return {};

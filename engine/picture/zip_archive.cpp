@@ -16,10 +16,10 @@ struct CloseMember {
     void operator()(zip_file_t* member) const { zip_fclose(member); }
 };
 
-/// An archive's own bytes, as libzip calls for them.
+/// Serves an archive's bytes to libzip.
 class ArchiveBytes : NonCopyable {
 public:
-    /// `most_read`: bytes that are read before `allow_all`.
+    /// `most_read`: bytes that may be read before `allow_all`.
     ArchiveBytes(std::unique_ptr<ByteSource> bytes, zip_uint64_t most_read)
         : bytes_(std::move(bytes)), left_(most_read) {
         zip_error_init(&error_);
@@ -89,7 +89,7 @@ private:
     zip_error_t error_;
 };
 
-/// What an archive's member unpacks to. A step back begins again.
+/// A member's unpacked bytes. Reading backward unpacks from the beginning again.
 class UnpackedBytes final : public ByteSource {
 public:
     UnpackedBytes(ZipArchive archive, const ZipMember& member)
@@ -106,7 +106,7 @@ public:
         while (position_ < at) TRY(take(passed, std::min<std::uint64_t>(at - position_, sizeof passed)));
         TRY(take(to, count));
         if (position_ < size_) return {};
-        // Only behind its last byte is a member's sum compared.
+        // libzip checks a member's checksum only after its last byte.
         const zip_int64_t more = zip_fread(member_.get(), passed, 1);
         if (more < 0) return damage();
         return more == 0 ? Result<void>{} : input_error("is damaged: unpacks to more than it states");
@@ -131,7 +131,7 @@ private:
     std::unique_ptr<zip_file_t, CloseMember> member_;
 };
 
-/// Whether a member's attributes say that it is an ordinary file; where they say nothing, it is.
+/// Whether a member's attributes say that it is an ordinary file; true if they do not tell.
 bool is_ordinary(zip_t* archive, zip_uint64_t index) {
     zip_uint8_t system = 0;
     zip_uint32_t attributes = 0;
@@ -145,7 +145,7 @@ bool is_ordinary(zip_t* archive, zip_uint64_t index) {
 
 Result<ZipArchive> open_zip(std::unique_ptr<ByteSource> bytes, std::uint64_t most_members,
                             const std::string& where) {
-    // A member takes 46 bytes of the directory, and its name; the directory's end is sought in the last ones.
+    // A member takes 46 bytes of the directory, and its name; the directory ends in the last bytes.
     constexpr std::uint64_t usual_member = 512, for_the_end = std::uint64_t{1} << 20;
     zip_error_t failure;
     zip_error_init(&failure);

@@ -3,7 +3,7 @@
 // ZIP archives, read by libzip: their members, and the bytes of each, unpacked as they are read.
 //
 // What an archive states is not trusted: its directory is read up to a bound, and a member gives no more
-// bytes than it states. Errors are lines about the file. An archive and its members are one thread's.
+// bytes than it states. Errors are lines about the file. An archive and its members are used by one thread.
 
 #include <cstdint>
 #include <memory>
@@ -19,7 +19,7 @@ namespace touchable {
 
 using ZipArchive = std::shared_ptr<zip>;
 
-/// Refused where it is damaged, or has more than `most_members` members. Messages begin with `where`.
+/// Refused if it is damaged, or has more than `most_members` members. Messages begin with `where`.
 Result<ZipArchive> open_zip(std::unique_ptr<ByteSource> bytes, std::uint64_t most_members,
                             const std::string& where);
 
@@ -30,14 +30,14 @@ struct ZipMember {
     bool is_file = true;                 ///< neither a folder nor a link nor a device
     bool is_encrypted = false;
 
-    /// Whether that many packed bytes can stand for that many: deflate makes at most 1032 of one.
+    /// Whether `packed` bytes can unpack to `size`: deflate makes at most 1032 bytes of one.
     bool is_possible() const { return size / 1032 <= packed; }
 };
-/// Those that state a name and a size.
+/// Members that state a name and a size.
 std::vector<ZipMember> zip_members(const ZipArchive& archive);
 
-/// What a member unpacks to. Errors do not name it. A step back begins again. After its last byte its sum is
-/// compared.
+/// A member's unpacked bytes. Errors do not name it. Reading backward unpacks from the beginning again. The
+/// checksum is verified after the last byte.
 std::unique_ptr<ByteSource> unpacked_member(const ZipArchive& archive, const ZipMember& member);
 
 }  // namespace touchable

@@ -54,7 +54,7 @@ std::int64_t even_frame(const FrameRate& rate, std::int64_t time_ns) {
     return static_cast<std::int64_t>(quotient);
 }
 
-/// Numbers of a line with spaces or commas between them, at most so many and one more; nothing where there is
+/// Returns the numbers of a line, which spaces or commas separate; nullopt if there are more than `most`, or
 /// anything else.
 std::optional<std::vector<double>> numbers_of_line(std::string_view line, std::size_t most) {
     std::vector<double> numbers;

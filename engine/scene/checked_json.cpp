@@ -13,8 +13,7 @@ namespace {
 /// Deeper than any text of ours; the library writes values by recursion.
 constexpr std::size_t deepest_nesting = 16;
 
-/// Reads characters for the parser and leaves behind how far it has come, which the parser itself does not
-/// tell.
+/// Feeds characters to the parser and records how far it has come, which the parser itself does not tell.
 struct CountingIterator {
     using iterator_category = std::input_iterator_tag;
     using value_type = char;
@@ -39,12 +38,12 @@ std::string position(std::string_view text, const char* at) {
     return "line " + std::to_string(line) + ", byte " + std::to_string(at - text.data());
 }
 
-/// On one line whatever its bytes, and not longer than a person reads.
+/// The value on one line, whatever its bytes, and short enough to read.
 std::string shown(const Json& value) {
     return printable(value.dump(-1, ' ', true, Json::error_handler_t::replace), 60);
 }
 
-/// Looks at a text without making anything of it, and keeps what is wrong with it.
+/// Checks a text without making values of it, and keeps the fault that it finds.
 class Watch final : public nlohmann::json_sax<Json> {
 public:
     Watch(std::string_view text, const char* const& furthest) : text_(text), furthest_(furthest) {}
@@ -103,7 +102,7 @@ private:
 
     const std::string_view text_;
     const char* const& furthest_;                 // how far the parser has come
-    std::vector<std::set<std::string>> members_;  // of each object around that place; of a list none
+    std::vector<std::set<std::string>> members_;  // of each open object; empty for a list
     std::string fault_;
 };
 
@@ -112,8 +111,8 @@ private:
 Json parse(std::string_view text, std::size_t largest) {
     if (text.size() > largest)
         throw Refusal{"is more than " + std::to_string(largest) + " bytes of text: must be less"};
-    // First whether it will do. (The library's own way to look on while it makes values takes time that grows
-    // with the square of a list's length.)
+    // First check the text. (The library's own callback while it makes values takes time that grows with the
+    // square of a list's length.)
     const char* furthest = text.data();
     Watch watch(text, furthest);
     Json::sax_parse(CountingIterator{text.data(), &furthest},

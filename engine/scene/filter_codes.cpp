@@ -6,15 +6,15 @@ namespace touchable {
 
 namespace {
 
-/// Thus three of them have 16 bits.
+/// Three coefficients together fit 16 bits.
 constexpr double most_coefficient = 65535 / 3;
 
-/// What is no number, of planes at the end of what doubles can tell, is the most.
+/// NaN, from planes at the limits of doubles, becomes the largest coefficient.
 std::uint16_t coefficient(double value) {
     return static_cast<std::uint16_t>(std::floor(std::min(most_coefficient, value) + 0.5));
 }
 
-/// A length in codes, t being the share of the largest distance: constant + linear t + quadratic t^2.
+/// A length in codes at the share t of the largest distance: constant + linear t + quadratic t^2.
 struct Polynomial {
     double constant, linear, quadratic;
 };
@@ -24,7 +24,7 @@ Polynomial squared(double of, double a, double b) {
     return {of * a * a, of * 2 * a * b, of * b * b};
 }
 
-/// Of log codes no polynomial is exact: this one is at both planes and in the middle between them.
+/// No polynomial is exact for log codes; this one is at both planes and in the middle between them.
 std::optional<Polynomial> length_in_log_codes(const DepthCoding& coding, const DepthLength& length,
                                               int last) {
     const double way = coding.log_span();
@@ -37,7 +37,7 @@ std::optional<Polynomial> length_in_log_codes(const DepthCoding& coding, const D
     return Polynomial{least, 4 * middle - 3 * least - most, std::max(0.0, 2 * (least + most) - 4 * middle)};
 }
 
-/// Nothing where planes are so close that doubles do not tell them apart.
+/// Returns nullopt if doubles cannot tell the planes apart.
 std::optional<Polynomial> length_in_codes(const DepthCoding& coding, const DepthLength& length, int last) {
     if (coding.kind == DepthCodingKind::log) return length_in_log_codes(coding, length, last);
     if (coding.kind != DepthCodingKind::inverse) {
@@ -50,7 +50,7 @@ std::optional<Polynomial> length_in_codes(const DepthCoding& coding, const Depth
         return Polynomial{codes * (length.constant + grows.constant), codes * grows.linear,
                           codes * grows.quadratic};
     }
-    // An error e of depth z is one of e w^2 of w = 1/(z + shift), and z w = 1 - shift w.
+    // An error e of depth z is an error e w^2 of w = 1/(z + shift), and z w = 1 - shift w.
     const double least = 1.0 / (coding.far + coding.shift);
     const double span = 1.0 / (coding.near + coding.shift) - least;
     if (!(span > 0)) return std::nullopt;
@@ -61,37 +61,37 @@ std::optional<Polynomial> length_in_codes(const DepthCoding& coding, const Depth
                       codes * (even.quadratic + grows.quadratic)};
 }
 
-// The gate is at most 5/4 factors and 3/4 of the noise: fewer than five factors.
+// The gate is at most 5/4 of the factor and 3/4 of the noise: less than five factors.
 static_assert(5 + 3 * most_terrace_noise < 4 * 5);
 
-/// Metric codes that are to be multiplied by less are looked up: near a camera that sees far they would be
+/// Metric codes with a smaller factor are looked up: near a camera that sees far, multiplied ones would be
 /// coarse (docs/measurements.md).
 constexpr int least_factor_of_lengths = 8, least_factor = 2;
 /// Fewer working codes are not worth a table.
 constexpr int fewest_codes = 255;
-/// The deepest depth over the shift of looked-up codes. Their steps are then at most about a sixth of a
-/// pixel's width from a fiftieth of the deepest depth on, and a fifteenth where they are finest.
+/// The deepest depth divided by the shift of looked-up codes. Their steps are then at most about a sixth of a
+/// pixel's width from a fiftieth of the deepest depth on, and a fifteenth at their finest.
 constexpr double deepest_per_shift = 5;
 
-/// Of the levels at the nearest and the deepest valid code the distance in codes, whichever is more; 0 where
-/// every code is a level.
+/// Distance between levels in codes, at the nearest or the deepest valid code, whichever is more; 0 if every
+/// code is a level.
 double most_codes_of_a_level(const Scene& scene) {
     const DepthCoding& coding = scene.depth;
     if (scene.filter.levels == DepthLength{}) return 0;
     double most = 0;
     for (const std::uint16_t code : {coding.valid_min, coding.valid_max}) {
-        // Of planes that doubles cannot tell apart it is 0.
+        // The step is 0 if doubles cannot tell the planes apart.
         const double step = std::max(step_of_code(coding, code), std::numeric_limits<double>::min());
         most = std::max(most, level_distance(scene, coding.depth(code)) / step);
     }
     return most;
 }
 
-/// How many times as many codes there can be; 0: the stored ones leave no room.
+/// The factor of multiplied codes; 0: the stored codes leave no room.
 int factor_of(const Scene& scene) {
     const DepthCoding& coding = scene.depth;
     if (coding.kind == DepthCodingKind::log) return 0;  // no curve of levels is exact in its codes
-    // Of the largest gate, in codes; see terrace_range.
+    // The room for the largest gate, in codes; see terrace_range.
     const double levels = most_codes_of_a_level(scene);
     const int last = largest_code(coding), gate = static_cast<int>(std::min(1.25 * levels, 32767.0));
     const int factor = terrace_range / (std::max(last, 255) + (levels > 0 ? std::max(gate + 4, 5) : 5));
@@ -100,7 +100,7 @@ int factor_of(const Scene& scene) {
                                             : static_cast<int>(std::bit_floor(static_cast<unsigned>(factor)));
 }
 
-/// From the nearest depth on, ordered as the stored ones.
+/// The coding of looked-up codes, from the nearest depth on, in the order of the stored codes.
 std::optional<DepthCoding> looked_up_coding(const Scene& scene) {
     const DepthCoding& stored = scene.depth;
     DepthCoding coding = stored;
@@ -112,11 +112,11 @@ std::optional<DepthCoding> looked_up_coding(const Scene& scene) {
     coding.shift = coding.far / deepest_per_shift;
     coding.invalid_code_count = 0;
     coding.invalid_codes = {};
-    // Of all codes, the share of one level at either end, where it is largest.
+    // The largest share of all codes that one level takes, at one of the ends.
     const double ends = 1 / (coding.near + coding.shift) - 1 / (coding.far + coding.shift);
     if (!(ends > 0)) return std::nullopt;
     double most = 0;
-    // Of log codes, which the curve has longer there than they are.
+    // For log codes, the curve is longer at the ends than the steps are.
     const DepthLength steps = stored.kind == DepthCodingKind::log ? code_step(stored) : DepthLength{};
     for (const double depth : {coding.near, coding.far}) {
         const double beyond = depth + coding.shift;
@@ -132,7 +132,7 @@ std::optional<DepthCoding> looked_up_coding(const Scene& scene) {
     return coding;
 }
 
-/// For every valid stored code the nearest working one.
+/// Maps every valid stored code to the nearest working code.
 std::vector<std::uint16_t> table_of(const DepthCoding& stored, const DepthCoding& working) {
     std::vector<std::uint16_t> table(65536, 0);
     const double last = working.code_max, from = 1 / (working.far + working.shift);
@@ -146,8 +146,8 @@ std::vector<std::uint16_t> table_of(const DepthCoding& stored, const DepthCoding
     return table;
 }
 
-// Eight gates, which the sum of a pass may reach on its way (engine/surface/terrace_filter.cpp), at the
-// largest factor and the most noise.
+// The sum of a pass may reach eight gates on its way (engine/surface/terrace_filter.cpp), at the largest
+// factor and the most noise.
 static_assert(8 * ((5 * TerraceFilter::most_level + 3 * most_terrace_noise * 126) / 4) <= 32767);
 
 /// `times` the length, in codes of `coding`.
@@ -163,7 +163,7 @@ CodeCurve code_curve(const DepthCoding& coding, const DepthLength& length, doubl
         curve.constant = curve.linear = curve.quadratic = coefficient(most_coefficient);
         return curve;
     }
-    const double unit = 65536.0 / (last << curve.shift);  // of a share, in filled distances
+    const double unit = 65536.0 / (last << curve.shift);  // from shares to shifted distances
     curve.falls = scaled->linear < 0;
     curve.constant = coefficient(times * scaled->constant);
     curve.linear = coefficient(times * std::fabs(scaled->linear) * unit);
@@ -171,8 +171,8 @@ CodeCurve code_curve(const DepthCoding& coding, const DepthLength& length, doubl
     return curve;
 }
 
-/// Of looked-up codes, whose steps differ: noise makes both lengths wider by three fifths of it, as it makes
-/// the gate.
+/// The filter for looked-up codes, whose steps differ: noise widens both lengths by three fifths of itself,
+/// as it widens the gate.
 TerraceFilter looked_up_filter(const Scene& scene, const WorkingCodes& working) {
     const DepthLength step = code_step(scene.depth), &levels = scene.filter.levels;
     const double noise = 0.6 * scene.filter.terrace_noise;
@@ -183,7 +183,7 @@ TerraceFilter looked_up_filter(const Scene& scene, const WorkingCodes& working) 
     TerraceFilter filter;
     filter.working = working;
     filter.step = 1;
-    // Their curves are differences, and a level may be two codes. The largest level has room for two digits.
+    // The curves may be differences, and a level may be two codes. The largest level has room for two digits.
     filter.fraction = 2;
     filter.steps = code_curve(working.coding, wider(step), 4.0);
     if (!(levels == DepthLength{})) filter.levels = code_curve(working.coding, wider(levels), 4.0);
@@ -200,7 +200,7 @@ TerraceFilter multiplied_filter(const Scene& scene, const WorkingCodes& working)
     return filter;
 }
 
-/// Half the noise is left by a median of 5x5, two thirds by one of 3x3; the gate is twice what is left.
+/// A 5x5 median leaves half of the noise, a 3x3 median two thirds; the gate is twice what is left.
 double gate_per_noise(int median) {
     if (median == 5) return 1;
     return median == 3 ? 4.0 / 3.0 : 2;
@@ -209,7 +209,7 @@ double gate_per_noise(int median) {
 }  // namespace
 
 DepthLength length_along_depth(double share, double shift, double near, double far) {
-    // As long as it at both ends, and too short in between.
+    // The chord equals the length at both ends, and is too short in between.
     const double quadratic = share / (far + near);
     const DepthLength chord{share * (near + shift) - quadratic * near * near, quadratic};
     double least = 1;
@@ -239,8 +239,8 @@ DepthLength code_step(const DepthCoding& coding) {
     return {(coding.far - coding.near) / coding.code_max, 0};
 }
 
-// Numerator and denominator of a share of the way grow alike, so their quotient stays the same double; so
-// does a metric code's depth, because there the factor is a power of two.
+// Numerator and denominator of a share grow by the same factor, so their quotient stays the same double; so
+// does a metric code's depth, because its factor is a power of two.
 DepthCoding finer(const DepthCoding& coding, int factor) {
     const auto fine = [factor](int code) { return static_cast<std::uint16_t>(code * factor); };
     DepthCoding result = coding;
@@ -248,7 +248,7 @@ DepthCoding finer(const DepthCoding& coding, int factor) {
     result.scale = coding.scale / factor;
     result.valid_min = fine(result.valid_min);
     result.valid_max = fine(result.valid_max);
-    result.invalid_codes = {};  // between two valid codes there may be any
+    result.invalid_codes = {};  // any code between two valid ones may occur
     result.invalid_code_count = 0;
     return result;
 }
@@ -314,8 +314,7 @@ std::optional<FlyingPixels> flying_pixels(const Scene& scene) {
 
 std::optional<TemporalFilter> temporal_filter(const Scene& scene) {
     if (!scene.filter.temporal) return std::nullopt;
-    // Looked-up codes are fewer, which is worth it for terraces, and for log codes, of which no gate is
-    // exact.
+    // Looked-up codes are fewer; that pays only for terraces, and for log codes, in which no gate is exact.
     auto working = working_codes(scene);
     const bool is_log = scene.depth.kind == DepthCodingKind::log;
     if (!working || (working->table && !is_log && !terrace_filter(scene)))

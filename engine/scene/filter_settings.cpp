@@ -1,11 +1,11 @@
-// The table of filters' settings, and what a setting's words and numbers are.
+// The table of filter settings, and the conversion of a setting's words and numbers.
 #include "engine/base/words.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {
 namespace {
 
-/// C, or C and Q; not zero. A plus is between them in a list, whose parts are between commas.
+/// Parses C, C+Q or C,Q; not zero. In a list, whose parts are separated by commas, C+Q is used.
 std::optional<DepthLength> length_of(std::string_view word) {
     const auto whole = parsed_number(word);
     const std::size_t at = word.find(word.find(',') == std::string_view::npos ? '+' : ',');
@@ -16,12 +16,12 @@ std::optional<DepthLength> length_of(std::string_view word) {
     return *constant + *quadratic > 0 ? std::optional(DepthLength{*constant, *quadratic}) : std::nullopt;
 }
 
-/// A reach says nothing of removal that is stated to be on or off.
+/// A missing reach is left open unless terrace removal is stated to be on or off.
 bool removal_is_open(const FilterSettings& filter, const FilterSet& unstated) {
     return unstated.terraces || filter.terraces == TerraceRemoval::automatic;
 }
 
-/// Of FilterSetting's members those that most rows have.
+/// Makes a row of the members of FilterSetting that most rows have.
 template <auto member>
 FilterSetting filter_row(const char* name, SettingRange range, bool FilterSet::*open = nullptr,
                          const char* what = "", const char* in_list = "", const char* usual = "") {

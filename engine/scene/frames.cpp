@@ -9,7 +9,7 @@ namespace touchable {
 
 namespace {
 
-/// Nothing seen yet: any depth narrows it, and so does the union with another tile.
+/// The bounds of no pixel: the first depth or tile replaces them.
 constexpr TileDepths no_depths{std::numeric_limits<double>::infinity(),
                                -std::numeric_limits<double>::infinity(), false};
 
@@ -158,7 +158,7 @@ bool has_size(const SurfaceFrame& frame, int width, int height) {
 }
 
 void copy_touch_planes(const RawFrame& raw, SurfaceFrame& out) {
-    // Not cleared first: memory that has the size is not filled with zeros on the way.
+    // Not cleared first: a resize to the same size fills nothing with zeros.
     if (raw.haptic.empty()) {
         out.haptic.clear();
     } else {

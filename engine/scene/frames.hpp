@@ -2,20 +2,20 @@
 
 // The frames of a clip: as they are stored, and as the surface that is touched.
 //
-// A PlaneView shows a plane of samples that another object owns. A RawFrame is what a reader gives: depth,
-// colour, haptic and height planes of one moment as they are stored, kept alive by `storage`; stored_code
-// reads a depth sample as a code. A SurfaceFrame is what a builder makes of it: filtered codes, one bit of
-// validity for each pixel, bounds of each tile, and the planes of touch. A VertexSource gives the depth of
-// single pixels, from a frame's codes or computed when asked.
+// A PlaneView shows a plane of samples that another object owns. A RawFrame is what a reader returns: depth,
+// colour, haptic and height planes of one moment as stored, kept alive by `storage`; stored_code reads a
+// depth sample as a code. A SurfaceFrame is what a builder makes of it: filtered codes, one validity bit per
+// pixel, bounds of each tile, and the planes of touch. A VertexSource returns the depth of single pixels,
+// from a frame's codes or computed on demand.
 //
-// A SurfaceTimeline is the ring of published frames between the thread that builds and the haptic thread. The
-// builder fills a free slot and publishes it at a timestamp; the haptic thread asks for the pair of frames
+// A SurfaceTimeline is the ring of published frames between the builder thread and the haptic thread. The
+// builder fills a free slot and publishes it with a timestamp; the haptic thread gets the pair of frames
 // around a moment and holds it, pinned, while it reads. Neither waits for the other, and nothing is allocated
-// after the start. A moment has an epoch: a seek, a loop's way back or another clip begins one, and a pair
-// never reaches across (docs/architecture.md, Time).
+// after the start. A moment has an epoch: a seek, the restart of a loop or another clip begins a new one, and
+// a pair never spans two (docs/architecture.md, Time).
 //
-// Frames do not change once they are published, and may then be read by any thread. Of a timeline one thread
-// builds, one reads, and one may look at what the reader holds, to draw it.
+// Frames do not change once they are published, and may then be read by any thread. A timeline has one thread
+// that builds, one that reads, and optionally one that draws what the reader holds.
 
 #include <algorithm>
 #include <array>
@@ -33,8 +33,8 @@
 
 namespace touchable {
 
-/// How many pixels a picture has that is kept row by row, and which of them, from 0, is that of column x and
-/// row y.
+/// The number of pixels of a picture that is stored row by row, and the index, from 0, of the pixel in column
+/// x and row y.
 inline std::size_t pixel_count(int width, int height) {
     return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
 }
@@ -42,20 +42,19 @@ inline std::size_t pixel_place(int x, int y, int width) {
     return pixel_count(width, y) + static_cast<std::size_t>(x);
 }
 
-/// A number that no other call in this process gets, never 0: it names samples that do not change any more.
-/// Any thread.
+/// A number that no other call in this process returns, never 0: it names samples that do not change any
+/// more. Any thread.
 std::uint64_t new_content_number();
 
-/// Samples of one picture as they were decoded, which another object owns. Samples of two bytes are in host
-/// order.
+/// Decoded samples of one picture, which another object owns. Samples of two bytes are in host order.
 struct PlaneView {
     const std::uint8_t* data = nullptr;
     std::ptrdiff_t stride = 0;  ///< bytes from one row to the next
     int width = 0, height = 0;
     int bytes_per_sample = 1;  ///< 1 or 2
     int channels = 1;          ///< interleaved: 1, or 3 for red, green, blue
-    /// Names these samples (new_content_number): a view with the same number, place and form shows the same.
-    /// 0: the samples may change.
+    /// Names these samples (new_content_number): views with the same number, place and form show the same
+    /// samples. 0: the samples may change.
     std::uint64_t content = 0;
 
     bool empty() const { return data == nullptr; }
@@ -70,12 +69,12 @@ struct PlaneView {
     }
 };
 
-/// Codes of two bytes that are kept row by row, as a plane of one channel.
+/// Codes of two bytes that are stored row by row, as a plane of one channel.
 inline PlaneView plane_of_codes(const std::uint16_t* codes, int width, int height) {
     return {reinterpret_cast<const std::uint8_t*>(codes), std::ptrdiff_t{2} * width, width, height, 2, 1};
 }
 
-/// The planes of one moment as stored, all of the scene's width and height. Only depth is always there.
+/// The planes of one moment as stored, all of the scene's width and height. Only depth is always present.
 struct RawFrame {
     std::int64_t number = 0;   ///< from 0
     std::int64_t time_ns = 0;  ///< presentation timestamp
@@ -83,16 +82,16 @@ struct RawFrame {
     PlaneView colour;          ///< 3 channels, 8 bits
     PlaneView haptic;          ///< 3 channels, 8 bits: stiffness, static friction, dynamic friction
     PlaneView height;          ///< 1 channel
-    /// Keeps the planes alive, and as they are; nothing: they last only as long as a call that is given them.
+    /// Keeps the planes alive and unchanged; null: they last only as long as the call that receives them.
     std::shared_ptr<const void> storage;
-    /// Of the clip's clock (MediaMoment); 0 as a reader gives it. Frames of two epochs are not each other's
-    /// neighbours, whatever their numbers.
+    /// Epoch of the clip's clock (MediaMoment); 0 from a reader. Frames of two epochs are not neighbours,
+    /// whatever their numbers.
     std::uint64_t epoch = 0;
-    /// Pixels to which other frames of the clip gave their depth (with_filled_holes), as the bits of
-    /// SurfaceFrame::validity; null: there are none. It shows where depth was not measured, no more.
+    /// Pixels whose depth comes from other frames of the clip (with_filled_holes), as the bits of
+    /// SurfaceFrame::validity; null: none. It only shows where depth was not measured.
     std::shared_ptr<const std::vector<std::uint32_t>> filled;
 
-    /// Which frame it was, to be remembered. Between two of an epoch frames may have been left out.
+    /// Identifies a frame that is no longer held. Frames between two of an epoch may have been left out.
     struct Place {
         std::uint64_t epoch = 0;
         std::int64_t number = 0;
@@ -102,21 +101,20 @@ struct RawFrame {
     };
 };
 
-/// The same to be kept beyond the call that gave it: itself where its storage keeps its planes, otherwise a
-/// copy of them.
+/// A frame that outlives the call that gave it: the same if its storage keeps its planes, otherwise a copy.
 RawFrame kept_frame(const RawFrame& frame);
 
-/// True where samples of both can be compared byte by byte, or neither plane is there.
+/// True if samples of both planes can be compared byte by byte, or both are empty.
 bool same_form(const PlaneView& a, const PlaneView& b);
-/// True where both planes have the same form and samples, or neither is there. Stops at the first row that
+/// True if both planes have the same form and samples, or both are empty. Stops at the first row that
 /// differs; planes at the same place are not compared.
 bool same_samples(const PlaneView& a, const PlaneView& b);
 
-/// True where depth, haptic and height planes, all that a surface is made of, have the same form and samples.
+/// True if depth, haptic and height planes, from which a surface is made, have the same form and samples.
 /// Stops at the first row that differs.
 bool same_touch_planes(const RawFrame& a, const RawFrame& b);
 
-/// What a hue pixel has that says nothing of its depth; beyond every coding's valid codes.
+/// The code of a hue pixel without a depth; beyond every coding's valid codes.
 inline constexpr std::uint16_t no_hue = 0xFFFF;
 
 /// The code of a pixel of a depth plane, valid or not (DepthCoding::is_valid): the stored value, or the hue
@@ -129,7 +127,7 @@ inline std::uint16_t stored_code(const PlaneView& depth, const DepthCoding& codi
     return static_cast<std::uint16_t>(hue_code(rgb[0], rgb[1], rgb[2]));
 }
 
-/// Whether a stored depth picture has any depth; ends at the first pixel that has.
+/// Whether a stored depth picture has any valid pixel; stops at the first one.
 inline bool has_valid_pixel(const PlaneView& depth, const DepthCoding& coding) {
     for (int y = 0; y < depth.height; ++y)
         for (int x = 0; x < depth.width; ++x)
@@ -137,8 +135,7 @@ inline bool has_valid_pixel(const PlaneView& depth, const DepthCoding& coding) {
     return false;
 }
 
-/// Red, green and blue of a pixel that the colour camera does not see, such as outside of its picture: it has
-/// no colour of its own.
+/// Red, green and blue of a pixel that the colour camera does not see, such as one outside its picture.
 inline constexpr std::uint8_t unseen_colour = 128;
 
 /// `rgb`: three samples.
@@ -146,8 +143,8 @@ inline bool is_unseen_colour(const std::uint8_t* rgb) {
     return rgb[0] == unseen_colour && rgb[1] == unseen_colour && rgb[2] == unseen_colour;
 }
 
-/// One plane of a frame: an array in memory of its own, or in another's that it keeps alive (a GPU's,
-/// mapped). Whatever changes its size makes it own its memory again; a copy always does.
+/// One plane of a frame: an array in its own memory, or in another owner's, which it keeps alive (a GPU's,
+/// mapped). A change of its size brings it back to its own memory; a copy always has its own.
 template <class T>
 class FrameArray {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -166,7 +163,7 @@ public:
     }
     ~FrameArray() = default;
 
-    /// `memory` belongs to `owner` and is the array from now on.
+    /// Makes `memory`, which belongs to `owner`, the array.
     void adopt(std::span<T> memory, std::shared_ptr<const void> owner) {
         own_ = {};
         owner_ = std::move(owner);
@@ -175,7 +172,7 @@ public:
     }
     bool adopted() const { return owner_ != nullptr; }
 
-    /// New elements are zero; adopted ones are forgotten, as they are by `assign` and `clear`.
+    /// New elements are zero; adopted elements are dropped, as by `assign` and `clear`.
     void resize(std::size_t size) {
         change([&] { own_.resize(size); });
     }
@@ -234,7 +231,7 @@ private:
 struct SurfaceFrame;
 struct TileBounds;
 
-/// Depth of one pixel, before height is taken off. Where it is not valid, depth means nothing.
+/// Depth of one pixel, before height is subtracted. If it is not valid, depth has no meaning.
 struct DepthSample {
     double depth = 0;  ///< scene units, of the coding's semantics
     bool valid = false;
@@ -246,11 +243,11 @@ struct TileDepths {
     bool any_invalid = false;
 };
 
-/// Bounds of codes as bounds of depths.
+/// Converts bounds of codes into bounds of depths.
 TileDepths depths_of(const TileBounds& bounds, const DepthCoding& coding);
 
-/// Depth and validity at a pixel, wherever they come from. Wait-free, no allocation; safe to call from one
-/// haptic thread while others read too.
+/// Depth and validity at a pixel, from any source. Wait-free, no allocation; the haptic thread may call it
+/// while other threads read, too.
 class VertexSource {
 public:
     virtual ~VertexSource() = default;
@@ -258,8 +255,8 @@ public:
     virtual DepthSample at(int x, int y) const = 0;
     /// 0 <= tx < tiles_x, 0 <= ty < tiles_y of the frame (see TileGrid).
     virtual TileDepths tile(int tx, int ty) const = 0;
-    /// The frame whose codes and validity these vertices are, where they are no more than that: a caller that
-    /// needs many reads them there (`sample_of`).
+    /// The frame whose codes and validity these vertices merely return, if any: a caller that needs many
+    /// pixels reads them there (`sample_of`).
     virtual const SurfaceFrame* read_from() const { return nullptr; }
 };
 
@@ -275,10 +272,10 @@ private:
     const SurfaceFrame& frame_;
 };
 
-/// Unquantised depths, for scenes whose truth is known. No depth is invalid unless it is not finite.
+/// Unquantised depths, for scenes with known ground truth. Only a depth that is not finite is invalid.
 class ExactVertices final : public VertexSource {
 public:
-    /// `depths`: width x height, row-major, scene units. Where there are fewer, the rest is not valid.
+    /// `depths`: width x height, row-major, scene units. If there are fewer, the other pixels are invalid.
     ExactVertices(int width, int height, std::vector<double> depths);
     DepthSample at(int x, int y) const override;
     TileDepths tile(int tx, int ty) const override;
@@ -305,8 +302,8 @@ struct TileGrid {
     int row_of_cell(int j) const { return j < 0 ? 0 : (j / cells < tiles_y ? j / cells : tiles_y - 1); }
 };
 
-/// Over the valid codes of a tile's vertices inside the picture; least > greatest (65535, 0): none is valid.
-/// Eight bytes, as kernels write them.
+/// Bounds of the valid codes of a tile's vertices inside the picture; least > greatest (65535, 0): none is
+/// valid. Eight bytes, as kernels write them.
 struct alignas(8) TileBounds {
     std::uint16_t least = 65535, greatest = 0;
     bool any_invalid = false;
@@ -314,25 +311,25 @@ struct alignas(8) TileBounds {
 };
 
 /// One filtered frame. Filled by a SurfaceBuilder, then immutable until its slot is recycled; its timestamp
-/// lives in the SurfaceTimeline, because an unchanged frame is published again at a later one. It stays where
-/// it is: its vertices read it.
+/// lives in the SurfaceTimeline, because an unchanged frame is published again at a later time. It must not
+/// move: its vertices refer to it.
 struct SurfaceFrame {
     SurfaceFrame() = default;
     SurfaceFrame(const SurfaceFrame&) = delete;
     SurfaceFrame& operator=(const SurfaceFrame&) = delete;
 
     int width = 0, height = 0;
-    DepthCoding coding;               ///< of `codes`; a filter that adds precision has its own
-    FrameArray<std::uint16_t> codes;  ///< width x height, row-major; empty where not asked for (lazy, exact)
+    DepthCoding coding;                  ///< of `codes`; finer than the scene's if a filter adds precision
+    FrameArray<std::uint16_t> codes;     ///< width x height, row-major; empty if not needed (lazy, exact)
     FrameArray<std::uint32_t> validity;  ///< one bit per pixel, rows padded to whole words, low bit first
     FrameArray<TileBounds> tiles;        ///< tiles_x x tiles_y of TileGrid::of(width, height), row-major
     std::vector<std::uint8_t> haptic;    ///< width x height x 3, never filtered; empty: the scene's defaults
     std::vector<std::uint16_t> heights;  ///< width x height codes, never filtered; empty: no height
-    RawFrame raw;                        ///< what it was built from, where the vertices still read it (lazy)
-    /// RawFrame::filled of what it was built from
+    RawFrame raw;                        ///< the raw frame, if the vertices still read it (lazy)
+    /// RawFrame::filled of the raw frame
     std::shared_ptr<const std::vector<std::uint32_t>> filled;
     std::unique_ptr<VertexSource> vertices;  ///< how the solver reads this frame; set by the builder
-    /// Names what the frame holds (new_content_number): each SurfaceTimeline::publish sets another one. 0:
+    /// Names the frame's content (new_content_number): each SurfaceTimeline::publish sets a new number. 0:
     /// the frame was never published, and its planes may change.
     std::uint64_t content = 0;
 
@@ -356,7 +353,7 @@ inline DepthSample sample_of(const SurfaceFrame& frame, int x, int y) {
 /// True for a frame of this size with vertices, whose planes are of that size or empty.
 bool has_size(const SurfaceFrame& frame, int width, int height);
 
-/// Copies the haptic and height planes of a raw frame, or empties them where it has none.
+/// Copies the haptic and height planes of a raw frame, or empties them if it has none.
 void copy_touch_planes(const RawFrame& raw, SurfaceFrame& out);
 
 /// A published frame and its moment.
@@ -366,7 +363,7 @@ struct TimedFrame {
     const SurfaceFrame* frame = nullptr;
 };
 
-/// A moment on a clip's clock. Times go forward within an epoch; from one to another they may go anywhere.
+/// A moment on a clip's clock. Times go forward within an epoch; the next epoch may begin anywhere.
 struct MediaMoment {
     std::uint64_t epoch = 0;
     std::int64_t time_ns = 0;
@@ -374,70 +371,68 @@ struct MediaMoment {
     bool operator==(const MediaMoment&) const = default;
 };
 
-/// The frames around a moment. `next` equals `prev` before the first, from the last on, and while the
-/// producer is late; then blend is 0.
+/// The frames around a moment. `next` equals `prev`, and blend is 0, before the first frame, from the last
+/// on, and while the producer is late.
 struct FramePair {
     TimedFrame prev, next;
     double blend = 0;  ///< 0 at prev's time, towards 1 at next's
-    /// Of the clip's clock: another one has nothing to do with the frames before, whatever its times.
+    /// Epoch of the clip's clock: frames of two epochs are unrelated, whatever their times.
     std::uint64_t epoch = 0;
 };
 
 /// A ring of published SurfaceFrames between one writer (the surface thread) and one reader (the haptic
 /// thread). The reader never waits; the writer's slots are recycled only once the reader has moved past them.
-/// An eye (the thread that draws) may look at what the reader holds; neither of the two waits for it. Nothing
-/// here locks, waits or retries: each side reads what the others last stored and works with that.
+/// An eye (the drawing thread) may look at the pair that the reader holds; neither of the two waits for it.
+/// No side locks, waits or retries: each works with what the others last stored.
 class SurfaceTimeline {
 public:
-    /// What the reader held in a tick.
+    /// The pair that the reader held in a tick.
     struct HeldPair {
         FramePair pair;
         std::int64_t tick = 0;
     };
 
-    /// `slots`: frames that exist at once, at least 3 (the reader's pair, and one being built); 4 where
-    /// epochs begin (the pair that it holds, and the one that it goes over to);
-    /// with an eye 2 more.
+    /// `slots`: frames that exist at once, at least 3 (the reader's pair, and one being built); 4 if epochs
+    /// begin (the reader's pair, and that of the next epoch); with an eye 2 more.
     enum class Eye { none, one };
     explicit SurfaceTimeline(int slots, Eye eye = Eye::none);
     SurfaceTimeline(const SurfaceTimeline&) = delete;
     SurfaceTimeline& operator=(const SurfaceTimeline&) = delete;
 
-    /// Writer. A slot to build into, or nullptr while the reader still needs all of them (or all entries).
-    /// The slot stays the writer's until it is published; asking again returns the same one. It still holds
-    /// the frame it was last published with. Wait-free: one look at each slot.
+    /// Writer. Returns a slot to build into, or nullptr while the reader still needs all slots (or all
+    /// entries). The slot stays the writer's until it is published; another call returns the same one. It
+    /// still holds the frame that it was last published with. Wait-free: one look at each slot.
     SurfaceFrame* acquire();
-    /// Writer. Publishes the acquired slot; there is always an entry for it. A time not later than the newest
-    /// one's is refused, and the slot kept. Wait-free; only a refusal allocates, for its message.
+    /// Writer. Publishes the acquired slot; an entry for it is always free. A time not later than the newest
+    /// one is refused, and the slot kept. Wait-free; only a refusal allocates, for its message.
     Result<void> publish(std::int64_t number, std::int64_t time_ns);
-    /// Writer. Publishes the newest frame once more, at a later time: nothing changed. Refused while the ring
-    /// of entries is full (false), with a time not later, or before the first frame of the epoch (errors).
-    /// Wait-free.
+    /// Writer. Publishes the newest frame again, at a later time, if nothing changed. Returns false while the
+    /// ring of entries is full, an error for a time not later or before the epoch's first frame. Wait-free.
     Result<bool> republish(std::int64_t number, std::int64_t time_ns);
-    /// Writer. What is published from now on is of this epoch, a later one than before, and its times may be
-    /// any. Wait-free.
+    /// Writer. Frames published from now on belong to this epoch, which is later than the last; its times may
+    /// begin anywhere. Wait-free.
     void begin_epoch(std::uint64_t epoch);
-    /// Writer. The epoch has no more frames than are published. Wait-free.
+    /// Writer. Declares that the epoch gets no more frames. Wait-free.
     void end_epoch() { ended_.store(epoch_ + 1, std::memory_order_release); }
 
     /// Any thread. Time of the newest epoch's newest frame; INT64_MIN before the first. A reader that has
-    /// seen it finds that frame. Wait-free.
+    /// seen this time finds the frame. Wait-free.
     std::int64_t newest_time() const { return newest_time_.load(std::memory_order_acquire); }
 
-    /// Reader. The pair around a moment; false while nothing has been published. Within an epoch times should
-    /// not go backward: an earlier time than before gives the earliest frame still held, at blend 0. A later
-    /// epoch than before is gone over to once two of its frames are published, or all that it has; until then
-    /// the pair stays the one that it was, blend and all. Epochs in between are passed over. The pair stays
-    /// readable until the next call; frames before `pair.prev` may be recycled from here on. Wait-free: at
-    /// most one walk over the ring (4 entries per slot); no allocation.
+    /// Reader. Gets the pair around a moment; false while nothing has been published. Within an epoch times
+    /// should not go backward: an earlier time than before gives the earliest frame still held, at blend 0.
+    /// The reader goes over to a later epoch once two of its frames, or all that it has, are published; until
+    /// then the pair stays the same, blend included. Epochs in between are skipped. The pair stays readable
+    /// until the next call; frames before `pair.prev` may be recycled from here on. Wait-free: at most one
+    /// walk over the ring (4 entries per slot); no allocation.
     bool pair_at(const MediaMoment& moment, FramePair& pair);
-    /// Reader. Of the epoch that it is in.
+    /// Reader. The same in the reader's current epoch.
     bool pair_at(std::int64_t time_ns, FramePair& pair);
 
-    /// Reader. Lets the eye have what the last `pair_at` gave. Wait-free; does nothing where there is no eye.
+    /// Reader. Passes the pair of the last `pair_at` to the eye. Wait-free; does nothing without an eye.
     void show(std::int64_t tick);
-    /// Eye, one thread. What the reader showed last; nothing before the first. It stays readable until the
-    /// next call, however long that takes. Wait-free, no allocation.
+    /// Eye, one thread. Returns what the reader showed last; null before the first. It stays readable until
+    /// the next call, however long that takes. Wait-free, no allocation.
     const HeldPair* look();
 
 private:
@@ -455,26 +450,26 @@ private:
     bool go_over(std::uint64_t epoch, bool ended, std::uint64_t published, std::uint64_t& first);
     void hold(std::uint64_t prev, std::uint64_t next, double blend);
 
-    // Entries are numbered from 0 without end; the ring holds entry n at n modulo its size. Those in
-    // [reader_oldest_, published_) and the slots they name are the reader's, and so are the pinned slots; all
-    // else is the writer's.
+    // Entries are numbered from 0 without end; the ring holds entry n at n modulo its size. The reader owns
+    // the entries in [reader_oldest_, published_) with the slots that they name, and the pinned slots; the
+    // writer owns the rest.
     std::vector<std::unique_ptr<SurfaceFrame>> slots_;
     std::vector<Entry> entries_;
-    // Writer only: the slot being built, for each slot where reader_oldest_ must be to recycle it, and the
-    // epoch with what was published of it.
+    // Writer only: the slot being built; for each slot, the reader_oldest_ from which on it can be recycled;
+    // the epoch, and whether it has frames.
     std::optional<std::size_t> acquired_;
     std::vector<std::uint64_t> free_from_;
     std::uint64_t epoch_ = 0;
     bool epoch_has_frames_ = false;
-    // Reader only: what it holds; nothing before its first look.
+    // Reader only: the pair that it holds; nullopt before its first look.
     std::optional<FramePair> held_;
     // Each on its own cache line, so that the sides do not slow each other.
     alignas(64) std::atomic<std::uint64_t> published_{0};      // stored by the writer
     alignas(64) std::atomic<std::uint64_t> reader_oldest_{0};  // stored by the reader, after pinned_
     std::atomic<std::uint64_t> pinned_{0};                     // by the reader: the slots of its pair
     // Three places for pairs on their way to the eye: one is the reader's, one the eye's, one lies between
-    // them, and each swaps its own for that. Pins stand beside a pair from before the reader puts it there
-    // until its holder gives it up.
+    // them, and each side swaps its own for that. A pair's slots are pinned from before the reader passes it
+    // on until its holder gives it up.
     const Eye eye_;
     std::array<HeldPair, 3> shown_;
     std::size_t readers_place_ = 0, eyes_place_ = 1;

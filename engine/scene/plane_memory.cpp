@@ -29,8 +29,8 @@ namespace touchable {
 namespace {
 
 constexpr std::size_t most_free_bytes = std::size_t{256} << 20;
-/// Free blocks are unmapped when none of so many leases had their size. A frame takes a lease for each plane
-/// and for each step of its decoding, so this is a few frames of the richest clip.
+/// Free blocks of a size are unmapped after so many leases of other sizes. A frame takes a lease for each
+/// plane and for each step of its decoding, so this is a few frames of the richest clip.
 constexpr std::uint64_t recent_leases = 64;
 
 class MappedBlock final : public PlaneBlock {
@@ -46,7 +46,7 @@ using BlockPtr = std::shared_ptr<MappedBlock>;
 
 class PlanePool {
 public:
-    /// Null where there is no memory.
+    /// Null if there is no memory.
     std::uint8_t* take(std::size_t bytes, PlaneContent content) {
         static const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
         const std::size_t size = aligned_bytes(std::max<std::size_t>(bytes, 1), page);
@@ -79,7 +79,7 @@ public:
         try {
             shelf->second.free.push_back(block);
         } catch (const std::bad_alloc&) {
-            return;  // it is unmapped, which helps
+            return;  // the block is unmapped, which frees memory
         }
         ASAN_POISON_MEMORY_REGION(data, block->bytes());
         free_bytes_ += block->bytes();
@@ -100,7 +100,7 @@ private:
         std::uint64_t newest_lease = 0;
     };
 
-    /// Null where no block of this size is free.
+    /// Null if no block of this size is free.
     BlockPtr free_block(std::size_t size) {
         std::vector<BlockPtr> old;  // declared first, so that they are unmapped after the lock
         const std::lock_guard lock(mutex_);
@@ -146,7 +146,7 @@ std::shared_ptr<std::uint8_t> take_plane_memory(std::size_t bytes, PlaneContent 
                         pool().give_back(leased);
                         count(-size);
                     }};
-    } catch (const std::bad_alloc&) {  // of what keeps account of it
+    } catch (const std::bad_alloc&) {  // of the pool's own records
     }
     count(-size);
     return nullptr;

@@ -11,7 +11,7 @@ namespace touchable {
 
 namespace {
 
-/// The code, as a real number, that would stand for `depth`; any number where there is none.
+/// The code, as a real number, that would stand for `depth`; any number if there is none.
 double real_code(const DepthCoding& coding, double depth) {
     if (coding.kind == DepthCodingKind::metric) return depth / coding.scale;
     const double shift = coding.shift, deep = 1.0 / (coding.far + shift);
@@ -36,13 +36,13 @@ bool has_depths(const DepthCoding& coding) {
 }
 
 constexpr std::string_view guess_mark = "guessed: ";
-// Bytes that are no UTF-8 become three each in JSON; even so it can be read again.
+// A byte that is no UTF-8 becomes three in JSON; the text can still be read again.
 constexpr std::size_t longest_made = longest_remark / 4;
 
 constexpr int max_side = 16384;
 constexpr std::int64_t max_rate_term = 1'000'000'000;
-/// Lengths and focal lengths beyond these are slips of a decimal point, and their squares would leave the
-/// doubles.
+/// Lengths and focal lengths beyond these are slips of a decimal point, and squares of extreme ones would
+/// overflow a double.
 constexpr double longest = 1e12, shortest = 1e-12;
 
 std::string text(double number) {
@@ -113,7 +113,7 @@ Result<void> check_colour_camera(const Scene& scene) {
 Result<void> check_planes(const DepthCoding& depth) {
     const bool is_log = depth.kind == DepthCodingKind::log;
     if (depth.kind == DepthCodingKind::metric) TRY(check_length("depth.scale", depth.scale));
-    // Near may be 0 where its code is no depth, and of log codes where the shift is more.
+    // Near may be 0 if its code is no depth, and for log codes if the shift is above 0.
     TRY(is_log || depth.kind == DepthCodingKind::metric ? check_not_negative("depth.near", depth.near)
                                                         : check_length("depth.near", depth.near));
     TRY(check_length("depth.far", depth.far));
@@ -123,7 +123,7 @@ Result<void> check_planes(const DepthCoding& depth) {
     return refuse("depth.shift", depth.shift, "greater than -depth.near, which is " + text(-depth.near));
 }
 
-/// What valid_min and valid_max have to be. No file has them, but code that makes a Scene can forget them.
+/// Checks valid_min and valid_max. No file has them, but code that makes a Scene can forget to derive them.
 Result<void> check_valid_range(const DepthCoding& depth) {
     DepthCoding derived = depth;
     derive_valid_range(derived);
@@ -140,11 +140,11 @@ Result<void> check_valid_range(const DepthCoding& depth) {
     return {};
 }
 
-/// The deepest valid depth may be this many times the nearest: between neighbours farther apart than that
-/// doubles do not tell the places of a cell apart well enough for a proxy to find its foot.
+/// The largest ratio of the deepest valid depth to the nearest: between neighbours farther apart, doubles do
+/// not tell the places of a cell apart well enough for a proxy to find its foot.
 constexpr double most_depth_ratio = 1e6;
 
-/// Needs a valid range that passed.
+/// Needs a valid range that passed check_valid_range.
 Result<void> check_depth_ratio(const DepthCoding& depth) {
     const double deepest = depth.deepest_depth();
     if (deepest <= most_depth_ratio * depth.nearest_depth()) return {};
@@ -171,9 +171,9 @@ Result<void> check_depth(const Scene& scene) {
     return check_depth_ratio(depth);
 }
 
-/// Under the largest height a thousandth of the nearest depth has to be left, and `most_depth_ratio` has to
-/// hold: nearer to the camera's plane a pixel is a place so small beside its neighbours that no fraction of a
-/// pixel finds it. Needs a depth coding that passed check_depth.
+/// The largest height must leave a thousandth of the nearest depth, and `most_depth_ratio` must hold: a pixel
+/// nearer to the camera's plane is so small beside its neighbours that no fraction of a pixel finds it. Needs
+/// a depth coding that passed check_depth.
 Result<void> check_height(const Scene& scene) {
     const HeightCoding& height = scene.height_coding;
     TRY(check_not_negative("height_map.max", height.max_height));
@@ -245,8 +245,8 @@ Result<void> check_filter(const Scene& scene) {
     return {};
 }
 
-/// One field %d or %0Nd (N from 1 to 9), and no other percent sign: such a pattern is safe to fill in. Or
-/// none: the name of a single picture.
+/// One field %d or %0Nd (N from 1 to 9), and no other percent sign, is safe to fill in. Or one star; or
+/// neither: the name of a single picture.
 bool is_file_pattern(const std::string& pattern) {
     const std::size_t percent = pattern.find('%'), star = pattern.find('*');
     if (star != std::string::npos)
@@ -273,7 +273,7 @@ Result<void> check_pattern(const std::string& member, const std::string& pattern
 
 constexpr int largest_number = 999'999'999;
 
-/// A star's files and a list's are paired with depth's, and not counted.
+/// Files of a star or a list are paired with depth's, and not numbered.
 Result<void> check_numbers(const std::string& member, const std::string& pattern,
                            const PictureNumbers& numbers) {
     if (numbers.any() && !is_numbered(pattern))
@@ -285,7 +285,7 @@ Result<void> check_numbers(const std::string& member, const std::string& pattern
     return check_within(member + ".step", numbers.step.value_or(1), 1, largest_number);
 }
 
-/// A still has one picture of each kind. (One of materials may serve a row of depths.)
+/// A still has one picture of each kind. (A still of another plane may serve a series of depths.)
 Result<void> check_still(const FolderSource& folder) {
     for (const auto& [member, name] :
          {std::pair<const char*, const std::string&>{"folder.colour", folder.colour},
@@ -374,10 +374,10 @@ double DepthCoding::log_depth(double share) const {
 }
 
 std::uint16_t DepthCoding::code(double depth) const {
-    // The nearest code is one of the two around the real-valued one, or, where those are marked invalid, a
-    // few on.
+    // The nearest code is one of the two around the real-valued one, or, if those are marked invalid, a few
+    // codes farther.
     constexpr int reach = max_invalid_codes + 2;
-    const double target = depth > near ? std::min(depth, far) : near;  // a number even where depth is none
+    const double target = depth > near ? std::min(depth, far) : near;  // a number even if depth is NaN
     const double estimate = std::floor(real_code(*this, target));
     int around = valid_min;
     if (estimate >= valid_max)
@@ -485,7 +485,7 @@ Result<void> validate(const Scene& scene) {
 
 Result<void> validate(const SceneDescription& described) {
     if (!described.unstated.far) return validate(described.scene);
-    // Whether there is room for terrace removal is known with the far plane.
+    // The room for terrace removal is known only with the far plane.
     Scene scene = described.scene;
     if (scene.filter.terraces == TerraceRemoval::on) scene.filter.terraces = TerraceRemoval::automatic;
     return validate(scene);

@@ -16,7 +16,7 @@ namespace {
 using checked_json::Node;
 using OrderedJson = nlohmann::ordered_json;  // members stay in the order a person would write them
 
-/// What `depth.coding` can be: a coding of codes, or of what the frames settle to be one.
+/// A value of `depth.coding`: a coding of codes, or of stored values whose coding the frames settle.
 struct Coding {
     DepthCodingKind kind;
     StoredDepth::Kind stored = StoredDepth::Kind::codes;
@@ -99,7 +99,7 @@ OrderedJson write_folder(const FolderSource& folder) {
 
 constexpr double stiffest = 1e6;  // N/mm
 
-/// A name of digits, as a number is written.
+/// Parses a name that is an index, written as a number is.
 int read_index(const Node& materials, const std::string& name) {
     int index = -1;
     const char* const end = name.data() + name.size();
@@ -123,7 +123,7 @@ void check(const Node& node, const HapticProperties& properties) {
                     OrderedJson(properties.dynamic_friction).dump() + ")");
 }
 
-/// Makes room for what the range is to hold, or refuses what is stated.
+/// Widens a range that is not stated to hold `value`; refuses a stated one that does not hold it.
 void hold(const Node& haptic, const char* member, bool is_first, double value, PropertyRange& range) {
     if (!haptic.has(member)) {
         range = is_first ? PropertyRange{value, value}
@@ -158,8 +158,8 @@ OrderedJson write_properties(const HapticProperties& properties) {
     return json;
 }
 
-/// The member `haptic.materials`: properties by index. What an entry leaves out is as of `otherwise`. A range
-/// that `haptic` does not state becomes that of the materials and of `otherwise`; one that it states has to
+/// The member `haptic.materials`: properties by index. What an entry leaves out comes from `otherwise`. A
+/// range that `haptic` does not state becomes that of the materials and of `otherwise`; a stated one must
 /// hold them.
 std::vector<SceneDescription::Material> read_materials(const Node& haptic, const HapticProperties& otherwise,
                                                        HapticRanges& ranges) {
@@ -273,7 +273,7 @@ void read_invalid_codes(const Node& node, int largest, DepthCoding& depth) {
             static_cast<std::uint16_t>(code.integer(0, largest));
 }
 
-/// Words of 16 bits whose bits stand in another order.
+/// Reads how the bits of a stored value are ordered or packed.
 void read_order(const Node& node, Scene& scene) {
     if (node.has("bytes")) scene.stored.bytes_swapped = node["bytes"].one_of(byte_order_names);
     if (node.has("rotated")) scene.stored.rotated = static_cast<int>(node["rotated"].integer(0, 15));
@@ -299,7 +299,7 @@ void read_disparity(const Node& node, Scene& scene) {
     if (node.has("offset")) stored.offset = node["offset"].number();
     if (!(stored.baseline > 0)) node["baseline"].refuse("greater than 0");
     if (stored.scale == 0) node["scale"].refuse("other than 0");
-    // Until then: planes that are in order.
+    // Placeholders, in the right order, until the frames settle them.
     scene.depth.near = scene.camera.fx * stored.baseline / 65536;
     scene.depth.far = scene.camera.fx * stored.baseline;
 }
@@ -537,7 +537,7 @@ OrderedJson write_value(const DepthLength& value, const SettingRange& range) {
     return range.whole ? OrderedJson(static_cast<int>(value.constant)) : OrderedJson(value.constant);
 }
 
-/// Those that are left open stay open.
+/// Settings that are left open stay open.
 OrderedJson write_filter(const FilterSettings& filter, const UnstatedFilters& open) {
     OrderedJson json = OrderedJson::object();
     for (const FilterSetting& setting : filter_settings())

@@ -14,7 +14,7 @@ namespace {
 /// Ring entries per slot: how far unchanged frames may be published ahead of the reader, and how many entries
 /// one look can walk over.
 constexpr std::size_t entries_per_slot = 4;
-/// In `between_`, beside the place.
+/// A flag in `between_`, beside the place.
 constexpr std::size_t is_new = 4;
 
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free &&
@@ -46,7 +46,7 @@ SurfaceTimeline::SurfaceTimeline(int slots, Eye eye)
     entries_.resize(count * entries_per_slot);
 }
 
-/// Looked at after `reader_oldest_`, and the reader's own first: what has left the one is in the next by
+/// Read after `reader_oldest_`, and the reader's own pins first: a slot that has left one is in the next by
 /// then.
 SurfaceTimeline::Pins SurfaceTimeline::all_pins() const {
     Pins pins{pinned_.load(std::memory_order_acquire)};
@@ -60,7 +60,7 @@ SurfaceFrame* SurfaceTimeline::acquire() {
     const std::uint64_t oldest = reader_oldest_.load(std::memory_order_acquire);
     if (published_.load(std::memory_order_relaxed) - oldest == entries_.size()) return nullptr;
     const Pins pins = all_pins();
-    // Of the free slots the one used last: the least has changed since the frame it holds.
+    // Take the free slot that was used last: the least has changed since its frame.
     for (std::size_t slot = 0; slot < slots_.size(); ++slot)
         if (free_from_[slot] <= oldest && !is_pinned(pins, slot) &&
             (!acquired_ || free_from_[slot] > free_from_[*acquired_]))
@@ -87,7 +87,7 @@ Result<void> SurfaceTimeline::publish(std::int64_t number, std::int64_t time_ns)
 Result<bool> SurfaceTimeline::republish(std::int64_t number, std::int64_t time_ns) {
     const std::uint64_t published = published_.load(std::memory_order_relaxed);
     if (!epoch_has_frames_) return internal_error("timeline: republish before the first frame of its epoch");
-    // A reader that passed the epoch over has given its frames back.
+    // A reader that skipped the epoch has released its frames.
     if (acquired_ == entry(published - 1).slot)
         return internal_error("timeline: republish of a frame that is being built anew");
     TRY(check_later(number, time_ns));
@@ -125,7 +125,7 @@ void SurfaceTimeline::hold(std::uint64_t prev, std::uint64_t next, double blend)
     pinned_.store(pins(entry(prev).slot, entry(next).slot), std::memory_order_release);
 }
 
-/// Passes over what is of epochs before; false where the pair in hand is to stay.
+/// Skips entries of earlier epochs; returns false if the current pair is to stay.
 bool SurfaceTimeline::go_over(std::uint64_t epoch, bool ended, std::uint64_t published,
                               std::uint64_t& first) {
     while (first < published && entry(first).epoch < epoch) ++first;

@@ -1,7 +1,7 @@
 // Reading HTTP Live Streaming. HlsInput merges two renditions, touch and colour, by time. Each is read by an
-// HlsLevels, which goes from the full to the low level and back as LevelChoice says; of a level an
-// HlsRendition reads one media playlist and its segments. FFmpeg takes these apart, but fetches nothing
-// itself: it asks for places, and is given bytes that were fetched and judged here.
+// HlsLevels, which changes between the full and the low level as LevelChoice says; an HlsRendition reads one
+// media playlist of a level and its segments. FFmpeg parses these, but fetches nothing itself: its requests
+// are answered with bytes that were fetched and checked here.
 
 #include <array>
 #include <cstring>
@@ -53,9 +53,9 @@ Result<std::string> fetch_from_web(const std::string& place, std::size_t most, c
     }
 }
 
-/// All that a web server has at a place, or a file. Takes 10 s at most. Refused (ErrorKind::input, behind the
-/// place and a colon): more than `most` bytes, less than the server promised, a redirection.
-/// ErrorKind::interrupted once the thread is asked to stop: "did not come in time".
+/// Fetches everything at a place of a web server, or a file. Takes 10 s at most. Refused (ErrorKind::input;
+/// the message follows the place and a colon): more than `most` bytes, fewer than the server promised, a
+/// redirection. ErrorKind::interrupted after a request to stop the thread: "did not come in time".
 Result<std::string> fetch_place(const std::string& place, std::size_t most, const ByteRange& range = {}) {
     constexpr std::string_view file = "file:";
     if (place.starts_with(file))
@@ -68,7 +68,7 @@ Result<std::string> fetch_place(const std::string& place, std::size_t most, cons
     return fetched ? std::move(*fetched) : fetch_failure("it took longer than 10 s");
 }
 
-constexpr double quick_share = 0.5, slow_share = 0.2;  // of the newest segment in the means
+constexpr double quick_share = 0.5, slow_share = 0.2;  // weight of the newest segment in the means
 constexpr double rate_to_spare = 2;
 constexpr int segments_before_up = 4;
 
@@ -79,7 +79,7 @@ double in_seconds(std::int64_t ns) {
 // --- Renditions and levels
 
 constexpr std::size_t largest_hls_segment = std::size_t{128} << 20;
-/// A cache may give an older playlist, or none, but not more often in a row. FFmpeg asks for it about twice a
+/// Consecutive reloads that may give an older playlist or none, as caches do. FFmpeg reloads about twice a
 /// second.
 constexpr int most_held_reloads = 6;
 constexpr AVRational rendition_ns{1, 1'000'000'000};
@@ -132,16 +132,16 @@ void close_bytes(AVIOContext* io) {
     avio_context_free(&io);
 }
 
-/// FFmpeg counts up to a thousand million for each run of samples where a track has no number above 0.
+/// FFmpeg counts up to a thousand million per run of samples if a track's number is not above 0.
 bool has_number(mpeg4::BytesView track) {
-    constexpr std::size_t least_bytes = 24;  // that a track's header has up to its number
+    constexpr std::size_t least_bytes = 24;  // of a track's header, up to its number
     constexpr std::uint32_t largest = std::numeric_limits<std::int32_t>::max();
     const auto head = mpeg4::content_at(track, {"tkhd"});
     const std::uint32_t number = head.size() < least_bytes ? 0 : mpeg4::number_behind_times(head);
     return number > 0 && number <= largest;
 }
 
-/// Tracks that FFmpeg could find in a box, wherever it looks.
+/// Number of tracks that FFmpeg could find anywhere in a box.
 std::ptrdiff_t tracks_anywhere(mpeg4::BytesView content) {
     const std::string_view text(reinterpret_cast<const char*>(content.data()), content.size());
     std::ptrdiff_t count = 0;
@@ -149,8 +149,8 @@ std::ptrdiff_t tracks_anywhere(mpeg4::BytesView content) {
     return count;
 }
 
-/// Boxes to their last byte, of the kinds that segments have, whose tables hold what they claim, and tracks
-/// where they belong.
+/// Whether the bytes are complete boxes of the kinds that segments have, with tables that hold what they
+/// claim, and with tracks only where they belong.
 bool is_whole_mp4(const std::string& bytes) {
     const mpeg4::BytesView view(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
     const auto boxes = mpeg4::boxes_in(view);
@@ -178,15 +178,15 @@ ByteRange range_in(const AVDictionary* options) {
 
 class HlsLevels;
 
-/// How a rendition is begun.
+/// How a rendition is opened.
 struct HlsBeginning {
-    std::optional<std::string> text{};   ///< of the playlist, where it was fetched already
-    std::optional<std::int64_t> from{};  ///< number of the first segment; else as FFmpeg chooses
+    std::optional<std::string> text{};   ///< of the playlist, if already fetched
+    std::optional<std::int64_t> from{};  ///< number of the first segment; nothing: FFmpeg chooses
     HlsLevels* levels = nullptr;         ///< null: there is no other level; outlives the rendition
     bool is_low = false;                 ///< its level
 };
 
-/// A media playlist and its segments, as FFmpeg's reader of HLS takes them.
+/// A media playlist and its segments, read by FFmpeg's HLS demuxer.
 class HlsRendition : NonCopyable {
 public:
     /// `place`: of the media playlist. Errors name a place.
@@ -201,7 +201,7 @@ public:
         close_bytes(first_io_);
     }
 
-    /// The packet that `take` gives; null at the end, or where the other level goes on.
+    /// The packet that `take` returns; null at the end, or at a change to the other level.
     Result<const AVPacket*> peek() {
         if (ahead_ || at_end_) return static_cast<const AVPacket*>(ahead_.get());
         if (fault_) return *fault_;
@@ -219,7 +219,7 @@ public:
     const AVStream& stream_of(const AVPacket& packet) const {
         return *context_->streams[packet.stream_index];
     }
-    /// When it is decoded; the least number where that is not known.
+    /// Decoding time; the least number if it is unknown.
     std::int64_t time_ns(const AVPacket& packet) const {
         const std::int64_t time = packet.dts != AV_NOPTS_VALUE ? packet.dts : packet.pts;
         if (time == AV_NOPTS_VALUE) return std::numeric_limits<std::int64_t>::min();
@@ -247,7 +247,7 @@ private:
         context_->interrupt_callback = stops_with_thread;
         AVDictionary* options = nullptr;
         av_dict_set(&options, "format_whitelist", "hls,mov,mp4,m4a,3gp,3g2,mj2,mpegts", 0);
-        av_dict_set(&options, "http_persistent", "0", 0);  // connections are ours
+        av_dict_set(&options, "http_persistent", "0", 0);  // connections are made here
         av_dict_set(&options, "http_multiple", "0", 0);
         if (from) av_dict_set(&options, "live_start_index", "0", 0);
         const int status = work_until(ended_.get_token(), [&] {
@@ -280,7 +280,7 @@ private:
         return AVERROR_EXIT;
     }
     Result<void> fetch_playlist() { return take_playlist(fetch_place(place_, largest_hls_playlist)); }
-    /// The newest that there is; where there is none, the one before stays.
+    /// Takes the newest playlist; if none comes, the previous one stays.
     Result<void> take_playlist(Result<std::string> text) {
         const bool is_first = playlist_.empty();
         auto facts = text ? check_hls_media(*text, place_) : Result<HlsMediaFacts>(text.error());
@@ -327,15 +327,15 @@ private:
     HlsLevels* const levels_;
     const bool is_low_;
     AVFormatContext* context_ = nullptr;
-    AVIOContext* first_io_ = nullptr;  // of the playlist, as it was opened
-    std::string playlist_;             // the newest that was judged
-    HlsMediaFacts facts_;              // of it
-    std::string header_;               // the initialisation, which FFmpeg asks for with every playlist
-    int held_ = 0;                     // times in a row that there was no newer one
+    AVIOContext* first_io_ = nullptr;  // of the playlist at opening
+    std::string playlist_;             // newest that was checked
+    HlsMediaFacts facts_;              // of playlist_
+    std::string header_;               // the initialisation, which FFmpeg requests with every playlist
+    int held_ = 0;                     // consecutive reloads without a newer one
     std::int64_t segments_lost_ = 0;
-    std::int64_t newest_segment_ = -1;  // its number, where there are levels
-    std::optional<Error> fault_;        // after which nothing more is read
-    std::stop_source ended_;            // by a fault, or where the other level goes on: what FFmpeg reads
+    std::int64_t newest_segment_ = -1;  // its number, if there are levels
+    std::optional<Error> fault_;        // nothing more is read after it
+    std::stop_source ended_;            // ends FFmpeg's reading: after a fault, or if the other level goes on
     PacketPtr ahead_;
     bool at_end_ = false;
 };
@@ -348,14 +348,14 @@ struct HlsLevelReading {
 
 /// The places of a rendition's media playlists.
 struct HlsLevelPlaces {
-    std::string full, low;  ///< low: empty where there is none
+    std::string full, low;  ///< low: empty if there is none
 };
 
-/// One rendition, full or low as `reading` chooses. It goes over at a segment's beginning, once the other
-/// level is open there; where that cannot be had, it stays, and tries again before the next segment.
+/// One rendition, full or low as `reading` chooses. It changes at a segment's beginning, once the other level
+/// is open there; if that fails, it stays, and tries again before the next segment.
 class HlsLevels : NonCopyable {
 public:
-    /// `reading`: null: the full level alone. `text`: of the full level's playlist, where it was fetched.
+    /// `reading`: null: the full level only. `text`: the full level's playlist, if already fetched.
     static Result<std::unique_ptr<HlsLevels>> open(HlsLevelPlaces places, bool is_touch,
                                                    std::shared_ptr<HlsLevelReading> reading,
                                                    std::optional<std::string> text = {}) {
@@ -366,7 +366,7 @@ public:
         return levels;
     }
 
-    /// As HlsRendition has them.
+    /// As in HlsRendition.
     Result<const AVPacket*> peek() {
         auto packet = read_->peek();
         if (!packet || *packet || !next_) return packet;
@@ -382,15 +382,15 @@ public:
     bool has_ended() const { return read_->has_ended(); }
     std::int64_t segments_lost() const { return lost_before_ + read_->segments_lost(); }
 
-    /// The level of the packet that `peek` gave.
+    /// Level of the packet that `peek` returned.
     bool is_low() const { return is_low_; }
     std::int64_t changes() const { return changes_; }
-    /// So much of the stream was fetched of a level.
+    /// Duration of the stream that was fetched of a level.
     std::int64_t fetched_ns(bool of_low) const { return fetched_ns_[of_low ? 1 : 0]; }
 
-    // For the rendition that is read:
-    /// Before a segment is fetched, in the middle of the rendition's reading: true ends the rendition there,
-    /// and `peek` gives it up.
+    // Called by the rendition that is being read:
+    /// Called before a segment is fetched, while the rendition is being read: true ends the rendition there,
+    /// and `peek` goes on with the other level.
     bool goes_over_before(std::int64_t number, bool from_low) {
         const bool to_low = reading_->choice.is_low();
         if (is_opening_ || next_ || to_low == from_low) return false;
@@ -401,7 +401,7 @@ public:
         if (other) next_ = std::move(*other);
         return next_ != nullptr;
     }
-    /// `segment`: bytes and times alone.
+    /// `segment`: only its bytes and times are set.
     void note(FetchedSegment segment, bool is_low) {
         segment.is_touch = is_touch_;
         segment.is_low = is_low;
@@ -419,7 +419,7 @@ private:
     const HlsLevelPlaces places_;
     const bool is_touch_;
     const std::shared_ptr<HlsLevelReading> reading_;
-    std::unique_ptr<HlsRendition> read_, next_;  // next_: of the other level, which follows
+    std::unique_ptr<HlsRendition> read_, next_;  // next_: the other level's, which follows
     bool is_low_ = false, is_opening_ = false;
     std::int64_t changes_ = 0, lost_before_ = 0, fetched_ns_[2]{};
 };
@@ -451,7 +451,7 @@ int HlsRendition::open_segment(AVIOContext** io, const std::string& named, const
 
 // --- BothRenditions
 
-/// While a stream is opened: touch needs the rest of the time.
+/// At opening; touch needs the rest of the time.
 constexpr std::chrono::seconds longest_wait_for_colour{4};
 
 class BothRenditions final : public HlsInput {
@@ -492,7 +492,7 @@ public:
     const std::vector<std::string>& remarks() const override { return remarks_; }
 
 private:
-    /// Colour is not felt, so the stream goes on without it.
+    /// If colour fails, the stream goes on without it: colour is not felt.
     Result<const AVPacket*> next_of_colour() {
         if (!colour_) return static_cast<const AVPacket*>(nullptr);
         auto packet = colour_->peek();
@@ -510,7 +510,7 @@ private:
     const std::unique_ptr<HlsLevels> touch_;
     const std::shared_ptr<HlsLevelReading> reading_;  // null: there is one level
     const bool is_live_;
-    std::unique_ptr<HlsLevels> colour_;  // null: there is none, or none any more
+    std::unique_ptr<HlsLevels> colour_;  // null: none, or lost
     std::vector<std::string> remarks_;
 };
 
@@ -532,12 +532,12 @@ void LevelChoice::add(const FetchedSegment& fetched) {
     if (fetched.duration_ns <= 0) return;
     const bool failed = fetched.bytes <= 0;
     if (failed && fetched.fetch_ns <= fetched.duration_ns)
-        return;  // a missing file tells nothing of the link
+        return;  // a missing file says nothing about the link
     const std::size_t k = fetched.is_touch ? 0 : 1;
     bytes_[k] = static_cast<double>(fetched.bytes);
     seconds_[k] = std::max(in_seconds(fetched.fetch_ns), 1e-9);
     if (!failed) needs_[fetched.is_low ? 1 : 0][k] = bytes_[k] / in_seconds(fetched.duration_ns);
-    if (!fetched.is_touch) return;  // it is judged together with touch
+    if (!fetched.is_touch) return;  // colour is judged together with touch
     const double seconds = seconds_[0] + seconds_[1], newest = (bytes_[0] + bytes_[1]) / seconds;
     quick_ += (has_rate_ ? quick_share : 1) * (newest - quick_);
     slow_ += (has_rate_ ? slow_share : 1) * (newest - slow_);
@@ -560,7 +560,7 @@ Result<std::unique_ptr<HlsInput>> HlsInput::open(const std::string& named,
     if (!text) return error_at(named, text.error());
     const auto places = places_in_playlist(*text, place);
     if (!places) return error_at(named, places.error());
-    // Colour first: of a live stream it then begins no later.
+    // Colour is opened first, so that it begins no later in a live stream.
     std::shared_ptr<HlsLevelReading> reading;
     if (now_ns && !places->low_touch.empty()) {
         reading = std::make_shared<HlsLevelReading>();

@@ -1,6 +1,6 @@
-// HlsWriter: a stream as a folder of segments and playlists. HlsFolder names its files, writes each at once
-// and deletes old ones; an HlsRenditionOutput encodes a rendition; FolderWriter cuts segments, and publishes
-// and shortens the playlists.
+// HlsWriter: a stream as a folder of segments and playlists. HlsFolder names its files, writes each
+// atomically and deletes old ones; an HlsRenditionOutput encodes a rendition; FolderWriter cuts segments, and
+// publishes and shortens the playlists.
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -35,7 +35,7 @@ bool is_of(std::string_view text, std::string_view letters) {
     return text.find_first_not_of(letters) == std::string_view::npos;
 }
 
-/// A segment or a header, of any run.
+/// Whether it is a segment or a header, of any run.
 bool is_segment_name(std::string_view name) {
     for (const std::string_view rendition : {"colour-low-", "touch-low-", "colour-", "touch-"}) {
         if (!name.starts_with(rendition)) continue;
@@ -63,20 +63,20 @@ std::string text_of_playlist(const fs::path& file) {
     return text;
 }
 
-/// A file that a program left which was killed while it gave the file its name (NewFile).
+/// A file left by a program that was killed before it renamed the file (NewFile).
 bool is_unfinished(std::string_view name) {
     return name.starts_with(".unfinished-");
 }
 
-/// The folder from which a web server delivers a stream. It holds nothing but files of ours, which are known
-/// by their names, playlists also by a line in them (hls_mark):
+/// The folder from which a web server delivers a stream. It holds only files that this program wrote,
+/// recognised by their names, playlists also by a line in them (hls_mark):
 ///   master.m3u8, colour.m3u8, touch.m3u8, colour-low.m3u8, touch-low.m3u8
 ///   colour-RUN-init.mp4, colour-RUN-NUMBER.m4s, and the same of the others; RUN: 8 hexadecimal digits.
-/// So no file of another run, which a cache may have, ever has the name of one of this run.
+/// A file of another run, which a cache may have, thus never has the name of a file of this run.
 class HlsFolder {
 public:
-    /// Makes it where it is not there. Refused (ErrorKind::input): a folder with anything else in it, and one
-    /// in which another program is at work. `lasts`: its files are to be safe on the disk.
+    /// Creates the folder if it is missing. Refused (ErrorKind::input): a folder with other files in it, or
+    /// one in which another program writes. `lasts`: files have to be safe on the disk.
     static Result<HlsFolder> open(const fs::path& path, bool lasts) {
         HlsFolder folder;
         folder.path_ = path;
@@ -104,24 +104,24 @@ public:
     std::string segment_name(std::string_view rendition, std::int64_t number) const {
         return std::string(rendition) + "-" + run_ + "-" + std::to_string(number) + ".m4s";
     }
-    /// The number from which segments count, so that viewers of the run before go on.
+    /// Number of the first segment: it continues the previous run, for that run's viewers.
     std::int64_t first_segment() const { return first_segment_; }
 
-    /// The whole file at once, in place of any other of that name.
+    /// Writes the whole file atomically, replacing any other of that name.
     Result<void> put(const std::string& name, std::string_view bytes) const {
         NewFile file(path_ / name);
         if (!lasts_) file.need_not_last();
         TRY(file.write(bytes));
         return file.commit();
     }
-    /// No playlist names it any more from `time_ns` of the stream on.
+    /// Call if no playlist names the file from `time_ns` of the stream on.
     void retire(std::string name, std::int64_t time_ns) { retired_.push_back({std::move(name), time_ns}); }
-    /// Retires all files of runs before.
+    /// Retires all files of previous runs.
     void retire_old(std::int64_t time_ns) {
         for (std::string& name : old_) retire(std::move(name), time_ns);
         old_.clear();
     }
-    /// Deletes what no playlist has named since then.
+    /// Deletes the files that no playlist has named since `before_ns`.
     void remove_retired(std::int64_t before_ns) {
         while (!retired_.empty() && retired_.front().time_ns <= before_ns) {
             unlink((path_ / retired_.front().name).c_str());
@@ -163,19 +163,19 @@ private:
     bool lasts_ = true;
     std::string run_;
     std::int64_t first_segment_ = 0;
-    std::vector<std::string> old_;  // segments and headers of runs before
+    std::vector<std::string> old_;  // segments and headers of previous runs
     std::deque<Retired> retired_;
 };
 
 // --- One rendition
 
-/// A rendition of a stream: colour or the planes that are felt, of the full or of the low level.
+/// A rendition of a stream: colour or the touch planes, of the full or of the low level.
 struct HlsRenditionForm {
     bool is_colour = false, is_low = false;
 
     std::string name() const { return std::string(is_colour ? "colour" : "touch") + (is_low ? "-low" : ""); }
     std::string playlist() const { return name() + ".m3u8"; }
-    /// Frames of the stream from one of its frames to the next.
+    /// Frames of the stream per frame of the rendition.
     int step() const { return is_low && !is_colour ? hls_low_step : 1; }
 };
 
@@ -197,7 +197,7 @@ RawFrame planes_of(const HlsRenditionForm& form, const RawFrame& frame) {
 /// Encodes a rendition into fragmented MP4.
 class HlsRenditionOutput {
 public:
-    /// `sound`: goes along; null: none does.
+    /// `sound`: added to the rendition; null: none.
     static Result<HlsRenditionOutput> open(const HlsRenditionForm& form, const RawFrame& first,
                                            const SceneDescription& described,
                                            const AVCodecParameters* sound) {
@@ -215,13 +215,13 @@ public:
         if (sound) {
             TRY_ASSIGN(sound_stream, muxer->add_sound(*sound, {1, std::max(1, sound->sample_rate)}));
         }
-        // A picture of each track by turns: a reader needs no more memory than that.
+        // The tracks' pictures alternate, so that a reader needs little memory.
         TRY(muxer->begin("movflags=+frag_custom+empty_moov+default_base_moof+cmaf:frag_interleave=1"));
         return HlsRenditionOutput(form, std::move(encoder), std::move(muxer), sound_stream);
     }
 
     const HlsRenditionForm& form() const { return form_; }
-    /// `duration_ns`: until the rendition's next frame. Where `is_key`, decoding can begin with it.
+    /// `duration_ns`: time until the rendition's next frame. `is_key`: decoding can begin with this frame.
     Result<void> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
                      std::int64_t duration_ns, bool is_key) {
         TRY_ASSIGN(auto packets, encoder_.encode(planes_of(form_, frame), label, is_key));
@@ -235,14 +235,14 @@ public:
     }
 
     bool has_sound() const { return sound_stream_.has_value(); }
-    /// Its times are in milliseconds.
+    /// `packet`: times in milliseconds.
     Result<void> add_sound(const AVPacket& packet) {
         const PacketPtr own(av_packet_clone(&packet));
         if (!own) return memory_error();
         return muxer_->write(*own, *sound_stream_, hls_ms);
     }
 
-    /// The bytes of all that was added since the last time; at first of the initialisation.
+    /// Returns all bytes since the last call; at the first call, the initialisation.
     Result<std::vector<std::uint8_t>> take() {
         TRY(muxer_->flush());
         return muxer_->take();
@@ -269,7 +269,7 @@ private:
         : form_(form), encoder_(std::move(encoder)), muxer_(std::move(muxer)), sound_stream_(sound_stream) {}
 
     HlsRenditionForm form_;
-    LabelledEncoder encoder_;  // its track k is stream k
+    LabelledEncoder encoder_;  // track k is stream k
     std::unique_ptr<MemoryMuxer> muxer_;
     std::optional<int> sound_stream_;
 };
@@ -278,7 +278,7 @@ private:
 
 constexpr std::int64_t hls_second = 1'000'000'000;
 constexpr std::size_t fewest_in_window = 3;  // RFC 8216, 6.2.2
-/// Slow clients have this much longer to fetch a segment than RFC 8216 asks for.
+/// For slow clients: files stay this much longer than RFC 8216 requires.
 constexpr std::int64_t stays_longer_ns = 10 * hls_second;
 
 std::string_view text_of_bytes(const std::vector<std::uint8_t>& bytes) {
@@ -288,7 +288,7 @@ std::string_view text_of_bytes(const std::vector<std::uint8_t>& bytes) {
 struct Rendition {
     HlsRenditionOutput output;
     HlsMedia media{};
-    std::int64_t most_bits_s = 0, stated_bits_s = 0;  // the latter in the master playlist
+    std::int64_t most_bits_s = 0, stated_bits_s = 0;  // stated: in the master playlist
 };
 
 std::int64_t& bytes_of(const HlsRenditionForm& form, HlsWriter::Figures& figures) {
@@ -350,7 +350,7 @@ private:
         const FrameRate& rate = described_.scene.rate;
         return std::max<std::int64_t>(1, hls_second * rate.den / rate.num);
     }
-    /// The length of a segment whose frames come evenly.
+    /// Length of a segment with evenly spaced frames.
     std::int64_t target_s() const {
         const std::int64_t frame = frame_ns();
         const std::int64_t frames = std::max<std::int64_t>(1, (settings_.segment_ns + frame / 2) / frame);
@@ -366,7 +366,7 @@ private:
                 if (is_there) {
                     TRY(add_rendition(form, first));
                 } else {
-                    folder_.retire(form.playlist(), 0);  // of a run before
+                    folder_.retire(form.playlist(), 0);  // of a previous run
                 }
             }
         if (first.colour.empty())
@@ -395,7 +395,7 @@ private:
             return {};
         });
     }
-    /// The segment ends where the next one begins.
+    /// Ends the segment at the beginning of the next one.
     Result<void> end_segment(std::int64_t end_ns) {
         const std::int64_t longest = target_s() * hls_second + hls_second / 2 - 1;
         const bool breaks = end_ns - begin_ns_ > longest;  // the source stood still
@@ -434,8 +434,8 @@ private:
             ++media.first;
         }
     }
-    /// Playlists name what is there: they come after it. Those of the low level first: a viewer that goes
-    /// over to it finds there what the others name.
+    /// Playlists are written after the files that they name, and those of the low level first: a viewer that
+    /// changes to it finds there what the others name.
     Result<void> publish(std::int64_t now_ns) {
         figures_.playlist_bytes = 0;
         for (auto rendition = renditions_.rbegin(); rendition != renditions_.rend(); ++rendition) {
@@ -457,7 +457,7 @@ private:
                         std::move(codecs), scene.width,
                         scene.height,      scene.rate.per_second() / form.step()};
     }
-    /// Once a variant has needed more than it says.
+    /// Writes the master playlist if a variant needed more than it states.
     Result<void> put_master() {
         bool is_new = false;
         std::vector<HlsShown> variants;
@@ -465,8 +465,7 @@ private:
             if (rendition.output.form().is_colour != renditions_.front().output.form().is_colour) continue;
             const std::int64_t most = rendition.most_bits_s;
             is_new = is_new || most > rendition.stated_bits_s;
-            // The bit rate of what comes is not known: a live stream states a quarter more than the largest
-            // seen.
+            // The coming bit rate is unknown: a live stream states a quarter more than the largest seen.
             if (most > rendition.stated_bits_s) rendition.stated_bits_s = is_live() ? most + most / 4 : most;
             TRY_ASSIGN(auto variant, shown(rendition));
             variants.push_back(std::move(variant));
@@ -481,12 +480,12 @@ private:
     HlsFolder folder_;
     std::vector<std::string> notes_;
     HlsWriter::Figures figures_;
-    std::vector<Rendition> renditions_;  // of each level the one that players show comes first
+    std::vector<Rendition> renditions_;  // per level, the one that players show comes first
     std::optional<StreamSound> sound_;
-    std::int64_t begin_ns_ = 0, newest_ns_ = 0;     // of the segment, and of the newest frame
+    std::int64_t begin_ns_ = 0, newest_ns_ = 0;     // begin of the segment, time of the newest frame
     std::int64_t begin_taken_ns_ = 0, number_ = 0;  // of the segment
-    bool is_after_a_break_ = false;                 // the segment
-    std::int64_t frames_ = 0;                       // that it has
+    bool is_after_a_break_ = false;                 // of the segment
+    std::int64_t frames_ = 0;                       // in the segment
 };
 
 class HlsChannel final : public StreamMuxer {

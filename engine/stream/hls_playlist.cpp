@@ -1,5 +1,5 @@
-// Playlists of HTTP Live Streaming: texts of ours that are written, and texts of any sender that are read and
-// judged.
+// Playlists of HTTP Live Streaming: those that this program writes, and those of any sender, which are read
+// and checked.
 
 #include <algorithm>
 #include <chrono>
@@ -57,7 +57,7 @@ struct PlaceParts {
     std::string origin, path;  // path without query
 };
 
-/// A scheme and its colon; empty where there is none.
+/// A scheme and its colon; empty if there is none.
 std::string_view scheme_in(std::string_view uri) {
     const std::size_t colon = uri.find_first_of(":/?#");
     if (colon == std::string_view::npos || colon == 0 || uri[colon] != ':') return "";
@@ -74,10 +74,10 @@ PlaceParts parts_of(std::string_view place) {
     return {small_letters(std::string(rest.substr(0, path))), std::string(rest.substr(path))};
 }
 
-/// Without "." and "..".
+/// The path without "." and "..".
 std::string plain_path(std::string_view path) {
     std::vector<std::string_view> steps;
-    bool is_folder = false;  // what ends in dots is one (RFC 3986, 5.2.4)
+    bool is_folder = false;  // a path that ends in dots is one (RFC 3986, 5.2.4)
     while (!path.empty()) {
         const std::size_t end = std::min(path.find('/', 1), path.size());
         const std::string_view step = path.substr(0, end);
@@ -108,7 +108,7 @@ Result<std::string> absolute_place(std::string_view base, std::string_view named
     return other.origin + plain_path(other.path) + std::string(named.substr(query));
 }
 
-/// Lines of a playlist, without what ends them.
+/// Lines of a playlist that are not empty, without their ends.
 class PlaylistLines {
 public:
     explicit PlaylistLines(std::string_view text) : rest_(text) {}
@@ -128,7 +128,7 @@ private:
     std::string_view rest_;
 };
 
-/// The text behind a tag's name; nothing where the line has another tag.
+/// The text behind a tag's name; nothing if the line has another tag.
 std::optional<std::string_view> after_tag(std::string_view line, std::string_view tag) {
     if (!line.starts_with(tag)) return std::nullopt;
     line.remove_prefix(tag.size());
@@ -136,7 +136,7 @@ std::optional<std::string_view> after_tag(std::string_view line, std::string_vie
     return line.front() == ':' ? std::optional(line.substr(1)) : std::nullopt;
 }
 
-/// The value of a key in a list KEY=VALUE,KEY="VALUE"; nothing where it has none.
+/// The value of a key in a list KEY=VALUE,KEY="VALUE"; nothing if it is missing.
 std::optional<std::string_view> attribute(std::string_view list, std::string_view key) {
     while (!list.empty()) {
         const std::size_t equals = list.find('=');
@@ -167,7 +167,7 @@ bool is_master_line(std::string_view line) {
            after_tag(line, "#EXT-X-MEDIA") || after_tag(line, "#EXT-X-SESSION-DATA");
 }
 
-/// The media playlists that a master playlist names, as they stand there.
+/// The media playlists that a master playlist names, unresolved.
 struct NamedPlaylists {
     bool is_master = false;
     std::optional<std::string_view> touch, colour, low_touch, low_colour;
@@ -193,7 +193,7 @@ NamedPlaylists named_in(std::string_view text) {
     return named;
 }
 
-/// The number from which a media playlist counts its segments.
+/// Parses the number of a media playlist's first segment.
 std::optional<std::int64_t> segment_number(std::string_view text) {
     constexpr std::int64_t most = std::int64_t{1} << 53;
     std::int64_t number = 0;
@@ -203,7 +203,7 @@ std::optional<std::int64_t> segment_number(std::string_view text) {
     return number;
 }
 
-/// The number of the first segment of a media playlist that was checked.
+/// Number of the first segment of a checked media playlist.
 std::int64_t first_number_in(std::string_view text) {
     std::int64_t first = 0;
     PlaylistLines lines(text);
@@ -213,7 +213,7 @@ std::int64_t first_number_in(std::string_view text) {
     return first;
 }
 
-/// The length of a segment in "1.000000,title"; 0 where it is out of range.
+/// Duration of a segment in "1.000000,title", ns; 0 if it is out of range.
 std::int64_t duration_ns(std::string_view text) {
     constexpr double longest_s = 3600;
     double seconds = 0;
@@ -221,13 +221,13 @@ std::int64_t duration_ns(std::string_view text) {
     return seconds > 0 && seconds <= longest_s ? static_cast<std::int64_t>(seconds * 1e9) : 0;
 }
 
-/// A tag that belongs to the next segment alone.
+/// Whether a tag applies to the next segment only.
 bool is_of_one_segment(std::string_view tag) {
     return after_tag(tag, "#EXTINF") || after_tag(tag, "#EXT-X-BYTERANGE") || tag == "#EXT-X-DISCONTINUITY" ||
            after_tag(tag, "#EXT-X-PROGRAM-DATE-TIME");
 }
 
-/// A tag that names a place, or what cannot be read.
+/// Checks a tag that names a place or a feature that is not read.
 Result<void> check_media_tag(std::string_view line, const std::string& place, HlsMediaFacts& facts) {
     if (is_master_line(line)) return input_error("leads to further playlists, where segments should be");
     if (const auto key = after_tag(line, "#EXT-X-KEY"); key && attribute(*key, "METHOD") != "NONE")
@@ -263,7 +263,7 @@ std::string text_of(const HlsMedia& media) {
 std::string master_text(const HlsShown& shown, const std::optional<HlsShown>& low) {
     std::string text = playlist_head() + planes_text(hls_planes_id, hls_touch_name);
     if (low) text += planes_text(hls_low_planes_id, hls_low_touch_name);
-    text += variant_text(shown);  // the one that players begin with comes first
+    text += variant_text(shown);  // players begin with the first variant
     return low ? text + variant_text(*low) : text;
 }
 

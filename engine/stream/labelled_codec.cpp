@@ -11,7 +11,7 @@ namespace {
 
 // --- Helpers of messages
 
-/// No byte is zero, so that nothing in a message is ever escaped.
+/// No byte is zero, so that no message needs escaping.
 constexpr std::array<std::uint8_t, 16> message_uuid{0x9b, 0x3e, 0x57, 0xc1, 0x6d, 0x2a, 0x4f, 0x88,
                                                     0xa5, 0x74, 0x1c, 0xe9, 0x33, 0xd6, 0xb2, 0x4d};
 constexpr std::array<std::string_view, 3> part_names{"whole", "high", "low"};
@@ -35,11 +35,11 @@ std::string with_uuid(const std::string& text) {
     return std::string(message_uuid.begin(), message_uuid.end()) + text;
 }
 
-/// Takes the words of a message from its front.
+/// Reads the words of a message from its front.
 class WordReader {
 public:
     explicit WordReader(std::string_view text) : rest_(text) {}
-    /// The value of this key, which comes next; empty where it does not.
+    /// The value of this key, which has to come next; empty if it does not.
     std::string_view value(std::string_view key) {
         if (!rest_.starts_with(key) || !rest_.substr(key.size()).starts_with('=')) return "";
         rest_.remove_prefix(key.size() + 1);
@@ -99,7 +99,7 @@ std::optional<PictureMessage> read_message(std::string_view text) {
 constexpr PlaneRole labelled_order[] = {PlaneRole::colour, PlaneRole::depth, PlaneRole::haptic,
                                         PlaneRole::height};
 
-/// Frames at times of their own are sent with their mean rate: each picture says when it was taken.
+/// Frames with individual times are sent with their mean rate: each picture states when it was taken.
 std::string sent_scene(const SceneDescription& described) {
     SceneDescription said = said_of_clip(described);
     said.scene.rate.own_times = nullptr;
@@ -118,14 +118,14 @@ bool is_begin_of_plane(PlaneRole role, PlanePart part) {
 // --- Helpers of the decoder
 
 constexpr std::size_t most_tracks = 16;
-/// So many halves of a plane wait for the others: tracks of one frame come close to each other.
+/// Limit of plane halves that wait for the others: tracks of one frame come close to each other.
 constexpr std::size_t most_halves = 8;
 
 /// The messages of a picture.
 struct SaidOf {
     std::optional<ReadSei> picture;
     std::shared_ptr<const std::string> scene;
-    bool is_one = true;  // picture: not of two, which are then mixed up
+    bool is_one = true;  // false: two messages for one picture, so they are mixed up
 };
 
 SaidOf messages_in(const AVFrame& frame) {
@@ -151,7 +151,7 @@ std::optional<Plane> rgb_plane(RgbConverter& converter, const AVFrame& frame) {
     return plane_from(std::move(*rgb));
 }
 
-/// Exact samples of three channels, of one, or none.
+/// A plane of exact samples, with three channels or one; nothing: neither.
 std::optional<Plane> exact_plane(RgbConverter& converter, FramePtr frame, const PictureMessage& message) {
     const bool may_be_rgb = message.part == PlanePart::whole && message.role != PlaneRole::height;
     if (is_rgb8(*frame)) return may_be_rgb ? rgb_plane(converter, *frame) : std::nullopt;
@@ -161,7 +161,7 @@ std::optional<Plane> exact_plane(RgbConverter& converter, FramePtr frame, const 
     return Plane{*samples, std::shared_ptr<const AVFrame>(std::move(frame)), 8};
 }
 
-/// Joins the high part and the low one; nothing where they cannot belong together, or memory runs out.
+/// Joins the high and the low part; nothing if they do not belong together, or memory runs out.
 std::optional<Plane> joined_plane(const PlaneView& high, const PlaneView& low, int bits) {
     if (high.width != low.width || high.height != low.height) return std::nullopt;
     FramePtr joined = joined_bytes(high, low, bits - 8);

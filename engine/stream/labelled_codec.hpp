@@ -1,8 +1,7 @@
 #pragma once
 
-// Framesets as tracks of H.264 whose pictures say what they are: the message in a picture, the encoder and
-// the decoder. MPEG-TS (stream_muxers.cpp) and HLS (hls_output.cpp) carry them; labelled_pictures.cpp reads
-// them.
+// Framesets as H.264 tracks with labelled pictures: the message in a picture, the encoder and the decoder.
+// MPEG-TS (stream_muxers.cpp) and HLS (hls_output.cpp) carry them; labelled_pictures.cpp reads them.
 
 #include <array>
 #include <cstddef>
@@ -22,64 +21,64 @@
 
 namespace touchable {
 
-/// The message in a picture of H.264 that says what it is, in any container: an unregistered SEI message
-/// (ISO/IEC 14496-10, D.1.7) of our own UUID. Its text is
+/// The label of an H.264 picture, in any container: an unregistered SEI message (ISO/IEC 14496-10, D.1.7)
+/// with our own UUID. Its text is
 ///   touchable=1 role=depth part=high bits=16 frame=12 taken_ns=1700000000000000000 xxh64=0123456789abcdef
-/// part: whole, high or low; bits: of the plane's samples, of which the high part has the upper eight;
-/// xxh64 (seed 0): of the text before " xxh64=" and of the part's samples as they decode, row by row, of
-/// three channels red, green, blue. Colour, which no codec here keeps, has that of the text alone.
+/// part: whole, high or low; bits: of the plane's samples, of which the high part has the upper eight; xxh64
+/// (seed 0): hash of the text before " xxh64=" and of the part's samples as they decode, row by row, with
+/// three channels red, green, blue. Colour, which no codec here keeps exactly, hashes the text only.
 struct PictureMessage {
     PlaneRole role = PlaneRole::depth;
     PlanePart part = PlanePart::whole;
-    int bits = 8;  ///< 8 to 16; 8 where the part is whole
+    int bits = 8;  ///< 8 to 16; 8 if the part is whole
     PictureLabel label;
     bool operator==(const PictureMessage&) const = default;
 };
 
-/// With the UUID. `samples`: of the part, one byte each.
+/// The message with the UUID. `samples`: the part's, one byte each.
 std::string sei_of(const PictureMessage& message, const PlaneView& samples);
-/// The description of the scene, in the same form; it goes with keyframes of depth, whole or high:
+/// The scene's description as a message, sent with keyframes of depth, whole or high:
 ///   touchable_scene=1 xxh64=0123456789abcdef {...}
-/// the hash being of the JSON behind it.
+/// The hash is that of the JSON behind it.
 std::string sei_of_scene(std::string_view json);
 
-/// A message of either kind, taken apart.
+/// A parsed message of either kind.
 struct ReadSei {
-    std::optional<PictureMessage> picture;  ///< whose hash is not judged yet
+    std::optional<PictureMessage> picture;  ///< its hash is not checked yet
     std::string hashed;                     ///< of a picture: the text before its hash
-    std::string hash;                       ///< 16 digits where it is right
+    std::string hash;                       ///< 16 digits if it is right
     std::optional<std::string> scene;       ///< JSON, as it was sent
 };
-/// Nothing where it is neither, or is damaged: numbers out of range, words that are not known, a scene whose
-/// hash is wrong.
+/// Nothing for other and for damaged messages: numbers out of range, unknown words, a scene with a wrong
+/// hash.
 std::optional<ReadSei> read_sei(std::span<const std::uint8_t> content);
-/// Whether the message and its samples are what was sent.
+/// Whether the message and its samples arrived as they were sent.
 bool is_sound(const ReadSei& sei, const PlaneView& samples);
 
-/// Framesets as tracks of H.264, in which each picture says what it is (PictureMessage): so planes,
-/// frame numbers, damage and the scene are known from the pictures alone, whatever carries them. Planes that
-/// are felt keep every value; those of more than 8 bits are two tracks.
+/// Framesets as H.264 tracks with labelled pictures (PictureMessage): planes, frame numbers, damage and the
+/// scene are known from the pictures alone, in any container. Touch planes keep every value; planes of more
+/// than 8 bits are two tracks.
 class LabelledEncoder {
 public:
-    /// `touch`: how the planes that are felt are coded, h264_quick or h264_thrifty; `colour`: h264_visual or
-    /// h264_reduced. An error of kind usage where H.264 has no pictures of that size.
+    /// `touch`: coding of the touch planes, h264_quick or h264_thrifty; `colour`: h264_visual or
+    /// h264_reduced. An error of kind usage if H.264 has no pictures of that size.
     static Result<LabelledEncoder> open(const RawFrame& first, const SceneDescription& described,
                                         TrackCoding touch, TrackCoding colour = TrackCoding::h264_visual);
 
-    /// Tracks in their order: colour first, which ordinary players show, low parts last.
+    /// Number of tracks, in this order: colour first, which ordinary players show; low parts last.
     std::size_t tracks() const { return tracks_.size(); }
     /// "depth", "depth_low": for tools that show names.
     std::string name(std::size_t track) const {
         const Track& named = tracks_[track];
         return std::string(role_name(named.role)) + (named.part == PlanePart::low ? low_track_suffix : "");
     }
-    /// Says in a container how a track is encoded.
+    /// Stores in a container how a track is encoded.
     Result<void> describe(std::size_t track, AVCodecParameters& stored) const {
         return tracks_[track].encoder->describe(stored);
     }
 
-    /// A packet for each track, without times; planes as the first frame had them, or an error of kind input.
-    /// Where `is_key`, decoding can begin with each.
+    /// A packet for each track, without times. Planes have to be like the first frame's, else an error of
+    /// kind input. `is_key`: decoding can begin with each packet.
     Result<std::vector<PacketPtr>> encode(const RawFrame& frame, const PictureLabel& label, bool is_key);
 
 private:
@@ -88,7 +87,7 @@ private:
         PlanePart part;
         int bits;  // of the plane's samples
         std::unique_ptr<TrackEncoder> encoder{};
-        PlaneView form{};                   // of the plane; its samples are gone
+        PlaneView form{};                   // of the plane; without samples
         std::vector<std::uint8_t> bytes{};  // of the newest picture of a part
     };
     LabelledEncoder() = default;
@@ -98,54 +97,54 @@ private:
     std::string scene_sei_;
 };
 
-/// A plane of a frameset as it was sent: every value of it where it is felt.
+/// A plane of a frameset as it was sent; touch planes keep every value.
 struct LabelledPicture {
     PlaneRole role = PlaneRole::depth;
     PictureLabel label;
     bool is_key = false;                       ///< decoding could have begun with it
-    Plane plane;                               ///< of both halves, where it was sent as two
-    std::shared_ptr<const std::string> scene;  ///< JSON that came with it; null: none did
+    Plane plane;                               ///< joined, if it was sent as two halves
+    std::shared_ptr<const std::string> scene;  ///< JSON that came with it; null: none
 };
 
-/// Pictures that were not given, by cause.
+/// Pictures that were left out, by cause.
 struct PictureFaults {
-    std::int64_t undecodable = 0;  ///< also larger than was said, or depending on one that is not there
-    std::int64_t unlabelled = 0;   ///< not of ours, or with a damaged message
-    std::int64_t damaged = 0;      ///< other samples than were sent
-    std::int64_t halved = 0;       ///< whose other half never came
+    std::int64_t undecodable = 0;  ///< also larger than stated, or depending on a missing one
+    std::int64_t unlabelled = 0;   ///< not labelled by us, or with a damaged message
+    std::int64_t damaged = 0;      ///< with samples other than were sent
+    std::int64_t halved = 0;       ///< the other half never came
     std::int64_t all() const { return undecodable + unlabelled + damaged + halved; }
 };
 
-/// Takes apart what LabelledEncoder made, whatever carried it and in whatever order its tracks come. What is
-/// damaged is counted and never given. One thread.
+/// Decodes the tracks of a LabelledEncoder, from any container and in any order of tracks. Damaged pictures
+/// are counted and never returned. Used by one thread.
 class LabelledDecoder {
 public:
     /// Larger pictures are not decoded.
     explicit LabelledDecoder(std::int64_t most_pixels) : most_pixels_(most_pixels) {}
 
-    /// Adds a track of H.264 and returns its number, for `add`. Refused (ErrorKind::input) is another codec,
-    /// and more than 16.
+    /// Adds a track of H.264 and returns its number, for `add`. Refused (ErrorKind::input): another codec,
+    /// and more than 16 tracks.
     Result<std::size_t> add_track(const AVStream& stream, const std::string& where);
-    /// The pictures that are whole with this packet. An error only of kind internal: out of memory.
+    /// The pictures that this packet completes. The only error is kind internal: out of memory.
     Result<std::vector<LabelledPicture>> add(std::size_t track, const AVPacket& packet);
-    /// The pictures that are left, once no packet comes any more.
+    /// The remaining pictures, after the last packet.
     Result<std::vector<LabelledPicture>> end();
-    /// Packets from here on do not follow those before.
+    /// To be called before packets that do not follow the previous ones.
     void restart();
 
-    /// Colour from here on comes without samples.
+    /// Colour comes without samples from here on.
     void leave_out_colour() { leaves_out_colour_ = true; }
     const PictureFaults& faults() const { return faults_; }
 
 private:
     struct Track {
         std::unique_ptr<PacketDecoder> decoder;
-        bool has_begun = false;                // with a packet that is a key
+        bool has_begun = false;                // with a key packet
         bool is_broken = false;                // a picture that others depend on is missing
         std::optional<std::int64_t> newest{};  // frame number
         RgbConverter converter{};
     };
-    /// A plane that is in two parts, of which one came.
+    /// One of the two parts of a plane.
     struct Half {
         PictureMessage message;
         LabelledPicture picture;
@@ -153,8 +152,8 @@ private:
     using Pictures = std::vector<LabelledPicture>;
     Result<void> send(Track& track, const AVPacket* packet, Pictures& pictures);
     Result<void> take(Track& track, FramePtr frame, Pictures& pictures);
-    /// Nothing in a picture of colour shows that it depends on one that was lost; in a plane that is felt the
-    /// hash does.
+    /// Whether the picture may be used. A colour picture does not show that it depends on a lost one; a touch
+    /// plane does, by its hash.
     bool follows(Track& track, const PictureMessage& message, bool is_key) {
         const std::int64_t frame = message.label.frame;
         const bool is_next = track.newest && *track.newest < frame && frame - *track.newest == 1;

@@ -1,4 +1,4 @@
-// Pictures that say what they are (LabelledDecoder), out of MPEG-TS or HLS.
+// Labelled pictures (LabelledDecoder) from MPEG-TS or HLS.
 
 #include <algorithm>
 #include <map>
@@ -21,12 +21,12 @@ public:
         int track = 0;
         const AVStream* stream = nullptr;
         PacketPtr packet;
-        std::int64_t step = 1;  ///< as StreamPicture has it
+        std::int64_t step = 1;  ///< as in StreamPicture
     };
     virtual ~LabelledPackets() = default;
     /// Nothing after the last.
     virtual Result<std::optional<Next>> next() = 0;
-    /// The number of its tracks of H.264, as far as that is known beforehand.
+    /// Number of its H.264 tracks, as far as it is known in advance.
     virtual int tracks() const = 0;
     virtual std::string how_it_ended() const = 0;
     virtual bool was_lost() const { return false; }
@@ -73,7 +73,7 @@ public:
         return std::optional(Next{track + (is_low ? of_low : 0), packet->stream, std::move(packet->packet),
                                   is_touch && is_low ? hls_low_step : 1});
     }
-    /// Segments have all of their tracks.
+    /// Each segment has all tracks.
     int tracks() const override { return static_cast<int>(seen_.size()); }
     std::string how_it_ended() const override {
         if (!was_lost()) return "has come to its end";
@@ -88,7 +88,7 @@ private:
     std::set<int> seen_;
 };
 
-/// Only its pictures tell which planes a stream has: those of its first frames are read to know them.
+/// Only pictures show which planes a stream has, so those of its first frames are read at opening.
 class LabelledPictures final : public StreamPictures {
 public:
     LabelledPictures(std::unique_ptr<LabelledPackets> packets, std::string name)
@@ -142,7 +142,7 @@ private:
         if (has_ended_) return false;
         TRY_ASSIGN(const auto packet, packets_->next());
         const std::int64_t damaged = decoder_.faults().damaged;
-        // No frameset is missed because its colour is damaged.
+        // Damaged colour does not make a frameset torn.
         const auto take_all = [&](Result<std::vector<LabelledPicture>> pictures) -> Result<void> {
             if (!pictures) return pictures.error();
             if (packet && !pictures->empty() && pictures->front().role == PlaneRole::colour)
@@ -203,7 +203,7 @@ private:
         std::ranges::sort(infos_, {}, [](const TrackInfo& track) { return *role_named(track.role); });
     }
 
-    /// Whether the plane of each track, or the half of one, is known.
+    /// Whether the plane of each track, or one half of it, is known.
     bool knows_all() const {
         int known = 0;
         for (const TrackInfo& track : infos_) known += track.pixel_format.ends_with("in two tracks") ? 2 : 1;
@@ -219,7 +219,7 @@ private:
     const std::unique_ptr<LabelledPackets> packets_;
     const std::string name_;
     LabelledDecoder decoder_{most_stream_pixels};
-    std::map<int, std::optional<std::size_t>> tracks_;  // by stream; nothing: it is no plane
+    std::map<int, std::optional<std::size_t>> tracks_;  // by stream; nothing: no plane
     std::set<int> colour_streams_;
     bool is_described_ = false;  // by the caller
     std::optional<SceneDescription> described_;

@@ -120,8 +120,8 @@ std::int64_t LinkRate::bytes_per_second() const {
 
 std::int64_t LinkRate::window_bytes() const {
     constexpr std::size_t first_slices = 4;
-    // Acknowledgements are sent every 10 ms and looked at every 5; a thread may have to wait for a core.
-    // On a long way the rate has to be able to grow by a quarter.
+    // Acknowledgements are sent every 10 ms and read every 5; a thread may have to wait for a core. With a
+    // long round trip the rate has to be able to grow by a quarter.
     constexpr double least_slack_ns = 80e6, ns_per_second = 1e9;
     const auto way_ns = static_cast<double>(shortest_ns_);
     const double slack_ns = std::max(least_slack_ns, way_ns / 4);
@@ -130,8 +130,8 @@ std::int64_t LinkRate::window_bytes() const {
         datagrams += slice.datagrams;
         lost += slice.lost;
     }
-    // Acknowledgements stop at what is lost until it has been asked for and sent again. Of the hundreds
-    // of datagrams on their way some are lost once more as they are sent again.
+    // Acknowledgements stop at a lost datagram until it was requested and sent again. Of the hundreds of
+    // datagrams under way, some are lost once more when they are resent.
     constexpr int loses_from = 200;  // one datagram in this many
     const double ways = lost * loses_from > datagrams ? 6 : 1;
     const double seconds = ((ways + (is_growing_ ? 1 : 0)) * way_ns + slack_ns) / ns_per_second;
@@ -162,8 +162,8 @@ void LinkRate::grow() {
                   in_vain_ns_ < std::max(least_in_vain_ns, ways_in_vain * shortest_ns_);
 }
 
-/// The way there and back is measured anew while nothing of ours waits in front of the link. While the
-/// window is full something does, and to believe in that would widen the window again and again.
+/// Measures the round trip anew while none of our data queues before the link. While the window is full some
+/// does, and to trust that time would widen the window again and again.
 void LinkRate::forget_shortest() {
     if (slice_count_ < recent) return;
     std::int64_t shortest_ns = std::numeric_limits<std::int64_t>::max();

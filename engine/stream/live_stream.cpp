@@ -1,4 +1,4 @@
-// A stream as a live source: a thread receives framesets, and the reader gives each when it is to be shown.
+// A stream as a live source: a thread receives framesets, and the reader returns each when it is due.
 
 #include <deque>
 
@@ -13,12 +13,12 @@
 namespace touchable {
 namespace {
 
-/// One that sends no whole frameset for so long is said to be silent.
+/// A sender without a whole frameset for this time is reported as silent.
 constexpr std::int64_t is_silent_ns = 1'000'000'000;
 constexpr std::size_t most_waiting = 256, most_waiting_bytes = std::size_t{512} << 20;
 
-/// When a frameset was taken, by our clock; `sent_ns` is by the sender's, ns since 1970. Where that cannot
-/// be, because its clock is not set as ours is, the moment at which it would have come by the shortest way.
+/// When a frameset was taken, by our clock; `sent_ns` is by the sender's, ns since 1970. If the clocks differ
+/// too much, the moment at which the frameset would have come by the shortest way.
 std::int64_t taken_ns(std::int64_t sent_ns, const JitterBuffer::Moments& moments, std::int64_t arrived_ns) {
     constexpr std::int64_t longest_way_ns = 60'000'000'000, most_apart_ns = 5'000'000;
     const auto since_1970 = std::chrono::system_clock::now().time_since_epoch();
@@ -27,7 +27,7 @@ std::int64_t taken_ns(std::int64_t sent_ns, const JitterBuffer::Moments& moments
     return arrived_ns - std::max<std::int64_t>(way_ns, 0);
 }
 
-/// Sums up the figures of connections that followed each other.
+/// Sums up the figures of successive connections.
 std::optional<StreamFigures::Levels> sum_of(const std::optional<StreamFigures::Levels>& before,
                                             const std::optional<StreamFigures::Levels>& now) {
     if (!before || !now) return now ? now : before;
@@ -46,7 +46,7 @@ public:
         if (source_.connection && !source_.connection->is_unread()) source_.connection.reset();
         if (!source_.connection) return;
         wait_ = source_.connection->waits();
-        wait_->each_alone();  // it may have been made long before
+        wait_->each_alone();  // the connection may have been made long before
     }
     ~LiveStream() override {
         {
@@ -119,7 +119,7 @@ private:
         Received received;
         JitterBuffer::Moments moments;
     };
-    /// In a run the newest that is to be shown by now.
+    /// In a run: the newest frameset that is due.
     MaybeTaken take() override {
         const std::lock_guard lock(mutex_);
         const std::int64_t now = steady_now_ns();
@@ -132,7 +132,7 @@ private:
         return std::optional(Taken{static_cast<std::uint32_t>(received.number), moments.shown_ns,
                                    moments.shown_ns - moments.taken_ns, std::move(received.frame)});
     }
-    /// For any frameset, or until the first one that is there is to be shown.
+    /// Waits for any frameset, or until the first waiting one is due.
     void wait() override {
         std::unique_lock lock(mutex_);
         std::chrono::nanoseconds longest = stop_look;
@@ -147,12 +147,12 @@ private:
         if (std::chrono::steady_clock::now() - since <= source_.patience.frameset) return std::nullopt;
         return input_error(name_ + ": sent no whole frameset in time");
     }
-    void drain() override {}  // the moments at which framesets are shown tell
+    void drain() override {}  // framesets are chosen by their due times
     Result<std::unique_ptr<StreamReceiver>> connect() const {
         return StreamReceiver::open(source_, wait_, described_, steady_now_ns);
     }
     void receive() {
-        const StopScope goes_on = StopScope::after_stop();  // the end of this stream ends it
+        const StopScope goes_on = StopScope::after_stop();  // a stop of the program does not end it
         const StopScope until(ending_.get_token());
         while (true) {
             if (leaves_out_colour_) receiver_->leave_out_colour();
@@ -172,7 +172,7 @@ private:
             if (!connect_again(why)) return;
         }
     }
-    /// False where the stream is closed, or the sender sends something else now.
+    /// False if the stream is closed, or the sender now sends something else.
     bool connect_again(std::string why) {
         before_ += receiver_->counts();
         levels_before_ = sum_of(levels_before_, receiver_->levels());
@@ -206,12 +206,12 @@ private:
             return true;
         }
     }
-    /// The message without the stream's name, which it begins with.
+    /// The message without the stream's name at its beginning.
     std::string in_short(const Error& error) const {
         const std::string name = name_ + ": ";
         return error.message.starts_with(name) ? error.message.substr(name.size()) : error.message;
     }
-    /// Where framesets are not taken, the oldest are left out; segments, which wait at their server, are not
+    /// If framesets are not taken, the oldest are dropped; segments, which wait at their server, are not
     /// fetched.
     void put(Received received) {
         const std::int64_t now = steady_now_ns();
@@ -254,8 +254,8 @@ private:
         why_again_.clear();
         changed_.notify_all();
     }
-    /// Framesets that have not come though the clip's rate says that they were sent, while nothing whole
-    /// comes: the next whole one tells how many they were. Guarded by mutex_.
+    /// Framesets that the clip's rate says were sent while no whole one came; the next whole one shows how
+    /// many were lost. Guarded by mutex_.
     std::int64_t overdue(std::int64_t now_ns) const {
         const std::int64_t period_ns = scene_.rate.time_ns(1), silent_ns = now_ns - newest_ns_;
         if (!over_.empty() || !why_again_.empty() || period_ns <= 0 || silent_ns < is_silent_ns) return 0;
@@ -274,24 +274,24 @@ private:
     std::shared_ptr<StreamWait> wait_ = std::make_shared<StreamWait>();
     std::stop_source ending_;
     std::atomic<bool> leaves_out_colour_{false};
-    // Of the thread that receives.
+    // Receiving thread only.
     std::unique_ptr<StreamReceiver> receiver_;
     JitterBuffer buffer_;
     SegmentPace pace_;
-    FramesetCounts before_;                               // of connections that are no more
+    FramesetCounts before_;                               // of earlier connections
     std::optional<StreamFigures::Levels> levels_before_;  // the same
 
     mutable std::mutex mutex_;
     std::condition_variable changed_;
-    // Guarded by it.
+    // Guarded by mutex_.
     std::deque<Waiting> waiting_;
     std::size_t waiting_bytes_ = 0;
     StreamFigures figures_{.connections = 1};
-    std::int64_t without_colour_ = 0;  // framesets that were whole otherwise
-    std::int64_t newest_ns_ = 0;       // when the last one came
-    std::int64_t given_up_ = 0;        // framesets that were overdue when a connection was given up
-    std::string why_again_;            // it is being connected to again; empty: it is connected
-    std::string over_;                 // why no more will come; empty: they may
+    std::int64_t without_colour_ = 0;  // otherwise whole framesets
+    std::int64_t newest_ns_ = 0;       // time of the last frameset
+    std::int64_t given_up_ = 0;        // framesets overdue when a connection was given up
+    std::string why_again_;            // why it is reconnecting; empty: it is connected
+    std::string over_;                 // why no more will come; empty: more may
     std::thread thread_;
 };
 

@@ -1,5 +1,5 @@
-// Pictures out of a stream in our clips' own form, Matroska: MatroskaGate bounds what FFmpeg's demuxer is
-// given, StreamTrack decodes the packets of one plane.
+// Pictures from a stream in our clips' own form, Matroska: MatroskaGate limits what FFmpeg's demuxer reads,
+// StreamTrack decodes the packets of one plane.
 
 #include <algorithm>
 #include <bit>
@@ -19,7 +19,7 @@ namespace touchable {
 struct MatroskaHead {
     std::uint64_t id = 0, size = 0;
     std::size_t length = 0;  ///< of the head itself
-    bool is_open = false;    ///< it does not say how long it is
+    bool is_open = false;    ///< its size is not stated
 };
 
 namespace {
@@ -28,7 +28,7 @@ namespace {
 constexpr std::uint64_t ebml_id = 0x1A45DFA3, segment_id = 0x18538067, cluster_id = 0x1F43B675,
                         timecode_id = 0xE7, simple_block_id = 0xA3, block_group_id = 0xA0, block_id = 0xA1,
                         track_id = 0xAE;
-/// A part that a header may have, its most bytes, and the most elements directly in it.
+/// A part that a header may have, its largest size, and the most elements directly in it.
 struct HeaderPart {
     std::uint64_t id, most_bytes;
     int most_elements;
@@ -50,7 +50,7 @@ constexpr bool may_begin_a_cluster(std::uint8_t id) {
     return id == timecode_id || id == 0xBF;
 }
 
-/// The head of an element; nothing where there is none, or not all of it.
+/// Parses the head of an element; nothing: it is missing or incomplete.
 std::optional<MatroskaHead> read_head(std::span<const std::uint8_t> bytes) {
     if (bytes.empty()) return std::nullopt;
     const auto id_bytes = static_cast<std::size_t>(std::countl_zero(bytes[0])) + 1;
@@ -66,8 +66,7 @@ std::optional<MatroskaHead> read_head(std::span<const std::uint8_t> bytes) {
     return head;
 }
 
-/// Visits the elements in an element; false where it does not hold elements, one behind the other, to its
-/// end.
+/// Visits the elements in an element; false if it does not consist of elements to its end, or `take` does.
 template <class Take>
 bool walk(std::span<const std::uint8_t> content, const Take& take) {
     while (!content.empty()) {
@@ -79,7 +78,7 @@ bool walk(std::span<const std::uint8_t> content, const Take& take) {
     return true;
 }
 
-/// A block, and little beside it.
+/// Whether it has one block, and little beside it.
 bool is_block_group(std::span<const std::uint8_t> content) {
     std::uint64_t blocks = 0, beside = 0;
     const bool is_whole = walk(content, [&](const MatroskaHead& head) {
@@ -94,23 +93,23 @@ bool is_block_group(std::span<const std::uint8_t> content) {
 
 // --- StreamTrack
 
-/// Makes pictures of the packets of one plane, of which some may be damaged or missing. A packet that depends
-/// on one of these is not decoded; larger pictures than 2^24 pixels count as damaged.
+/// Decodes the packets of one plane, some of which may be damaged or missing. A packet that depends on one of
+/// these is not decoded; pictures of more than 2^24 pixels count as damaged.
 class StreamTrack {
 public:
-    /// The frame of a picture without a label, by its time in the stream.
+    /// Frame number of a picture without a label, by its time in the stream.
     using NumberOf = std::function<std::int64_t(std::int64_t timestamp)>;
     StreamTrack(TrackDecoder decoder, int stream, NumberOf number_of)
         : decoder_(std::move(decoder)), stream_(stream), number_of_(std::move(number_of)) {}
 
     int stream() const { return stream_; }
     PlaneRole role() const { return decoder_.role(); }
-    /// Whole once there was a picture.
+    /// Complete after the first picture.
     const TrackInfo& info() const { return decoder_.info(); }
 
     struct Outcome {
         std::vector<StreamPicture> pictures{};
-        bool is_torn = false;  ///< its checksum is wrong
+        bool is_torn = false;  ///< wrong checksum, undecodable, or too large
     };
 
     Result<Outcome> take(const AVPacket& packet) {
@@ -129,7 +128,7 @@ private:
         std::int64_t frames = 1;
     };
 
-    /// Says in `newest_` which frame it is of.
+    /// Whether the packet is undamaged; sets `newest_` to its frame.
     bool is_sound(const AVPacket& packet) {
         constexpr std::int64_t largest_number = std::int64_t{1} << 60U;
         const auto addition = block_addition_of(packet);
@@ -192,10 +191,10 @@ private:
     TrackDecoder decoder_;
     int stream_;
     NumberOf number_of_;
-    Sent newest_;            // of the packet at hand
-    std::deque<Sent> sent_;  // to the decoder, and not out yet
+    Sent newest_;            // of the current packet
+    std::deque<Sent> sent_;  // in the decoder, not returned yet
     std::optional<bool> has_additions_;
-    std::optional<std::int64_t> next_number_;  // of labels, where nothing is missing
+    std::optional<std::int64_t> next_number_;  // expected next label
     bool waits_for_key_ = true;
 };
 
@@ -272,7 +271,7 @@ public:
     bool was_lost() const override { return bytes_->was_lost() || gate_->is_cut(); }
 
 private:
-    /// No frameset is missed because its colour is damaged.
+    /// Damaged colour does not make a frameset torn.
     static Result<void> add(PlaneRole role, Result<StreamTrack::Outcome> outcome, Came& came) {
         TRY(outcome);
         came.torn += outcome->is_torn && role != PlaneRole::colour ? 1 : 0;
@@ -280,7 +279,7 @@ private:
         return {};
     }
 
-    /// By the first one's time, to the nearest frame.
+    /// By the time since the first picture, to the nearest frame.
     std::int64_t number_of(int stream, std::int64_t timestamp) {
         constexpr double latest_seconds = 4e9, ns_per_second = 1e9;
         if (timestamp == AV_NOPTS_VALUE) return 0;
@@ -321,7 +320,7 @@ Result<std::size_t> MatroskaGate::read(std::uint8_t* to, std::size_t count) {
     return some;
 }
 
-/// Whether so many bytes are there from `at_` on; false at the end.
+/// Reads until `bytes` are there from `at_` on; false at the end.
 Result<bool> MatroskaGate::fill(std::size_t bytes) {
     constexpr std::size_t at_once = 1 << 16;
     while (there() < bytes && !has_ended_) {
@@ -341,7 +340,7 @@ Result<bool> MatroskaGate::fill(std::size_t bytes) {
     return there() >= bytes;
 }
 
-/// The head of the element that comes next; one without an identifier where there is no valid head.
+/// Head of the next element; without an identifier if it is invalid; nothing at the end.
 Result<std::optional<MatroskaHead>> MatroskaGate::head() {
     for (std::size_t wanted = 2;; ++wanted) {
         TRY_ASSIGN(const auto filled, fill(wanted));
@@ -352,7 +351,7 @@ Result<std::optional<MatroskaHead>> MatroskaGate::head() {
     }
 }
 
-/// False at the end.
+/// Passes on or skips the next element. False at the end.
 Result<bool> MatroskaGate::step() {
     TRY_ASSIGN(const auto read, head());
     if (!read) return false;
@@ -382,7 +381,7 @@ Result<bool> MatroskaGate::pass_beginning(const MatroskaHead& head) {
     return true;
 }
 
-/// Each part of the header once.
+/// Passes on each part of the header once.
 Result<bool> MatroskaGate::pass_header(const MatroskaHead& head) {
     header_bytes_ += head.length + head.size;
     if (head.id == 0 || head.is_open || header_bytes_ > most_of_all)
@@ -417,7 +416,7 @@ Result<bool> MatroskaGate::begin_cluster(const MatroskaHead& head) {
     return true;
 }
 
-/// Without keeping it.
+/// Skips an element without keeping it.
 Result<bool> MatroskaGate::leave_out(const MatroskaHead& head) {
     std::uint64_t left = head.length + head.size;
     while (left > 0) {
@@ -430,7 +429,7 @@ Result<bool> MatroskaGate::leave_out(const MatroskaHead& head) {
     return true;
 }
 
-/// A cluster's head, and what it begins with: by chance once in 10^11 bytes.
+/// Finds a cluster's head with a valid beginning behind it: by chance once in 10^11 bytes.
 std::optional<std::size_t> MatroskaGate::cluster_in(std::size_t from, std::size_t end) const {
     const std::uint8_t* const base = in_.data() + at_;
     for (std::size_t at = from; at + 5 < end; ++at) {
@@ -444,7 +443,7 @@ std::optional<std::size_t> MatroskaGate::cluster_in(std::size_t from, std::size_
     return std::nullopt;
 }
 
-/// Something is damaged or missing.
+/// Skips to the next cluster, after damage or loss.
 Result<bool> MatroskaGate::find_cluster(std::size_t from) {
     while (true) {
         if (const auto found = cluster_in(from, there())) {
@@ -459,7 +458,7 @@ Result<bool> MatroskaGate::find_cluster(std::size_t from) {
     }
 }
 
-/// Also where the block before was too long, and has taken a part of the cluster's head.
+/// Also finds a cluster of whose head the block before, with a damaged length, has taken a part.
 Result<bool> MatroskaGate::look_back() {
     const std::size_t here = at_;
     at_ = std::max(cluster_at_, at_ - std::min(at_, longest_cluster_head));

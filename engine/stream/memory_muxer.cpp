@@ -36,7 +36,7 @@ int MemoryMuxer::append(void* own, MuxedBytes* bytes, int count) {
 Result<int> MemoryMuxer::add_sound(const AVCodecParameters& codec, AVRational tick) {
     TRY_ASSIGN(AVStream* const stream, add_stream(tick));
     if (avcodec_parameters_copy(stream->codecpar, &codec) < 0) return memory_error();
-    stream->codecpar->codec_tag = 0;  // the other container's
+    stream->codecpar->codec_tag = 0;  // of the other container
     return stream->index;
 }
 

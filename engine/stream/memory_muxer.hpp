@@ -1,7 +1,7 @@
 #pragma once
 
-// Used to put a stream into containers (stream_muxers.cpp, hls_output.cpp): FFmpeg's
-// muxers, whose bytes are taken from memory, and the sound of a clip that is sent round by round.
+// Puts a stream into containers (stream_muxers.cpp, hls_output.cpp): FFmpeg's muxers, writing to memory, and
+// the sound of a clip that is sent in rounds.
 
 #include <cstdint>
 #include <functional>
@@ -13,10 +13,10 @@
 
 namespace touchable {
 
-/// A container that is written forwards, and taken piece by piece.
+/// A container that is written sequentially, and taken piece by piece.
 class MemoryMuxer : NonCopyable {
 public:
-    /// `format`: as FFmpeg calls it.
+    /// `format`: FFmpeg's name for it.
     static Result<std::unique_ptr<MemoryMuxer>> open(const char* format);
     ~MemoryMuxer() {
         if (AVIOContext* io = context_->pb) {
@@ -34,7 +34,7 @@ public:
         stream->time_base = tick;
         return stream;
     }
-    /// Adds sound as another container has it, and returns the stream's number.
+    /// Adds sound with the parameters of another container, and returns the stream's number.
     Result<int> add_sound(const AVCodecParameters& codec, AVRational tick);
     /// `options`: of the muxer, "key=value:key=value".
     Result<void> begin(const std::string& options) {
@@ -44,15 +44,15 @@ public:
         av_dict_free(&read);
         return check(status);
     }
-    /// A packet whose times are in `tick`.
+    /// Writes a packet whose times are in `tick`.
     Result<void> write(AVPacket& packet, int stream, AVRational tick) {
         packet.stream_index = stream;
         av_packet_rescale_ts(&packet, tick, context_->streams[stream]->time_base);
         return check(av_write_frame(context_, &packet));
     }
-    /// Writes what the muxer holds back.
+    /// Writes what the muxer has buffered.
     Result<void> flush() { return check(av_write_frame(context_, nullptr)); }
-    /// The bytes of all that was written since the last time.
+    /// Returns the bytes written since the last call.
     std::vector<std::uint8_t> take() {
         avio_flush(context_->pb);
         return std::exchange(bytes_, {});
@@ -72,16 +72,15 @@ private:
     std::vector<std::uint8_t> bytes_;
 };
 
-/// The sound of a file, heard from its beginning again and again, as rounds of a loop begin. One thread.
+/// The sound of a file, begun anew with each round of a loop. Used by one thread.
 class StreamSound {
 public:
     /// Refused (ErrorKind::input) as by StoredSound.
     static Result<StreamSound> open(const SoundPart& part);
 
     const AVCodecParameters& codec() const { return sound_->codec(); }
-    /// Gives `take` all packets that are heard up to a frame, times in milliseconds of the stream. With a
-    /// frame of another epoch (RawFrame::epoch) the sound begins anew; what was not heard by then is left
-    /// out.
+    /// Passes `take` all packets up to a frame's time, in milliseconds of the stream. A frame of another
+    /// epoch (RawFrame::epoch) begins the sound anew; the rest of the old round is left out.
     using Take = std::function<Result<void>(AVPacket&)>;
     Result<void> give(std::uint64_t epoch, std::int64_t time_ns, const Take& take);
 

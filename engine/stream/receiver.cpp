@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t most_pictures_held = 64, most_missed = 256;
 
-/// Why a sender refuses a listener (StreamServer), behind its first byte; empty: it sends something else.
+/// Why a sender refuses a listener (StreamServer), in its first line; empty: it sends something else.
 std::string refusal_in(StreamBytes& bytes) {
     constexpr std::size_t longest = 200;
     std::string line;
@@ -53,11 +53,11 @@ void FramesetAssembler::admit(StreamPicture picture) {
     const PlaneRole role = picture.role;
     if (last_ && picture.number + picture.frames <= *last_ + 1) {
         if (role != PlaneRole::colour) return add_late(picture);
-        without_colour_in_a_row_ = 0;  // it is sent again
+        without_colour_in_a_row_ = 0;  // colour is sent again
         newest_colour_ = std::move(picture.plane);
         return;
     }
-    if (role != PlaneRole::colour) needed_ |= bit_of(role);  // it was not known before
+    if (role != PlaneRole::colour) needed_ |= bit_of(role);  // a plane that was unknown before
     if (!hold(std::move(picture))) return;
     give_whole();
 }
@@ -76,7 +76,7 @@ void FramesetAssembler::add_late(const StreamPicture& picture) {
     ++counts_.late;
 }
 
-/// False where it was there.
+/// False if it was held already.
 bool FramesetAssembler::hold(StreamPicture&& picture) {
     auto& held = held_[index_of(picture.role)];
     const auto at =
@@ -116,10 +116,10 @@ void FramesetAssembler::drop_oldest() {
     }
 }
 
-/// Whether its colour is there, or will not come any more.
+/// Whether the frameset's colour is there, or will not come any more.
 bool FramesetAssembler::has_its_colour(std::int64_t number) const {
     constexpr std::size_t most_without = 30;  // framesets that wait for the first colour
-    constexpr int is_left_out_after = 3;      // framesets; then it is not waited for until it comes
+    constexpr int is_left_out_after = 3;      // framesets; then colour is not waited for until it comes
     if (!has_colour_ || ended_ || of(PlaneRole::colour, number)) return true;
     if (without_colour_in_a_row_ >= is_left_out_after) return true;
     const auto& depth = held_[index_of(PlaneRole::depth)];
@@ -173,12 +173,12 @@ void FramesetAssembler::give(std::int64_t number) {
     const bool lacks_colour = has_colour_ && colour_came_ && colour.view.empty();
     without_colour_in_a_row_ = lacks_colour ? without_colour_in_a_row_ + 1 : 0;
     colour = newest_colour_;
-    // Where a stream goes over to another step, the numbers between belong to neither.
+    // If the stream changes its step, the numbers between belong to neither step.
     count_missing(number, std::max(last_step_, depth->step));
     last_ = number;
     last_step_ = depth->step;
     forget();
-    if (!is_one) {  // of the same number, but not of the same moment
+    if (!is_one) {  // equal numbers, but different moments
         ++counts_.lost;
         return;
     }
@@ -188,11 +188,11 @@ void FramesetAssembler::give(std::int64_t number) {
     whole_.push_back(std::move(frameset));
 }
 
-/// Between the last one given and this, of those that were sent.
+/// Counts those missing since the last frameset, out of those that were sent.
 void FramesetAssembler::count_missing(std::int64_t next, std::int64_t step) {
     if (!last_) return;
     const std::int64_t first = std::max(*last_ + 1, next - std::int64_t{most_missed});
-    counts_.lost += (first - (*last_ + 1)) / step;  // too many to tell of each
+    counts_.lost += (first - (*last_ + 1)) / step;  // too many to track each
     for (std::int64_t number = first; number < next; ++number) {
         if ((next - number) % step != 0) continue;
         Missed missed{there(number)};
@@ -270,7 +270,7 @@ Result<void> StreamReceiver::connect(const StreamSource& source,
     bytes->allow(1);
     const auto first = bytes->peek();
     if (!first) return error_at(name_, first.error());
-    const bool is_transport_stream = *first == 0x47;  // its packets begin so
+    const bool is_transport_stream = *first == 0x47;  // sync byte of its packets
     constexpr int first_of_matroska = 0x1a;
     if (!is_transport_stream && *first != first_of_matroska) {
         if (const std::string why = refusal_in(*bytes); !why.empty())

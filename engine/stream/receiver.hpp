@@ -1,7 +1,7 @@
 #pragma once
 
-// From pictures to framesets: FramesetAssembler, which puts them together, and StreamReceiver, one connection
-// to a sender. stream_clip.cpp and live_stream.cpp give what is received to others.
+// From pictures to framesets: FramesetAssembler puts them together, and StreamReceiver is one connection to a
+// sender. stream_clip.cpp and live_stream.cpp pass on what is received.
 
 #include <array>
 #include <cstdint>
@@ -26,15 +26,15 @@ struct WholeFrameset {
     std::array<Plane, all_roles.size()> planes{};  ///< by PlaneRole
 };
 
-/// Numbers of framesets, by what became of them.
+/// Counts of framesets by outcome.
 struct FramesetCounts {
-    std::int64_t whole = 0;           ///< given
-    std::int64_t late = 0;            ///< whole once a later one had been given
+    std::int64_t whole = 0;           ///< returned
+    std::int64_t late = 0;            ///< whole only after a later one was returned
     std::int64_t lost = 0;            ///< never whole
-    std::int64_t torn = 0;            ///< never whole, because a checksum of theirs was wrong
+    std::int64_t torn = 0;            ///< never whole, because a picture was damaged
     std::int64_t repeated = 0;        ///< pictures that came twice
-    std::int64_t without_colour = 0;  ///< given with the colour of a frameset before, or none
-    std::int64_t restarts = 0;        ///< numbers began anew
+    std::int64_t without_colour = 0;  ///< returned with the colour of a frameset before, or none
+    std::int64_t restarts = 0;        ///< times that numbers began anew
 
     FramesetCounts& operator+=(const FramesetCounts& more) {
         whole += more.whole;
@@ -48,13 +48,13 @@ struct FramesetCounts {
     }
 };
 
-/// Makes framesets of pictures that come in any order, or not at all. A frameset is whole when all planes
-/// that are felt are there, of its number and no other; colour may be that of a frame before. They are given
-/// in order: what becomes whole behind a later one is late. Keeps 64 pictures of each plane, and 512 MiB of
-/// all of them: the oldest ones go first.
+/// Makes framesets of pictures that come in any order, or not at all. A frameset is whole when all touch
+/// planes with its number are there; its colour may be that of a frame before. Framesets are returned in
+/// order: one that becomes whole after a later one was returned is late. Keeps 64 pictures of each plane, and
+/// 512 MiB of all of them; the oldest are dropped first.
 class FramesetAssembler {
 public:
-    /// `roles`: those of the stream.
+    /// `roles`: planes of the stream.
     explicit FramesetAssembler(const std::vector<PlaneRole>& roles) {
         for (const PlaneRole role : roles)
             if (role == PlaneRole::colour)
@@ -64,19 +64,19 @@ public:
     }
 
     void add(StreamPicture picture);
-    /// Pictures of planes that are felt whose checksum was wrong.
+    /// Adds to the number of damaged touch pictures.
     void add_torn(std::int64_t pictures) { torn_ += pictures; }
-    /// Colour is not wanted: it is not waited for.
+    /// Framesets no longer wait for their colour.
     void leave_out_colour() { has_colour_ = false; }
-    /// No more will come: what waits for its colour does so no longer.
+    /// To be called after the last picture: framesets no longer wait for their colour.
     void end() {
         ended_ = true;
         leave_doubtful();
         give_whole();
     }
-    /// Numbers begin anew.
+    /// To be called when numbers begin anew.
     void restart();
-    /// The next whole one.
+    /// The next whole frameset; nothing: there is none yet.
     std::optional<WholeFrameset> take() {
         if (whole_.empty()) return std::nullopt;
         WholeFrameset frameset = std::move(whole_.front());
@@ -94,7 +94,7 @@ public:
 
 private:
     static constexpr int most_of_before = 256;
-    /// Beyond these a number is of another count.
+    /// A number farther behind or ahead belongs to another count.
     static constexpr std::int64_t most_behind = 64, most_ahead = 1'000'000;
 
     static constexpr std::size_t index_of(PlaneRole role) { return static_cast<std::size_t>(role); }
@@ -106,26 +106,26 @@ private:
         std::int64_t step = 1;
     };
     using Roles = std::uint32_t;  // a bit for each
-    /// A frameset that was not whole when a later one was given.
+    /// A frameset that was not whole when a later one was returned.
     struct Missed {
         Roles there = 0;
-        bool is_torn = false;  // as which it is counted, else as lost
+        bool is_torn = false;  // counted as torn; else as lost
     };
-    /// Where numbers began anew: what was sent before may still come.
+    /// The count before numbers began anew: its pictures may still come.
     struct Before {
         std::int64_t since_ns = 0, last = 0;
-        int left = 0;  // pictures
+        int left = 0;  // pictures that are still checked
     };
     enum class Anew { no, perhaps, yes };
     Anew begins_anew(const StreamPicture& picture) const {
         if (!last_) return Anew::no;
         if (picture.number > *last_ + most_ahead || picture.number + picture.frames < *last_ - most_behind)
             return Anew::yes;
-        // The sender began again, or its clock was put back and this is of before.
+        // The sender began again, or its clock was put back and the picture is an older one.
         const bool is_newer = picture.taken_ns > last_taken_ns_ && last_taken_ns_ > 0;
         return picture.number <= *last_ && is_newer ? Anew::perhaps : Anew::no;
     }
-    /// Numbers and times of both agree about which of them is the later one.
+    /// Whether numbers and times agree on the order of both pictures.
     bool goes_on_from_doubtful(const StreamPicture& picture) const {
         const std::int64_t frames = picture.number - doubtful_->number;
         const std::int64_t ns = picture.taken_ns - doubtful_->taken_ns;
@@ -136,7 +136,7 @@ private:
         before_ = {since_ns, *last_, most_of_before};
         restart();
     }
-    /// A doubtful picture that nothing goes on from is late.
+    /// A doubtful picture without a successor is late.
     void leave_doubtful() {
         if (doubtful_ && doubtful_->role != PlaneRole::colour) add_late(*doubtful_);
         doubtful_.reset();
@@ -163,7 +163,7 @@ private:
         return roles;
     }
     bool has_its_colour(std::int64_t number) const;
-    /// A stream whose colour is there at its beginning has colour from the first frameset on.
+    /// Skips framesets before the first colour, so that a stream with colour has it from its first one on.
     bool came_before_colour(std::int64_t number) const {
         const auto& colour = held_[index_of(PlaneRole::colour)];
         return has_colour_ && !colour_came_ && !colour.empty() && colour.front().first > number;
@@ -180,21 +180,21 @@ private:
     Roles needed_ = 0;
     bool has_colour_ = false, colour_came_ = false, ended_ = false;
     int without_colour_in_a_row_ = 0;  // framesets
-    bool is_full_ = false;             // of bytes, before the first colour came
+    bool is_full_ = false;             // all bytes are used, before the first colour came
     std::array<std::deque<Held>, all_roles.size()> held_;
     std::int64_t torn_ = 0;             // not counted yet
-    std::optional<std::int64_t> last_;  // given
+    std::optional<std::int64_t> last_;  // newest returned
     std::int64_t last_step_ = 1;
     std::int64_t last_taken_ns_ = 0;
     Before before_;
-    std::optional<StreamPicture> doubtful_;  // it may be the first of a sender that began again
+    std::optional<StreamPicture> doubtful_;  // it may be the first one after a sender began again
     Plane newest_colour_;
     std::map<std::int64_t, Missed> missed_;
     std::deque<WholeFrameset> whole_;
     FramesetCounts counts_;
 };
 
-/// A frameset as it came.
+/// A received frameset.
 struct Received {
     std::int64_t number = 0;
     std::int64_t sent_ns = 0;  ///< by the sender's clock, or by its frames' times; 0: not known
@@ -203,11 +203,11 @@ struct Received {
 
 std::size_t bytes_of_planes(const RawFrame& frame);
 
-/// One connection to a sender: framesets in order, those alone that are whole, each with what `Scene` says.
+/// One connection to a sender: whole framesets only, in order, with the meaning that `Scene` gives them.
 class StreamReceiver {
 public:
-    /// Connects, and reads what it sends up to the first whole frameset. Errors name the stream. `wait` ends
-    /// its reads; `described` stands in place of its own scene; `now_ns` as HlsInput::open has it.
+    /// Connects, and reads up to the first whole frameset. Errors name the stream. `wait` ends its reads;
+    /// `described` replaces the stream's own scene; `now_ns` as in HlsInput::open.
     static Result<std::unique_ptr<StreamReceiver>> open(const StreamSource& source,
                                                         std::shared_ptr<StreamWait> wait,
                                                         const std::optional<SceneDescription>& described,
@@ -217,7 +217,7 @@ public:
     const SceneDescription::Unstated& unstated() const { return unstated_; }
     const std::vector<TrackInfo>& tracks() const { return tracks_; }
     const std::vector<std::string>& notes() const { return notes_; }
-    /// Whether both say the same of scene and planes.
+    /// Whether both have the same scene and planes.
     bool is_like(const StreamReceiver& other) const {
         const auto is_same = [](const TrackInfo& a, const TrackInfo& b) {
             return a.role == b.role && a.width == b.width && a.height == b.height;
@@ -227,9 +227,9 @@ public:
                           is_same);
     }
 
-    /// The next whole frameset, within `longest`; nothing once the sender has ended.
+    /// The next whole frameset, within `longest`; nothing after the sender's end.
     Result<std::optional<Received>> next(std::chrono::milliseconds longest);
-    /// Closes the connection, after which there is no `next`.
+    /// Closes the connection; `next` may not be called afterwards.
     void hang_up() {
         pictures_.reset();
         bytes_.reset();
@@ -239,13 +239,13 @@ public:
         pictures_->leave_out_colour();
         assembler_->leave_out_colour();
     }
-    /// Figures of the connection's datagrams, where its transport counts them.
+    /// Figures of the connection's datagrams, if its transport counts them.
     std::optional<StreamFigures::Link> link() const { return bytes_ ? bytes_->link() : std::nullopt; }
     std::optional<StreamFigures::Levels> levels() const { return pictures_->levels(); }
     FramesetCounts counts() const { return assembler_->counts(); }
-    /// Once it has ended.
+    /// To be called after the end.
     std::string how_it_ended() const { return pictures_->how_it_ended(); }
-    /// Whether that was in the middle of a frameset, or of the connection.
+    /// Whether the end was in the middle of a frameset, or of the connection.
     bool was_broken_off() const { return pictures_->was_lost() || assembler_->has_part(); }
 
 private:
@@ -259,7 +259,7 @@ private:
 
     const std::string name_;
     const std::shared_ptr<StreamWait> wait_;
-    std::shared_ptr<const StreamBytes> bytes_;  // none: segments
+    std::shared_ptr<const StreamBytes> bytes_;  // null: segments
     std::unique_ptr<StreamPictures> pictures_;
     Scene scene_;
     std::string scene_text_;

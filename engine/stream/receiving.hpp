@@ -1,13 +1,12 @@
 #pragma once
 
-// Receiving: streams that others send, as clips (open_stream_clip), or live, as a camera (open_live_stream).
-// Both receive TCP, HTTP, SRT, UDP and pipes in Matroska or MPEG-TS, and HTTP Live Streaming from a web
-// server or a folder. A frameset is given when all of its planes that are felt are there and undamaged, else
-// never.
+// Receiving: streams as clips (open_stream_clip), or live, as a camera (open_live_stream). Both receive TCP,
+// HTTP, SRT, UDP and pipes in Matroska or MPEG-TS, and HTTP Live Streaming from a web server or a folder. A
+// frameset is returned only if all of its touch planes are there and undamaged.
 //
-// An http(s) address may be a stream or a clip in a file: `open_http` asks the server. Of a file it gives a
-// SourceFile whose parts are fetched as they are read; of a stream it gives the connection, which goes into
-// StreamSource, so that the server is not asked twice:
+// An http(s) address may be a stream or a clip in a file: `open_http` finds out from the server. For a file
+// it returns a SourceFile whose parts are fetched as they are read; for a stream it returns the connection,
+// to be put into StreamSource, so that there is only one request:
 //
 //   StreamSource source{.url = url};
 //   TRY_ASSIGN(auto found, open_http(url));
@@ -15,9 +14,8 @@
 //   source.connection = std::move(found.stream);
 //   auto clip = open_stream_clip(source);
 //
-// No call waits longer than StreamSource::Patience says, and a stop of the thread that calls (stop_requested)
-// ends all waits. A ClipReader that is made here belongs to one thread; a live one has a thread of its own,
-// which receives.
+// No call waits longer than StreamSource::Patience, and a stop of the calling thread (stop_requested) ends
+// all waits. One thread uses a ClipReader that is made here; a live one receives on its own thread.
 
 #include <chrono>
 
@@ -32,51 +30,51 @@ class StreamBytes;
 
 /// A stream, and how it is received.
 struct StreamSource {
-    /// How long a stream is waited for.
+    /// Longest waits.
     struct Patience {
         std::chrono::milliseconds connection{5'000};  ///< for a connection
-        std::chrono::milliseconds caller{60'000};     ///< for a caller, where this end listens
-        std::chrono::milliseconds opening{10'000};  ///< from the call to the first whole frameset, all in all
-        std::chrono::milliseconds frameset{10'000};  ///< for the next whole frameset
-        std::chrono::milliseconds silence{20'000};   ///< in a live run, until the connection is given up
-        std::chrono::milliseconds back_off{500};     ///< before connecting again; doubles up to 16 times that
+        std::chrono::milliseconds caller{60'000};     ///< for a caller, if this end listens
+        std::chrono::milliseconds opening{10'000};    ///< from the call to the first whole frameset, in total
+        std::chrono::milliseconds frameset{10'000};   ///< for the next whole frameset
+        std::chrono::milliseconds silence{20'000};    ///< in a live run, until the connection is given up
+        std::chrono::milliseconds back_off{500};  ///< before connecting again; doubles up to 16 times that
     };
 
     StreamUrl url;
     Patience patience{};
-    /// A connection that is there already (HttpSource), for the first to receive by.
+    /// An existing connection (HttpSource), for the first receiver.
     std::shared_ptr<StreamBytes> connection{};
-    /// Of a live one: the longest that framesets wait for others' sake.
+    /// Live streams: longest time that framesets are held back so that late ones are in time.
     std::chrono::milliseconds latency{200};
 };
 
-/// The source at an http(s) address: a file whose size its server says, and of which it gives any part; or a
-/// stream, and the connection that it comes by.
+/// The source at an http(s) address: a file, if its server states its size and sends any part of it; or a
+/// stream and its connection.
 struct HttpSource {
     std::optional<SourceFile> file{};
-    /// To be called once a file's clip was opened, or could not be. From then on each part has a time of its
-    /// own. Returns what has kept bytes from coming so far, which the reader of the clip may not have said.
+    /// To be called after a file's clip was opened, or could not be. From then on each part has its own time
+    /// limit. Returns what has kept bytes from coming so far, which the clip's reader may not have reported.
     std::function<std::optional<Error>()> end_opening{};
     std::shared_ptr<StreamBytes> stream{};
 };
 
-/// Asks the server. The file is called after the address. Its parts are read as they are needed, those until
-/// `end_opening` within `patience.opening` together, each later one within `patience.frameset`, if need be
-/// over a new connection. Once a part did not come, nothing more is read: every later read fails at once.
+/// Sends a request to the server. The file is named after the address. Its parts are read as needed: those
+/// until `end_opening` within `patience.opening` in total, each later one within `patience.frameset`, over a
+/// new connection if necessary. After a part has failed, every later read fails at once.
 Result<HttpSource> open_http(const StreamUrl& url, const StreamSource::Patience& patience = {});
 
 /// A stream as a clip: framesets as they come, numbered from 0, at the times that its rate gives them, until
-/// its sender ends it. Where one was lost the one before is given in its place. It goes on and not back: the
-/// first ones alone are kept for a while, so that a reader of them can begin anew. Errors name the stream and
-/// the frame. `described`: in place of its own scene.
+/// its sender ends it. A lost frameset is replaced by the one before. The clip cannot go back; only its first
+/// framesets are kept for a while, so that their reader can begin anew. Errors name the stream and the frame.
+/// `described`: replaces the stream's own scene.
 Result<std::unique_ptr<ClipReader>> open_stream_clip(const StreamSource& source,
                                                      const std::optional<SceneDescription>& described = {},
                                                      Colour colour = Colour::wanted);
 
-/// Its framesets as they come, each shown when JitterBuffer says. A thread of its own receives them. A sender
-/// that goes, or is silent, is connected to again, at first after `patience.back_off`, then ever less often;
-/// meanwhile the last frameset stands still. One that then sends another scene, or other planes, ends the
-/// stream. `described`: in place of its own scene.
+/// A live stream, whose framesets are shown when JitterBuffer says. Its own thread receives them. If the
+/// sender goes, or is silent, the stream reconnects, at first after `patience.back_off`, then less and less
+/// often; meanwhile the last frameset stays. The stream ends if the sender then has another scene, or other
+/// planes. `described`: replaces the stream's own scene.
 Result<std::unique_ptr<ClipReader>> open_live_stream(const StreamSource& source,
                                                      const std::optional<SceneDescription>& described = {});
 

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t most_remembered = 256;  // listeners that left
 constexpr std::int64_t longest_between_keys_ns = 500'000'000, most_between_keys = 15;
-/// A clip that is later than this begins again from where it is, rather than hurry.
+/// A clip that is later than this goes on from where it is, instead of catching up.
 constexpr std::int64_t longest_hurry_ns = 500'000'000;
 
 std::string listeners(int count) {
@@ -114,7 +114,7 @@ Result<std::optional<RawFrame>> StreamSender::next() {
     return frame;
 }
 
-/// The frame after this one may come as late as the rate says.
+/// Whether this frame is a key, as the next one may come as late as the rate says.
 bool StreamSender::is_key(std::int64_t time_ns) {
     const std::int64_t period_ns = clip_->scene().rate.time_ns(1);
     const bool is_one = figures_.framesets == 0 || figures_.framesets - key_frame_ >= most_between_keys ||
@@ -126,7 +126,7 @@ bool StreamSender::is_key(std::int64_t time_ns) {
     return is_one;
 }
 
-/// False: it was asked to stop before the frame's time came.
+/// False: a stop was requested before the frame's time came.
 Result<bool> StreamSender::send(const RawFrame& frame, const Due& due) {
     const PictureLabel label{figures_.framesets, time_.utc_ns() + due.at_ns - time_.now_ns()};
     const bool key = is_key(due.time_ns);
@@ -136,7 +136,7 @@ Result<bool> StreamSender::send(const RawFrame& frame, const Due& due) {
         TRY_ASSIGN(auto block, channel.muxer->add(frame, label, due.time_ns, key));
         if (is_ahead)
             blocks.push_back(std::move(block));
-        else  // the next form may take its time
+        else  // encoding the next form may take a while
             give(channel, std::move(block));
     }
     if (is_ahead) {

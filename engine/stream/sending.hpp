@@ -6,16 +6,15 @@
 //                                                               --> SrtOutput
 //                            make_hls_channel --> HlsWriter: a folder for web servers (HLS)
 //
-// A StreamSender reads the clip, waits for each frame's time, and gives it to a muxer for every form in which
-// the stream is sent: Matroska for programs of ours, MPEG-TS for stock tools, HLS. So each form is encoded
-// once, however many receive it. A ring keeps a form's newest framesets; its listeners take them from there,
-// each at the pace of its link, and a slow or hostile listener costs the others nothing. StreamAudience
-// counts them all and writes one line for a person whenever a listener comes or goes.
+// A StreamSender reads the clip, waits for each frame's time, and passes it to a muxer for each form of the
+// stream: Matroska for our own programs, MPEG-TS for stock tools, HLS. So each form is encoded once, however
+// many receive it. A ring keeps a form's newest framesets; its listeners take them from there, each at the
+// pace of its link, and a slow or hostile listener costs the others nothing. StreamAudience counts the
+// listeners and writes one line for people whenever one comes or goes.
 //
-// To send: make the muxers, a ring for each, the audience; `StreamServer::open` and `SrtOutput::create`
-// for the URLs, then `start` each; run the StreamSender on a thread of its own. `StreamSender::end` ends the
-// rings, and with them the listeners, once each has been given the rest. HlsWriter::finish writes the last
-// segment.
+// To send: make the muxers, a ring for each, the audience; `StreamServer::open` and `SrtOutput::create` for
+// the URLs, then `start` each; run the StreamSender on its own thread. `StreamSender::end` ends the rings,
+// and with them the listeners, after each has got the rest. HlsWriter::finish writes the last segment.
 //
 // Threads: StreamSender::run, its muxers and HlsWriter belong to one thread. StreamRing and StreamAudience
 // may be called by any thread, but each ring cursor by one. Servers and outputs have threads of their own;
@@ -37,17 +36,17 @@ namespace touchable {
 
 // --- Forms of a stream
 
-/// Makes the bytes of a stream, once for all listeners. One thread. Every plane that is felt is lossless,
-/// each picture is labelled and can be checked; the scene goes with each beginning.
+/// Makes the bytes of a stream, once for all listeners. Used by one thread. Touch planes are lossless, each
+/// picture is labelled and can be checked; the scene goes with each beginning.
 class StreamMuxer {
 public:
-    /// A frameset as a container has it: bytes that follow those of any frameset before. A listener may begin
+    /// A frameset in a container: bytes that may follow those of any frameset before. A listener may begin
     /// with any block that is a key.
     struct Block {
         std::int64_t frame = 0;  ///< its number in the stream
         bool is_key = false;     ///< decoding of all planes begins here
         std::vector<std::uint8_t> bytes;
-        /// Bytes at the end that are its colour alone. A listener that goes without them does so until a key.
+        /// Bytes at the end that are its colour. A listener without them stays without colour until a key.
         std::size_t colour_bytes = 0;
 
         std::span<const std::uint8_t> given(bool with_colour) const {
@@ -56,29 +55,29 @@ public:
     };
 
     virtual ~StreamMuxer() = default;
-    /// The bytes that every listener is given first; available once the first frame was added.
+    /// The bytes that every listener gets first; available after the first frame was added.
     virtual std::span<const std::uint8_t> header() const = 0;
-    /// A few bytes without meaning, which may follow any block.
+    /// A few meaningless bytes, which may follow any block.
     virtual std::span<const std::uint8_t> padding() const { return {}; }
-    /// The next frame of the stream, shown `time_ns` after its beginning; planes as the first one had them.
+    /// Adds the next frame, shown `time_ns` after the stream's beginning; planes like those of the first one.
     virtual Result<Block> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
                               bool is_key) = 0;
 };
 
 /// A stream in our clips' own form, Matroska: tracks with their roles, the scene attached, and for each
-/// frameset one picture of every plane, labelled (BlockAddition), in clusters of its own. Touch is lossless,
-/// colour as good as the eye can tell. `sound`, where there is any, goes along, and begins anew with each
-/// frame of another epoch (RawFrame::epoch): a loop's next round. Header and blocks one after the other, from
-/// any key block on, are a clip.
+/// frameset one picture of every plane, labelled (BlockAddition), in its own clusters. Touch is lossless,
+/// colour as good as the eye can tell. `sound`, if any, is included, and begins anew with each frame of
+/// another epoch (RawFrame::epoch): a loop's next round. The header and all blocks from any key block on are
+/// a clip.
 ///
-/// Refused: a scene that no clip can have, sound that cannot be stored; by the first `add` (ErrorKind::usage)
-/// pictures of a size that cannot be encoded.
+/// Refused: a scene that no clip can have, sound that cannot be stored; by the first `add`
+/// (ErrorKind::usage), pictures of a size that cannot be encoded.
 Result<std::unique_ptr<StreamMuxer>> open_matroska_stream(const SceneDescription& described,
                                                           const std::optional<SoundPart>& sound = {});
 
-/// Framesets as MPEG-TS, which stock tools read: each plane a track of H.264 whose pictures say what they are
-/// (LabelledEncoder), colour first. It has no header: everything that a listener needs is in each key block.
-/// A block is whole packets of 188 bytes. Refused is a scene that no clip can have.
+/// Framesets as MPEG-TS, for stock tools: each plane is an H.264 track with labelled pictures
+/// (LabelledEncoder), colour first. There is no header: each key block has everything that a listener needs.
+/// A block is whole packets of 188 bytes. Refused: a scene that no clip can have.
 Result<std::unique_ptr<StreamMuxer>> make_mpegts_muxer(const SceneDescription& described);
 
 // --- HTTP Live Streaming
@@ -87,52 +86,52 @@ Result<std::unique_ptr<StreamMuxer>> make_mpegts_muxer(const SceneDescription& d
 inline constexpr std::string_view hls_master_name = "master.m3u8";
 
 /// A stream as a folder of files that any web server delivers to any number of viewers (HTTP Live Streaming,
-/// RFC 8216): two renditions in fragmented MP4, colour (with sound) and the planes that are felt, cut at the
-/// same frames, and a master playlist in which ordinary players find the colour alone. The low level has both
-/// once more: colour of half the bit rate, and the planes of every second frameset of a segment. Each picture
-/// says what it is (LabelledEncoder). Each file appears whole; a segment is deleted some time after the last
-/// playlist that names it. One thread.
+/// RFC 8216): two renditions in fragmented MP4, colour (with sound) and the touch planes, cut at the same
+/// frames, and a master playlist in which ordinary players find the colour alone. The low level has both once
+/// more: colour of half the bit rate, and the planes of every second frameset of a segment. Pictures are
+/// labelled (LabelledEncoder). Each file appears whole; a segment is deleted some time after the last
+/// playlist that names it. Used by one thread.
 class HlsWriter {
 public:
     struct Settings {
         std::filesystem::path folder;
         std::int64_t segment_ns = 1'000'000'000;  ///< from 0.5 s to 10 s
-        /// Live: so much of the stream is in the playlists, which follow each segment. 0: all of it, and the
-        /// playlists come with the end.
+        /// Live: duration of the stream that the playlists hold, which are written after each segment. 0: all
+        /// of it, and they are written at the end.
         std::int64_t window_ns = 0;
         bool has_low = false;  ///< a second level of about half the bytes, for narrow links
     };
 
-    /// Figures of what was written, and of what each viewer fetches of it.
+    /// Figures of what was written, and thus of what each viewer fetches.
     struct Figures {
         std::int64_t segments = 0, duration_ns = 0;              ///< of the segments that are complete
-        std::int64_t colour_bytes = 0, touch_bytes = 0;          ///< of them
-        std::int64_t low_colour_bytes = 0, low_touch_bytes = 0;  ///< in their place, where the link is narrow
-        /// Of both media playlists, as they are now; a live stream's are fetched once a segment.
+        std::int64_t colour_bytes = 0, touch_bytes = 0;          ///< of these segments
+        std::int64_t low_colour_bytes = 0, low_touch_bytes = 0;  ///< in their place, on a narrow link
+        /// Both media playlists at present; a live stream's are fetched once a segment.
         std::int64_t playlist_bytes = 0;
     };
 
     virtual ~HlsWriter() = default;
-    /// Refused: a folder with files of others, a scene that no clip can have, a length that is out of range
-    /// (ErrorKind::usage). Sound that is not AAC is left out, which a note says.
+    /// Refused: a folder with other files, a scene that no clip can have, a length that is out of range
+    /// (ErrorKind::usage). Sound that is not AAC is left out with a note.
     static Result<std::unique_ptr<HlsWriter>> open(const Settings& settings,
                                                    const SceneDescription& described,
                                                    const std::optional<SoundPart>& sound = {});
 
-    /// The next frame of the stream, shown `time_ns` after its beginning; planes as the first one had them.
+    /// Adds the next frame, shown `time_ns` after the stream's beginning; planes like those of the first one.
     virtual Result<void> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns) = 0;
-    /// Writes the last segment, and that none follows.
+    /// Writes the last segment, and the end of the playlists.
     virtual Result<void> finish() = 0;
-    /// Remarks for a person, once the first frame was added.
+    /// Remarks for people, available after the first frame was added.
     virtual const std::vector<std::string>& notes() const = 0;
     virtual const Figures& figures() const = 0;
 };
 
 /// A form of a stream whose framesets go into an HlsWriter's folder: its blocks have no bytes, and decoding
-/// begins where the writer's segments do. The writer outlives it; its owner finishes it.
+/// begins where the writer's segments do. The writer outlives it; the writer's owner calls `finish`.
 std::unique_ptr<StreamMuxer> make_hls_channel(HlsWriter& writer);
 
-// --- Listeners and what they are given
+// --- Listeners and what they are sent
 
 /// A stream's header and its newest framesets, shared by all listeners. Keeps as many framesets as the bounds
 /// allow, and always those from the newest key on. Any thread may call it, but each cursor belongs to one.
@@ -147,10 +146,10 @@ public:
     using Block = std::shared_ptr<const StreamMuxer::Block>;
     using Bytes = std::shared_ptr<const std::vector<std::uint8_t>>;
 
-    /// The place of one listener.
+    /// The position of one listener.
     class Cursor {
     public:
-        std::int64_t dropped() const { return dropped_; }  ///< framesets that were left out for it
+        std::int64_t dropped() const { return dropped_; }  ///< framesets left out for it
 
     private:
         friend class StreamRing;
@@ -163,10 +162,10 @@ public:
     /// `wake` is called after each change, on the thread that made it. Call this before others use the ring.
     void watch(std::function<void()> wake) { watchers_.push_back(std::move(wake)); }
 
-    /// Header and padding (StreamMuxer); before the first block.
+    /// Sets header and padding (StreamMuxer), before the first block.
     void begin(std::span<const std::uint8_t> header, std::span<const std::uint8_t> padding = {});
     void add(StreamMuxer::Block block);
-    /// No block comes any more.
+    /// To be called after the last block.
     void end() {
         {
             const std::lock_guard lock(mutex_);
@@ -175,7 +174,7 @@ public:
         changed();
     }
 
-    /// A listener that comes now begins with the newest key; where there is no block yet, with the first.
+    /// A listener that joins begins with the newest key; if there is no block yet, with the first.
     Cursor join() const {
         const std::lock_guard lock(mutex_);
         Cursor cursor;
@@ -192,7 +191,7 @@ public:
         const std::lock_guard lock(mutex_);
         return padding_;
     }
-    /// The listener's next frameset: the one after the last, or where it is too far behind the newest key.
+    /// The listener's next frameset: the one after its last or, if it is too far behind, the newest key.
     /// Null: there is none yet.
     Block next(Cursor& cursor) const {
         const std::lock_guard lock(mutex_);
@@ -204,13 +203,13 @@ public:
         there_is_more_.wait_for(lock, longest, [&] { return is_over_ || cursor.next_ < end_of_kept(); });
         return take(cursor);
     }
-    /// Whether `next` would give one.
+    /// Whether `next` would return one.
     bool has_next(const Cursor& cursor) const {
         const std::lock_guard lock(mutex_);
         return cursor.next_ < end_of_kept();
     }
-    /// Makes the newest key the listener's next frameset and leaves out those before it. False where that
-    /// would leave nothing out.
+    /// Makes the newest key the listener's next frameset and leaves out those before it. False: there is none
+    /// to leave out.
     bool go_to_newest_key(Cursor& cursor) const {
         const std::lock_guard lock(mutex_);
         if (cursor.next_ >= newest_key_) return false;
@@ -218,7 +217,7 @@ public:
         cursor.next_ = newest_key_;
         return true;
     }
-    /// Whether `next` has nothing more for it.
+    /// Whether `next` will return nothing more for it.
     bool is_over(const Cursor& cursor) const {
         const std::lock_guard lock(mutex_);
         return is_over_ && cursor.next_ >= end_of_kept();
@@ -234,7 +233,7 @@ private:
         Block block;
         std::size_t bytes_before;  // of the stream, up to this block
     };
-    /// A cursor whose next block is not kept any more goes on with the newest key.
+    /// A cursor whose next block is no longer kept goes on with the newest key.
     Block take(Cursor& cursor) const {
         if (cursor.next_ < first_) {
             cursor.dropped_ += newest_key_ - cursor.next_;
@@ -257,22 +256,22 @@ private:
     Bytes header_;
     std::vector<std::uint8_t> padding_;
     std::deque<Kept> kept_;
-    std::int64_t first_ = 0;  // the number of kept_'s first
+    std::int64_t first_ = 0;  // number of kept_'s first block
     std::int64_t newest_key_ = 0;
     std::size_t bytes_ = 0;  // of all blocks so far
     bool is_over_ = false;
 };
 
-/// The listeners of a stream, now and before, and what they were given. Any thread.
+/// The listeners of a stream, present and past, and what they were sent. Any thread.
 class StreamAudience {
 public:
     /// Figures of one listener.
     struct Listener {
-        std::string name;                    ///< "tcp://192.168.0.5:41234"
-        std::int64_t sent = 0, dropped = 0;  ///< framesets
-        std::int64_t without_colour = 0;     ///< of those sent, because its link is narrow
-        std::string end{};  ///< why it is not there any more; empty: it had all of the stream
-        std::optional<StreamFigures::Link> link{};  ///< of its connection, where the transport counts (SRT)
+        std::string name;                           ///< "tcp://192.168.0.5:41234"
+        std::int64_t sent = 0, dropped = 0;         ///< framesets
+        std::int64_t without_colour = 0;            ///< of those sent, because its link is narrow
+        std::string end{};                          ///< why it left; empty: it had all of the stream
+        std::optional<StreamFigures::Link> link{};  ///< of its connection, if the transport counts (SRT)
     };
 
     static constexpr int most_listeners = 64;
@@ -294,7 +293,7 @@ public:
 
     int there() const { return there_; }
     bool has_room() const { return there_ < most_listeners; }
-    /// Those that left, the earliest first, the last 256; `all` counts every listener so far.
+    /// Past listeners, the earliest first, the last 256; `all` counts every listener so far.
     std::vector<Listener> gone() const {
         const std::lock_guard lock(mutex_);
         return gone_;
@@ -306,23 +305,23 @@ public:
 
 private:
     mutable std::mutex mutex_;
-    std::function<void(const std::string&)> say_;  // guarded by mutex_, as is what follows
+    std::function<void(const std::string&)> say_;  // guarded by mutex_, as are the next members
     std::vector<Listener> gone_;
     std::int64_t all_ = 0;
     std::atomic<int> there_{0};
 };
 
-// --- Places that are sent to
+// --- Outputs
 
-/// Gives a stream to every client that connects, by TCP or HTTP, to each at its own pace.
+/// Sends a stream to every client that connects by TCP or HTTP, to each at its own pace.
 class StreamServer {
 public:
     static constexpr int most_connections = 96;
-    /// ns, of any beginning; never backward. None: std::chrono::steady_clock.
+    /// ns since any beginning; never backward. Empty: std::chrono::steady_clock.
     using Clock = std::function<std::int64_t()>;
 
-    /// Listens at tcp:// and http:// names; port 0 is any that is free. Refused is (ErrorKind::usage) a host
-    /// that is no address of numbers, and (ErrorKind::input) an address that cannot be had.
+    /// Listens at tcp:// and http:// names; port 0: any free one. Refused: (ErrorKind::usage) a host that is
+    /// no numeric address, and (ErrorKind::input) an address that is not available.
     static Result<std::unique_ptr<StreamServer>> open(const std::vector<StreamUrl>& urls, StreamRing& ring,
                                                       StreamAudience& audience, Clock clock = {});
     /// Closes everything at once.
@@ -332,36 +331,36 @@ public:
     virtual std::vector<std::string> addresses() const = 0;
     /// Starts its thread, which takes turns until the server is destroyed.
     virtual Result<void> start() = 0;
-    /// Waits at most `longest` for something to do, and does it. Not beside that thread.
+    /// Waits at most `longest` for work, and does it. Not while its thread runs.
     virtual void turn(std::chrono::milliseconds longest) = 0;
-    /// Connections, also those that do not listen yet or any more.
+    /// Connections, including those that do not listen yet or any more.
     virtual int connections() const = 0;
 };
 
-/// A stream sent to one srt:// URL, by a thread of its own. It takes several callers, each at its own pace,
-/// or (mode=caller) calls, and calls again when the other end has gone; one that goes within a second is
-/// called again as one that does not answer.
+/// A stream sent to one srt:// URL, by its own thread. It accepts several callers, each at its own pace, or
+/// (mode=caller) calls, and calls again when the other end has gone; an end that goes within a second is
+/// called again like one that does not answer.
 class SrtOutput {
 public:
-    /// A listener takes its port here. Refused (ErrorKind::usage): another transport, a port 0, and a setting
-    /// that SRT does not have; (ErrorKind::input) a port that cannot be had. The ring and the audience
+    /// A listener binds its port here. Refused (ErrorKind::usage): another transport, a port 0, and a setting
+    /// that SRT does not have; (ErrorKind::input) a port that is not available. The ring and the audience
     /// outlive it.
     static Result<std::unique_ptr<SrtOutput>> create(const StreamUrl& url, const StreamRing& ring,
                                                      StreamAudience& audience);
-    /// Ends at once what it does, within a tenth of a second.
+    /// Ends all of its work, within a tenth of a second.
     virtual ~SrtOutput() = default;
 
     virtual Result<void> start() = 0;
-    /// From any thread: nothing is sent any more, not even what is on its way.
+    /// Any thread: nothing more is sent, not even what is under way.
     virtual void end() = 0;
-    /// The stream is over, and all of it was given, or there is no listener.
+    /// Whether the stream is over, and all of it was sent, or there is no listener.
     virtual bool is_over() const = 0;
     /// Whether this end calls; otherwise it listens.
     virtual bool calls() const = 0;
 
-    /// "srt://0.0.0.0:7000", as it was given, without its passphrase.
+    /// "srt://0.0.0.0:7000", as it was given, without the passphrase.
     std::string address() const { return url_.name(); }
-    /// Only a program that knows the passphrase can receive it.
+    /// Whether only a program that knows the passphrase can receive it.
     bool is_encrypted() const { return !url_.value("passphrase").empty(); }
 
 protected:
@@ -372,8 +371,8 @@ protected:
 // --- The sender
 
 /// Sends a clip at its own times, or a camera's frames as they are taken: each is encoded once in every form.
-/// Frames are numbered one after the other and times go on, also from round to round of a loop. Decoding of
-/// all planes begins at least every half second, and every 15 frames.
+/// Frame numbers and times continue through the rounds of a loop. Decoding of all planes can begin at least
+/// every half second, and every 15 frames.
 class StreamSender {
 public:
     /// A sender's clock and its waits.
@@ -384,10 +383,10 @@ public:
         virtual std::int64_t now_ns() = 0;
         /// The time since 1970 (UTC), ns; it may be stepped.
         virtual std::int64_t utc_ns() = 0;
-        /// False where the thread is asked to stop before (stop_requested).
+        /// False: a stop of the thread was requested before (stop_requested).
         virtual bool wait_until(std::int64_t at_ns) = 0;
     };
-    /// Those of this machine.
+    /// The clock and waits of this machine.
     class SystemTime final : public Time {
     public:
         std::int64_t now_ns() override;
@@ -407,29 +406,29 @@ public:
     };
 
     struct Settings {
-        bool loop = false;                         ///< of a clip: from its beginning again and again
+        bool loop = false;                         ///< clips: from the beginning again and again
         std::optional<std::int64_t> longest_ns{};  ///< of the stream
-        bool is_paced = true;  ///< of a clip: otherwise as fast as it can be read and encoded
+        bool is_paced = true;                      ///< clips; false: as fast as they can be read and encoded
     };
 
     /// Figures of what was sent, with listeners or without.
     struct Figures {
         std::int64_t framesets = 0, keys = 0, bytes = 0;
-        std::int64_t rounds = 0;      ///< of a loop, begun
-        std::int64_t latest_ns = 0;   ///< the most by which a frameset was behind its time
+        std::int64_t rounds = 0;      ///< of a loop, that were begun
+        std::int64_t latest_ns = 0;   ///< largest delay of a frameset
         std::int64_t held_up_ns = 0;  ///< delay that was not made up for
-        bool clip_ended = false;      ///< it gave no further frame: a camera is gone
+        bool clip_ended = false;      ///< it has no further frame; a camera: it is gone
     };
 
-    /// From `run` to the first frame of a clip: by then its first frames are encoded.
+    /// From `run` to the first frame of a clip, for encoding its first frames.
     static constexpr std::int64_t lead_ns = 100'000'000;
 
     StreamSender(std::unique_ptr<ClipReader> clip, std::vector<Channel> channels, const Settings& settings,
                  Time& time)
         : clip_(std::move(clip)), channels_(std::move(channels)), settings_(settings), time_(time) {}
 
-    /// Sends from the clip's beginning until it ends, `longest_ns` is over, `end` is called, or the thread is
-    /// asked to stop, which may be an error of kind interrupted; the rings are then over.
+    /// Sends from the clip's beginning until its end, `longest_ns`, a call of `end`, or a stop of the thread,
+    /// which may be an error of kind interrupted; the rings are over then.
     Result<void> run() {
         const StopScope until(ending_.get_token());
         auto sent = send_all();
@@ -438,23 +437,23 @@ public:
             ending_.stop_requested() && !sent && sent.error().kind == ErrorKind::interrupted;
         return is_ended ? Result<void>{} : std::move(sent);
     }
-    /// From any thread.
+    /// Any thread.
     void end() { ending_.request_stop(); }
-    /// Framesets so far, from any thread.
+    /// Number of framesets so far; any thread.
     std::int64_t framesets() const { return sent_; }
-    /// Remarks for a person, such as that the camera was unplugged.
+    /// Remarks for people, such as that the camera was unplugged.
     std::vector<std::string> remarks() const { return clip_->remarks(); }
-    /// Once it has run.
+    /// Available after `run`.
     const Figures& figures() const { return figures_; }
 
 private:
     struct Due {
         std::int64_t time_ns;  ///< of the stream
-        std::int64_t at_ns;    ///< of the sender's time; of a camera's frame, when it was taken
+        std::int64_t at_ns;    ///< by the sender's clock; of a camera's frame, when it was taken
     };
     Result<void> send_all();
     Result<std::optional<RawFrame>> next();
-    /// At an even rate the rounds of a loop go on evenly, to the nanosecond.
+    /// With an even rate the rounds of a loop follow evenly, to the nanosecond.
     Due due(const RawFrame& frame) const {
         const FrameRate& rate = clip_->scene().rate;
         const bool has_own_times = clip_->is_live() || rate.own_times;
@@ -479,7 +478,7 @@ private:
     std::atomic<std::int64_t> sent_{0};
     Figures figures_;
     std::int64_t begin_ns_ = 0;  // time 0 of the stream
-    std::int64_t round_ns_ = 0;  // when the round began, of a stream whose frames have own times
+    std::int64_t round_ns_ = 0;  // begin of the round, if frames have their own times
     std::int64_t frames_of_round_ = 0;
     std::int64_t key_frame_ = 0, key_time_ns_ = 0;  // of the newest key
 };

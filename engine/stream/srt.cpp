@@ -15,9 +15,9 @@ constexpr int most_latency_ms = 60'000;
 
 struct SrtLog {
     std::mutex mutex;
-    // Guarded by it.
+    // Guarded by mutex.
     std::string newest;
-    std::int64_t lines = 0;  // since one was returned
+    std::int64_t lines = 0;  // since the last returned one
     std::optional<std::int64_t> returned_ns;
 };
 
@@ -56,7 +56,7 @@ std::optional<int> whole_number(const std::string& words) {
     return value;
 }
 
-/// Called on a thread of libsrt's, before it answers a caller.
+/// Called on a thread of libsrt's before it answers a caller.
 int ask_whether_a_caller_may_come(void* asked, SRTSOCKET caller, int, const sockaddr*, const char*) {
     const auto& may_come = *static_cast<const std::function<bool()>*>(asked);
     if (may_come()) return 0;
@@ -103,7 +103,7 @@ private:
         at_ += given;
         return static_cast<std::int64_t>(given);
     }
-    /// The next message of the stream, if it is there soon; false: the connection is gone.
+    /// Takes the next message of the stream, if it comes soon; false: the connection is gone.
     bool take_next() {
         constexpr int longest_wait_ms = 20;
         if (!next_) next_ = static_cast<std::uint32_t>(socket_.first_sequence());
@@ -124,7 +124,7 @@ private:
             give(std::move(message));
             return true;
         }
-        // The sender gives up what is lost, against what was agreed, or is hostile.
+        // The sender drops lost messages, against what was agreed, or is hostile.
         if (ahead >= most_early || early_.size() >= most_early) return false;
         early_.emplace(sequence, std::move(message));
         return true;
@@ -147,20 +147,20 @@ private:
 
     std::atomic<bool> has_caller_{false};
     std::function<bool()> may_come_ = [this] { return !has_caller_; };
-    SrtSocket door_, socket_;                          // closed before what they ask is gone
-    static constexpr std::size_t most_early = 25'600;  // more than may be on their way
+    SrtSocket door_, socket_;                          // closed before may_come_ is gone
+    static constexpr std::size_t most_early = 25'600;  // more than may be under way
     std::vector<std::uint8_t> message_;
-    std::size_t at_ = 0;                                        // bytes of it that were given
+    std::size_t at_ = 0;                                        // bytes of it that were returned
     std::optional<std::uint32_t> next_;                         // its sequence number
-    std::map<std::uint32_t, std::vector<std::uint8_t>> early_;  // behind one that was lost
+    std::map<std::uint32_t, std::vector<std::uint8_t>> early_;  // behind a lost message
     std::chrono::steady_clock::time_point next_note_{};
     mutable std::mutex mutex_;
-    std::optional<StreamFigures::Link> figures_;  // guarded by it
+    std::optional<StreamFigures::Link> figures_;  // guarded by mutex_
 };
 
 /// Calls until the sender answers; an error says why it does not.
 Result<SrtSocket> call(const SrtSettings& settings, const SocketAddress& address) {
-    // libsrt repeats a part of the handshake, but not all of it: a call that takes so long is begun anew.
+    // libsrt repeats a part of the handshake, but not all of it: a call of this length is begun anew.
     constexpr int longest_call_ms = 1500;
     Error why = input_error("it did not answer in time");
     while (!stop_requested()) {
@@ -247,16 +247,16 @@ Result<SrtSocket> SrtSocket::create(const SrtSettings& settings, Direction direc
     const int socket = made.socket_;
     if (socket == none) return input_error("no SRT socket can be had: " + last_error());
     const bool sends = direction == Direction::sends;
-    // Neither end gives up what is late, as a frameset of which a part is missing is of no use: the
-    // sender leaves out whole framesets before they are sent. A receiver of ours takes messages as they come,
-    // since its jitter buffer knows when framesets are due. libsrt's own thread for that (TSBPD) holds the
-    // socket's lock while it waits for a lost datagram that is late, so that no call returns.
+    // Neither end drops late messages, as a frameset with a missing part is of no use: the sender leaves out
+    // whole framesets before they are sent. Our receiver takes messages as they come, since its jitter buffer
+    // knows when framesets are due. libsrt's own thread for that (TSBPD) holds the socket's lock while it
+    // waits for a lost datagram that is late, so that no call returns.
     constexpr int never = -1;
     bool is_set = set(socket, SRTO_TRANSTYPE, SRTT_LIVE) && set(socket, SRTO_RCVSYN, false) &&
                   set(socket, SRTO_SNDSYN, false) && set(socket, SRTO_TSBPDMODE, sends) &&
                   set(socket, SRTO_SNDDROPDELAY, never) &&
                   set(socket, SRTO_PAYLOADSIZE, static_cast<int>(message_bytes));
-    // A listener has nothing to send: what it sends all the same gets little room.
+    // A listener has nothing to send: what it sends nevertheless gets little room.
     constexpr int little_room = 64 * 1500;
     if (sends) is_set = is_set && set(socket, SRTO_RCVBUF, little_room);
     if (settings.latency_ms) is_set = is_set && set(socket, SRTO_LATENCY, *settings.latency_ms);
@@ -292,7 +292,7 @@ bool SrtSocket::has_something(int longest_ms) {
 }
 
 std::optional<std::pair<SrtSocket, SocketAddress>> SrtSocket::accept() {
-    if (!has_something(0)) return std::nullopt;  // libsrt would log an error
+    if (!has_something(0)) return std::nullopt;  // srt_accept would log an error
     SocketAddress address;
     int length = sizeof address.storage;
     SrtSocket caller(srt_accept(socket_, reinterpret_cast<sockaddr*>(&address.storage), &length));

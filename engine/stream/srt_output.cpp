@@ -13,8 +13,8 @@ namespace {
 constexpr std::int64_t ns_per_ms = 1'000'000;
 constexpr int longest_srt_call_ms = 3000;
 
-/// One listener by SRT. It is given the stream at the pace of its link; where that is too slow, whole
-/// framesets are left out for it alone. Never waits. Moments are of a steady clock, ns.
+/// One listener by SRT. It gets the stream at the pace of its link; if that is too slow, whole framesets are
+/// left out for it alone. Never waits. Times are of a steady clock, ns.
 class SrtListener : NonCopyable {
 public:
     /// The socket is connected. The ring and the audience outlive it.
@@ -32,7 +32,7 @@ public:
 
     ~SrtListener() { end("is cut off"); }
 
-    /// Gives what there is to give and fits.
+    /// Sends what there is and fits.
     void go_on(std::int64_t now_ns) {
         if (phase_ == Phase::over) return;
         if (socket_.state() == SrtSocket::State::gone) return end("has gone");
@@ -45,9 +45,9 @@ public:
             end("took no whole frameset for 10 s");
     }
 
-    /// It can be forgotten.
+    /// Whether it can be removed.
     bool is_over() const { return phase_ == Phase::over; }
-    /// Whether it was given anything, and stayed for a second.
+    /// Whether it was sent anything, and stayed for a second.
     bool has_stayed(std::int64_t now_ns) const {
         constexpr std::int64_t short_ns = 1'000'000'000;
         return sent_ > 0 && now_ns - begin_ns_ >= short_ns;
@@ -55,13 +55,13 @@ public:
 
 private:
     enum class Phase { listens, leaves, over };
-    /// How quickly bytes arrive.
+    /// Measures how quickly bytes arrive.
     void look(std::int64_t now_ns) {
         constexpr std::int64_t figures_every_ns = 50 * ns_per_ms;
         if (now_ns >= next_figures_ns_) {
             next_figures_ns_ = now_ns + figures_every_ns;
             link_ = socket_.figures().value_or(link_);
-            // A burst overflows the short queue of a narrow link, so its datagrams are spread.
+            // A burst overflows the short queue of a narrow link, so its datagrams are paced.
             const std::int64_t rate = rate_.bytes_per_second();
             const bool is_paced = now_ns < paced_until_ns_ && !rate_.is_growing();
             socket_.pace(is_paced ? std::max<std::int64_t>(2 * rate, 1 << 17) : 0);
@@ -84,7 +84,7 @@ private:
                     .is_full = std::exchange(is_full_, false)});
     }
 
-    /// Nothing is expected, and libsrt keeps little of it.
+    /// Nothing is expected from a listener, and libsrt keeps little of it.
     void read() {
         std::array<std::uint8_t, SrtSocket::longest_message> bytes;
         const auto got = socket_.receive(bytes, 0).bytes;
@@ -92,8 +92,8 @@ private:
         if (heard_bytes_ > StreamListener::most_heard_bytes) end("sends, but a listener has nothing to send");
     }
 
-    /// A receiver knows what is lost by what comes behind it. Of datagrams that are lost with nothing behind
-    /// them, as those before the end of its handshake or the last ones of the stream, it would never know.
+    /// A receiver notices a loss by what comes behind it. It would never know of lost datagrams with nothing
+    /// behind them, as before the end of its handshake or at the stream's end, so padding follows.
     void probe(std::int64_t now_ns) {
         constexpr std::int64_t shortest_ns = 100 * ns_per_ms;
         if (phase_ == Phase::over || !rest_.empty() || arrived_ == handed_over_) return;
@@ -122,7 +122,7 @@ private:
         }
     }
 
-    /// Takes the next piece; false where there is none, or its turn has not come.
+    /// Takes the next piece; false: there is none, or it has to wait.
     bool take_piece(std::int64_t now_ns) {
         constexpr std::int64_t paced_ns = 2'000'000'000;
         if (!has_header_) {
@@ -157,8 +157,8 @@ private:
         return true;
     }
 
-    /// Bytes on their way are lost when SRT is closed, and once all have arrived, the receiver holds them for
-    /// its latency.
+    /// Waits before closing: that loses bytes under way, and after all have arrived, the receiver holds them
+    /// for its latency.
     void leave(std::int64_t now_ns) {
         constexpr std::int64_t more_ms = 200;
         if (arrived_ < handed_over_) return;
@@ -188,19 +188,19 @@ private:
     StreamFigures::Link link_{};
     std::int64_t next_figures_ns_ = 0;
     std::int64_t handed_over_ = 0, arrived_ = 0;  // bytes
-    // The way there and back, timed by one byte after the other: libsrt says 100 ms at first, and for long.
+    // Round trip, timed by one byte after the other: libsrt reports 100 ms at first, and for long.
     std::int64_t timed_byte_ = 0, timed_since_ns_ = 0, rtt_ns_ = 0;
-    std::size_t heard_bytes_ = 0;  // sent by it, though a listener has nothing to send
-    std::int64_t progress_ns_;     // when bytes arrived last, or none were on their way
-    bool is_full_ = false;         // more would be given if more might be on its way
+    std::size_t heard_bytes_ = 0;  // received, though a listener has nothing to send
+    std::int64_t progress_ns_;     // when bytes last arrived, or none were under way
+    bool is_full_ = false;         // more would be sent if more might be under way
     std::int64_t next_probe_ns_ = 0;
-    int probes_ = 0;  // since bytes arrived last
+    int probes_ = 0;  // since bytes last arrived
     NarrowLink narrow_;
-    bool is_said_ = false;  // that its colour is left out
+    bool is_said_ = false;  // the loss of its colour was reported
     std::int64_t paced_until_ns_ = 0;
     std::int64_t sent_ = 0, without_colour_ = 0;  // framesets
     std::optional<std::int64_t> leaves_at_ns_;
-    // The piece that it is being given.
+    // The piece that is being sent.
     bool has_header_ = false;
     std::shared_ptr<const void> piece_;
     std::span<const std::uint8_t> rest_;
@@ -213,7 +213,7 @@ public:
     ~SrtSender() override {
         SrtSender::end();
         if (thread_.joinable()) thread_.join();
-        door_.close();  // before what it asks is gone
+        door_.close();  // before may_come_ is gone
     }
     Result<void> open_door() {
         const auto address = own_address(url_);
@@ -231,7 +231,7 @@ public:
 private:
     void serve() {
         constexpr std::chrono::milliseconds turn_of_listeners{5}, turn_of_none{20};
-        const StopScope goes_on = StopScope::after_stop();  // `end` alone ends it
+        const StopScope goes_on = StopScope::after_stop();  // only `end` ends it
         const StopScope until(stop_.get_token());
         auto newest = ring_.join();
         while (!stop_requested()) {
@@ -240,7 +240,7 @@ private:
             if (is_ended && listeners_.empty()) break;
             if (is_ended)
                 (void)wait_unless_stopped(std::chrono::steady_clock::now() + turn_of_listeners);
-            else  // what comes next ends the wait
+            else  // the next frameset ends the wait
                 (void)ring_.wait_next(newest, listeners_.empty() ? turn_of_none : turn_of_listeners);
         }
         listeners_.clear();
@@ -294,7 +294,7 @@ private:
         }
     }
     void begin_call(std::int64_t now_ns) {
-        // A name server may take its time.
+        // Looking up the host may take long.
         const auto address = unless_stopped([url = url_] { return look_up(url); });
         if (stop_requested()) return;
         if (!address || !*address) return call_failed("there is no such host", now_ns);
@@ -304,7 +304,7 @@ private:
         if (auto called = calling_.call(**address, longest_srt_call_ms); !called)
             call_failed(called.error().message, now_ns);
     }
-    /// A call in vain is said once, until the other end answers.
+    /// Reports failed calls once, until the other end answers.
     void call_failed(const std::string& why, std::int64_t now_ns) {
         calling_.close();
         call_later(now_ns);
@@ -315,7 +315,7 @@ private:
         constexpr std::chrono::milliseconds at_first{500};
         next_call_ns_ = now_ns + back_off(at_first, calls_in_vain_++).count();
     }
-    /// One line every 10 s at most, however many call.
+    /// At most one line every 10 s, however many call.
     void say_refusals(std::int64_t now_ns) {
         constexpr std::int64_t silence_ns = 10'000'000'000;
         if (refused_ == 0 || now_ns < next_refusal_said_ns_) return;
@@ -338,8 +338,8 @@ private:
         if (!may) ++refused_;
         return may;
     };
-    SrtSocket door_;     // where this end listens
-    SrtSocket calling_;  // where it calls, until the other end answers
+    SrtSocket door_;     // listens for callers
+    SrtSocket calling_;  // calls, until the other end answers
     std::vector<std::unique_ptr<SrtListener>> listeners_;
     int calls_in_vain_ = 0;
     std::int64_t next_call_ns_ = 0, next_refusal_said_ns_ = 0;

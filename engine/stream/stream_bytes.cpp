@@ -1,5 +1,5 @@
-// Where a received stream's bytes come from: FFmpeg's protocols and pipes (StreamBytes; by SRT: srt.cpp), and
-// files on a server that are read part by part (open_http).
+// Sources of a received stream's bytes: FFmpeg's protocols and pipes (StreamBytes; SRT: srt.cpp), and files
+// on a server that are read part by part (open_http).
 
 #include <fcntl.h>
 #include <poll.h>
@@ -50,7 +50,7 @@ private:
     std::int64_t some(std::uint8_t* to, std::size_t count) override {
         constexpr std::size_t most = 1 << 20;
         const int got = avio_read_partial(io_.get(), to, static_cast<int>(std::min(count, most)));
-        // HTTP has no other end where nothing says how long it is.
+        // Without a stated length, HTTP has no other end.
         const bool may_end_so = transport_ == StreamTransport::http && !file_size();
         const bool is_end = got == AVERROR_EOF || (got == AVERROR(EIO) && may_end_so);
         return is_end ? 0 : got;
@@ -69,14 +69,14 @@ Error no_connection(const StreamUrl& url, const std::string& why, int status = 0
     return input_error("no connection: " + why + hint);
 }
 
-/// While FFmpeg looks a name up it waits as long as the system does, so another thread does that.
+/// Opens on another thread: while FFmpeg looks a name up, it waits as long as the system does.
 Result<IoPtr> open_network(const StreamUrl& url) {
     struct Opened {
         int status = 0;
         IoPtr io;
     };
     auto opened = unless_stopped([url] {
-        // FFmpeg would read UDP's settings in units of its own.
+        // FFmpeg would read UDP's settings in other units.
         const bool has_settings = url.transport == StreamTransport::udp;
         const std::string address = has_settings ? url.text.substr(0, url.text.find('?')) : url.text;
         AVDictionary* options = network_options(url);
@@ -121,7 +121,7 @@ Result<std::shared_ptr<StreamBytes>> open_pipe(const StreamUrl& url, std::shared
 
 // --- Files on a server
 
-/// A file on a server, shared by all its readers. It holds the part that was read last.
+/// A file on a server, shared by all its readers. Holds the part that was read last.
 class HttpFile {
 public:
     HttpFile(StreamUrl url, const StreamSource::Patience& patience, std::uint64_t size,
@@ -132,7 +132,7 @@ public:
           wait_(std::move(wait)),
           connection_(std::move(connection)) {}
 
-    /// As GivenFile::Reading.
+    /// Like GivenFile::Reading.
     std::ptrdiff_t read(std::uint64_t at, char* to, std::size_t count, bool may_wait) {
         std::unique_lock held(mutex_, std::defer_lock);
         if (may_wait)
@@ -186,7 +186,7 @@ private:
         return failure_;
     }
 
-    /// To a file that is as long as it was.
+    /// Connects again, if the file still has its size.
     void connect() {
         auto made = StreamBytes::connect(url_, wait_, patience_);
         if (made && (*made)->file_size() == size_) connection_ = std::move(*made);
@@ -199,7 +199,7 @@ private:
     std::atomic<bool> is_opening_{true};
     std::atomic<int> failure_{0};  // an errno, after which nothing more is read
     std::mutex mutex_;
-    std::shared_ptr<StreamBytes> connection_;  // guarded by it, as is what follows
+    std::shared_ptr<StreamBytes> connection_;  // guarded by mutex_, as are the next members
     std::uint64_t at_ = 0;
     std::vector<std::uint8_t> part_;
 };

@@ -1,4 +1,4 @@
-// A stream as a clip that goes on and not back.
+// A stream as a clip that cannot go back.
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -10,7 +10,7 @@ namespace {
 
 /// The choice of filters looks at 16 frames.
 constexpr std::size_t most_kept = 48, most_kept_bytes = std::size_t{512} << 20;
-constexpr std::int64_t most_in_place = 1'000;  // frames in place of those that were lost
+constexpr std::int64_t most_in_place = 1'000;  // frames in place of lost ones
 
 class StreamClip final : public ClipReader {
 public:
@@ -112,13 +112,13 @@ private:
     const std::chrono::milliseconds patience_;
     std::unique_ptr<StreamReceiver> receiver_;
     std::optional<Received> coming_;
-    std::optional<Error> fault_;  // after which nothing more is read
+    std::optional<Error> fault_;  // nothing more is read after it
     std::optional<RawFrame> newest_;
-    std::int64_t first_number_ = 0;  // the stream's, of frame 0
+    std::int64_t first_number_ = 0;  // the stream's number of frame 0
     std::int64_t read_ = 0;          // frames
-    std::int64_t position_ = 0;      // of the frame that `next` gives
+    std::int64_t position_ = 0;      // of the frame that `next` returns
     std::int64_t held_ = 0;
-    std::vector<RawFrame> first_;  // all that were read, as long as they are few
+    std::vector<RawFrame> first_;  // all frames that were read, as long as they are few
     std::size_t first_bytes_ = 0;
     bool keeps_ = true;
 };

@@ -1,4 +1,4 @@
-// The forms of a stream that are one container: Matroska, for programs of ours, and MPEG-TS, for stock tools.
+// The forms of a stream in one container: Matroska, for our own programs, and MPEG-TS, for stock tools.
 
 #include <algorithm>
 #include <array>
@@ -23,8 +23,8 @@ namespace {
 
 constexpr AVRational stream_millisecond{1, 1000};
 
-/// Every picture of two bytes a sample on its own, so that a lost one spoils no other; bytes as quickly as
-/// they can be encoded.
+/// Planes of two bytes a sample are coded picture by picture, so that a lost one spoils no other; planes of
+/// one byte as quickly as possible.
 TrackCoding coding_in_stream(PlaneRole role, const PlaneView& plane) {
     if (role == PlaneRole::colour) return TrackCoding::h264_visual;
     return plane.bytes_per_sample == 2 ? TrackCoding::rank_zstd : TrackCoding::h264_quick;
@@ -52,13 +52,13 @@ public:
         TRY(check_.check(counted, scene_));
         if (check_.frames() == 1) TRY(begin(frame));
         const std::int64_t time_ms = (time_ns + 500'000) / 1'000'000;
-        // What is heard with a picture goes before it: FFmpeg holds a packet of sound until the next picture.
+        // Sound goes before its picture: FFmpeg holds a packet of sound until the next picture.
         if (sound_)
             TRY(sound_->give(frame.epoch, time_ns, [this](AVPacket& packet) {
                 return muxer_->write(packet, sound_stream_, stream_millisecond);
             }));
         Block block{label.frame, is_key, {}};
-        // Colour in clusters of its own, behind the others: a listener on a narrow link goes without it.
+        // Colour has its own clusters, behind the others: a listener on a narrow link goes without it.
         for (const bool is_colour : {false, true}) {
             for (std::size_t k = 0; k < tracks_.size(); ++k) {
                 if ((tracks_[k].role == PlaneRole::colour) != is_colour) continue;
@@ -106,7 +106,7 @@ private:
         const AVCodecID codec = muxer_->context().streams[track]->codecpar->codec_id;
         TRY(add_block_addition(*packet, codec, 1, label));
         packet->pts = packet->dts = time_ms;
-        packet->duration = 0;  // the next frame tells
+        packet->duration = 0;  // known from the next frame
         return muxer_->write(*packet, static_cast<int>(track), stream_millisecond);
     }
 
@@ -124,7 +124,7 @@ private:
 
 constexpr AVRational clock_90_khz{1, 90'000};
 constexpr std::int64_t mpegts_ns = 1'000'000'000;
-/// Pictures are stamped so much later than their bytes come, which stock players need to have them in time.
+/// Pictures are stamped this much later than their bytes come: stock players need it to have them in time.
 constexpr int mpegts_delay_us = 50'000;
 
 class MpegtsMuxer final : public StreamMuxer {
@@ -164,8 +164,8 @@ private:
             TRY_ASSIGN(AVStream* const stream, muxer->add_stream(clock_90_khz));
             TRY(encoder.describe(k, *stream->codecpar));
         }
-        // A picture's length is said where it can be: then no receiver waits for the next one to know its
-        // end.
+        // States each picture's length if possible, so that no receiver waits for the next picture to know
+        // its end.
         TRY(muxer->begin("omit_video_pes_length=0"));
         encoder_.emplace(std::move(encoder));
         muxer_ = std::move(muxer);

@@ -1,17 +1,16 @@
 #pragma once
 
 // Names of streams. A stream is named by a URL: tcp://, http(s)://, srt://, udp://, or pipe: for a
-// descriptor. `read_stream_url` is the only place that parses one, and refuses what no transport can carry
-// out; it opens no connection and asks no name server. A StreamUrl is then handed to what receives
-// (receiving.hpp) or sends (sending.hpp); own_address and look_up give its address as sockets take it. How it
-// is used:
+// descriptor. `read_stream_url` is the only parser, and refuses what no transport supports; it opens no
+// connection and queries no name server. A StreamUrl is passed on to code that receives (receiving.hpp) or
+// sends (sending.hpp); own_address and look_up return its address for sockets. Use:
 //
 //   if (!is_stream_url(word)) ...;  // a file's name
 //   TRY_ASSIGN(const auto url, read_stream_url(word));
 //   open_stream_clip({.url = url});
 //
 // An SRT URL may have a passphrase, which no message, report or recording may show: messages use `name`, and
-// what quotes a word that may be a URL uses `without_passphrase`. FFmpeg and libsrt alone are given `text`.
+// code that quotes a word that may be a URL uses `without_passphrase`. Only FFmpeg and libsrt get `text`.
 //
 // Everything here is a value or a function without state: any thread may call it.
 
@@ -26,12 +25,12 @@ namespace touchable {
 /// The transport of a stream's bytes.
 enum class StreamTransport { tcp, http, srt, udp, pipe };
 
-/// A stream's name, taken apart: "tcp://HOST:PORT", "http://HOST[:PORT]/PATH", "https://...",
+/// A parsed name of a stream: "tcp://HOST:PORT", "http://HOST[:PORT]/PATH", "https://...",
 /// "srt://HOST:PORT[?key=value&...]", "udp://HOST:PORT", "pipe:" or "pipe:N" (a descriptor), "-".
 struct StreamUrl {
     StreamTransport transport = StreamTransport::tcp;
     std::string text;     ///< as FFmpeg takes it; "-" is "pipe:"
-    std::string host;     ///< without brackets; empty: of this machine, or a pipe
+    std::string host;     ///< without brackets; empty: this machine, or a pipe
     int port = 0;         ///< 0: a pipe, or, of an address to listen at, any free port
     std::string path;     ///< of http, with its "/"
     std::string query;    ///< behind "?"
@@ -48,14 +47,14 @@ struct StreamUrl {
     }
     /// A playlist of HTTP Live Streaming (.m3u8).
     bool is_playlist() const { return transport == StreamTransport::http && path.ends_with(".m3u8"); }
-    /// The query's value of this key; empty where there is none.
+    /// The query's value of this key; empty if it is missing.
     std::string value(std::string_view key) const;
 };
 
 /// A playlist of HTTP Live Streaming in a folder of this machine.
 StreamUrl playlist_in_folder(const std::string& file);
 
-/// Whether a word is meant as a stream's URL: it begins like one, however its rest reads.
+/// Whether a word is meant as a stream's URL: it begins like one, whatever follows.
 bool is_stream_url(std::string_view words);
 
 /// A clip's name for reports: a stream's URL without its passphrase, any other name unchanged.
@@ -76,11 +75,11 @@ struct SocketAddress {
     std::string text() const;
 };
 
-/// The address that a URL states. Nothing where its host is a name: only numbers, `localhost` and an empty
-/// host (all of this machine's) say which address is meant. Never waits.
+/// The address that a URL states. Nothing if its host is a name: only numbers, `localhost` and an empty host
+/// (all addresses of this machine) are definite. Never waits.
 std::optional<SocketAddress> own_address(const StreamUrl& url);
 
-/// The address of the URL's host. Nothing where no such host is known. A name server may take its time.
+/// The address of the URL's host. Nothing if the host is unknown. A name server may take long to answer.
 std::optional<SocketAddress> look_up(const StreamUrl& url);
 
 }  // namespace touchable

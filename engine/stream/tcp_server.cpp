@@ -1,5 +1,5 @@
 // StreamServer: one thread that polls the sockets it listens at ("doors") and all connections. It never waits
-// for a client: what a socket does not take at once is given when poll says that it takes more.
+// for a client: bytes that a socket does not take at once are sent when poll reports room.
 
 #include <netinet/in.h>
 #include <netinet/tcp.h>
@@ -33,7 +33,7 @@ void set_option(int socket, int level, int option, int value) {
     (void)::setsockopt(socket, level, option, &value, sizeof value);
 }
 
-/// Framesets that wait in the kernel are late and cannot be left out any more, so few may wait there.
+/// Framesets that wait in the kernel are late and can no longer be left out, so few may wait there.
 void make_prompt(int socket) {
     constexpr int unsent_bytes = 1 << 17, lost_after_ms = 10'000;
     set_option(socket, IPPROTO_TCP, TCP_NODELAY, 1);
@@ -41,12 +41,12 @@ void make_prompt(int socket) {
     set_option(socket, IPPROTO_TCP, TCP_USER_TIMEOUT, lost_after_ms);
 }
 
-/// One connection: a client asks for the stream (HTTP), is given it, and leaves. Never waits. Moments are
-/// those of the server's clock, ns.
+/// One connection: a client requests the stream (HTTP), gets it, and leaves. Never waits. Times are of the
+/// server's clock, ns.
 class TcpListener : NonCopyable {
 public:
-    /// `path`: where HTTP has the stream; nothing: it is given at once, and the audience has room for it. By
-    /// HTTP a client is refused where there is no room. The socket is one that never waits.
+    /// `path`: of the stream over HTTP; nothing: the stream is sent at once, and the audience has room for
+    /// it. Over HTTP a client is refused if there is no room. The socket is non-blocking.
     TcpListener(Descriptor socket, std::string name, const std::optional<std::string>& path,
                 const StreamRing& ring, StreamAudience& audience, std::int64_t now_ns)
         : socket_(std::move(socket)),
@@ -63,12 +63,12 @@ public:
     ~TcpListener() { end("is cut off"); }
 
     int socket() const { return socket_.get(); }
-    /// For poll.
+    /// Events for poll.
     short events() const {
         return static_cast<short>((hears_no_more_ ? 0 : POLLIN) | (is_blocked_ ? POLLOUT : 0));
     }
 
-    /// Takes what there is to read, if poll says so, and gives what there is to give.
+    /// Reads, if poll says so, and sends what there is.
     void go_on(bool has_something, bool takes_something, std::int64_t now_ns) {
         if (has_something) read(now_ns);
         if (takes_something) is_blocked_ = false;
@@ -77,9 +77,9 @@ public:
         end(phase_ == Phase::listens ? "took no whole frameset for 10 s" : "");
     }
 
-    /// When it is closed if nothing happens before.
+    /// When it is closed if nothing happens before that.
     std::int64_t deadline_ns() const { return deadline_ns_; }
-    /// It can be forgotten.
+    /// Whether it can be removed.
     bool is_over() const { return phase_ == Phase::over; }
 
 private:
@@ -90,7 +90,7 @@ private:
         if (got < 0 && would_wait(errno)) return;
         if (got < 0) return end("is lost (" + std::generic_category().message(errno) + ")");
         if (got == 0) {
-            // A client that has nothing more to say may still listen, unless it was never given anything.
+            // A client that sends nothing more may still listen, unless it never got anything.
             hears_no_more_ = true;
             const bool has_begun = phase_ == Phase::listens && has_header_;
             if (!has_begun && phase_ != Phase::is_refused) end("has gone");
@@ -126,7 +126,7 @@ private:
         }
     }
 
-    /// Takes the next piece, once all of the last one was given; false where there is none.
+    /// Takes the next piece, after all of the last one was sent; false: there is none.
     bool take_piece(std::int64_t now_ns) {
         sent_ += is_frameset_ ? 1 : 0;
         is_frameset_ = false;
@@ -174,7 +174,7 @@ private:
         audience_.came(name_);
     }
 
-    /// Bytes that were given are still on their way, and a socket that is closed with something unread loses
+    /// Waits before closing: sent bytes are still under way, and closing a socket with unread data loses
     /// them.
     void leave(std::int64_t now_ns) {
         if (phase_ == Phase::listens) audience_.went({name_, sent_, cursor_.dropped(), without_colour_});
@@ -196,18 +196,18 @@ private:
     Phase phase_ = Phase::asks;
     StreamRing::Cursor cursor_;
     bool has_header_ = false, is_blocked_ = false, hears_no_more_ = false;
-    std::size_t heard_bytes_ = 0;  // sent by it, though a listener has nothing to send
+    std::size_t heard_bytes_ = 0;  // received, though a listener has nothing to send
     NarrowLink narrow_;
-    bool is_said_ = false;  // that its colour is left out
+    bool is_said_ = false;  // the loss of its colour was reported
     std::int64_t sent_ = 0, without_colour_ = 0;
     std::int64_t deadline_ns_;
-    // The piece that it is being given.
+    // The piece that is being sent.
     std::shared_ptr<const void> piece_;
     std::span<const std::uint8_t> rest_;
     bool is_frameset_ = false;
 };
 
-/// Ends a wait by poll, from any thread; its descriptor is -1 where the system has none left.
+/// Ends a wait in poll, from any thread; its descriptor is -1 if the system has none left.
 class Wake : NonCopyable {
 public:
     int descriptor() const { return event_.get(); }
@@ -315,7 +315,7 @@ private:
             Descriptor socket(::accept4(door.socket.get(), reinterpret_cast<sockaddr*>(&address.storage),
                                         &address.length, SOCK_NONBLOCK | SOCK_CLOEXEC));
             if (socket.get() < 0) {
-                // While no descriptor or no memory is left, poll would return at once again and again.
+                // While descriptors or memory are exhausted, poll would return at once again and again.
                 constexpr std::int64_t rest_ns = 100'000'000;
                 const bool is_full =
                     errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM;
@@ -337,10 +337,10 @@ private:
         }
     }
 
-    /// A refused connection gets one line that says why. The person at this server reads one at most every 10
-    /// s, however many connect.
+    /// Sends a refused connection one line with the reason. Reports a refusal at most every 10 s, however
+    /// many connect.
     void refuse(const Descriptor& socket, const Door& door, const std::string& name) {
-        const bool has_room = audience_.has_room();  // but there are too many connections that do not listen
+        const bool has_room = audience_.has_room();  // true: too many connections that do not listen
         const std::string there = has_room ? std::to_string(most_connections) + " connections"
                                            : std::to_string(StreamAudience::most_listeners) + " listeners";
         const std::string answer =
@@ -366,7 +366,7 @@ private:
     StreamRing& ring_;
     StreamAudience& audience_;
     const Clock clock_;
-    std::shared_ptr<Wake> wake_ = std::make_shared<Wake>();  // the ring has it too
+    std::shared_ptr<Wake> wake_ = std::make_shared<Wake>();  // shared with the ring
     std::vector<Door> doors_;
     std::vector<std::unique_ptr<TcpListener>> listeners_;
     std::atomic<int> connections_{0};

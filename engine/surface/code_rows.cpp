@@ -1,4 +1,4 @@
-// Rows of codes and validity as vectors read them, and the stack of filters of a plan.
+// Rows of codes and validity for vector code, and the stack of a plan's filters.
 #include "engine/surface/code_rows.hpp"
 
 #include "engine/surface/flying_pixels.hpp"
@@ -9,8 +9,8 @@
 namespace touchable {
 namespace {
 
-/// Whether every code is valid, of whole strips: minima and maxima alone, so that this is as fast as memory.
-/// Of a code and an invalid one the exclusive or is 0 where they are equal.
+/// Whether every code of whole strips is valid. Uses only minima and maxima, so that this is as fast as
+/// memory. The exclusive or of a code and an invalid code is 0 if they are equal.
 template <class Lanes>
 [[gnu::always_inline]] inline bool all_valid(const DepthCoding& coding, const std::uint16_t* codes,
                                              int pixels) {
@@ -34,8 +34,8 @@ template <class Lanes>
     return any == 0;
 }
 
-/// `masks`: all ones where not DepthCoding::is_valid; codes become 0 there. Of whole strips. Without
-/// comparing: vectors of 64 bytes compare into masks of another kind, which GCC makes of these lane by lane.
+/// `masks`: all ones if not DepthCoding::is_valid; such codes become 0. Whole strips. Without comparisons:
+/// vectors of 64 bytes compare into masks of another kind, which GCC converts lane by lane.
 template <class Lanes>
 [[gnu::always_inline]] inline void mask_invalid(const DepthCoding& coding, std::uint16_t* codes,
                                                 std::uint16_t* masks, int pixels) {
@@ -53,7 +53,7 @@ template <class Lanes>
     }
 }
 
-/// Of the filters so far: lines until one makes bands of them.
+/// The filters so far: lines, until a filter makes bands of them.
 struct FilterStack {
     const DepthCoding& stored;
     const VectorUnit unit;
@@ -161,7 +161,7 @@ void CodeLine::set_clean() {
     std::fill(holes_near_.begin(), holes_near_.end(), 0U);
 }
 
-// What is repeated beyond the border is within reach of the border's own pixel.
+// The repeated border is within reach of the border's own pixel.
 void CodeLine::look_near() {
     for (std::size_t w = 0; w < holes_.size(); ++w) {
         std::uint32_t holes = holes_[w];

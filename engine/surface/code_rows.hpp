@@ -30,7 +30,7 @@ inline std::uint32_t inside_bits(int width, int word) {
     return left >= strip_pixels ? ~std::uint32_t{0} : (std::uint32_t{1} << left) - 1;
 }
 
-/// Of 16 pixels, by their place in a word.
+/// Bits of 16 pixels, by their place in a word.
 inline constexpr std::uint16_t bit_of_pixel[16] = {
     1, 2, 4, 8, 0x10, 0x20, 0x40, 0x80, 0x0100, 0x0200, 0x0400, 0x0800, 0x1000, 0x2000, 0x4000, 0x8000};
 
@@ -55,13 +55,13 @@ inline void masks_of_bits(std::uint32_t bits, std::uint16_t* masks) {
     for (int k = 0; k < 16; ++k) masks[16 + k] = (high & bit_of_pixel[k]) ? 0xFFFF : 0;
 }
 
-/// As many values of 32 bits.
+/// As many lanes, of 32 bits.
 template <class Narrow>
 struct Wide {
     using Lanes [[gnu::vector_size(2 * sizeof(Narrow))]] = std::uint32_t;
 };
 
-/// The upper half of a product.
+/// The upper half of each product.
 template <class Lanes>
 [[gnu::always_inline]] inline Lanes high_product(const Lanes& a, const Lanes& b) {
     return __builtin_convertvector((__builtin_convertvector(a, typename Wide<Lanes>::Lanes) *
@@ -70,7 +70,7 @@ template <class Lanes>
                                    Lanes);
 }
 
-/// CodeCurve::at of every lane.
+/// CodeCurve::at for every lane.
 template <class Lanes>
 [[gnu::always_inline]] inline Lanes curve_at(const CodeCurve& curve, const Lanes& codes) {
     const Lanes constant = Lanes{} + curve.constant;
@@ -86,26 +86,26 @@ template <class Lanes>
     return lesser<Lanes>(sum, Lanes{} + std::uint16_t{code_curve_most});
 }
 
-/// One row of decoded pixels as windows of a filter read it: the border is repeated on both sides, on the
-/// right to the end of the memory, so that windows need no clamping and vectors no end. Codes of invalid
+/// One row of decoded pixels for windows of a filter: the border is repeated on both sides, on the right to
+/// the end of the memory, so that windows need no clamping and vectors no special end. Codes of invalid
 /// pixels are 0.
 class CodeLine {
 public:
-    /// Windows reach `reach` pixels to each side, at most a strip. No allocation where it had the size.
+    /// Windows reach `reach` pixels to each side, half a strip at most. No allocation at the same size.
     void resize(int width, int reach);
 
-    /// Stored values of row `y`, by `coding`.
+    /// Reads row `y` of stored values, by `coding`.
     void decode(const PlaneView& depth, const DepthCoding& coding, int y, VectorUnit unit);
-    /// Row `y` of decoded pixels.
+    /// Reads row `y` of decoded pixels.
     void copy(const SurfaceFrame& decoded, int y);
 
-    /// From the left end of the window around pixel 0; readable for `strips() + 1` strips.
+    /// Begins at the left end of the window around pixel 0; readable for `strips() + 1` strips.
     const std::uint16_t* codes() const { return codes_.front().pixels; }
-    /// All ones where the pixel is invalid, as long as codes.
+    /// All ones for invalid pixels; as long as codes.
     const std::uint16_t* invalid() const { return invalid_.front().pixels; }
     /// Invalid pixels as bits, none outside the picture; a word per strip.
     const std::uint32_t* holes() const { return holes_.data(); }
-    /// Per strip: whether a window around one of its pixels has an invalid one, as not 0.
+    /// Per strip: not 0 if a window around one of its pixels has an invalid one.
     const std::uint32_t* holes_near() const { return holes_near_.data(); }
     int strips() const { return static_cast<int>(holes_.size()); }
 
@@ -128,16 +128,16 @@ private:
     bool clean_ = false;
 };
 
-/// What filters have made of a frame so far, by lines, for a window that reads those around its own.
+/// A frame after the filters so far, by lines, for a filter whose window reads several of them.
 class LineSource {
 public:
     virtual ~LineSource() = default;
-    /// To be called first, of each frame. No allocation once it has seen the size.
+    /// To be called first for each frame. No allocation after the first frame of a size.
     virtual void begin(const RawFrame& raw, RowBands& bands) = 0;
     virtual void load(int y, CodeLine& line) const = 0;
 };
 
-/// Lines as they are decoded, one by one, when a window asks for them.
+/// Lines decoded one by one, when a window reads them.
 class StoredLines final : public LineSource {
 public:
     StoredLines(const DepthCoding& coding, VectorUnit unit) : coding_(coding), unit_(unit) {}
@@ -150,27 +150,27 @@ private:
     PlaneView depth_;
 };
 
-/// What to do with a band of rows that is finished, while it is still in the cache.
+/// Called for each finished band of rows, while it is still in the cache.
 using BandFinished = std::function<void(const RowBand& band)>;
 
-/// The same by bands, each made once: what lies in the cache can be filtered again before the next one is
-/// made.
+/// A frame after the filters so far, by bands, each made once: a band in the cache can be filtered again
+/// before the next one is made.
 class BandSource {
 public:
     virtual ~BandSource() = default;
     virtual void begin(const RawFrame& raw, RowBands& bands) = 0;
-    /// Codes and validity of a band of `out`, which has the size. Several threads at once.
+    /// Makes codes and validity of a band of `out`, which has its size. Called by several threads at once.
     virtual void make(const RowBand& band, SurfaceFrame& out) = 0;
 
-    /// All codes and validity of a frame. No allocation where `out` has had the size.
+    /// Makes all codes and validity of a frame. No allocation if `out` has had the size.
     void make_all(const RawFrame& raw, RowBands& bands, SurfaceFrame& out, const BandFinished& finished = {});
-    /// Of a frame that is not shown, no more than what later ones remember of it; `scratch` is any frame.
+    /// Takes in a frame that is not shown, as far as later ones depend on it; `scratch` is any frame.
     virtual void remember(const RawFrame& raw, RowBands& bands, SurfaceFrame& scratch) {
         make_all(raw, bands, scratch);
     }
 };
 
-/// Lines as they are.
+/// Lines as bands, without a further filter.
 class UnfilteredBands final : public BandSource {
 public:
     explicit UnfilteredBands(std::unique_ptr<LineSource> lines) : lines_(std::move(lines)) {}
@@ -179,11 +179,11 @@ public:
 
 private:
     const std::unique_ptr<LineSource> lines_;
-    std::vector<CodeLine> line_;  // of each thread
+    std::vector<CodeLine> line_;  // one per thread
 };
 
-/// A plan's filters as the CPU has them, one on top of the other: from stored values to codes and validity,
-/// of a whole picture or of any part of one.
+/// A plan's filters on the CPU, one on top of the other: from stored values to codes and validity, of a whole
+/// picture or of a part.
 std::unique_ptr<BandSource> make_code_filters(const FilterPlan& plan, VectorUnit unit);
 
 }  // namespace touchable

@@ -1,5 +1,5 @@
-// The fast builder: rows on several threads, filters in vectors, and frames that changed little built in
-// part.
+// The fast builder: rows on several threads, vectorised filters, and partial builds of frames that changed
+// little.
 #include <deque>
 
 #include "engine/base/threads.hpp"
@@ -12,35 +12,35 @@
 namespace touchable {
 namespace {
 
-/// They take about 50 us.
+/// These take about 50 us.
 constexpr long pixels_filtered_per_thread = 150'000;
 
-/// Larger ones take longer to build than a person who asks the program to stop should wait.
+/// Building larger pictures takes longer than stopping the program should.
 bool is_large(const Scene& scene) {
     return std::int64_t{scene.width} * scene.height > std::int64_t{4096} * 4096;
 }
 
-/// The widest that there is, up to the one that is asked for.
+/// The widest available unit, up to `most`.
 VectorUnit unit_for(VectorUnit most) {
     const auto units = usable_vector_units();
     return *std::find_if(units.begin(), units.end() - 1, [&](VectorUnit unit) { return unit <= most; });
 }
 
-/// A patch is written twice, so that its pixels cost more than those of a whole picture, the more the less
-/// there is to filter.
+/// Share of a picture up to which patches pay: a patch is written twice, so its pixels cost more than those
+/// of a whole picture, the more the less there is to filter.
 double what_pays(const FilterPlan& filters) {
     return filters.find<FilterPlan::MedianWindow>() == nullptr ? 0.45 : 0.65;
 }
 
-/// Filtered vertices that know which build their frame holds. No other builder keeps them in a slot of its
-/// own.
+/// Filtered vertices with the number of the build that their frame holds. Only this builder keeps them in a
+/// slot.
 class TrackedVertices final : public FilteredVertices {
 public:
     using FilteredVertices::FilteredVertices;
     BuildNumber build;
 };
 
-/// Those of a slot, new ones where it has none.
+/// The vertices of a slot; new ones if it has none.
 TrackedVertices& tracked_vertices(SurfaceFrame& slot) {
     if (auto* const there = dynamic_cast<TrackedVertices*>(slot.vertices.get())) return *there;
     auto made = std::make_unique<TrackedVertices>(slot);
@@ -100,7 +100,7 @@ private:
         tiles_.finish(bands_, out);
         built_share_ = 1;
     }
-    /// In a slot that holds all else.
+    /// Builds the patches in a slot that holds all else.
     void build_patches(const RawFrame& raw, SurfaceFrame& out) {
         const auto& patches = patches_.patches;
         bands_.for_each_band(static_cast<int>(patches.size()), 1, [&](const RowBand& some) {
@@ -122,9 +122,9 @@ private:
     RowBands bands_;
     const std::unique_ptr<BandSource> filters_;
     TileBounder tiles_;
-    std::optional<FrameChanges> changes_;  // nothing where filters remember frames before
+    std::optional<FrameChanges> changes_;  // nothing: filters remember earlier frames
     Patches patches_;
-    std::deque<PatchFilter> patch_filters_;  // of each thread
+    std::deque<PatchFilter> patch_filters_;  // one per thread
     double built_share_ = 0;
 };
 

@@ -1,19 +1,19 @@
-// What was measured of the first frames, put together, and the filters chosen by it.
+// The measurements of the first frames, put together, and the filters chosen by them.
 #include "engine/surface/depth_estimator.hpp"
 
 namespace touchable {
 namespace {
 
-/// Share of pixels from which on they are no chance.
+/// Share of pixels from which on dropouts are not chance.
 constexpr double some_dropouts = 5e-4;
 /// Noise is averaged from a ten-thousandth of the picture's width on. The hand's 16 cm are as wide as the
 /// picture, so that is 0.016 mm for the hand, and 10 mN at 600 N/m.
 constexpr double noise_per_picture = 1e-4;
 /// Pixels that hang between two surfaces count from this share on.
 constexpr double some_flying = 1e-4;
-/// Where edges are clean there are more of these than so many times the pixels that hang midway.
+/// With clean edges there are more of them than this many times the pixels that hang midway.
 constexpr double clean_edges_per_midway = 4;
-/// Pixels across and down, in the middle: of larger pictures the rest tells no more of a camera.
+/// Pixels across and down, in the middle: the rest of a larger picture shows no more of a camera.
 constexpr int largest_part = 4096;
 
 PlaneView middle_part(PlaneView depth) {
@@ -25,13 +25,13 @@ PlaneView middle_part(PlaneView depth) {
     return depth;
 }
 
-/// Cameras' surfaces have a median where they are rougher than this share of a pixel's width, which tilts
-/// faces by about ten degrees.
+/// A camera's surfaces get a median if they are rougher than this share of a pixel's width, which tilts faces
+/// by about ten degrees.
 constexpr double roughness_per_pixel = 0.15;
-/// A small one is enough where levels are much farther apart than noise moves a depth, and it keeps steps
-/// sharper.
+/// A small median is enough if levels are this much farther apart than noise moves a depth, and it keeps
+/// steps sharper.
 constexpr double levels_per_noise = 1.5;
-/// They close holes three pixels wide.
+/// These close holes three pixels wide.
 constexpr int passes = 2;
 
 int median_of_cameras(const MeasuredDepth& measured) {
@@ -39,11 +39,11 @@ int median_of_cameras(const MeasuredDepth& measured) {
     return measured.distance >= levels_per_noise * noise ? 3 : 5;
 }
 
-/// One surface is what flying pixels were judged by, or what is flat to three times the noise; without noise
-/// what leans by no more than 84 degrees, and two levels.
+/// One surface is what lies within the share for judging flying pixels, or within three times the noise;
+/// without noise, what leans by no more than 84 degrees, and two levels.
 constexpr double flat_per_noise = 3, flat_per_pixel = 10, flat_per_level = 2;
 
-/// About in proportion to depth, which a DepthLength can say around the median only; levels grow with its
+/// About in proportion to depth, which a DepthLength can state around the median only; levels grow with its
 /// square.
 DepthLength flat_within(const MeasuredDepth& measured) {
     const double m = measured.median, share = m / NoiseEstimator::flat_share;
@@ -63,8 +63,8 @@ const TriedFilters* best_of_tried(const MeasuredDepth& measured, const UnstatedF
                                                : nullptr;
 }
 
-/// Terraces of many pixels: those of phones, whose few levels hide behind the codes of the ramps between
-/// them.
+/// For terraces of many pixels, such as those of phones, whose few levels hide behind the codes of the ramps
+/// between them.
 void widen_reach(const MeasuredDepth& measured, Scene& scene) {
     if (scene.filter.terraces != TerraceRemoval::on || !measured.contours.are_wide()) return;
     scene.filter.terrace_reach = measured.contours.reach();
@@ -74,7 +74,7 @@ void widen_reach(const MeasuredDepth& measured, Scene& scene) {
     if (has_working_codes(with_levels)) scene.filter.levels = with_levels.filter.levels;
 }
 
-/// Where nothing was tried.
+/// The choice if nothing was tried.
 void choose_smoothing_by_rule(const MeasuredDepth& measured, const UnstatedFilters& unstated, Scene& scene) {
     FilterSettings& filter = scene.filter;
     if (unstated.median)
@@ -105,7 +105,7 @@ bool MeasuredDepth::is_noisy(int width) const {
 
 namespace {
 
-/// At every fourth pixel of every fourth row.
+/// Depths at every fourth pixel of every fourth row; 0: invalid.
 std::vector<float> some_depths(const CodePicture& picture, const DepthCoding& coding) {
     constexpr int apart = 4;
     std::vector<float> depths;
@@ -119,8 +119,8 @@ std::vector<float> some_depths(const CodePicture& picture, const DepthCoding& co
     return depths;
 }
 
-/// The median over common pixels of how many times as deep one frame is as the other, or the other as the
-/// one, whichever is above 1; 1 without common ones.
+/// The median over common pixels of the ratio of both depths, or its inverse, whichever is above 1; 1 without
+/// common pixels.
 double times_as_deep(const std::vector<float>& one, const std::vector<float>& other) {
     std::vector<float> ratios;
     for (std::size_t k = 0; k < std::min(one.size(), other.size()); ++k)
@@ -132,7 +132,7 @@ double times_as_deep(const std::vector<float>& one, const std::vector<float>& ot
     return std::max(times, 1 / times);
 }
 
-/// Four frames tell, as where a camera's infrared or raw pictures lie among those of depth.
+/// How two kinds of frames differ that alternate, such as infrared and depth; 1: none, or under four frames.
 double alternation(const std::vector<std::vector<float>>& frames) {
     constexpr double differ_by = 1.5, agree_within = 1.1;
     if (frames.size() < 4) return 1;

@@ -1,13 +1,13 @@
 #pragma once
 
-// What the first frames of a recording tell of the camera's depth, and the filters that suit it.
+// What the first frames of a recording show of the camera's depth, and the filters that suit it.
 //
-// A DepthEstimator looks at frames, one call each: the steps in which depth is stored, whether they are
-// terraces, noise in time and over the picture, pixels that fly between surfaces, contours; `measured` also
-// tries filters on smooth patches of these frames. choose_filters keeps, of the filters that a scene leaves
-// open, those with which a pen feels least that is not there.
+// A DepthEstimator takes frames, one per call, and measures the steps in which depth is stored, whether they
+// are terraces, noise in time and over the picture, pixels that fly between surfaces, and contours;
+// `measured` also tries filters on smooth patches of these frames. Of the filters that a scene leaves open,
+// choose_filters takes those that leave the least false relief to be felt.
 //
-// One thread at a time; a stop is heard between steps.
+// One thread at a time; a stop request takes effect between steps.
 
 #include <deque>
 
@@ -18,14 +18,14 @@
 
 namespace touchable {
 
-/// What the first frames of a recording tell of the depth that is stored in it. Lengths are scene units.
+/// Measurements of the stored depth in the first frames of a recording. Lengths are scene units.
 struct MeasuredDepth {
-    int frames = 0;       ///< that were looked at; noise needs three
-    double median = 0;    ///< depth of what is there to touch
-    double pixel = 0;     ///< width of a pixel there
-    DepthLength levels;   ///< zero: every code is one
+    int frames = 0;       ///< frames that were measured; noise needs three
+    double median = 0;    ///< depth of what can be touched
+    double pixel = 0;     ///< width of a pixel at the median
+    DepthLength levels;   ///< zero: every code is a level
     double distance = 0;  ///< from one level to the next at the median
-    double kappa = 0;     ///< there, with these levels
+    double kappa = 0;     ///< at the median, with these levels
     Contours contours;
     DepthLength noise;  ///< of flat places, from frame to frame; zero: none was found
     double noise_at_edges = 0, noise_at_rims = 0;  ///< at the median
@@ -33,40 +33,40 @@ struct MeasuredDepth {
     double dropouts = 0;                           ///< share of the pixels that lose their depth for a frame
     double tiny_holes = 0;                         ///< share of the pixels that are tiny holes
     double flying = 0;                             ///< share of the pixels that hang between two surfaces
-    double midway = 0;                             ///< share of those a quarter of the way from both at least
+    double midway = 0;                             ///< share at least a quarter of the way from both
     double clean_edges = 0;  ///< share of the pixels beside which depth jumps in one step
-    /// How many times as deep a frame is as the one before or behind it, where every second one agrees:
-    /// frames of two kinds take turns. 1: not so.
+    /// Factor between the depths of successive frames if every second one agrees: frames of two kinds
+    /// alternate. 1: they do not.
     double alternates_by = 1;
-    /// Filters, and what they leave: of a camera's depth a search, of other depth whose steps are felt the
-    /// removal of these. None: too little of it is smooth.
+    /// Filters, and what they leave: for a camera's depth a search, for other depth with perceptible steps
+    /// the removal of these. Empty: too little of it is smooth.
     std::vector<TriedFilters> tried;
 
-    /// From this share of pixels on they are no chance, and worth to be filled.
+    /// Share of pixels from which on tiny holes are not chance, and are worth filling.
     static constexpr double some_tiny_holes = 1e-4;
 
     double noise_at_median() const { return noise.at(median); }
-    /// Whether noise is worth to be averaged, in pictures of this width.
+    /// Whether noise is worth averaging, in pictures of this width.
     bool is_noisy(int width) const;
-    /// Whether something says that a camera measured it: noise, dropouts, tiny holes, or levels of disparity.
+    /// Whether it has signs of a camera: noise, dropouts, tiny holes, or levels of disparity.
     bool from_a_camera() const;
-    /// Whether enough pixels hang between surfaces to be pulled in. Of depth that shows nothing of a camera,
-    /// as phones and networks store it, only where edges are ramps, not where they are clean but for a few.
+    /// Whether enough pixels hang between surfaces to be pulled in. For depth without signs of a camera, as
+    /// phones and networks store it, only if edges are ramps rather than clean with few exceptions.
     bool has_flying_pixels() const;
 };
 
-/// Looks at the frames of a clip from the first one on; of pictures larger than 4096x4096 at their middle.
-/// The same on every machine.
+/// Measures the frames of a clip from the first one on; of pictures larger than 4096x4096 the middle. The
+/// same on every machine.
 class DepthEstimator {
 public:
     explicit DepthEstimator(const Scene& scene) : scene_(scene), levels_(scene.depth), noise_(scene.depth) {}
-    static constexpr int frames = 16;    ///< no more are worth a look
-    static constexpr int first_few = 4;  ///< enough, where they show nothing of a camera
+    static constexpr int frames = 16;    ///< more are not worth measuring
+    static constexpr int first_few = 4;  ///< enough, if they show no sign of a camera
 
     void add(const RawFrame& frame);
-    /// Whether the next frame need not be looked at.
+    /// Whether the next frame is not needed.
     bool enough() const;
-    /// Levels that the scene states count as stated. Nothing where no pixel was valid.
+    /// Levels that the scene states are used as stated. Nothing if no pixel was valid.
     std::optional<MeasuredDepth> measured() const;
 
 private:
@@ -77,24 +77,24 @@ private:
     ContourEstimator contours_;
     NoiseEstimator noise_;
     std::deque<CodePicture> last_;               // cropped
-    std::vector<std::vector<float>> first_few_;  // depths of these frames at some pixels; 0: none
+    std::vector<std::vector<float>> first_few_;  // depths of these frames at some pixels; 0: invalid
     int added_ = 0;
 };
 
-/// Whether terrace removal is worth while: enough kappa with the measured levels, and room for it.
+/// Whether terrace removal is worth while: enough kappa with the measured levels, and room for its codes.
 bool removal_advised(const MeasuredDepth& measured, const Scene& scene);
 
-/// Settles the filters that a scene's description leaves open, and TerraceRemoval::automatic, by what was
-/// measured of its frames; nothing measured: they stay off. Terraces are removed and temporal noise is
-/// averaged as the measured levels and noise say, where the scene does not state these. docs/measurements.md
-/// has the measurements behind each rule.
+/// Settles the filters that a scene's description leaves open, and TerraceRemoval::automatic, by the
+/// measurements of its frames; without measurements they stay off. Terrace removal and temporal averaging use
+/// the measured levels and noise, unless the scene states them. docs/measurements.md has the measurements
+/// behind each rule.
 void choose_filters(const std::optional<MeasuredDepth>& measured, const UnstatedFilters& unstated,
                     Scene& scene);
 
 /// Whether frames have to be measured for `settle_filters`.
 bool needs_measuring(const UnstatedFilters& unstated, const Scene& scene);
-/// `choose_filters`, then refuses (ErrorKind::usage) a scene that cannot be filtered so: by the temporal
-/// filter where neither scene nor frames say how noisy depth is.
+/// `choose_filters`, then refuses (ErrorKind::usage) a scene that cannot be filtered as it says: by the
+/// temporal filter if neither scene nor frames tell the noise of depth.
 Result<void> settle_filters(const std::optional<MeasuredDepth>& measured, const UnstatedFilters& unstated,
                             Scene& scene);
 

@@ -1,4 +1,4 @@
-// Levels and contours, counted.
+// Statistics of levels and contours.
 #include "engine/surface/estimators.hpp"
 
 #include <cstdlib>
@@ -20,7 +20,7 @@ double weighted_median(std::vector<Weighted> values) {
     return 0;
 }
 
-/// The median, where three quarters of the weight are within a fifth of it.
+/// The median, if three quarters of the weight are within a fifth of it.
 std::optional<double> common_value(const std::vector<Weighted>& values) {
     const double middle = weighted_median(values);
     std::int64_t all = 0, near = 0;
@@ -32,14 +32,14 @@ std::optional<double> common_value(const std::vector<Weighted>& values) {
     return middle;
 }
 
-/// Lines that are looked at, of rows and of columns.
+/// Distance of the rows, and of the columns, that are measured.
 constexpr int line_step = 4;
 /// Pixels: shorter runs are no treads, and two treads that are farther apart have no step between them.
 constexpr int least_tread = 8, widest_step = 8;
-/// Wider ones count as this.
+/// Wider treads count as this wide.
 constexpr int most_width = 4096;
-/// Steps from the nearest terrace that goes on to the farthest. A picture with fewer has no slope, only a few
-/// flat things, such as a card before a wall.
+/// Steps between the nearest and the farthest terrace that goes on. A picture with fewer has no slope, only a
+/// few flat things, such as a card before a wall.
 constexpr int least_levels = 2;
 
 }  // namespace
@@ -77,7 +77,7 @@ std::optional<double> LevelEstimator::median_depth() const {
     return weighted_median(std::move(depths));
 }
 
-/// Nothing where codes of the window are no levels, or too few to tell.
+/// Nothing if the window's codes are no levels, or too few to tell.
 std::optional<LevelEstimator::Window> LevelEstimator::window(int first, int end) const {
     std::int64_t pixels = 0, occupied = 0;
     for (int code = first; code < end; ++code) {
@@ -85,7 +85,7 @@ std::optional<LevelEstimator::Window> LevelEstimator::window(int first, int end)
         occupied += counts_[static_cast<std::size_t>(code)].pixels > 0;
     }
     if (occupied < 4 || pixels < 20 * occupied) return std::nullopt;
-    // Stray codes are none.
+    // Stray codes are no levels.
     const std::int64_t least = std::max<std::int64_t>(1, pixels / (20 * occupied));
     CodeCount sum;
     std::vector<Weighted> gaps;
@@ -110,9 +110,9 @@ std::optional<LevelEstimator::Window> LevelEstimator::window(int first, int end)
     }
     if (levels < 4) return std::nullopt;
     const std::int64_t span = last - least_code;
-    // Nothing but levels makes multiples of all codes, as those of floats are, whose finest step is one.
+    // If all codes are multiples of a step, they are levels, like those of floats, whose finest step it is.
     if (coding_.kind != DepthCodingKind::metric || divisor < 2 || levels < 8) {
-        // So many pixels would meet half of the codes and more, were every code a level.
+        // If every code were a level, this many pixels would meet at least half of the codes.
         if (span * sum.pixels < 2 * levels * (span + sum.pixels)) return std::nullopt;
         // A slope that takes another code at every pixel of a row has gaps, but no terraces.
         if (7 * sum.same_right < sum.right || 7 * sum.same_above < sum.above) return std::nullopt;
@@ -228,7 +228,7 @@ Contours ContourEstimator::contours() const {
     std::int64_t steps = 0;
     for (const std::int64_t count : steps_) steps += count;
     if (2 * steps_[static_cast<std::size_t>(height)] >= steps) contours.height = height;
-    // What lies beside a higher step is no part of a slope of terraces, and may be as wide as it likes.
+    // A terrace beside a higher step is no part of a slope of terraces, and its width does not count.
     std::vector<std::int64_t> pixels(most_width + 1);
     std::int64_t all = narrow_;
     int nearest = 65536, farthest = 0;

@@ -1,10 +1,10 @@
 #pragma once
 
-// What pictures of depth tell of the camera that took them: levels in which codes lie, terraces and how wide
-// they are, noise, and places that are smooth enough to try filters on.
+// What pictures of depth show of their camera: levels of the codes, terraces and their widths, noise, and
+// places that are smooth enough to try filters on.
 //
-// Each estimator is given the stored codes of frames, one by one, and answers when asked; all count in
-// integers or with + - x / sqrt alone, so that the answers are the same on every machine. One thread at a
+// Each estimator takes the stored codes of frames, one by one, and returns its result on request; all count
+// in integers or with + - x / sqrt alone, so that results are the same on every machine. One thread at a
 // time.
 
 #include <array>
@@ -22,39 +22,39 @@
 
 namespace touchable {
 
-/// A length that was measured at a depth, both in scene units and above zero, and how much it counts.
+/// A length that was measured at a depth, both in scene units and above zero, and its weight.
 struct LengthAtDepth {
     double depth, length, weight;
 };
 
-/// constant + quadratic depth^2 with the least squares of relative errors; neither is negative. Zero without
-/// lengths.
+/// Fits constant + quadratic depth^2 with the least squares of relative errors; neither is negative. Zero
+/// without lengths.
 DepthLength fitted_length(const std::vector<LengthAtDepth>& lengths);
 
-/// Which codes of a recording occur, and how far they are apart. Integer counts and + - x / alone.
+/// Which codes of a recording occur, and how far apart they are. Integer counts and + - x / alone.
 class LevelEstimator {
 public:
     explicit LevelEstimator(const DepthCoding& coding) : coding_(coding), counts_(65536) {}
 
     void add(const CodePicture& picture);
 
-    /// Of the valid pixels, scene units, without those at the far plane, where backgrounds are, unless there
-    /// are no others. Nothing where there were none.
+    /// Median depth of the valid pixels, scene units, without those at the far plane (backgrounds), unless
+    /// there are no others. Nothing without valid pixels.
     std::optional<double> median_depth() const;
-    /// How far neighbouring depths that occur are apart, where that is more than a code: as of codes that
-    /// were rounded from something coarser, such as disparity. Zero where every code occurs, and where what
-    /// occurs has no rule. docs/conventions.md, Levels.
+    /// Distance between neighbouring depths that occur, if it is more than a code, as for codes rounded from
+    /// something coarser, such as disparity. Zero if every code occurs, or if there is no rule.
+    /// docs/conventions.md, Levels.
     DepthLength levels() const;
 
 private:
-    /// Of a code: how often it occurs, and how many of its right and upper neighbours are valid, or the same.
+    /// Counts of a code: its pixels, and how many of their right and upper neighbours are valid, or the same.
     struct CodeCount {
         std::int64_t pixels = 0, right = 0, same_right = 0, above = 0, same_above = 0;
     };
-    /// Codes from `first` to before `end`, among which levels are as far apart.
+    /// Codes from `first` to before `end`, in which the distance of levels hardly changes.
     struct Window {
         std::int64_t pixels = 0;
-        double depth = 0, distance = 0;  // of its middle, and from level to level, scene units
+        double depth = 0, distance = 0;  // of its middle, and between levels, scene units
     };
 
     std::optional<Window> window(int first, int end) const;
@@ -65,16 +65,16 @@ private:
     std::vector<CodeCount> counts_;
 };
 
-/// How wide and how high the terraces of coarsely stored depth are.
+/// Width and height of the terraces of coarsely stored depth.
 struct Contours {
-    int width = 0;   ///< pixels: a quarter of what is no step lies on terraces at least so wide
-    int height = 0;  ///< codes from one terrace to the next, where half of all steps have it; otherwise 0
+    int width = 0;   ///< pixels: a quarter of the measured ones lie on terraces at least so wide
+    int height = 0;  ///< codes from one terrace to the next, if half of all steps have it; else 0
 
     /// Whether a terrace_reach of 16 leaves contour lines.
     bool are_wide() const { return width > 2 * least_terrace_reach; }
-    /// That makes slopes of them.
+    /// The reach that makes slopes of them.
     int reach() const;
-    /// How far levels are apart; zero: every code is one.
+    /// Distance of levels; zero: every code is one.
     DepthLength levels(const DepthCoding& coding) const;
     bool operator==(const Contours&) const = default;
 };
@@ -100,12 +100,12 @@ private:
     int height() const;
 
     std::int64_t narrow_ = 0;  // pixels in shorter runs than treads
-    std::vector<std::int64_t> steps_ = std::vector<std::int64_t>(65536);  // how many are so many codes high
+    std::vector<std::int64_t> steps_ = std::vector<std::int64_t>(65536);  // number of steps by height, codes
     std::vector<Terrace> terraces_;                                       // with a step at either end
     std::vector<Tread> treads_;                                           // of a line
 };
 
-/// Sums over values of about the same size, so that those beyond a limit can be left out afterwards.
+/// Sums by the size of values, so that those beyond a limit can be left out afterwards.
 class ClippedSums {
 public:
     void add(int size, std::int64_t product, std::int64_t square);
@@ -114,45 +114,45 @@ public:
         std::int64_t count = 0;
         double product = 0, square = 0;
     };
-    /// Without what is larger than `limit`, then, three times, than four root mean squares of the rest.
-    /// Count 0 where that leaves less than half.
+    /// Means without values larger than `limit`, then, three times, than four root mean squares of the rest.
+    /// Count 0 if less than half is left.
     Means means(double limit) const;
 
 private:
     struct Sum {
         std::int64_t count = 0, product = 0, square = 0;
     };
-    std::array<Sum, 128> sums_{};  // by a size's highest three bits
+    std::array<Sum, 128> sums_{};  // by the size's highest three bits
 };
 
-/// How much the depths of a recording change from frame to frame though nothing moves, and from pixel to
-/// pixel though the surface is flat. Integer sums and + - x / sqrt alone.
+/// Measures how much depths change from frame to frame though nothing moves, and from pixel to pixel though
+/// the surface is flat. Integer sums and + - x / sqrt alone.
 class NoiseEstimator {
 public:
     explicit NoiseEstimator(const DepthCoding& coding);
-    /// Depths that differ by no more than this share, 1/50, are one surface, as far as flying pixels go.
+    /// For flying pixels: depths that differ by no more than this share, 1/50, are one surface.
     static constexpr int flat_share = 50;
 
-    /// The next frame. All have the same size. Of a large one only the rows that are looked at are kept.
+    /// Adds a frame. All have the same size. Of a large one only the rows that are measured are kept.
     void add(const CodePicture& picture);
 
     enum class Place { flat, edge, rim };  ///< rim: beside an invalid pixel
-    /// Standard deviation of a depth from frame to frame, scene units. Of a quantity that goes up and down
-    /// about a value, successive differences d, d' have the mean product -variance; what moves steadily has
-    /// d d' > 0. So zero where most pixels move, and where nothing changes. Zero for unrelated pictures, too.
+    /// Standard deviation of a depth from frame to frame, scene units. For a quantity that varies about a
+    /// constant value, successive differences d, d' have the mean product -variance; for steady motion d d' >
+    /// 0. So zero if most pixels move, and if nothing changes. Zero for unrelated pictures, too.
     DepthLength noise(Place place) const;
-    /// How far a depth is off the plane of its eight neighbours, RMS over flat places, scene units.
+    /// Deviation of a depth from the plane of its eight neighbours, RMS over flat places, scene units.
     DepthLength roughness() const;
-    /// Of the pixels that are valid in a frame and in the one after the next: those that are not in between.
-    /// 0 for unrelated pictures.
+    /// Share of the pixels valid in a frame and in the one after the next that are invalid in between. 0 for
+    /// unrelated pictures.
     double dropouts() const {
         return kept_ > 0 && is_film() ? static_cast<double>(dropped_) / static_cast<double>(kept_) : 0;
     }
-    /// Share of the pixels that are invalid, and at least six of their eight neighbours are valid.
+    /// Share of the pixels that are invalid with at least six of their eight neighbours valid.
     double tiny_holes() const { return share(tiny_holes_); }
     /// Share of the pixels that hang between two surfaces, at edges (landed, flying_pixels.hpp).
     double flying() const { return share(flying_); }
-    /// Of those, share of the pixels that are a quarter of the way or more from both: no rounded rim is.
+    /// Share of the pixels that are at least a quarter of the way from both: none at a rounded rim is.
     double midway() const { return share(midway_); }
     /// Share of the pixels, at edges, from which depth goes from one surface to another in one step, to the
     /// right or down.
@@ -160,7 +160,7 @@ public:
 
 private:
     struct Window {
-        double depth = 0, step = 0;  ///< of its middle, and of one code there, scene units
+        double depth = 0, step = 0;  ///< depth of its middle, and of one code there, scene units
         std::array<ClippedSums, 3> changes;
         ClippedSums bends;
     };
@@ -169,17 +169,16 @@ private:
         return pixels_ > 0 ? static_cast<double>(pixels) / static_cast<double>(pixels_) : 0;
     }
     Place place_of(const CodePicture& picture, int x, int y) const;
-    /// Codes at a pixel's depth that differ by no more are one surface.
+    /// Codes at a pixel's depth that differ by no more than this are one surface.
     int flat_codes(const Window& window) const;
     void look_at_edge(const CodePicture& picture, int x, int y);
     bool is_clean_edge(const CodePicture& picture, int x, int y) const;
     void look_at_pixel(const CodePicture& picture, int x, int y);
-    /// Of pictures of which every `step`th row is looked at.
+    /// For pictures of which every `step`th row is measured.
     void look_at_changes(const CodePicture& before, const CodePicture& here, const CodePicture& after,
                          int step);
-    /// False for unrelated pictures. Their depths change like noise, too, but pixels far apart change
-    /// together, by about as much as depth varies over a picture. Pixels far apart share none of a camera's
-    /// noise.
+    /// False for unrelated pictures. Their depths change like noise, too, but distant pixels change together,
+    /// by about as much as depth varies over a picture. Distant pixels share none of a camera's noise.
     bool is_film() const;
     const Window& window_of(int code) const {
         return windows_[window_of_code_[static_cast<std::size_t>(code)]];
@@ -190,51 +189,51 @@ private:
     std::vector<CodePicture> last_;  // two at most
     std::int64_t kept_ = 0, dropped_ = 0, pixels_ = 0, tiny_holes_ = 0, flying_ = 0, midway_ = 0,
                  clean_edges_ = 0;
-    /// Pixels with a partner far away: their codes, and how much both change together.
+    /// Pixels with a distant partner: their codes, and how much both change together.
     struct {
         std::int64_t count = 0, code = 0, square = 0, product = 0;
     } pairs_;
 };
 
-/// Places of a recording whose surface is smooth, so that it is known better than a pixel tells: a paraboloid
-/// of 1/depth fitted to 32x32 pixels. With 16 pixels around them, as far as filters reach, they are put side
-/// by side into one small picture, a mosaic, on which filters are tried quickly. Integers and + - x / sqrt
-/// alone: the same on every machine.
+/// Places of a recording whose surface is smooth, so that it is known better than from a single pixel: a
+/// paraboloid of 1/depth fitted to 32x32 pixels. With 16 pixels around them, as far as filters reach, they
+/// are put side by side into one small picture, a mosaic, on which filters are tried quickly. Integers and +
+/// - x / sqrt alone: the same on every machine.
 class SmoothPatches {
 public:
-    /// Places are chosen in the last of some pictures of one size: of 8x8 parts of it the smoothest place in
-    /// each that is not all of one code, and of these those that are about as smooth as the best, without the
-    /// ones that have a low relief where there are enough others. Of the pictures only what `cropped` leaves.
+    /// Chooses places in the last of some pictures of one size: in each of its 8x8 parts the smoothest place
+    /// that is not all of one code; of these, those about as smooth as the best, without those that have a
+    /// low relief if there are enough others. The pictures may be `cropped`.
     SmoothPatches(const Scene& scene, const std::deque<CodePicture>& pictures);
-    /// The columns and rows in which a place can lie: of a side that is longer, 1536 at most.
+    /// The columns and rows in which a place can lie: 1536 at most of each side.
     static CodePicture cropped(const CodePicture& picture);
     static constexpr int core = 32, side = 64, most_across = 8;
-    /// Pixels along each side of a core whose faces are not looked at: there the fit is less sure.
+    /// Pixels along each side of a core whose faces are ignored, as the fit is less sure there.
     static constexpr int margin = 8;
-    /// Fewer tell nothing about a recording.
+    /// Fewer patches say nothing about a recording.
     static constexpr int fewest = 6;
-    /// Pictures that are worth to be given: the temporal filter has settled with the last one.
+    /// Useful number of pictures: the temporal filter has settled with the last one.
     static constexpr int frames = 8;
 
     bool enough() const { return patches_.size() >= fewest; }
 
-    /// Of each picture, with the scene's coding.
+    /// One per picture, with the scene's coding.
     const std::vector<RawFrame>& mosaics() const { return mosaics_; }
-    /// A scene of them, without filters.
+    /// The scene of the mosaics, without filters.
     const Scene& mosaic_scene() const { return mosaic_scene_; }
 
     struct Place {
         int x, y;
     };
-    /// Of each patch's core: its first pixel in the picture, and in the mosaic.
+    /// First pixel of each patch's core, in the picture and in the mosaic.
     std::vector<std::pair<Place, Place>> places() const;
-    /// Of their middles.
+    /// Median depth of the patches' middles.
     double median_depth() const;
-    /// How far depths of the last picture are off their smooth surfaces, RMS, scene units: noise, levels and
+    /// Deviation of the last picture's depths from their smooth surfaces, RMS, scene units: noise, levels and
     /// whatever else is no surface.
     DepthLength roughness() const;
-    /// How far the faces of a surface that was made of the last mosaic are off these surfaces, RMS, degrees.
-    /// A face that is off by more than 60 degrees counts as that.
+    /// Deviation of the faces of a surface built from the last mosaic from these surfaces, RMS, degrees. A
+    /// deviation of more than 60 degrees counts as 60.
     double faces_off_deg(const SurfaceFrame& built) const;
 
 private:
@@ -250,10 +249,10 @@ private:
     };
     using Pictures = std::span<const CodePicture* const>;
 
-    /// visit(x, y, 1/depth as stored, w) of each pixel of a core that has a depth.
+    /// Calls visit(x, y, 1/depth as stored, w) for each pixel of a core that has a depth.
     template <class Visit>
     void each_depth(Pictures pictures, int left, int top, const Visit& visit) const;
-    /// To the same core in one picture, or several.
+    /// Fits to the same core in one picture, or several.
     Fit fitted(Pictures pictures, int left, int top) const;
     bool has_relief(Pictures pictures, const Patch& patch) const;
     const int* row_of(const CodePicture& picture, int x, int y) const;
@@ -264,38 +263,38 @@ private:
     const Scene scene_;
     std::vector<double> inverse_of_code_;
     Scene mosaic_scene_;
-    int no_depth_ = 0;  // a code that is invalid
+    int no_depth_ = 0;  // an invalid code
     std::vector<Patch> patches_;
     std::vector<RawFrame> mosaics_;
 };
 
-/// Filters that were tried on a recording, and what they leave.
+/// Filters that were tried on a recording, and their result.
 struct TriedFilters {
-    bool temporal = false;  ///< with the noise that was measured
+    bool temporal = false;  ///< with the measured noise
     int median = 0;         ///< 0, 3 or 5 pixels
     bool terraces = false;  ///< whether they are removed
-    DepthLength levels;     ///< how far apart removal takes levels to be
-    double harshness = 0;   ///< the more, the less is kept of edges and relief
-    double left_deg = 0;    ///< how far faces of the surface are off the smooth surface around them, RMS
+    DepthLength levels;     ///< distance of levels for the removal
+    double harshness = 0;   ///< the larger, the less is kept of edges and relief
+    double left_deg = 0;    ///< deviation of faces from the smooth surface around them, RMS
 };
 
-/// The noise that the temporal filter is given where this was measured: more, so that two levels beside each
-/// other, too, are averaged (docs/measurements.md).
+/// The temporal filter's noise for a measured one: larger, so that two adjacent levels are averaged, too
+/// (docs/measurements.md).
 DepthLength stated_noise(const DepthLength& measured, int median);
 
-/// Every median, without terrace removal and with it, of levels as far apart as these, or as rough depths
-/// would have, and somewhat nearer and farther; all of them without the temporal filter and with it. From the
-/// mildest to the harshest. Nothing where too few places are smooth. `noise`: from frame to frame; zero:
-/// there is nothing to average. Once it is asked to stop it tries no more.
+/// Tries every median, without terrace removal and with it, for these levels, for levels as far apart as
+/// depths are rough, and somewhat nearer and farther; all of them without the temporal filter and with it.
+/// From the mildest to the harshest. Empty if too few places are smooth. `noise`: from frame to frame; zero:
+/// there is nothing to average. Tries no more after a stop request.
 std::vector<TriedFilters> tried_filters(const SmoothPatches& patches, const DepthLength& levels,
                                         const DepthLength& noise);
 
-/// No filter, and terrace removal of these levels alone; zero: every code is one.
+/// Tries no filter, and terrace removal of these levels alone; zero: every code is one.
 std::vector<TriedFilters> tried_removal(const SmoothPatches& patches, const DepthLength& levels);
 
-/// That with this median, removal and averaging; null: it was not tried.
+/// The entry with this median, removal and averaging; null: it was not tried.
 const TriedFilters* found_among(const std::vector<TriedFilters>& tried, const FilterSettings& filter);
-/// Of those with the temporal filter, or without it, the mildest that leaves hardly more than the best; null:
+/// The mildest entry, with the temporal filter or without it, that leaves hardly more than the best; null:
 /// there is none.
 const TriedFilters* mildest_of_the_best(const std::vector<TriedFilters>& tried, bool temporal);
 

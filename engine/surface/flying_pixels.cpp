@@ -1,4 +1,4 @@
-// Holes filled from their rims, and pixels between two surfaces pulled to one.
+// Filling holes from their rims, and pulling pixels between two surfaces to one of them.
 #include "engine/surface/flying_pixels.hpp"
 
 #include "engine/surface/median.hpp"
@@ -16,7 +16,7 @@ struct ValidityBits {
         return words[pixel_place(w, y, words_per_row)];
     }
     bool valid(int x, int y) const { return x >= 0 && (word(x >> 5, y) >> (x & 31)) & 1U; }
-    /// The pixels of a word that have a valid one to their left or right, or are valid themselves.
+    /// The pixels of a word that are valid, or have a valid pixel to their left or right.
     std::uint32_t spread(int w, int y) const {
         const std::uint32_t here = word(w, y);
         return here | here << 1 | here >> 1 | word(w - 1, y) >> 31 | word(w + 1, y) << 31;
@@ -33,9 +33,9 @@ int valid_neighbours(const SurfaceFrame& frame, const ValidityBits& before, int 
     return count;
 }
 
-/// Which pixels of a row may fly, as bits: those whose code differs from that of a valid neighbour by more
-/// than the least gate of the strip, or than their own where the curve falls. Reads one code beyond both
-/// ends. Strips from `first` to before `end`, whole ones only.
+/// Marks the pixels of a row that may fly, as bits: those whose code differs from a valid neighbour's by more
+/// than the strip's least gate, or, if the curve falls, by more than their own gate. Reads one code beyond
+/// both ends. Whole strips from `first` to before `end`.
 struct RowSuspicion {
     const std::uint16_t *above, *here, *below;
     const FlyingPixels& filter;
@@ -49,8 +49,8 @@ struct RowSuspicion {
             suspects[strip] = suspects_of<typename Kind::Lanes>(strip * strip_pixels);
     }
 
-    /// For a curve that does not fall: its gate grows towards one end of the codes. 0, which is what invalid
-    /// pixels have, does not count where it is no code.
+    /// For a curve that does not fall: its gate grows towards one end of the codes. 0, the value of invalid
+    /// pixels, does not count unless it is a code.
     template <class Lanes>
     [[gnu::always_inline]] int least_gate(int x) const {
         Lanes least = Lanes{} + std::uint16_t{65535}, greatest{};
@@ -69,7 +69,7 @@ struct RowSuspicion {
 
     template <class Lanes>
     [[gnu::always_inline]] std::uint32_t suspects_of(int x) const {
-        const bool falls = filter.gate.falls;  // of log codes, whose gate may be least between the ends
+        const bool falls = filter.gate.falls;  // for log codes, whose gate may be least between the ends
         Lanes gate{};
         if (!falls) gate += static_cast<std::uint16_t>(least_gate<Lanes>(x));
         std::uint16_t masks[strip_pixels];
@@ -105,7 +105,7 @@ struct RowSuspicion {
 void HoleFiller::begin(const RawFrame& raw, RowBands& bands) {
     before_filling_.make_all(raw, bands, picture_);
     for (int pass = 0; pass < passes_; ++pass)
-        if (!fill_once(bands)) return;  // nor would any later pass
+        if (!fill_once(bands)) return;  // later passes would fill none, either
 }
 
 bool HoleFiller::fill_once(RowBands& bands) {
@@ -164,8 +164,8 @@ void FlyingPixelFilter::land_rows(const RowBand& band) {
     for (int y = band.first; y < band.last; ++y) {
         std::memcpy(picture_.codes.data() + picture_.index(0, y), row(y),
                     static_cast<std::size_t>(before_.width) * sizeof(std::uint16_t));
-        // Rows at the border have no neighbours to tell by, the last codes of a row make no whole strip, and
-        // before the picture's first code there is none to read.
+        // Rows at the border have no neighbours to test, a row's last codes are no whole strip, and there is
+        // no code to read before the picture's first one.
         std::fill(suspects.begin(), suspects.end(), ~std::uint32_t{0});
         if (y > 0 && y < before_.height - 1)
             run_vectors(unit_,

@@ -15,8 +15,8 @@ namespace touchable {
 /// An invalid pixel with at least this many valid 8-neighbours is filled with their lower median.
 inline constexpr int neighbours_to_fill = 3;
 
-/// Fills holes from their rims: in each pass every pixel is judged by the state before the pass, and
-/// neighbours outside the picture do not exist.
+/// Fills holes from their rims: each pass judges every pixel by the state before the pass, and neighbours
+/// outside the picture do not exist.
 class HoleFiller final : public LineSource {
 public:
     HoleFiller(std::unique_ptr<LineSource> lines, int passes)
@@ -34,15 +34,15 @@ private:
     std::vector<std::uint32_t> before_;  // validity before the pass
 };
 
-/// Where a line away from a pixel meets a surface.
+/// The surface that a line away from a pixel meets.
 struct RampEnd {
-    int code = -1;  ///< negative: nowhere
-    int steps = 0;  ///< from the pixel to there
+    int code = -1;  ///< negative: none
+    int steps = 0;  ///< pixels from the pixel to there
 };
 
 /// The second pixel along a line, or the end of a ramp that only falls, or only rises, by more than the gate
 /// with each step. Two neighbours that differ by less are a surface. `at(n)`: the code n pixels away,
-/// negative where there is none; at(0) and at(1) are not.
+/// negative if there is none; at(0) and at(1) exist.
 template <class At>
 RampEnd ramp_end(const At& at, int gate) {
     const auto differ = [gate](int a, int b) { return a > b ? a - b > gate : b - a > gate; };
@@ -63,8 +63,8 @@ RampEnd ramp_end(const At& at, int gate) {
 }
 
 /// Calls `hangs(low, high)` for each line along which a pixel hangs between two surfaces, with their codes.
-/// `at(dx, dy)`: the code of a neighbour, negative where it is invalid or outside the picture; that of the
-/// pixel itself is valid.
+/// `at(dx, dy)`: a neighbour's code, negative if it is invalid or outside the picture; the pixel's own is
+/// valid.
 template <class At, class Hangs>
 void for_each_hanging(const At& at, int gate, const Hangs& hangs) {
     const int code = at(0, 0);
@@ -81,8 +81,8 @@ void for_each_hanging(const At& at, int gate, const Hangs& hangs) {
     }
 }
 
-/// The code of a pixel once it does not fly; `at` as above. It lands along the line whose sides are farthest
-/// apart: along the edge, other pixels of the same ramp look like a surface.
+/// The code of a pixel after it was pulled in; `at` as above. It is pulled along the line whose sides are
+/// farthest apart: along the edge, other pixels of the same ramp look like a surface.
 template <class At>
 std::uint16_t landed(const At& at, int gate) {
     const int code = at(0, 0);
@@ -96,7 +96,7 @@ std::uint16_t landed(const At& at, int gate) {
     return static_cast<std::uint16_t>(landed);
 }
 
-/// Each pixel is judged by what the picture was before.
+/// Each pixel is judged by the picture before the filter.
 class FlyingPixelFilter final : public LineSource {
 public:
     FlyingPixelFilter(std::unique_ptr<LineSource> lines, const FlyingPixels& filter,
@@ -113,7 +113,7 @@ private:
     const bool zero_is_code_;
     const VectorUnit unit_;
     SurfaceFrame before_, picture_;
-    std::vector<std::vector<std::uint32_t>> suspects_;  // bits of a row, of each thread
+    std::vector<std::vector<std::uint32_t>> suspects_;  // bits of a row, per thread
 };
 
 }  // namespace touchable

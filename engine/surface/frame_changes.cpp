@@ -6,16 +6,16 @@
 namespace touchable {
 namespace {
 
-/// Where more of all blocks have changed, the frame is built as a whole, so that no more needs to be known.
+/// If a larger share of blocks has changed, the whole frame is built, and comparing ends.
 constexpr double most_changed = 0.5;
 
-/// So many frames are then not compared at all: a clip in which all is moving goes on for a while.
+/// Frames that are then not compared at all: a clip in which all is moving goes on for a while.
 constexpr int frames_of_rest = 8;
 
 /// Rows that are compared at a time.
 constexpr int rows_at_once = 4;
 
-/// A block's row in which nothing differs, of at most 3 channels or 2 bytes.
+/// A block's row without differences, of at most 3 channels or 2 bytes.
 constexpr std::uint8_t nothing[3 * BlockGrid::width] = {};
 
 std::uint64_t new_builder() {
@@ -23,7 +23,7 @@ std::uint64_t new_builder() {
     return ++last;
 }
 
-/// Adds to `columns` the bits of every byte that differ in one of the rows.
+/// Adds to `columns` the bits of every byte in which one of the rows differs.
 template <class Lanes>
 [[gnu::always_inline]] inline void add_bits(const std::uint8_t* const (&before)[rows_at_once],
                                             const std::uint8_t* const (&after)[rows_at_once], int bytes,
@@ -96,7 +96,7 @@ void FrameChanges::comparing_was_in_vain() {
     rest_ = frames_of_rest;
 }
 
-/// False where too much has changed to go on.
+/// False if too much has changed.
 bool FrameChanges::compare_depth(const PlaneView& after, RowBands& bands) {
     const int most = static_cast<int>(most_changed * static_cast<double>(grid_.count()));
     std::atomic<int> changed = 0;
@@ -108,7 +108,7 @@ bool FrameChanges::compare_depth(const PlaneView& after, RowBands& bands) {
     return changed <= most;
 }
 
-/// Marks what the changes of a row of blocks reach, and says how many of the row have some.
+/// Marks all blocks within reach of the changes in a row of blocks; returns how many of the row have changes.
 int FrameChanges::compare_row(const PlaneView& after, int row, std::vector<std::uint8_t>& columns) {
     const int top = row * BlockGrid::height, bottom = std::min(top + BlockGrid::height, after.height);
     const int pixel_bytes = bytes_of_pixel(after);
@@ -153,7 +153,7 @@ void FrameChanges::add_differences(const PlaneView& after, int top, int bottom,
     }
 }
 
-/// Every block that the box reaches; those of the rows beside it other threads may mark at the same time.
+/// Marks every block within reach of the box; other threads may mark those of adjacent rows at the same time.
 void FrameChanges::mark(const PixelBox& changed) {
     const int left = std::max(changed.left - *reach_, 0) / BlockGrid::width;
     const int top = std::max(changed.top - *reach_, 0) / BlockGrid::height;

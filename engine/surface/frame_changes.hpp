@@ -3,9 +3,8 @@
 // Which blocks of a frame differ from the frame before, so that the rest is not built again
 // (docs/architecture.md, Frames that change in part).
 //
-// FrameChanges compares depth in blocks and widens what changed by the filters' reach; StaleBlocks are the
-// blocks that one slot of the ring lacks. The CPU's builder and the GPU's use both, on the thread that
-// builds.
+// FrameChanges compares depth in blocks and widens the changes by the filters' reach; StaleBlocks are the
+// blocks that one slot of the ring lacks. The CPU's builder and the GPU's use both, on the building thread.
 
 #include "engine/base/threads.hpp"
 #include "engine/base/vectors.hpp"
@@ -18,7 +17,7 @@ namespace touchable {
 /// picture may be smaller.
 struct BlockGrid {
     static constexpr int width = strip_pixels, height = TileGrid::cells;
-    /// Neighbours in a row of blocks (or of tiles): [first, last).
+    /// Adjacent blocks (or tiles) of a row: [first, last).
     struct Run {
         int first = 0, last = 0;
         bool empty() const { return last <= first; }
@@ -34,23 +33,23 @@ struct BlockGrid {
     std::size_t index(int column, int row) const { return pixel_place(column, row, columns); }
 };
 
-/// Which frame of which builder a slot holds; by default none. A builder keeps it beside the slot's vertices,
-/// which are its own, takes it off before it changes the slot and puts it back, newer, when it has done.
+/// Which frame of which builder a slot holds; by default none. A builder keeps it beside its own vertices in
+/// the slot, removes it before it changes the slot and stores the new one when it is done.
 struct BuildNumber {
     std::uint64_t builder = 0, frame = 0;
 
-    /// Whether it is of the same builder, and that frame or a later one.
+    /// Whether it is of the same builder, and of that frame or a later one.
     bool is_since(const BuildNumber& other) const { return builder == other.builder && frame >= other.frame; }
 };
 
-/// What has changed from frame to frame of one builder, so that it can build only that again, even in a slot
-/// that holds an older frame: of each block it is known in which frame it last changed.
+/// Changes from frame to frame of one builder, so that it can build only these again, even in a slot that
+/// holds an older frame: for each block, the frame in which it last changed is known.
 class FrameChanges {
 public:
-    /// Those of a picture's blocks that have changed since some frame.
+    /// The blocks of a picture that have changed since some frame.
     class StaleBlocks {
     public:
-        /// `changed`: of each block the frame in which it last changed, which has to outlive this.
+        /// `changed`: for each block the frame of its last change; has to outlive this.
         StaleBlocks(const BlockGrid& grid, const std::vector<std::uint64_t>& changed, std::uint64_t since)
             : grid_(grid), changed_(&changed), since_(since) {}
 
@@ -58,7 +57,7 @@ public:
         bool contains(int column, int row) const { return (*changed_)[grid_.index(column, row)] > since_; }
         int count() const;
         /// The first run of blocks at or after column `from`, in any of the rows [first_row, last_row); empty
-        /// where there is none.
+        /// if there is none.
         BlockGrid::Run next_run(int first_row, int last_row, int from) const;
 
     private:
@@ -67,20 +66,20 @@ public:
         std::uint64_t since_;
     };
 
-    /// `reach`: pixels as far from one another as this, along x and y, may depend on each other. Nothing:
-    /// depth is not compared, and all of it is new in each frame.
+    /// `reach`: largest distance of pixels, along x and y, that may depend on each other. Nothing: depth is
+    /// not compared, and all of it is new in each frame.
     FrameChanges(int width, int height, std::optional<int> reach, VectorUnit unit);
 
-    /// The next frame, which is compared with the one before, if that keeps its planes alive (`storage`):
-    /// after one that does not everything is new.
+    /// Compares the next frame with the one before, if that keeps its planes alive (`storage`); otherwise
+    /// everything is new.
     BuildNumber advance(const RawFrame& raw, RowBands& bands);
 
-    /// Of a slot that holds `held`: the blocks with a pixel that may be another one in the newest frame,
-    /// until that is another. Nothing: any may.
+    /// For a slot that holds `held`: the blocks with a pixel that may differ in the newest frame; valid until
+    /// the next frame. Nothing: any block may.
     std::optional<StaleBlocks> stale_blocks(const BuildNumber& held) const;
-    /// Called where a frame was built as a whole though its blocks were known: the next few are not compared.
+    /// Called if a frame was built as a whole though its blocks were known: the next few are not compared.
     void comparing_was_in_vain();
-    /// Since which frame haptic and height planes have been those of the newest.
+    /// The first frame since which haptic and height planes are those of the newest.
     BuildNumber touch_planes() const { return {builder_, touch_planes_}; }
 
 private:
@@ -95,11 +94,11 @@ private:
     const VectorUnit unit_;
     const BlockGrid grid_;
     int rest_ = 0;                                    // frames that will not be compared
-    RawFrame newest_;                                 // nothing where it does not keep its planes
+    RawFrame newest_;                                 // empty if it does not keep its planes
     std::uint64_t frame_ = 0;                         // its number
-    std::uint64_t all_ = 0, touch_planes_ = 0;        // in which frame all, and those, last changed
-    std::vector<std::uint64_t> changed_;              // the same of each block
-    std::vector<std::vector<std::uint8_t>> columns_;  // work space of each thread
+    std::uint64_t all_ = 0, touch_planes_ = 0;        // frame in which all, and those, last changed
+    std::vector<std::uint64_t> changed_;              // the same for each block
+    std::vector<std::vector<std::uint8_t>> columns_;  // work space per thread
 };
 
 }  // namespace touchable

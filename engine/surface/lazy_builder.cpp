@@ -1,4 +1,4 @@
-// The paper's builder: filters a pixel when it is asked for.
+// The paper's builder: filters a pixel when it is read.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -21,7 +21,7 @@ namespace {
 constexpr int largest_radius = 2, most_passes = 16;
 constexpr int largest_side = 2 * (largest_radius + most_passes) + 1;
 
-/// The stored code of a pixel, valid or not, that does not fly; `flying` null: whether it does or not.
+/// The stored code of a pixel, pulled in if it flies; `flying` null: as stored.
 std::uint16_t landed_code(const PlaneView& depth, const DepthCoding& coding, const FlyingPixels* flying,
                           int x, int y) {
     const std::uint16_t stored = stored_code(depth, coding, x, y);
@@ -34,14 +34,14 @@ std::uint16_t landed_code(const PlaneView& depth, const DepthCoding& coding, con
     return landed(at, flying->gate_at(stored));
 }
 
-/// The pixels around one that its filtered value depends on, on the stack.
+/// The pixels around one, on which its filtered value depends; on the stack.
 class Neighbourhood {
 public:
     Neighbourhood(const SurfaceFrame& frame, const DepthCoding& coding, const FlyingPixels* flying, int x,
                   int y)
         : frame_(frame), coding_(coding), flying_(flying), x_(x), y_(y) {}
 
-    /// Decodes the pixels at most `reach` away. False where one of them is invalid.
+    /// Decodes the pixels at most `reach` away. False if one of them is invalid.
     bool load(int reach) {
         span(reach, left_, top_, right_, bottom_);
         bool all_valid = true;
@@ -56,7 +56,7 @@ public:
         return all_valid;
     }
 
-    /// Passes of hole filling over loaded pixels; right up to `reach` away where reach + passes are loaded.
+    /// Passes of hole filling over loaded pixels; right up to `reach` away if reach + passes are loaded.
     void fill_holes(int passes, int reach) {
         for (int pass = 1; pass <= passes; ++pass) {
             int left, top, right, bottom;
@@ -70,7 +70,7 @@ public:
     bool valid(int x, int y) const { return valid_since_[index(x, y)] != never; }
     std::uint16_t code(int x, int y) const { return codes_[index(x, y)]; }
 
-    /// Of the valid codes at most `radius` from the centre, which is valid.
+    /// Median of the valid codes at most `radius` from the centre, which is valid.
     std::uint16_t median(int radius) const {
         std::uint16_t window[(2 * largest_radius + 1) * (2 * largest_radius + 1)];
         int count = 0;
@@ -110,12 +110,12 @@ private:
     const DepthCoding& coding_;
     const FlyingPixels* flying_;
     int x_, y_;
-    int left_ = 0, top_ = 0, right_ = 0, bottom_ = 0;  // what is loaded
+    int left_ = 0, top_ = 0, right_ = 0, bottom_ = 0;  // the loaded area
     std::uint16_t codes_[largest_side * largest_side];
     std::uint8_t valid_since_[largest_side * largest_side];  // the pass that made it valid; 0: as stored
 };
 
-/// Least and greatest sample of a row from `x` on.
+/// Extends the range by a row's samples from `x` on.
 template <class Sample>
 void bound_samples(const std::uint8_t* row, int x, int count, std::uint16_t& least, std::uint16_t& greatest) {
     for (int n = x; n < x + count; ++n) {
@@ -126,7 +126,7 @@ void bound_samples(const std::uint8_t* row, int x, int count, std::uint16_t& lea
     }
 }
 
-/// Bounds of a rectangle, ends included, whose pixels are all valid, and nothing elsewhere. Of stored values
+/// Bounds of a rectangle, ends included, whose pixels are all valid; otherwise nothing. For stored values
 /// that are codes.
 std::optional<TileBounds> bounds_of_clean_area(const PlaneView& depth, const DepthCoding& coding, int left,
                                                int top, int right, int bottom) {
@@ -139,8 +139,8 @@ std::optional<TileBounds> bounds_of_clean_area(const PlaneView& depth, const Dep
     return bounds;
 }
 
-/// The median of a window inside the picture whose pixels are all valid, and nothing elsewhere: no window is
-/// met as often. Of stored values that are codes.
+/// Median of a window inside the picture whose pixels are all valid, the most frequent case; otherwise
+/// nothing. For stored values that are codes.
 template <int Side>
 std::optional<std::uint16_t> median_of_clean_window(const PlaneView& depth, const DepthCoding& coding, int x,
                                                     int y) {
@@ -165,14 +165,14 @@ std::uint64_t packed(const TileBounds& bounds) {
            std::uint64_t{bounds.greatest} << 32;
 }
 
-/// As many as there are to be, all zero.
+/// Makes `count` words of zero.
 template <class T>
 void restart_all(std::vector<std::atomic<T>>& words, std::size_t count) {
     if (words.size() != count) words = std::vector<std::atomic<T>>(count);
     for (auto& word : words) word.store(T{}, std::memory_order_relaxed);
 }
 
-/// Beyond every finer code.
+/// Larger than every finer code.
 constexpr std::uint16_t no_code = 0xFFFF;
 static_assert(no_code > 2 * terrace_range);
 
@@ -187,12 +187,12 @@ static_assert(std::atomic<std::uint16_t>::is_always_lock_free && std::atomic<boo
 static_assert(std::variant_size_v<FilterPlan::Filter> == 5,
               "a new filter has to be done here too, or refused");
 
-/// Filters a pixel of `frame.raw.depth` when it is asked for: the same depth and validity as a filtered
-/// frame, at the cost of the pixels that are touched. Terraces are removed from blocks of pixels
-/// (terrace_block), each when one of it is asked for first. Any number of readers.
+/// Filters a pixel of `frame.raw.depth` when it is read: the same depth and validity as a filtered frame, at
+/// the cost of the pixels that are touched. Terraces are removed from blocks of pixels (terrace_block), each
+/// when one of it is first read. Any number of readers.
 class LazyVertices final : public VertexSource {
 public:
-    /// `frame` must outlive it. None of the filters may remember frames before.
+    /// `frame` must outlive it. No filter may depend on earlier frames.
     LazyVertices(const SurfaceFrame& frame, const FilterPlan& plan)
         : frame_(frame),
           plan_(plan),
@@ -205,7 +205,7 @@ public:
         assert(!plan_.remembers() && passes_ <= most_passes && radius_ <= largest_radius);
         restart();
     }
-    /// To be called once the frame holds another raw plane, before it is read.
+    /// To be called when the frame has got another raw plane, before it is read.
     void restart() {
         const TileGrid grid = TileGrid::of(frame_.width, frame_.height);
         restart_all(tiles_, static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y));
@@ -219,7 +219,7 @@ public:
         if (finer_.size() != pixels) finer_ = std::vector<std::atomic<std::uint16_t>>(pixels);
     }
 
-    /// Whether frames are filtered so.
+    /// Whether frames are filtered by this plan.
     bool serves(const FilterPlan& plan) const { return plan_ == plan; }
 
     DepthSample at(int x, int y) const override {
@@ -228,11 +228,11 @@ public:
         return {frame_.coding.depth(*code), true};
     }
 
-    /// Over the raw codes of the tile and the filter's reach around it: wider than of the filtered codes.
+    /// Bounds of the raw codes of the tile and the filters' reach around it: wider than the filtered codes'.
     TileDepths tile(int tx, int ty) const override {
         const TileGrid grid = TileGrid::of(frame_.width, frame_.height);
         auto& kept = tiles_[pixel_place(tx, ty, grid.tiles_x)];
-        // Relaxed: the word is the whole answer, and two readers who compute it at once compute the same.
+        // Relaxed: the word is the whole result, and two readers that compute it at once compute the same.
         std::uint64_t word = kept.load(std::memory_order_relaxed);
         if (word == 0) {
             const TileBounds bounds = raw_bounds(tx, ty);
@@ -243,7 +243,7 @@ public:
     }
 
 private:
-    /// Before terrace removal, and after; nothing: invalid.
+    /// The code before terrace removal (finer_code: after it); nothing: invalid.
     std::optional<std::uint16_t> filtered_code(int x, int y) const {
         const std::uint16_t stored = landed_code(frame_.raw.depth, stored_, flying_, x, y);
         const bool stored_valid = stored_.is_valid(stored);
@@ -263,7 +263,7 @@ private:
         return around.median(radius_);
     }
 
-    /// `filtered_code`, kept where that is work.
+    /// `filtered_code`, cached if it takes work.
     std::optional<std::uint16_t> recent_code(int x, int y) const {
         if (radius_ == 0 && passes_ == 0 && !flying_) return filtered_code(x, y);
         constexpr std::uint64_t is_valid = 1U << 16;
@@ -283,7 +283,7 @@ private:
     std::optional<std::uint16_t> finer_code(int x, int y) const {
         const int bx = x / block_, by = y / block_;
         auto& levelled = blocks_[pixel_place(bx, by, blocks_x_)];
-        // Two readers who level a block at once write the same.
+        // Two readers that level a block at once write the same.
         if (!levelled.load(std::memory_order_acquire)) {
             level_block(bx, by);
             levelled.store(true, std::memory_order_release);
@@ -306,7 +306,7 @@ private:
         }
     }
 
-    /// Not inlined, so that a patch is on the stack only where it is one of that reach.
+    /// Not inlined, so that the stack holds only a patch of this reach.
     template <int reach>
     [[gnu::noinline]] void level_block_within(int bx, int by) const {
         TerracePatch<reach> patch(frame_.width, frame_.height, bx, by);
@@ -348,7 +348,7 @@ private:
         return bounds;
     }
 
-    // No finer code is farther from its stored one, nor beyond the finer ones of valid codes.
+    // No finer code is farther than `most` from its stored one, nor beyond the finer ones of valid codes.
     TileBounds finer_bounds(const TileBounds& stored) const {
         if (stored.least > stored.greatest) return stored;
         const WorkingCodes& working = terraces_->working;
@@ -370,11 +370,11 @@ private:
     const TerraceFilter* terraces_;  // null: no filter
     // Bounds of a tile, packed into one word so that readers never see half of them; 0: not yet computed.
     mutable std::vector<std::atomic<std::uint64_t>> tiles_;
-    // Of a pixel in every place of a square that repeats over the picture the filtered code, packed the same
-    // way with where that pixel is: a finger asks for the same few again and again.
+    // A cache of filtered codes, one for each place of a square that repeats over the picture, packed in the
+    // same way with the pixel's position: a finger reads the same few again and again.
     static constexpr int recent_side = 32;
     mutable std::array<std::atomic<std::uint64_t>, recent_side * recent_side> recent_{};
-    // With terrace removal: which blocks are done, and the codes of those.
+    // With terrace removal: which blocks are done, and their codes.
     int block_ = 0, blocks_x_ = 0;
     mutable std::vector<std::atomic<bool>> blocks_;
     mutable std::vector<std::atomic<std::uint16_t>> finer_;

@@ -1,21 +1,21 @@
-// Medians of 3x3 and 5x5 pixels by networks, in vectors.
+// Medians of 3x3 and 5x5 pixels by networks, vectorised.
 #include "engine/surface/median.hpp"
 
 namespace touchable {
 namespace {
 
-/// Pixels whose columns are sorted at once: few enough that they are still in the fastest cache when windows
-/// are made of them, and enough that the CPU has written them there: a load across two stores waits for that.
+/// Pixels whose columns are sorted at once: few enough to stay in the fastest cache until windows are made of
+/// them, and enough that the CPU has completed the stores: a load across two pending stores waits.
 constexpr int block_pixels = 32 * strip_pixels;
 
-/// A vector of each row, from this place on.
+/// Loads a vector of each row, from this place on.
 template <class Lanes, std::size_t Rows, std::size_t Length>
 [[gnu::always_inline]] inline void load_each(const std::uint16_t (&rows)[Rows][Length], int at,
                                              Lanes (&to)[Rows]) {
     for (std::size_t k = 0; k < Rows; ++k) to[k] = load_lanes<Lanes>(rows[k] + at);
 }
 
-/// Every pixel of every window is valid. `pixels`: whole strips, at most a block; `rows` start at the first
+/// For windows of valid pixels only. `pixels`: whole strips, at most a block; `rows` start at the first
 /// window's left column and are read a strip beyond.
 template <class Lanes>
 [[gnu::always_inline]] inline void median_of_clean_pixels(const std::uint16_t* const (&rows)[3], int pixels,
@@ -35,8 +35,8 @@ template <class Lanes>
     }
 }
 
-/// A vector holds every second column, so that both windows of a pair of pixels can share what four columns
-/// are merged to: 2 m + 1 to 2 m + 4.
+/// A vector holds every second column, so that both windows of a pair of pixels can share the four merged
+/// columns: 2 m + 1 to 2 m + 4.
 template <class Lanes>
 [[gnu::always_inline]] inline void median_of_clean_pixels(const std::uint16_t* const (&rows)[5], int pixels,
                                                           std::uint16_t* out) {
@@ -44,7 +44,7 @@ template <class Lanes>
     static_assert(lanes <= strip_pixels && lanes >= 3);
     alignas(64) std::uint16_t even[5][most], odd[5][most], merged[10][most];
     for (int m = 0; 2 * m < pixels + lanes; m += lanes) {
-        const int x = 2 * m, next = std::min(x + lanes, pixels);  // what is beyond is not needed
+        const int x = 2 * m, next = std::min(x + lanes, pixels);  // columns beyond are not needed
         Lanes left[5], right[5];
         for (int k = 0; k < 5; ++k)
             split_lanes(load_lanes<Lanes>(rows[k] + x), load_lanes<Lanes>(rows[k] + next), left[k], right[k]);
@@ -75,9 +75,9 @@ template <class Lanes>
     }
 }
 
-/// Of a strip. Invalid pixels count as least and greatest in turn, least first: of n valid and m others,
-/// (m + 1)/2 stand below all codes, and the middle one of all is element (n - 1)/2 of the valid ones, the
-/// lower median.
+/// For one strip. Invalid pixels count as least and greatest in turn, least first: with n valid and m invalid
+/// pixels, (m + 1)/2 stand below all codes, and the middle one of all is element (n - 1)/2 of the valid ones,
+/// the lower median.
 template <class Lanes, int Side>
 [[gnu::always_inline]] inline void median_of_masked_strip(const std::uint16_t* const (&rows)[Side],
                                                           const std::uint16_t* const (&invalid)[Side],
@@ -100,7 +100,7 @@ template <class Lanes, int Side>
     }
 }
 
-/// Strips from `w` on, at most a block, whose windows have no invalid pixel.
+/// Number of strips from `w` on, at most a block, whose windows have no invalid pixel.
 template <int Side>
 int clean_strips(const CodeLine* const (&lines)[Side], int w) {
     const int end = std::min(w + block_pixels / strip_pixels, lines[0]->strips());
@@ -116,7 +116,7 @@ int clean_strips(const CodeLine* const (&lines)[Side], int w) {
 template <class Lanes, int Side>
 [[gnu::always_inline]] inline void median_row(const CodeLine* const (&lines)[Side], std::uint16_t* codes,
                                               int width) {
-    alignas(64) std::uint16_t beyond[block_pixels];  // for what reaches beyond the row
+    alignas(64) std::uint16_t beyond[block_pixels];  // for output beyond the row
     for (int w = 0, strips; w < lines[0]->strips(); w += strips) {
         const int x = w * strip_pixels;
         const std::uint16_t *rows[Side], *invalid[Side];
@@ -138,7 +138,7 @@ template <class Lanes, int Side>
     }
 }
 
-/// The lower median of the valid codes in each window of Side x Side, of a row of `width` codes; 0 where the
+/// The lower median of the valid codes in each window of Side x Side, for a row of `width` codes; 0 if the
 /// centre is invalid. `lines`: the windows' rows from the upper one on, with reach Side / 2. Side: 3 or 5.
 template <int Side>
 void median_of_row(VectorUnit unit, const CodeLine* const (&lines)[Side], std::uint16_t* codes, int width) {

@@ -1,7 +1,7 @@
 #pragma once
 
-// Medians of windows, by networks (shaders/median_network.h) of `lesser` and `greater`, of single codes and
-// of vectors of them (engine/base/vectors.hpp).
+// Medians of windows by networks of `lesser` and `greater` (shaders/median_network.h), for single codes and
+// for vectors of codes (engine/base/vectors.hpp).
 
 #include <algorithm>
 #include <vector>
@@ -28,7 +28,7 @@ template <class Code>
     sort5(column);
 }
 
-/// Of a window whose columns are sorted.
+/// Median of a window whose columns are sorted.
 template <class Code>
 [[gnu::always_inline]] inline Code median_of_columns(const Code (&columns)[3][3]) {
     Code pair[4];
@@ -58,7 +58,7 @@ private:
     const std::unique_ptr<LineSource> lines_;
     const int side_;
     const VectorUnit unit_;
-    std::vector<std::vector<CodeLine>> rings_;  // of each thread: row y in [y % side]
+    std::vector<std::vector<CodeLine>> rings_;  // per thread: row y in [y % side]
 };
 
 }  // namespace touchable

@@ -1,4 +1,4 @@
-// A frame's surface as triangles, and these as a PLY file.
+// A frame's surface as triangles, and their PLY file.
 
 #include <bit>
 #include <cerrno>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint32_t no_vertex = std::numeric_limits<std::uint32_t>::max();
 
-/// Vertex number of each pixel of a row, `no_vertex` where it is invalid.
+/// Vertex number of each pixel of a row, `no_vertex` for invalid ones.
 void add_row(const SurfaceFrame& frame, const Scene& scene, int y, Mesh& mesh,
              std::vector<std::uint32_t>& row) {
     const double height_per_code =

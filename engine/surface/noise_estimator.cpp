@@ -1,4 +1,4 @@
-// Noise from frame to frame and from pixel to pixel, holes, and pixels between surfaces, counted.
+// Statistics of noise from frame to frame and from pixel to pixel, of holes, and of pixels between surfaces.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -10,16 +10,16 @@
 namespace touchable {
 namespace {
 
-/// Larger pictures are looked at in some of their rows.
+/// Of larger pictures only some rows are measured.
 constexpr std::int64_t enough_pixels = 640 * 480;
-/// Neighbours whose depths differ by more than this share are an edge; more than twice that is no noise.
+/// Neighbours whose depths differ by more than 1/20 are an edge; more than twice that is no noise.
 constexpr int edge_share = 20;
-/// So few pixels say nothing.
+/// Fewer pixels say nothing.
 constexpr std::int64_t least_count = 200;
-/// Pixels that are this share of the picture's width apart have no noise in common.
+/// Pixels 1/16 of the picture's width apart have no noise in common.
 constexpr int far_apart_share = 16;
-/// Common changes over the variance of codes: below 0.07 in films whose noise can be measured (a fast pan),
-/// mostly above 0.2 in unrelated pictures.
+/// Common changes over the variance of codes: below 0.07 in films with measurable noise (a fast pan), mostly
+/// above 0.2 in unrelated pictures.
 constexpr double most_of_film = 0.125;
 
 int row_step(const CodePicture& picture) {
@@ -27,7 +27,7 @@ int row_step(const CodePicture& picture) {
         std::max<std::int64_t>(1, std::int64_t{picture.width} * picture.height / enough_pixels));
 }
 
-/// The rows that are looked at, and those beside them.
+/// The measured rows, and those beside them.
 CodePicture kept_rows(const CodePicture& picture) {
     const int step = row_step(picture);
     if (step <= 3) return picture;
@@ -39,7 +39,7 @@ CodePicture kept_rows(const CodePicture& picture) {
     return kept;
 }
 
-/// By the highest three bits: 4 n + the two below the highest.
+/// Class by the highest three bits: 4 n + the two below the highest.
 std::size_t size_class(int size) {
     if (size < 4) return static_cast<std::size_t>(size);
     int shift = 0;
@@ -54,7 +54,7 @@ double least_of_class(std::size_t number) {
     return std::ldexp(static_cast<double>(number - 4 * shift), static_cast<int>(shift));
 }
 
-/// `invalid` outside the picture.
+/// The code of a pixel; `invalid` outside the picture.
 int code_of(const CodePicture& picture, int x, int y) {
     const bool inside = x >= 0 && x < picture.width && y >= 0 && y < picture.height;
     return inside ? picture.row(y)[x] : CodePicture::invalid;
@@ -171,7 +171,7 @@ bool NoiseEstimator::is_clean_edge(const CodePicture& picture, int x, int y) con
     return false;
 }
 
-/// A hole, or how much the surface bends.
+/// Counts a tiny hole, or adds how much the surface bends at the pixel.
 void NoiseEstimator::look_at_pixel(const CodePicture& picture, int x, int y) {
     const int here = picture.row(y)[x];
     int valid = 0, bend = 4 * here;
@@ -249,7 +249,7 @@ DepthLength NoiseEstimator::noise(Place place) const {
         const auto means = window.changes[static_cast<std::size_t>(place)].means(limit);
         if (means.count < least_count) continue;
         all += means.count;
-        // White noise has -1/2, what stands still or moves steadily 0 and more.
+        // White noise has -1/2; what stands still or moves steadily has 0 or more.
         if (!(means.product < -0.3 * means.square)) continue;
         noisy += means.count;
         points.push_back(
@@ -263,7 +263,7 @@ DepthLength NoiseEstimator::roughness() const {
     std::vector<LengthAtDepth> points;
     for (const Window& window : windows_) {
         if (window.step == 0) continue;
-        // Six times the depth: of a code alone the sum of bends is as much off.
+        // Six times the limit for a depth, as the sum of bends is six times as much off as a code.
         const auto means = window.bends.means(12 * window.depth / (edge_share * window.step));
         if (means.count < least_count || means.square == 0) continue;
         // The sum's weights are 4, four times -2 and four times 1: 36 times the variance of one code.

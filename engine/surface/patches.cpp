@@ -4,14 +4,13 @@
 namespace touchable {
 namespace {
 
-/// Rows of blocks that a patch goes over: where filters reach far, a higher one has less around it for what
-/// it has within.
+/// Rows of blocks per patch: if filters reach far, a higher patch has less around it for its content.
 int rows_of_patch(int reach) {
     return 1 + reach / 4;
 }
 
-/// A patch's row costs this many pixels of a large picture, whatever its length; so two that are no farther
-/// apart are better one.
+/// A row of a patch costs this many pixels of a large picture, whatever its length, so two patches that are
+/// no farther apart are better joined.
 constexpr int pixels_per_row = 256;
 
 /// The next patch of some rows of blocks.
@@ -24,8 +23,8 @@ BlockGrid::Run next_patch(const FrameChanges::StaleBlocks& blocks, int top, int 
     return all;
 }
 
-/// Rows [first, last] of a frame, and how an invalid pixel, whose code is 0, comes to count as 65535 for the
-/// least code: all codes become one less, or, where 0 is a valid code too, by its validity bit.
+/// Rows [first, last] of a frame, and how an invalid pixel, whose code is 0, counts as 65535 for the least
+/// code: all codes become one less or, if 0 is a valid code, too, by its validity bit.
 struct Rows {
     const SurfaceFrame& frame;
     int first, last;
@@ -33,8 +32,7 @@ struct Rows {
     bool masked;
 };
 
-/// Least and greatest valid code of each of so many vectors of columns from `x` on, as far as the picture
-/// goes.
+/// Least and greatest valid code of each column in `Vectors` vectors from `x` on, within the picture.
 template <bool Masked, class Lanes, int Vectors>
 [[gnu::always_inline]] inline void bound_vectors(const Rows& rows, int x, std::uint16_t* least,
                                                  std::uint16_t* greatest) {
@@ -59,14 +57,14 @@ template <bool Masked, class Lanes, int Vectors>
         }
     }
     for (int k = 0; k < Vectors; ++k) {
-        // One more again, but where nothing is valid.
+        // One more again, except if nothing is valid.
         store_lanes<Lanes>(low[k] + lesser<Lanes>(~low[k], Lanes{} + rows.one_less), least + x + k * lanes);
         store_lanes(high[k], greatest + x + k * lanes);
     }
 }
 
-/// From column `x` to `end`, which is the last strip's. A few vectors at a time, for the sake of the loop
-/// over the rows; by strips where there are masks, and at the end.
+/// From column `x` to `end`, the end of the last strip. A few vectors at a time, for the sake of the loop
+/// over the rows; by strips with masks, and at the end.
 template <class Lanes>
 [[gnu::always_inline]] inline void bound_columns(const Rows& rows, int x, int end, std::uint16_t* least,
                                                  std::uint16_t* greatest) {
@@ -79,8 +77,8 @@ template <class Lanes>
     for (; x < end; x += strip_pixels) bound_vectors<false, Lanes, of_strip>(rows, x, least, greatest);
 }
 
-/// Each value from column `x` to `end` becomes the lesser (or greater) of itself and the one `step` further
-/// on.
+/// Replaces each value from column `x` to `end` by the lesser (or greater) of itself and the one `step`
+/// columns further on.
 template <class Lanes>
 [[gnu::always_inline]] inline void fold(int step, int x, int end, std::uint16_t* least,
                                         std::uint16_t* greatest) {

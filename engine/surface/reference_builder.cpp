@@ -1,4 +1,4 @@
-// The plain builder, by which the others are tested: docs/conventions.md, step by step, without any haste.
+// The plain builder, against which the others are tested: docs/conventions.md, step by step, unoptimised.
 #include <algorithm>
 #include <optional>
 #include <vector>
@@ -74,7 +74,7 @@ Picture median_filtered(const Picture& before, int side) {
     return after;
 }
 
-/// Codes of the pixels along a line away from one, and of that one first: up to the first without depth.
+/// Codes of a pixel and of those along a line away from it, up to the first without depth.
 std::vector<int> codes_along(const Picture& picture, int x, int y, int dx, int dy) {
     std::vector<int> codes;
     for (int n = 0; n <= flying_reach; ++n, x += dx, y += dy) {
@@ -84,7 +84,7 @@ std::vector<int> codes_along(const Picture& picture, int x, int y, int dx, int d
     return codes;
 }
 
-/// The code of the surface that a line away from a pixel meets, and the steps to there.
+/// The code of the surface that a line away from a pixel meets, and the steps to it.
 std::optional<std::pair<int, std::size_t>> surface_along(const std::vector<int>& codes, int gate) {
     const auto one_surface = [&](std::size_t n) { return std::abs(codes[n] - codes[n + 1]) <= gate; };
     if (codes.size() > 3 && one_surface(2)) return std::pair(codes[2], one_surface(1) ? 1UL : 2UL);
@@ -97,8 +97,8 @@ std::optional<std::pair<int, std::size_t>> surface_along(const std::vector<int>&
     return std::pair(codes[end], end);
 }
 
-/// A pixel far from the surfaces on both sides of a line, and between them, becomes the nearer one; of
-/// several lines that whose sides are farthest apart counts.
+/// A pixel between the surfaces on both sides of a line, and far from both, becomes the nearer one; of
+/// several lines, the one whose sides are farthest apart counts.
 Picture flying_pixels_landed(const Picture& before, const FlyingPixels& filter) {
     Picture after = before;
     for (int y = 0; y < before.height; ++y)
@@ -106,7 +106,7 @@ Picture flying_pixels_landed(const Picture& before, const FlyingPixels& filter) 
             if (!before.at(x, y).valid) continue;
             const int code = before.at(x, y).code, gate = filter.gate_at(before.at(x, y).code);
             std::vector<std::pair<int, int>>
-                sides;  // how far they are from each other, negative; the nearer one
+                sides;  // minus the distance between both sides; the nearer side's code
             for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}, {1, 1}, {1, -1}}) {
                 const auto end_a = surface_along(codes_along(before, x, y, -dx, -dy), gate);
                 const auto end_b = surface_along(codes_along(before, x, y, dx, dy), gate);
@@ -114,7 +114,7 @@ Picture flying_pixels_landed(const Picture& before, const FlyingPixels& filter) 
                 const int a = end_a->first, b = end_b->first;
                 const bool one_with_neighbours = std::abs(before.at(x - dx, y - dy).code - code) <= gate &&
                                                  std::abs(before.at(x + dx, y + dy).code - code) <= gate;
-                const bool between = (a < code) != (b < code);  // and far from both, so neither
+                const bool between = (a < code) != (b < code);  // with `far`: equal to neither
                 const bool far = std::abs(a - code) > 2 * gate && std::abs(b - code) > 2 * gate;
                 if (one_with_neighbours || !between || !far) continue;
                 const auto nearer =
@@ -127,7 +127,7 @@ Picture flying_pixels_landed(const Picture& before, const FlyingPixels& filter) 
     return after;
 }
 
-/// 0 where either tap is outside the picture or invalid.
+/// 0 if either tap is outside the picture or invalid.
 int second_difference(const Picture& picture, int x, int y, int dx, int dy) {
     if (!picture.inside(x + dx, y + dy) || !picture.inside(x - dx, y - dy)) return 0;
     const Pixel &a = picture.at(x + dx, y + dy), &b = picture.at(x - dx, y - dy);
@@ -170,21 +170,21 @@ Picture terraces_removed(Picture picture, const TerraceFilter& filter) {
     return picture;
 }
 
-/// A picture, and of each pixel for how many frames it has only been held.
+/// A picture, and for each pixel the frames for which it has only been held.
 struct Remembered {
     RawFrame::Place place;
     Picture picture;
     std::vector<int> held;
 };
 
-/// The code of a frame, drawn towards the one before by what is likely to be noise.
+/// The code of a frame, drawn towards the one before by the part that is likely to be noise.
 std::uint16_t smoothed(int code, int before, const CodeCurve& gate) {
     const int noise = tent(code - before, gate.at(static_cast<std::uint16_t>(code)));
     const int kept = std::abs(noise) * 3 / 4;
     return static_cast<std::uint16_t>(noise > 0 ? code - kept : code + kept);
 }
 
-/// Changes what is remembered into that of this frame.
+/// Updates the remembered picture with this frame.
 void smooth(Picture picture, const RawFrame& raw, const TemporalFilter& filter,
             std::optional<Remembered>& remembered) {
     for (Pixel& pixel : picture.pixels) pixel.code = filter.working.of(pixel.code);

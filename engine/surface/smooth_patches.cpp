@@ -17,17 +17,17 @@ constexpr int border = (SmoothPatches::side - SmoothPatches::core) / 2;
 constexpr int parts = 8;      // of the picture, across and down
 constexpr int fit_terms = 6;  // of a paraboloid
 constexpr double pixels_of_a_unit = 16;
-/// Patches that are rougher than this times the lower quartile, against their pixels' width, have an edge or
-/// a relief of their own.
+/// Patches that are rougher than this times the lower quartile, relative to their pixels' width, have an edge
+/// or a relief of their own.
 constexpr double rough_per_quartile = 2.5;
-/// Of the core's pixels, how many may have no depth, or lie somewhere else altogether.
+/// Share of the core's pixels that may have no depth, or lie somewhere else altogether.
 constexpr double most_left_out = 0.1;
 constexpr int rounds_without_outliers = 3;
 constexpr double outlier_per_residual = 4;
-/// What is as rough in all pictures together as in one has not moved.
+/// A place that is as rough in all pictures together as in one has not moved.
 constexpr double moves_per_residual = 1.1;
-/// Over 8x8 pixels of all pictures noise and levels have hardly a mean: over the residual 0.08 to 0.3 was
-/// measured where nothing stands out, 0.35 to 2 beside relief (docs/measurements.md, Low relief).
+/// Over 8x8 pixels of all pictures noise and levels hardly leave a mean: relative to the residual, 0.08 to
+/// 0.3 was measured where nothing stands out, 0.35 to 2 beside relief (docs/measurements.md, Low relief).
 constexpr double relief_per_residual = 1.0 / 3;
 constexpr int relief_block = 8, relief_blocks = SmoothPatches::core / relief_block;
 
@@ -78,13 +78,13 @@ struct LeastSquares {
     }
 };
 
-/// Along a side, where the 64 pixels of the n-th place begin.
+/// Begin of the n-th place of 64 pixels along a side.
 constexpr int places_of_a_side = 3 * parts;
 int begin_of_place(int n, int length) {
     return (length - SmoothPatches::side) * n / (places_of_a_side - 1);
 }
 
-/// How many of the pixels before `at` lie in a place.
+/// Number of pixels before `at` that lie in a place.
 int kept_before(int at, int length) {
     if (length <= places_of_a_side * SmoothPatches::side) return at;
     int kept = 0, end = 0;
@@ -100,7 +100,7 @@ double middle_of(int pixel) {
     return (pixel - (SmoothPatches::core - 1) / 2.0) / pixels_of_a_unit;
 }
 
-/// A face of inverse depth w at (x, y) that grows by `right` and `down` from pixel to pixel.
+/// Normal of a face of inverse depth w at (x, y) that grows by `right` and `down` from pixel to pixel.
 glm::dvec3 face_normal(const Camera& camera, double x, double y, double w, double right, double down) {
     return {-right * camera.fx, down * camera.fy, w + right * (camera.cx - x) + down * (camera.cy - y)};
 }
@@ -127,21 +127,21 @@ Scene scene_of_mosaic(const Scene& scene) {
     return mosaic;
 }
 
-/// How far apart removal may take levels to be, over the least step of the sensor, and how far at most after
-/// which median: so that a step of four of these stays sharp, and a pen as high is kept
+/// Distances of levels for the removal, relative to the sensor's least step, and the largest one after each
+/// median: chosen so that a step of four of these stays sharp, and a pen of that height is kept
 /// (docs/measurements.md).
 constexpr double per_least_step[] = {0.2, 0.3, 0.45, 0.7, 1, 1.2, 1.4};
 constexpr double most_after_median[] = {1.4, 0, 0, 1, 0, 0.7};
-/// The least step is a level, or what would be as rough as depths are: levels l apart are l/sqrt(12) rough.
-/// Levels count, even in noise that is somewhat rougher, where they are seen; codes where little else is
-/// rough.
+/// The least step is a level, or a step that would be as rough as depths are: levels l apart are l/sqrt(12)
+/// rough. Levels count if they are visible, even in noise that is somewhat rougher; codes count if little
+/// else is rough.
 constexpr double level_per_roughness = 3.4641, seen_levels_from = 0.4, codes_from = 0.75;
-/// The noise that the temporal filter is given, over the one that was measured, by the median before it.
+/// The temporal filter's noise setting over the measured noise, by the median before it.
 constexpr double stated_per_measured[] = {0.9, 0, 0, 1.4, 0, 1.5};
-/// What leaves this much more than the best, or so few degrees, is as good.
+/// Filters are as good as the best if they leave up to this factor of it, or at most these degrees.
 constexpr double as_good = 1.10, good_deg = 0.7;
-/// What a median costs of a low pen's relief, in levels that are a least step wider (docs/measurements.md,
-/// Low relief).
+/// Cost of a median in a low pen's relief, as the least steps by which levels would be wider
+/// (docs/measurements.md, Low relief).
 constexpr double harshness_of_median[] = {0, 0, 0, 0.17, 0, 0.37};
 
 DepthLength least_step(const DepthLength& levels, const DepthLength& codes, const DepthLength& roughness,
@@ -154,7 +154,7 @@ DepthLength least_step(const DepthLength& levels, const DepthLength& codes, cons
     return counts(codes, codes_from) ? codes : rough;
 }
 
-/// Of the last mosaic.
+/// Degrees that the scene's filters leave on the last mosaic.
 double left_by(const Scene& scene, const SmoothPatches& patches) {
     const FilterPlan plan(scene);
     const auto filters = make_code_filters(plan, usable_vector_units().front());
@@ -210,7 +210,7 @@ CodePicture SmoothPatches::cropped(const CodePicture& picture) {
     return kept;
 }
 
-/// From a pixel of a place on, in what was kept of the picture.
+/// The codes from a pixel of a place on, in the cropped picture.
 const int* SmoothPatches::row_of(const CodePicture& picture, int x, int y) const {
     return picture.row(kept_before(y, scene_.height)) + kept_before(x, scene_.width);
 }
@@ -232,10 +232,10 @@ void SmoothPatches::each_depth(Pictures pictures, int left, int top, const Visit
 
 SmoothPatches::Fit SmoothPatches::fitted(Pictures pictures, int left, int top) const {
     const double all = core * core * static_cast<double>(pictures.size());
-    // Of every pixel that has a depth, and lies within the limit of what was fitted before.
+    // Visits every pixel that has a depth, and lies within the limit of the previous fit.
     Fit fit;
     double limit = std::numeric_limits<double>::infinity();
-    double least = 0, most = 0;  // of what was visited last
+    double least = 0, most = 0;  // of the last visit
     const auto each = [&](const auto& visit) {
         least = std::numeric_limits<double>::infinity();
         most = 0;
@@ -255,7 +255,7 @@ SmoothPatches::Fit SmoothPatches::fitted(Pictures pictures, int left, int top) c
             ++count;
         });
         const auto found = count >= (1 - most_left_out) * all ? sums.solved() : std::nullopt;
-        // A place of one code, as a background has it, tells nothing of levels or noise.
+        // A place of one code, such as a background, says nothing about levels or noise.
         if (!found || least == most) return {};
         double squares = 0, farthest = 0;
         each([&](const Terms& terms, double w) {
@@ -265,7 +265,7 @@ SmoothPatches::Fit SmoothPatches::fitted(Pictures pictures, int left, int top) c
         });
         fit = {*found, std::sqrt(squares / count), true};
         limit = outlier_per_residual * fit.residual;
-        if (round == 0 && farthest <= limit) break;  // nothing is left out, so all rounds are the same
+        if (round == 0 && farthest <= limit) break;  // nothing is left out, so all rounds are equal
     }
     return fit;
 }
@@ -283,7 +283,7 @@ void SmoothPatches::choose(const CodePicture& picture) {
                 const CodePicture* const last[] = {&picture};
                 const Fit fit = fitted(last, left, top);
                 if (!fit.ok || !(fit.of[0] > 0)) continue;
-                // Against a pixel's width: an error e of w is one of e/w^2 of depth, and a pixel is 1/(w fx).
+                // Relative to a pixel's width: an error e of w is e/w^2 of depth, and a pixel is 1/(w fx).
                 const double rough = fit.residual / fit.of[0];
                 if (!found || rough < found->first) found = {rough, Patch{left, top, fit}};
             }
@@ -297,7 +297,7 @@ void SmoothPatches::choose(const CodePicture& picture) {
         if (rough <= limit) patches_.push_back(patch);
 }
 
-/// Whether a block of the core is beside the fit on the mean.
+/// Whether a block of the core is off the fit on average.
 bool SmoothPatches::has_relief(Pictures pictures, const Patch& patch) const {
     std::array<double, relief_blocks * relief_blocks> sums{}, counts{};
     each_depth(pictures, patch.x, patch.y, [&](int x, int y, double, double w) {
@@ -310,8 +310,8 @@ bool SmoothPatches::has_relief(Pictures pictures, const Patch& patch) const {
     return false;
 }
 
-/// Where nothing moves all pictures tell more than one. Relief that filters keep would count as what they
-/// leave of noise.
+/// Fits places that do not move to all pictures, which say more than one. Drops places with relief: if
+/// filters keep it, it would count as noise that they leave.
 void SmoothPatches::fit_to_all(Pictures pictures) {
     std::vector<Patch> flat;
     for (Patch& patch : patches_) {
@@ -365,7 +365,7 @@ DepthLength SmoothPatches::roughness() const {
         if (!patch.fit.ok || !(patch.fit.residual > 0)) continue;
         const double depth = 1 / patch.fit.of[0];
         lengths.push_back(
-            {depth, patch.fit.residual * depth * depth, 1});  // an error e of w is one of e depth^2
+            {depth, patch.fit.residual * depth * depth, 1});  // an error e of w is e depth^2 of depth
     }
     return fitted_length(lengths);
 }
@@ -380,7 +380,7 @@ double SmoothPatches::faces_off_deg(const SurfaceFrame& built) const {
         const Patch& patch = patches_[n];
         if (!patch.fit.ok) continue;
         const int left = all[n].second.x, top = all[n].second.y;
-        // Of a vertex of the core; 0 where it has no depth.
+        // w of a vertex of the core; 0 without depth.
         const auto w = [&](int x, int y) {
             if (!built.is_valid(left + x, top + y)) return 0.0;
             const double depth = built.coding.depth(built.codes[built.index(left + x, top + y)]);

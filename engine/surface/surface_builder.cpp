@@ -1,4 +1,4 @@
-// The plan of a scene's filters, what a raw frame has to be, the fallback from one builder to another, and a
+// The plan of a scene's filters, checks of a raw frame, the fallback from one builder to another, and a
 // frame's depths.
 #include "engine/surface/surface_builder.hpp"
 
@@ -14,13 +14,13 @@ std::string size_text(int width, int height) {
     return std::to_string(width) + "x" + std::to_string(height);
 }
 
-/// What a plane has to be; `bytes` are those of a sample.
+/// The required form of a plane; `bytes` are those of a sample.
 struct PlaneForm {
     const char* name;
     int channels, least_bytes, greatest_bytes;
 };
 
-/// What is wrong with a plane, empty where nothing is.
+/// What is wrong with a plane; empty: nothing.
 std::string complaint(const PlaneView& plane, const PlaneForm& form, const Scene& scene) {
     if (plane.width != scene.width || plane.height != scene.height)
         return "is " + size_text(plane.width, plane.height) + ", the scene says " +
@@ -77,7 +77,7 @@ public:
     }
 
 private:
-    /// Then the first builder is gone, and frames that it began are the second one's to build.
+    /// Whether the GPU failed; then the second builder builds all frames, also those that the first began.
     bool has_failed(const Result<void>& done, const RawFrame& raw) {
         if (done || done.error().kind != ErrorKind::gpu) return false;
         told_("frame " + std::to_string(raw.number) + ": " + done.error().message + "; the " +
@@ -162,14 +162,14 @@ std::unique_ptr<SurfaceBuilder> make_fallback_builder(std::unique_ptr<SurfaceBui
 }
 
 std::vector<double> valid_depths(const Scene& scene, const SurfaceFrame& given) {
-    // Every pixel is asked for: one by one, a lazy frame would take longer than all frames whole.
+    // Every pixel is read: one by one, a lazy frame would take longer than building the whole frame.
     SurfaceFrame whole;
     const bool is_lazy = given.codes.empty() && make_cpu_builder(scene)->build(given.raw, whole);
     const SurfaceFrame& frame = is_lazy ? whole : given;
     const auto width = static_cast<std::size_t>(scene.width);
     const std::size_t pixels = width * static_cast<std::size_t>(scene.height);
     constexpr std::size_t enough = std::size_t{4096} * 4096;
-    const std::size_t step = pixels > enough ? pixels / enough | 1U : 1;  // no even width divides it
+    const std::size_t step = pixels > enough ? pixels / enough | 1U : 1;  // odd: no even width divides it
     std::vector<double> depths;
     depths.reserve(pixels / step);
     until_stopped(pixels / step, [&](std::size_t first, std::size_t last) {

@@ -1,10 +1,10 @@
-// Noise averaged from frame to frame, in vectors.
+// Noise averaged from frame to frame, vectorised.
 #include "engine/surface/temporal_filter.hpp"
 
 namespace touchable {
 namespace {
 
-/// Without comparing, see code_rows.cpp: of `above` and `below` one is 0, and so is what is kept of it.
+/// Without comparisons, see code_rows.cpp: one of `above` and `below` is 0, and so is the part kept of it.
 template <class Lanes>
 [[gnu::always_inline]] inline Lanes smoothed(const Lanes& code, const Lanes& before, const Lanes& gate) {
     const Lanes least = lesser(code, before), above = code - least, below = before - least;
@@ -14,14 +14,14 @@ template <class Lanes>
     return code - lesser(kept, above) + lesser(kept, below);
 }
 
-/// Of the pixels of a word, as bits: which have a code in this frame, which had one in the frame before,
-/// which keep that.
+/// Bits of a word's pixels: which have a code in this frame, which had one in the frame before, which keep
+/// that one.
 struct WordBits {
     std::uint32_t now, known, held;
 };
 
-/// All ones in lanes whose bit is set, from the lowest bit on. Vectors of their own, because masks that are
-/// written narrow and read wide wait for memory.
+/// All ones in lanes whose bit is set, from the lowest bit on. In vectors, because masks that are written
+/// narrow and read wide wait for memory.
 template <class Lanes>
 [[gnu::always_inline]] inline Lanes lanes_of_bits(std::uint32_t bits) {
     static constexpr std::uint16_t low[strip_pixels] = {
@@ -71,7 +71,7 @@ struct RowSmoothing {
         count_held(word, held);
     }
 
-    /// In two bits.
+    /// Counts held frames in two bits.
     [[gnu::always_inline]] void count_held(int word, std::uint32_t held) const {
         static_assert(temporal_hold_frames == 3);
         std::uint32_t &low = remembered.held_low[word], &high = remembered.held_high[word];
@@ -87,7 +87,7 @@ struct RowSmoothing {
                          before + k);
         }
     }
-    /// A pixel that is new, held or invalid is as far from itself as nothing.
+    /// The difference of a pixel that is new, held or invalid is 0.
     template <class Lanes>
     [[gnu::always_inline]] void smooth_some(std::uint16_t* at, std::uint16_t* before,
                                             const WordBits& bits) const {
@@ -117,8 +117,8 @@ struct RowSmoothing {
     }
 };
 
-/// One row of a frame, `width` codes and their validity: codes as many times finer, smoothed, 0 where
-/// invalid. The row that is remembered becomes the same.
+/// Smooths one row, `width` codes and their validity: codes become as many times finer, and 0 if invalid. The
+/// remembered row becomes the same.
 void smooth_row(VectorUnit unit, const TemporalFilter& filter, int width, std::uint16_t* codes,
                 std::uint32_t* validity, const TemporalRow& remembered) {
     run_vectors(unit, RowSmoothing{filter, width, codes, validity, remembered});

@@ -1,16 +1,16 @@
-// Terraces removed in passes, of whole rows and of patches.
+// Terrace removal in passes, on whole rows and on patches.
 #include "engine/surface/terrace_filter.hpp"
 
 namespace touchable {
 namespace {
 
-/// As many values with a sign.
+/// As many signed values.
 template <class Bits>
 struct WithSign {
     using Lanes [[gnu::vector_size(sizeof(Bits))]] = std::int16_t;
 };
 
-// 16 bits are enough, though second differences may leave them (terrace_range).
+// 16 bits are enough, though second differences may exceed them (terrace_range).
 
 template <class Lanes>
 [[gnu::always_inline]] inline Lanes clamped(const Lanes& value, const Lanes& most) {
@@ -41,7 +41,7 @@ struct Place {
     const std::int16_t *up, *mid, *down;
 };
 
-/// Without a sign sums may wrap around.
+/// Unsigned, so that sums may wrap around.
 template <class Bits, class Lanes>
 [[gnu::always_inline]] inline Lanes pair_difference(const std::int16_t* a, const std::int16_t* b,
                                                     const Bits& twice) {
@@ -57,7 +57,7 @@ template <class Bits, class Lanes>
     d.rising = pair_difference<Bits, Lanes>(at.up + step, at.down - step, twice);
 }
 
-/// 0 where a tap does not count; `at`: masks.
+/// Sets the differences with a tap that does not count to 0; `at`: masks.
 template <class Lanes>
 [[gnu::always_inline]] inline void leave_out_holes(const Place& at, int step, SecondDifferences<Lanes>& d) {
     d.across &= ~(load_lanes<Lanes>(at.mid - step) | load_lanes<Lanes>(at.mid + step));
@@ -66,12 +66,12 @@ template <class Lanes>
     d.rising &= ~(load_lanes<Lanes>(at.up + step) | load_lanes<Lanes>(at.down - step));
 }
 
-/// `away`: words from that of a centre to those of its taps.
+/// `away`: words from a centre's to those of its taps.
 [[gnu::always_inline]] inline bool any_hole_near(const std::uint32_t* word, int away) {
     return (word[-away] | word[0] | word[away]) != 0;
 }
 
-/// TerraceFilter::gate_at and most_at of a row.
+/// TerraceFilter::gate_at and most_at for a row.
 struct RowGates {
     const TerraceFilter& filter;
     const std::int16_t* codes;
@@ -133,8 +133,8 @@ struct RowLevelling {
     }
 };
 
-/// The finer codes of a strip, held near what they were before the passes, and 0 where they are not valid.
-/// All in 16 bits, as CPUs like it: passes cannot move a code by more than fits them.
+/// Stores the finer codes of a strip, limited to near their values before the passes, and 0 for invalid ones.
+/// All in 16 bits, which CPUs do fast: passes cannot move a code by more than fits them.
 void store_strip(const TerraceFilter& filter, const std::int16_t* finer, const std::uint16_t* before,
                  const std::int16_t* limits, std::uint32_t validity, std::uint16_t* codes, int count) {
     std::uint16_t was[strip_pixels];
@@ -156,7 +156,7 @@ void store_strip(const TerraceFilter& filter, const std::int16_t* finer, const s
     for (int k = 0; k < count; ++k) codes[k] = static_cast<std::uint16_t>(codes[k] & masks[k]);
 }
 
-/// TerraceFilter::gate_at and most_at of each of `words` times 32 working codes.
+/// TerraceFilter::gate_at and most_at for `words` times 32 working codes.
 void find_gates(VectorUnit unit, const TerraceFilter& filter, const std::int16_t* codes, int words,
                 std::int16_t* gates, std::int16_t* most) {
     run_vectors(unit, RowGates{filter, codes, words, gates, most});
@@ -203,8 +203,8 @@ void TerraceRemover::make(const RowBand& band, SurfaceFrame& out) {
     const int passes = filter_.passes();
     for (int loaded = std::max(band.first - filter_.reach, 0); loaded < band.last + filter_.reach; ++loaded) {
         if (loaded < height) load(loaded, work);
-        // A pass follows the rows before it by its step, and is needed as far beyond the band as those after
-        // it reach.
+        // Each pass lags the one before by its step, and is needed as far beyond the band as the later ones
+        // reach.
         int y = loaded, reach = filter_.reach;
         for (int pass = 0; pass < passes; ++pass) {
             const int step = filter_.tap_of(pass);
@@ -288,8 +288,8 @@ void TerracePatch<reach>::set(int x, int y, std::uint16_t code, const TerraceFil
     holes_[line][beyond + column / strip_pixels] &= ~(std::uint32_t{1} << (column % strip_pixels));
 }
 
-/// What lies beyond the patch counts as outside. That is wrong where the picture goes on, and each pass
-/// carries it inward by its step: in all by the reach, which is just not to the block.
+/// Pixels beyond the patch count as outside. That is wrong if the picture goes on, and each pass carries the
+/// error inward by its step: in total by the reach, which just does not get to the block.
 template <int reach>
 void TerracePatch<reach>::level(const TerraceFilter& filter) {
     const VectorUnit unit = usable_vector_units().front();

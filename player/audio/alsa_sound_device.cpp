@@ -15,7 +15,7 @@
 namespace touchable {
 namespace {
 
-/// In place of ALSA's own, which explains faults on the terminal.
+/// Replaces ALSA's error handler, which prints to the terminal.
 void say_nothing(const char*, int, const char*, int, const char*, ...) {}
 
 Error alsa_error(const char* what, int code) {
@@ -37,7 +37,7 @@ public:
             TRY(mend(waited));
         }
         TRY_ASSIGN(const auto there, room());
-        // Some say at once that there is room, and there is none.
+        // Some devices report room at once, but have none.
         if (there < samples && waited > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
         return there >= samples;
     }
@@ -52,7 +52,7 @@ public:
     }
 
 private:
-    /// After a pause that was too long, or the computer's sleep, it goes on.
+    /// Recovers from an underrun or the computer's sleep.
     Result<void> mend(int code) {
         if (code == -EAGAIN) return {};
         const int mended = snd_pcm_recover(pcm_, code, 1);

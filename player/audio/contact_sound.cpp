@@ -8,22 +8,22 @@ namespace {
 constexpr double rate = ContactSound::rate;
 constexpr double inaudible = 1e-5;
 
-// Loudness, before the limit: of the hardest tap, slide and knock.
+// Maximum level, before the limiter, of a tap, a slide and a knock.
 constexpr double most_tap = 2.2, most_slide = 6, most_knock = 1.2;
-// Half of it, or so, at these: m/s, W, N.
+// Values of about half that: m/s, W, N.
 constexpr double usual_meeting = 0.08, usual_slide = 0.1, usual_let_go = 0.3;
-constexpr double usual_change = 0.02;  // N in a millisecond: a rough place
-constexpr double smooth_share = 0.35;  // how loud a smooth surface is beside a rough one
+constexpr double usual_change = 0.02;  // N per millisecond: a rough surface
+constexpr double smooth_share = 0.35;  // level of a smooth surface relative to a rough one
 constexpr double least_hertz = 350, most_more_hertz = 3500, usual_speed = 0.15;  // of a slide
 constexpr double volume_per_tick = 0.05;
 
-/// Goes on toward a value: as fast as `rise` up and `fall` down, shares of a tick.
+/// Low-pass: moves toward a value by the shares `rise` up and `fall` down per tick.
 void follow(double& value, double to, double rise, double fall) {
     value += (to - value) * (to > value ? rise : fall);
     if (to == 0 && value < inaudible) value = 0;
 }
 
-/// Stuff that is four times as stiff rings twice as high.
+/// Four times the stiffness gives twice the frequency.
 double hertz_of(double stiffness) {
     return std::clamp(320 * std::sqrt(stiffness / 1000), 140.0, 1400.0);
 }
@@ -33,7 +33,7 @@ std::array<FingerSound, sizeof...(finger)> fingers_of(std::index_sequence<finger
     return {FingerSound(static_cast<std::uint32_t>(finger + 1) * 2654435761U)...};
 }
 
-/// Ever less of what is loud, and never more than the limit; what is soft stays as it is.
+/// Soft limiter: compresses loud values, keeps soft ones.
 float limited(double value) {
     const double share = value / std::sqrt(1 + value * value);
     return static_cast<float>(share) * ContactSound::loudest;
@@ -73,7 +73,7 @@ void SlidingNoise::aim(double level, double hertz) {
     if (is_silent()) dull_ = low_ = band_ = 0;
 }
 
-/// A state-variable filter, whose band is as wide as its frequency, after one that takes the hiss.
+/// A state-variable filter, as wide as its centre frequency, after a low-pass that removes hiss.
 double SlidingNoise::next(double share) {
     random_ ^= random_ << 13U;
     random_ ^= random_ >> 17U;
@@ -87,7 +87,7 @@ double SlidingNoise::next(double share) {
     return band_ * (from_ + (to_ - from_) * share);
 }
 
-/// Louder with force and speed, and where the force changes from tick to tick; higher with speed.
+/// Level rises with force, speed, and the force's change per tick; pitch rises with speed.
 void FingerSound::aim_noise(const HeardFinger& finger) {
     const double newtons = finger.touching ? sound_value(finger.newtons, 50) : 0;
     const double slip = finger.touching ? sound_value(finger.slip, 5) : 0;
@@ -98,7 +98,7 @@ void FingerSound::aim_noise(const HeardFinger& finger) {
     follow(level_, power > 0 ? most_slide * rough * std::sqrt(saturated_share(power, usual_slide)) : 0, 0.35,
            0.15);
     const double hertz = least_hertz + most_more_hertz * saturated_share(speed_, usual_speed);
-    // A higher band has more of the noise.
+    // Compensates that a higher band contains more noise.
     noise_.aim(level_ / std::sqrt(1 + hertz / 1000), hertz);
 }
 
@@ -117,7 +117,7 @@ void FingerSound::add(const HeardFinger& finger, std::span<StereoSample> to) {
     aim_noise(finger);
     strike(finger);
     if (noise_.is_silent() && tap_.is_silent() && knock_.is_silent()) return;
-    // Sound comes from where the finger is, and never from one side alone.
+    // Pans to the finger's place, never fully to one side.
     const double side = std::isfinite(finger.side) ? std::clamp(finger.side, -1.0F, 1.0F) : 0;
     const double left = std::sqrt(0.5 - 0.35 * side), right = std::sqrt(0.5 + 0.35 * side);
     const auto count = static_cast<double>(to.size());

@@ -10,20 +10,20 @@
 
 namespace touchable {
 
-/// What is heard of a finger in a tick. Lengths and speeds are the hand's.
+/// A finger's contact in a tick, as input of sound. Lengths and speeds are the hand's.
 struct HeardFinger {
     bool touching = false;
-    float newtons = 0;    ///< across the way it slips: what presses it on the surface
+    float newtons = 0;    ///< pressing force: the component perpendicular to the slip
     float slip = 0;       ///< m/s of the proxy over the surface
-    float change = 0;     ///< of the force since the tick before, N: what roughness does
+    float change = 0;     ///< of the force since the previous tick, N: due to roughness
     float stiffness = 0;  ///< N/m
-    float met = 0;        ///< m/s with which it met the surface in this tick; 0: it did not
-    float let_go = 0;     ///< N by which the force fell as it, stuck until then, slipped; 0: it did not
+    float met = 0;        ///< m/s of meeting the surface in this tick; 0: no new contact
+    float let_go = 0;     ///< N by which the force fell as a stuck finger slipped; 0: it did not
     float side = 0;       ///< place in the picture, -1 left to 1 right
-    float share = 1;      ///< of its force that a held device is sent: 0 while forces are off
+    float share = 1;      ///< share of its force sent to a haptic device: 0 while forces are off
 };
 
-/// Where the clip's own sound is.
+/// Position of the clip's own sound.
 struct HeardClip {
     bool plays = false;
     std::int64_t at_ns = 0;  ///< of the clip's time
@@ -33,28 +33,28 @@ struct HeardClip {
 
 struct SpokenSound;
 
-/// What is heard of a millisecond.
+/// Inputs of a millisecond of sound.
 struct HeardTick {
     static constexpr int most_fingers = 10;
     std::array<HeardFinger, most_fingers> fingers{};
     HeardClip clip;
-    const SpokenSound* spoken = nullptr;  ///< that is said; null: nothing yet
-    std::uint32_t spoken_number = 0;      ///< another one begins it anew
+    const SpokenSound* spoken = nullptr;  ///< the spoken sound; null: none yet
+    std::uint32_t spoken_number = 0;      ///< a new number starts the sound
     bool muted = false;
     float loudness = 1;  ///< factor on all samples, 0 to 1
 };
 
-/// What came from outside, as a number that can be used.
+/// An external value made finite and clamped to [0, most].
 inline double sound_value(float value, double most) {
     return std::isfinite(value) ? std::clamp(static_cast<double>(value), 0.0, most) : 0;
 }
 
-/// 0 at 0, a half at the usual value, and towards 1 beyond it.
+/// 0 at 0, 1/2 at the usual value, approaching 1 beyond it.
 inline double saturated_share(double value, double usual) {
     return value / (value + usual);
 }
 
-/// As one: the later of two ticks, with all that happened in the earlier.
+/// Merges two ticks: the later one, with all events of the earlier.
 inline HeardTick merged(const HeardTick& earlier, const HeardTick& later) {
     HeardTick both = later;
     for (std::size_t k = 0; k < both.fingers.size(); ++k) {
@@ -70,7 +70,7 @@ inline HeardTick merged(const HeardTick& earlier, const HeardTick& later) {
     return both;
 }
 
-/// Nothing is felt any more, as loud as before.
+/// No contacts; volume as before.
 inline HeardTick silence_after(const HeardTick& tick) {
     HeardTick silence;
     silence.muted = tick.muted;
@@ -78,50 +78,50 @@ inline HeardTick silence_after(const HeardTick& tick) {
     return silence;
 }
 
-/// The same going on: nothing begins a second time.
+/// The same tick continued, without its events.
 inline HeardTick going_on(HeardTick tick) {
     for (HeardFinger& finger : tick.fingers) finger.met = finger.let_go = 0;
     return tick;
 }
 
-/// A sound that begins at once, softly, and fades: a sine with an envelope.
+/// A sine with a fast soft attack and an exponential decay.
 class FadingTone {
 public:
-    /// `fade_s`: until 1/e of it is left; `rise_s`: until all but 1/e of it is there.
+    /// `fade_s`: time constant of the decay; `rise_s`: time constant of the attack.
     FadingTone(double fade_s, double rise_s);
-    /// As loud as `level`, unless it is louder. `hertz` is that of all of it from now on.
+    /// Raises the envelope to `level`, unless it is higher. `hertz` is the new frequency.
     void strike(double level, double hertz);
     bool is_silent() const { return level_ == 0 && heard_ == 0; }
     double next();
-    /// Once a tick: what cannot be heard any more ends, and rounding does not add up.
+    /// Once a tick: ends inaudible tones, and removes accumulated rounding.
     void settle();
 
 private:
-    double fade_, rise_;                      // shares of a sample
-    double level_ = 0, heard_ = 0;            // the envelope, and what follows it
+    double fade_, rise_;                      // per sample
+    double level_ = 0, heard_ = 0;            // the envelope, and its smoothed value
     double cosine_ = 1, sine_ = 0;            // the phase
-    double turn_cosine_ = 1, turn_sine_ = 0;  // of a sample
+    double turn_cosine_ = 1, turn_sine_ = 0;  // rotation per sample
 };
 
-/// Noise through a band whose place and loudness glide.
+/// Band-passed noise with gliding frequency and level.
 class SlidingNoise {
 public:
     explicit SlidingNoise(std::uint32_t seed) : random_(seed) {}
-    /// For the coming tick.
+    /// Sets the target for the next tick.
     void aim(double level, double hertz);
     bool is_silent() const { return from_ == 0 && to_ == 0; }
-    /// `share` of the tick that has passed.
+    /// `share` of the tick that has passed, 0 to 1.
     double next(double share);
 
 private:
     std::uint32_t random_;
-    double from_ = 0, to_ = 0;  // level
+    double from_ = 0, to_ = 0;  // level at the tick's start and end
     double tuning_ = 0, tuning_to_ = 0;
     double dull_ = 0, low_ = 0, band_ = 0;
 };
 
-/// One finger's sounds: a tap where it meets the surface, noise where it slides, a small knock where it had
-/// been stuck.
+/// One finger's sounds: a tap when it meets the surface, noise while it slides, a small knock when it comes
+/// unstuck.
 class FingerSound {
 public:
     explicit FingerSound(std::uint32_t seed) : noise_(seed) {}
@@ -133,12 +133,12 @@ private:
 
     FadingTone tap_{0.028, 0.0012}, knock_{0.006, 0.0003};
     SlidingNoise noise_;
-    double roughness_ = 0, speed_ = 0, level_ = 0;  // followed from tick to tick
+    double roughness_ = 0, speed_ = 0, level_ = 0;  // smoothed over ticks
     double left_ = 0.7, right_ = 0.7;
 };
 
-/// What fingers feel, as a sound: a pure function of the ticks so far. It allocates nothing. Whatever comes
-/// in, samples are finite, within `loudest`, and free of jumps.
+/// The sound of contacts: a pure function of the ticks so far. Does not allocate. For any input, samples are
+/// finite, within `loudest`, and free of jumps.
 class ContactSound {
 public:
     static constexpr int rate = 48'000, samples_per_tick = 48;
@@ -146,7 +146,7 @@ public:
     using Samples = std::array<StereoSample, samples_per_tick>;
 
     ContactSound();
-    /// The next millisecond.
+    /// Renders the next millisecond.
     void render(const HeardTick& tick, Samples& samples);
 
 private:

@@ -19,10 +19,10 @@ std::array<std::int16_t, 2> in_16_bits(const StereoSample& sample) {
 }
 
 constexpr double samples_per_ns = SoundTrack::rate * 1e-9;
-constexpr double farthest = 0.06 * SoundTrack::rate;  // from where it should be, samples: beyond, it jumps
+constexpr double farthest = 0.06 * SoundTrack::rate;  // samples; a larger error is corrected by a jump
 constexpr double most_correction = 0.003, correction_s = 1;
 
-/// Between the second and the third of four, by Catmull and Rom's cubic.
+/// Interpolates between the second and third of four samples with a Catmull-Rom cubic.
 float between(const float* four, float share) {
     const float a = four[3] - 3 * four[2] + 3 * four[1] - four[0];
     const float b = 2 * four[0] - 5 * four[1] + 4 * four[2] - four[3];
@@ -41,12 +41,12 @@ StereoSample at(std::span<const StereoSample> samples, double place) {
     return {between(left.data(), share), between(right.data(), share)};
 }
 
-constexpr std::int64_t fade_ms = 60;            // of what sounded when a session ended
-constexpr std::int64_t longest_skip_ms = 1000;  // of ticks that are not known: longer, and the computer slept
+constexpr std::int64_t fade_ms = 60;            // of the last sound when a session ended
+constexpr std::int64_t longest_skip_ms = 1000;  // of unknown ticks; longer means that the computer slept
 
 }  // namespace
 
-/// A track does not say how long it is: behind its end it is silent.
+/// A track's length is not known: it is silent beyond its end.
 Result<std::shared_ptr<const SpokenSound>> SpokenSound::read(const std::filesystem::path& file) {
     const auto refuse = [&file](const std::string& why) {
         return input_error(file.string() + ": " + why +
@@ -59,7 +59,7 @@ Result<std::shared_ptr<const SpokenSound>> SpokenSound::read(const std::filesyst
     if (!track) return refuse("has no sound");
     auto sound = std::make_shared<SpokenSound>();
     const auto most = static_cast<std::size_t>(longest_s * SoundTrack::rate);
-    std::size_t end = 0;  // behind the last that is heard
+    std::size_t end = 0;  // one past the last audible sample
     std::array<StereoSample, samples_read> samples{};
     while (sound->samples.size() <= most) {
         track->read(samples);
@@ -78,11 +78,11 @@ Result<std::shared_ptr<const SpokenSound>> SpokenSound::read(const std::filesyst
 
 void SpokenVoice::add(const SpokenSound* sound, std::uint32_t number, bool is_muted,
                       ContactSound::Samples& to) {
-    constexpr float rise = 1.0F / 96, soften = 1.0F / 2400;  // shares of a sample: 2 ms and 50 ms
+    constexpr float rise = 1.0F / 96, soften = 1.0F / 2400;  // per sample: 2 ms and 50 ms
     const bool is_another = sound && number != number_;
     if (!is_another && !sound_ && others_ == 1) return;
     for (StereoSample& sample : to) {
-        // What is said fades before another one begins.
+        // The current sound fades before another one begins.
         if (is_another && volume_ == 0 && number_ != number) {
             sound_ = sound;
             number_ = number;
@@ -155,7 +155,7 @@ std::string ClipSound::fault() const {
     return fault_;
 }
 
-/// The next block to decode. Under the lock.
+/// The next block to decode; the caller holds the lock.
 std::optional<std::int64_t> ClipSound::missing() {
     if (!has_track_) return std::nullopt;
     for (std::int64_t number = wanted_; number <= wanted_ + ahead; ++number)
@@ -169,7 +169,7 @@ void ClipSound::take_file(std::unique_lock<std::mutex>& lock, std::unique_ptr<So
     lock.unlock();
     auto opened = SoundTrack::open(file);
     lock.lock();
-    if (is_new_) return;  // another one meanwhile
+    if (is_new_) return;  // another file meanwhile
     track = opened ? std::move(*opened) : nullptr;
     if (!opened) fault_ = opened.error().message;
     has_track_ = track != nullptr;
@@ -178,7 +178,7 @@ void ClipSound::take_file(std::unique_lock<std::mutex>& lock, std::unique_ptr<So
 
 void ClipSound::run() {
     std::unique_ptr<SoundTrack> track;
-    std::int64_t next = 0;  // that `track` goes on with
+    std::int64_t next = 0;  // the block that `track` reads next
     std::array<StereoSample, block> samples{};
     std::unique_lock lock(mutex_);
     while (true) {
@@ -195,7 +195,7 @@ void ClipSound::run() {
         track->read(samples);
         next = *number + 1;
         lock.lock();
-        // A block that is not wanted any more by now would take the place of what is heard.
+        // A block that is no longer wanted would replace an audible one.
         if (is_new_ || *number < wanted_ || *number > wanted_ + ahead) continue;
         Block& to = place_of(*number);
         to.number = *number;
@@ -204,7 +204,7 @@ void ClipSound::run() {
     }
 }
 
-/// Samples of the clip for one that is heard; brings the place to where the tick is.
+/// Samples of the clip per output sample; moves the position toward the tick's.
 double ClipVoice::step_to(const HeardTick& tick) {
     const HeardClip& clip = tick.clip;
     const double target = static_cast<double>(clip.at_ns) * samples_per_ns;
@@ -215,7 +215,7 @@ double ClipVoice::step_to(const HeardTick& tick) {
         epoch_ = clip.epoch;
         follows_ = true;
     } else if (jumps) {
-        follows_ = false;  // once it has faded
+        follows_ = false;  // jumps after fading
     }
     const double error_s = (target - position_) / SoundTrack::rate;
     return speed * (1 + std::clamp(error_s / correction_s, -most_correction, most_correction));
@@ -229,7 +229,7 @@ void ClipVoice::add(const HeardTick& tick, ClipSound& sound, ContactSound::Sampl
     }
     const double step = step_to(tick);
     constexpr auto count = static_cast<std::size_t>(ContactSound::samples_per_tick);
-    // Those of the next tick too: before samples that are not there it has to have faded.
+    // Includes the next tick's samples: the sound must fade before missing ones.
     std::array<StereoSample, static_cast<std::size_t>(2 * count * (fastest + 1)) + 4> samples;
     const double first = std::floor(position_) - 1;
     const std::size_t needed = static_cast<std::size_t>(2 * step * count) + 5;
@@ -249,14 +249,14 @@ void ClipVoice::add(const HeardTick& tick, ClipSound& sound, ContactSound::Sampl
 void HeardSound::render(const HeardTick& tick, ClipSound& clip, ContactSound::Samples& samples) {
     contacts_.render(tick, samples);
     clip_.add(tick, clip, samples);
-    // Another loudness is glided to: a step would click.
+    // Ramps a changed loudness: a step would click.
     const float from = std::exchange(loudness_, tick.loudness),
                 step = (loudness_ - from) / static_cast<float>(samples.size());
     float loudness = from;
     spoken_.add(tick.spoken, tick.spoken_number, tick.muted, samples);
     for (StereoSample& sample : samples) {
         loudness += step;
-        // A damaged track may give anything.
+        // A damaged track may have any values.
         sample.left = std::isfinite(sample.left) ? loudness * std::clamp(sample.left, -1.0F, 1.0F) : 0;
         sample.right = std::isfinite(sample.right) ? loudness * std::clamp(sample.right, -1.0F, 1.0F) : 0;
     }
@@ -269,7 +269,7 @@ void HeardTicks::push(const HeardTick& tick) {
     pushed_.store(at + 1, std::memory_order_release);
 }
 
-/// The tick to be heard now, where `wanted` more are to follow in this call.
+/// The tick to render now; `wanted` more follow in this call.
 HeardTick HeardTicks::next(std::uint64_t wanted) {
     std::uint64_t at = popped_.load(std::memory_order_relaxed);
     const std::uint64_t end = pushed_.load(std::memory_order_acquire);
@@ -307,8 +307,8 @@ void FilmedSound::skip_to(std::int64_t now_ms, const HeardTick& tick, ClipSound&
     next_ms_ = std::max(next_ms_, now_ms);
 }
 
-/// No tick comes before its time. Where one would be placed later than now, an earlier one had come late, so
-/// it is left out, but for what happened in it.
+/// Ticks are not placed before their time. A tick that would be placed later than now follows one that came
+/// late: it is dropped, except for its events.
 void FilmedSound::take(const HeardTick& tick, std::int64_t passed, ClipSound& clip, std::int64_t now_ms) {
     if (aligns_.exchange(false, std::memory_order_relaxed) || passed > longest_skip_ms)
         skip_to(now_ms, tick, clip);

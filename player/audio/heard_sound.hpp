@@ -1,13 +1,13 @@
 #pragma once
 
-// The parts of what is heard, and their mixture.
+// The sources of sound, and their mixer.
 //
-// ClipSound decodes a clip's own track ahead on a thread of its own, and ClipVoice plays it at the clip's
-// moments and speed; SpokenVoice says a SpokenSound (window_sound.hpp); ContactSound is what fingers feel.
-// HeardSound is all three, a millisecond at a time. HeardTicks brings ticks from a session's thread to the
-// thread of a SoundDevice, FilmedSound keeps a film's sound in step with its pictures.
+// ClipSound decodes a clip's own track ahead on a separate thread, and ClipVoice plays it at the clip's time
+// and speed; SpokenVoice plays a SpokenSound (window_sound.hpp); ContactSound renders contacts. HeardSound
+// mixes all three, a millisecond at a time. HeardTicks passes ticks from a session's thread to the thread of
+// a SoundDevice; FilmedSound keeps a film's sound in sync with its pictures.
 //
-// Each object is one thread's, but for ClipSound and HeardTicks, whose functions name theirs.
+// Each object belongs to one thread, except ClipSound and HeardTicks, whose functions name theirs.
 
 #include <array>
 #include <atomic>
@@ -28,38 +28,36 @@
 
 namespace touchable {
 
-/// Says one sound after the other, each from its begin; what is heard besides is softer meanwhile.
+/// Plays one sound after another from its start; other sound is softer meanwhile.
 class SpokenVoice {
 public:
-    /// Adds the next millisecond to `to`. `sound` outlives it; null: none. `number`: another one begins it.
+    /// Adds the next millisecond to `to`. `sound` must outlive it; null: none. A new `number` starts it.
     void add(const SpokenSound* sound, std::uint32_t number, bool is_muted, ContactSound::Samples& to);
 
 private:
-    static constexpr float beside = 0.35F;  // of what is heard besides
+    static constexpr float beside = 0.35F;  // factor on other sound
     const SpokenSound* sound_ = nullptr;
     std::uint32_t number_ = 0;
-    std::size_t next_ = 0;  // sample
-    float volume_ = 0;      // of what is said
-    float others_ = 1;      // of what is not
+    std::size_t next_ = 0;  // sample index
+    float volume_ = 0;      // of the spoken sound
+    float others_ = 1;      // of other sound
 };
 
-/// The sound track of the clip in the window. A thread decodes it, from where it was read last to two seconds
-/// after that.
+/// The sound track of the window's clip. A thread decodes from the last position read to two seconds ahead.
 class ClipSound : NonCopyable {
 public:
     ClipSound() = default;
     ~ClipSound();
 
-    /// From now on that of this file, if it has one, as it is now; the one before is silent at once. The
-    /// window's thread.
+    /// Switches to this file's track, if it has one; the previous one is silent at once. The window's thread.
     void open(const std::filesystem::path& file);
-    /// Copies the samples from `first` on; silence where there are none, or none yet, which is false. Any
-    /// thread; waits for no decoding.
+    /// Copies the samples from `first` on, with silence for missing ones; returns false without a track, or
+    /// if some are not decoded yet. Any thread; does not wait for decoding.
     bool read(std::int64_t first, std::span<StereoSample> to);
-    /// Why a clip with a sound track is silent, or in part; otherwise nothing. Any thread.
+    /// Why a clip with a sound track is silent, or in part; otherwise empty. Any thread.
     std::string fault() const;
 
-    static constexpr std::int64_t block = 4096;  ///< samples that are decoded at once
+    static constexpr std::int64_t block = 4096;  ///< samples decoded at once
     static constexpr std::int64_t ahead = 24;    ///< blocks
 
 private:
@@ -76,7 +74,7 @@ private:
 
     mutable std::mutex mutex_;
     std::condition_variable news_;
-    // Guarded by it.
+    // Guarded by `mutex_`.
     std::filesystem::path file_;
     bool is_new_ = false, stopping_ = false, has_track_ = false;
     std::int64_t wanted_ = 0;  // block
@@ -85,12 +83,12 @@ private:
     std::thread thread_;
 };
 
-/// The clip's sound at the clip's moments and speed: at half the speed an octave lower, as from a tape. Where
-/// ticks and samples come by clocks that differ, it is played up to 0.3 % faster or slower; a jump in the
+/// Plays the clip's sound at the clip's time and speed: at half the speed an octave lower, like a tape. To
+/// compensate different clocks of ticks and samples, it plays up to 0.3 % faster or slower; a jump in the
 /// clip's time is a fade of a millisecond on each side.
 class ClipVoice {
 public:
-    /// Adds the next millisecond.
+    /// Adds the next millisecond to `to`.
     void add(const HeardTick& tick, ClipSound& sound, ContactSound::Samples& to);
 
     static constexpr double fastest = 8;
@@ -103,36 +101,36 @@ private:
     std::uint64_t epoch_ = 0;
 };
 
-/// All that is heard: contacts, the clip's own sound, and what is said.
+/// Mixes all sound: contacts, the clip's own sound, and spoken sounds.
 class HeardSound {
 public:
-    /// The next millisecond; samples are within -1 and 1.
+    /// Renders the next millisecond; samples are within -1 and 1.
     void render(const HeardTick& tick, ClipSound& clip, ContactSound::Samples& samples);
 
 private:
     ContactSound contacts_;
     ClipVoice clip_;
-    float loudness_ = 1;  // of the tick before
+    float loudness_ = 1;  // of the previous tick
     SpokenVoice spoken_;
 };
 
-/// Ticks on their way from a session's thread to a sound device's, where they become sound. Neither waits for
-/// the other, and neither allocates. Their clocks differ: where the device lags, ticks are merged; where it
-/// is ahead, the last one goes on for a little, and then fades.
+/// Queue of ticks from a session's thread to a sound device's, which renders them. Neither waits for the
+/// other, and neither allocates. Their clocks differ: if the device lags, ticks are merged; if it is ahead,
+/// the last one continues for a short time, and then fades.
 class HeardTicks {
 public:
     explicit HeardTicks(std::shared_ptr<ClipSound> clip) : clip_(std::move(clip)) {}
-    /// What is said lives as long as this. Before anything else.
+    /// Keeps spoken sounds alive. Call before everything else.
     void keep(std::vector<std::shared_ptr<const SpokenSound>> sounds) { spoken_ = std::move(sounds); }
-    /// The session's thread. What finds no room is not heard.
+    /// The session's thread. Ticks that find no room are dropped.
     void push(const HeardTick& tick);
-    /// The device's thread: the next samples. What came before the first call is not heard.
+    /// The device's thread: renders the next samples. Ticks before the first call are dropped.
     void fill(std::span<StereoSample> samples);
 
     static constexpr std::size_t most_waiting = 256;
-    /// More than what a call needs waits for the next: sessions give ticks a few at a time.
+    /// Ticks left queued beyond a call's need, as sessions deliver a few at a time.
     static constexpr std::uint64_t slack = 12;
-    static constexpr int longest_bridge = 20;  ///< ticks that the last one goes on for
+    static constexpr int longest_bridge = 20;  ///< ticks for which the last one continues
 
 private:
     HeardTick next(std::uint64_t wanted);
@@ -140,7 +138,7 @@ private:
     std::array<HeardTick, most_waiting> ticks_{};
     alignas(64) std::atomic<std::uint64_t> pushed_{0};
     alignas(64) std::atomic<std::uint64_t> popped_{0};
-    // The device's.
+    // Data of the device's thread.
     alignas(64) HeardSound sound_;
     std::shared_ptr<ClipSound> clip_;
     std::vector<std::shared_ptr<const SpokenSound>> spoken_;
@@ -151,17 +149,17 @@ private:
     bool begun_ = false;
 };
 
-/// Keeps the sound of a film in step with its pictures, while sessions end and others begin. Within a session
-/// ticks count the time, and come a few at a time; between two sessions the film's own clock does.
+/// Keeps a film's sound in sync with its pictures across sessions. Within a session ticks count the time, and
+/// come a few at a time; between two sessions the film's clock does.
 class FilmedSound {
 public:
-    /// Takes samples; `first`: the number of the first of them in the film.
+    /// Receives samples; `first`: the film's number of the first one.
     using Keep = std::function<void(std::int64_t first, std::span<const StereoSample>)>;
     explicit FilmedSound(Keep keep) : keep_(std::move(keep)) {}
 
-    /// Another session begins, after a time without ticks. Any thread.
+    /// A new session begins, after a time without ticks. Any thread.
     void align() { aligns_.store(true, std::memory_order_relaxed); }
-    /// As WindowSound::take has it; `now_ms`: of the film.
+    /// Arguments as in WindowSound::take; `now_ms`: time of the film.
     void take(const HeardTick& tick, std::int64_t passed, ClipSound& clip, std::int64_t now_ms);
 
 private:
@@ -172,20 +170,20 @@ private:
     std::atomic<bool> aligns_{true};
     HeardSound sound_;
     std::int64_t next_ms_ = 0;
-    std::optional<HeardTick> early_;  // what happened in ticks that were left out
+    std::optional<HeardTick> early_;  // events of dropped ticks
     ContactSound::Samples samples_{};
 };
 
-/// Where samples at 48 kHz are heard: two channels of the system's own output. One thread's.
+/// The system's sound output: two channels at 48 kHz. One thread's.
 class SoundDevice {
 public:
-    static constexpr int buffer = 1920;  ///< samples that wait in it: 40 ms
+    static constexpr int buffer = 1920;  ///< samples queued in it: 40 ms
 
-    /// May take long where the system's sound does. Errors (ErrorKind::device) are a few words; so it is
-    /// where the program was built without ALSA.
+    /// As slow as the system's sound may be. Errors (ErrorKind::device) are a few words; one of them is that
+    /// the program was built without ALSA.
     static Result<std::unique_ptr<SoundDevice>> open();
     virtual ~SoundDevice() = default;
-    /// Whether there is room for so many samples, after `longest` at most.
+    /// Waits for room for `samples`, for `longest` at most; returns whether there is room.
     virtual Result<bool> wait_for(int samples, std::chrono::milliseconds longest) = 0;
     virtual Result<void> write(std::span<const StereoSample> samples) = 0;
 };

@@ -7,9 +7,9 @@ namespace {
 
 constexpr double most_press = 0.35, usual_press = 1.5;            // of the heavy motor; N
 constexpr double usual_knock = 0.06, usual_loosened = 0.3;        // m/s, N
-constexpr double usual_roughness = 0.02, usual_work = 0.05;       // N in a millisecond; W
-constexpr double knock_fades = 1 / 60.0, rough_fades = 1 / 25.0;  // of a tick
-constexpr double least_felt = 0.01;                               // a motor does not turn for less
+constexpr double usual_roughness = 0.02, usual_work = 0.05;       // N per millisecond; W
+constexpr double knock_fades = 1 / 60.0, rough_fades = 1 / 25.0;  // per tick
+constexpr double least_felt = 0.01;                               // motors do not turn below
 
 float motor(double value) {
     return value < least_felt ? 0 : static_cast<float>(std::min(value, 1.0));
@@ -72,7 +72,7 @@ struct GamepadRumble::Shared {
         const std::lock_guard lock(mutex);
         state = std::move(words);
     }
-    /// After a moment, whether to go on.
+    /// Waits a moment; returns whether to continue.
     bool goes_on() {
         std::unique_lock lock(mutex);
         return !stop.wait_for(lock, between_looks, [this] { return stopping; });

@@ -24,7 +24,7 @@ public:
         rumble({}, 0);
         pad_.reset();
         SDL_QuitSubSystem(SDL_INIT_GAMECONTROLLER);
-        SDL_TLSCleanup();  // what SDL keeps of a thread that it has not started
+        SDL_TLSCleanup();  // SDL's data of a thread that it did not start
     }
 
     std::string look() override {
@@ -36,7 +36,7 @@ public:
             if (SDL_IsGameController(k) != SDL_TRUE || without_rumble_.contains(id)) continue;
             pad_.reset(SDL_GameControllerOpen(k));
             if (pad_ && SDL_GameControllerHasRumble(pad_.get()) != SDL_TRUE) pad_.reset();
-            if (!pad_) without_rumble_.insert(id);  // one that comes back has another
+            if (!pad_) without_rumble_.insert(id);  // a reconnected gamepad has a new id
         }
         const char* const name = pad_ ? SDL_GameControllerName(pad_.get()) : "";
         return name ? name : "gamepad";
@@ -58,7 +58,7 @@ private:
 
 Result<std::unique_ptr<Gamepad>> Gamepad::open() {
     SDL_SetMainReady();
-    SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C is the program's
+    SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // the program handles Ctrl-C
     SDL_SetHint(SDL_HINT_JOYSTICK_ALLOW_BACKGROUND_EVENTS, "1");
     if (SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER) != 0) return device_error(SDL_GetError());
     return std::make_unique<SdlGamepad>();

@@ -24,7 +24,7 @@ std::string header_of(std::uint32_t bytes) {
     std::string header = "RIFF";
     put(header, header_bytes - 8 + bytes, 4);
     header += "WAVEfmt ";
-    put(header, 16, 4);  // bytes of what follows
+    put(header, 16, 4);  // bytes of the format block
     put(header, 1, 2);   // integers
     put(header, 2, 2);   // channels
     put(header, ContactSound::rate, 4);
@@ -36,18 +36,18 @@ std::string header_of(std::uint32_t bytes) {
     return header;
 }
 
-constexpr std::int64_t longest_gap = 1000;  // ticks: a computer that slept is no sound
+constexpr std::int64_t longest_gap = 1000;  // ticks; a longer gap means that the computer slept
 
 constexpr double seconds_per_tick = 0.001;
-constexpr double creep = 1e-4;  // m/s: slower than that it is stuck
-/// From a session's begin on, in which forces come back by the guard's ramp: what is new then is the surface,
-/// and no finger has met it.
+constexpr double creep = 1e-4;  // m/s; slower counts as stuck
+/// Ticks from a session's begin, while forces return by the guard's ramp: contacts then come from the new
+/// surface, not from a finger's motion.
 constexpr std::int64_t settling_ticks = 100;
 
 }  // namespace
 
-/// ALSA's "default", behind which PipeWire and PulseAudio stand too, on a thread of its own, which opens them
-/// at once. Nothing waits for them, and nothing fails where there are none.
+/// ALSA's "default" device, which may be PipeWire or PulseAudio, opened and fed by a separate thread. The
+/// window does not wait for it, and its absence is no error.
 class WindowSound::Loudspeakers : NonCopyable {
 public:
     explicit Loudspeakers(std::shared_ptr<HeardTicks> ticks) : shared_(std::make_shared<Shared>()) {
@@ -56,7 +56,7 @@ public:
             start_thread(thread_, "sound-output", "of the sound", [shared = shared_] { shared->run(); });
         if (!begun) shared_->say("no sound: " + begun.error().message);
     }
-    /// What hangs in the system's sound is left behind, after a second.
+    /// Abandons a thread that hangs in the system's sound, after a second.
     ~Loudspeakers() {
         if (!thread_.joinable()) return;
         shared_->stopping.store(true, std::memory_order_relaxed);
@@ -77,7 +77,7 @@ public:
     }
 
 private:
-    /// With the thread, which may outlive this.
+    /// Shared with the thread, which may outlive this.
     struct Shared {
         std::shared_ptr<HeardTicks> ticks;
         std::atomic<bool> stopping{false};
@@ -102,8 +102,8 @@ private:
             say("sound on");
             if (auto played = play(**device); !played) say("no sound any more: " + played.error().message);
         }
-        /// Until it is to stop. Some outputs of ALSA's take all at once, as fast as it comes: they get a
-        /// hundredth more than the time that has passed, which is more than a real one's clock goes too fast.
+        /// Runs until stopped. Some ALSA outputs accept everything at once: the rate is limited to 1 % above
+        /// real time, more than a real device's clock is fast.
         Result<void> play(SoundDevice& device) {
             using Clock = std::chrono::steady_clock;
             constexpr int block = 240;  // 5 ms
@@ -131,18 +131,18 @@ private:
     std::thread thread_;
 };
 
-/// A WAV file: two channels of 16 bits at 48 kHz. It has its name once it is complete, or as complete as a
-/// disk that became full let it be.
+/// A WAV file: two channels of 16 bits at 48 kHz. It gets its name once it is complete, or as complete as a
+/// full disk allows.
 class WindowSound::WavFile {
 public:
-    /// An error (ErrorKind::input) where nothing can be written there.
+    /// Fails (ErrorKind::input) if the file cannot be written.
     static Result<std::unique_ptr<WavFile>> create(const std::filesystem::path& file, Existing existing,
                                                    std::string name) {
         TRY_ASSIGN(auto opened, OutputFile::create(std::move(name), file, existing, Pace::wall_clock));
         TRY(opened->write(header_of(0)));
         return std::unique_ptr<WavFile>(new WavFile(std::move(opened)));
     }
-    /// What does not fit into a WAV file, after six hours, is left out.
+    /// Drops samples beyond a WAV file's maximum, which is reached after six hours.
     void add(std::span<const StereoSample> samples) {
         const auto bytes = static_cast<std::uint32_t>(samples.size()) * sample_bytes;
         if (is_faulty_ || bytes > most_wav_bytes - bytes_) return;
@@ -158,12 +158,12 @@ public:
         const std::lock_guard lock(mutex_);
         fault_ = written.error();
     }
-    /// Why nothing more is added; any thread.
+    /// Why writing stopped; any thread.
     std::optional<Error> fault() const {
         const std::lock_guard lock(mutex_);
         return fault_;
     }
-    /// Gives the file its name. An error where anything could not be written.
+    /// Gives the file its name. Fails if anything could not be written.
     Result<void> finish() {
         const auto whole = file_->flush();
         if (!whole && file_->size() <= header_bytes) return whole;
@@ -179,7 +179,7 @@ private:
     std::string words_;
     bool is_faulty_ = false;
     mutable std::mutex mutex_;
-    std::optional<Error> fault_;  // guarded by it
+    std::optional<Error> fault_;  // guarded by mutex_
 };
 
 WindowSound::WindowSound() = default;
@@ -266,7 +266,7 @@ HeardFinger TouchListener::hear(const TouchTick& tick, std::size_t finger) {
     heard.stiffness = static_cast<float>(contact.properties.stiffness);
     heard.side = static_cast<float>(2 * contact.pixel_x / width_ - 1);
     if (contact.touching && !before.touching) {
-        // As fast as the finger came, or the surface to one that rests: how deep it is after a tick.
+        // Speed of the finger, or of the surface against a resting finger: penetration after a tick.
         const glm::dvec3 depth = contact.proxy - contact.goal;
         const double length = glm::length(depth);
         const double came = length > 0 ? glm::dot(before.goal - contact.goal, depth) / length : 0;
@@ -278,7 +278,7 @@ HeardFinger TouchListener::hear(const TouchTick& tick, std::size_t finger) {
         const double way = glm::length(slipped);
         heard.slip = static_cast<float>(metres * way / seconds);
         heard.change = static_cast<float>(changed / std::max(contact.ticks, 1));
-        // Friction is along the way, and what presses is across it.
+        // Friction is along the slip; the pressing force is perpendicular to it.
         const double along = way > 0 ? glm::dot(force, slipped) / way : 0;
         heard.newtons = static_cast<float>(std::sqrt(std::max(newtons * newtons - along * along, 0.0)));
         if (before.stuck && heard.slip > creep) heard.let_go = static_cast<float>(changed);

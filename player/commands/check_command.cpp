@@ -20,13 +20,13 @@
 namespace touchable {
 namespace {
 
-/// One generated frame through all builders.
+/// Times and results of all builders for one generated frame.
 struct BuilderFacts {
     std::string scene;
     int width = 0, height = 0;
-    double reference_ms = 0, cpu_ms = 0, lazy_ms = 0;  ///< every pixel asked of the lazy one
-    std::optional<double> vulkan_ms;                   ///< nothing: there is no usable GPU
-    bool identical = false;  ///< codes, validity and bounds; depths, for the lazy one
+    double reference_ms = 0, cpu_ms = 0, lazy_ms = 0;  ///< lazy: all pixels read
+    std::optional<double> vulkan_ms;                   ///< nothing: no usable GPU
+    bool identical = false;  ///< codes, validity and bounds; for the lazy one depths
 };
 
 template <class Work>
@@ -60,7 +60,7 @@ Result<BuilderFacts> builder_facts(const char* name) {
     TRY_ASSIGN(auto source, make_scene(name, options));
     Scene scene = source->scene();
     scene.filter = {5, 2};
-    scene.depth.invalid_codes[0] = 0;  // the picture gets holes to fill
+    scene.depth.invalid_codes[0] = 0;  // makes holes to fill
     scene.depth.invalid_code_count = 1;
     derive_valid_range(scene.depth);
     const RawFrame raw = source->frame(0);
@@ -75,7 +75,7 @@ Result<BuilderFacts> builder_facts(const char* name) {
     bool same_lazily = false;
     facts.reference_ms = milliseconds([&] { build(make_reference_builder(scene), reference); });
     facts.cpu_ms = milliseconds([&] { build(make_cpu_builder(scene), cpu); });
-    const auto lazy_builder = make_lazy_builder(scene);  // its frames ask it for pixels, so it stays
+    const auto lazy_builder = make_lazy_builder(scene);  // its frames read pixels from it, so keep it
     facts.lazy_ms = milliseconds([&] {
         if (built) built = lazy_builder->build(raw, lazy);
         if (built) same_lazily = same_depths(lazy, reference);
@@ -114,7 +114,8 @@ struct MachineReport {
             if (!codec.present) found.push_back("FFmpeg here has no " + codec.name);
         for (const BuilderFacts& facts : builders)
             if (!facts.identical) found.push_back("the builders differ on " + facts.scene);
-        // No device is no fault, the CPU does the same work; one that does not do as it says is.
+        // A missing device is no fault, because the CPU does the same work; a device that computes wrongly
+        // is.
         if (vulkan.used && !vulkan.unusable.empty()) found.push_back(vulkan.unusable);
         return found;
     }
@@ -192,7 +193,7 @@ void print_json(const MachineReport& report, const std::vector<std::string>& fau
     std::cout << out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
 }
 
-/// Finds out one thing after the other, and says each (as text) as soon as it is known.
+/// Gathers the facts one by one; if `tell`, prints each as soon as it is known.
 Result<MachineReport> look_around(bool tell) {
     MachineReport report{cpu_facts(), timer_facts(), ffmpeg_facts(), {}, {}};
     if (tell) print_machine(report);
@@ -275,11 +276,10 @@ void add_device_options(CLI::App& check, DeviceCheckOptions& options) {
     check.get_option("--overwrite")->needs(device);
 }
 
-/// Prints what this machine is and whether it can do the work: CPU, timers, codecs, Vulkan, and the builders
-/// compared bit for bit. Fails (ErrorKind::check) where a clip could not be read or written, where a Vulkan
-/// device does not do as it says (none at all is no fault), or where builders differ. With a demand instead
-/// whether this machine is fast enough for that, from a short trial, and fails where it is not. With a device
-/// what that one does (device_check.hpp).
+/// Prints the facts of this machine and whether it suffices: CPU, timers, codecs, Vulkan, and the builders
+/// compared bit for bit. Fails (ErrorKind::check) if clips cannot be read or written, if a Vulkan device
+/// computes wrongly (no device is no fault), or if builders differ. With a demand: a short trial, which fails
+/// if this machine is too slow. With a device: run_device_check.
 Result<void> run_check(const CheckOptions& options) {
     if (options.device) return run_device_check(*options.device);
     if (options.demand)

@@ -18,7 +18,7 @@ Json length(const DepthLength& value) {
     return {value.constant, value.quadratic};
 }
 
-/// What filters leave on smooth places of the clip.
+/// Roughness that each tried filter set leaves on the clip's smooth places.
 Json tried_json(const std::vector<TriedFilters>& tried) {
     Json out = Json::array();
     for (const TriedFilters& one : tried) {
@@ -61,10 +61,10 @@ Kappa kappa_at(const Scene& scene, double depth) {
     return {depth, kappa_of_depth(scene, depth)};
 }
 
-/// Share of invalid stored values, the range of the valid ones, and how often these jump, in the first frame.
+/// From the first frame: share of invalid stored values, range of the valid ones, share of torn neighbours.
 void add_first_frame(const RawFrame& frame, ClipFacts& facts) {
     const DepthCoding& coding = facts.scene.depth;
-    std::vector<float> depths(65536);  // by code; 0: it is none
+    std::vector<float> depths(65536);  // by code; 0: invalid
     for (std::size_t code = 0; code < depths.size(); ++code)
         if (coding.is_valid(static_cast<std::uint16_t>(code)))
             depths[code] = static_cast<float>(coding.depth(static_cast<std::uint16_t>(code)));
@@ -120,7 +120,7 @@ std::string frames(std::int64_t count, const char* one, const char* several) {
     return std::to_string(count) + (count == 1 ? " frame " : " frames ") + (count == 1 ? one : several);
 }
 
-/// All that is found, in the order in which it matters for a hand. `where` points into `quality`.
+/// All findings, the most important for the hand first. Finding::where points into `quality`.
 class Findings {
 public:
     Findings(const ClipFacts& facts, const ClipQuality& quality) : facts_(facts), quality_(quality) {}
@@ -189,7 +189,7 @@ private:
                            : "frames that are of one place and one scale; depth of a network that is none in "
                              "metres is aligned where it is opened with --preset relative-inverse");
     }
-    /// Filters that measurement would choose, and that are off.
+    /// Filters that are off although measurement would choose them.
     void look_at_filters() {
         if (!facts_.measured) return;
         Scene automatic = facts_.scene;
@@ -296,12 +296,12 @@ private:
     std::vector<Finding> found_;
 };
 
-/// Whether it is anywhere in the first frame.
+/// Whether the finding marks any pixel of the first frame.
 bool is_marked(const Finding& finding) {
     return finding.where != nullptr && std::ranges::find(*finding.where, 1) != finding.where->end();
 }
 
-/// Of findings that are marked, one after the other. Those that are at the same places share a colour.
+/// Colour index of a marked finding, counted in order. Findings with the same `where` share a colour.
 std::size_t colour_index(const std::vector<Finding>& findings, std::size_t k) {
     std::vector<const void*> places;
     for (const Finding& finding : findings)
@@ -359,19 +359,19 @@ std::string measures_in_words(const ClipQuality& quality, bool has_colour) {
     return words + " rims " + number(fit.rim) + " wide";
 }
 
-/// Smooth places that lean farther to and fro feel rough.
+/// Smooth places whose slope varies by more than this feel rough.
 constexpr double rough_deg = 10;
-/// Filters that leave so much less than those that are on are worth a line.
+/// Filters that leave less than this share of the active filters' roughness are worth mentioning.
 constexpr double worth_while = 0.67;
 constexpr double many_holes_pct = 60, nearly_all_holes_pct = 90;
-/// Of neighbours that are no depth, mixed up bytes or packed numbers, a third and more are an octave apart;
-/// of a room's less than a twentieth.
+/// Share of neighbours an octave apart: a third and more if values are not depth but swapped bytes or packed
+/// numbers; below a twentieth for a room's depth.
 constexpr double much_torn = 0.2;
 
-/// What is guessed and would change what is felt by more than a tenth if it were wrong, or where colour is
-/// seen; what matters most first.
+/// Guesses that, if wrong, would change forces by more than a tenth or displace colour; the most important
+/// first.
 std::vector<std::pair<Guessed, const Remark*>> guesses_that_matter(const ClipFacts& facts) {
-    constexpr double much = 0.1, nearest = 0.1, farthest = 20;  // metres, of what lies before a camera
+    constexpr double much = 0.1, nearest = 0.1, farthest = 20;  // metres; usual distances of a camera's scene
     const double median = facts.measured ? facts.measured->median * facts.scene.metres_per_unit : 1;
     std::vector<std::pair<Guessed, const Remark*>> guesses;
     for (const Remark& remark : facts.scene.remarks) {
@@ -411,13 +411,13 @@ const char* name_of(Guessed guessed) {
     return "";
 }
 
-/// The guess that matters most, and what says otherwise.
+/// Names the most important guess and how to correct it.
 std::string verdict_on_guess(Guessed guessed, const Remark& remark, const ClipFacts& facts) {
     const std::string play = "touchable play " + shell_word(facts.clip),
                       why = remark.what + (guessed == Guessed::unclear_unit && !remark.otherwise.empty()
                                                ? "; " + remark.otherwise
                                                : "");
-    // A clip of its own scene takes no such options (SceneDescription).
+    // A clip with its own scene takes no such options (SceneDescription).
     const bool takes_options = !remark.hints.empty();
     const auto cure = [&](const std::string& by_option) {
         return takes_options
@@ -472,7 +472,7 @@ Json filters_json(const Scene& scene, const std::optional<ChosenFilters>& chosen
     out["in_words"] = filters_in_words(scene, chosen);
     if (measured) out["measured"] = measured_json(*measured);
     if (!chosen) return out;
-    // A reach is no choice of its own where removal is none, or is chosen with it.
+    // List the reach only if terrace removal is on and was not itself chosen.
     FilterSet told = chosen->chosen;
     told.terrace_reach = told.terrace_reach && !told.terraces && filter.terraces == TerraceRemoval::on;
     out["chosen"] = Json::array();

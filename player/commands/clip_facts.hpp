@@ -12,35 +12,34 @@
 
 namespace touchable {
 
-/// The filters that a scene has, in words and for a program, which of them were chosen by measurement, and
-/// what was measured: docs/forces.md.
+/// A scene's filters in words and as values, which of them were chosen by measurement, and the measurements:
+/// docs/forces.md.
 nlohmann::ordered_json filters_json(const Scene& scene, const std::optional<ChosenFilters>& chosen,
                                     const std::optional<MeasuredDepth>& measured);
 
-/// How steep one step of the depth staircase feels: depth step of one code / width of one pixel, at that
-/// depth.
+/// Steepness of one step of the depth staircase: depth step of one code / width of one pixel at that depth.
 struct Kappa {
     double depth = 0;  ///< scene units
     double kappa = 0;
 };
 
-/// All that `info` says of a clip.
+/// All facts of a clip that `info` prints.
 struct ClipFacts {
     std::string clip;
-    Scene scene;                          ///< as it is touched
-    std::optional<ChosenFilters> chosen;  ///< nothing: all filters are stated
+    Scene scene;                          ///< as applied for touch
+    std::optional<ChosenFilters> chosen;  ///< nothing: all stated
     std::vector<TrackInfo> tracks;
     std::optional<std::int64_t> frames;
     std::vector<std::string> notes;
-    std::string unit_doubt;  ///< one of the notes; empty: the unit may be right
+    std::string unit_doubt;  ///< one of the notes; empty: the unit is plausible
     double fov_x_degrees = 0, fov_y_degrees = 0;
-    double invalid_pct = 0;  ///< of the first frame's stored values
+    double invalid_pct = 0;  ///< share of the first frame's stored values
     double nearest = 0,
-           farthest = 0;  ///< valid depths of the first frame, scene units; both 0: none is valid
-    /// Share of the first frame's neighbours of which one is more than twice as deep as the other.
+           farthest = 0;  ///< valid depths of the first frame, scene units; both 0: none
+    /// Share of the first frame's neighbouring pixels with depths that differ by more than a factor of 2.
     double torn = 0;
     std::optional<MeasuredDepth> measured;  ///< nothing: no pixel of the first frames is valid
-    Kappa near, mid, far;  ///< at the near plane (metric without one: at `nearest`), between, at far
+    Kappa near, mid, far;  ///< at the near plane (metric without one: `nearest`), between, at far
 
     bool has_track(const std::string& role) const {
         return std::ranges::find(tracks, role, &TrackInfo::role) != tracks.end();
@@ -50,21 +49,21 @@ struct ClipFacts {
 /// Reads the description and the first frames; both can fail.
 Result<ClipFacts> clip_facts(const ClipChoice& choice);
 
-/// Something of a clip that would feel wrong.
+/// A fault of a clip that would feel wrong.
 struct Finding {
     std::string name;  ///< one word, for a program: "registration"
-    std::string what;  ///< for a person, with its figures
-    std::string mend;  ///< what helps: a command, or where there is none what to do
-    /// Pixels of the first frame, 1 where it is; nothing: it has no place.
+    std::string what;  ///< for the user, with figures
+    std::string mend;  ///< the remedy: a command, or otherwise what to do
+    /// Mask of the first frame, 1 at affected pixels; nullptr: no place.
     const std::vector<std::uint8_t>* where = nullptr;
 };
 
 /// The first frame, darkened, with the places of findings in their colours.
 Image picture_of(const std::vector<Finding>& findings, const Image& first_frame);
-/// "red": of the k-th finding; empty where the first frame shows nothing of it.
+/// Colour name of the k-th finding, "red"; empty if it marks nothing in the first frame.
 std::string colour_of(const std::vector<Finding>& findings, std::size_t k);
 
-/// Where findings are to be drawn.
+/// The picture in which findings are drawn.
 struct VerifyPicture {
     std::optional<std::filesystem::path> file;
     Existing existing = Existing::keep;
@@ -73,27 +72,27 @@ struct VerifyPicture {
 /// A finding as it is printed.
 struct NamedFinding {
     std::string name, what, mend;
-    std::string colour;  ///< of its marks in the picture; empty: it has none there
+    std::string colour;  ///< of its marks in the picture; empty: no marks
 };
 
-/// What was found, and the measures by which it was decided.
+/// Findings and the measures behind them.
 struct Verified {
     std::vector<NamedFinding> findings;
-    bool drawn = false;  ///< into a picture
+    bool drawn = false;  ///< a picture was written
     nlohmann::ordered_json measures;
     std::string measures_in_words;
 };
 
-/// Reads the whole clip for what would feel wrong, and draws where.
+/// Reads the whole clip, finds faults that would feel wrong and draws their places.
 Result<Verified> verify_clip(const ClipChoice& choice, const ClipFacts& facts, const VerifyPicture& picture);
 
-/// Lines after the clip's facts.
+/// Lines to follow the clip's facts.
 std::string verified_in_words(const Verified& verified);
 /// Adds `findings` and `measures`.
 void add_verified(const Verified& verified, nlohmann::ordered_json& json);
 
-/// What a person who wants to touch a clip should do next, in one line: "good to touch: touchable play CLIP",
-/// or the one thing that would help most. With what reading all of it found, if that was done.
+/// The next step for a user who wants to touch the clip, in one line: "good to touch: touchable play CLIP",
+/// or the one change that would help most. `findings`: verify_clip's; nullptr: not run.
 std::string verdict_on(const ClipFacts& facts, const std::vector<NamedFinding>* findings);
 
 }  // namespace touchable

@@ -8,7 +8,7 @@ namespace touchable {
 
 namespace {
 
-/// Numbers between commas; fewer where one of them is none.
+/// Numbers separated by commas; empty if one of them is invalid.
 std::vector<double> numbers_in(std::string_view text) {
     std::vector<double> numbers;
     while (true) {
@@ -22,7 +22,7 @@ std::vector<double> numbers_in(std::string_view text) {
     }
 }
 
-/// Pixels are nearly as high as wide: other focal lengths come of a comma in place of a point.
+/// Pixels are nearly square: other focal lengths are typed with a decimal comma.
 Result<std::optional<SourceDescription>> with_likely_pixels(SourceDescription known,
                                                             const std::string& typed) {
     constexpr double most = 2;
@@ -37,13 +37,13 @@ Result<std::optional<SourceDescription>> with_likely_pixels(SourceDescription kn
                        "FX,FY,CX,CY in pixels, with a decimal point, such as 525.5,525.5");
 }
 
-/// The name of a part of `--filters`.
+/// A filter's name in the list of `--filters`.
 std::string name_in_list(const FilterSetting& setting) {
     const std::string_view in_list = setting.in_list;
     return std::string(in_list.substr(0, in_list.find_first_of("[=")));
 }
 
-/// What is wrong with a part of the list; empty: nothing, and `choice` has it.
+/// Puts a part of the list into `choice`; returns what is wrong with it, or "".
 std::string why_not(const std::string& name, const std::optional<std::string>& value, FiltersChoice& choice) {
     if (name == "off" || name == "auto") return ": it stands alone, without other filters";
     std::vector<std::string> names;

@@ -1,8 +1,8 @@
 #pragma once
 
 // The subcommands of the program `touchable`. Each add_*_command adds the subcommand of its name to `app`.
-// When a person types that name, and once its words are read, it sets `command` to the function that does the
-// work; main.cpp calls that function, prints the error that it returns, and makes an exit code of it.
+// When that subcommand is parsed, it sets `command` to the function that does the work; main.cpp calls the
+// function, prints its error and turns it into an exit code.
 
 #include <functional>
 #include <span>
@@ -17,63 +17,61 @@ class Option;
 
 namespace touchable {
 
-/// The work that the command line asked for, with its options filled in.
+/// The chosen command's work, with its options filled in.
 using Command = std::function<Result<void>()>;
 
 /// A device, a program, a network or a data set, and how its depth is opened: a row of docs/formats.md.
 struct DepthSource {
-    const char* name;               ///< one word; that of its preset, if it has one
+    const char* name;               ///< one word; its preset's name, if it has one
     const char* what;               ///< in words
-    const char* files;              ///< that it writes
-    const char* command;            ///< for one of these
-    const char* read;               ///< from the files; "by its name" where a name is evidence
-    const char* guessed;            ///< some of: camera, unit, scale, rate, planar, coding; or "nothing"
-    const char* heading = nullptr;  ///< of the rows from this one on, where it begins them
+    const char* files;              ///< files that it writes
+    const char* command;            ///< to open one of them
+    const char* read;               ///< read from the files; "by its name" if a name is the evidence
+    const char* guessed;            ///< any of camera, unit, scale, rate, planar, coding; or "nothing"
+    const char* heading = nullptr;  ///< begins a group of rows
 };
-/// All of them. Any thread may ask.
+/// All sources. Any thread.
 std::span<const DepthSource> depth_sources();
 
-/// Gives `app` and all commands that were added to it --help, which is short where they have many options,
-/// and
-/// --help-all.
+/// Gives `app` and its commands --help, which is short for commands with many options, and --help-all.
 void set_help(CLI::App& app);
-/// The options of a command that stand under a topic, or under all; refused (ErrorKind::usage) with the names
-/// of the topics.
+/// The help on a command's options under `topic`, or under all. An unknown topic is refused
+/// (ErrorKind::usage) with the names of the topics.
 Result<std::string> help_on(const CLI::App& command, const std::string& topic);
-/// The value of an option as its help has it: "FILE", "on|off".
+/// An option's value as shown in help: "FILE", "on|off".
 std::string value_in_words(const CLI::Option& option);
-/// `text` in lines of at most so many columns, each behind so many spaces.
+/// `text` wrapped at `columns`, each line indented by `spaces`.
 std::string paragraph(const std::string& text, std::size_t spaces, std::size_t columns = 80);
-/// Every command, option and example of help, a line each, with tabs between the fields:
+/// Every command, option and example of the help, one per line with tab-separated fields:
 /// "command NAME WHAT USAGE", "option COMMAND TOPIC NAMES VALUE WORDS TEXT", "example COMMAND LINE".
 std::string option_table(const CLI::App& app);
 
 void add_make_command(CLI::App& app, Command& command);
-/// A window in which a clip is watched and touched.
+/// Opens a window in which a clip is watched and touched.
 void add_play_command(CLI::App& app, Command& command);
 void add_touch_command(CLI::App& app, Command& command);
 void add_info_command(CLI::App& app, Command& command);
-/// Where depth comes from, and what to type for it.
+/// Lists sources of depth and what to type for each.
 void add_formats_command(CLI::App& app, Command& command);
-/// Writes the scene file of pictures that have none, or of a clip that has it in it.
+/// Writes a scene file for pictures without one, or that of a clip which contains it.
 void add_init_scene_command(CLI::App& app, Command& command);
 void add_export_command(CLI::App& app, Command& command);
 void add_convert_command(CLI::App& app, Command& command);
-/// Writes a clip with heights that its colour suggests.
+/// Writes a clip with heights derived from its colour.
 void add_relief_command(CLI::App& app, Command& command);
 /// Writes a clip whose segments feel like materials.
 void add_materials_command(CLI::App& app, Command& command);
-/// Sends a clip or a camera to all that listen.
+/// Sends a clip or a camera to all listeners.
 void add_serve_command(CLI::App& app, Command& command);
 /// Compares the forces of two runs of the same hand.
 void add_compare_command(CLI::App& app, Command& command);
-/// Draws force over time, or where the proxies went over a frame.
+/// Draws force over time, or the proxies' paths over a frame.
 void add_plot_command(CLI::App& app, Command& command);
-/// Which cameras are plugged in, and how they are touched.
+/// Lists plugged-in cameras and how to touch them.
 void add_cameras_command(CLI::App& app, Command& command);
-/// What this machine is and whether it can do the work, or what a device does.
+/// Tells whether this machine suffices, or measures a device.
 void add_check_command(CLI::App& app, Command& command);
-/// Which devices are connected and whether they are ready, and every word that --device takes.
+/// Lists connected devices, whether they are ready, and every word that --device takes.
 void add_devices_command(CLI::App& app, Command& command);
 
 }  // namespace touchable

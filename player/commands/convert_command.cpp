@@ -73,7 +73,7 @@ Result<ClipForm> read_form(const fs::path& out) {
                        "ends in / if it has a dot");
 }
 
-/// An option that would do nothing is refused.
+/// Refuses options without effect.
 Result<void> refuse_idle_options(const ConvertTyped& typed) {
     const auto only = [&](bool given, const char* option, const char* what) -> Result<void> {
         if (!given) return {};
@@ -136,7 +136,7 @@ Result<void> make_folder(const fs::path& folder) {
     return usage_error("'" + printable(folder.string()) + "' cannot be made: " + failure.message());
 }
 
-/// What a clip of this name is called in a folder: "a/b.bag" is "b.mkv", and so is "a/b/scene.json".
+/// File name for a clip in an output folder: "b.mkv" for "a/b.bag" and for "a/b/scene.json".
 fs::path name_in_folder(const fs::path& clip) {
     std::error_code ignored;
     fs::path whole = fs::absolute(clip, ignored).lexically_normal();
@@ -145,7 +145,7 @@ fs::path name_in_folder(const fs::path& clip) {
     return (name.empty() ? std::string("clip") : name) + ".mkv";
 }
 
-/// Where each clip goes.
+/// Output file of each clip; two clips with the same one are refused.
 Result<std::vector<fs::path>> places(const std::vector<fs::path>& clips, const fs::path& folder) {
     std::map<fs::path, fs::path> taken;
     std::vector<fs::path> outs;
@@ -171,7 +171,7 @@ CLI::Option* ManyClips::add_option(CLI::App& sub, const std::string& out) {
 Result<void> ManyClips::for_each(const fs::path& first, Existing existing, const One& one) const {
     const fs::path& out = rest.back();
     if (!is_for_several()) return one(first, out);
-    // A folder that is there may be a clip, of pictures: that it is meant as a place its name says.
+    // An existing folder may be a clip of pictures, so an output folder's name must end in a slash.
     if (out.has_filename())
         return usage_error("'" + printable(out.string()) +
                            "' is no folder, and several clips go into one; must be FOLDER/");

@@ -1,9 +1,9 @@
 #pragma once
 
-// Writing clips: `convert`, and the commands that make something of a clip before they write it (relief,
-// materials). run_convert reads a clip once, writes it in another form, and says what was lost; ManyClips
-// does the work of one such command on several clips, which go into one folder. PlaneLoss is how a loss is
-// measured. All of it is for the main thread; files are written whole or not at all.
+// Writing clips: `convert`, and the commands that change a clip before they write it (relief, materials).
+// run_convert reads a clip once, writes it in another form, and reports losses; ManyClips runs such a command
+// on several clips, which go into one folder. PlaneLoss measures a loss. All of it is for the main thread;
+// files are written whole or not at all.
 
 #include <CLI/CLI.hpp>
 #include <array>
@@ -22,61 +22,60 @@
 
 namespace touchable {
 
-/// A moment of a clip as a person says it: the number of a frame, or its time.
+/// A moment of a clip as typed: a frame's number or its time.
 struct ClipMoment {
     std::int64_t frame = 0;
-    std::optional<std::int64_t> time_ns{};  ///< in place of the number
+    std::optional<std::int64_t> time_ns{};  ///< replaces the number
 };
 
-/// What a clip becomes, by its name.
+/// Output form, determined by the file name.
 enum class ClipForm {
     archive,     ///< NAME.mkv, NAME.mp4
     folder,      ///< a name without an extension, or that ends in /
     still,       ///< NAME.png: one frame
-    scene_text,  ///< NAME.bt: one frame, as the paper sends a static scene
-    mp4_still,   ///< NAME.mp4 with --still: the same in one file
+    scene_text,  ///< NAME.bt: one frame, a static scene as in the paper
+    mp4_still,   ///< NAME.mp4 with --still: the same scene in one file
     gltf,        ///< NAME.gltf
-    lerobot      ///< NAME.mp4 with --lerobot: depth as LeRobot has it
+    lerobot      ///< NAME.mp4 with --lerobot: depth as stored by LeRobot
 };
 inline bool is_one_frame(ClipForm form) {
     return form == ClipForm::still || form == ClipForm::scene_text || form == ClipForm::mp4_still;
 }
 
 struct ConvertOptions {
-    ClipChoice clip;  ///< of which filters do not count
+    ClipChoice clip;  ///< its filters are ignored
     std::filesystem::path out;
     ClipForm form = ClipForm::archive;
     Existing existing = Existing::keep;
     ClipStorage storage{};           ///< of an archive
-    std::optional<ClipMoment> from;  ///< the first frame; nothing: the clip's
+    std::optional<ClipMoment> from;  ///< the first frame; nothing: the clip's first
     std::optional<ClipMoment> to;    ///< the last frame, or the time at which it ends
     std::int64_t every = 1;
     std::optional<ClipPart::Crop> crop;
     std::optional<PixelSize> size;
-    /// What is made of the clip before it is written, such as relief; nothing: the clip as it is.
+    /// Changes the clip before it is written, for example adds relief; null: no change.
     std::function<Result<std::unique_ptr<ClipReader>>(std::unique_ptr<ClipReader>)> content{};
-    std::vector<PlaneRole> made{};  ///< planes that `content` makes; all others are copied where they can be
+    std::vector<PlaneRole> made{};  ///< planes made by `content`; others are copied if possible
     bool still = false;             ///< --still: NAME.mp4 is a static scene
     bool lerobot = false;           ///< --lerobot: NAME.mp4 is LeRobot's video of depth
-    bool allow_lossy = false;       ///< that values of what is touched may change
+    bool allow_lossy = false;       ///< values of touch planes may change
 };
 
-/// Writes a clip in another form, or a part of it. Depth, haptic and height keep every value: what is written
-/// is read again and compared before it gets its name; colour too, and what it loses is printed. The clip
-/// itself is read once. A conversion that would lose more is refused (ErrorKind::usage) unless that is
-/// allowed; then the loss is printed.
+/// Writes a clip in another form, or a part of it. Depth, haptic and height keep every value; colour's loss
+/// is printed. The output is read back and compared before it gets its name. The clip itself is read once. A
+/// conversion that would lose more is refused (ErrorKind::usage) unless allowed; then its loss is printed.
 Result<void> run_convert(const ConvertOptions& options);
 
-/// What values of one plane became: of each pixel as it was, and the nearest one that there is now.
+/// Loss of one plane: compares each original pixel with the nearest pixel of the output.
 struct PlaneLoss {
     std::int64_t samples = 0, changed = 0;
-    int largest = 0;     ///< of a stored value
-    double squares = 0;  ///< of them, summed up
-    // Of depth.
-    bool is_recoded = false;                        ///< values mean something else now: depths are compared
-    std::int64_t pixels = 0;                        ///< that have a depth in both
-    double largest_metres = 0, squares_metres = 0;  ///< of these
-    std::int64_t appeared = 0, disappeared = 0;     ///< pixels that have a depth, and had none; and had one
+    int largest = 0;     ///< largest difference of a stored value
+    double squares = 0;  ///< sum of squared differences
+    // Depth only.
+    bool is_recoded = false;                        ///< the coding differs: depths are compared
+    std::int64_t pixels = 0;                        ///< pixels with a depth in both
+    double largest_metres = 0, squares_metres = 0;  ///< over `pixels`
+    std::int64_t appeared = 0, disappeared = 0;     ///< pixels that gained a depth; that lost it
 
     double rms() const { return samples > 0 ? std::sqrt(squares / static_cast<double>(samples)) : 0; }
     double rms_metres() const {
@@ -84,43 +83,41 @@ struct PlaneLoss {
     }
 };
 
-/// By PlaneRole.
+/// Indexed by PlaneRole.
 using PlaneLosses = std::array<PlaneLoss, all_roles.size()>;
 
-/// Adds what became of a frame of the scene `before` in one of the scene `now`, whose values mean the same;
-/// sizes may differ.
+/// Adds the loss between two frames with the same coding (`scene`); sizes may differ.
 void add_loss(const RawFrame& before, const RawFrame& now, const Scene& scene, PlaneLosses& losses);
 
-/// What was done, for a person.
+/// Result of a conversion, for the report.
 struct Converted {
-    std::vector<std::string> notes;  ///< remarks on the clip that was read
-    Scene scene;                     ///< of what was written
-    std::vector<TrackInfo> tracks;   ///< that it has
+    std::vector<std::string> notes;  ///< remarks on the source clip
+    Scene scene;                     ///< scene of the output
+    std::vector<TrackInfo> tracks;   ///< tracks of the output
     std::int64_t frames = 0;
     PlaneLosses losses;
-    std::string sound;                      ///< what became of it; empty: there is none
-    std::optional<ForceComparison> forces;  ///< where values of what is touched were lost
+    std::string sound;                      ///< what happened to the sound; empty: no sound
+    std::optional<ForceComparison> forces;  ///< if values of touch planes were lost
 };
 
 std::string report_to_text(const ConvertOptions& options, const Converted& done);
 
-/// CLIP OUT, or CLIP CLIP ... FOLDER/ as cp has it: what several clips become lies in the folder, as
-/// NAME.mkv. One that is there already is left out, so that work goes on where it was stopped, and several
-/// programs may work on the same clips.
+/// CLIP OUT, or CLIP CLIP ... FOLDER/ like cp: several clips become NAME.mkv in the folder. Existing outputs
+/// are skipped, so that interrupted work can be resumed and several programs may work on the same clips.
 struct ManyClips {
     std::vector<std::filesystem::path> rest;  ///< further clips, then OUT
 
-    /// Adds the words after CLIP, and gives them back. `out`: what OUT is.
+    /// Adds the words after CLIP and returns the option. `out`: description of OUT.
     CLI::Option* add_option(CLI::App& sub, const std::string& out);
 
-    /// Whether OUT is to be a folder. `rest` is not empty.
+    /// Whether OUT is a folder. `rest` must not be empty.
     bool is_for_several() const { return rest.size() > 1 || !rest.back().has_filename(); }
 
-    /// Names `out` last: what fails before that leaves none.
+    /// Converts one clip; `out` gets its name last, so that a failure leaves no file.
     using One =
         std::function<Result<void>(const std::filesystem::path& clip, const std::filesystem::path& out)>;
-    /// Does `one` for each of them. Of several, the error of one that fails is printed at once, and the
-    /// others are done; then the error is the first one's, with their number.
+    /// Calls `one` for each clip. With several clips a failure is printed at once and the others are still
+    /// converted; then returns an error of the first failure's kind with the number of failures.
     Result<void> for_each(const std::filesystem::path& first, Existing existing, const One& one) const;
 };
 

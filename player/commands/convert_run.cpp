@@ -28,7 +28,7 @@ namespace {
 void add_values(const PlaneView& before, const PlaneView& now, PlaneLoss& loss) {
     loss.samples += std::int64_t{before.width} * before.height * before.channels;
     if (same_samples(before, now)) return;
-    // The pixel of a smaller picture that stands for one of a larger.
+    // For each pixel of the original, the nearest pixel of the smaller picture.
     const std::vector<int> columns = nearest_samples(now.width, before.width),
                            rows = nearest_samples(now.height, before.height);
     for (int y = 0; y < before.height; ++y)
@@ -44,7 +44,7 @@ void add_values(const PlaneView& before, const PlaneView& now, PlaneLoss& loss) 
             }
 }
 
-/// Of a length along a pixel's ray, what of it is along the optical axis.
+/// Depth along the optical axis per unit of length along a pixel's ray.
 double axis_share(const Camera& camera, int x, int y) {
     const double right = (x - camera.cx) / camera.fx, down = (y - camera.cy) / camera.fy;
     return 1 / std::sqrt(1 + right * right + down * down);
@@ -74,7 +74,7 @@ void add_depths(const PlaneView& before, const Scene& scene, const PlaneView& no
         }
 }
 
-/// `may_be_exact`: the command has an option for that.
+/// `may_be_exact`: the command has --exact-colour.
 std::string loss_in_words(PlaneRole role, const PlaneLoss& loss, bool resized, bool may_be_exact) {
     if (loss.changed == 0 && !resized) return "every value kept";
     const std::string share =
@@ -108,7 +108,7 @@ std::string line(const std::string& name, const std::string& words) {
     return "  " + name + std::string(name.size() < 8 ? 8 - name.size() : 1, ' ') + words + "\n";
 }
 
-/// A still's files beside the one that was named.
+/// Names a still's additional files.
 std::string files_beside(const ConvertOptions& options, const Converted& done) {
     const bool is_text = options.form == ClipForm::scene_text;
     const auto opens_it = is_text ? options.out : still_files(options.out)[1];
@@ -119,7 +119,7 @@ std::string files_beside(const ConvertOptions& options, const Converted& done) {
     return words;
 }
 
-/// Those that a glTF scene names.
+/// Names the files of a glTF scene.
 std::string files_of_scene(const ConvertOptions& options, const Converted& done) {
     const std::string stem = options.out.stem().string();
     const bool has_colour =
@@ -140,7 +140,7 @@ std::string beside_lerobot_video(const ConvertOptions& options) {
 
 namespace fs = std::filesystem;
 
-/// A folder that is there already: an empty one is filled, one that such a run wrote may be replaced.
+/// Checks an existing output folder: an empty one is filled, one written by a conversion may be replaced.
 Result<void> check_folder(const ConvertOptions& options, const std::vector<NamedFile>& inputs) {
     std::error_code failure;
     if (!fs::exists(fs::symlink_status(options.out, failure))) return {};
@@ -166,7 +166,7 @@ bool is_mpeg4_still(ClipForm form) {
     return form == ClipForm::scene_text || form == ClipForm::mp4_still;
 }
 
-/// An MPEG-4 scene of pictures is of one moment.
+/// An MPEG-4 scene of pictures holds one frame.
 Result<void> check_frames(const ConvertOptions& options, const ClipReader& clip) {
     const auto frames = clip.frame_count();
     if (!is_mpeg4_still(options.form) || options.from || frames == 1) return {};
@@ -182,8 +182,8 @@ std::vector<fs::path> files_of_one_frame(const ConvertOptions& options) {
                                                 : still_files(options.out);
 }
 
-/// Which frames: those whose time begins before the end that was named. Times that other programs write are
-/// rounded: a frame's own is one that is nearer to it than another frame's can be.
+/// The frames whose time begins before the stated end. Other programs round their times, so a time within
+/// half of the shortest frame counts as the frame's own.
 ClipPart part_of(const ConvertOptions& options, const ClipReader& clip) {
     const FrameRate& rate = clip.scene().rate;
     ClipPart part{.every = options.every, .crop = options.crop};
@@ -199,7 +199,7 @@ ClipPart part_of(const ConvertOptions& options, const ClipReader& clip) {
     return part;
 }
 
-/// Whether that is one frame.
+/// Whether part_of selects a single frame.
 bool is_one_of(const ConvertOptions& options, const ClipReader& clip) {
     const ClipPart part = part_of(options, clip);
     const auto frames = clip.frame_count();
@@ -225,8 +225,7 @@ Result<void> check_places(const ConvertOptions& options, const ClipReader& reade
     return check_outputs({outputs, options.existing}, inputs);
 }
 
-/// What is read back to be compared has no name yet, or is in a hidden folder. Messages name what it is to
-/// be.
+/// Replaces the hidden temporary name of the output by its final name in a message.
 Error as_named(Error error, const ConvertOptions& options, const fs::path& written) {
     const bool is_file = options.form == ClipForm::archive || options.form == ClipForm::mp4_still ||
                          options.form == ClipForm::lerobot;
@@ -239,10 +238,10 @@ Error as_named(Error error, const ConvertOptions& options, const fs::path& writt
     return error;
 }
 
-/// What the planes of a frame are, in so few bytes that this is kept of every frame. By PlaneRole.
+/// Hashes of a frame's planes, small enough to keep for every frame. Indexed by PlaneRole.
 using FrameMark = std::array<std::uint64_t, all_roles.size()>;
 
-/// 0 of a plane that is not there.
+/// 0 for an absent plane.
 std::uint64_t mark_of(const PlaneView& plane) {
     if (plane.empty()) return 0;
     ByteHash hash;
@@ -261,8 +260,8 @@ FrameMark mark_of(const RawFrame& frame) {
     return mark;
 }
 
-/// What stays as it is stored: not planes that are made anew, not depth that is aligned or filled, nor those
-/// in whose place a map lies.
+/// Tracks to copy without recoding: not planes made by `content`, aligned or filled depth, or planes replaced
+/// by a map.
 ClipStorage::Copied tracks_to_copy(const ClipReader& clip, const ConvertOptions& options) {
     const StillMaps& maps = options.clip.maps;
     const auto is_other = [&](PlaneRole role) {
@@ -277,8 +276,7 @@ ClipStorage::Copied tracks_to_copy(const ClipReader& clip, const ConvertOptions&
     return copied;
 }
 
-/// The same of depth alone, whose values mean something else in each of both scenes (of one unit): what
-/// changes is a depth.
+/// As add_loss, for depth alone, between two scenes with different codings and the same unit.
 void add_recoded_loss(const RawFrame& before, const Scene& scene, const RawFrame& now, const Scene& recoded,
                       PlaneLosses& losses) {
     PlaneLoss& loss = losses[static_cast<std::size_t>(PlaneRole::depth)];
@@ -290,7 +288,7 @@ void add_recoded_loss(const RawFrame& before, const Scene& scene, const RawFrame
 class Conversion {
 public:
     explicit Conversion(const ConvertOptions& options) : options_(options) {}
-    /// `at_work`: what memory is needed for, once that is known.
+    /// `at_work`: set to what memory is needed for, once known.
     Result<void> run(std::string& at_work) {
         TRY_ASSIGN(auto clip, options_.clip.open());
         at_work = frames_in_words(clip->scene());
@@ -311,7 +309,7 @@ public:
         TRY(check_loss());
         TRY(open_writer());
         TRY(write());
-        // Only now are all of them there.
+        // Complete only after the whole clip was read.
         done_.notes = remarks_with_options(remarks_of(*source_));
         TRY_ASSIGN(const auto written, writer_->complete());
         if (auto checked = check(written); !checked) return as_named(checked.error(), options_, written);
@@ -321,8 +319,8 @@ public:
     }
 
 private:
-    /// The source for code that looks at it before it is written: each frame that is read is written as well,
-    /// and so the source is read once.
+    /// The source for a consumer that must see all frames (a stroke): each frame read is also written, so
+    /// that the source is read once.
     class Source final : public ClipReader {
     public:
         explicit Source(Conversion& conversion) : conversion_(conversion) {}
@@ -347,7 +345,7 @@ private:
     }
 
     bool is_recoded() const { return codes_ && !codes_->are_kept(); }
-    /// A video for LeRobot has no scene in it, and what describes it beside it has no name yet.
+    /// A video for LeRobot contains no scene, and its description beside it has no name yet.
     Result<std::unique_ptr<ClipReader>> reopened(const fs::path& written) const {
         if (!codes_) return open_clip(written);
         SceneDescription described(codes_->scene());
@@ -357,7 +355,7 @@ private:
         return open_video_clip(written.parent_path(), described, Colour::left_out, DepthAlignment::off);
     }
 
-    /// Samples of another size are others; where that is wanted it has to be said.
+    /// Refuses unstated losses: dropped planes, recoding or resizing need --allow-lossy.
     Result<void> check_loss() const {
         const auto& tracks = source_->tracks();
         const bool drops_touch = codes_ && std::ranges::any_of(tracks, [](const TrackInfo& track) {
@@ -387,7 +385,7 @@ private:
                            "; say --allow-lossy as well, and the report tells what is lost");
     }
 
-    /// Before anything is written.
+    /// Printed before anything is written.
     void say_what_mpeg4_cannot(const Scene& scene) const {
         const bool is_still = is_mpeg4_still(options_.form);
         if (!is_still && !(options_.form == ClipForm::archive && is_mp4_name(options_.out))) return;
@@ -447,12 +445,12 @@ private:
 
     bool is_of_one_frame() const { return source_->frame_count() == 1; }
 
-    /// A glTF scene of one frame has pictures.
+    /// A glTF scene of one frame holds pictures.
     bool holds_video() const {
         return options_.form == ClipForm::archive || (options_.form == ClipForm::gltf && !is_of_one_frame());
     }
 
-    /// What is kept of the clip's sound; says what becomes of it.
+    /// The clip's sound to keep; also fills in the report on it.
     std::optional<SoundPart> chosen_sound() {
         const fs::path file = sound_file_of(*source_);
         const auto sound = sound_of(file);
@@ -483,7 +481,7 @@ private:
         return codes_ ? codes_->of(sized) : sized;
     }
 
-    /// The source's next frame, which is written if it was not yet.
+    /// The source's next frame; writes it if not yet written.
     Result<std::optional<RawFrame>> next() {
         if (stop_requested()) return interrupted_error();
         auto frame = source_->next();
@@ -492,7 +490,7 @@ private:
         return frame;
     }
 
-    /// What readers will be given of it is known now: what its coding makes of colour, and all else as it is.
+    /// Marks the frame as readers will get it: colour as coded, all other planes unchanged.
     Result<void> write_frame(const RawFrame& frame) {
         progress_->at(++done_.frames);
         RawFrame stored = as_written(frame);
@@ -519,7 +517,7 @@ private:
         return {};
     }
 
-    /// What was written against what was to be.
+    /// Compares the output with the marks of the frames written.
     Result<void> compare(ClipReader& written) {
         Progress progress("comparing frame", done_.frames);
         for (std::int64_t number = 0; number < done_.frames; ++number) {
@@ -549,14 +547,14 @@ private:
 
     const ConvertOptions& options_;
     ClipPart part_;
-    std::int64_t from_ns_ = 0;  // where it begins, of the whole clip's time
+    std::int64_t from_ns_ = 0;  // start of the part in the clip
     std::unique_ptr<ClipReader> source_;
     std::unique_ptr<ClipWriter> writer_;
-    std::optional<ClipStorage::Copied> copied_;  // of a clip that is written with more than it has
+    std::optional<ClipStorage::Copied> copied_;  // for a clip whose content is changed
     std::optional<Progress> progress_;
-    std::vector<FrameMark> marks_;       // of what is to be read of the frames that were written
-    std::optional<Stroke> stroke_;       // over the source, where its size or its codes change
-    std::optional<LeRobotCodes> codes_;  // of a video for LeRobot
+    std::vector<FrameMark> marks_;       // of the frames as readers will get them
+    std::optional<Stroke> stroke_;       // over the source, if its size or codes change
+    std::optional<LeRobotCodes> codes_;  // for a video for LeRobot
     Converted done_;
 };
 

@@ -148,7 +148,7 @@ Json device_json(const DeviceReport& report) {
             {"connected", Json::parse(devices_in_json(report.connected)).at("devices")}};
 }
 
-/// A device that is open, and what its thread tells.
+/// An open device and its thread's times.
 struct MeasuredDevice {
     static constexpr std::size_t most_times = 1 << 20;
 
@@ -177,7 +177,7 @@ Result<MeasuredDevice> take_device(const std::string& words) {
     return measured;
 }
 
-/// Until it has a position; a person may have to home it first, or start a program.
+/// Waits for the first position; the user may have to home the device or start a program first.
 Result<void> wait_for_position(HapticDevice& device, int seconds) {
     std::vector<glm::dvec3> metres(static_cast<std::size_t>(device.fingers()));
     StatusLine line;
@@ -195,7 +195,7 @@ Result<void> wait_for_position(HapticDevice& device, int seconds) {
     return interrupted_error();
 }
 
-/// The haptic thread's time: a tick each millisecond, none made up for.
+/// The haptic thread's pace: a tick every millisecond; missed ticks are not made up for.
 class RealPace {
 public:
     TickPace pace() {
@@ -219,7 +219,7 @@ private:
     std::int64_t late_ = 0;
 };
 
-/// On a thread as the haptic one is; meanwhile `show` is called now and then.
+/// Runs `work` on a real-time thread like the haptic one; meanwhile calls `show` repeatedly.
 template <class Work, class Show>
 auto in_real_time(RealtimeGrant& grant, Work&& work, Show&& show) -> decltype(work()) {
     std::optional<decltype(work())> answer;
@@ -263,9 +263,9 @@ Result<void> watch(const MeasuredDevice& measured, int seconds, DeviceReport& re
     return {};
 }
 
-/// Whether a person at the terminal presses Enter, and nothing else before it.
+/// Whether the user at the terminal presses Enter and no other key before it.
 bool says_yes() {
-    tcflush(STDIN_FILENO, TCIFLUSH);  // what was typed before is no answer
+    tcflush(STDIN_FILENO, TCIFLUSH);  // earlier input is no answer
     std::cerr << "Take your hand off the handle, and leave it where it stays by itself. Then Enter: springs "
                  "of up to 1.5 N look\nfor the largest stiffness (a minute or less; Ctrl-C ends it at once). "
                  "n and Enter leaves that out. "
@@ -275,7 +275,7 @@ bool says_yes() {
            line[0] == '\n';
 }
 
-/// Why no spring may be tried; empty: one may.
+/// Why no spring may be tried; empty: allowed.
 std::string why_no_spring(const HapticDevice& device, bool hands_off) {
     if (device.capabilities().axes_driven == 0) return "it exerts no force";
     if (hands_off) return {};
@@ -284,7 +284,7 @@ std::string why_no_spring(const HapticDevice& device, bool hands_off) {
     return says_yes() ? std::string() : "it was left out";
 }
 
-/// What fails here is part of the report.
+/// A failure here becomes part of the report.
 Result<void> find_out_stiffness(const MeasuredDevice& measured, bool hands_off, DeviceReport& report) {
     report.no_stiffness = why_no_spring(*measured.device, hands_off);
     if (stop_requested()) return interrupted_error();

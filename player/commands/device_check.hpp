@@ -8,22 +8,22 @@
 
 namespace touchable {
 
-/// What was found out of a device: to read, and to attach to a fault. It names no person and no folder.
+/// Measurements of a device, also to attach to a bug report. Contains no names of users or folders.
 struct DeviceReport {
     std::string version;  ///< of this program
     std::string kernel;   ///< "Linux 6.1.0-18-amd64 x86_64"
-    std::string words;    ///< as behind --device, files without their folders
+    std::string words;    ///< the value of --device, files without their folders
     std::string name;
     int fingers = 0;
     DeviceLimits limits;
     DeviceCapabilities capabilities;
-    std::vector<ConnectedDevice> connected;  ///< those that these words drive
-    std::string thread;                      ///< what the reading thread was granted
-    std::int64_t late_ticks = 0;             ///< of the reading thread, by a millisecond and more
+    std::vector<ConnectedDevice> connected;  ///< devices that these words drive
+    std::string thread;                      ///< rights granted to the reading thread
+    std::int64_t late_ticks = 0;             ///< of the reading thread, late by 1 ms or more
     WatchFigures watch;
     DrivenFacts facts;  ///< while it was watched
     std::optional<StiffnessFinding> stiffness;
-    std::string no_stiffness;  ///< why there is none
+    std::string no_stiffness;  ///< why it was not measured
 };
 
 /// "falcon:firmware=/home/ada/novint.bin" as "falcon:firmware=novint.bin"; nodes in /dev stay.
@@ -32,19 +32,19 @@ std::string without_folders(const std::string& device);
 std::string to_text(const DeviceReport& report);
 nlohmann::ordered_json to_json(const DeviceReport& report);
 
-/// What is to be measured of a device, as on the command line.
+/// Options of a device's measurement, as on the command line.
 struct DeviceCheckOptions {
     std::string device;      ///< NAME[:key=value,...]
-    int seconds = 5;         ///< its reports are watched
-    int wait = 30;           ///< seconds, for its first position
-    bool hands_off = false;  ///< no hand is on it: springs may be tried without asking
+    int seconds = 5;         ///< duration of watching its reports
+    int wait = 30;           ///< seconds to wait for its first position
+    bool hands_off = false;  ///< no hand is on it: try springs without asking
     bool json = false;
     std::optional<std::filesystem::path> out;  ///< the report in words
     Existing existing = Existing::keep;
 };
 
-/// Opens the device and prints what it does; the largest stiffness only where a person says that no hand is
-/// on it. Leaves it without force. Fails (ErrorKind::device) where it cannot be opened, has no position in
+/// Opens the device and prints its measurements; the largest stiffness only if the user confirms that no hand
+/// is on it. Leaves it without force. Fails (ErrorKind::device) if it cannot be opened, has no position in
 /// time, or is lost.
 Result<void> run_device_check(const DeviceCheckOptions& options);
 

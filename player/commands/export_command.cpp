@@ -33,7 +33,7 @@ Error unwritable(const fs::path& place, const std::error_code& why) {
     return input_error(place.string() + " cannot be written: " + why.message() + "; name a folder that can");
 }
 
-/// Files of a folder that make room for others; they go back unless `discard` says that they are not needed.
+/// Moves a folder's files aside to make room for others; the destructor moves them back unless discarded.
 class Aside : NonCopyable {
 public:
     explicit Aside(fs::path place) : place_(std::move(place)), folder_(hidden_name(place_)) {}
@@ -43,7 +43,7 @@ public:
         if (made_) fs::remove(folder_, ignored);
     }
 
-    /// Takes the file of that name, if there is one.
+    /// Moves the file of that name aside, if it exists.
     Result<void> take(const char* name, Existing existing) {
         std::error_code failure;
         const auto status = fs::symlink_status(place_ / name, failure);
@@ -71,12 +71,11 @@ private:
     std::vector<const char*> names_;
 };
 
-/// A folder whose files appear together: until `commit` nothing is to be seen of them, and a folder that was
-/// not there appears with all of them in it. Where it is there already, an error half-way puts back what was
-/// there before.
+/// A folder whose files appear together: they are invisible until `commit`, and a new folder appears with all
+/// of them in it. In an existing folder an error half-way restores the earlier files.
 class StagedFolder {
 public:
-    /// `place`: where the files shall be; made, with its parents, where it does not exist.
+    /// `place`: the files' folder; created with its parents if missing.
     static Result<StagedFolder> create(const fs::path& place, Existing existing) {
         std::error_code failure;
         fs::path whole = fs::absolute(place, failure).lexically_normal();
@@ -88,14 +87,14 @@ public:
         return StagedFolder(whole, ground, existing);
     }
 
-    /// A file that shall have this name there: written to and closed before `commit`.
+    /// Adds a file with this name; write and close it before `commit`.
     NewFile& add(const std::string& name) {
         return *(files_[name] = std::make_unique<NewFile>(place_ / name, Existing::keep, ground_));
     }
 
     std::size_t count() const { return files_.size(); }
-    /// Of `names`, all that such a folder may hold, those not added go, too, where an earlier run left them.
-    /// They are replaced from the last to the first and appear from the first to the last.
+    /// `names`: all files that such a folder may hold; those not added are removed if an earlier run left
+    /// them. Old files go from the last to the first, new ones appear from the first to the last.
     Result<void> commit(std::span<const char* const> names) {
         return place_ == ground_ ? replace(names) : appear(names);
     }
@@ -120,7 +119,7 @@ private:
             return {};
         }
         fs::remove_all(hidden, failure);
-        // The folders made for it go again: remove() refuses folders that hold other files by now.
+        // Remove the folders created for it; remove() refuses folders that hold other files by now.
         for (fs::path p = above; p != ground_; p = p.parent_path()) fs::remove(p, failure);
         return done;
     }
@@ -148,12 +147,12 @@ private:
     }
 
     fs::path place_;
-    fs::path ground_;  ///< the nearest folder that was there: `place_` or one above it
+    fs::path ground_;  ///< the nearest existing folder: `place_` or one above it
     Existing existing_;
     std::map<std::string, std::unique_ptr<NewFile>> files_;
 };
 
-/// Every file `write_frame_files` may write.
+/// Every file that `write_frame_files` may write.
 constexpr std::array<const char*, 9> frame_file_names{"colour.png", "depth.png", "codes.png",
                                                       "codes.json", "valid.png", "haptic.png",
                                                       "height.png", "mesh.ply",  "scene.json"};
@@ -167,7 +166,7 @@ Image validity_image(const SurfaceFrame& surface) {
     return image;
 }
 
-/// The scene of the pictures that are written of one frame, so that their folder is a clip again.
+/// The scene of one frame's pictures, so that their folder is a clip again.
 Scene as_still(Scene scene, const RawFrame& raw) {
     const auto name_of = [](const PlaneView& plane, const char* name) {
         return plane.empty() ? std::string() : std::string(name);
@@ -183,7 +182,7 @@ Scene as_still(Scene scene, const RawFrame& raw) {
     return scene;
 }
 
-/// What codes mean, as a scene file says it of its own depth: filters may have made them finer.
+/// The codes' meaning in the form of a scene file's depth: filters may have made the codes finer.
 std::string codes_to_json(const SurfaceFrame& surface, Scene scene) {
     scene.depth = surface.coding;
     scene.depth_bits = 16;
@@ -194,8 +193,8 @@ std::string codes_to_json(const SurfaceFrame& surface, Scene scene) {
     return nlohmann::ordered_json{{"depth", whole.at("depth")}}.dump(2);
 }
 
-/// Writes one frame, raw and built, for `folder`, which is not committed. `surface` holds codes (not lazy) of
-/// `raw`.
+/// Writes one frame, raw and built, into `folder` without committing it. `surface`: built from `raw`, with
+/// codes (not lazy).
 Result<void> write_frame_files(StagedFolder& folder, const RawFrame& raw, const SurfaceFrame& surface,
                                const Scene& scene, bool with_mesh) {
     const Image validity = validity_image(surface);
@@ -236,7 +235,7 @@ Result<void> draw(PictureOrder& picture, const RawFrame& raw, const Scene& scene
     return picture.deliver(HeightField(scene, still), still, raw.colour, {});
 }
 
-/// `files`: how many there are so far.
+/// `files`: incremented by the number of files written.
 Result<void> export_frame(const RawFrame& raw, const Scene& scene, const SurfaceFrame& surface,
                           const ExportOptions& options, std::size_t& files) {
     if (options.out.empty()) return {};
@@ -255,7 +254,7 @@ Error beyond_the_end(const ExportOptions& options, std::int64_t wanted, std::int
                        std::to_string(frames - 1));
 }
 
-// Beyond any clip, and small enough to be counted past.
+// Beyond any clip's last frame, and small enough to be incremented.
 constexpr std::int64_t last_number = std::numeric_limits<std::int64_t>::max() - 1;
 
 /// "all", "A-B" or "A".
@@ -275,7 +274,7 @@ Result<void> read_frames(const std::string& text, ExportOptions& out) {
     return {};
 }
 
-/// Which frames, as typed: one of the two.
+/// --frame or --frames, as typed; only one is set.
 struct FramesTyped {
     std::optional<std::string> one, many;
 };
@@ -300,7 +299,7 @@ Result<void> read_words(const FramesTyped& typed, ExportOptions& out) {
     return read_frames(*typed.many, out);
 }
 
-/// Every file that may be written. Of a folder per frame, those whose folders are there already.
+/// Every file that may be written; with a folder per frame, only those in existing folders.
 std::vector<NamedFile> files_of(const ExportOptions& options) {
     std::vector<NamedFile> files;
     if (options.picture.file) files.push_back({"--picture", *options.picture.file});
@@ -321,7 +320,7 @@ std::vector<NamedFile> files_of(const ExportOptions& options) {
     return files;
 }
 
-/// One frame alone may suggest another scale than the clip, whose frame 0 is asked.
+/// Takes the scale from frame 0 of the clip; another frame may suggest another scale.
 Result<void> find_scale(ClipReader& reader, Scene& scene, SurfaceBuilder& builder) {
     if (scene.device_metres_per_unit) return {};
     TRY_ASSIGN(const auto first, reader.next());
@@ -332,7 +331,7 @@ Result<void> find_scale(ClipReader& reader, Scene& scene, SurfaceBuilder& builde
     return {};
 }
 
-/// Of frames with a folder each, those before the one that failed are whole, and stay.
+/// With a folder per frame, the frames before the failed one are whole and stay.
 Error with_what_stays(Error error, const ExportOptions& options, std::int64_t failed) {
     if (!options.folder_per_frame || options.out.empty() || failed <= options.first) return error;
     error.message += "; frames " + std::to_string(options.first) + " to " + std::to_string(failed - 1) +
@@ -340,7 +339,7 @@ Error with_what_stays(Error error, const ExportOptions& options, std::int64_t fa
     return error;
 }
 
-/// Of what is whole: the number of the frame after the last one, and how many files there are.
+/// Number of the frame after the last one exported, and the number of files written.
 struct Exported {
     std::int64_t number = 0;
     std::size_t files = 0;
@@ -371,7 +370,7 @@ Result<void> export_frames(ClipReader& reader, const Scene& scene, const ExportO
         if (stop_requested()) return interrupted_error();
         TRY_ASSIGN(auto raw, reader.next());
         if (!raw) break;
-        raw->epoch = 1;  // not that of the frame that told the scale
+        raw->epoch = 1;  // a new epoch, different from find_scale's
         progress.at(number);
         TRY(builder.build(*raw, surface));
         if (number < options.first) continue;
@@ -381,7 +380,7 @@ Result<void> export_frames(ClipReader& reader, const Scene& scene, const ExportO
     return {};
 }
 
-/// `at_work`: what memory is needed for, once that is known.
+/// `at_work`: set to what memory is needed for, once known.
 Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
     TRY(check_gpu_options(options.builder, options.picture.draws_on_gpu()));
     TRY_ASSIGN(auto clip, open_chosen(options.clip, Colour::wanted));
@@ -411,9 +410,9 @@ Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
 }
 
 /// Writes frames as pictures, mesh and scene description: colour.png, depth.png (as stored), codes.png
-/// (filtered, 16 bits), valid.png (0 or 255), haptic.png and height.png where the clip has them, mesh.ply,
-/// scene.json. The files of a frame appear together or not at all. The picture of a single frame is a file of
-/// its own.
+/// (filtered, 16 bits), valid.png (0 or 255), haptic.png and height.png if the clip has them, mesh.ply,
+/// scene.json. The files of a frame appear together or not at all. The picture of a single frame is a
+/// separate file.
 Result<void> run_export(const ExportOptions& options) {
     std::string at_work = "the frames of " + options.clip.file.string();
     return within_memory(at_work, [&] { return export_clip(options, at_work); });

@@ -1,6 +1,5 @@
-// `touchable formats`: where people's depth comes from and what to type for it, and the kinds of files behind
-// that. Each row of `rows` is a row of the table in docs/formats.md, and tests/import/sources_test.cpp opens
-// what it describes.
+// `touchable formats`: sources of depth, what to type for each, and the kinds of files. Each row of `rows` is
+// a row of the table in docs/formats.md; tests/import/sources_test.cpp opens each source.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
@@ -152,7 +151,7 @@ const DepthSource rows[] = {
      "touchable cloud.pcd", "depth, camera, colour", "unit"},
 };
 
-/// What the words in `guessed` mean, and what says better.
+/// Meaning of the words in `guessed`, and the options that correct them.
 constexpr std::pair<std::string_view, std::string_view> guesses[] = {
     {"camera", "camera: what it sees from left to right (--fov DEGREES, --intrinsics FX,FY)"},
     {"unit", "unit: metres that a stored 1 stands for (--depth-unit METRES)"},
@@ -162,7 +161,7 @@ constexpr std::pair<std::string_view, std::string_view> guesses[] = {
     {"coding", "coding: how depth is stored, by its values (--preset NAME)"},
 };
 
-/// Whether a row's example is of that kind of file.
+/// Whether a row's example uses this format.
 bool is_in_rows(const ClipFormat& format) {
     std::string command = format.command + typed_options(format.settings);
     if (const auto at = command.find(" play "); at != std::string::npos) command.erase(at, 5);

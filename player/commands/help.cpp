@@ -1,7 +1,6 @@
-// What --help prints. Options stand under topics, which are their CLI11 groups ("Camera"). A command with
-// many options shows those that most people need, two examples and the names of its topics; `--help TOPIC`
-// and
-// `--help-all` show the rest. Manual pages and completion are made of `option_table`: of the same options.
+// The text of --help. Options are listed under topics, which are their CLI11 groups ("Camera"). A command
+// with many options shows the common ones, two examples and the names of its topics; `--help TOPIC` and
+// `--help-all` show the rest. Manual pages and completion are made from the same options (`option_table`).
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -18,10 +17,10 @@ namespace {
 constexpr std::size_t line_width = 100;
 constexpr const char* arguments_topic = "Arguments";
 
-/// What most people need of a command that has many options.
+/// Short help of a command with many options.
 struct ShortHelp {
     std::string_view command;
-    std::vector<std::string> options;  ///< in this order; those that the command lacks are a fault
+    std::vector<std::string> options;  ///< in this order; the command must have them all
     std::array<const char*, 2> examples;
 };
 
@@ -85,7 +84,7 @@ bool is_word(const CLI::Option& option) {
     return !option.nonpositional();
 }
 
-/// Empty: help does not show it.
+/// Empty: hidden from help.
 std::string topic_of(const CLI::Option& option) {
     return is_word(option) && !option.get_group().empty() ? arguments_topic : option.get_group();
 }
@@ -96,7 +95,7 @@ std::string type_of(const CLI::Option& option) {
     return type.substr(0, type.find(":{"));
 }
 
-/// The words that a value may be; empty: no list of them is known.
+/// The allowed words of a value; empty: no list known.
 std::vector<std::string> words_of(const CLI::Option& option) {
     const std::string type = option.get_type_name();
     const std::size_t begin = type.find(":{");
@@ -111,7 +110,7 @@ std::string names_of(const CLI::Option& option) {
     return names + "--" + listed(option.get_lnames(), {}, ", --");
 }
 
-/// Few words stand where the name of the value would.
+/// A short list of words is shown in place of the value's name.
 bool shows_words_as_value(const CLI::Option& option) {
     constexpr std::size_t most = 26;
     return type_of(option) == "WORD" && listed(words_of(option), {}, "|").size() <= most;
@@ -130,7 +129,7 @@ std::string default_of(const CLI::Option& option) {
     return usual.empty() ? "" : " (default " + usual + ")";
 }
 
-/// Those of its words that its type does not show.
+/// The option's words, unless its type already shows them.
 std::vector<std::string> hidden_words_of(const CLI::Option& option) {
     const bool are_shown = shows_words_as_value(option) || type_of(option).find('|') != std::string::npos;
     return are_shown ? std::vector<std::string>() : words_of(option);
@@ -141,7 +140,7 @@ std::string text_of(const CLI::Option& option) {
     return described(option) + (words.empty() ? "" : ". Values: " + listed(words)) + default_of(option);
 }
 
-/// The first sentence, and as many words and what else of it fit `room`.
+/// The first sentence, plus as many allowed words and the default as fit into `room`.
 std::string short_text_of(const CLI::Option& option, std::size_t room) {
     const std::string whole = described(option), usual = default_of(option), more = ", ...";
     std::string text = whole.substr(0, std::min(whole.find(". "), whole.find("; ")));
@@ -158,7 +157,7 @@ std::string short_text_of(const CLI::Option& option, std::size_t room) {
     return text.size() + usual.size() > room ? text : text + usual;
 }
 
-/// All but hidden options, and the words first.
+/// All options except hidden ones, positional words first.
 std::vector<const CLI::Option*> options_of(const CLI::App& app) {
     auto options = app.get_options([](const CLI::Option* option) { return !topic_of(*option).empty(); });
     std::stable_partition(options.begin(), options.end(),
@@ -166,7 +165,7 @@ std::vector<const CLI::Option*> options_of(const CLI::App& app) {
     return options;
 }
 
-/// In the order of their first options, but what few people need last.
+/// In the order of their first options; expert options and help last.
 std::vector<std::string> topics_of(const CLI::App& app) {
     std::vector<std::string> topics;
     for (const CLI::Option* option : options_of(app))
@@ -186,7 +185,7 @@ std::string topics_in_words(const CLI::App& app) {
 
 // ---- Lines
 
-/// Two columns; the text begins below a head that is too long.
+/// Two columns; the text begins on the next line if the head is too long.
 std::string entry(const std::string& head, const std::string& text, std::size_t column) {
     const std::string lines = paragraph(text, column, line_width);
     if (head.size() + 4 > column) return "  " + head + "\n" + lines;

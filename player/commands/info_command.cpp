@@ -30,7 +30,7 @@ const char* kind_name(DepthCodingKind kind) {
     return names[static_cast<std::size_t>(kind)];
 }
 
-/// What codes are even steps of, where it is not depth.
+/// The quantity that codes divide evenly, unless it is depth.
 std::string values_of(const DepthCoding& coding) {
     if (coding.kind == DepthCodingKind::inverse) return " (1/depth)";
     if (coding.kind != DepthCodingKind::log) return "";
@@ -66,14 +66,14 @@ std::string range_words(const PropertyRange& range) {
     return formatted("%g..%g", range.min, range.max);
 }
 
-/// As terrace removal would see it.
+/// The scene with measured levels, as used by terrace removal.
 Scene with_levels(const ClipFacts& facts) {
     Scene scene = facts.scene;
     if (facts.measured) scene.filter.levels = facts.measured->levels;
     return scene;
 }
 
-/// How far levels are apart, and why their steps stay where they do.
+/// Level spacing, and the reason if the steps remain.
 std::string level_words(const ClipFacts& facts) {
     if (!facts.measured) return "not known: no pixel of the first frames is valid";
     const std::string words = levels_in_words(*facts.measured, facts.scene.metres_per_unit);
@@ -84,7 +84,7 @@ std::string level_words(const ClipFacts& facts) {
                         : "");
 }
 
-/// The same for a program.
+/// The same as JSON.
 Json terraces_json(const ClipFacts& facts) {
     const Scene scene = with_levels(facts);
     const auto working = working_codes(scene);
@@ -153,7 +153,7 @@ Json kappa_json(const ClipFacts& facts) {
     return {{"near", one(facts.near)}, {"mid", one(facts.mid)}, {"far", one(facts.far)}};
 }
 
-/// What the touch planes mean; of a clip without a haptic one, what stands for it.
+/// Ranges of the touch planes; for a clip without a haptic plane its default properties.
 void add_touch(const ClipFacts& facts, Json& out) {
     const Scene& scene = facts.scene;
     if (facts.has_track("haptic"))
@@ -173,7 +173,7 @@ void add_touch(const ClipFacts& facts, Json& out) {
             {"largest", largest_height(scene.height_coding, scene.depth)}};
 }
 
-/// Lines of a report for a person: a label, and what it is.
+/// Lines of a text report: a label and a value.
 class Lines {
 public:
     std::ostream& line(const std::string& label) {
@@ -187,7 +187,7 @@ private:
     std::ostringstream out_;
 };
 
-/// Between two frames, where each has its own time.
+/// Smallest and largest gap between frames that have their own times.
 struct GapsMs {
     double least, most;
 };
@@ -252,7 +252,7 @@ void tell_depth(const ClipFacts& facts, Lines& lines) {
                              << '\n';
 }
 
-/// Of a clip without a haptic plane, a note tells what stands for it.
+/// For a clip without a haptic plane, a note states its properties.
 void tell_touch(const ClipFacts& facts, Lines& lines) {
     const Scene& scene = facts.scene;
     if (facts.has_track("haptic"))
@@ -294,7 +294,7 @@ Json to_json(const ClipFacts& facts) {
     return out;
 }
 
-/// The same for a person, one fact a line.
+/// The same as text, one fact per line.
 std::string to_text(const ClipFacts& facts) {
     Lines lines;
     lines.plain() << facts.clip << (facts.scene.name.empty() ? "" : ": ") << printable(facts.scene.name)
@@ -306,7 +306,7 @@ std::string to_text(const ClipFacts& facts) {
     return lines.text();
 }
 
-/// The clip's scene as MPEG-4 has it; what that cannot say stands before it.
+/// The clip's scene as an MPEG-4 text, after comments on what MPEG-4 cannot express.
 std::string mpeg4_text(const ClipFacts& facts) {
     const mpeg4::ClipNodes::Streams streams{facts.has_track("colour"), facts.has_track("haptic"),
                                             facts.has_track("height")};
@@ -323,7 +323,7 @@ struct InfoOptions {
     VerifyPicture picture;
 };
 
-/// Prints what a clip is, for a person or (the same facts) as one JSON object.
+/// Prints a clip's facts, as text or as one JSON object.
 Result<void> print_facts(const InfoOptions& options) {
     TRY_ASSIGN(const auto facts, clip_facts(options.clip));
     std::optional<Verified> verified;
@@ -333,7 +333,7 @@ Result<void> print_facts(const InfoOptions& options) {
     const std::string verdict = verdict_on(facts, verified ? &verified->findings : nullptr);
     if (options.scene_text) {
         std::cout << mpeg4_text(facts);
-    } else if (options.json) {  // names of files need not be UTF-8
+    } else if (options.json) {  // file names need not be UTF-8
         Json json = to_json(facts);
         if (verified) add_verified(*verified, json);
         json["verdict"] = verdict;

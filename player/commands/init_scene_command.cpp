@@ -28,8 +28,8 @@ Result<void> write_text(const std::filesystem::path& target, const std::string& 
     return file.commit();
 }
 
-/// What opens the pictures as `target` describes them. Where it names them it does so from their own folder,
-/// so that it opens by itself only there.
+/// The command that opens the pictures with `target`. If `target` names the pictures, it does so relative to
+/// their folder, so it opens by itself only there.
 std::string opening(const std::filesystem::path& target, const std::filesystem::path& pictures,
                     bool is_folder, const Scene& scene) {
     std::error_code failure;
@@ -59,7 +59,7 @@ Result<void> run_init_scene(const InitSceneOptions& options) {
     TRY(write_text(target, scene_to_json(guessed), options.existing));
     std::cout << target.string() << " is written; "
               << opening(target, options.pictures, is_folder, guessed.scene) << " opens the pictures so\n";
-    for (const Remark& remark : guessed.scene.remarks)  // this scene file says the rest
+    for (const Remark& remark : guessed.scene.remarks)  // without hints: corrected in this scene file
         std::cout << "  " << (remark.hints.empty() ? remark_in_words(remark) : remark_with_options(remark))
                   << '\n';
     return {};

@@ -1,4 +1,4 @@
-// Commands that list what is plugged in: cameras and haptic devices.
+// Commands that list plugged-in cameras and haptic devices.
 #include "player/commands/commands.hpp"
 
 #include <CLI/CLI.hpp>

@@ -151,7 +151,7 @@ double nanoseconds(const timespec& t) {
            static_cast<double>(t.tv_nsec);
 }
 
-/// Tried on a thread of its own, which ends with what it was given.
+/// Tried on a thread of its own, so that the priority ends with it.
 bool may_run_realtime() {
     bool permitted = false;
     std::thread trial;
@@ -167,13 +167,13 @@ bool may_run_realtime() {
 constexpr int trial_ticks = 1000;
 constexpr double ms_per_second = 1000, us_per_ms = 1000;
 
-/// Fewer where they are large: some 6 of 1920x1080.
+/// Fewer frames if they are large: some 6 of 1920x1080.
 int trial_frames(const TouchDemand& demand) {
     const double pixels = static_cast<double>(demand.width) * demand.height;
     return static_cast<int>(std::clamp(12e6 / pixels, 4.0, 30.0));
 }
 
-/// A folder of temporary files, gone with this.
+/// A temporary folder, removed by the destructor.
 class ScratchFolder {
 public:
     static Result<ScratchFolder> create() {
@@ -204,7 +204,7 @@ double cpu_ms() {
     return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
 }
 
-/// A surface that moves in every frame. Colour is no part of touch.
+/// Writes a clip whose surface moves in every frame. Colour does not affect touch.
 Result<void> make_clip(const TouchDemand& demand, const fs::path& file, int frames) {
     SceneOptions options;
     options.width = demand.width;
@@ -218,7 +218,7 @@ Result<void> make_clip(const TouchDemand& demand, const fs::path& file, int fram
     return writer->finish();
 }
 
-/// Without those that were there before, in which threads are started and memory is fetched.
+/// Excludes frames read before, during which threads start and memory is allocated.
 Result<void> measure_frames(TouchSetup& setup, int frames, TrialFigures& figures) {
     SurfaceFeed& feed = *setup.feed;
     const auto before = static_cast<int>(feed.frames());
@@ -236,7 +236,7 @@ Result<void> measure_frames(TouchSetup& setup, int frames, TrialFigures& figures
     return {};
 }
 
-/// Between the last two frames, where nothing more is decoded.
+/// Runs between the last two frames, so that nothing is decoded.
 Result<void> measure_ticks(TouchSetup& setup, int frames, TrialFigures& figures) {
     setup.settings.ticks = trial_ticks;
     setup.settings.pair_of_tick = [&setup, frames](std::int64_t tick) {
@@ -252,7 +252,7 @@ Result<void> measure_ticks(TouchSetup& setup, int frames, TrialFigures& figures)
     return {};
 }
 
-/// Of the machine and of each deadline: other programs run too, and no two frames take the same time.
+/// Usable share of the machine and of each deadline: other programs run too, and frames' times vary.
 constexpr double usable_share = 0.9;
 
 std::string figure(double value) {
@@ -403,10 +403,10 @@ Result<TrialFigures> try_touch(const TouchDemand& demand) {
     SessionOptions options;
     options.clip.file = folder.path() / "trial.mkv";
     options.fingers = demand.fingers;
-    options.clip.filters = FiltersChoice::off();  // nothing is measured, so that every frame is decoded here
+    options.clip.filters = FiltersChoice::off();  // no survey reads frames before, so all are decoded here
     options.clip.filters.settings.median = 3;
     options.live = true;
-    const int frames = 2 + trial_frames(demand);  // the first two are read to find out where the surface is
+    const int frames = 2 + trial_frames(demand);  // the first two are read to place the hand
     TRY(make_clip(demand, options.clip.file, frames));
     TRY_ASSIGN(auto setup, setup_from_options(options));
     TrialFigures figures;
@@ -422,7 +422,7 @@ double TrialFigures::cpu_ms_per_second(const TouchDemand& demand) const {
 TrialVerdict judge(const TouchDemand& demand, const TrialFigures& figures, int cores) {
     const double frame_ms = ms_per_second / demand.rate;
     const double usable_ms = usable_share * cores * ms_per_second;
-    const double left_ms = usable_ms - figures.tick_cpu_us;  // us of a tick are ms of a second
+    const double left_ms = usable_ms - figures.tick_cpu_us;  // us per tick = ms per second
     struct Need {
         const char* what;
         double takes, may;

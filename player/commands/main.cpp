@@ -16,19 +16,19 @@
 namespace touchable {
 namespace {
 
-/// `app` knows which command was chosen, and with that which options there are.
+/// Prints the error with the options of `app`'s chosen command and returns the exit code.
 int fail(const CLI::App& app, const Error& error) {
     std::cout.flush();
     const auto chosen = app.get_subcommands();
     const auto knows = [&](const std::string& option) {
         return chosen.empty() || chosen[0]->get_option_no_throw(option) != nullptr;
     };
-    constexpr std::size_t longest = 2000;  // of a line that a person reads; names in it may be anything
+    constexpr std::size_t longest = 2000;  // characters of a line; names in it may be anything
     std::cerr << "touchable: " << printable(message_with_options(error, knows), longest) << '\n';
     return exit_code(error.kind);
 }
 
-/// What the program can do, on one screen.
+/// Lists all commands on one screen.
 Result<void> print_overview(const CLI::App& app) {
     std::cout << "touchable " << TOUCHABLE_VERSION
               << ". touchable FILE opens a window in which it is touched. More: touchable help COMMAND\n";
@@ -59,7 +59,7 @@ Result<void> print_help(const CLI::App& app, std::span<const std::string> words)
     return {};
 }
 
-/// The words behind `help`; command and topic of COMMAND --help TOPIC. Empty: neither is asked for.
+/// The words after `help`; COMMAND --help TOPIC counts as help COMMAND TOPIC. Empty: neither.
 std::vector<std::string> words_of_help(std::vector<std::string> words) {
     if (words.size() == 3 && (words[1] == "--help" || words[1] == "-h") && !words[2].starts_with('-'))
         return {words[0], words[2]};
@@ -79,7 +79,7 @@ bool is_clip(const CLI::App& app, int argc, char** argv) {
     return word != "help" && (looks_like_a_file || std::filesystem::exists(word, ignored));
 }
 
-/// The options of the chosen command, or all commands where none is.
+/// The chosen command's options, or all commands if none is chosen.
 std::vector<std::string> known_words(const CLI::App& app) {
     std::vector<std::string> words;
     const auto chosen = app.get_subcommands();
@@ -91,11 +91,11 @@ std::vector<std::string> known_words(const CLI::App& app) {
     return words;
 }
 
-/// CLI11's words for what is wrong, on one line, with the way to the right ones.
+/// CLI11's message on one line, with a hint to the correct usage.
 Error bad_usage(const CLI::App& app, const CLI::ParseError& error) {
     std::string message = error.what();
     const auto chosen = app.get_subcommands();
-    if (dynamic_cast<const CLI::ExtrasError*>(&error)) {  // which names them from the last to the first
+    if (dynamic_cast<const CLI::ExtrasError*>(&error)) {  // its own message names them in reverse order
         const auto words = app.remaining(true);
         const std::string first = words.empty() ? "" : words.front();
         const std::string meant = nearest_word(first, known_words(app));
@@ -208,7 +208,7 @@ int run_or_tell(int argc, char** argv) {
 }  // namespace touchable
 
 int main(int argc, char** argv) {
-    std::signal(SIGPIPE, SIG_IGN);  // a reader that goes away takes no files with it
+    std::signal(SIGPIPE, SIG_IGN);  // a reader that closes the pipe must not stop files from being completed
     const int code = touchable::run_or_tell(argc, argv);
     touchable::wait_for_given_up_gpus();
     if (touchable::abandoned_threads > 0) {

@@ -14,17 +14,17 @@ namespace touchable {
 
 namespace {
 
-/// What belongs to globes alone.
+/// Options of globes only.
 struct GlobeWords {
     GlobeMapFiles maps;
     std::optional<double> seconds_per_turn{}, axial_tilt{}, longitude{};
 };
 
-/// A generated clip as it is asked for.
+/// Options of a generated clip.
 struct MakeOptions {
-    std::string scene;                   ///< of scene_names()
+    std::string scene;                   ///< one of scene_names()
     std::filesystem::path out;           ///< a name that ends in .mkv or .mp4
-    Existing existing = Existing::keep;  ///< what becomes of an earlier file of that name
+    Existing existing = Existing::keep;  ///< treatment of an existing file of that name
     std::int64_t frames = 90;            ///< 1 to 1 000 000
     ClipStorage storage{};
     SceneOptions generator;
@@ -37,7 +37,7 @@ GlobeMap map_of(const StoredImage& picture) {
     return {image.view(), {}, image.width, image.height, image.channels, (1 << picture.bits) - 1};
 }
 
-/// A grey picture may be stored as one of colour.
+/// Converts a grey picture that is stored as colour.
 void make_grey(Image& image) {
     if (image.channels == 1) return;
     if (auto grey = as_grey(image)) image = std::move(*grey);
@@ -45,7 +45,7 @@ void make_grey(Image& image) {
 
 enum class MapKind { as_stored, grey };
 
-/// The map in a file; none where there is no file. It lies in `picture`.
+/// Reads a file's map into `picture`; no map if `file` is empty. The map refers to `picture`.
 Result<GlobeMap> read_map(const std::filesystem::path& file, MapKind kind, StoredImage& picture) {
     if (file.empty()) return GlobeMap{};
     if (stop_requested()) return interrupted_error();
@@ -62,7 +62,7 @@ double least_of(const GlobeMap& elevation) {
     return least;
 }
 
-/// White where the map of heights is above this level.
+/// White where the elevation map is above `level`.
 StoredImage mask_of(const GlobeMap& elevation, double level) {
     StoredImage mask{};
     mask.image = {elevation.width, elevation.height, 1, 1, {}};
@@ -86,7 +86,7 @@ std::string shore_in_words(const GlobeMaps::Shore& shore, bool told, bool has_ma
 
 Result<void> write_frames(const AnalyticScene& source, std::int64_t frames, ClipWriter& writer) {
     Progress progress("making frame", frames, Progress::InALog::lines);
-    // A frame is made while the one before is encoded; where no thread is to be had for that, in between.
+    // A frame is made while the previous one is encoded; if no thread is available, after it.
     const auto make = [&source](std::int64_t n) {
         return std::async([&source, n] { return source.frame(n); });
     };
@@ -101,7 +101,7 @@ Result<void> write_frames(const AnalyticScene& source, std::int64_t frames, Clip
     return {};
 }
 
-/// The scene, and what there is to say of its maps.
+/// The scene; `remark`: a line about its maps.
 Result<std::unique_ptr<AnalyticScene>> make_source(const MakeOptions& options, std::string& remark) {
     if (!options.maps.any()) return make_scene(options.scene, options.generator);
     StatusLine line;
@@ -159,7 +159,7 @@ void take_motion(const GlobeWords& words, SceneOptions& options) {
     options.first_longitude_degrees = words.longitude.value_or(himalaya);
 }
 
-/// Options as typed; what was not typed stays with the scene's own default.
+/// Options as typed; untyped options keep the scene's default.
 struct MakeWords {
     MakeOptions options;
     GlobeWords globe;
@@ -169,7 +169,7 @@ struct MakeWords {
                       *tilt_typed = nullptr, *tilt_direction_typed = nullptr;
 };
 
-/// Under another name other programs would take a clip for what it is not.
+/// With another extension other programs would misinterpret a clip.
 Result<void> check_name(const std::filesystem::path& out) {
     const std::string ending = small_letters(out.extension().string());
     if (ending == ".mkv" || ending == ".mp4") return {};
@@ -177,12 +177,12 @@ Result<void> check_name(const std::filesystem::path& out) {
                        "' does not end in .mkv (Matroska) or .mp4 (MPEG-4), which a clip is");
 }
 
-/// Scenes whose pixels know nothing of each other; published at 128x128.
+/// Scenes with independent pixels; published at 128x128.
 bool without_shape(std::string_view scene) {
     return scene == "noise" || scene == "cliffs" || scene == "grain";
 }
 
-/// An option that the scene would ignore is refused rather than ignored, and so are maps that lack another.
+/// Refuses options that the scene would ignore, and maps that need another map.
 Result<void> refuse_idle_options(const MakeWords& words) {
     const std::string& scene = words.options.scene;
     const GlobeMapFiles& maps = words.globe.maps;
@@ -247,14 +247,14 @@ Result<MakeOptions> read_words(const MakeWords& words) {
     return options;
 }
 
-/// Writes the clip, and says so on standard output. The same options give the same file, byte for byte.
+/// Writes the clip and reports it on standard output. The same options give the same file, byte for byte.
 Result<void> run_make(const MakeOptions& options) {
     TRY(check_outputs(Outputs{{{"OUT", options.out}}, options.existing}, options.maps.files()));
     std::string remark;
     TRY_ASSIGN(const auto scene, make_source(options, remark));
     const AnalyticScene& source = *scene;
     SceneDescription described(source.scene());
-    described.unstated.filters = all_unstated;  // what its frames ask for
+    described.unstated.filters = all_unstated;  // to be chosen from its frames
     TRY_ASSIGN(auto writer, create_named_clip(options.out, described, options.storage, options.existing));
     TRY(write_frames(source, options.frames, *writer));
     TRY(writer->finish());

@@ -10,21 +10,21 @@
 
 namespace touchable {
 
-/// A globe of maps as a person asks for one.
+/// Files and options of a globe made from maps.
 struct GlobeMapFiles {
     std::filesystem::path colour, elevation, mask, haptic;
     std::optional<double> sea_level{}, relief_percent{}, smoothing_degrees{};
 
     bool any() const { return !colour.empty() || !elevation.empty() || !mask.empty(); }
-    /// Those that are read, as they were named.
+    /// The files that are read, with their options.
     std::vector<NamedFile> files() const;
 };
 
-/// Maps with the pictures that they lie in.
+/// Maps with the pictures that hold their samples.
 struct ReadGlobeMaps {
     StoredImage colour{}, elevation{}, mask{}, haptic{};
     GlobeMaps maps;
-    std::string remark;  ///< one line: what was found of the sea level
+    std::string remark;  ///< one line about the sea level found
 };
 Result<std::unique_ptr<const ReadGlobeMaps>> read_globe_maps(const GlobeMapFiles& files);
 

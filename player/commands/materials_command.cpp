@@ -22,15 +22,15 @@ namespace {
 
 struct MaterialsOptions {
     ClipChoice clip;
-    std::filesystem::path out;   ///< NAME.mkv, NAME.png; empty: segments are only told
-    std::filesystem::path save;  ///< where the segments' names are written; empty: nowhere
+    std::filesystem::path out;   ///< NAME.mkv, NAME.png; empty: segments are only printed
+    std::filesystem::path save;  ///< output file of the segments' names; empty: none
     Existing existing = Existing::keep;
-    MaterialSettings materials{};             ///< of which `ranges` does not count
-    std::optional<std::int64_t> frame;        ///< that is described, or becomes NAME.png; nothing: the first
-    std::vector<std::filesystem::path> read;  ///< files that were read for this, beside the clip
+    MaterialSettings materials{};             ///< its `ranges` are ignored
+    std::optional<std::int64_t> frame;        ///< to describe or write as NAME.png; nothing: the first
+    std::vector<std::filesystem::path> read;  ///< other files read, besides the clip
 };
 
-/// Smaller segments without a name are not printed one by one.
+/// Unnamed segments smaller than this share are not printed one by one.
 constexpr std::int64_t told_permille = 5;
 
 std::string values_in_words(const HapticProperties& properties) {
@@ -51,7 +51,7 @@ std::string segment_line(const MaterialReport::Seen& segment, double of_pixels) 
     return line + ": " + values_in_words(segment.paint.feel.properties) + '\n';
 }
 
-/// With cuts the segments were found before, and their time is not known.
+/// `has_cuts`: the segments were found earlier, so the time it took is unknown.
 std::string report_in_words(const MaterialReport& report, const Scene& scene, bool has_cuts) {
     const double of_pixels = static_cast<double>(scene.width) * scene.height;
     std::vector<MaterialReport::Seen> told = report.segments;
@@ -82,8 +82,7 @@ std::string report_in_words(const MaterialReport& report, const Scene& scene, bo
     return words;
 }
 
-/// What was used, so that --segments does the same: the names, and the guesses of the first frame, to be
-/// corrected.
+/// Names for --segments that repeat this run: the given names, and the first frame's guesses for correction.
 SegmentNames used_names(const MaterialReport& report, const SegmentNames& given) {
     SegmentNames used;
     used.otherwise = given.otherwise;
@@ -111,7 +110,7 @@ SegmentNames used_names(const MaterialReport& report, const SegmentNames& given)
     return used;
 }
 
-/// What is cut of materials that a clip's own ranges do not hold.
+/// Prints where a material's values are clamped to the clip's own ranges.
 void say_what_is_cut(const MaterialReport& report, const HapticRanges& ranges) {
     for (const MaterialReport::Seen& segment : report.segments) {
         const auto say = [&](const char* what, double value, const PropertyRange& range) {
@@ -128,8 +127,8 @@ void say_what_is_cut(const MaterialReport& report, const HapticRanges& ranges) {
     }
 }
 
-/// Writes the clip with what its segments feel like, or one frame's haptic picture, or nothing; and tells of
-/// the segments, their materials and how steady they are.
+/// Writes the clip with its segments' materials, or one frame's haptic picture, or nothing; prints the
+/// segments, their materials and their stability.
 class MaterialsRun {
 public:
     explicit MaterialsRun(const MaterialsOptions& options) : options_(options) {}
@@ -174,7 +173,7 @@ private:
         return {};
     }
 
-    /// Tells of one frame, and writes its haptic picture where that is asked for.
+    /// Describes one frame and, if requested, writes its haptic picture.
     Result<void> look() {
         TRY_ASSIGN(auto clip, options_.clip.open());
         TRY(check_places(*clip));
@@ -201,7 +200,7 @@ private:
         return {};
     }
 
-    /// The picture of the frame that is asked for; all before it are followed.
+    /// The haptic picture of the chosen frame; segments are tracked through all frames before it.
     Result<Image> haptic_of(ClipReader& clip) {
         const std::int64_t wanted = options_.frame.value_or(0);
         Progress progress("looking at frame", wanted + 1);
@@ -233,8 +232,8 @@ private:
     const MaterialsOptions& options_;
     const std::shared_ptr<MaterialReport> report_ = std::make_shared<MaterialReport>();
     std::unique_ptr<NewFile> saved_;
-    Scene scene_;              // as it was read
-    bool had_haptic_ = false;  // as it was read
+    Scene scene_;              // of the source clip
+    bool had_haptic_ = false;  // of the source clip
 };
 
 constexpr std::int64_t last_segment_frame = 999'999'999;
@@ -244,12 +243,12 @@ struct MaterialsTyped {
     ManyClips many;
     MaterialsOptions options;
     bool list = false;
-    std::vector<std::string> materials, places;  // each with its own
+    std::vector<std::string> materials, places;  // places[k] belongs to materials[k]
     std::filesystem::path segments, map;
     std::string otherwise, frame;
 };
 
-/// "X,Y" or "X,Y,FRAME", of the first frame where it names none.
+/// "X,Y" or "X,Y,FRAME"; without FRAME the first frame.
 Result<PixelOfFrame> read_place(const std::string& text) {
     auto place = read_pixel_of_frame(text);
     if (!place)
@@ -260,7 +259,7 @@ Result<PixelOfFrame> read_place(const std::string& text) {
     return *place;
 }
 
-/// "NAME=MATERIAL" and where that is.
+/// "NAME=MATERIAL" and its place.
 Result<NamedSegment> read_named(const std::string& text, const std::string& place) {
     const std::size_t equals = text.rfind('=');
     if (equals == std::string::npos || equals == 0)
@@ -307,7 +306,7 @@ Result<SegmentMap> read_map(const std::filesystem::path& file) {
     return SegmentMap{file.string(), std::move(indices)};
 }
 
-/// What is asked for before anything is read.
+/// Checks the options before anything is read.
 Result<void> check_words(const MaterialsTyped& typed, const MaterialsOptions& options) {
     const std::string ending = options.out.extension().string();
     if (!options.out.empty() && ending != ".mkv" && ending != ".png")
@@ -325,7 +324,7 @@ Result<void> check_words(const MaterialsTyped& typed, const MaterialsOptions& op
     return {};
 }
 
-/// The palette, a line for each material.
+/// Prints the palette, a line per material.
 Result<void> print_palette() {
     std::cout << "material    stiffness  static, dynamic friction  relief  from\n";
     for (const PaletteMaterial& material : palette())
@@ -343,7 +342,7 @@ Result<void> print_palette() {
     return {};
 }
 
-/// Of one clip; `out` may be empty.
+/// Runs the command on one clip; `out` may be empty.
 Result<void> run_one(const MaterialsTyped& typed, const std::filesystem::path& clip,
                      const std::filesystem::path& out) {
     MaterialsOptions options = typed.options;

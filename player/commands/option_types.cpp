@@ -19,7 +19,7 @@ bool has_decimal_comma(std::string_view text) {
            text.find(',', comma + 1) == std::string_view::npos;
 }
 
-/// Digits alone, at most as many as scenes have in a rate's terms.
+/// Digits only, at most 9: a scene's limit for the terms of a rate.
 std::optional<std::int64_t> digits(std::string_view text) {
     std::int64_t value = 0;
     if (text.empty() || text.size() > 9) return std::nullopt;
@@ -30,7 +30,7 @@ std::optional<std::int64_t> digits(std::string_view text) {
     return value;
 }
 
-/// num / den of "num/den", and of a decimal fraction.
+/// num and den of "num/den" or of a decimal fraction.
 std::optional<FrameRate> exact_fraction(std::string_view text) {
     if (const std::size_t slash = text.find('/'); slash != std::string_view::npos) {
         const auto num = digits(text.substr(0, slash)), den = digits(text.substr(slash + 1));
@@ -51,7 +51,7 @@ std::string identity_of(const struct stat& file) {
     return std::to_string(file.st_dev) + ':' + std::to_string(file.st_ino);
 }
 
-/// The same for two names of one file, and for two names under which one file would be made.
+/// Equal for two names of one file, existing or to be created.
 std::string file_behind(const fs::path& path) {
     if (is_standard_output(path)) return "standard output";
     struct stat file = {}, folder = {};
@@ -63,8 +63,7 @@ std::string file_behind(const fs::path& path) {
     return identity_of(folder) + '/' + whole.filename().string();
 }
 
-/// Whether something has that name, be it a link to nowhere. A folder or a device, which is no file, is
-/// refused on opening it.
+/// Whether a file or a dangling link has that name. Folders and devices are refused when they are opened.
 bool is_taken(const fs::path& path) {
     std::error_code ignored;
     const auto named = fs::symlink_status(path, ignored);

@@ -1,9 +1,9 @@
 #pragma once
 
-// Kinds of options: numbers in a range, words of a list, sizes, files; and the files that a command is to
-// write (Outputs), which check_outputs holds against the files that it reads. Functions that begin with add_
-// add an option to a subcommand; those that begin with read_ read one word, and an error (ErrorKind::usage)
-// says what would be right. Without state.
+// Kinds of options: numbers in a range, words of a list, sizes, files; and a command's output files
+// (Outputs), which check_outputs compares with its input files. Functions that begin with add_ add an option
+// to a subcommand; those that begin with read_ read one word, and an error (ErrorKind::usage) states the
+// valid values. Stateless.
 
 #include <CLI/CLI.hpp>
 #include <charconv>
@@ -19,45 +19,45 @@
 
 namespace touchable {
 
-/// An option (or a word, where `name` has no dashes) that names a file or a folder: an empty name, which is
-/// most often a variable of the shell that was never set, is refused.
+/// Adds an option (or a word, if `name` has no dashes) that names a file or a folder. An empty name, usually
+/// an unset shell variable, is refused.
 template <class Path>
 CLI::Option* add_file_option(CLI::App& sub, const std::string& name, Path& file, const std::string& what) {
     const CLI::Validator named([](std::string& text) { return text.empty() ? "names no file" : ""; }, "");
     return sub.add_option(name, file, what)->check(named)->type_name("FILE");
 }
 
-/// Refuses a file's name with none of these endings, as `what` has one: other programs go by it.
+/// Refuses file names without one of these endings, because other programs use them to recognise `what`.
 CLI::Validator ends_in(const std::vector<std::string>& endings, const std::string& what);
 
-/// Topics of the help. What few people need stands under the first one, which comes last but for the second.
+/// Topics of the help. expert_topic holds rarely needed options and is listed last, before help_topic.
 inline constexpr const char *expert_topic = "Expert", *help_topic = "Help";
 inline constexpr const char *files_topic = "Files", *picture_topic = "Picture";
 
-/// Options that are added from here on stand under this topic of the help.
+/// Options added from now on are listed under this topic of the help.
 inline void begin_topic(CLI::App& sub, const char* topic) {
     sub.option_defaults()->group(topic);
 }
 
-/// The type of an option whose value is one of these words, or may be: "NAME:{a,b}". Help and completion
-/// take the words from it. "WORD": there is no other value.
+/// Type of an option whose value is or may be one of these words: "NAME:{a,b}". Help and completion take the
+/// words from it. With NAME "WORD" no other value is allowed.
 template <class Words>
 std::string type_with_words(const std::string& name, const Words& words) {
     return name + ":{" + listed(words, {}, ",") + "}";
 }
 
-/// A value that a message refuses: as it is, or in quotes where it would not be seen to be one word.
+/// A refused value for a message: as it is, or in quotes if it would not read as one word.
 inline std::string refused_value(std::string_view value) {
     const bool is_plain = !value.empty() && value.find_first_of(" \t\n;:,'\"") == std::string_view::npos;
     return is_plain ? printable(value) : "'" + printable(value) + "'";
 }
-/// "--size: 5 is not allowed; must be ...". `option` may be empty: CLI11 puts it in front.
+/// "--size: 5 is not allowed; must be ...". `option` may be empty if CLI11 prepends it.
 inline Error not_allowed(const std::string& option, std::string_view value, const std::string& right) {
     return usage_error((option.empty() ? "" : option + ": ") + refused_value(value) +
                        " is not allowed; must be " + right);
 }
 
-/// An option whose word `read` takes, or refuses: its error follows the option's name.
+/// An option whose word is passed to `read`; an error of `read` follows the option's name.
 inline CLI::Option* add_read_option(CLI::App& sub, const std::string& name,
                                     std::function<Result<void>(const std::string& word)> read,
                                     const std::string& what) {
@@ -67,8 +67,8 @@ inline CLI::Option* add_read_option(CLI::App& sub, const std::string& name,
     return sub.add_option_function<std::string>(name, take, what);
 }
 
-/// A whole number as typed after `option`; refused (ErrorKind::usage) where it is none, or out of range. What
-/// is too large for its type is refused as well, not cut down to it.
+/// A whole number as typed after `option`; refused (ErrorKind::usage) if invalid, out of range or too large
+/// for its type.
 template <class Whole>
 Result<Whole> read_whole_number(const std::string& option, std::string_view text, Whole least, Whole most) {
     Whole value = 0;
@@ -81,7 +81,7 @@ Result<Whole> read_whole_number(const std::string& option, std::string_view text
     return not_allowed(option, text, right);
 }
 
-/// A finite number as typed after `option`; refused (ErrorKind::usage) where it is none, or out of range.
+/// A finite number as typed after `option`; refused (ErrorKind::usage) if invalid or out of range.
 Result<double> read_number(const std::string& option, std::string_view text, double least, double most);
 
 /// Frames per second as typed after `option`, exactly: "25", "29.97" (2997/100), "30000/1001"; 0.001 to 1000.
@@ -93,8 +93,8 @@ struct PixelSize {
 /// "720x480" as typed after `option`, each side `least` to `most` pixels.
 Result<PixelSize> read_pixel_size(const std::string& option, std::string_view text, int least, int most);
 
-/// An option that takes a finite number, `least` to `most`, or several where `number` is a list of them. (To
-/// CLI11's own CLI::Range NaN lies in every range.)
+/// An option that takes a finite number, `least` to `most`, or several if `number` is a list. (CLI11's own
+/// CLI::Range accepts NaN in every range.)
 template <class Option>
 CLI::Option* add_number_option(CLI::App& sub, const std::string& name, Option& number,
                                const std::string& what, double least = std::numeric_limits<double>::lowest(),
@@ -108,7 +108,7 @@ CLI::Option* add_number_option(CLI::App& sub, const std::string& name, Option& n
     return sub.add_option(name, number, what)->check(finite)->type_name("NUMBER");
 }
 
-/// An option that takes a whole number, `least` to `most`, in decimal as people write it: 010 is ten.
+/// An option that takes a whole number, `least` to `most`, always decimal: 010 is ten.
 template <class Option>
 CLI::Option* add_whole_option(CLI::App& sub, const std::string& name, Option& number, const std::string& what,
                               int least = std::numeric_limits<int>::min(),
@@ -124,11 +124,10 @@ CLI::Option* add_whole_option(CLI::App& sub, const std::string& name, Option& nu
     return sub.add_option(name, number, what)->transform(decimal)->type_name("N");
 }
 
-/// What a setting's word stands for; refused (ErrorKind::usage) where it is none of the range's.
+/// Value of a setting's word; refused (ErrorKind::usage) if not a word of the range.
 Result<double> read_word(const SettingRange& range, const std::string& word);
 
-/// An option whose value is one of some words; of an enumerator or a bool they are in the order of its
-/// values.
+/// An option whose value is one of `words`; for an enumeration or a bool in the order of its values.
 template <class Value>
 CLI::Option* add_word_option(CLI::App& sub, const std::string& name, Value& value, const std::string& what,
                              std::vector<const char*> words) {
@@ -145,7 +144,7 @@ CLI::Option* add_word_option(CLI::App& sub, const std::string& name, Value& valu
     return add_read_option(sub, name, read, what)->type_name(type);
 }
 
-/// --archive, of the commands that write clips.
+/// --archive, for commands that write clips.
 inline CLI::Option* add_archive_option(CLI::App& command, ClipStorage& storage) {
     return add_word_option(command, "--archive", storage.archive,
                            "how a clip is compressed. fast (default): decodes quickest; small: fewest bytes; "
@@ -153,17 +152,17 @@ inline CLI::Option* add_archive_option(CLI::App& command, ClipStorage& storage) 
                            {"fast", "small"});
 }
 
-/// --exact-colour, of the same.
+/// --exact-colour, for the same commands.
 inline CLI::Option* add_exact_colour_option(CLI::App& command, ClipStorage& storage) {
     return command.add_flag(
         "--exact-colour", storage.exact_colour,
         "keep every value of a clip's colour. Otherwise it is as good as the eye can tell");
 }
 
-/// What --fragmented is for, where it is refused.
+/// Names that allow --fragmented, for its refusal.
 inline constexpr const char* fragmented_names = "NAME.mp4; no other form is written in fragments";
 
-/// --fragmented, of the commands that write clips.
+/// --fragmented, for commands that write clips.
 inline const CLI::Option* add_fragmented_option(CLI::App& command, ClipStorage& storage) {
     return command.add_flag("--fragmented", storage.fragmented,
                             "write NAME.mp4 in pieces of half a second, as it is sent. A copy that is cut "
@@ -172,27 +171,27 @@ inline const CLI::Option* add_fragmented_option(CLI::App& command, ClipStorage& 
 
 class ClipReader;
 
-/// A file as it was named: "--json" and its path, or "the clip" and its path.
+/// A file with its name in messages: "--json" and its path, or "the clip" and its path.
 struct NamedFile {
     std::string name;
     std::filesystem::path path;
 };
 
-/// Files that a command is to write, and what stands in its way.
+/// A command's output files.
 struct Outputs {
     std::vector<NamedFile> files;
-    Existing existing = Existing::keep;  ///< what becomes of earlier files of their names
+    Existing existing = Existing::keep;  ///< treatment of existing files of their names
 };
 
 /// Adds --overwrite.
 void add_overwrite_option(CLI::App& sub, Existing& existing);
 
-/// Adds every file that a clip is read from; `clip` as it was named.
+/// Adds every file from which a clip is read; `clip` as typed.
 void add_inputs(std::vector<NamedFile>& inputs, const std::filesystem::path& clip, const ClipReader& reader);
 
-/// Refuses (ErrorKind::usage) an output that is also an input or another output, by whatever name, and
-/// whatever was asked for, and one that is there already unless it may be replaced. Standard output is no
-/// file, but there is only one.
+/// Refuses (ErrorKind::usage) an output that is also an input or another output, under any name and even with
+/// --overwrite, and an existing file unless it may be replaced. Standard output is no file, but may be used
+/// only once.
 Result<void> check_outputs(const Outputs& outputs, const std::vector<NamedFile>& inputs);
 
 }  // namespace touchable

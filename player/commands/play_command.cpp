@@ -59,8 +59,8 @@ struct PlayWords {
     KioskWords kiosk;
 };
 
-/// No file that is written takes the place of what the window shows or reads, by whatever name, or of one
-/// that is there. A clip that is opened to know what is read stays open for the window.
+/// Refuses outputs that would replace a file that the window shows or reads, under any name, or an existing
+/// file. A clip opened here to list its inputs stays open for the window.
 Result<void> check_files(PlayOptions& options, const std::optional<fs::path>& script) {
     Outputs outputs{{}, options.existing};
     if (options.record) outputs.files.push_back({"--record", *options.record});
@@ -82,7 +82,7 @@ Result<void> check_files(PlayOptions& options, const std::optional<fs::path>& sc
         if (command->verb == WindowVerb::save_materials)
             saved.push_back({"what --script saves", command->word});
     }
-    // Settings are there from the last time; they may stand in place of nothing else.
+    // Settings may replace only the settings of the last session.
     Outputs kept{outputs.files, Existing::replace};
     if (options.settings_file) kept.files.push_back({"--settings", *options.settings_file});
     kept.files.insert(kept.files.end(), saved.begin(), saved.end());
@@ -100,14 +100,14 @@ Result<void> check_files(PlayOptions& options, const std::optional<fs::path>& sc
             add_inputs(inputs, clip.file, **reader);
         else if (options.next_clips.empty())
             return reader.error();
-        else  // the window skips one of several
+        else  // the window skips an unreadable clip of several
             inputs.push_back({"a clip", clip.file});
     }
     TRY(check_outputs(kept, inputs));
     return check_outputs(outputs, inputs);
 }
 
-/// The clips that were named, and those of folders of clips.
+/// The named clips, with folders of clips expanded.
 Result<void> read_list(const PlayWords& words, PlayOptions& options) {
     std::vector<fs::path> files = clips_of(options.session.clip.file);
     for (const auto& word : words.more_clips)
@@ -125,7 +125,7 @@ Result<void> read_list(const PlayWords& words, PlayOptions& options) {
     return {};
 }
 
-/// Of a window into which a clip is still to be dropped: what needs one from its beginning.
+/// For a window without a clip yet: refuses options that need one from the start.
 Result<void> check_empty(const PlayOptions& options) {
     const struct {
         bool is_asked_for;
@@ -142,7 +142,7 @@ Result<void> check_empty(const PlayOptions& options) {
     return {};
 }
 
-/// Of --segments; whether they go with the clip is known once its segments are read.
+/// Checks the file of --segments; whether it fits the clip is known only once the clip's segments are read.
 Result<void> check_segments(const fs::path& file) {
     TRY_ASSIGN(const auto text,
                read_given_file(file, "--segments " + file.string(),
@@ -158,8 +158,8 @@ bool ends_by_itself(const std::vector<ScriptedInput>& script) {
     });
 }
 
-/// Started with a clip from a desktop: no terminal shows the error line, and no program reads it by a pipe. A
-/// run that ends by itself, or writes files, was started by a script.
+/// Whether the program was started from a desktop: stderr is neither a terminal nor a pipe. A run that ends
+/// by itself or writes files was started by a script.
 bool is_opened_on_desktop(const PlayOptions& options) {
     struct stat error {};
     const bool is_read =
@@ -174,7 +174,7 @@ bool is_opened_on_desktop(const PlayOptions& options) {
            !options.video && !options.sound && !options.segments && options.script.empty();
 }
 
-/// Makes the devices that lead the fingers; the mouse needs none, and no other is beside it.
+/// Makes the devices that lead the fingers. The mouse needs none and excludes other devices.
 Result<void> hold(const PlayWords& words, PlayOptions& options) {
     HeldDeviceWords held = words.held;
     held.is_looked_for_always = words.kiosk.kiosk;
@@ -195,7 +195,7 @@ Result<void> hold(const PlayWords& words, PlayOptions& options) {
     return {};
 }
 
-/// A folder of what comes with the program, where it was built and where it is installed.
+/// A folder of files that come with the program, in the build tree or the installation.
 fs::path folder_from_program(const char* way) {
     std::error_code fault;
     const fs::path program = fs::read_symlink("/proc/self/exe", fault);
@@ -208,7 +208,7 @@ fs::path folder_of_studies() {
     return folder_from_program(TOUCHABLE_STUDY_FROM_PROGRAM);
 }
 
-/// What there is in such a folder.
+/// The names of the JSON files in such a folder.
 std::string names_there(const fs::path& folder) {
     std::vector<std::string> names;
     std::error_code failed;
@@ -224,8 +224,7 @@ Result<KioskTexts> read_texts_of(const fs::path& file, const std::string& named)
     return parse_kiosk_texts(text, file.string());
 }
 
-/// `asked`: a language or a file; empty: the language of the person who is logged in, as far as there are
-/// texts.
+/// `asked`: a language or a file; empty: the user's language, if there are texts in it.
 Result<KioskTexts> choose_texts(const std::string& asked) {
     const std::string language = asked.empty() ? own_language() : asked;
     if (!is_language(language)) return read_texts_of(asked, "--kiosk-texts " + asked);
@@ -253,7 +252,7 @@ Result<TouchLabels> read_labels(const fs::path& file, const std::optional<fs::pa
     return labels;
 }
 
-/// Each file once, however many labels have it.
+/// Reads each file once, even if several labels use it.
 Result<void> read_sounds(KioskOptions& kiosk) {
     std::map<fs::path, std::shared_ptr<const SpokenSound>> read;
     for (const TouchLabel& label : kiosk.labels.labels) {
@@ -267,7 +266,7 @@ Result<void> read_sounds(KioskOptions& kiosk) {
     return {};
 }
 
-/// Reads all files of a kiosk. `segments`: the file of --segments. Nothing: it is no kiosk.
+/// Reads all files of a kiosk. `segments`: the file of --segments. Nothing: not a kiosk.
 Result<std::optional<KioskOptions>> read_kiosk(const KioskWords& words,
                                                const std::optional<fs::path>& segments) {
     if (!words.kiosk) return std::optional<KioskOptions>();
@@ -287,7 +286,7 @@ Result<std::optional<KioskOptions>> read_kiosk(const KioskWords& words,
     return std::optional(std::move(kiosk));
 }
 
-/// Reads the file of a study. `clips`: how many there are to touch. Nothing: there is no study.
+/// Reads the file of a study. `clips`: number of clips. Nothing: no study.
 Result<std::optional<Study>> read_study(const KioskWords& words, std::size_t clips) {
     if (words.study.empty()) return std::optional<Study>();
     fs::path file = words.study;
@@ -311,7 +310,7 @@ Result<std::optional<Study>> read_study(const KioskWords& words, std::size_t cli
 
 Result<PlayOptions> read_words(const PlayWords& words) {
     PlayOptions options = words.options;
-    // First, while there is little in memory, and one thread.
+    // First, while the process is small and has one thread.
     TRY(hold(words, options));
     TRY_ASSIGN(const auto size, read_pixel_size("--size", words.size, smallest_window, largest_window));
     options.screen.width = size.width;
@@ -343,7 +342,7 @@ Result<PlayOptions> read_words(const PlayWords& words) {
     return options;
 }
 
-/// What a person reads once the window is closed.
+/// Printed after the window is closed.
 void print(const PlayFigures& figures) {
     const Spread draw = spread_of(figures.draw_ms.values());
     const Spread input = spread_of(figures.input_to_picture_ms.values());
@@ -358,7 +357,7 @@ void print(const PlayFigures& figures) {
         std::printf("%-24sp50 %.1f, p99 %.1f ms\n", "input to picture", input.p50, input.p99);
     std::printf("%-24s%lld, %lld too late\n", "ticks", static_cast<long long>(figures.ticks),
                 static_cast<long long>(figures.late_ticks));
-    if (!figures.builder.empty())  // otherwise there was no clip
+    if (!figures.builder.empty())  // empty: there was no clip
         std::printf("%-24s%lld, %lld late, %lld left out, by the %s builder\n", "frames",
                     static_cast<long long>(figures.frames), static_cast<long long>(figures.late_frames),
                     static_cast<long long>(figures.dropped_frames), figures.builder.c_str());
@@ -366,7 +365,7 @@ void print(const PlayFigures& figures) {
     if (!figures.materials.empty()) std::printf("%-24s%s\n", "materials", figures.materials.c_str());
 }
 
-/// Of the film, where one was asked for.
+/// Figures of the film, if any.
 void print_film(const PlayFigures& figures) {
     if (figures.film_pictures > 0)
         std::printf("%-24s%lld pictures, %lld left out\n", "film",
@@ -374,8 +373,8 @@ void print_film(const PlayFigures& figures) {
                     static_cast<long long>(figures.film_left_out));
 }
 
-/// For a window that is shown; a headless one is the same for all. Settings of this person; and a folder for
-/// what a brush paints, which is still there after a crash.
+/// For a visible window only; a headless one is the same for every user. Finds the user's settings file and
+/// the folder of brush strokes, which survive a crash.
 void find_own_files(PlayOptions& options) {
     if (options.headless || options.kiosk) return;
     const auto find = [](std::optional<fs::path>& place, Result<fs::path> own, const char* what) {
@@ -419,7 +418,7 @@ Result<void> run_play(PlayOptions options) {
     TRY_ASSIGN(auto figures, play_in_window(std::move(options)));
     print(figures);
     print_film(figures);
-    // Otherwise it was told when it was met.
+    // Otherwise it was printed when it occurred.
     if (!figures.sound_fault.empty() && !is_told_at_once)
         std::cerr << "touchable: warning: " << printable(figures.sound_fault, 500) << '\n';
     if (!figures.slow_reading.empty())
@@ -539,7 +538,7 @@ void add_play_command(CLI::App& app, Command& command) {
     add_stale_after_option(*sub, words->stale_after_ms);
     add_camera_options(*sub, words->clip.camera);
     add_playback_options(*sub, words->playback);
-    // Of commands that come later the person in the window is the one who gives them.
+    // In a window the user gives later commands.
     sub->remove_option(sub->get_option("--play"));
     add_window_options(*sub, *words);
     add_kiosk_options(*sub, words->kiosk);

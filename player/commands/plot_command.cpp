@@ -21,13 +21,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Debian's matplotlib belongs to this Python; where there is none, whichever comes first.
+/// Debian's matplotlib belongs to this Python; without it the first in PATH.
 const char* python() {
     constexpr const char* system = "/usr/bin/python3";
     return access(system, X_OK) == 0 ? system : "python3";
 }
 
-/// The last line that says something: of a fault in Python the one that names it.
+/// The last non-empty line: for a Python exception the one that names it.
 std::string last_line(const std::string& text) {
     const std::size_t end = text.find_last_not_of("\n ");
     if (end == std::string::npos) return "";
@@ -46,7 +46,7 @@ std::string read_all(int from) {
     }
 }
 
-/// Starts it with standard output into `to` and standard error into `errors`: 0 or errno.
+/// Starts `command` with standard output into `to` and standard error into `errors`. Returns 0 or errno.
 int start(const std::vector<std::string>& command, const fs::path& to, int errors, pid_t& child) {
     std::vector<char*> words;
     for (const std::string& word : command) words.push_back(const_cast<char*>(word.c_str()));
@@ -61,7 +61,7 @@ int start(const std::vector<std::string>& command, const fs::path& to, int error
     return why;
 }
 
-/// plot.py where the build and the installation put it: beside this program's folder.
+/// Path of plot.py in the build tree or the installation, relative to the program.
 fs::path plot_script() {
     std::error_code fault;
     const fs::path program = fs::read_symlink("/proc/self/exe", fault);
@@ -69,13 +69,13 @@ fs::path plot_script() {
 }
 
 /// Runs player/plot/plot.py, which needs Python and matplotlib, with these words. Its picture goes to the
-/// open or new file `to`. What it says against its input is an input error.
+/// file `to`. Its complaints about the input become input errors.
 Result<void> run_plot_script(const std::vector<std::string>& words, const fs::path& to) {
     const fs::path script = plot_script();
     if (access(script.c_str(), R_OK) != 0)
         return input_error(script.string() +
                            " is not there; `plot` needs it where touchable is installed or was built");
-    std::vector<std::string> command{python(), "-B", script.string()};  // -B: leaves nothing beside it
+    std::vector<std::string> command{python(), "-B", script.string()};  // -B: writes no cache files
     command.insert(command.end(), words.begin(), words.end());
     std::array<int, 2> errors;
     if (pipe2(errors.data(), O_CLOEXEC) != 0)
@@ -104,9 +104,9 @@ struct PlotOptions {
     Existing existing = Existing::keep;
 };
 
-/// The script reads them: what would keep it waiting, or fill its memory, is refused before.
+/// Refuses files that would block the script or fill its memory.
 Result<void> check_given(const std::vector<NamedFile>& inputs) {
-    constexpr std::uint64_t largest = std::uint64_t{256} << 20;  // as compare has it
+    constexpr std::uint64_t largest = std::uint64_t{256} << 20;  // same as compare's
     for (const NamedFile& input : inputs) {
         const std::string named = input.name + " " + input.path.string();
         TRY_ASSIGN(const auto given, GivenFile::open(input.path, named, "a file that touch or export wrote"));

@@ -17,7 +17,7 @@ constexpr const char* right_frame =
     "16 numbers, row by row, of a rotation and a translation in metres that take points from the camera (x "
     "right, y down, z forward) to the world, or a file with them";
 
-/// Numbers of a text, with commas or spaces between; nothing where there is anything else.
+/// Numbers separated by commas or spaces; nothing if the text contains anything else.
 std::optional<std::vector<double>> numbers_of(std::string text) {
     for (char& c : text)
         if (c == ',' || c == ';' || c == '[' || c == ']') c = ' ';
@@ -38,14 +38,14 @@ bool is_rigid(const glm::dmat4& m) {
         for (int row = 0; row < 3; ++row)
             rigid = rigid && std::abs(unit[column][row] - (column == row ? 1.0 : 0.0)) < 1e-3;
     return rigid && m[0][3] == 0 && m[1][3] == 0 && m[2][3] == 0 && m[3][3] == 1 &&
-           glm::length(glm::dvec3(m[3])) < 1000;  // metres; not of what is no number
+           glm::length(glm::dvec3(m[3])) < 1000;  // metres; false for NaN
 }
 
 bool is_simulated(const std::string& device) {
     return device.substr(0, device.find(':')) == "simulated";
 }
 
-/// All of them as one.
+/// Makes all devices and joins them into one.
 Result<std::shared_ptr<HapticDevice>> make_held(const HeldDeviceWords& words) {
     TRY_ASSIGN(auto watchdog, SafetyWatchdog::start());
     DrivenSettings driven;
@@ -198,7 +198,7 @@ std::vector<std::filesystem::path> files_of(const HeldDeviceWords& words) {
     for (const std::string& device : words.devices) {
         std::string rest = device.substr(std::min(device.find(':') + 1, device.size()));
         add_if_there(rest);
-        // "FILE:key=value", and values of keys.
+        // A FILE in "FILE:key=value", and the values of keys.
         add_if_there(rest.substr(0, rest.rfind(':')));
         for (std::string item; !rest.empty(); rest = rest.substr(std::min(item.size() + 1, rest.size()))) {
             item = rest.substr(0, rest.find(','));

@@ -25,14 +25,14 @@
 namespace touchable {
 namespace {
 
-/// What is sent, and where to.
+/// The clip to send and its destinations.
 struct ServeOptions {
-    ClipChoice clip;  ///< of which filters do not count
+    ClipChoice clip;  ///< its filters are ignored
     std::vector<StreamUrl> urls;
     bool loop = false;
-    int listeners = 0;  ///< that are there before it begins
+    int listeners = 0;  ///< listeners to wait for before sending begins
     std::optional<std::int64_t> longest_ns;
-    bool mpegts = false;  ///< over SRT: as stock tools read it
+    bool mpegts = false;  ///< over SRT: MPEG-TS, readable by stock tools
     std::optional<HlsWriter::Settings> hls;
     std::optional<std::filesystem::path> json;
     Existing existing = Existing::keep;  ///< of `json`
@@ -46,7 +46,7 @@ std::int64_t cpu_ns() {
     return std::int64_t{used.tv_sec} * 1'000'000'000 + used.tv_nsec;
 }
 
-/// Listeners do not wait until these lines are read.
+/// Skips the line if stderr is blocked, so that listeners need not wait.
 void say_served(const std::string& line) {
     constexpr std::size_t longest = 500;
     pollfd errors{STDERR_FILENO, POLLOUT, 0};
@@ -54,7 +54,7 @@ void say_served(const std::string& line) {
     std::cerr << printable(line, longest) + '\n';
 }
 
-/// The address that a listener has to name: of all addresses of this machine one.
+/// The address for a listener to use: HOST in place of "all addresses of this machine".
 std::string to_be_played(std::string address) {
     for (const std::string_view any : {"//0.0.0.0:", "//[::]:", "//:"})
         if (const auto at = address.find(any); at != std::string::npos)
@@ -62,14 +62,14 @@ std::string to_be_played(std::string address) {
     return address;
 }
 
-/// Of an address in figures: what listens there is reached from this machine alone.
+/// Whether a numeric address is reachable from this machine only.
 bool is_own_machine(const std::string& address) {
     for (const std::string_view own : {"//127.", "//localhost:", "//[::1]:", "//[::ffff:127."})
         if (address.find(own) != std::string::npos) return true;
     return false;
 }
 
-/// After the line that says where it listens.
+/// Warns, after the "listening on" line, if any machine may connect.
 void say_who_may_listen(const std::string& address) {
     if (is_own_machine(address)) return;
     say_served(address +
@@ -80,7 +80,7 @@ void say_who_may_listen(const std::string& address) {
 /// A stream of one form.
 struct ServedForm {
     StreamRing ring;
-    std::unique_ptr<StreamMuxer> muxer;  // until the sender has it
+    std::unique_ptr<StreamMuxer> muxer;  // until passed to the sender
 };
 
 class Serving : NonCopyable {
@@ -91,8 +91,8 @@ public:
         if (thread_.joinable()) thread_.join();
     }
 
-    /// Sends until the clip ends, it was sent for long enough, or a person asks to stop, which is no error;
-    /// then says what was sent, and to whom.
+    /// Sends until the clip's end, the time limit or a stop request, which is no error; then reports what was
+    /// sent to which listeners.
     Result<void> run() {
         TRY(open_clip());
         TRY(open_forms());
@@ -165,7 +165,7 @@ private:
         return {};
     }
 
-    /// That goes along, in Matroska.
+    /// The sound to send along, in Matroska.
     std::optional<SoundPart> sound() {
         const std::filesystem::path file = is_live_ ? std::filesystem::path() : sound_file_of(*clip_);
         const auto found = sound_of(file);
@@ -228,15 +228,15 @@ private:
         return stop_requested() ? interrupted_error() : std::move(sent);
     }
 
-    /// A camera has no end of its own, as a recording that plays one has.
+    /// A real camera's stream never ends by itself, unlike a recording played as a camera.
     std::optional<Error> lost_camera() const {
         if (!options_.clip.plugged || !sender_->figures().clip_ended || stop_requested()) return std::nullopt;
         const auto remarks = sender_->remarks();
         return device_error(remarks.empty() ? "the camera gives no more frames" : remarks.back());
     }
 
-    /// Who takes what is left is given it; but the end does not wait longer than a listener may take, or SRT
-    /// with the longest latency.
+    /// Lets listeners receive the rest, for at most the time that a listener, or SRT with the longest
+    /// latency, may take.
     void wait_for_the_last() const {
         const std::chrono::seconds longest{outputs_.empty() ? 10 : 130};
         const StopScope in_time(std::chrono::steady_clock::now() + longest);
@@ -249,7 +249,7 @@ private:
         return !server_ || server_->connections() == 0;
     }
 
-    /// What each viewer fetches, a live one with both playlists once a segment.
+    /// Traffic per viewer; a live viewer fetches both playlists once per segment.
     nlohmann::ordered_json hls_as_json() const {
         const HlsWriter::Figures& all = hls_->figures();
         const double seconds = static_cast<double>(std::max<std::int64_t>(1, all.duration_ns)) * 1e-9;
@@ -360,7 +360,7 @@ private:
     StreamAudience audience_{say_served};
     std::optional<ServedForm> matroska_, mpegts_;
     std::unique_ptr<HlsWriter> hls_;
-    StreamRing nobody_;  // listens to what goes into a folder
+    StreamRing nobody_;  // empty ring for the segments written to a folder
     std::unique_ptr<StreamServer> server_;
     std::vector<std::unique_ptr<SrtOutput>> outputs_;
     StreamSender::SystemTime time_;
@@ -386,7 +386,7 @@ Error no_clip() {
         "what is to be sent? use touchable serve CLIP URL, or touchable serve --camera WORDS URL");
 }
 
-/// With a camera the first word is a URL as well.
+/// With a camera the first word is also a URL.
 Result<std::vector<std::string>> read_words(const ServeTyped& typed, ServeOptions& options) {
     std::vector<std::string> urls = typed.urls;
     if (!typed.camera) {
@@ -418,7 +418,7 @@ Result<void> check_url(const StreamUrl& url) {
     return {};
 }
 
-/// A clip that comes to its end is there as a whole; what goes on is there for a while.
+/// A clip that ends stays in the playlists as a whole; an endless stream only for a window of time.
 Result<void> read_hls(const ServeTyped& typed, ServeOptions& options) {
     if (!typed.hls) {
         if (typed.hls_segment || typed.hls_window || !typed.hls_low.empty())

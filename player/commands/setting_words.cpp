@@ -8,14 +8,14 @@
 namespace touchable {
 namespace {
 
-/// What a person types for a setting: an option, or another word of a command.
+/// The text typed for a setting: an option, or another word of a command.
 struct Spelling {
     Setting::Name setting;
     std::string option;
-    std::string_view value{};  ///< as --help has it; empty: it has none, or messages say it
+    std::string_view value{};  ///< as in --help; empty: no value, or stated by messages
 };
 
-/// Of most settings the option has their name.
+/// Most settings' options have the setting's name.
 Spelling spelling_of(const Hint& hint) {
     static const std::array irregular{Spelling{Setting::clip, "CLIP"},
                                       Spelling{Setting::depth_unit, "--depth-unit", "METRES"},
@@ -62,7 +62,7 @@ std::string message_with_options(const Error& error, const KnowsOption& knows) {
     }
     if (behind.empty()) return text;
     if (!text.ends_with(')')) return text + " (" + behind + ')';
-    text.back() = ';';  // not one bracket behind the other
+    text.back() = ';';  // avoids two pairs of brackets
     return text + ' ' + behind + ')';
 }
 
@@ -70,7 +70,7 @@ std::string remark_with_options(const Remark& remark) {
     if (remark.hints.empty() && (!remark.is_guess || !remark.otherwise.empty()))
         return remark_in_words(remark);
     std::string options;
-    const Hints anything{{Setting::scene_file}};  // says what no other option does
+    const Hints anything{{Setting::scene_file}};  // the fallback if no option exists
     for (const Hint& hint : remark.hints.empty() ? anything : remark.hints) {
         const Spelling spelling = spelling_of(hint);
         options += options.empty() ? "" : " or ";

@@ -17,7 +17,7 @@ namespace touchable {
 
 namespace {
 
-/// Options as typed; what has a unit of its own on the command line is converted once they are read.
+/// Options as typed; values with units are converted after parsing.
 struct TouchWords {
     TouchOptions options;
     ClipTyped clip;
@@ -39,8 +39,7 @@ Result<void> read_moments(const TouchWords& words, TouchOptions& options) {
     return {};
 }
 
-/// With --replay a recording says all of the run; but where the clip is now, how it is built, what is
-/// written.
+/// With --replay the recording defines the run; only the clip's place, the builder and outputs may be given.
 Result<void> check_replay(const CLI::App& command) {
     const std::set<std::string> free{"CLIP",      "--scene", "--haptic", "--height",
                                      "--builder", "--gpu",   "--painter"};
@@ -73,7 +72,7 @@ Result<TouchOptions> read_words(const TouchWords& words) {
     return options;
 }
 
-/// What is written of the run.
+/// Adds the options of output files.
 void add_file_options(CLI::App& sub, TouchOptions& o) {
     begin_topic(sub, files_topic);
     add_file_option(sub, "--json", o.json, "write the figures as JSON. -: to standard output");
@@ -91,7 +90,7 @@ void add_file_options(CLI::App& sub, TouchOptions& o) {
     sub.add_flag("--strict", o.strict, "exit with code 6 if the first line is a warning");
 }
 
-/// What touches, and for how long.
+/// Adds the options of the hand and the run's length.
 void add_hand_options(CLI::App& sub, TouchWords& words) {
     SessionOptions& session = words.options.session;
     begin_topic(sub, "Hand");
@@ -109,7 +108,7 @@ void add_hand_options(CLI::App& sub, TouchWords& words) {
         ->type_name("SECONDS");
 }
 
-/// A run's setting. Numbers may be any: the run refuses those that cannot be.
+/// Adds a run's setting. Takes any number; the run refuses invalid ones.
 CLI::Option* add_setting_option(CLI::App& sub, const SessionSetting& setting, SessionOptions& session) {
     const SettingRange& range = setting.range;
     const bool is_number = range.words.empty();
@@ -128,7 +127,7 @@ CLI::Option* add_setting_option(CLI::App& sub, const SessionSetting& setting, Se
                                   : "NUMBER");
 }
 
-/// How forces come about. Few people need most of it.
+/// Adds the options of the force computation, mostly rarely needed.
 void add_force_options(CLI::App& sub, SessionOptions& session) {
     begin_topic(sub, expert_topic);
     sub.add_flag("--start-buried", session.start_buried,

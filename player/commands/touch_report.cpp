@@ -38,14 +38,14 @@ void add_live_warnings(const LiveFacts& live, std::int64_t frames, std::int64_t 
                            " frames came too late: decoding and building are too slow; touchable convert "
                            "writes a clip that decodes faster");
     for (std::string& remark : remarks) warnings.push_back(std::move(remark));
-    if (dropped > 0 && !live.camera)  // which leaves out some itself
+    if (dropped > 0 && !live.camera)  // a camera drops frames itself
         warnings.push_back(std::to_string(dropped) +
                            " frames were left out, because their time had passed before they were decoded");
 }
 
-/// What should worry a person about a run, each a line: a report's figures say that it is not what was meant,
-/// or was not felt as it should be. `live`: nullptr for a run of virtual time. `why_no_position`: why the
-/// device that was held never had a position; empty: it had one, or none was held.
+/// Warnings about a run, a line each: figures that show an unintended run or wrong forces. `live`: nullptr in
+/// virtual time. `why_no_position`: why the held device never had a position; empty: it had one, or no device
+/// was held.
 std::vector<std::string> touch_warnings(const Json& report, const SurfaceFeed& feed, const LiveFacts* live,
                                         const std::string& why_no_position) {
     std::vector<std::string> warnings;
@@ -63,7 +63,7 @@ std::vector<std::string> touch_warnings(const Json& report, const SurfaceFeed& f
     return warnings;
 }
 
-/// What became of the clip when it ended, and what the hand has to say after the run.
+/// Notes on the clip's end and the hand's remarks after the run.
 std::vector<std::string> notes_of_run(const TouchSetup& setup, const TouchFigures& figures) {
     std::vector<std::string> notes;
     if (!setup.scene.hole_stiffness && figures.force_limited_in_holes())
@@ -129,7 +129,7 @@ void add_live_figures(Json& report, const TouchFigures& figures, const LiveFacts
     report["late_frames_pct"] = frames > 0 ? 100.0 * static_cast<double>(live.late_frames) / frames : 0.0;
 }
 
-/// A finger that the device cannot push out any harder: most often it is caught behind a wall.
+/// Time of fingers at the device's force limit, mostly caught behind a wall.
 std::string limited_words(const Json& report) {
     const auto& limited = report["force_limited"];
     if (limited["finger_ticks"] == 0) return "";
@@ -138,14 +138,15 @@ std::string limited_words(const Json& report) {
                      1e-3 * limited["longest_ticks"].get<double>());
 }
 
-/// Where no depth is: how long fingers were caught there.
+/// Time of fingers caught behind walls of missing depth.
 std::string hole_words(const Json& holes) {
     return formatted("%.3f s behind walls of missing depth (%.1f %% of contact), at most %.3f s in a row",
                      1e-3 * holes["finger_ticks"].get<double>(), holes["contact_pct"].get<double>(),
                      1e-3 * holes["longest_ticks"].get<double>());
 }
 
-/// Energy that a surface of one stiffness would not give. Moving surfaces are no part of it (docs/solver.md).
+/// Energy that a surface of uniform stiffness would not create, without that of moving surfaces
+/// (docs/solver.md).
 std::string energy_words(const Json& report) {
     const double created = report["energy_mj"]["created"], bound = report["energy_mj"]["zoh_bound"],
                  smallest = report["stiffness_limited"]["smallest_n_mm"],
@@ -161,7 +162,7 @@ std::string energy_words(const Json& report) {
         created, bound);
 }
 
-/// What came over the network.
+/// Statistics of the received stream.
 std::string stream_words(const Json& stream) {
     const auto count = [&](const char* what) { return std::to_string(stream[what].get<std::int64_t>()); };
     std::string text = count("whole") + " framesets whole, " + count("lost") + " lost, " + count("late") +
@@ -178,13 +179,13 @@ std::string stream_words(const Json& stream) {
                      100 * link["lost"].get<double>() / std::max(1.0, link["datagrams"].get<double>()));
 }
 
-/// What a builder does, for a person who has not heard of builders.
+/// Describes a builder without technical terms.
 std::string what_it_builds(const std::string& builder) {
     if (builder == "lazy") return "only where fingers are";
     return builder == "vulkan" ? "in whole frames on a GPU" : "in whole frames";
 }
 
-/// How a device was held.
+/// Figures of a held device.
 void add_hand_figures(Json& report, const HandControl::Figures& hand, bool has_motors,
                       const LiveFacts* live) {
     report["device_exerts_force"] = has_motors;
@@ -193,8 +194,8 @@ void add_hand_figures(Json& report, const HandControl::Figures& hand, bool has_m
     if (live) report["longest_device_call_ms"] = live->loop.longest_port_ms;
 }
 
-/// Whether more energy came out than holding a force for a tick explains, and the clip's stiffness, which
-/// differs from place to place, is a reason that explains the rest.
+/// Whether more energy was created than the zero-order hold explains, and the clip's varying stiffness
+/// explains the rest.
 bool gives_energy_by_its_map(const Json& report, const TouchSetup& setup) {
     const auto& energy = report["energy_mj"];
     const auto& stiffness = report["stiffness_limited"];
@@ -203,7 +204,7 @@ bool gives_energy_by_its_map(const Json& report, const TouchSetup& setup) {
            setup.settings.touch.metric == TouchMetric::world && !setup.settings.guard.rise.paid;
 }
 
-/// Whether a device was held that never told a place.
+/// Whether the held device never had a position.
 bool was_never_there(const Json& report) {
     return report.contains("placeless_ticks") && report["placeless_ticks"] == report["ticks"];
 }
@@ -221,7 +222,7 @@ std::string force_words(const Json& report) {
            limited_words(report);
 }
 
-/// Empty: nothing was held back.
+/// Empty: no force was held back.
 std::string held_back_words(const Json& report) {
     if (report["held_back_ticks"] == 0) return "";
     return formatted(
@@ -238,7 +239,7 @@ std::string waiting_words(const Json& report) {
            "it out";
 }
 
-/// Empty: it never was.
+/// Empty: the surface was never stale.
 std::string stale_words(const Json& report) {
     if (report["stale_ticks"] == 0) return "";
     return formatted(
@@ -246,7 +247,7 @@ std::string stale_words(const Json& report) {
         1e-3 * report["stale_ticks"].get<double>());
 }
 
-/// What of the clip was guessed. Empty: nothing.
+/// Number of guesses about the clip. Empty: none.
 std::string guesses_in_words(const Json& report) {
     const auto notes = report.value("notes", std::vector<std::string>());
     const auto guesses =
@@ -256,13 +257,13 @@ std::string guesses_in_words(const Json& report) {
            " guessed of the clip (touchable info says which)";
 }
 
-/// A window has room for more fingers than anybody leads.
+/// A window may have more fingers than are moved: "led of all".
 std::string fingers_in_words(const Json& report) {
     const auto fingers = report["fingers"].get<int>(), led = report["fingers_led"].get<int>();
     return (led == 0 || led == fingers ? "" : std::to_string(led) + " of ") + std::to_string(fingers);
 }
 
-/// What the checks of a run say.
+/// Result of the run's checks.
 std::string verdict_words(const Json& report) {
     std::string faults;
     const auto count = [&](const char* name, const char* words) {

@@ -14,16 +14,16 @@ namespace touchable {
 namespace {
 
 constexpr std::size_t trail_ticks = 500;
-constexpr std::size_t trail_step = 4;  // ticks between two points that are drawn
+constexpr std::size_t trail_step = 4;  // ticks between two drawn points
 
-/// A frame of the clip, read and built once more.
+/// A frame of the clip, read and built again for the picture.
 struct FrameAgain {
     RawFrame raw;
     SurfaceFrame surface;
 };
 
-/// The first frame that those of an epoch are made of, `number` being one of them: that one alone, or where a
-/// filter remembers what it has seen since the epoch's start.
+/// The first frame to read for frame `number` of an epoch: itself, or with a temporal filter the epoch's
+/// first warm-up frame.
 std::int64_t first_read(const TouchSetup& setup, std::uint64_t epoch, std::int64_t number) {
     if (!setup.scene.filter.temporal) return number;
     PlaybackClock clock(setup.scene.rate, setup.settings.playback);
@@ -35,7 +35,7 @@ std::int64_t first_read(const TouchSetup& setup, std::uint64_t epoch, std::int64
     return std::max<std::int64_t>(0, first - setup.warm_up_frames);
 }
 
-/// Reads on until frame `number`, and builds it, and of those before it those that it is made of.
+/// Reads on to frame `number` and builds it; also builds the earlier frames accepted by `is_part`.
 Result<void> read_frame(ClipReader& reader, SurfaceBuilder& builder, std::int64_t number,
                         const std::function<bool(std::int64_t)>& is_part, FrameAgain& frame) {
     for (;;) {
@@ -50,7 +50,7 @@ Result<void> read_frame(ClipReader& reader, SurfaceBuilder& builder, std::int64_
 
 using MaybePath = std::optional<std::filesystem::path>;
 
-/// Every file the run reads.
+/// Every file that the run reads.
 std::vector<NamedFile> inputs_of(const TouchOptions& options, const TouchSetup& setup) {
     std::vector<NamedFile> inputs;
     if (setup.clip.scene_file) inputs.push_back({"--scene", *setup.clip.scene_file});
@@ -77,7 +77,7 @@ Outputs outputs_of(const TouchOptions& options, const TouchSetup& setup) {
     return outputs;
 }
 
-/// Makes what `path` asks for, if anything.
+/// Creates `file` if `path` is given.
 template <class File, class Create>
 Result<void> open_if(const MaybePath& path, std::unique_ptr<File>& file, Create create) {
     if (!path) return {};
@@ -85,7 +85,7 @@ Result<void> open_if(const MaybePath& path, std::unique_ptr<File>& file, Create 
     return {};
 }
 
-/// Of a run whose length is known before.
+/// Refuses a picture beyond the run's end, if its length is known.
 Result<void> check_picture_moment(const TouchOptions& options, const TouchSetup& setup,
                                   std::optional<std::int64_t> ticks) {
     const auto frames = setup.feed->reader().frame_count();
@@ -98,14 +98,14 @@ Result<void> check_picture_moment(const TouchOptions& options, const TouchSetup&
                        (is_the_clips ? "; --seconds makes the run longer" : ""));
 }
 
-/// Lines that a person types while a device is held: Enter turns forces on and off, c and Enter recentres.
-/// Listens only where standard input is a terminal.
+/// Keys for a held device: Enter toggles forces, c and Enter recentres. Listens only if standard input is a
+/// terminal.
 class ForceKeys : NonCopyable {
 public:
-    /// `control` outlives it.
+    /// `control` must outlive this.
     explicit ForceKeys(HandControl& control) : control_(control) {
         if (isatty(STDIN_FILENO) == 0) return;
-        tcflush(STDIN_FILENO, TCIFLUSH);  // what was typed before meant something else
+        tcflush(STDIN_FILENO, TCIFLUSH);  // discards earlier input
         [[maybe_unused]] const auto started =
             start_thread(thread_, "force-keys", "that reads keys", [this] { listen(); });
     }
@@ -123,7 +123,7 @@ private:
             if (poll(&input, 1, 50) <= 0) continue;
             char line[64];
             const auto typed = read(STDIN_FILENO, line, sizeof line);
-            if (typed <= 0) return control_.ask_force(false);  // no key can stop them any more
+            if (typed <= 0) return control_.ask_force(false);  // no key could turn forces off any more
             if (line[0] == 'c' || line[0] == 'C')
                 control_.recentre();
             else
@@ -136,17 +136,17 @@ private:
     std::thread thread_;
 };
 
-/// Where the table goes: not between figures that another program reads.
+/// Stream of the table: stderr if another output uses standard output.
 std::ostream& stream_of_words(const TouchOptions& options) {
     for (const auto& file : {options.json, options.forces, options.device_log})
         if (file && is_standard_output(*file)) return std::cerr;
     return std::cout;
 }
 
-// Eleven days: the person who holds a device ends the run, or the device does.
+// Ticks; eleven days: the user or the device ends the run.
 constexpr std::int64_t until_it_is_ended = 1'000'000'000;
 
-/// Which file a live run's ticks did not wait for, from how many there were.
+/// Makes the error of a live run that lost this many ticks because an output was too slow.
 using FellBehind = std::function<Error(std::int64_t)>;
 
 Result<LiveFacts> run_live(TouchSetup& s, std::span<TouchSink* const> sinks, const FellBehind& fell_behind) {
@@ -154,7 +154,7 @@ Result<LiveFacts> run_live(TouchSetup& s, std::span<TouchSink* const> sinks, con
     TouchSessionSettings settings = s.settings;
     settings.ticks = s.ticks();
     std::optional<ForceKeys> keys;
-    std::function<std::string()> device;  // what the line says of it
+    std::function<std::string()> device;  // the device's state for the status line
     if (s.control) {
         if (!settings.ticks) {
             settings.ticks = until_it_is_ended;
@@ -187,10 +187,10 @@ Result<LiveFacts> run_session(TouchSetup& s, bool live, std::span<TouchSink* con
     return LiveFacts{};
 }
 
-/// Gives the ticks of a later part on as those of one run with the parts before, and knows who takes longest.
+/// Passes a later part's ticks on as if they continued the previous parts; finds the slowest sink.
 class ConcatenatingSink final : public TouchSink {
 public:
-    /// `outputs`: what they can no longer write is said at once; nullptr: in the end.
+    /// `outputs`: their faults are printed at once; nullptr: at the end.
     ConcatenatingSink(std::int64_t ticks_before, std::vector<TouchSink*> sinks, TouchOutputs* outputs)
         : before_(ticks_before), sinks_(std::move(sinks)), took_(sinks_.size()), outputs_(outputs) {}
     Result<void> take(const TouchTick& tick) override {
@@ -222,16 +222,16 @@ std::int64_t ticks_of(const RecordedPart& part) {
     return part.ticks.back().time_ns / tick_ns + 1;
 }
 
-/// What there is to say of the run's parts; of any other run than a replay, of its only one.
+/// Reports of the run's parts; only a replay can have several.
 struct Told {
     std::vector<nlohmann::ordered_json> reports;
     std::vector<ReplayCheck::Outcome> replayed;
     TouchFigures all;
-    LiveFacts live;          // of the last
-    std::int64_t ticks = 0;  // of those before, in time
+    LiveFacts live;          // of the last part
+    std::int64_t ticks = 0;  // length of the previous parts
 };
 
-/// Of a run that ended too early and whose files are complete nevertheless.
+/// Error of a run that ended early with complete files.
 Result<void> ended_early(const LiveFacts& facts) {
     if (!facts.interrupted && !facts.failure) return {};
     const std::string kept = formatted(" after %.3f s; what was asked for is written, up to there",
@@ -244,7 +244,7 @@ Result<void> ended_early(const LiveFacts& facts) {
     return Error{ErrorKind::interrupted, "interrupted" + kept};
 }
 
-/// What `--strict` makes of the warnings.
+/// With `--strict`, warnings are an error.
 Result<void> strictly(const TouchOptions& options, const nlohmann::ordered_json& report) {
     const auto warnings = report.at("warnings").get<std::vector<std::string>>();
     const std::string all = listed(warnings, std::identity(), "; ");
@@ -252,13 +252,13 @@ Result<void> strictly(const TouchOptions& options, const nlohmann::ordered_json&
     return Error{ErrorKind::check, "--strict: " + all};
 }
 
-/// Runs the only part, or the one of a recording.
+/// Runs the only part, or one of a recording.
 Result<void> run_part(const TouchOptions& options, const RecordedPart* part, TouchSetup& s,
                       TouchOutputs& outputs, Told& told) {
     TouchFigures figures;
     std::vector<TouchSink*> of_all = outputs.sinks();
     of_all.push_back(&told.all);
-    const bool live = s.live && !options.replay;  // on the wall clock, as a replay never is
+    const bool live = s.live && !options.replay;  // on the wall clock; a replay never is
     ConcatenatingSink one_run(told.ticks, std::move(of_all), live ? &outputs : nullptr);
     std::vector<TouchSink*> sinks{&one_run};
     std::optional<ReplayCheck> check;
@@ -277,7 +277,7 @@ Result<void> run_part(const TouchOptions& options, const RecordedPart* part, Tou
     return {};
 }
 
-/// One after the other, in the memory of one. The first is set up already; the last stays.
+/// Runs the parts one by one, each freed before the next. The first is already set up; the last stays.
 Result<void> run_parts(const TouchOptions& options, const Recording& recording,
                        std::unique_ptr<TouchSetup>& setup, TouchOutputs& outputs, Told& told) {
     if (recording.empty()) return run_part(options, nullptr, *setup, outputs, told);
@@ -293,10 +293,10 @@ Result<void> run_parts(const TouchOptions& options, const Recording& recording,
     return {};
 }
 
-/// `at_work`: what memory is needed for, once that is known.
+/// `at_work`: set to what memory is needed for, once known.
 Result<void> touch(const TouchOptions& options, std::string& at_work) {
     TRY(check_gpu_options(options.session.builder, options.picture.draws_on_gpu()));
-    // The parts of what is replayed; none of any other run.
+    // The parts to replay; empty otherwise.
     TRY_ASSIGN(const auto recording,
                options.replay ? read_recording(*options.replay) : Result<Recording>(Recording()));
     const bool replays = !recording.empty();
@@ -314,7 +314,7 @@ Result<void> touch(const TouchOptions& options, std::string& at_work) {
     Told told;
     TRY(run_parts(options, recording, setup, *outputs, told));
     const auto report = told.reports.size() > 1 ? join_reports(told.reports, told.all) : told.reports.front();
-    // Files first: the reader of the table may go away half-way.
+    // Files first: the reader of the table may close its pipe.
     const auto done = outputs->finish(report, told.all.force_hash(), *setup);
     std::ostream& words = stream_of_words(options);
     if (options.verbose)
@@ -378,9 +378,9 @@ Result<void> TouchPicture::finish(const TouchSetup& setup, bool cut_short) {
     if (!moment_ || !(reached_ || cut_short))
         return usage_error("--picture: the run ended before " + std::to_string(tick_) +
                            " ms, the moment to draw; --picture-at says another");
-    const StopScope drawing = StopScope::after_stop();  // of a run that a person has ended
+    const StopScope drawing = StopScope::after_stop();  // the run may have been stopped by the user
     TRY_ASSIGN(auto reader, setup.clip.open());
-    // Frames of the GPU that also draws stay there; others are built here, whole.
+    // If the GPU built the frames, it builds and draws them; otherwise build whole frames on the CPU.
     const bool on_gpu = setup.feed->builder_name() == "vulkan";
     TRY_ASSIGN(const auto builder,
                make_builder(on_gpu ? setup.builder : BuilderChoice{}, setup.scene, *setup.gpu));
@@ -492,7 +492,7 @@ Result<void> TouchOutputs::finish_record(const std::string& force_hash, const To
 }
 
 Result<void> TouchOutputs::finish_json(const nlohmann::ordered_json& report) {
-    const auto replace = nlohmann::ordered_json::error_handler_t::replace;  // names need not be UTF-8
+    const auto replace = nlohmann::ordered_json::error_handler_t::replace;  // file names need not be UTF-8
     TRY(json_->write(report.dump(2, ' ', false, replace) + '\n'));
     return json_->finish();
 }

@@ -16,58 +16,57 @@
 
 namespace touchable {
 
-/// What a run came to (docs/forces.md). `live`: how the session on the wall clock went, nullptr for one of
-/// virtual time; `painter`: the picture's, if there is one. Names are part of the interface: add to them, do
-/// not rename.
+/// Report of a run (docs/forces.md). `live`: facts of a live session, nullptr in virtual time; `painter`: the
+/// picture's, or nullptr. Names are part of the interface: add to them, do not rename.
 nlohmann::ordered_json make_report(const TouchSetup& setup, const TouchFigures& figures,
                                    const LiveFacts* live, const SurfacePainter* painter);
-/// Of a replay of several parts: what `all` figures say of them together, and in "parts" the report of each.
+/// Report of a replay of several parts: the figures of `all`, and each part's report in "parts".
 nlohmann::ordered_json join_reports(const std::vector<nlohmann::ordered_json>& parts,
                                     const TouchFigures& all);
-/// The same as a table for a person; of several parts each after the other.
+/// The same as a text table; several parts follow each other.
 std::string report_to_text(const nlohmann::ordered_json& report);
-/// What most people want to know of it: warnings, what was touched, the force, whether it is sound, and where
-/// the figures are. `files`: those that were written; nothing where none was asked for.
+/// Short report: warnings, what was touched, the force, whether the run is sound, and where the figures are.
+/// `files`: the files written; nothing: none requested.
 std::string report_in_short(const nlohmann::ordered_json& report,
                             const std::optional<std::vector<std::string>>& files);
 
-/// A run, and what is written of it.
+/// Options of a run and its outputs.
 struct TouchOptions {
-    /// With `replay` only the builder and the clip, which may be empty: the recorded one then.
+    /// With `replay` only the builder and the clip are used; an empty clip: the recorded one.
     SessionOptions session;
     HeldDeviceWords held;
     std::optional<std::filesystem::path> json, forces, record, replay, device_log;
-    std::optional<std::filesystem::path> play;  ///< read into `session.playback` already
-    Existing existing = Existing::keep;         ///< what becomes of earlier files of those names
-    bool verbose = false;                       ///< prints the whole table
-    bool strict = false;                        ///< what the report warns of is an error of kind check
+    std::optional<std::filesystem::path> play;  ///< already read into `session.playback`
+    Existing existing = Existing::keep;         ///< treatment of existing output files
+    bool verbose = false;                       ///< print the whole table
+    bool strict = false;                        ///< warnings are an error of kind check
     PictureOptions picture;
     std::optional<std::int64_t> picture_tick;  ///< nothing: usual_picture_tick
 };
 
-/// Touches a clip at 1 kHz, of virtual time or (live) of the wall clock, prints a table, and writes what was
-/// asked for. With `replay`, does again what a recording holds: a first different force is an error of kind
-/// check that names tick and finger. A live run that a person ends is complete, and an error that says how
-/// long it was.
+/// Touches a clip at 1 kHz, in virtual time or (live) on the wall clock, prints a table and writes the
+/// requested files. With `replay`, repeats a recording: the first different force is an error of kind check
+/// that names tick and finger. A live run ended by the user is complete and returns an error that states its
+/// length.
 Result<void> run_touch(const TouchOptions& options);
 
-/// `touch --picture`: remembers the fingers at a moment of the run and where they went just before; once the
-/// run is over, reads the frames of that moment again and draws them.
+/// `touch --picture`: stores the fingers at a moment of the run and their trails just before; after the run,
+/// reads that moment's frames again and draws them.
 class TouchPicture final : public TouchSink {
 public:
-    /// `tick`: the moment; the first tick that is not before it, where some are skipped.
+    /// `tick`: the moment; if ticks are skipped, the first tick not before it.
     TouchPicture(PictureOrder order, std::int64_t tick) : order_(std::move(order)), tick_(tick) {}
     Result<void> take(const TouchTick& tick) override;
-    bool is_reached() const { return reached_; }  ///< the moment
+    bool is_reached() const { return reached_; }  ///< whether the moment was reached
     const SurfacePainter& painter() const { return *order_.painter; }
-    /// Draws. Where the run ended before the moment: its last tick, if it was `cut_short`, else refused
-    /// (ErrorKind::usage).
+    /// Draws the moment. If the run ended before it: draws the last tick if `cut_short`,
+    /// otherwise refused (ErrorKind::usage).
     Result<void> finish(const TouchSetup& setup, bool cut_short);
-    /// What was drawn, for a person; empty before `finish`.
+    /// A line about the picture; empty before `finish`.
     const std::string& line() const { return line_; }
 
 private:
-    using Place = glm::dvec2;  // of a proxy in the image, pixels
+    using Place = glm::dvec2;  // proxy in the image, pixels
     struct Moment {
         std::uint64_t epoch = 0;
         std::int64_t frame_prev = 0, frame_next = 0;
@@ -78,44 +77,43 @@ private:
 
     PictureOrder order_;
     std::int64_t tick_;
-    std::vector<std::deque<Place>> trails_;  // of each finger, since it last came into contact
+    std::vector<std::deque<Place>> trails_;  // per finger, since its last contact began
     std::optional<Moment> moment_;           // the newest tick, until the moment
     bool reached_ = false;
     std::string line_;
 };
 
-/// The tick that a picture shows by default: 60 % of the run, or of its shortest length (3 s) where
-/// only reading the clip tells how long it is.
+/// The tick that a picture shows by default: 60 % of the run, or of its shortest length (3 s) if the clip's
+/// length is unknown.
 std::int64_t usual_picture_tick(const TouchSetup& setup);
 
-/// The files that were asked for of a run: opened before it, so that what cannot be written is known at once,
-/// and named after it, so that a run that fails leaves none. A full disk under one ends neither the run nor
-/// another file.
+/// The requested files of a run: opened before it, so that unwritable places are reported at once, and named
+/// after it, so that a failed run leaves none. A full disk ends neither the run nor the other files.
 class TouchOutputs {
 public:
-    /// Refuses names that are also inputs' or each other's, and files that are there already and may not be
-    /// replaced, and a picture of a moment that the run does not come to, where its length is known. `ticks`:
-    /// of all parts, where that is known. `options` outlive it.
+    /// Refuses files that are also inputs or named twice, existing files that may not be replaced, and a
+    /// picture of a moment beyond the run's end, if its length is known. `ticks`: length of all parts, if
+    /// known. `options` must outlive this.
     static Result<std::unique_ptr<TouchOutputs>> open(const TouchOptions& options, const TouchSetup& setup,
                                                       std::optional<std::int64_t> ticks);
 
-    /// Those that want to know of every tick.
+    /// The outputs that take every tick.
     std::vector<TouchSink*> sinks();
-    /// The file of one of those, for messages: "--forces f.csv"; empty: it writes none as it goes.
+    /// The file of a sink, for messages: "--forces f.csv"; empty: writes none during the run.
     std::string name_of(const TouchSink* sink) const;
-    /// Of the picture; nullptr where none is asked for.
+    /// The picture's painter; nullptr: no picture.
     const SurfacePainter* painter() const;
-    /// After a part that is not the last: draws the picture, where its moment was in it.
+    /// After a part that is not the last: draws the picture if its moment was in the part.
     Result<void> end_part(const TouchSetup& setup);
-    /// What can no longer be written, each once, as it is met.
+    /// Faults of outputs since the last call; each is reported once.
     std::vector<std::string> new_faults();
-    /// After the run, or its last part, which was that of `setup`: completes every file, whatever becomes of
-    /// the others. An error says of which something is missing.
+    /// After the run's last part, that of `setup`: completes every file even if others fail. An error names
+    /// the incomplete ones.
     Result<void> finish(const nlohmann::ordered_json& report, const std::string& force_hash,
                         const TouchSetup& setup);
-    /// The files that `finish` has completed, but for standard output; nothing where none was asked for.
+    /// The files completed by `finish`, without standard output; nothing: none requested.
     const std::optional<std::vector<std::string>>& written() const { return written_; }
-    /// What else there is to say of them after the table; may be empty.
+    /// A remark to print after the table; may be empty.
     std::string remark() const { return picture_ ? picture_->line() : std::string(); }
 
 private:
@@ -129,9 +127,9 @@ private:
     std::unique_ptr<RecordingFile> record_;
     std::unique_ptr<OutputFile> json_;
     std::optional<TouchPicture> picture_;
-    bool is_drawn_ = false;                // the picture
+    bool is_drawn_ = false;                // the picture is drawn
     std::shared_ptr<CameraCapture> film_;  // beside the recording
-    std::set<const void*> told_;           // of whose fault was told
+    std::set<const void*> told_;           // outputs whose fault was reported
 };
 
 }  // namespace touchable

@@ -10,9 +10,9 @@
 #include "shaders/cut_rule.h"
 #include "shaders/surface_light.h"
 
-// Compiled without errno and traps: plain loops over a row become vectors by themselves. In them nothing is
-// read under a condition, functions of a normal take it by its coordinates, and square roots are never of
-// what is negative.
+// Compiled without errno and floating-point traps, so that plain loops over a row are auto-vectorised. For
+// that they read nothing conditionally, pass normals as coordinates, and take square roots of non-negative
+// values only.
 //
 // CpuLattices makes q, tiles and light; SurfaceEdges finds the vertices at edges; Decimation halves frames
 // and colours.
@@ -20,27 +20,27 @@
 namespace touchable {
 namespace {
 
-/// What is to be lit: q as ViewSurface has it, and a colour at each vertex.
+/// Input of lighting: q as in ViewSurface, and a colour at each vertex.
 struct LightTerms {
     Camera camera;
-    float farthest = 1;        ///< a depth as large as any, scene units
+    float farthest = 1;        ///< an upper bound of depth, scene units
     const float* q = nullptr;  ///< rows of `pitch`
     int width = 0, height = 0, pitch = 0;
-    PlaneView colour;  ///< RGB of 8 bits, of that size; or empty: clay
-    UsualQ usual{};    ///< of clay: where it is cool and where it is warm
+    PlaneView colour;  ///< RGB of 8 bits, of that size; or empty for clay
+    UsualQ usual{};    ///< clay's coolest and warmest q
     float cut_ratio = CUT_RULE_RATIO;
 };
 
 constexpr int margin = 4;  // columns of zeros beyond each end of a row
-constexpr int reach = 2;   // normals are summed over so many vertices to each side
+constexpr int reach = 2;   // normals are summed over this many vertices to each side
 constexpr int sides = 2 * reach + 1;
 
-/// What the normal of a triangle takes of the camera.
+/// Camera terms of a triangle's normal.
 struct Lens {
     float fx, fy, cx, cy, unit, cut_ratio;
 };
 
-/// 1 where a triangle is drawn, 0 where it is cut: `triangle_is_cut` without a branch.
+/// 1 if a triangle is drawn, 0 if it is cut: `triangle_is_cut` without a branch.
 [[gnu::always_inline]] inline float drawn(float q0, float q1, float q2, float ratio) {
     float least = q0 < q1 ? q0 : q1, greatest = q0 < q1 ? q1 : q0;
     least = q2 < least ? q2 : least;
@@ -49,14 +49,14 @@ struct Lens {
     return greatest <= ratio * least ? is_valid : 0.0F;
 }
 
-/// By how much a triangle's normal is longer than (difference of q, ...), 0 where it is cut.
+/// Ratio of a triangle's normal to its differences of q; 0 if it is cut.
 [[gnu::always_inline]] inline float weight(float q0, float q1, float q2, const Lens& lens) {
     const float is_drawn = drawn(q0, q1, q2, lens.cut_ratio), unit = lens.unit;
     const float volume = q0 * unit * (q1 * unit) * (q2 * unit);
     return is_drawn > 0.0F ? unit / (is_drawn > 0.0F ? volume : 1.0F) : 0.0F;
 }
 
-/// Normals of the triangles of a row of cells, right ones and left ones, as light.comp has them.
+/// Normals of the right and left triangles of a row of cells, as in light.comp.
 [[gnu::always_inline]] inline void normals_of_cells(const float* upper, const float* lower, int cells,
                                                     float y, const Lens& lens, float* __restrict rx,
                                                     float* __restrict ry, float* __restrict rz,
@@ -77,8 +77,8 @@ struct Lens {
     }
 }
 
-/// For one coordinate the sum at each vertex, of what the cells above have left in `above` and of those
-/// below it, which leave there what they have for the next row.
+/// Sums one coordinate of the normals at each vertex: `above` holds the sums of the cells above; it gets
+/// those of the cells below, for the next row.
 [[gnu::always_inline]] inline void sums_at_vertices(const float* right, const float* left, int width,
                                                     float* __restrict above, float* __restrict sums) {
     for (int x = 0; x < width; ++x) {
@@ -98,7 +98,7 @@ struct Lens {
     for (int x = 0; x < width; ++x) sums[x] = a[x] + b[x] + c[x] + d[x] + e[x];
 }
 
-/// What `light_on` says of each normal, into the place of its x.
+/// Writes `light_on` of each normal into its `xs`.
 [[gnu::always_inline]] inline void light_of_normals(float* __restrict xs, const float* __restrict ys,
                                                     const float* __restrict zs, int width) {
     for (int k = 0; k < width; ++k) {
@@ -114,7 +114,7 @@ struct Lens {
     return static_cast<std::uint32_t>(static_cast<std::int32_t>(least + 0.5F));
 }
 
-/// `lit_colour`, of light that is not negative.
+/// `lit_colour` for non-negative light.
 [[gnu::always_inline]] inline void shade_colours(const std::uint8_t* rgb, const float* light, int width,
                                                  PackedColour* __restrict colours) {
     for (int x = 0; x < width; ++x) {
@@ -133,7 +133,7 @@ void shade_clay(const float* q, const UsualQ& usual, const float* light, int wid
     }
 }
 
-/// What a row of a frame is made of; heights: null where it has none.
+/// Planes of a frame's row; heights: null without a height plane.
 struct FrameRow {
     FrameRow(const SurfaceFrame& frame, int y)
         : codes(frame.codes.data() + frame.index(0, y)),
@@ -144,8 +144,7 @@ struct FrameRow {
     const std::uint32_t* validity;
 };
 
-/// Depths of a row, and 1 where they are valid, 0 elsewhere. Invalid ones are 1, so that nothing divides by
-/// 0.
+/// Depths of a row, and validity, 1 or 0. Invalid depths are 1, to avoid division by 0.
 [[gnu::always_inline]] inline void depths_of_row(const FrameRow& row, const UnprojectTerms& terms,
                                                  float per_code, int width, float* depths, float* valid) {
     const UnprojectPush& push = terms.push;
@@ -171,7 +170,7 @@ struct FrameRow {
     }
 }
 
-/// Where there is nothing half-way, a pixel takes the state of the frame nearer in time.
+/// A pixel that is not interpolated takes the state of the frame nearer in time.
 [[gnu::always_inline]] inline void mix_rows(const UnprojectPush& push, int width, const float* next_depths,
                                             const float* next_valid, float* depths, float* valid) {
     const float blend = push.blend, rest = push.rest, next_is_nearer = blend >= 0.5F ? 1.0F : 0.0F;
@@ -194,7 +193,7 @@ struct FrameRow {
     for (int x = 0; x < width; ++x) q[x] = valid[x] * std::sqrt(u2[x] + v2 + 1.0F) / depths[x];
 }
 
-/// `triangle_is_cut`, without a branch, which would keep the loop below from becoming vectors.
+/// `triangle_is_cut` without a branch, which would prevent vectorisation.
 [[gnu::always_inline]] inline std::uint32_t cut(float q0, float q1, float q2) {
     float least = q0 < q1 ? q0 : q1, greatest = q0 < q1 ? q1 : q0;
     least = q2 < least ? q2 : least;
@@ -203,7 +202,7 @@ struct FrameRow {
            static_cast<std::uint32_t>(greatest > CUT_RULE_RATIO * least);
 }
 
-/// A row of cells between two rows of q: 1 is added where a triangle is cut, 2 where one has no hole.
+/// Marks a row of cells between two rows of q: sets 1 if a triangle is cut, 2 if one has no hole.
 [[gnu::always_inline]] inline void mark_row(const float* upper, const float* lower, int cells,
                                             std::uint32_t* marks) {
     for (int x = 0; x < cells; ++x) {
@@ -217,7 +216,7 @@ struct FrameRow {
     }
 }
 
-/// Colours of rows [first, end) as they are.
+/// Copies the colours of rows [first, end) unchanged.
 void copy_colours(const LightTerms& terms, int first, int end, PackedColour* colours) {
     for (int y = first; y < end; ++y) {
         const std::uint8_t* rgb = terms.colour.row(y);
@@ -232,7 +231,7 @@ void copy_colours(const LightTerms& terms, int first, int end, PackedColour* col
     return -(static_cast<std::int32_t>(least > 0.0F) & static_cast<std::int32_t>(greatest <= ratio * least));
 }
 
-/// `joins` of `count` vertices with those beside them.
+/// `joins` of `count` pairs of vertices.
 [[gnu::always_inline]] inline void join_row(const float* row, const float* beside, int count, float ratio,
                                             std::int32_t* joined) {
     for (int x = 0; x < count; ++x) joined[x] = joins(row[x], beside[x], ratio);
@@ -244,13 +243,13 @@ void copy_colours(const LightTerms& terms, int first, int end, PackedColour* col
     return any == 0;
 }
 
-/// The number of every second vertex, so many that the last lies at the last vertex, or beyond it: it is that
-/// one then.
+/// The number of every second vertices, including one at or beyond the last vertex; it then takes that
+/// vertex's values.
 int half_of(int vertices) {
     return vertices / 2 + 1;
 }
 
-/// Rows of a band, which a loop of vectors goes through.
+/// Halves the rows of a band, in a loop that is auto-vectorised.
 template <class Values>
 void halve_values(const Values& from, int from_width, int from_height, int width, VectorUnit unit,
                   const RowBand& band, Values& to) {
@@ -266,7 +265,7 @@ void halve_values(const Values& from, int from_width, int from_height, int width
     run_vectors(unit, all);
 }
 
-/// Bits 0, 2, 4, ... side by side.
+/// Compacts bits 0, 2, 4, ...
 std::uint32_t even_bits(std::uint64_t bits) {
     bits &= 0x5555555555555555U;
     bits = (bits | bits >> 1) & 0x3333333333333333U;
@@ -276,7 +275,7 @@ std::uint32_t even_bits(std::uint64_t bits) {
     return static_cast<std::uint32_t>(bits | bits >> 16);
 }
 
-/// A vector of as many bytes as there are values of 16 bits.
+/// A vector of as many bytes as `Lanes` has 16-bit values.
 template <class Lanes>
 struct Bytes {
     typedef std::uint8_t Type __attribute__((vector_size(sizeof(Lanes) / 2)));
@@ -312,15 +311,15 @@ void halve_validity(const SurfaceFrame& from, const RowBand& band, SurfaceFrame&
 
 }  // namespace
 
-/// Lights rows of vertices by the CPU's vectors, with the arithmetic of shaders/light.h: the twin of
-/// `lit_colours`, to 2 of 255. A row has the same bits whichever rows are lit with it, and by any vectors.
+/// Lights rows of vertices with the CPU's vectors and the arithmetic of shaders/light.h: the twin of
+/// `lit_colours`, to 2 of 255. A row's bits do not depend on the other rows or on the vectors.
 class CpuLattices::LightRows {
 public:
-    /// Colours of the vertices of rows [first, end), in rows of `terms.pitch`; `colours` is that of row 0.
+    /// Colours of the vertices of rows [first, end), in rows of `terms.pitch`; `colours` points to row 0.
     void light(const LightTerms& terms, int first, int end, VectorUnit unit, PackedColour* colours);
 
 private:
-    /// A vector at each vertex, or each cell, of a row; some columns beyond both ends are there and 0.
+    /// A vector at each vertex or cell of a row, padded with zeros at both ends.
     struct Row {
         float *x, *y, *z;
     };
@@ -353,8 +352,8 @@ void CpuLattices::LightRows::light(const LightTerms& terms, int first, int end, 
 
     const auto coordinates = [](const Row& from) { return std::array<float*, 3>{from.x, from.y, from.z}; };
     const auto rows = [&](auto) __attribute__((always_inline)) {
-        // A row of cells ends the sums of the vertices on its upper side; with these the rows of vertices two
-        // above them are done.
+        // A row of cells completes the sums of the vertices on its upper side, and these complete the vertex
+        // row two above them.
         for (int y = first - reach - 1; y < end + reach; ++y) {
             const bool has_cells = y >= 0 && y + 1 < height;
             if (has_cells)
@@ -390,7 +389,7 @@ void CpuLattices::LightRows::light(const LightTerms& terms, int first, int end, 
 }
 
 int CpuLattices::usual_threads() {
-    constexpr unsigned most = 4;  // more wait for memory
+    constexpr unsigned most = 4;  // more threads are limited by memory
     return static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, most));
 }
 
@@ -515,7 +514,7 @@ void SurfaceEdges::find(const float* q, int width, int height, int pitch, float 
 void SurfaceEdges::find_rows(const EdgeLattice& lattice, bool are_values, const RowBand& band) {
     Scratch& of = scratch_[static_cast<std::size_t>(band.thread)];
     const int width = lattice.width;
-    // Before the first vertex and beyond the last everything is one surface: a picture's border is no edge.
+    // Padding at both ends counts as joined: a picture's border is no edge.
     for (auto* each : {&of.right, &of.down, &of.aslant, &of.upper_down, &of.upper_aslant, &of.candidates})
         each->assign(static_cast<std::size_t>(width) + 1, -1);
     const auto all = [&](auto) __attribute__((always_inline)) {
@@ -538,7 +537,7 @@ void SurfaceEdges::find_rows(const EdgeLattice& lattice, bool are_values, const 
             const float* row = lattice.q + static_cast<std::ptrdiff_t>(y) * lattice.pitch;
             join_row(row, row + 1, width - 1, lattice.ratio, of.right.data() + 1);
             std::int32_t *candidates = of.candidates.data(), any = 0;
-            // [x] of right and aslant is the pair that ends at column x: of a cell's left vertex, [x + 1].
+            // right[x] and aslant[x] are pairs that end at column x; those from x on are at [x + 1].
             const std::int32_t *right = of.right.data(), *down = of.down.data(), *aslant = of.aslant.data(),
                                *upper_down = of.upper_down.data(), *upper_aslant = of.upper_aslant.data();
             for (int x = 0; x < width; ++x) {
@@ -550,7 +549,7 @@ void SurfaceEdges::find_rows(const EdgeLattice& lattice, bool are_values, const 
             if (any == 0) continue;
             auto& found = rows_[static_cast<std::size_t>(y)];
             for (int x = 0; x < width; ++x) {
-                // Most are none: eight at a time.
+                // Skips eight at a time, as most are no candidates.
                 while (x + 8 <= width && is_none(candidates + x)) x += 8;
                 if (x == width || candidates[x] == 0) continue;
                 const EdgeMove move = edge_move(lattice, {x, y});
@@ -606,7 +605,7 @@ const SurfaceFrame* Decimation::decimated_frame(const SurfaceFrame& frame, int s
     return made;
 }
 
-/// Weights 1 2 1 across and down around every second pixel: no shift, and little that would shimmer.
+/// Weights 1 2 1 across and down around every second pixel: no shift, and little aliasing.
 void Decimation::halve_colour(const PlaneView& from, std::vector<std::uint8_t>& to) {
     const int width = half_of(from.width), height = half_of(from.height);
     to.resize(3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
@@ -621,7 +620,7 @@ void Decimation::halve_colour_row(const PlaneView& from, int y, Scratch& of_thre
     const int row_bytes = 3 * from.width, width = half_of(from.width);
     const auto row = [&](int at) { return from.row(std::clamp(at, 0, from.height - 1)); };
     const std::uint8_t *upper = row(2 * y - 1), *middle = row(2 * y), *lower = row(2 * y + 1);
-    // A pixel before the first, and two after the last.
+    // One pixel before the first, and two after the last.
     of_thread.sums.resize(static_cast<std::size_t>(row_bytes) + 9);
     of_thread.means.resize(static_cast<std::size_t>(row_bytes) + 6);
     std::uint16_t* const sums = of_thread.sums.data() + 3;
@@ -648,7 +647,7 @@ void Decimation::halve_colour_row(const PlaneView& from, int y, Scratch& of_thre
             means[k] = static_cast<std::uint8_t>((sums[k - 3] + 2 * sums[k] + sums[k + 3] + 8) >> 4);
     };
     run_vectors(unit_, all);
-    // Four bytes for three: the fourth is the next pixel's.
+    // Copies four bytes for three: the fourth is overwritten by the next pixel.
     for (int x = 0; x + 1 < width; ++x) std::memcpy(out + 3 * x, means + 6 * x, 4);
     std::memcpy(out + 3 * (width - 1), means + 6 * (width - 1), 3);
 }

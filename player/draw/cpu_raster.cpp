@@ -12,15 +12,15 @@
 #include "shaders/raster.h"
 #include "shaders/view_project.h"
 
-// Compiled without errno and traps: plain loops over a row become vectors by themselves.
+// Compiled without errno and floating-point traps, so that plain loops over a row are auto-vectorised.
 //
-// LatticeRaster draws triangles side by side, one in each lane of a vector, with the arithmetic of
-// fill_triangle. Vectors never cross a function call that is not inlined (see vectors.hpp).
+// LatticeRaster draws one triangle per vector lane, with the arithmetic of fill_triangle. Vectors are never
+// passed to a function that is not inlined (see vectors.hpp).
 
 namespace touchable {
 namespace {
 
-/// A row of vertices on the screen. Colours are times share, 1 / w.
+/// A row of projected vertices. Colours are multiplied by share, 1 / w.
 struct LatticeRow {
     void resize(std::size_t vertices) {
         for (auto* each : {&x, &y, &in_front}) each->resize(vertices);
@@ -28,11 +28,11 @@ struct LatticeRow {
         colours.resize(vertices);
     }
     std::vector<std::int32_t> x, y;      ///< subpixels
-    std::vector<std::int32_t> in_front;  ///< -1 where it is not before the near plane, otherwise 0
+    std::vector<std::int32_t> in_front;  ///< -1 if beyond the near plane, otherwise 0
     std::vector<float> q, z, share, red, green, blue;
     std::vector<PackedColour> colours;
-    std::int32_t least_y = 0, most_y = 0;  ///< of what is there
-    bool is_in_front = false;              ///< all of it
+    std::int32_t least_y = 0, most_y = 0;  ///< over valid vertices
+    bool is_in_front = false;              ///< all valid vertices
 };
 
 constexpr int half_pixel = VIEW_SUBPIXELS / 2;
@@ -65,7 +65,7 @@ template <int n>
     return numbers;
 }
 
-/// All lanes' bits together.
+/// Bitwise or of all lanes.
 template <class V>
 [[gnu::always_inline]] inline std::uint32_t or_of(const V& values) {
     std::array<std::uint64_t, sizeof(V) / 8> words;
@@ -75,7 +75,7 @@ template <class V>
     return static_cast<std::uint32_t>(all | all >> 32);
 }
 
-/// The pixel of the first centre at or after a place in subpixels, and of the last one at or before it.
+/// The first pixel centre at or after a position in subpixels, and the last one at or before it.
 template <class T>
 [[gnu::always_inline]] inline T first_pixel(T subpixels) {
     return (subpixels + (half_pixel - 1)) >> 8;
@@ -85,7 +85,7 @@ template <class T>
     return (subpixels - half_pixel) >> 8;
 }
 
-/// `triangle_is_cut` of many, by this ratio.
+/// `triangle_is_cut` by lanes, with this ratio.
 template <class F>
 [[gnu::always_inline]] inline auto cut(const F& q0, const F& q1, const F& q2, float ratio) {
     F least = lesser(q0, q1), most = greater(q0, q1);
@@ -94,7 +94,7 @@ template <class F>
     return ~(least > 0.0F) | (most > ratio * least);
 }
 
-/// `view_row` of many.
+/// `view_row` by lanes.
 template <class F>
 [[gnu::always_inline]] inline F clip(const glm::vec4& row, const F& x, const F& y, const F& q) {
     F sum = row.x * x;
@@ -103,27 +103,27 @@ template <class F>
     return sum + row.w * q;
 }
 
-/// `view_subpixels` of many. NaN, of a vertex that is not drawn, becomes the guard.
+/// `view_subpixels` by lanes. NaN, from vertices that are not drawn, becomes the guard.
 template <int n>
 [[gnu::always_inline]] inline Ints<n> subpixels(const Floats<n>& ndc, float size) {
     Floats<n> at = (ndc * 0.5F + 0.5F) * (size * static_cast<float>(VIEW_SUBPIXELS)) + 0.5F;
-    // The same: what is not small has no half, and the guard is even.
+    // Clamping after adding 0.5 changes nothing: large floats have no halves, and the guard is even.
     at = at > -VIEW_GUARD ? at : Floats<n>{} - VIEW_GUARD;
     at = at < VIEW_GUARD ? at : Floats<n>{} + VIEW_GUARD;
     const Ints<n> whole = __builtin_convertvector(at, Ints<n>);  // towards 0
     return whole + (__builtin_convertvector(whole, Floats<n>) > at);
 }
 
-/// Corners of cells side by side. x, y: subpixels from the centre of each cell's first pixel. Colours are
-/// times share, 1 / w.
+/// Corners of adjacent cells, one per lane. x, y: subpixels from the centre of each cell's first pixel.
+/// Colours are multiplied by share, 1 / w.
 template <int n>
 struct Corners {
     Ints<n> x, y;
     Floats<n> z, share, red, green, blue;
 };
 
-/// Twice the signed area of each a, b, (0, 0), less what is least inside (fill::least_inside), and what it
-/// grows by from pixel to pixel.
+/// Twice the signed area of each a, b, (0, 0), minus the least value inside (fill::least_inside), and its
+/// increments per pixel.
 template <int n>
 struct EdgeLanes {
     [[gnu::always_inline]] EdgeLanes(const Corners<n>& a, const Corners<n>& b) {
@@ -136,7 +136,7 @@ struct EdgeLanes {
     Ints<n> least, here, right, down;
 };
 
-/// Triangles side by side, each turned so that its edges are positive inside.
+/// One triangle per lane, each oriented so that its edges are positive inside.
 template <int n>
 struct TriangleLanes {
     [[gnu::always_inline]] TriangleLanes(const Corners<n>& first, const Corners<n>& second,
@@ -163,12 +163,12 @@ struct TriangleLanes {
                 mask ? one.blue : other.blue};
     }
 
-    Corners<n> b, c;  ///< z, share and colours: less the first corner's
+    Corners<n> b, c;  ///< z, share and colours: minus the first corner's
     EdgeLanes<n> ab, bc, ca;
     Floats<n> scale;  ///< 1 / twice the area
 };
 
-/// Where a pixel lies in each of a row's triangles.
+/// A pixel's edge values in each lane's triangle.
 template <int n>
 struct LanePlace {
     [[gnu::always_inline]] explicit LanePlace(const TriangleLanes<n>& t)
@@ -187,7 +187,7 @@ struct LanePlace {
     Ints<n> ab, bc, ca;
 };
 
-/// n vertices of a row from x on, as corners of cells.
+/// n vertices of a row from x on, as cell corners.
 template <int n>
 [[gnu::always_inline]] inline Corners<n> corners_of(const LatticeRow& row, int x) {
     using F = Floats<n>;
@@ -196,7 +196,7 @@ template <int n>
             load<F>(&row.red[x]), load<F>(&row.green[x]), load<F>(&row.blue[x])};
 }
 
-/// Brings rows of a lattice's vertices to the screen of a camera, n vertices at a time.
+/// Projects rows of a lattice's vertices to a camera's screen, n vertices at a time.
 class RowProjection {
 public:
     RowProjection(const MappedLattice& lattice, const SurfaceEdges& edges, const ViewCamera& camera)
@@ -206,7 +206,7 @@ public:
           screen_width_(static_cast<float>(camera.width)),
           screen_height_(static_cast<float>(camera.height)) {}
 
-    /// Row y. Beyond the width follow vertices without a surface.
+    /// Row y, padded beyond the width with invalid vertices.
     template <int n>
     [[gnu::always_inline]] void project(int y, LatticeRow& row) const {
         using F = Floats<n>;
@@ -246,7 +246,7 @@ public:
     }
 
 private:
-    /// n vertices on the screen, as LatticeRow has them; colours are not yet times share.
+    /// n projected vertices, as in LatticeRow, but with colours not yet multiplied by share.
     template <int n>
     struct Placed {
         Ints<n> x, y, in_front;
@@ -267,8 +267,8 @@ private:
                 __builtin_convertvector(colour >> 16 & 255, F)};
     }
 
-    /// Vertices that are not drawn at their pixel to where they are, n at a time; q stays, by which triangles
-    /// are cut.
+    /// Projects the moved vertices to their places, n at a time; leaves q, which decides the cutting of
+    /// triangles.
     template <int n>
     [[gnu::always_inline]] void move_edges(int y, LatticeRow& row) const {
         using F = Floats<n>;
@@ -312,27 +312,27 @@ private:
     const float screen_width_, screen_height_;
 };
 
-/// Cells are drawn side by side where they have fewer pixels than this each way: larger ones would keep
-/// their neighbours waiting.
+/// Cells with fewer pixels than this each way are drawn one per lane; larger ones would keep the other lanes
+/// waiting.
 constexpr int most_pixels = 4;
 
-/// The greater colour of two that are equally near: no order of drawing decides.
+/// Of two equally near pixels the greater colour wins, so the order of drawing does not matter.
 [[gnu::always_inline]] inline void keep_nearest(std::uint64_t& pixel, std::uint32_t z, PackedColour colour) {
     const std::uint64_t here = std::uint64_t{z} << 32 | colour;
     pixel = here > pixel ? here : pixel;
 }
 
-/// What a row of pixels is made of.
+/// Inputs of a row of pixels.
 struct PixelRow {
     const PackedColour *upper_left, *upper_right, *lower_left, *lower_right;
     const float *upper_left_q, *upper_right_q, *lower_left_q, *lower_right_q;
-    const float* into;  ///< the cell, from the left
-    float down;         ///< the same from above
+    const float* into;  ///< position in the cell, from the left
+    float down;         ///< position in the cell, from above
     float z_per_q;
     PackedColour background;
 };
 
-// Selects by masks, all bits or none: a `?:` between what is read here would become a branch, and no vectors.
+// Selects by masks, all bits or none: `?:` on values read here would become a branch and prevent vectors.
 [[gnu::always_inline]] inline std::int32_t mask_of(bool is_so) {
     return -static_cast<std::int32_t>(is_so);
 }
@@ -345,7 +345,7 @@ struct PixelRow {
         chosen(mask, std::bit_cast<std::uint32_t>(value), std::bit_cast<std::uint32_t>(other)));
 }
 
-/// A channel of a mixed colour, rounded.
+/// A channel of an interpolated colour, rounded.
 [[gnu::always_inline]] inline std::uint32_t channel_of(PackedColour a, PackedColour other, PackedColour c,
                                                        float of_other, float of_c, int shift) {
     const auto at = static_cast<float>(static_cast<int>(a >> shift & 255U));
@@ -355,7 +355,7 @@ struct PixelRow {
     return static_cast<std::uint32_t>(static_cast<int>(mixed + 0.5F)) << shift;
 }
 
-/// With the arithmetic of raster.comp. A cell's diagonal is from its upper left corner to its lower right.
+/// Uses raster.comp's arithmetic. A cell's diagonal runs from its upper left to its lower right corner.
 [[gnu::always_inline]] inline void draw_row(const PixelRow& row, int pixels, PackedColour* __restrict colours,
                                             float* __restrict z) {
     const PixelRow from = row;
@@ -373,7 +373,7 @@ struct PixelRow {
                                     channel_of(a, other, c, of_other, of_c, 8) |
                                     channel_of(a, other, c, of_other, of_c, 16) | 0xff000000U;
         const float nearness = (a_q + of_other * (other_q - a_q) + of_c * (c_q - a_q)) * from.z_per_q;
-        // Without a branch: not `triangle_has_hole`, nor before the near plane.
+        // Branch-free: no hole (`triangle_has_hole`), and not in front of the near plane.
         const std::int32_t is_drawn =
             mask_of(a_q > 0.0F) & mask_of(other_q > 0.0F) & mask_of(c_q > 0.0F) & mask_of(nearness <= 1.0F);
         colours[x] = chosen(is_drawn, colour, from.background);
@@ -387,7 +387,7 @@ struct LatticeRaster::Rows {
     LatticeRow upper, lower;
 };
 
-/// Rows of the picture that one thread draws: all cells of the lattice that are seen there, row by row.
+/// A thread's rows of the picture: draws all cells of the lattice visible there, row by row.
 class LatticeRaster::Band {
 public:
     Band(const MappedLattice& lattice, const SurfaceEdges& edges, const ViewCamera& camera,
@@ -407,7 +407,7 @@ public:
     void draw(VectorUnit unit, Rows& rows) {
         if (lattice_.height == 0) return;  // before the first frame
         const auto all = [&](auto kind) __attribute__((always_inline)) {
-            // Compilers make little that is good of 512 bits at once.
+            // Compilers generate poor code for 512-bit vectors.
             constexpr int n = std::min<int>(sizeof(typename decltype(kind)::Lanes) / sizeof(float), 8);
             projection_.project<n>(0, rows.lower);
             for (int y = 0; y + 1 < lattice_.height; ++y) {
@@ -421,12 +421,12 @@ public:
     }
 
 private:
-    /// Whether a row of cells can be seen in these rows of the picture.
+    /// Whether a row of cells may be visible in this band.
     bool meets(const Rows& rows) const {
         if (!rows.upper.is_in_front || !rows.lower.is_in_front) return true;
         const int least = std::min(rows.upper.least_y, rows.lower.least_y),
                   most = std::max(rows.upper.most_y, rows.lower.most_y);
-        if (least > most) return false;  // they have no surface
+        if (least > most) return false;  // no valid vertices
         return first_pixel(least) <= last_ && last_pixel(most) >= first_;
     }
 
@@ -435,12 +435,12 @@ private:
         Corners<n> top_left, top_right, bottom_right, bottom_left;
     };
 
-    /// Pixels that cells may cover: the first one, and how many follow to the right and down; less than 0
-    /// where there is none.
+    /// Pixels that cells may cover: the first one, and how many follow to the right and down; negative if
+    /// none.
     template <int n>
     struct Extent {
         Ints<n> first_x, first_y, beyond_x, beyond_y;
-        Ints<n> is_large;  ///< for products of 32 bits
+        Ints<n> is_large;  ///< too large for 32-bit products
     };
 
     template <int n>
@@ -458,7 +458,7 @@ private:
                 (most_x - least_x >= RASTER_LARGE_CELL) | (most_y - least_y >= RASTER_LARGE_CELL)};
     }
 
-    /// n cells from (x, y) on.
+    /// Draws n cells from (x, y) on.
     template <int n>
     [[gnu::always_inline]] void draw_cells(const Rows& rows, int x, int y) {
         using F = Floats<n>;
@@ -471,7 +471,7 @@ private:
         if (or_of(is_drawn) == 0) return;
         Cells<n> cells{corners_of<n>(up, x), corners_of<n>(up, x + 1), corners_of<n>(low, x + 1),
                        corners_of<n>(low, x)};
-        cells.top_right.x = no_right ? cells.top_left.x : cells.top_right.x;  // without area: not drawn
+        cells.top_right.x = no_right ? cells.top_left.x : cells.top_right.x;  // zero area: not drawn
         cells.top_right.y = no_right ? cells.top_left.y : cells.top_right.y;
         cells.bottom_left.x = no_left ? cells.top_left.x : cells.bottom_left.x;
         cells.bottom_left.y = no_left ? cells.top_left.y : cells.bottom_left.y;
@@ -480,7 +480,7 @@ private:
         const I in_front = diagonal_starts & diagonal_ends & (right_is | no_right) & (left_is | no_left),
                 partly = diagonal_starts | diagonal_ends | (right_is & ~no_right) | (left_is & ~no_left);
         const Extent<n> extent = extent_of(cells);
-        // Where part of a cell is behind the eye, its corners say nothing of where it is seen.
+        // If part of a cell is behind the eye, its corners do not bound it on the screen.
         is_drawn &= partly & (~in_front | ((extent.beyond_x >= 0) & (extent.beyond_y >= 0)));
         if (or_of(is_drawn) == 0) return;
         if (const I large = is_drawn & (extent.is_large | ~in_front); or_of(large) != 0) {
@@ -488,8 +488,8 @@ private:
                 if (large[k] != 0) draw_cell(x + k, y, no_right[k] != 0, no_left[k] != 0);
             is_drawn &= ~large;
         }
-        // A pixel is asked which of a cell's triangles it is in; where the cell is seen folded, it may be
-        // both.
+        // plot_cells picks one of a cell's triangles for each pixel; a folded cell may cover a pixel with
+        // both, so it is drawn twice.
         const I folded =
             ~(no_right | no_left) & (turned(cells.top_left, cells.top_right, cells.bottom_right) !=
                                      turned(cells.top_left, cells.bottom_right, cells.bottom_left));
@@ -502,7 +502,7 @@ private:
         }
     }
 
-    /// Each from its own first pixel on: small ones side by side, larger ones one after the other.
+    /// Draws each cell from its first pixel on: small cells one per lane, larger ones one after another.
     template <int n>
     [[gnu::always_inline]] void plot_cells(Cells<n>& cells, const Extent<n>& extent,
                                            const Ints<n>& is_drawn) {
@@ -513,14 +513,14 @@ private:
             corner->x = (corner->x - first_x * VIEW_SUBPIXELS - half_pixel) & is_drawn;
             corner->y = (corner->y - first_y * VIEW_SUBPIXELS - half_pixel) & is_drawn;
         }
-        // What is not drawn is kept apart from other threads' pixels, too.
+        // Lanes without a cell point into this band, away from other threads' pixels.
         const I start = is_drawn ? first_y * pitch_ + first_x : I{} + first_ * pitch_;
         const I is_small = is_drawn & (beyond_x < most_pixels) & (beyond_y < most_pixels);
         if (const I others = is_drawn & ~is_small; or_of(others) != 0)
             for (int k = 0; k < n; ++k)
                 if (others[k] != 0) plot_cell<n>(cells, k, start[k], beyond_x[k], beyond_y[k]);
         if (or_of(is_small) == 0) return;
-        // A bit for each column, and for each line, that one of them has.
+        // A bit for each column and each line that any lane's cell has.
         const std::uint32_t extents =
             or_of(is_small & (17 | ((beyond_x > 0) & 2) | ((beyond_x > 1) & 4) | ((beyond_x > 2) & 8) |
                               ((beyond_y > 0) & 32) | ((beyond_y > 1) & 64) | ((beyond_y > 2) & 128)));
@@ -528,7 +528,7 @@ private:
                           std::bit_width(extents & 15U), std::bit_width(extents >> 4));
     }
 
-    /// One cell, with neighbouring pixels side by side.
+    /// Draws one cell, with one column per lane.
     template <int n>
     [[gnu::always_inline]] void plot_cell(const Cells<n>& cells, int k, int start, int beyond_x,
                                           int beyond_y) {
@@ -548,8 +548,8 @@ private:
             Ints<n>{} + beyond_y, beyond_x / n + 1, beyond_y + 1);
     }
 
-    /// Pixels of cells: each lane has its first one at `start`, every `step`th column from there on up to
-    /// `beyond_x` more, none where that is less than 0, and `beyond_y` lines after the first.
+    /// Draws pixels of cells: each lane starts at `start`, takes every `step`th column up to `beyond_x` more,
+    /// none if that is negative, and `beyond_y` lines after the first.
     template <int n, int step>
     [[gnu::always_inline]] void plot_pixels(const Cells<n>& cells, const Ints<n>& start,
                                             const Ints<n>& beyond_x, const Ints<n>& beyond_y, int columns,
@@ -597,7 +597,7 @@ private:
         }
     }
 
-    /// All ones where a triangle's corners go counterclockwise on the screen.
+    /// -1 if a triangle's corners are counterclockwise on the screen, otherwise 0.
     template <int n>
     [[gnu::always_inline]] static Ints<n> turned(const Corners<n>& a, const Corners<n>& b,
                                                  const Corners<n>& c) {
@@ -616,7 +616,7 @@ private:
         for (std::size_t k = 0; k < n; ++k) keep_nearest(pixels_[places[k]], depths[k], colours[k]);
     }
 
-    /// A cell that is larger on the screen, or in part before the near plane.
+    /// Draws a cell that is larger on the screen, or partly in front of the near plane.
     void draw_cell(int x, int y, bool no_right, bool no_left) {
         const auto corner = [&](int i, int j) {
             const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(j) * lattice_.pitch + i;
@@ -645,7 +645,7 @@ private:
     const RowProjection projection_;
     const ViewRows view_;
     const int width_, first_, last_, height_, pitch_;
-    const float cut_ratio_;  // in the clip's own view holes alone are cut
+    const float cut_ratio_;  // in the clip's own view only holes are cut
     std::uint64_t* const pixels_;
 };
 
@@ -661,7 +661,7 @@ void LatticeRaster::draw(const MappedLattice& lattice, const SurfaceEdges& edges
     const auto row_of = [pitch](int y) {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(pitch);
     };
-    // A band for each thread: none writes where another does, and each goes through the lattice once.
+    // One band per thread: threads write different rows, and each passes through the lattice once.
     const int rows_each = (camera.height + bands_.threads() - 1) / bands_.threads();
     bands_.for_each_band(camera.height, rows_each, [&](const RowBand& band) {
         std::fill(pixels_.begin() + static_cast<std::ptrdiff_t>(row_of(band.first)),
@@ -681,12 +681,12 @@ void LatticeRaster::draw(const MappedLattice& lattice, const SurfaceEdges& edges
     });
 }
 
-/// The places between vertices that lie where `subpixels_of(n)` says, ascending.
+/// The cell and position of each pixel, for vertices at `subpixels_of(n)`, ascending.
 template <class SubpixelsOf>
 void OwnViewPicture::find_places(int vertices, int pixels, SubpixelsOf subpixels_of, Places& places) {
     places.cells.resize(static_cast<std::size_t>(pixels));
     places.into.resize(static_cast<std::size_t>(pixels));
-    // A pixel whose centre is on the cell's first side is the cell's.
+    // A pixel centre on a cell's first side belongs to the cell.
     const auto pixel_from = [pixels](int subpixels) {
         return std::clamp((subpixels + half_pixel - 1) >> 8, 0, pixels);
     };
@@ -740,7 +740,7 @@ void OwnViewPicture::draw(const MappedLattice& lattice, const ViewCamera& camera
         lattice.height, camera.height,
         [&](int j) { return view_subpixels(view_row(view.y, 0, static_cast<float>(j), 0), height); }, rows_);
     const int first = columns_.first, end = columns_.end;
-    int read = -1;  // the upper row of the cells whose corners are there
+    int read = -1;  // the lattice row in upper_; lower_ holds the next
     for (int y = 0; y < camera.height; ++y) {
         PackedColour* const to = colours.data() + static_cast<std::ptrdiff_t>(y) * pitch;
         float* const to_z = z.data() + static_cast<std::ptrdiff_t>(y) * pitch;

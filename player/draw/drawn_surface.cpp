@@ -9,7 +9,7 @@
 namespace touchable {
 namespace {
 
-/// Sums of the normals of the triangles at each vertex, as long as those are large. Cut triangles have none.
+/// Area-weighted sums of the triangle normals at each vertex. Cut triangles do not count.
 std::vector<glm::vec3> vertex_normals(const Camera& camera, const ViewSurface& surface) {
     std::vector<glm::vec3> normals(surface.q.size(), glm::vec3(0.0F));
     auto point = [&](int x, int y) {
@@ -45,7 +45,7 @@ void box_sum(int count, int n, At at) {
     }
 }
 
-/// Normals over 5x5 vertices: what a depth camera's steps make of light is no relief.
+/// Averages normals over 5x5 vertices, so that a depth camera's quantisation steps do not look like relief.
 void smooth(const ViewSurface& surface, std::vector<glm::vec3>& normals) {
     constexpr int reach = 2;
     for (int y = 0; y < surface.height; ++y)
@@ -122,8 +122,7 @@ ViewSurface make_view_surface(const HeightField& field, std::vector<float> q, Vi
 }
 
 UsualQ usual_q(int width, int height, const std::function<float(int x, int y)>& q_at) {
-    // Thousands of vertices tell as well as all, and the same ones every time: what stands still keeps its
-    // shade.
+    // A few thousand vertices suffice; always the same ones, so that static surfaces keep their shade.
     constexpr double enough = 8192;
     const int step = 1 + static_cast<int>(std::sqrt(static_cast<double>(width) * height / enough));
     std::vector<float> valid;

@@ -1,8 +1,8 @@
 #pragma once
 
-// A surface as every painter draws it: which vertices it has between two frames, what light they are in, and
-// which pixels a triangle covers. Here it stands plainly, vertex by vertex; cpu_painting.hpp and
-// gpu_painting.hpp have it by vectors and by kernels.
+// The surface as every painter draws it: its vertices between two frames, its light, and the pixels that a
+// triangle covers. Plain code, vertex by vertex; cpu_painting.hpp does the same with vectors,
+// gpu_painting.hpp with kernels.
 
 #include <algorithm>
 #include <array>
@@ -24,7 +24,7 @@
 
 namespace touchable {
 
-/// What a painter gives: z (see ViewCamera; 0: nothing drawn) and colour of every pixel, row-major.
+/// A painter's output, row-major: z (see ViewCamera; 0: empty) and colour of every pixel.
 struct PicturePlanes {
     int width = 0, height = 0;
     std::vector<float> z;
@@ -33,68 +33,68 @@ struct PicturePlanes {
     std::size_t index(int x, int y) const { return pixel_place(x, y, width); }
 };
 
-/// clip_from_lattice as the shared header wants it.
+/// clip_from_lattice in the shared header's layout.
 inline ViewRows rows_of(const ViewCamera& camera) {
     const glm::dmat4 rows = glm::transpose(camera.clip_from_lattice);
     return {glm::vec4(rows[0]), glm::vec4(rows[1]), glm::vec4(rows[2]), glm::vec4(rows[3])};
 }
 
-/// Whether a view is from where the clip's camera was, in its direction: from there a vertex is seen in the
-/// same place at any depth.
+/// Whether a view has the clip camera's position and direction: a vertex's screen position then does not
+/// depend on its depth.
 inline bool is_own_view(const ViewCamera& camera) {
     const auto [x, y, z, w] = rows_of(camera);
     const bool upright = x.y == 0 && x.w == 0 && y.x == 0 && y.w == 0 && x.x > 0 && y.y > 0;
     return upright && z.x == 0 && z.y == 0 && z.z == 0 && w.x == 0 && w.y == 0 && w.z == 1 && w.w == 0;
 }
 
-/// In place of CUT_RULE_RATIO: neighbours that lie farther apart may differ more.
+/// Replaces CUT_RULE_RATIO in a decimated lattice: vertices farther apart may differ more in depth.
 float cut_ratio(int step);
 
-/// The same view of a lattice that has every `step`th vertex of another.
+/// The same view of a lattice that keeps every `step`th vertex.
 ViewCamera decimated(ViewCamera camera, int step);
 
-/// How far a surface may have moved between a pair's frames so that it is drawn on its way, scene units: the
-/// `reach` of shaders/blend_rule.h.
+/// The greatest depth change between a pair's frames that is still interpolated, scene units: `reach` of
+/// shaders/blend_rule.h.
 float blend_reach(const HeightField& field);
 
-/// How much depth a code of height takes off, scene units.
+/// Depth subtracted per height code, scene units.
 double height_per_code(const Scene& scene);
 
-/// Whether what is drawn is the mix of a pixel's vertices in the pair's two frames: both have depth, and not
-/// so far apart that an edge has travelled over the pixel (shaders/blend_rule.h).
+/// Whether a pixel's vertices in the pair's two frames are interpolated: both have depth, and their distance
+/// does not mean that an edge passed over the pixel (shaders/blend_rule.h).
 bool are_mixed(const HeightField& field, const FieldVertex& prev, const FieldVertex& next);
 
-/// What is drawn at a pixel: that mix, as it is felt, or the vertex of the frame nearer in time.
+/// The drawn vertex of a pixel: interpolated, as it is felt, or that of the frame nearer in time.
 FieldVertex drawn_vertex(const HeightField& field, std::int64_t i, std::int64_t j);
 
-/// q of what is drawn at a pixel, to the nearest float, 0 where there is nothing; and of every pixel.
+/// q of a drawn pixel, rounded to float, 0 without a surface; `q_of`: of every pixel.
 float drawn_q(const HeightField& field, int x, int y);
 std::vector<float> q_of(const HeightField& field);
 
-/// The surface of a field with these q and tiles. Colours are those of `colour` (3 channels of the field's
-/// size), gently lit; where that is empty, light and depth alone.
+/// The surface of a field with the given q and tiles. `colour` (3 channels of the field's size) is gently
+/// lit; if it is empty, clay shows light and depth alone.
 ViewSurface make_view_surface(const HeightField& field, std::vector<float> q, ViewSurface::Tiles tiles,
                               const PlaneView& colour);
 
-/// q that 4 % and 96 % of the valid vertices do not exceed, by a sample of them.
+/// The 4 % and 96 % quantiles of valid vertices' q, from a sample.
 struct UsualQ {
     float farthest, nearest;
 };
 UsualQ usual_q(int width, int height, const std::function<float(int x, int y)>& q_at);
 
-/// A colour for every vertex of `surface` (its q is read, its colours are not): what `colour` has there, in a
-/// gentle light that shows relief; where `colour` is empty, clay in a full one, nearer warmer and farther
-/// cooler. The light comes from the upper left behind the clip's camera.
+/// A colour for every vertex of `surface` (reads its q, not its colours): that of `colour`, in a gentle light
+/// that shows relief; if `colour` is empty, clay in full light, warmer when nearer, cooler when farther. The
+/// light comes from the upper left behind the clip's camera.
 std::vector<PackedColour> lit_colours(const Camera& camera, const ViewSurface& surface,
                                       const PlaneView& colour);
 
-/// The lattice of a field as painters draw it, for callers that need few of its vertices: each is looked up
-/// when asked for, and kept for a while.
+/// A field's lattice as painters draw it, for callers that need few of its vertices: vertices are computed on
+/// demand and cached.
 class DrawnLattice {
 public:
-    /// `is_turned`: as every view but the clip's own has it. There shaders/edge_rule.h says where vertices at
-    /// edges are, and depth steps are cut; in the clip's own all are at their pixels, and holes alone are
-    /// cut.
+    /// `is_turned`: true for every view but the clip's own. In turned views vertices at edges move
+    /// (shaders/edge_rule.h) and depth steps are cut; in the clip's own view all vertices are at their
+    /// pixels, and only holes are cut.
     DrawnLattice(const HeightField& field, bool is_turned)
         : width(field.width()),
           height(field.height()),
@@ -104,17 +104,17 @@ public:
           edges_(is_turned ? side * side : 0) {}
 
     struct Triangle {
-        std::array<glm::dvec3, 3> corners;  ///< (x, y, q) where they are drawn
-        bool cut;                           ///< it is not drawn (shaders/cut_rule.h)
+        std::array<glm::dvec3, 3> corners;  ///< (x, y, q) as drawn
+        bool cut;                           ///< not drawn (shaders/cut_rule.h)
         bool moved;                         ///< a corner is not at its pixel
     };
     /// A triangle of cell (i, j): the one to the right of the diagonal from its first corner, or the one
-    /// below it.
+    /// below.
     Triangle triangle(int i, int j, bool right);
-    /// Whether what is drawn over a cell may be a triangle of another one.
+    /// Whether a neighbouring cell's triangle may be drawn over this cell.
     bool is_near_edges(int i, int j);
 
-    // The interface that shaders/edge_rule.h asks of a lattice.
+    // The interface that shaders/edge_rule.h needs from a lattice.
     const int width, height;
     const float ratio = CUT_RULE_RATIO;
     friend float edge_q(const DrawnLattice& lattice, const glm::ivec2& at) { return lattice.vertex(at).q; }
@@ -130,7 +130,7 @@ private:
         bool is_moved = false;
         glm::dvec3 place{0.0};
     };
-    static constexpr int side = 32;  ///< of the lattice's part that is kept: a way goes through it once
+    static constexpr int side = 32;  ///< of the cached part; a ray crosses it once
     static std::size_t slot(int x, int y) {
         return static_cast<std::size_t>(y % side) * side + static_cast<std::size_t>(x % side);
     }
@@ -143,7 +143,7 @@ private:
     std::vector<Edge> edges_;
 };
 
-/// A corner in clip space (ViewCamera) and what goes with it: a colour, a normal, or the like.
+/// A corner in clip space (ViewCamera) with a value to interpolate: a colour, a normal or similar.
 struct FillCorner {
     glm::vec4 clip;
     glm::vec3 value;
@@ -155,14 +155,14 @@ struct Point {
     std::int64_t x, y;  // subpixels
     float z;
     float share;      // 1 / w
-    glm::vec3 value;  // times that
+    glm::vec3 value;  // the value / w
 };
 
-/// Twice the signed area of a, b, (x, y); positive where these go clockwise on the screen.
+/// Twice the signed area of a, b, (x, y); positive if clockwise on the screen.
 inline std::int64_t edge(const Point& a, const Point& b, std::int64_t x, std::int64_t y) {
     return (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x);
 }
-/// A pixel centre on an edge belongs to the triangle where that is its upper or left edge.
+/// The least edge value inside: a centre on an upper or left edge belongs to the triangle.
 inline std::int64_t least_inside(const Point& a, const Point& b) {
     return b.y < a.y || (b.y == a.y && b.x > a.x) ? 0 : 1;
 }
@@ -172,7 +172,7 @@ inline Point to_screen(const FillCorner& corner, int width, int height) {
             view_subpixels(c.y / c.w, static_cast<float>(height)), c.z / c.w, 1.0F / c.w,
             corner.value * (1.0F / c.w)};
 }
-/// Pixels whose centres lie within [least, greatest] subpixels, as [first, last] on a side of `size`.
+/// The pixels whose centres lie within [least, greatest] subpixels, as [first, last] on a side of `size`.
 inline std::array<int, 2> pixels_between(std::int64_t least, std::int64_t greatest, int size) {
     constexpr std::int64_t half = VIEW_SUBPIXELS / 2;
     const std::int64_t first = (least - half + VIEW_SUBPIXELS - 1) >> 8, last = (greatest - half) >> 8;
@@ -206,9 +206,9 @@ void triangle(const Point& a, Point b, Point c, int width, int height, Plot& plo
 
 }  // namespace fill
 
-/// Calls plot(x, y, z, value) for every pixel whose centre the triangle covers, seen from either side: exact
-/// in subpixels of 1/256, so that triangles that share an edge neither overlap nor leave a gap. What is
-/// before the near plane is cut off. z is linear on the screen, value on the triangle in space.
+/// Calls plot(x, y, z, value) for every pixel whose centre the triangle covers, from either side: exact in
+/// subpixels of 1/256, so that triangles that share an edge neither overlap nor leave a gap. Clips at the
+/// near plane. z is interpolated linearly on the screen, value linearly in space.
 template <class Plot>
 void fill_triangle(const std::array<FillCorner, 3>& corners, int width, int height, Plot&& plot) {
     std::array<fill::Point, 4> points;

@@ -11,21 +11,21 @@
 #include "shaders/dents.h"
 #include "shaders/solid_light.h"
 
-// Fingers as shapes (balls, rods, arrows, threads, shadows), the dents under them, and both drawn plainly
-// into a picture in light. gpu_fingers.cpp draws the same shapes on a GPU.
+// Fingers as shapes (balls, rods, arrows, threads, shadows), the dents under them, and plain code that draws
+// both into a picture in linear light. gpu_fingers.cpp draws the same shapes on a GPU.
 
 namespace touchable {
 namespace {
 
-// Okabe and Ito's colours, in the order of the plots (player/plot/style.py): told apart by every kind of eye.
-// Three of Tol's follow, so that ten fingers differ.
+// Okabe and Ito's colours, in the order of the plots (player/plot/style.py): distinct with any colour vision.
+// Three of Tol's follow, for ten different fingers.
 constexpr std::array<PackedColour, 10> finger_colours{pack_colour(0, 114, 178),   pack_colour(230, 159, 0),
                                                       pack_colour(0, 158, 115),   pack_colour(213, 94, 0),
                                                       pack_colour(204, 121, 167), pack_colour(86, 180, 233),
                                                       pack_colour(240, 228, 66),  pack_colour(51, 34, 136),
                                                       pack_colour(136, 34, 85),   pack_colour(153, 153, 51)};
 
-/// A point of the surface as it is felt; nothing in a hole and beside the picture.
+/// A point of the felt surface; nullopt in a hole or beside the picture.
 std::optional<glm::dvec3> felt_point(const HeightField& field, double x, double y) {
     if (!(x >= 0 && y >= 0 && x < field.width() - 1 && y < field.height() - 1)) return std::nullopt;
     if (is_in_hole(field, face_under(x, y))) return std::nullopt;
@@ -34,7 +34,7 @@ std::optional<glm::dvec3> felt_point(const HeightField& field, double x, double 
 
 constexpr int solid_sides = 40;
 
-/// Smoothly lit; opaque solids hide and are hidden by z.
+/// Draws a solid of revolution, smoothly lit; opaque solids test and write z.
 void draw_rings(const ViewCamera& camera, const Solid& solid, std::span<const Ring> rings,
                 LightPicture& picture) {
     const glm::dvec3& along = solid.along;
@@ -59,7 +59,7 @@ void draw_rings(const ViewCamera& camera, const Solid& solid, std::span<const Ri
             picture.light[at] = lit;
             return;
         }
-        // Only the front of a closed solid counts.
+        // Only the front of a closed solid is blended.
         const float facing = glm::dot(normal, to_eye);
         if (facing > 0)
             picture.light[at] = glm::mix(picture.light[at], lit, veil(material.opacity, facing, hidden));
@@ -78,7 +78,7 @@ void add_ball(std::vector<Solid>& solids, const glm::dvec3& centre, double radiu
     solids.push_back({centre, {0, 1, 0}, {0, radius, 0, 1}, {}, true, material});
 }
 
-/// From `from` to `to`, a radius at either end; nothing where they are one point.
+/// A rod from `from` to `to` with a radius at either end; none if they coincide.
 void add_rod(std::vector<Solid>& solids, const glm::dvec3& from, const glm::dvec3& to, double radius_from,
              double radius_to, const SolidMaterial& material) {
     const double length = glm::length(to - from);
@@ -87,8 +87,8 @@ void add_rod(std::vector<Solid>& solids, const glm::dvec3& from, const glm::dvec
         {from, (to - from) / length, {0, radius_from, 0, 1}, {length, radius_to, 0, 1}, false, material});
 }
 
-/// Shaft and head from `from` to `to`, a radius of the shaft at either end; the head is shorter where the
-/// arrow is.
+/// Shaft and head from `from` to `to`, with the shaft's radius at either end; a short arrow has a shorter
+/// head.
 void add_arrow(std::vector<Solid>& solids, const glm::dvec3& from, const glm::dvec3& to, double radius_from,
                double radius_to, const SolidMaterial& material) {
     const double length = glm::length(to - from);
@@ -120,7 +120,7 @@ void draw_solid(const ViewCamera& camera, const Solid& solid, LightPicture& pict
     draw_rings(camera, solid, rings, picture);
 }
 
-/// Calls use(x, y, place) for every pixel that a ball may cover and that shows something: its place, world.
+/// Calls use(x, y, place) for every non-empty pixel that a ball may cover; `place`: its world point.
 template <class Use>
 void for_each_seen(const ViewCamera& camera, const glm::dvec3& centre, double radius,
                    const LightPicture& picture, const Use& use) {
@@ -139,7 +139,7 @@ void draw_shadow(const BallShadow& shadow, const ViewCamera& camera, LightPictur
     });
 }
 
-/// Rods that meet in balls, so that there is no gap.
+/// Draws rods joined by balls, so that there is no gap.
 void draw_thread(std::span<const ThreadPoint> points, const ViewCamera& camera, LightPicture& picture) {
     std::vector<Solid> solids;
     for (std::size_t k = 0; k < points.size(); ++k) {
@@ -162,15 +162,14 @@ void shape_thread(const FingerMark& finger, double radius, const glm::vec3& ligh
     }
 }
 
-/// The finger's colour as bright as it can be, so that a thin shaft is seen on dark ground as well as on
-/// snow.
+/// The finger's colour at full brightness, so that a thin shaft is visible on dark ground and on snow.
 glm::vec3 arrow_light(const glm::vec3& light) {
     const glm::vec3 vivid = light / std::max({light.x, light.y, light.z});
     return glm::mix(vivid, glm::vec3(1.0F), 0.15F);
 }
 
-/// An arrow's tip is no wider on the screen than its foot, however near the eye it comes, and an arrow that
-/// is seen end on is thinner: it would hide the finger, and its head the shaft.
+/// Keeps an arrow's tip no wider on the screen than its foot, however near the eye it is. An arrow seen end
+/// on is thinner, so that it does not hide the finger, nor its head the shaft.
 void shape_arrow(const glm::dvec3& from, const glm::dvec3& arrow, double radius, const glm::dvec3& eye,
                  const glm::vec3& light, std::vector<Solid>& solids) {
     const glm::dvec3 sight = eye - from, to = from + arrow;
@@ -181,7 +180,7 @@ void shape_arrow(const glm::dvec3& from, const glm::dvec3& arrow, double radius,
     add_arrow(solids, from, to, shaft, nearer * shaft, {arrow_light(light), 1});
 }
 
-/// Between the four pixels around a place, as bytes are mixed: brightness, not light.
+/// Bilinear between four pixels, in brightness (sRGB), as byte images are mixed.
 glm::vec3 brightness_at(const LightPicture& picture, double x, double y) {
     const double left = std::floor(x - 0.5), top = std::floor(y - 0.5);
     const auto at = [&](double column, double row) {
@@ -205,7 +204,7 @@ std::optional<FingerMark::Under> under_finger(const HeightField& field, const gl
     if (!middle) return std::nullopt;
     const double right = std::max(1.0, std::min(reach * camera.fx / -middle->z, field.width() / 4.0)),
                  down = std::max(1.0, std::min(reach * camera.fy / -middle->z, field.height() / 4.0));
-    // Where the surface ends, or goes over into another one, the middle itself is one of the two ends.
+    // Where the surface ends, or continues as another one, the middle replaces that end.
     const auto end = [&](double dx, double dy) {
         const auto point = felt_point(field, seen->x + dx, seen->y + dy);
         return point && glm::distance(*point, *middle) < 4 * reach ? *point : *middle;
@@ -264,8 +263,8 @@ glm::vec4 clip_bounds(const std::optional<PixelBounds>& bounds, const ViewCamera
 
 BallShadow shadow_of(const FingerMark& finger, double radius) {
     if (!finger.under) return {finger.proxy, 2.6 * radius, 0.72F};
-    // The way of the light that models the surface (shaders/surface_light.h), as it would fall on one that
-    // faces it from the front: at grazing light a shadow would be far away.
+    // Direction of the light that models the surface (shaders/surface_light.h), as for a surface that faces
+    // it from the front: grazing light would put the shadow far away.
     const glm::dvec3 from_light(0.78, -0.92, -0.78);
     const FingerMark::Under& under = *finger.under;
     const double height = finger.touching ? 0 : under.height, radii = height / radius;
@@ -291,7 +290,7 @@ void shape_fingers(std::span<const FingerMark> fingers, const MarkSizes& sizes, 
         if (!finger.touching) continue;
         add_rod(shapes.veils, finger.goal, finger.proxy, 0.14 * radius, 0.14 * radius,
                 {glm::mix(light, white, 0.3F), 0.9F});
-        // From where it leaves the ball, so that a small force is not lost in it.
+        // The arrow starts at the ball's surface, so that a small force is visible.
         const glm::dvec3 arrow = finger.force * sizes.length_per_newton;
         const double length = glm::length(arrow);
         if (!(length > 0)) continue;
@@ -342,7 +341,7 @@ void draw_dents(std::span<const SurfaceDent> dents, const ViewCamera& camera, Li
         glm::dvec2 source = 2.0 * glm::dvec2(x + 0.5, y + 0.5) - glm::dvec2(*there);
         const int i = std::clamp(static_cast<int>(source.x), 0, flat.width - 1),
                   j = std::clamp(static_cast<int>(source.y), 0, flat.height - 1);
-        // Not what stands before the surface.
+        // Objects in front of the surface are not displaced.
         if (flat.z[flat.index(i, j)] > flat.z[flat.index(x, y)] * CUT_RULE_RATIO) source = {x + 0.5, y + 0.5};
         const DentLight light = dent_light(at->normal_before, at->normal);
         picture.light[picture.index(x, y)] =

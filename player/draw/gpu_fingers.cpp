@@ -25,9 +25,9 @@
 #include "shaders/view_thread.frag.spv.h"
 #include "shaders/view_thread.vert.spv.h"
 
-// What a GPU draws over the picture of a surface: dents by shaders (DentDrawing) or, for devices that compute
-// on the CPU, by the CPU (DentPatches), and fingers (FingerDrawing). Records of both lie in buffers that are
-// written for each picture.
+// GPU drawing over the picture of a surface: dents by shaders (DentDrawing) or, on software devices, by the
+// CPU (DentPatches), and fingers (FingerDrawing). Records of both lie in buffers that are rewritten for each
+// picture.
 
 namespace touchable {
 namespace {
@@ -41,7 +41,7 @@ DentRecord record_of(const SurfaceDent& dent, const ViewCamera& camera) {
             clip_bounds(bounds_of_ball(camera, dent.centre, dent.reach), camera)};
 }
 
-/// The pixels that a ball may cover; nothing where there are none.
+/// The pixels that a ball may cover; nullopt if there are none.
 std::optional<PixelBounds> bounds_in_sight(const ViewCamera& camera, const glm::dvec3& centre,
                                            double radius) {
     const auto bounds = bounds_of_ball(camera, centre, radius);
@@ -53,7 +53,7 @@ VkExtent3D extent_of(const PixelBounds& bounds) {
             static_cast<std::uint32_t>(bounds.y1 - bounds.y0), 1};
 }
 
-/// Draws while z is read.
+/// Draws with z readable by shaders.
 template <class Draw>
 void draw_reading_z(GpuCommands& commands, const DrawTarget& target, const GpuImage& z, const Draw& draw) {
     constexpr VkImageLayout tested = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL;
@@ -64,7 +64,7 @@ void draw_reading_z(GpuCommands& commands, const DrawTarget& target, const GpuIm
     record_transition(commands, z, VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL, tested);
 }
 
-/// The channels of two pixels beside each other, and of one.
+/// The channels of two adjacent pixels, and of one.
 using Pair = std::uint16_t __attribute__((vector_size(16)));
 using Channels = std::uint16_t __attribute__((vector_size(8)));
 
@@ -75,14 +75,14 @@ Pair pair_at(const PackedColour* at) {
     return __builtin_convertvector(bytes, Pair);
 }
 
-/// Between two colours, `share` of 256.
+/// Interpolates two colours; `share`: 256ths.
 template <class Vector>
 Vector between(Vector a, Vector b, int share) {
     const auto of_a = static_cast<std::uint16_t>(256 - share), of_b = static_cast<std::uint16_t>(share);
     return (a * of_a + b * of_b + std::uint16_t{128}) >> 8;
 }
 
-/// A number that changes by as much from pixel to pixel: 65536ths of `unit`s.
+/// A value that changes linearly from pixel to pixel, times `unit`, in 16.16 fixed point.
 struct Steadily {
     std::int32_t now = 0, change = 0;
 
@@ -93,7 +93,7 @@ struct Steadily {
     void go_on() { now += change; }
 };
 
-/// `light`: 64ths, below 257 of them, as products have 16 bits (dent_light is below 3.2); `gloss`: of 255.
+/// `light`: 64ths, below 257, as products have 16 bits (dent_light is below 3.2); `gloss`: 0 to 255.
 PackedColour lit(Channels colour, int light, int gloss) {
     Channels value = ((colour * static_cast<std::uint16_t>(light) + std::uint16_t{32}) >> 6) +
                      static_cast<std::uint16_t>(gloss);
@@ -103,8 +103,8 @@ PackedColour lit(Channels colour, int light, int gloss) {
     return std::bit_cast<PackedColour>(__builtin_convertvector(value, Bytes)) | 0xff000000U;
 }
 
-/// The colour around a place, which is in 256ths of a pixel from the middle of the first one, and before the
-/// middle of the last one.
+/// The interpolated colour at a position in 256ths of a pixel, from the first pixel's centre to before the
+/// last one's.
 Channels colour_around(const FlatPicture& flat, int x, int y) {
     const PackedColour* const at = flat.colours.data() + std::ptrdiff_t{y >> 8} * flat.pitch + (x >> 8);
     const auto column =
@@ -114,7 +114,7 @@ Channels colour_around(const FlatPicture& flat, int x, int y) {
 
 constexpr std::uint32_t frustum_indices = 6 * MARKS_SIDES;
 
-/// Between a frustum's ends, two triangles a side.
+/// The triangles between a frustum's ends, two a side.
 Result<GpuBuffer> make_frustum_pattern(const GpuDevice& device) {
     TRY_ASSIGN(auto buffer,
                GpuBuffer::create(device, "frustum pattern", frustum_indices * 2, GpuMemory::upload));
@@ -133,7 +133,7 @@ SolidRecord record_of(const Solid& solid) {
 }
 
 ShadowRecord record_of(const BallShadow& shadow, const ViewCamera& camera) {
-    // Screen to clip space, to the world, to shares of the reach.
+    // From screen to clip space, to the world, to shares of the reach.
     glm::dmat4 share_from_world(1.0);
     for (int axis = 0; axis < 3; ++axis) share_from_world[axis][axis] = 1 / shadow.reach;
     share_from_world[3] = glm::dvec4(-shadow.centre / shadow.reach, 1);
@@ -176,7 +176,7 @@ Result<GpuBuffer> DentDrawing::upload(const ViewCamera& camera) {
     return buffer;
 }
 
-/// Copies for each dent what its pixels may show: they are no farther from what they show than it is dented.
+/// Copies the source pixels of each dent: at most the dent's displacement away from its pixels.
 Result<void> DentDrawing::copy_flat(GpuCommands& commands, const ViewCamera& camera, const GpuImage& colour) {
     if (!flat_ || flat_.extent().width != colour.extent().width ||
         flat_.extent().height != colour.extent().height) {
@@ -221,7 +221,7 @@ Result<void> DentDrawing::record(GpuCommands& commands, std::span<const FingerMa
     return {};
 }
 
-/// From pixels to places and back.
+/// Matrices between pixels and world.
 struct DentPatches::Sight {
     explicit Sight(const ViewCamera& camera)
         : world_from_pixel(glm::inverse(camera.clip_from_world) * clip_from_pixel(camera)),
@@ -230,7 +230,7 @@ struct DentPatches::Sight {
 };
 
 void DentPatches::find_nodes(const Sight& sight, const FlatPicture& flat, const PixelBounds& bounds) {
-    constexpr int steps = 20;  // across a dent, of which a tenth of its reach is one
+    constexpr int steps = 20;  // across a dent; one is a tenth of its reach
     const int width = bounds.x1 - bounds.x0, height = bounds.y1 - bounds.y0;
     step_ = std::max(2, std::max(width, height) / steps);
     across_ = width / step_ + 2;
@@ -293,7 +293,7 @@ void DentPatches::draw(const FlatPicture& flat, const PixelBounds& bounds, Packe
                 if (!(z > 0)) continue;
                 const std::ptrdiff_t source =
                     std::ptrdiff_t{(row_of + 128) >> 8} * flat.pitch + ((column_of + 128) >> 8);
-                // What stands before the pixel's own surface is not on it.
+                // Objects in front of the pixel's own surface are not displaced.
                 if (flat.z[static_cast<std::size_t>(source)] > z * CUT_RULE_RATIO) {
                     column_of = std::min(256 * x, most_x);
                     row_of = std::min(256 * y, most_y);
@@ -378,18 +378,18 @@ Result<FingerDrawing> FingerDrawing::create(const std::shared_ptr<GpuDevice>& de
     return made;
 }
 
-/// All records in one buffer: solids, then veils; threads, with a point more that is joined to none; shadows.
+/// All records in one buffer: solids, then veils; threads, with a final unjoined point; shadows.
 Result<GpuBuffer> FingerDrawing::upload(const ViewCamera& camera, Parts& parts) {
     std::size_t bytes = 0;
     const auto add = [&](Part& part, std::size_t count, std::size_t size) {
-        constexpr std::size_t alignment = 256;  // of no device more
+        constexpr std::size_t alignment = 256;  // no device needs more
         part = {(bytes + alignment - 1) / alignment * alignment, std::max<std::size_t>(count, 1) * size};
         bytes = part.offset + part.bytes;
     };
     add(parts.solids, shapes_.solids.size() + shapes_.veils.size(), sizeof(SolidRecord));
     add(parts.threads, shapes_.threads.size() + 1, sizeof(ThreadRecord));
     add(parts.shadows, shapes_.shadows.size(), sizeof(ShadowRecord));
-    // More than is needed now, as trails grow: so the next pictures need no other buffer.
+    // Rounded up, as trails grow, so that the next pictures reuse the buffer.
     constexpr std::size_t step = 16384;
     TRY_ASSIGN(auto buffer, uploads_.take("fingers", (bytes + step - 1) / step * step));
     std::byte* to = buffer.mapped<std::byte>().data();
@@ -445,12 +445,12 @@ Result<void> FingerDrawing::record(GpuCommands& commands, std::span<const Finger
                                    const GpuImage& z) {
     if (fingers.empty()) return {};
     shape_fingers(fingers, sizes, camera.eye, shapes_);
-    // Balls before frusta, but for veils, where rods are first already.
+    // Sorts balls before frusta; veils already have rods first.
     std::stable_partition(shapes_.solids.begin(), shapes_.solids.end(),
                           [](const Solid& solid) { return solid.is_ball; });
     Parts parts;
     TRY_ASSIGN(const auto records, upload(camera, parts));
-    // Colours as light: it is light that shadows and veils take away and mix.
+    // Draws in linear light, in which shadows and veils multiply and mix.
     record_transition(commands, colour, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
                       VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
     draw_reading_z(commands, {colour, nullptr, true}, z, [&] {

@@ -24,9 +24,9 @@
 #include "shaders/unproject.h"
 #include "shaders/unproject.spv.h"
 
-// Lattices in a GPU's memory. Kernels make q of a pair of frames (unproject), the tiles worth drawing
-// (cut_tiles, list_tiles), where vertices at edges are drawn (edges), and lit colours (light). Frames without
-// codes are made by the CPU and uploaded.
+// Lattices in GPU memory. Kernels compute q of a pair of frames (unproject), the tiles to draw (cut_tiles,
+// list_tiles), positions of vertices at edges (edges), and lit colours (light). Without codes, the CPU
+// computes q and it is uploaded.
 
 namespace touchable {
 namespace {
@@ -42,27 +42,27 @@ constexpr std::size_t header_words = sizeof(TileListsHeader) / 4;
 constexpr GpuBindingKind storage_kind = GpuBindingKind::storage_buffer,
                          texel_kind = GpuBindingKind::uniform_texels;
 
-/// The memory of what kernels write and read.
+/// The memory of kernels' outputs and inputs.
 GpuMemory kernel_memory(const GpuDevice& device) {
     return device.facts().unified_memory ? GpuMemory::shared : GpuMemory::device;
 }
 
-/// Length = base + step m, or its inverse less the shift, of a coding, and how m comes from the code; see
-/// shaders/unproject.h.
+/// Sets a coding's length = base + step m, or its inverse minus the shift, and how m follows from the code;
+/// see shaders/unproject.h.
 void set_coding(const DepthCoding& coding, UnprojectPush& push, UnprojectConstants& constants) {
     double base = 0, step = coding.scale;  // metric
     if (coding.kind == DepthCodingKind::inverse) {
         constants.is_inverse = 1;
         base = 1.0 / (coding.far + coding.shift);
         step = (1.0 / (coding.near + coding.shift) - base) / coding.code_max;
-        constants.is_from_top = coding.near_is_high ? 0 : 1;  // it is 1 / length that grows
+        constants.is_from_top = coding.near_is_high ? 0 : 1;  // 1 / length is what grows
     } else if (coding.kind == DepthCodingKind::log) {
         constants.is_log = 1;
         base = coding.near;
         step = coding.log_span() / coding.code_max;
         constants.is_from_top = coding.near_is_high ? 1 : 0;
         push.from_shift = static_cast<float>(coding.near + coding.shift);
-        // A first part of 8 bits, so that its product with a code is exact.
+        // `high` has 8 bits, so that its product with a code is exact.
         int power = 0;
         const double digits = std::frexp(step, &power);
         const double high = std::ldexp(std::floor(digits * 256), power - 8);
@@ -79,7 +79,7 @@ void set_coding(const DepthCoding& coding, UnprojectPush& push, UnprojectConstan
     push.step = static_cast<float>(step);
 }
 
-/// How many parts of a size hold `count`.
+/// The number of parts of `size` that hold `count`.
 std::size_t parts_of(int count, int size) {
     return static_cast<std::size_t>((count + size - 1) / size);
 }
@@ -98,7 +98,7 @@ void write_tiles(const ViewSurface::Tiles& tiles, const GpuBuffer& buffer) {
               std::copy(tiles.whole.begin(), tiles.whole.end(), list.begin()));
 }
 
-/// Rows of 4 bytes a vertex into rows of `pitch` vertices.
+/// Copies rows of 4 bytes a vertex into rows of `pitch` vertices.
 template <class T>
 void put_rows(const std::vector<T>& values, const GpuLattice& lattice, const GpuBuffer& buffer) {
     const auto width = static_cast<std::size_t>(lattice.width),
@@ -108,7 +108,7 @@ void put_rows(const std::vector<T>& values, const GpuLattice& lattice, const Gpu
         std::memcpy(to + y * pitch, values.data() + y * width, width * sizeof(T));
 }
 
-/// Whether both views show the same samples, without a look at them.
+/// Whether both views have the same samples, without reading them.
 bool is_same_content(const PlaneView& a, const PlaneView& b) {
     return a.content != 0 && a.content == b.content && a.data == b.data && a.stride == b.stride &&
            same_form(a, b);
@@ -170,7 +170,7 @@ Result<GpuBuffer> PlaneUploads::upload(GpuCommands& commands, const PlaneView& p
         return is_same_content(kept.plane, plane) && kept.pitch == pitch && kept.made.is_there_for(commands);
     });
     const bool is_there = found != kept_.end();
-    if (!is_there) --found;  // the plane that was not used for the longest time makes room
+    if (!is_there) --found;  // evict the least recently used plane
     std::rotate(kept_.begin(), found, found + 1);
     Kept& kept = kept_.front();
     if (!is_there) {
@@ -182,8 +182,8 @@ Result<GpuBuffer> PlaneUploads::upload(GpuCommands& commands, const PlaneView& p
     return kept.buffer;
 }
 
-/// The CPU writes into memory that no commands read. A GPU with memory of its own copies from there, so that
-/// the plane crosses the bus once, however many pictures read it.
+/// The CPU writes into memory that no commands read. A GPU with its own memory copies from there, so that the
+/// plane crosses the bus once, however many pictures read it.
 Result<void> PlaneUploads::fill(GpuCommands& commands, Kept& kept) {
     const PlaneView& plane = kept.plane;
     const std::size_t bytes = kept.pitch * static_cast<std::size_t>(plane.height),
@@ -259,7 +259,7 @@ Result<void> SurfaceUnproject::record(GpuCommands& commands, const HeightField& 
     }
 
     auto [push, constants] = unproject_terms(field, pair);
-    // Few lanes that march whole rows on a CPU, many with a word each elsewhere.
+    // Few lanes that process whole rows on a CPU, many with a word each elsewhere.
     const bool marches = device_->facts().kind == GpuKind::software;
     constants.group_size = marches ? 8 : 64;
     push.segments = marches ? 1 : push.words;
@@ -285,7 +285,7 @@ ViewSurface::Tiles read_tiles(const GpuBuffer& buffer) {
 }
 
 void put_q(const HeightField& field, const GpuLattice& lattice, const GpuBuffer& to) {
-    // Beyond the width there is no vertex.
+    // There are no vertices beyond the width.
     std::memset(to.mapped<std::byte>().data(), 0, SurfaceUnproject::q_bytes(lattice.width, lattice.height));
     put_rows(q_of(field), lattice, to);
 }
@@ -313,7 +313,7 @@ Result<void> GpuLattices::reserve(GpuBuffer& buffer, const char* name, std::size
 
 Result<void> GpuLattices::reserve_colours(GpuLattice& lattice) {
     return reserve(lattice.colours, "lattice colours",
-                   SurfaceUnproject::q_bytes(lattice.width, lattice.height),  // as many of colours
+                   SurfaceUnproject::q_bytes(lattice.width, lattice.height),  // colours have the same size
                    kernel_memory(*device_));
 }
 
@@ -420,7 +420,7 @@ Result<void> GpuLattices::record_edges(GpuCommands& commands, const ViewCamera& 
     return {};
 }
 
-/// Makes a lattice and gives q and tiles of it where the CPU reads them.
+/// Makes a lattice; returns one whose q and tiles the CPU can read.
 Result<GpuLattice> GpuLattices::read_back(const HeightField& field, const FramePair& pair,
                                           GpuLattice& lattice) {
     TRY_ASSIGN(auto commands, GpuCommands::begin(device_, "lattice"));
@@ -463,7 +463,8 @@ Result<GpuLattice> GpuLattices::lattice_of(const ViewSurface& surface) {
         set_size(surface.width, surface.height, lattice);
     }
     const GpuMemory memory = device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::upload;
-    const std::size_t bytes = SurfaceUnproject::q_bytes(surface.width, surface.height);  // as many of colours
+    const std::size_t bytes = SurfaceUnproject::q_bytes(surface.width, surface.height);  // colours have the
+                                                                                         // same size
     TRY(reserve(lattice.colours, "lattice colours", bytes, memory));
     uploaded_.colours = lattice.colours;
     put_rows(surface.colours, lattice, lattice.colours);
@@ -525,7 +526,7 @@ Result<void> SurfaceLighting::record(GpuCommands& commands, const HeightField& f
     push.width = static_cast<std::uint32_t>(lattice.width);
     push.height = static_cast<std::uint32_t>(lattice.height);
     push.pitch = static_cast<std::uint32_t>(lattice.pitch / 4);
-    // Few lanes that march far on a CPU: each begins with five rows more than it lights.
+    // Few lanes with long strips on a CPU: each starts with five rows more than it lights.
     push.strip = device_->facts().kind == GpuKind::software ? 64 : 16;
     const std::uint32_t lanes = groups_for(push.width, LIGHT_COLUMNS) * groups_for(push.height, push.strip);
     commands.dispatch(program, push, {lattice.q, rgb, lattice.colours}, {groups_for(lanes, LIGHT_LANES)});

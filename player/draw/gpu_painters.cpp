@@ -21,7 +21,7 @@
 #include "shaders/view_mesh.vert.spv.h"
 
 // Triangles of a lattice by compute (SurfaceRaster) and by the triangle hardware (MeshPipeline), and the two
-// painters of one picture at a time that are made of them.
+// painters of single pictures built on them.
 
 namespace touchable {
 namespace {
@@ -45,7 +45,7 @@ Result<GpuBuffer> make_tile_pattern(const GpuDevice& device) {
     return buffer;
 }
 
-/// The whole image, rows packed, once it has been drawn.
+/// Copies the whole drawn image, rows packed.
 void copy_from_image(GpuCommands& commands, const GpuImage& image, const GpuBuffer& buffer) {
     VkBufferImageCopy region{};
     region.imageSubresource = {image.aspect(), 0, 0, 1};
@@ -154,14 +154,14 @@ public:
     }
 
 private:
-    /// Buffers for a picture and for large cells; those of the last picture serve again where they are large
+    /// Buffers for a picture and for large cells; those of the last picture are reused if they are large
     /// enough.
     Result<void> reserve(std::size_t bytes, std::size_t large_bytes) {
         if (!large_ || large_.bytes() < large_bytes) {
             TRY_ASSIGN(large_, GpuBuffer::create(*device_, "large cells", large_bytes, GpuMemory::device));
         }
         if (pixels_ && pixels_.bytes() >= bytes) return {};
-        // Atomics want the GPU's own memory; what the CPU reads it copies.
+        // Atomics need the GPU's own memory; the result is copied for the CPU.
         const bool unified = device_->facts().unified_memory;
         TRY_ASSIGN(auto pixels, GpuBuffer::create(*device_, "picture pixels", bytes,
                                                   unified ? GpuMemory::shared : GpuMemory::device));
@@ -186,7 +186,7 @@ private:
     }
 
     SurfaceRaster raster_;
-    GpuBuffer pixels_, large_, seen_;  // seen_: the pixels, where the CPU reads them
+    GpuBuffer pixels_, large_, seen_;  // seen_: CPU-readable pixels
 };
 
 }  // namespace
@@ -272,7 +272,7 @@ void SurfaceRaster::record(GpuCommands& commands, const GpuLattice& lattice, con
     push.is_turned = is_own_view(camera) ? 0 : 1;
 
     commands.fill(pixels, 0, 0, std::size_t{8} * push.picture_pitch * push.picture_height);
-    // No groups yet in x, one in y and z, no cells.
+    // x is 0 groups so far, y and z are 1; 0 cells.
     commands.fill(large, 0, 0, 4);
     commands.fill(large, 1, 4, 8);
     commands.fill(large, 0, 12, 4);
@@ -296,7 +296,7 @@ void SurfaceRaster::record_resolve(GpuCommands& commands, const ViewCamera& came
     ResolvePush push{};
     push.steps = static_cast<std::uint32_t>(resolve_pitch(camera.width) / RESOLVE_STEP);
     push.height = static_cast<std::uint32_t>(camera.height);
-    // Few lanes that march whole rows on a CPU, many with a step each elsewhere.
+    // Few lanes that process whole rows on a CPU, many with a step each elsewhere.
     push.segments = on_cpu_ ? 1 : push.steps;
     push.segment_steps = on_cpu_ ? push.steps : 1;
     commands.dispatch(resolve_, push, {pixels, background, colours, z},

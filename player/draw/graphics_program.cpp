@@ -5,12 +5,12 @@
 #include "engine/base/result.hpp"
 #include "engine/base/try.hpp"
 
-// Images, buffers for uploads and graphics pipelines: Vulkan's objects, made once and kept by handles.
+// Images, upload buffers and graphics pipelines: Vulkan objects, made once and kept by handles.
 
 namespace touchable {
 namespace {
 
-/// What Vulkan says of a call.
+/// Converts a Vulkan result to a Result.
 Result<void> checked(VulkanDevice& gpu, const char* call, VkResult result) {
     if (result != VK_SUCCESS) return gpu.failed(call, result);
     return {};
@@ -54,17 +54,17 @@ Result<VkImageView> make_view(VulkanDevice& gpu, VkImage image, VkFormat format,
     return made;
 }
 
-/// A buffer that has not been taken for so many takes is let go.
+/// Takes after which an unused buffer is freed.
 constexpr std::uint64_t idle_takes = 200;
 
-/// The question's own handle is let go after it, which sees what another thread did before it let go of its.
+/// The temporary handle's release synchronises with other threads' releases, so their accesses are complete.
 bool is_unused(const GpuBuffer& buffer) {
-    return buffer.keep_alive().use_count() <= 2;  // the pool's handle, and this question's
+    return buffer.keep_alive().use_count() <= 2;  // the pool's handle, and the temporary one
 }
 
 constexpr VkShaderStageFlags both_stages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
 
-/// Two shaders for as long as a pipeline is made of them.
+/// Shader modules, destroyed after the pipeline is made.
 struct Shaders : NonCopyable {
     explicit Shaders(VulkanDevice& device) : gpu(device) {}
     ~Shaders() {
@@ -104,7 +104,7 @@ VkPipelineColorBlendAttachmentState blend_state(DrawBlend blend) {
     state.blendEnable = VK_TRUE;
     state.srcColorBlendFactor = over ? VK_BLEND_FACTOR_SRC_ALPHA : VK_BLEND_FACTOR_ZERO;
     state.dstColorBlendFactor = over ? VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA : VK_BLEND_FACTOR_SRC_COLOR;
-    state.srcAlphaBlendFactor = VK_BLEND_FACTOR_ZERO;  // a picture has no holes
+    state.srcAlphaBlendFactor = VK_BLEND_FACTOR_ZERO;  // keeps the picture opaque
     state.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
     return state;
 }
@@ -180,7 +180,7 @@ Result<VkPipeline> make_graphics_pipeline(VulkanDevice& gpu, VkPipelineLayout la
 }
 
 VkRenderingAttachmentInfo attachment(VkImageView view, VkImageLayout layout, VkAttachmentLoadOp load) {
-    VkRenderingAttachmentInfo info{};  // zeroes: no colour, and for z as far as can be
+    VkRenderingAttachmentInfo info{};  // clear values are zero: black, and z at infinity
     info.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO;
     info.imageView = view;
     info.imageLayout = layout;

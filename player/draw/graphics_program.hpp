@@ -1,8 +1,8 @@
 #pragma once
 
-// Graphics pipelines: a GraphicsProgram is made of a GraphicsLook (shaders, what is bound, what becomes of z
-// and colour) and draws between begin_drawing and end_drawing into a DrawTarget. A program is a handle that
-// any thread may use; commands belong to one thread at a time.
+// Graphics pipelines: a GraphicsProgram is made from a GraphicsLook (shaders, bindings, use of z and colour)
+// and draws between begin_drawing and end_drawing into a DrawTarget. A program is a handle that any thread
+// may use; commands belong to one thread at a time.
 
 #include <vulkan/vulkan.h>
 
@@ -20,21 +20,21 @@
 
 namespace touchable {
 
-/// What drawing does with z, of which the greatest is the nearest. All but `ignored` need an image of z.
+/// Depth test and write; greater z is nearer. All but `ignored` need an image of z.
 enum class DrawDepth {
     ignored,
-    replaced,  ///< by what the fragment shader says
-    nearest,   ///< drawn where nothing is nearer, and written
-    in_front,  ///< drawn where nothing is nearer, not written
-    behind,    ///< drawn where something is nearer, not written
+    replaced,  ///< with the fragment shader's z
+    nearest,   ///< drawn if nothing is nearer; z is written
+    in_front,  ///< drawn if nothing is nearer; z is not written
+    behind,    ///< drawn if something is nearer; z is not written
 };
 
-/// What becomes of a pixel's colour.
+/// How a pixel's colour is blended.
 enum class DrawBlend { replaced, over /* by its alpha */, multiplied };
 
-/// What a graphics pipeline is made of. Triangles of either side, without vertex buffers; colour of
-/// `colour_format`, z of GpuImage's only format of it. Storage buffers and sampled images of set 0, push
-/// constants and specialisation constants 0, 1, ... are those of both stages.
+/// A graphics pipeline's description. Draws both sides of triangles, without vertex buffers; colour in
+/// `colour_format`, z in GpuImage's only z format. Both stages share set 0's storage buffers and sampled
+/// images, the push constants and specialisation constants 0, 1, ...
 struct GraphicsLook {
     static constexpr VkFormat z_format = VK_FORMAT_D32_SFLOAT;
 
@@ -47,29 +47,29 @@ struct GraphicsLook {
     DrawBlend blend = DrawBlend::replaced;
 };
 
-/// A whole buffer, or an image that is read (its layout: VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL).
+/// A whole buffer, a part of one, or an image for reading (layout VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL).
 struct DrawBinding {
     DrawBinding(const GpuBuffer& whole) : buffer(&whole) {}
     DrawBinding(const GpuBuffer& part_of, std::size_t offset_bytes, std::size_t size_bytes)
         : buffer(&part_of), offset(offset_bytes), bytes(size_bytes) {}
     DrawBinding(const GpuImage& sampled) : image(&sampled) {}
 
-    const GpuBuffer* buffer = nullptr;  ///< outlives the call it is handed to, as the image does
+    const GpuBuffer* buffer = nullptr;  ///< buffer and image must outlive the call that gets them
     std::size_t offset = 0, bytes = VK_WHOLE_SIZE;
     const GpuImage* image = nullptr;
 };
 
-/// A graphics pipeline. A handle, as GpuProgram is.
+/// A graphics pipeline; a handle like GpuProgram.
 class GraphicsProgram {
 public:
     GraphicsProgram() = default;
-    /// Fails (ErrorKind::gpu) where the driver refuses.
+    /// Fails (ErrorKind::gpu) if the driver refuses.
     static Result<GraphicsProgram> create(const GpuDevice& device, const std::string& name,
                                           const GraphicsLook& look);
 
     explicit operator bool() const { return state_ != nullptr; }
 
-    /// Binds it for the draws that follow, of which `commands` then keep everything alive.
+    /// Binds it for the draws that follow; `commands` keep all resources alive.
     template <class Push>
     void bind(GpuCommands& commands, const Push& push, std::initializer_list<DrawBinding> bindings) const {
         static_assert(std::is_trivially_copyable_v<Push>);
@@ -97,17 +97,17 @@ private:
     std::shared_ptr<const State> state_;
 };
 
-/// Where drawing goes.
+/// The images drawn into.
 struct DrawTarget {
     const GpuImage& colour;
     const GpuImage* z = nullptr;
     bool as_light = false;  ///< through the colour's `light_view`
-    /// What is there is kept, cleared to zeroes, or of no matter because all of it is replaced.
+    /// Whether the previous content is kept, cleared to zeroes, or undefined because all of it is replaced.
     VkAttachmentLoadOp load = VK_ATTACHMENT_LOAD_OP_LOAD;
 };
 
-/// Between these, programs draw in dynamic rendering. Layouts: VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, and
-/// VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL for z.
+/// Begin and end dynamic rendering, in which programs draw. Layouts:
+/// VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, and VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL for z.
 void begin_drawing(GpuCommands& commands, const DrawTarget& target);
 void end_drawing(GpuCommands& commands);
 

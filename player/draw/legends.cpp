@@ -8,8 +8,8 @@
 #include "engine/base/words.hpp"
 #include "player/draw/finger_marks.hpp"
 
-// Colours of a scale, overlays by name, and panels of words and signs in a corner of a picture, all of one
-// style: a legend of fingers, a bar of a scale. Drawn by Cairo, in pixels of a picture of 720 lines.
+// Colours of a scale, overlay names, and text panels in a corner of a picture, all in one style: the legend
+// of fingers, the bar of a scale. Drawn with Cairo, in pixels of a 720-line picture.
 
 namespace touchable {
 namespace {
@@ -18,7 +18,7 @@ namespace panel {
 
 constexpr double margin = 16, padding = 12, row_height = 24, text_size = 14;
 
-/// A picture's size in such pixels, and how many of its own each is.
+/// A picture's size in 720-line pixels; `scale`: its own pixels per such pixel.
 struct Frame {
     double width, height, scale;
 };
@@ -33,7 +33,7 @@ void fill_rectangle(cairo_t* c, double x, double y, double width, double height)
     cairo_fill(c);
 }
 
-/// A dark ground for words; x and y of its upper left.
+/// A dark background for text; x and y of its upper left corner.
 void ground(cairo_t* c, double x, double y, double width, double height) {
     cairo_set_source_rgba(c, 0.05, 0.06, 0.08, 0.72);
     fill_rectangle(c, x, y, width, height);
@@ -45,12 +45,12 @@ double text_width(cairo_t* c, const std::string& text) {
     return extents.x_advance;
 }
 
-/// Draws into an image of RGB, 8 bits. Nothing into one below 480x270, where it would hide the scene.
-/// `name`: of what is drawn, for messages.
+/// Draws into an image of RGB, 8 bits; does nothing below 480x270, where it would hide the scene. `name`:
+/// what is drawn, for messages.
 Result<void> draw(Image& image, const std::string& name,
                   const std::function<void(cairo_t*, const Frame&)>& drawing) {
     if (image.width < 480 || image.height < 270) return {};
-    // Cairo's pixels are words of the host: red, green and blue from bit 16 down.
+    // Cairo's pixels are host-endian words: red, green and blue from bit 16 down.
     std::vector<std::uint32_t> words(image.samples.size() / 3);
     for (std::size_t k = 0; k < words.size(); ++k)
         words[k] = std::uint32_t{image.samples[3 * k]} << 16 | std::uint32_t{image.samples[3 * k + 1]} << 8 |
@@ -62,7 +62,7 @@ Result<void> draw(Image& image, const std::string& name,
         cairo_surface_destroy);
     const std::unique_ptr<cairo_t, decltype(&cairo_destroy)> context(cairo_create(surface.get()),
                                                                      cairo_destroy);
-    // Grows with the picture; a small one has the smallest letters that can be read.
+    // Proportional to the picture; small ones use the smallest legible letters.
     const double scale = std::max(std::min(image.height / 720.0, image.width / 900.0), 0.8);
     cairo_scale(context.get(), scale, scale);
     cairo_select_font_face(context.get(), "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
@@ -79,11 +79,11 @@ Result<void> draw(Image& image, const std::string& name,
 
 }  // namespace panel
 
-// Of the legend.
+// Layout of the legend.
 constexpr double icon_width = 92;
 constexpr double longest_arrow = icon_width - 16;
 constexpr double first_dot = 60, dot_distance = 32;
-constexpr int fingers_at_most = 10;  // that have a colour of their own
+constexpr int fingers_at_most = 10;  // with different colours
 
 void draw_words(cairo_t* c, double x, double y, const std::string& words) {
     panel::ink(c, 1);
@@ -155,10 +155,10 @@ void draw_panel(cairo_t* c, const Legend& legend, double bottom) {
     finger_dots(c, x, row(4), fingers);
 }
 
-// Of a scale.
+// Layout of a scale.
 constexpr double bar_width = 280, bar_height = 14, swatch = 14, between_marks = 12, mark_height = 5;
 
-/// With as many decimals as a distance from one mark to the next needs.
+/// With the decimals that the distance between marks needs.
 std::string number(double value, double step) {
     const int decimals = std::clamp(static_cast<int>(-std::floor(std::log10(step) + 1e-9)), 0, 9);
     return formatted("%.*f", decimals, value == 0 ? 0.0 : value);
@@ -172,8 +172,8 @@ std::vector<ScaleMark> marks_at(const Overlays::Range& range, double step) {
     return marks;
 }
 
-/// A ground in the lower right; in the upper right where the legend would be in its way. Gives its upper
-/// left.
+/// Draws a background in the lower right, or in the upper right if the legend is in the way. Returns its
+/// upper left corner.
 glm::dvec2 draw_ground(cairo_t* c, double width, double height, const panel::Frame& frame) {
     constexpr double beside_the_legend = 820;
     const double left = frame.width - panel::margin - width, low = frame.height - panel::margin - height,
@@ -202,7 +202,7 @@ void draw_classes(cairo_t* c, const Overlays::Scale& scale, const panel::Frame& 
 
 void draw_ramp(cairo_t* c, double x, double y, bool backward) {
     constexpr int steps = 256;
-    cairo_set_antialias(c, CAIRO_ANTIALIAS_NONE);  // or seams show between them
+    cairo_set_antialias(c, CAIRO_ANTIALIAS_NONE);  // or seams show between the steps
     for (int k = 0; k < steps; ++k) {
         const double share = static_cast<double>(k) / (steps - 1);
         colour_ink(c, ramp_colour(backward ? 1 - share : share));
@@ -212,7 +212,7 @@ void draw_ramp(cairo_t* c, double x, double y, bool backward) {
     cairo_set_antialias(c, CAIRO_ANTIALIAS_DEFAULT);
 }
 
-/// The same everywhere: one colour, and why.
+/// One value everywhere: one colour, and the reason.
 void draw_even(cairo_t* c, const Overlays::Scale& scale, const panel::Frame& frame) {
     Overlays::Scale one;
     one.name = scale.name;
@@ -220,13 +220,13 @@ void draw_even(cairo_t* c, const Overlays::Scale& scale, const panel::Frame& fra
     draw_classes(c, one, frame);
 }
 
-/// Words below the bar, in pixels from its left end.
+/// A label below the bar; `at`: pixels from the bar's left end.
 struct PlacedMark {
     double at;
     std::string text;
 };
 
-/// Round values where they lie evenly; otherwise the scale's levels, which lie at equal distances.
+/// Round values on a linear scale; otherwise the scale's levels, which lie at equal distances.
 std::vector<PlacedMark> placed_marks(cairo_t* c, const Overlays::Scale& scale) {
     std::vector<PlacedMark> placed;
     for (const double level : scale.levels) {
@@ -253,7 +253,7 @@ std::vector<PlacedMark> placed_marks(cairo_t* c, const Overlays::Scale& scale) {
 
 void draw_bar(cairo_t* c, const Overlays::Scale& scale, const panel::Frame& frame) {
     const auto marks = placed_marks(c, scale);
-    // Words of the first and the last mark may stand out beyond the bar.
+    // Labels of the first and last mark may extend beyond the bar.
     const double over = std::max(panel::text_width(c, marks.front().text) / 2 - marks.front().at,
                                  panel::text_width(c, marks.back().text) / 2 + marks.back().at - bar_width);
     const double side = panel::padding + std::max(0.0, over);
@@ -346,8 +346,8 @@ std::string Overlays::Scale::everywhere() const {
 
 const std::array<PackedColour, 256>& colour_ramp() {
     static const std::array<PackedColour, 256> ramp = [] {
-        // In OKLab: lightness of the ends, and a curve of second order through colour, whose middle control
-        // point is green. All of it is within what screens show.
+        // In OKLab: lightness of the ends, and a quadratic curve through colour, whose middle control point
+        // is green. Every colour is within sRGB.
         constexpr double dark = 0.28, light = 0.95;
         constexpr glm::dvec2 blue(0.03, -0.13), green(-0.13, 0), yellow(-0.035, 0.12);
         std::array<PackedColour, 256> made;
@@ -384,7 +384,7 @@ Result<void> draw_legend(const Legend& legend, Image& image) {
 std::vector<ScaleMark> scale_marks(const Overlays::Range& range,
                                    const std::function<bool(const std::vector<ScaleMark>&)>& fits) {
     const double size = range.greatest - range.least;
-    // From too close together to too far apart.
+    // From too dense to too sparse.
     double power = std::pow(10.0, std::floor(std::log10(size)) - 1);
     for (int tries = 0; tries < 3; ++tries, power *= 10)
         for (const double step : {1.0, 2.0, 5.0}) {

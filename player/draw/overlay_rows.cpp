@@ -6,27 +6,27 @@
 #include "shaders/blend_rule.h"
 #include "shaders/cut_rule.h"
 
-// Compiled without errno and traps: the loops below become vectors where they look nothing up.
+// Compiled without errno and floating-point traps: loops below without table look-ups are auto-vectorised.
 
 namespace touchable {
 namespace {
 
 constexpr float no_value = std::numeric_limits<float>::quiet_NaN();
 
-/// Which byte of a haptic pixel.
+/// The byte of a haptic pixel.
 int channel_of(Scalar scalar) {
     return scalar == Scalar::stiffness ? 0 : scalar == Scalar::static_friction ? 1 : 2;
 }
 
-// The leading bits of a positive float, twelve of them of its fraction, grow with its value; so bins are as
-// fine relative to any depth, and no logarithm is computed.
+// A bin's key is the leading bits of a positive float, twelve of them of its fraction: they grow with its
+// value, so bins have the same relative width at every depth, without computing a logarithm.
 constexpr int fraction_bits_left = 23 - 12;
 
 std::uint32_t key_of(float depth) {
     return std::bit_cast<std::uint32_t>(depth) >> fraction_bits_left;
 }
 
-/// What q gains from one pixel to the next, by those of the two neighbours that are of the same surface.
+/// Change of q per pixel, from those of the two neighbours that belong to the same surface.
 [[gnu::always_inline]] inline float slope(float before, float here, float after) {
     const auto joined = [here](float other) __attribute__((always_inline)) {
         const float least = other < here ? other : here, greatest = other < here ? here : other;
@@ -145,8 +145,8 @@ void ScalarRows::read_frame(Frame& frame, int y) const {
     if (next_.frame) read_depths(frame, y, frame.lengths);
 }
 
-/// Depth and height of a pixel are those of the nearer frame, which says whether it is valid, where it is
-/// valid in one frame alone or there is nothing half-way; properties are of both.
+/// Depth and height use the nearer frame's value if only one frame is valid at a pixel or the surface is not
+/// interpolated there; the nearer frame decides validity. Other properties are always interpolated.
 void ScalarRows::mix(float* values) const {
     const int width = field_->width();
     const bool of_valid = reading_ == Scalar::depth || reading_ == Scalar::height;
@@ -165,8 +165,8 @@ void ScalarRows::mix(float* values) const {
     }
 }
 
-/// Where every pixel has depth up to one away, in both frames: there no stiffness is that of a hole. False
-/// where nothing quick tells.
+/// Sets the bits of pixels that have depth, with all neighbours, in both frames: no hole affects their
+/// stiffness. False if a frame has no validity bits.
 bool ScalarRows::find_whole(int y) {
     if (!prev_.codes || (next_.frame && !next_.codes)) return false;
     const int words = prev_.codes->validity_words_per_row();
@@ -176,7 +176,7 @@ bool ScalarRows::find_whole(int y) {
         for (int row = y - 1; row <= y + 1; ++row)
             for (int k = 0; k < words; ++k)
                 whole_[static_cast<std::size_t>(k)] &= frame->validity_row(row)[k];
-    std::uint32_t left = 0;  // of what lies beyond the picture nothing has depth
+    std::uint32_t left = 0;  // beyond the picture nothing has depth
     for (std::size_t k = 0; k < whole_.size(); ++k) {
         const std::uint32_t here = whole_[k], right = k + 1 < whole_.size() ? whole_[k + 1] : 0;
         whole_[k] = here & (here << 1 | left >> 31) & (here >> 1 | right << 31);
@@ -187,7 +187,7 @@ bool ScalarRows::find_whole(int y) {
     return true;
 }
 
-/// Stiffness at and beside what has no depth, in a scene that says how stiff holes are.
+/// Stiffness at and beside holes, in a scene that defines hole stiffness.
 void ScalarRows::stiffen_holes(int y, float* values) {
     const bool known = find_whole(y);
     for (int x = 0; x < field_->width(); ++x) {
@@ -315,7 +315,7 @@ void NormalRows::paint(int y, std::uint8_t* rgb) {
     const float* below = y + 1 < height_ ? here + width_ : here;
     float *along_x = along_x_.data(), *along_y = along_y_.data();
     const float* u = u_.data();
-    // At the picture's edge the only neighbour counts, and not half of it.
+    // At the picture's edge the only neighbour counts fully, not half.
     const float edge = above == here || below == here ? 2.0F : 1.0F;
     for (int x = 0; x < width_; ++x) along_y[x] = edge * slope(above[x], here[x], below[x]);
     for (int x = 1; x < width_ - 1; ++x) along_x[x] = slope(here[x - 1], here[x], here[x + 1]);
@@ -324,7 +324,7 @@ void NormalRows::paint(int y, std::uint8_t* rgb) {
     const auto fx = static_cast<float>(camera_.fx), fy = static_cast<float>(camera_.fy);
     const auto v = static_cast<float>(camera_.v(y));
     for (int x = 0; x < width_; ++x) {
-        // A plane's points P have n P = 1; q = n (u, v, -1). The normal towards the camera is -n.
+        // Points P of a plane satisfy n P = 1; q = n (u, v, -1). The normal towards the camera is -n.
         const float nx = -fx * along_x[x], ny = fy * along_y[x], nz = here[x] + nx * u[x] + ny * v;
         const float length = std::sqrt(nx * nx + ny * ny + nz * nz);
         const float scale = 127.5F / (length > 1e-30F ? length : 1e-30F);

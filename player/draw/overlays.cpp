@@ -5,12 +5,12 @@
 #include "player/draw/overlay_rows.hpp"
 #include "player/draw/pictures.hpp"
 
-// Compiled without errno and traps, as overlay_rows.cpp is.
+// Compiled without errno and floating-point traps, like overlay_rows.cpp.
 
 namespace touchable {
 namespace {
 
-// Colours of classes: different also without telling red from green (Okabe and Ito 2008).
+// Colours of classes, distinct also for red-green colour blindness (Okabe and Ito 2008).
 constexpr PackedColour whole_colour = pack_colour(0, 114, 178), mixed_colour = pack_colour(230, 159, 0),
                        valid_colour = pack_colour(86, 180, 233), rim_colour = pack_colour(213, 94, 0),
                        once_colour = pack_colour(240, 228, 66), filled_colour = pack_colour(204, 121, 167);
@@ -21,7 +21,7 @@ void put(PackedColour colour, std::uint8_t* rgb) {
     rgb[2] = static_cast<std::uint8_t>(colour >> 16);
 }
 
-/// A scale's name and unit, and how many of the unit one of what ScalarRows gives is.
+/// A scale's name and unit; `factor`: the unit's value per value of ScalarRows.
 struct Meaning {
     Scalar scalar;
     const char *name, *unit;
@@ -40,7 +40,7 @@ Meaning meaning_of(Overlay kind, const Scene& scene) {
         case Overlay::dynamic_friction:
             return {Scalar::dynamic_friction, "dynamic friction", "", 1};
         case Overlay::height:
-            // Not of the hand, by whose millimetres a relief is asked for.
+            // Scene millimetres, not the hand's, in which relief options are given.
             return {Scalar::height, "height", is_room ? "m of the scene" : "mm of the scene",
                     is_room ? scene.metres_per_unit : millimetres};
         default:
@@ -51,11 +51,11 @@ Meaning meaning_of(Overlay kind, const Scene& scene) {
 
 struct SeenValues {
     Overlays::Range shown, all;
-    std::vector<float> values;  // but for those at the far plane, in any order
+    std::vector<float> values;  // except those at the far plane, unordered
 };
 
-/// Some thirty thousand of the pixels; shown is of depths without the outermost ones, nor what is at the far
-/// plane, where backgrounds are.
+/// A grid of at most 256 pixels a side. `shown` excludes the outermost depths and the far plane, where
+/// backgrounds are.
 SeenValues seen_values(Scalar scalar, const HeightField& field, ScalarRows& rows, std::vector<float>& row) {
     const int step = 1 + std::max(field.width(), field.height()) / 256;
     const auto most = static_cast<float>(scalar == Scalar::depth ? 0.999 * field.scene().depth.far
@@ -84,7 +84,7 @@ SeenValues seen_values(Scalar scalar, const HeightField& field, ScalarRows& rows
     return seen;
 }
 
-/// Whether a plane of the clip has the values.
+/// Whether a plane of the clip holds the values.
 bool has_map(Scalar scalar, const HeightField& field, const FramePair& pair) {
     const auto has = [scalar](const SurfaceFrame& frame) {
         return scalar == Scalar::depth ||
@@ -93,14 +93,14 @@ bool has_map(Scalar scalar, const HeightField& field, const FramePair& pair) {
     return has(*pair.prev.frame) || (field.blend() > 0 && has(*pair.next.frame));
 }
 
-/// Ends that are farther apart than what roundings make.
+/// The range; equal ends if they differ by no more than rounding.
 Overlays::Range apart(const Overlays::Range& range) {
     const double size = std::max(std::fabs(range.least), std::fabs(range.greatest));
     return range.greatest - range.least > 1e-5 * size ? range
                                                       : Overlays::Range{range.greatest, range.greatest};
 }
 
-/// From values of a row to places on the ramp, 0 to 255; 256: no value.
+/// Converts values of a row to indices on the ramp, 0 to 255; 256: no value.
 void indices_of(const float* values, int width, float least, float per_value, std::uint32_t* indices) {
     for (int x = 0; x < width; ++x) {
         const float value = values[x], share = (value - least) * per_value + 0.5F;
@@ -160,7 +160,7 @@ private:
         scale.range = {range.least * meaning.factor, range.greatest * meaning.factor};
         scale.is_less = !even && seen.all.least < range.least;
         scale.is_more = !even && seen.all.greatest > range.greatest;
-        scale.least_is_light = meaning.scalar == Scalar::depth;  // what is near is light
+        scale.least_is_light = meaning.scalar == Scalar::depth;  // near is light
         scale.has_map = is_mapped;
         if (kind == Overlay::depth_linear) scale.spread = "linear, 1 to 99 %";
         if (is_equalised) {
@@ -187,8 +187,8 @@ private:
         }
     }
 
-    /// Colours of `equalised_`'s bins, from end to end of the range, and where values lie between these.
-    /// `factor`: of the scale's unit.
+    /// Colours of `equalised_`'s bins, and the scale's levels. `factor`: the scale unit's value per scene
+    /// unit.
     void make_equalised(const Overlays::Range& range, double factor) {
         std::uint32_t ends[2];
         const float values[] = {static_cast<float>(range.least), static_cast<float>(range.greatest)};
@@ -238,7 +238,7 @@ private:
             for (int x = 0; x < field.width(); ++x) {
                 const int tile = grid.row_of_cell(y) * grid.tiles_x + grid.column_of_cell(x);
                 PackedColour colour = colours[static_cast<std::size_t>(tile)];
-                // A darker line where a tile begins.
+                // A darker line at each tile's border.
                 if (x % TileGrid::cells == 0 || y % TileGrid::cells == 0) colour = colour >> 1 & 0x7F7F7FU;
                 put(colours[static_cast<std::size_t>(tile)] != 0 ? colour : hole_colour(x, y),
                     row(y) + std::ptrdiff_t{3} * x);
@@ -254,7 +254,7 @@ private:
         if (rows_.has_filled()) picture_.scale.classes.push_back({filled_colour, "depth of another frame"});
         const int width = field.width(), height = field.height();
         const std::size_t columns = static_cast<std::size_t>(width) + 2;  // one more at either side
-        // What read_validity says of three rows; beyond the picture there is no hole.
+        // read_validity's states of three rows; beyond the picture there is no hole.
         std::array<std::vector<std::uint8_t>, 3> states;
         const auto line = [&](int y) -> std::vector<std::uint8_t>& {
             return states[static_cast<std::size_t>((y + 3) % 3)];
@@ -288,11 +288,11 @@ private:
 
     Overlays::Picture picture_;
     ScalarRows rows_;
-    std::array<SteadyRange, 10> ranges_;  // by kind
+    std::array<SteadyRange, 10> ranges_;  // by Overlay
     EqualisedDepth equalised_;
     CpuLattices lattices_{1};
     std::vector<float> q_;
-    std::vector<PackedColour> colours_;  // of values, by their place
+    std::vector<PackedColour> colours_;  // by ramp index or depth bin
 };
 
 Overlays::Overlays() : painter_(std::make_unique<Painter>()) {}

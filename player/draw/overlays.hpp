@@ -1,19 +1,18 @@
 #pragma once
 
-// Overlays: what a surface is made of, shown by colours, and the scale that says what the colours mean.
+// Overlays: a surface coloured by one of its properties, and the scale that explains the colours.
 //
-// An `Overlay` is what is shown (depth, stiffness, normals, ...); `overlay_after` reads its name, and steps
-// from one to the next. `Overlays` paints it frame after frame into an `Overlays::Picture`, which is handed
-// to a painter or a drawing as the surface's colour with Lighting::plain, or softened by `quieten_light`:
+// An `Overlay` names the property (depth, stiffness, normals, ...); `overlay_after` parses its name, or steps
+// to the next. `Overlays` paints it frame after frame into an `Overlays::Picture`, which is passed to a
+// painter or a drawing as the surface's colour with Lighting::plain, or softened by `quieten_light`:
 //
 //     Overlays overlays;
 //     const Overlays::Picture& painted = overlays.paint(Overlay::depth, field, pair);
 //     drawing.show(field, pair, painted.view(), Lighting::plain);
 //     TRY(draw_scale_bar(painted.scale, image));
 //
-// The ramp of a scale goes from dark blue by green to light yellow (`ramp_colour`). `Overlays` remembers its
-// scales, so that they do not flicker, and belongs to one thread at a time; everything else any thread may
-// call.
+// A scale's ramp goes from dark blue through green to light yellow (`ramp_colour`). `Overlays` remembers its
+// scales to avoid flicker, and belongs to one thread at a time; any thread may call everything else.
 
 #include <array>
 #include <cstddef>
@@ -30,38 +29,38 @@
 
 namespace touchable {
 
-/// What a surface is coloured by: its own colours, or one of the things it is made of.
+/// What colours a surface: its own colours, or one of its properties.
 enum class Overlay {
     colour,
-    depth,         ///< in equally many pixels a step (EqualisedDepth)
-    depth_linear,  ///< in equally many millimetres a step
+    depth,         ///< equally many pixels per step (EqualisedDepth)
+    depth_linear,  ///< equally many millimetres per step
     stiffness,
     static_friction,
     dynamic_friction,
     height,
     normals,
-    tiles,    ///< which tiles are drawn whole, in part, not at all
-    validity  ///< where there is no depth, what is next to that, and what other frames gave depth to
+    tiles,    ///< tiles drawn fully, partly, or not at all
+    validity  ///< holes, their rims, and depth filled in from other frames
 };
 
-/// The name that options and scripts have for it.
+/// The overlay's name in options and scripts.
 std::string name_of(Overlay overlay);
-/// All of them.
+/// The names of all overlays.
 std::vector<std::string> overlay_names();
-/// The overlay of that name; the one after `now` where the name is empty, and from the last to the first.
-/// Refused (ErrorKind::usage) with the right names.
+/// The overlay named `name`; if `name` is empty, the one after `now`, cyclically. Fails (ErrorKind::usage)
+/// with the list of names.
 Result<Overlay> overlay_after(Overlay now, const std::string& name);
 
-/// Makes overlays, frame after frame: what is on the scales is remembered, so that they do not flicker.
+/// Paints overlays, frame after frame; remembers scales to avoid flicker.
 class Overlays {
 public:
-    /// From least to greatest of something that is shown.
+    /// The least and greatest value shown.
     struct Range {
         double least = 0, greatest = 0;
         bool operator==(const Range&) const = default;
     };
 
-    /// What colours mean: a scale from `least` to `greatest` of colour_ramp, or a few classes.
+    /// The meaning of the colours: a scale from `least` to `greatest` of colour_ramp, or a few classes.
     struct Scale {
         struct Class {
             PackedColour colour;
@@ -69,25 +68,25 @@ public:
         };
         std::string name{};    ///< "depth"
         std::string unit{};    ///< "mm"; may be empty
-        std::string spread{};  ///< how values lie on the scale, where there are several ways; empty: evenly
-        Range range{};         ///< in that unit; two equal ends: it is the same everywhere
-        /// Values at equal distances on the scale, from end to end; empty: values lie evenly.
+        std::string spread{};  ///< distribution of values on the scale, if there are several; empty: linear
+        Range range{};         ///< in that unit; equal ends: one value everywhere
+        /// Values at equal distances on the scale, from end to end; empty: linear.
         std::vector<double> levels{};
         bool least_is_light = false;
-        std::vector<Class> classes{};  ///< where there are any there is no scale
+        std::vector<Class> classes{};  ///< replace the scale if not empty
         bool is_less = false,
-             is_more = false;              ///< some of what is seen lies beyond that end, and has its colour
-        bool has_map = true;               ///< false: no plane of the clip tells it
-        std::optional<double> at_holes{};  ///< what it is there, where the clip has no map and they differ
+             is_more = false;              ///< some visible values lie beyond that end, and have its colour
+        bool has_map = true;               ///< false: no plane of the clip holds the values
+        std::optional<double> at_holes{};  ///< the value at holes, if the clip has no map and it differs
 
-        /// Where a value is on the ramp, 0 to 1, where values lie evenly; of what is the same everywhere, the
-        /// middle.
+        /// A value's place on the ramp, 0 to 1, for linear scales; the middle if the value is the same
+        /// everywhere.
         double share_of(double value) const;
-        /// "depth, mm: equalised", over the scale.
+        /// The scale's heading, such as "depth, mm: equalised".
         std::string title() const {
             return name + (unit.empty() ? "" : ", " + unit) + (spread.empty() ? "" : ": " + spread);
         }
-        /// Says that it is the same everywhere, and whether the clip has a map of it; empty: it is not.
+        /// Text for one value everywhere, and whether the clip has a map of it; empty if the values differ.
         std::string everywhere() const;
     };
 
@@ -103,9 +102,9 @@ public:
     Overlays();
     ~Overlays();
 
-    /// `kind` is not `colour`; `pair` is what `field` was made of. A scale goes over what is seen, but for
-    /// 1 % of the depths at either end and all at the far plane. What it gives stays as it is until the next
-    /// call. Milliseconds, on this thread.
+    /// `kind` is not `colour`; `field` was made from `pair`. The scale covers the visible values, except for
+    /// 1 % of the depths at either end and all at the far plane. The result is valid until the next call.
+    /// Takes milliseconds, on this thread.
     const Picture& paint(Overlay kind, const HeightField& field, const FramePair& pair);
 
 private:
@@ -115,19 +114,19 @@ private:
 
 struct ViewSurface;
 
-/// Makes of a surface lit in the overlay's colours one in which they can be read: relief is left where the
-/// overlay has none of its own, and weaker.
+/// Replaces a lit surface's colours by readable overlay colours: relief stays, weaker, unless the overlay
+/// shows relief itself.
 void quieten_light(Overlay kind, const Overlays::Picture& overlay, ViewSurface& surface);
 
-/// Colours from dark blue by green to light yellow, lightness growing evenly as eyes see it (OKLab), none of
-/// them grey: it is read without telling red from green, by its lightness and by blue and yellow.
+/// Colours from dark blue through green to light yellow, lightness growing evenly as perceived (OKLab), none
+/// of them grey: legible without telling red from green, by lightness and by blue and yellow.
 const std::array<PackedColour, 256>& colour_ramp();
 
-/// Its colour at 0 to 1; beyond that, the end's.
+/// The ramp's colour at 0 to 1; beyond, the end's.
 PackedColour ramp_colour(double share);
 
-/// Draws into the lower right of `image` (RGB, 8 bits; upper right of a narrow one) what its colours mean.
-/// Nothing below 480x270 pixels, where it would hide the scene.
+/// Draws the colours' meaning into the lower right of `image` (RGB, 8 bits; upper right of a narrow one).
+/// Draws nothing below 480x270 pixels, where it would hide the scene.
 Result<void> draw_scale_bar(const Overlays::Scale& scale, Image& image);
 
 }  // namespace touchable

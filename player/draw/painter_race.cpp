@@ -10,8 +10,8 @@
 #include "player/draw/gpu_painting.hpp"
 #include "player/draw/view.hpp"
 
-// Which painter is faster on a device, measured on that very device: a graphics card's units draw triangles
-// fast, a data centre's GPU has few of them and draws ten times as fast by compute.
+// Measures which painter is faster on a device: a graphics card's hardware draws triangles fast, a data
+// centre's GPU has little of it and draws ten times as fast by compute.
 
 namespace touchable {
 namespace {
@@ -30,7 +30,7 @@ std::vector<std::uint16_t> codes_of_hills() {
     return codes;
 }
 
-/// What a surface that is new for each picture takes from codes to a picture from the side, ms.
+/// Measures the time from a new surface's codes to a picture from the side, ms.
 class Race {
 public:
     explicit Race(std::shared_ptr<GpuDevice> device) : device_(std::move(device)) {}
@@ -58,7 +58,7 @@ public:
         return {};
     }
 
-    /// The least of some pictures.
+    /// The minimum over several pictures.
     Result<double> least_ms(std::string_view painter) {
         constexpr int warm = 1, timed = 4;
         TRY_ASSIGN(const auto drawing, SurfaceDrawing::create(device_, painter));
@@ -106,8 +106,8 @@ void measure_painters(const std::shared_ptr<GpuDevice>& device) {
         return;
     Race race(device);
     if (!race.open()) return;
-    // A device that was lost over it never gets that again. Memory that was not there, or a stop, says
-    // nothing.
+    // If mesh loses the device, it is never chosen there again. Lack of memory or an interruption is no
+    // result.
     const auto mesh = race.least_ms("mesh");
     if (!mesh) {
         if (device->lost()) measured.mesh_ms = HUGE_VAL;

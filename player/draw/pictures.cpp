@@ -11,8 +11,8 @@
 #include "player/draw/legends.hpp"
 #include "player/draw/light_picture.hpp"
 
-// Pictures put together in light, one by one (make_picture) and one after the other (CpuDrawing), and the
-// painters by name.
+// Composes pictures in linear light, single ones (make_picture) and sequences (CpuDrawing); makes painters by
+// name.
 
 namespace touchable {
 namespace {
@@ -35,7 +35,7 @@ const std::array<float, 256>& light_of_bytes() {
     return table;
 }
 
-/// Fine enough that every byte is hit as by the curve itself.
+/// Fine enough that every byte equals the exact curve's.
 constexpr std::size_t curve_steps = 1 << 14;
 const std::vector<std::uint8_t>& bytes_of_light() {
     static const std::vector<std::uint8_t> table = [] {
@@ -93,13 +93,13 @@ using OpenGpu = std::function<Result<std::shared_ptr<GpuDevice>>()>;
 Result<std::unique_ptr<SurfacePainter>> gpu_painter(std::string_view name, const OpenGpu& open_gpu) {
     TRY_ASSIGN(auto device, open_gpu());
     const GpuFacts& facts = device->facts();
-    // A software Vulkan without 64-bit atomics is slower than the CPU's own painter.
+    // Software Vulkan without 64-bit atomics is slower than the CPU painter.
     if (name == "mesh" || (name == "auto" && facts.kind != GpuKind::software && draws_by_mesh(facts)))
         return make_mesh_painter(std::move(device));
     return make_raster_painter(std::move(device));
 }
 
-/// Pixels of a side per pixel of the picture.
+/// Samples per pixel along each side.
 int samples_for(const SurfacePainter::Settings& settings) {
     constexpr std::int64_t most_pixels = 16'000'000;
     const std::int64_t pixels = std::int64_t{settings.width} * settings.height;
@@ -198,7 +198,7 @@ struct CpuDrawing::Parts {
     std::unique_ptr<SurfacePainter> painter = make_cpu_painter();
     ViewSurface surface;
     LightPicture bare;                  // the surface on its background, without fingers
-    std::optional<glm::dmat4> painted;  // clip_from_lattice that it is of
+    std::optional<glm::dmat4> painted;  // clip_from_lattice of `bare`
     Image picture;
 };
 

@@ -13,14 +13,14 @@
 #include "shaders/view_background.frag.spv.h"
 #include "shaders/view_screen.vert.spv.h"
 
-// SurfaceDrawing. What a picture needs is made once and kept: the lattice of the surface shown, its tiles and
-// edges, the pixels of the raster, the images. GpuCommands::Made tells for each whether it is there for the
-// commands that are being recorded.
+// SurfaceDrawing. Caches a picture's inputs: the lattice of the shown surface, its tiles and edges, the
+// raster's pixels, the images. GpuCommands::Made says for each whether it is valid for the commands being
+// recorded.
 
 namespace touchable {
 namespace {
 
-/// All of an image, from rows of 4 bytes a pixel.
+/// Copies a whole image from rows of 4 bytes a pixel.
 void copy_to_image(GpuCommands& commands, const GpuBuffer& pixels, int pitch, const GpuImage& image) {
     VkBufferImageCopy region{};
     region.bufferRowLength = static_cast<std::uint32_t>(pitch);
@@ -41,7 +41,7 @@ public:
           fingers_(std::move(fingers)),
           pictures_(device_) {}
 
-    /// What the painter of that name, which draws on a GPU, needs.
+    /// Creates the resources of the GPU painter with that name.
     Result<void> prepare(std::string_view painter) {
         const GpuFacts& facts = device_->facts();
         const bool is_software = facts.kind == GpuKind::software;
@@ -80,7 +80,7 @@ public:
             return {};
         }
         TRY(begin_surface(field, colour, lighting));
-        // What read the last surface, in the same commands, has done so.
+        // Wait until the same commands have finished reading the last surface.
         for (const GpuStage reader : {GpuStage::compute, GpuStage::indirect, GpuStage::graphics})
             commands.barrier(reader, GpuStage::compute);
         TRY(lattices_.record(commands, field, pair, lattice_));
@@ -91,7 +91,7 @@ public:
         return {};
     }
 
-    /// On a device that computes on the CPU: there its vectors do so for a third of what the kernels cost.
+    /// On software devices: the CPU's vectors take a third of the kernels' time.
     Result<void> show_by_cpu(const HeightField& field, const FramePair& pair, const PlaneView& colour,
                              Lighting lighting, int step) override {
         TRY(begin_surface(field, colour, lighting));
@@ -124,7 +124,7 @@ public:
     }
 
 private:
-    /// Nothing is shown until it is made.
+    /// Invalidates everything until the new surface is made.
     Result<void> begin_surface(const HeightField& field, const PlaneView& colour, Lighting lighting) {
         for (GpuCommands::Made* const made : {&shown_, &listed_, &edged_, &drawn_}) made->reset();
         are_values_ = lighting == Lighting::plain && !colour.empty();
@@ -145,7 +145,7 @@ private:
         return {};
     }
 
-    /// What pictures of a size need.
+    /// Resources for pictures of the camera's size.
     Result<void> reserve(const ViewCamera& camera) {
         const auto width = static_cast<std::uint32_t>(camera.width),
                    height = static_cast<std::uint32_t>(camera.height);
@@ -191,7 +191,7 @@ private:
         return {};
     }
 
-    /// Into memory that nothing reads any more: pictures that were recorded before keep theirs.
+    /// Draws into memory that no commands read: earlier recorded pictures keep theirs.
     Result<void> draw_by_cpu(const GpuCommands& commands, const ViewCamera& camera) {
         const int pitch = SurfaceRaster::resolve_pitch(camera.width);
         const std::size_t bytes =
@@ -217,7 +217,7 @@ private:
         return {};
     }
 
-    /// The edges of the surface as a camera is shown it; found once for each surface.
+    /// The edges of the surface for a camera's view; found once per surface.
     const SurfaceEdges& edges_of(const GpuCommands& commands, const ViewCamera& camera) {
         if (is_own_view(camera)) {
             edges_->clear();
@@ -230,7 +230,7 @@ private:
         return *edges_;
     }
 
-    /// Tiles of a surface, once, and where its vertices at edges are drawn.
+    /// Records the surface's tiles, once, and its edges.
     Result<void> list_triangles(GpuCommands& commands, const ViewCamera& camera) {
         if (!listed_.is_there_for(commands)) {
             TRY(lattices_.record_tiles(commands, lattice_));
@@ -242,7 +242,7 @@ private:
         return {};
     }
 
-    /// Colours and z of the surface, if they are not of this surface from here already.
+    /// Makes colours and z of the surface, unless they are already those of this surface and camera.
     Result<void> draw_surface(GpuCommands& commands, const ViewCamera& camera) {
         if (drawn_.is_there_for(commands) && drawn_from_.clip_from_lattice == camera.clip_from_lattice &&
             drawn_from_.width == camera.width && drawn_from_.height == camera.height)
@@ -275,7 +275,7 @@ private:
         return {};
     }
 
-    /// What the raster has drawn, into images that are ready for it.
+    /// Copies the raster's output into images, in layouts for drawing.
     void record_copies(GpuCommands& commands, const ViewCamera& camera, const GpuImage& target) const {
         const int pitch = SurfaceRaster::resolve_pitch(camera.width);
         const struct {
@@ -292,7 +292,7 @@ private:
         }
     }
 
-    /// What gives way under fingers, over the surface that is drawn.
+    /// Draws the fingers' dents over the drawn surface.
     Result<void> record_dents(GpuCommands& commands, const ViewCamera& camera,
                               std::span<const FingerMark> fingers, const MarkSizes& sizes,
                               const GpuImage& target) {
@@ -303,7 +303,7 @@ private:
         return dent_patches_.record(commands, fingers, sizes, camera, flat, target);
     }
 
-    /// Background, and the surface if there is one.
+    /// Draws background, and the surface if there is one.
     Result<void> record_mesh(GpuCommands& commands, const ViewCamera& camera, const GpuImage& target) {
         const bool is_shown = shown_.is_there_for(commands);
         if (is_shown) TRY(list_triangles(commands, camera));
@@ -322,16 +322,17 @@ private:
 
     std::shared_ptr<GpuDevice> device_;
     std::optional<SurfaceRaster> raster_;
-    std::optional<MeshPipeline> mesh_;          // one of the two
-    OwnViewPicture own_view_;                   // in the raster's place there, where it can
-    std::optional<LatticeRaster> turned_view_;  // and from elsewhere, on a software device
-    std::optional<SurfaceEdges> edges_;         // for that
+    std::optional<MeshPipeline> mesh_;          // one of the two is set
+    OwnViewPicture own_view_;                   // replaces the raster on a software device, if it supports
+                                                // the view
+    std::optional<LatticeRaster> turned_view_;  // for other views there
+    std::optional<SurfaceEdges> edges_;         // for turned_view_
     GpuLattices lattices_;
     SurfaceLighting lighting_;
-    std::optional<CpuLattices> by_cpu_;     // makes what is shown in their place, on a software device
-    std::optional<Decimation> decimation_;  // of that
+    std::optional<CpuLattices> by_cpu_;     // replaces lattices_ and lighting_ on a software device
+    std::optional<Decimation> decimation_;  // for by_cpu_
     std::optional<DentDrawing> dents_;
-    DentPatches dent_patches_;  // in their place where the CPU draws the surface
+    DentPatches dent_patches_;  // replaces dents_ if the CPU draws the surface
     FingerDrawing fingers_;
     GraphicsProgram background_;
 
@@ -339,12 +340,12 @@ private:
     GpuCommands::Made shown_;       // the surface
     GpuCommands::Made listed_;      // its tiles
     GpuCommands::Made edged_;       // its edges
-    bool are_values_ = false;       // its colours, of a scale
-    GpuBuffer pixels_, large_;      // of the raster
-    GpuBuffer colours_, z_values_;  // the surface and its background, as they are copied into images
-    UploadPool pictures_;           // of these, where the CPU writes them
-    GpuCommands::Made drawn_;       // these
-    ViewCamera drawn_from_;         // that they are of
+    bool are_values_ = false;       // its colours are those of a scale
+    GpuBuffer pixels_, large_;      // for the raster
+    GpuBuffer colours_, z_values_;  // surface and background, copied into images
+    UploadPool pictures_;           // colours_ and z_values_, if the CPU writes them
+    GpuCommands::Made drawn_;       // colours_ and z_values_
+    ViewCamera drawn_from_;         // their camera
     GpuBuffer rows_;                // colours of the background
     int rows_height_ = 0;
     GpuImage z_;

@@ -10,19 +10,19 @@
 #include "player/draw/drawn_surface.hpp"
 #include "shaders/cut_rule.h"
 
-// The camera of a viewpoint, and what a line of sight meets. A line of sight is straight in the lattice too,
-// in (x, y, q), so it is followed from one line of the lattice to the next.
+// The camera of a viewpoint, and ray casting. A ray is also straight in lattice space (x, y, q), so it is
+// followed from one lattice line to the next.
 
 namespace touchable {
 namespace {
 
 constexpr double degree = pi / 180.0;
 
-/// Share of the distance to what is looked at that lies before the near plane. As small as that of the clip's
-/// own view, or what is near would be cut off as soon as that is turned; nearness of z is as precise at any.
+/// Near plane's distance as a share of the orbit's distance. As small as the clip's own view's, so that near
+/// surfaces are not clipped as soon as the view turns; the precision of z does not depend on it.
 constexpr double near_share = 1e-3;
 
-/// Rows to the columns that GLM wants.
+/// A matrix from its rows; GLM stores columns.
 glm::dmat4 from_rows(const glm::dvec4& x, const glm::dvec4& y, const glm::dvec4& z, const glm::dvec4& w) {
     return glm::transpose(glm::dmat4(x, y, z, w));
 }
@@ -33,7 +33,7 @@ glm::dmat4 world_from_lattice(const Camera& camera) {
                      {0, -1.0 / camera.fy, camera.cy / camera.fy, 0}, {0, 0, -1, 0}, {0, 0, 0, 1});
 }
 
-/// Lens of the focal lengths and centre given, all in pixels of the picture.
+/// Projection matrix of a lens; focal lengths and centre in the picture's pixels.
 glm::dmat4 lens(glm::dvec2 focal, glm::dvec2 centre, int width, int height, double near) {
     const glm::dvec2 half(width / 2.0, height / 2.0);
     return from_rows({focal.x / half.x, 0, 1.0 - centre.x / half.x, 0},
@@ -44,14 +44,14 @@ double fit(const Scene& scene, int width, int height) {
     return std::min(static_cast<double>(width) / scene.width, static_cast<double>(height) / scene.height);
 }
 
-/// Where the clip's camera has its axis in the clip's own view, pixels.
+/// The clip camera's principal point in the clip's own view, pixels.
 glm::dvec2 axis_of(const Scene& scene, int width, int height) {
     const double scale = fit(scene, width, height);
     const glm::dvec2 margin((width - scale * scene.width) / 2.0, (height - scale * scene.height) / 2.0);
     return margin + scale * glm::dvec2(scene.camera.cx + 0.5, scene.camera.cy + 0.5);
 }
 
-/// An eye, before which the world's points are `eye_from_world`'s, and its lens.
+/// An eye and its lens; points with z < 0 in `eye_from_world` space are in front of it.
 struct Sight {
     glm::dmat4 eye_from_world{1.0};
     glm::dvec3 eye{0.0};
@@ -83,7 +83,7 @@ Axes orbit_axes(const Viewpoint& viewpoint) {
     return {right, glm::cross(back, right), back};
 }
 
-/// Pixels.
+/// The orbit's focal lengths, pixels.
 glm::dvec2 orbit_focal(const Viewpoint& viewpoint, const Scene& scene, int width, int height) {
     if (!viewpoint.fov) return glm::dvec2(scene.camera.fx, scene.camera.fy) * fit(scene, width, height);
     const double half = *viewpoint.fov * 0.5 * degree;
@@ -103,7 +103,7 @@ ViewCamera orbit_view(const Viewpoint& viewpoint, const Scene& scene, const glm:
     return view_of({eye_from_world, eye, focal, middle, near_share * distance}, scene, width, height);
 }
 
-/// What is wrong with "key=value" of an orbit; nothing where it is right. `read`: the keys before it.
+/// Parses "key=value" of an orbit; returns the fault, nullopt if it is valid. `read`: the keys before it.
 std::optional<std::string> read_orbit(std::string_view word, Viewpoint& viewpoint,
                                       std::set<std::string_view>& read) {
     double zoom = 0, fov = 0;
@@ -134,14 +134,14 @@ std::optional<std::string> read_orbit(std::string_view word, Viewpoint& viewpoin
 
 constexpr double never = std::numeric_limits<double>::infinity();
 
-/// A line of sight as the lattice sees it: (x, y, q), straight there too. Between the planes before and
-/// behind all surfaces, and within the picture.
+/// A line of sight in lattice space (x, y, q), where it is straight too: the part within the picture, between
+/// the planes in front of and behind all surfaces.
 struct LatticeWay {
     glm::dvec3 begin, end;
     glm::dvec3 at(double s) const { return begin + s * (end - begin); }
 };
 
-/// The part of [t0, t1] where `from` + t `change` is not negative, of both: empty where t0 > t1.
+/// Narrows [t0, t1] to the part with `from` + t `change` >= 0; t0 > t1 if there is none.
 void keep_positive(double from, double change, double& t0, double& t1) {
     if (change > 0)
         t0 = std::max(t0, -from / change);
@@ -151,7 +151,7 @@ void keep_positive(double from, double change, double& t0, double& t1) {
         t1 = -1;
 }
 
-/// Depths as they are coded are up to so many times as long as planar ones, within a part of the picture.
+/// The greatest ratio of coded to planar depth within a rectangle of the picture.
 double longest_ray(const HeightField& field, double left, double top, double right, double bottom) {
     if (field.scene().depth.semantics == DepthSemantics::planar) return 1;
     const Camera& camera = field.scene().camera;
@@ -159,12 +159,12 @@ double longest_ray(const HeightField& field, double left, double top, double rig
                      camera.ray_length(left, bottom), camera.ray_length(right, bottom)});
 }
 
-/// How near what is drawn over a cell may be.
+/// Upper bounds of q over cells, cached for the last tile.
 class NearestDrawn {
 public:
     explicit NearestDrawn(const HeightField& field) : field_(field) {}
-    /// No q is greater there: of the tiles around the cell's own too, whose edges may reach it, and as far as
-    /// an edge goes on (shaders/edge_rule.h).
+    /// No surface drawn over the cell has a greater q. Includes the neighbouring tiles, whose edges may reach
+    /// the cell, and the extrapolation at edges (shaders/edge_rule.h).
     double greatest_q(int i, int j) {
         const TileGrid tiles = field_.tiles();
         const int x = tiles.column_of_cell(i), y = tiles.row_of_cell(j);
@@ -184,16 +184,16 @@ public:
 
 private:
     const HeightField& field_;
-    int x_ = -1, y_ = -1;  // the tile that q_ is of
+    int x_ = -1, y_ = -1;  // the tile of q_
     double q_ = never;
 };
 
-/// The way of a line of sight from the eye, between two distances from there.
+/// The part of a line of sight between two distances from the eye; nullopt if it is beside all surfaces.
 std::optional<LatticeWay> way_of(const glm::dvec3& eye, const glm::dvec3& direction, double near,
                                  double farthest, const HeightField& field) {
     const Camera& camera = field.scene().camera;
     const double width = field.width() - 1, height = field.height() - 1;
-    // Planar depth k, and x and y times that, along the ray: linear in t.
+    // Planar depth k, and k x and k y, along the ray: linear in t.
     const auto lattice = [&](const glm::dvec3& p) {
         return glm::dvec3(camera.fx * p.x - camera.cx * p.z, -camera.fy * p.y - camera.cy * p.z, -p.z);
     };
@@ -210,13 +210,13 @@ std::optional<LatticeWay> way_of(const glm::dvec3& eye, const glm::dvec3& direct
     if (!(t0 <= t1) || !std::isfinite(t1)) return std::nullopt;
     const auto seen = [&](double t) {
         const glm::dvec3 p = from + t * change;
-        // Clipped where the picture ends, but for a rounding.
+        // Clamps rounding errors at the picture's border.
         return glm::dvec3(std::clamp(p.x / p.z, 0.0, width), std::clamp(p.y / p.z, 0.0, height), 1 / p.z);
     };
     return LatticeWay{seen(t0), seen(t1)};
 }
 
-/// Where a way crosses the lines of one family (x, y, or x - y whole), in order.
+/// Where a ray crosses the lines of one family (x, y, or x - y integer), in order.
 class Crossings {
 public:
     Crossings(double begin, double end)
@@ -233,7 +233,7 @@ private:
     double begin_, change_, line_, next_ = never;
 };
 
-/// The triangle that a place of the picture is in.
+/// A triangle of the lattice, in the picture.
 struct Triangle {
     std::array<glm::dvec3, 3> corners;  // (x, y, q)
 
@@ -250,7 +250,7 @@ std::array<int, 2> cell_at(int width, int height, double x, double y) {
             static_cast<int>(std::clamp(std::floor(y), 0.0, height - 2.0))};
 }
 
-/// The triangle of what is felt.
+/// The triangle of the felt surface at a picture location.
 Triangle triangle_at(const HeightField& field, double x, double y) {
     const auto [i, j] = cell_at(field.width(), field.height(), x, y);
     const bool lower = x - i >= y - j;
@@ -266,8 +266,8 @@ Triangle triangle_at(const HeightField& field, double x, double y) {
     return out;
 }
 
-/// Where the way goes through a triangle between s0 and s1, within which it has only this one under it.
-/// `front`: it comes from before it.
+/// Where the ray crosses the plane of a triangle between s0 and s1, the stretch over this triangle. `front`:
+/// the ray comes from in front of the surface.
 struct Meeting {
     double s;
     bool front;
@@ -282,8 +282,8 @@ std::optional<Meeting> meeting(const LatticeWay& way, const Triangle& triangle, 
     return Meeting{s0 + (s1 - s0) * (first / (first - last)), first >= 0};
 }
 
-/// Calls `take(place, s0, s1)` for every triangle under the way, in order, until it gives false; the place is
-/// in it.
+/// Calls `take(place, s0, s1)` for every triangle under the ray, in order, until it returns false; `place`
+/// lies in that triangle.
 template <class Take>
 void for_each_place(const LatticeWay& way, const Take& take) {
     Crossings columns(way.begin.x, way.end.x), rows(way.begin.y, way.end.y),
@@ -298,13 +298,13 @@ void for_each_place(const LatticeWay& way, const Take& take) {
     }
 }
 
-/// Where the way goes through a triangle that does not lie where its pixels do, from s0 to s1.
+/// Where the ray crosses a triangle with moved corners, between s0 and s1.
 std::optional<Meeting> meeting_anywhere(const LatticeWay& way, const DrawnLattice::Triangle& triangle,
                                         double s0, double s1) {
     const glm::dvec3 &a = triangle.corners[0], b = triangle.corners[1] - a, c = triangle.corners[2] - a;
     const double area = b.x * c.y - b.y * c.x;
     if (!(area > 0)) return std::nullopt;
-    // (share of b, share of c, before it by so much) of a place, which is linear along the way.
+    // (share of b, share of c, distance in q in front of the triangle) at s; linear along the ray.
     const auto seen = [&](double s) {
         const glm::dvec3 p = way.at(s) - a;
         const double of_b = (p.x * c.y - p.y * c.x) / area, of_c = (b.x * p.y - b.y * p.x) / area;
@@ -318,7 +318,7 @@ std::optional<Meeting> meeting_anywhere(const LatticeWay& way, const DrawnLattic
     return Meeting{s0 + (s1 - s0) * share, first.z >= 0};
 }
 
-/// The first meeting with such a triangle, of the cell under a place and those around it.
+/// The first hit of a triangle with moved corners, in the cell under a place and its neighbours.
 std::optional<Meeting> meeting_edges(const LatticeWay& way, DrawnLattice& lattice, const glm::dvec3& at,
                                      double s0, double s1) {
     const auto [i, j] = cell_at(lattice.width, lattice.height, at.x, at.y);
@@ -335,7 +335,7 @@ std::optional<Meeting> meeting_edges(const LatticeWay& way, DrawnLattice& lattic
     return first;
 }
 
-/// Height that is taken off the depth that is drawn at a pixel, which has one.
+/// Height subtracted from the drawn depth of a valid pixel.
 double height_at(const HeightField& field, const FramePair& pair, int x, int y) {
     const double per_code = height_per_code(field.scene());
     const auto of = [&](const SurfaceFrame& frame) {
@@ -399,14 +399,14 @@ ViewCamera own_view(const Scene& scene, int width, int height, double nearest) {
 
 double whole_zoom(const Viewpoint& viewpoint, const Scene& scene, const glm::dvec3& centre,
                   std::span<const glm::dvec3> points, int width, int height) {
-    constexpr double margin = 0.93;     // of the picture
-    constexpr double outliers = 0.002;  // of the points
+    constexpr double margin = 0.93;     // share of the picture
+    constexpr double outliers = 0.002;  // share of the points
     if (points.empty()) return 1;
     const auto [right, up, back] = orbit_axes(viewpoint);
     const glm::dvec2 reach =
         orbit_focal(viewpoint, scene, width, height) / (margin * 0.5 * glm::dvec2(width, height));
-    // From how far away each point is in the picture: focal |right| / (distance - back) is at most half of
-    // it.
+    // The distance at which each point is just in the picture: focal |right| / (distance - back) is at most
+    // half of it.
     std::vector<double> distances;
     distances.reserve(points.size());
     for (const glm::dvec3& point : points) {
@@ -422,14 +422,14 @@ double whole_zoom(const Viewpoint& viewpoint, const Scene& scene, const glm::dve
 
 ViewCamera make_view(const Viewpoint& viewpoint, const Scene& scene, const glm::dvec3& centre, int width,
                      int height) {
-    // Nothing that a clip holds is nearer than a thousandth of its middle.
+    // Near plane at a thousandth of the middle's depth: no clip has nearer surfaces.
     if (viewpoint.own) return own_view(scene, width, height, -centre.z * 1e-3);
     return orbit_view(viewpoint, scene, centre, width, height);
 }
 
 Viewpoint::Subject subject_of(const HeightField& field) {
     Viewpoint::Subject subject{{0, 0, -field.scene().depth.far}, {}};
-    // A hundred thousand pixels tell the middle as well as millions.
+    // At most 512 points a side give the same middle as all pixels.
     const int step = 1 + std::max(field.width(), field.height()) / 512;
     const Scene& scene = field.scene();
     for (int y = 0; y < field.height(); y += step)
@@ -455,17 +455,17 @@ std::optional<ViewCamera::Pick> pick(const HeightField& field, const ViewCamera&
                                      double farthest) {
     if (field.width() < 2 || field.height() < 2) return std::nullopt;
     const glm::dvec3 direction = camera.direction(x, y);
-    // The near plane is across the middle of sight; unproject(.., 1) lies on it.
+    // The near plane is perpendicular to the view axis; unproject(.., 1) lies on it.
     const double near = glm::length(camera.unproject(x, y, 1) - camera.eye);
     const auto way = way_of(camera.eye, direction, near, farthest, field);
     if (!way) return std::nullopt;
     DrawnLattice lattice(field, !is_own_view(camera));
     NearestDrawn nearest(field);
-    std::optional<ViewCamera::Pick> found;  // first a wall, if there is one
+    std::optional<ViewCamera::Pick> found;  // a wall at first, if the ray meets one
     for_each_place(*way, [&](const glm::dvec3& at, double s, double end) {
         if (!(end > s)) return true;
         const auto [i, j] = cell_at(field.width(), field.height(), at.x, at.y);
-        // Most of a way is before everything.
+        // Most of a ray runs in front of all surfaces.
         if (std::min(way->at(s).z, way->at(end).z) > nearest.greatest_q(i, j)) return true;
         const DrawnLattice::Triangle triangle = lattice.triangle(i, j, at.x - i >= at.y - j);
         const auto face = triangle.moved ? std::nullopt : meeting(*way, {triangle.corners}, s, end);

@@ -1,20 +1,19 @@
 #pragma once
 
-// From where a surface is looked at, and what is seen at a place of a picture.
+// The camera from which a surface is viewed, and picking: what a pixel shows.
 //
-// A `Viewpoint` is what a person says: the clip's own view, or an orbit round the middle of what there is to
-// see (`subject_of`). `parse_viewpoint` reads it; `make_view` makes of it the `ViewCamera` of a picture of
-// some size, `own_view` that of the clip's camera. A picture and what asks what is seen in it share one
-// camera:
+// A `Viewpoint` is the user's choice: the clip's own view, or an orbit round the middle of the visible scene
+// (`subject_of`). `parse_viewpoint` parses it; `make_view` turns it into the `ViewCamera` of a picture of a
+// given size, `own_view` gives that of the clip's camera. A picture and the picks in it share one camera:
 //
 //     const auto subject = subject_of(field);
 //     const ViewCamera camera = make_view(viewpoint, scene, subject.middle, width, height);
 //     const auto seen = pick(field, camera, x, y);  // of the picture's pixel (x, y)
 //
-// `pick` finds the surface as painters draw it, edges and walls included; `surface_on_way` the surface as it
-// is felt; `values_at` everything that is known of a pixel. World coordinates and depths are in scene units.
-// All are functions of their arguments alone: any thread may call them, several at once, as long as the
-// field's frames stay. Only `parse_viewpoint` fails (ErrorKind::usage).
+// `pick` finds the surface as painters draw it, edges and walls included; `surface_on_way` finds the surface
+// as it is felt; `values_at` returns all values of a pixel. World coordinates and depths are in scene units.
+// All functions depend only on their arguments: any thread may call them, several at once, while the field's
+// frames live. Only `parse_viewpoint` fails (ErrorKind::usage).
 
 #include <cstdint>
 #include <glm/mat4x4.hpp>
@@ -35,15 +34,15 @@ constexpr PackedColour pack_colour(std::uint32_t r, std::uint32_t g, std::uint32
     return r | g << 8 | b << 16 | 255U << 24;
 }
 
-/// The viewpoint where none is given.
+/// The default viewpoint.
 inline constexpr const char* usual_viewpoint = "orbit:az=20,el=15";
 
-/// From where a surface is looked at, as a person says it: "own", the clip's camera, or like
-/// `usual_viewpoint`, round the middle of what is seen.
+/// The viewpoint as the user gives it: "own" is the clip's camera; otherwise an orbit round the middle of the
+/// visible scene, such as `usual_viewpoint`.
 struct Viewpoint {
-    /// What there is to look at, world: a hundred thousand points at most of the valid pixels that are not at
-    /// the far plane, where backgrounds are, and the lower medians of their X, Y and Z. Without any, the
-    /// middle is the point at the far plane on the optical axis.
+    /// The visible scene, world: valid pixels nearer than the far plane (where backgrounds are), at most 512
+    /// a side, and the lower medians of their X, Y and Z. Without such pixels, the middle is the point at the
+    /// far plane on the optical axis.
     struct Subject {
         glm::dvec3 middle{0.0};
         std::vector<glm::dvec3> points;
@@ -52,11 +51,11 @@ struct Viewpoint {
     bool own = false;
     double azimuth = 0;    ///< degrees to the right of the clip's camera, -180 to 180
     double elevation = 0;  ///< degrees above it, -89 to 89
-    /// 0.1 to 20; 1 is as far away as the clip's camera, 2 half as far. Nothing: `whole_zoom`.
+    /// 0.1 to 20; 1 is as far away as the clip's camera, 2 half as far; nullopt: `whole_zoom`.
     std::optional<double> zoom;
-    std::optional<double> fov;  ///< vertical, degrees, 5 to 120; nothing: the clip's
-    /// What an orbit goes round is seen where the clip's camera has its axis, not in the picture's centre: so
-    /// an orbit that is not turned shows the clip's own view.
+    std::optional<double> fov;  ///< vertical, degrees, 5 to 120; nullopt: the clip's
+    /// Shows the orbit's centre at the clip camera's principal point, not in the picture's centre: an orbit
+    /// without rotation then shows the clip's own view.
     bool keeps_axis = false;
 };
 Result<Viewpoint> parse_viewpoint(const std::string& words);
@@ -64,31 +63,31 @@ Result<Viewpoint> parse_viewpoint(const std::string& words);
 /// A pinhole view of a clip's lattice. Screen: x to the right, y down, picture from (0, 0) to (width, height)
 /// pixels, pixel (i, j) has its centre at (i + 0.5, j + 0.5).
 ///
-/// With z = near / distance along the viewing direction, what is drawn has 0 < z <= 1, nearer is more, and 0
-/// is empty: in floating point equally precise relative to any distance, and linear on the screen.
+/// With z = near / distance along the viewing direction, 0 < z <= 1 for everything drawn; larger is nearer, 0
+/// is empty. Floats have the same relative precision at every distance, and z is linear on the screen.
 struct ViewCamera {
-    /// What is under a place of a picture.
+    /// The surface under a pixel of a picture.
     struct Pick {
         glm::dvec3 point;      ///< of the surface, world
         double x, y;           ///< the point's pixel, 0 to width - 1 and height - 1
         double depth;          ///< planar, scene units
         glm::dvec3 direction;  ///< of sight, unit length
-        /// Seen from the side that a finger comes from. False: through the back, as from behind the clip's
-        /// scene.
+        /// The line of sight hits the side that fingers come from. False: the back, as seen from behind the
+        /// clip's scene.
         bool from_front;
-        /// False: a hole, or in a turned view a wall (shaders/cut_rule.h), where nothing that is drawn lies
-        /// behind.
+        /// False: a hole, or in a turned view a wall (shaders/cut_rule.h), with nothing drawn behind it.
         bool drawn;
     };
 
-    glm::dmat4 clip_from_world{1.0};    ///< (X, Y, Z, 1) -> clip space, where 0 < z <= w is seen
+    glm::dmat4 clip_from_world{1.0};    ///< (X, Y, Z, 1) -> clip space; 0 < z <= w is visible
     glm::dmat4 clip_from_lattice{1.0};  ///< (x, y, 1, q) -> clip space; q = 1 / planar depth
     glm::dvec3 eye{0.0};                ///< world
     int width = 0, height = 0;          ///< pixels
     double near = 0;                    ///< scene units
-    double focal = 0;                   ///< pixels: how large a thing of its own distance's size is at most
+    double focal = 0;                   ///< pixels; screen size of an object as large as its distance, the
+                                        ///< larger of x and y
 
-    /// Screen position and z of a world point; nothing where it is not in front of the near plane.
+    /// Screen position and z of a world point; nullopt if it is not in front of the near plane.
     std::optional<glm::dvec3> project(const glm::dvec3& world) const;
     /// The world point at a screen position and z > 0.
     glm::dvec3 unproject(double x, double y, double z) const;
@@ -96,51 +95,50 @@ struct ViewCamera {
     glm::dvec3 direction(double x, double y) const;
 };
 
-/// The clip's own view, as large as fits into the picture. Nothing nearer than `nearest` (scene units, along
-/// -Z) is seen.
+/// The clip's own view, as large as fits into the picture. `nearest`: the near plane, scene units along -Z.
 ViewCamera own_view(const Scene& scene, int width, int height, double nearest);
 
-/// The largest zoom, at most 1, at which an orbit round `centre` shows `points` (world), a few outliers
-/// aside.
+/// The largest zoom, at most 1, at which an orbit round `centre` shows all `points` (world) except a few
+/// outliers.
 double whole_zoom(const Viewpoint& viewpoint, const Scene& scene, const glm::dvec3& centre,
                   std::span<const glm::dvec3> points, int width, int height);
 
-/// The viewpoint's view. `centre`: what an orbit goes round, world. Without a zoom: 1.
+/// The viewpoint's view. `centre`: the orbit's centre, world. A missing zoom counts as 1.
 ViewCamera make_view(const Viewpoint& viewpoint, const Scene& scene, const glm::dvec3& centre, int width,
                      int height);
 
 Viewpoint::Subject subject_of(const HeightField& field);
 
-/// The first triangle of `field` on the line of sight that painters draw, from either side; where there is
-/// none, the first that they do not. Nothing where no triangle is met. It looks at every lattice line between
-/// the eye and there (the solver's cast would stop at walls, and does not see backs): microseconds for the
-/// clip's own view, fractions of a millisecond from the side. Nothing is looked for beyond `farthest` from
-/// the eye, scene units.
+/// The first drawn triangle of `field` on the line of sight, from either side; without one, the first
+/// triangle that is not drawn; nullopt if the line meets no triangle. Visits every lattice line from the eye
+/// to the hit (the solver's cast would stop at walls, and ignores back faces): microseconds for the clip's
+/// own view, fractions of a millisecond from the side. The search ends `farthest` scene units from the eye.
 std::optional<ViewCamera::Pick> pick(const HeightField& field, const ViewCamera& camera, double x, double y,
                                      double farthest = std::numeric_limits<double>::infinity());
 
-/// The surface that is felt along a straight way, as the clip's camera sees it: from there nothing of it is
+/// The felt surface along a straight path, projected along the clip camera's rays, so that no part of it is
 /// hidden. Depths are planar, scene units.
 struct SurfaceOnWay {
-    double behind;   ///< how far the way is behind the surface where it is farthest; below 0: it is before it
-    double nearest;  ///< of the surface
+    double behind;   ///< the largest distance of the path behind the surface; below 0: all of it is in front
+    double nearest;  ///< the surface's least depth along the path
 };
-/// On the way between two places of the world before the clip's camera (z < 0). Nothing where that is beside
-/// the picture.
+/// The path runs between two world points in front of the clip's camera (z < 0). nullopt if it is beside the
+/// picture.
 std::optional<SurfaceOnWay> surface_on_way(const HeightField& field, const glm::dvec3& from,
                                            const glm::dvec3& to);
 
-/// What a pixel of the surface is: depth and height as they are drawn, properties as a finger meets them.
+/// Values of a surface pixel: depth and height as drawn, properties as a finger feels them.
 struct PixelValues {
-    bool valid;                   ///< false: a hole; all but the properties are those of the far plane
-    double depth;                 ///< as the coding has it (range or planar), height taken off, scene units
-    double depth_mm;              ///< the same, as the scene says what its unit is
+    bool valid;                   ///< false: a hole; all values but the properties are the far plane's
+    double depth;                 ///< in the coding's semantics (range or planar), height subtracted, scene
+                                  ///< units
+    double depth_mm;              ///< the same in millimetres, by the scene's unit
     double z;                     ///< planar depth: along the camera's axis, scene units
-    double height;                ///< taken off the depth, scene units
-    double height_mm;             ///< the same, as the scene says what its unit is
+    double height;                ///< subtracted from the depth, scene units
+    double height_mm;             ///< the same in millimetres, by the scene's unit
     HapticProperties properties;  ///< stiffness N/m
 };
-/// The values of pixel (x, y), 0 <= x < width, 0 <= y < height. `pair` is what `field` was made of.
+/// The values of pixel (x, y), 0 <= x < width, 0 <= y < height. `field` was made from `pair`.
 PixelValues values_at(const HeightField& field, const FramePair& pair, int x, int y);
 
 }  // namespace touchable

@@ -5,8 +5,8 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-# Okabe and Ito's colours, told apart by every kind of eye, and over grey; three of Tol's follow, so that ten fingers
-# differ. Pictures of a scene have the same (player/draw/finger_marks.cpp).
+# Okabe and Ito's colours, distinguishable with any colour vision and over grey; three of Tol's follow, so that ten
+# fingers differ. Pictures of a scene use the same (player/draw/finger_marks.cpp).
 COLOURS = ["#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#F0E442", "#332288", "#882255", "#999933"]
 
 plt.rcParams.update({"font.size": 10, "axes.spines.top": False, "axes.spines.right": False,

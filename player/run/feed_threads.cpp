@@ -5,7 +5,7 @@
 namespace touchable {
 namespace {
 
-// Decoded frames that wait for the builder: enough to even out slow ones, few enough to keep memory small.
+// Decoded frames that wait for the builder: enough to absorb slow frames, few enough to keep memory small.
 constexpr std::ptrdiff_t queue_length = 3;
 // How long the builder waits for the hand to move past a frame before it looks again.
 constexpr std::chrono::milliseconds slot_wait(1);
@@ -46,9 +46,8 @@ void FeedThreads::stop() {
     if (builder_.joinable()) builder_.join();
 }
 
-/// Nothing thrown leaves a thread: the session ends with its reason, and the hand with zero force. A stop of
-/// the program ends the work, too, as it ends the session's loop: the hand then has zero force and needs no
-/// frame.
+/// Catches every exception of a thread; the session then ends with this error and zero force. A stop of the
+/// program also ends the work, because it ends the session's loop: with zero force the hand needs no frame.
 void FeedThreads::guarded(void (FeedThreads::*work)()) {
     const StopScope until(stopping_.get_token());
     try {
@@ -64,7 +63,7 @@ void FeedThreads::guarded(void (FeedThreads::*work)()) {
     }
 }
 
-/// Allocates nothing. The first reason counts.
+/// Allocates nothing. Keeps the first error.
 void FeedThreads::fail(Error&& error) {
     const std::lock_guard lock(mutex_);
     if (!error_) error_ = std::move(error);
@@ -74,7 +73,7 @@ void FeedThreads::fail(Error&& error) {
 
 void FeedThreads::look_at_commands() {
     {
-        const std::lock_guard lock(mutex_);  // no thread is between looking and falling asleep
+        const std::lock_guard lock(mutex_);  // no thread is between testing its condition and waiting
     }
     changed_.notify_all();
 }
@@ -87,9 +86,9 @@ void FeedThreads::decode() {
     } while (hand_over());
 }
 
-/// Reads what comes next, unless nothing is wanted, or what was read before still waits.
+/// Reads the next frame, unless none is wanted or the last one read is not in the queue yet.
 Result<void> FeedThreads::read_on() {
-    const MediaMoment now = now_();  // first: the commands that led there are known then
+    const MediaMoment now = now_();  // before follow_commands, so that the commands up to `now` are known
     TRY(follow_commands());
     if (next_) return {};
     TRY(go_on(now.epoch));
@@ -101,7 +100,7 @@ Result<void> FeedThreads::read_on() {
     return {};
 }
 
-/// Of what was taken to be coming some may never be, and of the hand's own epoch more may be wanted.
+/// Applies new commands: predicted epochs may be void, and more frames of the hand's epoch may be wanted.
 Result<void> FeedThreads::follow_commands() {
     if (!known_.has_news()) return {};
     const std::size_t before = known_.known();
@@ -118,7 +117,7 @@ Result<void> FeedThreads::follow_commands() {
     return {};
 }
 
-/// To the hand's epoch, from one that it has left or will never come to.
+/// Returns to the hand's epoch from one that the hand has left or will never reach.
 Result<void> FeedThreads::go_to(const MediaMoment& hand) {
     next_.reset();
     {
@@ -132,7 +131,7 @@ Result<void> FeedThreads::go_to(const MediaMoment& hand) {
     return there;
 }
 
-/// To the epoch that is to come, if it is time; one that the hand has left behind by then is left out.
+/// Goes to the coming epoch when it is due; skips epochs that the hand has left by then.
 Result<void> FeedThreads::go_on(std::uint64_t wanted) {
     if (!coming_ || !(all_is_read_ || coming_->number <= wanted)) return {};
     ComingEpoch next = *coming_;
@@ -144,16 +143,16 @@ Result<void> FeedThreads::go_on(std::uint64_t wanted) {
     return feed_.read_from(next.number, next.start_ns);
 }
 
-/// Those before an epoch's first do not count: the loop's way back would have to wait for them otherwise.
+/// Warm-up frames before an epoch's first do not count; otherwise a loop's way back would wait for them.
 std::ptrdiff_t FeedThreads::frames_waiting() const {
     return std::ranges::count_if(queue_,
                                  [](const Queued& queued) { return queued.frame && queued.frame->shown; });
 }
 
-/// Gives the builder what was read once there is room, or waits for news. False once there is no more to do.
+/// Queues the frame read for the builder once there is room, or waits for commands. False: no more to do.
 bool FeedThreads::hand_over() {
     std::unique_lock lock(mutex_);
-    // What waits here of a camera would only grow old.
+    // A camera's frames would only grow old in the queue.
     const std::ptrdiff_t room = feed_.reader().is_live() ? 1 : queue_length;
     const auto has_room = [&] { return next_ && frames_waiting() < room; };
     decoded_all_ = !next_;
@@ -179,7 +178,7 @@ void FeedThreads::build() {
     }
 }
 
-/// Nothing once the threads are to stop, or all is built that will ever be.
+/// Nothing once the threads must stop or everything is built.
 std::optional<FeedThreads::Queued> FeedThreads::wait_for_next() {
     std::unique_lock lock(mutex_);
     while (true) {
@@ -204,14 +203,14 @@ std::optional<FeedThreads::Queued> FeedThreads::wait_for_next() {
     }
 }
 
-/// What the hand has left for good is past; what it may never come to is early.
+/// past: of an epoch that the hand has left; early: of an epoch that it may never reach.
 FeedThreads::Turn FeedThreads::turn_of(const Queued& queued) const {
     const MediaMoment now = now_();
     if (queued.place.epoch > now.epoch) return commands_may_come_ ? Turn::early : Turn::due;
     return queued.place.is_of(now) ? Turn::due : Turn::past;
 }
 
-/// False once the threads are to stop.
+/// False once the threads must stop.
 bool FeedThreads::publish(const Queued& queued) {
     while (true) {
         const auto published = feed_.publish(*queued.frame);

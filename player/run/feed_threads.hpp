@@ -9,51 +9,50 @@
 
 namespace touchable {
 
-/// A feed that runs by itself, for live touch: one thread decodes, one builds and publishes as fast as the
-/// timeline has room. They meet at a short queue.
+/// Runs a feed for live touch: one thread decodes, one builds and publishes as fast as the timeline has room.
+/// A short queue connects them.
 ///
-/// Where commands may come while it runs (PlaybackLog), what lies ahead is a guess. Frames of an epoch that
-/// the hand is not in yet wait undecided in the queue; when a command leads elsewhere, the thread that
-/// decodes takes them back and goes at once to where the hand is. Frames of an epoch that the hand has left
-/// are not built. So a published frame always belongs to an epoch that was played, and no epoch's number is
-/// used twice.
+/// If commands may come during the run (PlaybackLog), later epochs are predictions. Frames of an epoch that
+/// the hand has not reached wait in the queue; if a command leads elsewhere, the decoder removes them and
+/// goes at once to the hand's moment. Frames of an epoch that the hand has left are not built. So a published
+/// frame always belongs to an epoch that was played, and no epoch's number is used twice.
 class FeedThreads : NonCopyable {
 public:
-    /// Whether a frame that has just been published was needed before; asked by the thread that builds.
+    /// Whether a frame just published was needed earlier; called by the builder thread.
     using IsLate = std::function<bool(const RawFrame&)>;
-    /// Which moment the hand is at; asked by both threads. The commands that led there are in the clock's
-    /// log.
+    /// The hand's current moment; called by both threads. The commands that led to it are in the clock's log.
     using Now = std::function<MediaMoment()>;
-    /// `feed` outlives this, and is left alone from `start` to `stop`. `ahead`: the clip's clock at the
-    /// moment that `feed` has come to, which tells of the epochs that are to come: each is read as soon as
-    /// all that is wanted of the one before has been, or the hand is there already.
+    /// `feed` must outlive this and must not be used between `start` and `stop`. `ahead`: the clip's clock at
+    /// `feed`'s moment; it predicts the coming epochs. Each is read once all wanted frames of the previous
+    /// epoch are read, or once the hand is in it.
     FeedThreads(SurfaceFeed& feed, IsLate is_late, PlaybackClock ahead, Now now);
-    /// Of a clip that is played once, from its beginning.
+    /// For a clip played once from its beginning.
     FeedThreads(SurfaceFeed& feed, IsLate is_late)
         : FeedThreads(feed, std::move(is_late), PlaybackClock(FrameRate{}), [] { return MediaMoment{}; }) {}
-    ~FeedThreads();  ///< stops them
+    ~FeedThreads();  ///< calls stop
 
-    /// Once. An error where the machine has no thread left; none runs then.
+    /// Call once. Error: the machine has no thread left; none is running then.
     Result<void> start();
     void stop();
-    /// Commands have come; does nothing where none have.
+    /// Wakes the threads to apply new commands, if any.
     void look_at_commands();
-    /// How many frames they have published so far.
+    /// Frames published so far.
     std::int64_t published() const { return published_.load(std::memory_order_acquire); }
-    /// How many frames were late, so far.
+    /// Late frames so far.
     std::int64_t late_frames() const { return late_frames_.load(std::memory_order_relaxed); }
-    /// Whether the next frame is of an epoch that the hand has not come to, as after the last frames before a
-    /// loop's way back.
+    /// Whether the next frame is of an epoch that the hand has not reached, for example after a loop's last
+    /// frames.
     bool waits_for_the_hand() const;
-    /// End of the clip's last frame in the last epoch once all are published; until a command leads away.
+    /// End of the last epoch's last frame once all frames are published; nothing again after a command leads
+    /// away.
     std::optional<MediaMoment> end() const;
-    /// Why they ended early, if they did.
+    /// Why the threads ended early; nothing: they did not.
     std::optional<Error> error() const;
 
 private:
-    /// For the builder: a frame of an epoch, or only that there are no more.
+    /// A frame of an epoch for the builder, or only the mark that there are no more.
     struct Queued {
-        ReadPlace place;  // after it
+        ReadPlace place;  // after `frame`
         std::optional<FedFrame> frame;
         bool ends_epoch = false;
     };
@@ -61,7 +60,7 @@ private:
 
     void guarded(void (FeedThreads::*work)());
     void fail(Error&& error);
-    // Of the thread that decodes.
+    // Decoder thread.
     void decode();
     Result<void> read_on();
     Result<void> follow_commands();
@@ -69,7 +68,7 @@ private:
     Result<void> go_on(std::uint64_t wanted);
     std::ptrdiff_t frames_waiting() const;
     bool hand_over();
-    // Of the thread that builds.
+    // Builder thread.
     void build();
     std::optional<Queued> wait_for_next();
     Turn turn_of(const Queued& queued) const;
@@ -78,7 +77,7 @@ private:
     SurfaceFeed& feed_;
     mutable std::mutex mutex_;
     std::condition_variable changed_;
-    std::stop_source stopping_;  // asked to stop under mutex_, which guards what follows, too
+    std::stop_source stopping_;  // requested under mutex_, which also guards the members down to error_
     std::deque<Queued> queue_;
     bool decoded_all_ = false;
     std::optional<MediaMoment> end_;
@@ -87,13 +86,14 @@ private:
     const IsLate is_late_;
     const Now now_;
     const bool commands_may_come_;
-    // Of the thread that decodes.
-    PlaybackClock known_;  // at the newest command that it knows
+    // Decoder thread.
+    PlaybackClock known_;  // at its newest known command
     PlaybackClock ahead_;  // at the coming epoch
     std::optional<ComingEpoch> coming_;
-    std::optional<Queued> next_;                               // read, and not in the queue yet
-    bool all_is_read_ = false;                                 // that is wanted of the epoch
-    std::vector<ReadPlace> left_;                              // epochs that may have to be gone on with
+    std::optional<Queued> next_;                               // read, not in the queue yet
+    bool all_is_read_ = false;                                 // all wanted frames of the epoch are read
+    std::vector<ReadPlace> left_;                              // places in epochs that reading may have to
+                                                               // continue
     std::atomic<std::int64_t> published_{0}, late_frames_{0};  // counted by the builder
     std::thread decoder_, builder_;
 };

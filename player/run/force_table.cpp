@@ -45,7 +45,7 @@ ForceComparison::Deviation deviation_of(std::vector<double> values) {
     return {sum / static_cast<double>(values.size()), values[below], values.back()};
 }
 
-/// Mean power of a force in each band, over windows of Hann's shape (Welch's method).
+/// Mean power of a force per band, over Hann windows (Welch's method).
 class Spectrum {
 public:
     Spectrum() {
@@ -88,7 +88,7 @@ private:
                 cosine += signal[k] * cosine_[bin * k % window];
                 sine += signal[k] * sine_[bin * k % window];
             }
-            // Parseval: both halves of the spectrum, over the window's own power (3/8 of its ticks).
+            // Parseval: both halves of the spectrum, divided by the window's power (3/8 of its ticks).
             const double sides = bin == window / 2 ? 1 : 2;
             constexpr double n = window;
             power_[static_cast<std::size_t>(band - ForceComparison::noise_bands.begin())] +=
@@ -101,7 +101,7 @@ private:
     std::int64_t windows_ = 0;
 };
 
-/// The five samples that differ most, of each 50 ms the worst.
+/// The five samples that differ most, at least 50 ms apart.
 std::vector<ForceComparison::WorstTick> worst_of(std::vector<ForceComparison::WorstTick> all) {
     std::ranges::sort(all, [](const ForceComparison::WorstTick& a, const ForceComparison::WorstTick& b) {
         return a.newtons != b.newtons ? a.newtons > b.newtons : a.tick < b.tick;
@@ -122,7 +122,7 @@ double degrees_between(const glm::dvec3& a, const glm::dvec3& b) {
     return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180 / std::numbers::pi;
 }
 
-/// Of samples with the same goal: who touches, and how the forces differ.
+/// Compares samples with the same goal: contact in A and B, and the forces' difference.
 class Comparing {
 public:
     void take(std::int64_t tick, int finger, const ForceTable::Sample& a, const ForceTable::Sample& b) {
@@ -161,7 +161,7 @@ private:
     std::vector<ForceComparison::WorstTick> differing_;
 };
 
-/// Every stretch of `window` ticks, one after the other, in which a finger touches in both.
+/// Compares all consecutive windows of `window` ticks during which a finger touches in both tables.
 void compare_noise(const ForceTable& a, const ForceTable& b, std::size_t ticks, ForceComparison& out) {
     Spectrum of_a, of_b;
     for (int finger = 0; finger < a.fingers; ++finger) {

@@ -7,13 +7,13 @@
 namespace touchable {
 namespace {
 
-/// What becomes of a camera's frames, found out tick by tick.
+/// Statistics of a camera's frames, gathered tick by tick.
 class CameraFigures {
 public:
-    /// `source` outlives it. `first`: of the frames that the run waits for; those before it were there when
-    /// it began.
+    /// `source` must outlive this. `first`: first frame that the run waits for; earlier ones existed at its
+    /// start.
     CameraFigures(const ClipReader& source, std::int64_t first) : source_(source), newest_(first - 1) {}
-    /// Ticks are counted by the clock by which frames are taken; a force is there once its tick is solved.
+    /// Ticks and frames share one clock; a force exists once its tick is solved.
     void take(const TouchTick& tick) {
         const TimedFrame& felt = tick.pair.prev;
         if (felt.number <= newest_) return;
@@ -28,24 +28,24 @@ public:
 
 private:
     const ClipReader& source_;
-    std::int64_t newest_;  // that was felt
+    std::int64_t newest_;  // newest frame felt
     std::int64_t shown_ = 0;
     TimeSpread latency_ms_;
 };
 
-// Ticks that may wait for the sinks: four seconds, far longer than a disk sleeps.
+// Ticks that may wait for the sinks: four seconds, far longer than a disk's pauses.
 constexpr int log_ticks = 4096;
 constexpr std::chrono::milliseconds sink_pause(2);
 
-/// Whether a frame that is there now was needed before: a held one from its own time on, one that the surface
-/// goes to (`linear`) as soon as it leaves the frame before.
+/// Whether a frame published now was needed earlier: with `hold` from its own time on, with `linear` as soon
+/// as the surface leaves the previous frame.
 bool comes_late(const RawFrame& raw, const Scene& scene, const MediaMoment& now) {
     if (raw.epoch != now.epoch) return raw.epoch < now.epoch;
     if (scene.interpolation == FrameInterpolation::hold) return now.time_ns >= raw.time_ns;
     return now.time_ns > scene.rate.time_ns(raw.number - 1);
 }
 
-/// A live source's time begins with the hand's, so that no frame comes before it is taken.
+/// Starts a live source's clock with the hand's, so that no frame arrives before its exposure time.
 Result<void> begin_source(const HapticLoop& loop, SurfaceFeed& feed, FeedThreads& threads) {
     while (!loop.zero() && loop.running()) std::this_thread::sleep_for(sink_pause);
     if (!loop.zero()) return {};
@@ -75,7 +75,7 @@ bool LiveSession::is_over(const HapticLoop& loop, const std::optional<MediaMomen
            loop.time_ns() + tick_ns >= shortest_run_ns;
 }
 
-/// Whether the hand goes on, whatever has become of the clip.
+/// Whether the hand continues: no failure of the clip, or an open log, which lets the hand outlast it.
 bool LiveSession::outlasts(const FeedThreads& threads) {
     if (clip_failure_) return true;
     auto failed = threads.error();
@@ -92,7 +92,7 @@ void LiveSession::stop() {
     if (loop_) loop_->ask_to_stop();
 }
 
-/// One that was to stop before is stopped.
+/// Stops the loop at once if stop() was called before.
 void LiveSession::set_loop(HapticLoop* loop) {
     const std::lock_guard lock(loop_mutex_);
     loop_ = loop;
@@ -111,7 +111,7 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
         feed_,
         [&](const RawFrame& raw) {
             const MediaMoment now = board_.moment();
-            // Of a moment that a command asks for while it runs, no frame can be there before.
+            // A command's target moment was unknown before, so its first frames are never late.
             const bool begins = log_->is_open() && raw.number <= scene_.rate.frame_at(now.start_ns) + 1;
             return !live_source && !begins && comes_late(raw, scene_, now);
         },
@@ -146,8 +146,8 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     };
     if (!live_source) {
         TRY(threads.start());
-        // The first frame after the pair at hand costs most, because memory is new: the hand begins once it
-        // is there, or nothing comes before it has begun.
+        // The first frame after the initial pair is the slowest, because memory is new: start the hand once
+        // it is published, or if no frame can come before the hand starts.
         while (threads.published() == 0 && !threads.end() && !threads.waits_for_the_hand() &&
                !threads.error() && !is_asked_to_stop())
             std::this_thread::sleep_for(sink_pause);
@@ -163,7 +163,7 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
             threads.look_at_commands();
         drain();
         late_frames_.store(threads.late_frames(), std::memory_order_relaxed);
-        // With an open log a picture is seen, which says it.
+        // With an open log a window shows these figures.
         if (settings_.on_status && live_source)
             settings_.on_status({true, camera.frames_shown(), end.has_value()});
         else if (settings_.on_status && !log_->is_open())
@@ -185,7 +185,7 @@ Error fell_behind_error(const std::string& files, std::int64_t ticks_missing) {
                        " ticks are missing, so it is not complete, and no file is kept");
 }
 
-/// How it went.
+/// Fills in facts_ and returns the run's result.
 Result<void> LiveSession::conclude(const HapticLoop& loop, const Result<void>& taken) {
     facts_.loop = loop.facts();
     if (!facts_.failure && facts_.loop.port_failed)

@@ -17,7 +17,7 @@
 namespace touchable {
 namespace {
 
-/// Fields of a row, each followed by a comma but the last.
+/// A row's fields, separated by commas.
 class CsvRow {
 public:
     explicit CsvRow(std::string& text) : text_(text) {}
@@ -32,7 +32,7 @@ public:
         return add(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr);
     }
     CsvRow& operator<<(const glm::dvec3& v) { return *this << v.x << v.y << v.z; }
-    /// Of a number that is not there.
+    /// An empty field, for a missing number.
     CsvRow& empty() {
         text_ += ',';
         return *this;
@@ -84,7 +84,7 @@ public:
     }
 
 private:
-    /// All that has come by now.
+    /// Writes all ticks logged so far.
     Result<void> write(const TouchTick&) override {
         Result<void> written;
         const auto add = [this, &written](const DeviceTickLog::Tick& tick) {
@@ -158,7 +158,7 @@ Result<void> OutputFile::write(std::string_view piece) {
     return waiting_.size() < written_at_once ? Result<void>() : flush();
 }
 
-/// 0, or errno: then the file ends behind its last whole piece.
+/// Returns 0, or errno; after an error the file ends with its last whole piece.
 int OutputFile::write_out() {
     std::size_t done = 0;
     int why = 0;

@@ -3,14 +3,14 @@
 namespace touchable {
 namespace {
 
-/// Where time ends, so that no sum of times overflows: 126 years.
+/// ns; 126 years: limit of the clip's time, so that no sum overflows.
 constexpr std::int64_t end_of_time = 4'000'000'000'000'000'000;
 
 bool is_moment(std::int64_t ns) {
     return ns >= 0 && ns <= latest_moment_ns;
 }
 
-/// What the command lacks; nothing where it is sound.
+/// What is wrong with the command; nullptr: valid.
 const char* fault_of(const PlaybackCommand& command) {
     using enum PlaybackVerb;
     if (command.verb > unloop) return "is no command that this program knows";
@@ -117,7 +117,7 @@ bool PlaybackClock::plays_to_the_end() const {
     return last.state_.playing && last.state_.loop_end == never;
 }
 
-/// Of a tick before the next turn.
+/// Time at a tick before the next turn.
 std::int64_t PlaybackClock::time_at(std::int64_t tick) const {
     if (!state_.playing) return state_.moment.time_ns;
     const std::int64_t ticks = tick - state_.tick;
@@ -131,13 +131,14 @@ std::int64_t PlaybackClock::tick_of_loops_end() const {
     return state_.tick + (left + state_.ns_per_tick - 1) / state_.ns_per_tick;
 }
 
-/// What happens then: first the command.
+/// Applies the next event, a command or the loop's end; at the same tick the command first.
 void PlaybackClock::turn() {
     const std::int64_t tick = tick_of_next_turn();
     state_.moment.time_ns = time_at(tick);
     state_.tick = tick;
     if (applied_ < known_ && (*log_)[applied_].tick == tick) return apply((*log_)[applied_++]);
-    // The way beyond the end is made up for; a clip that was far beyond it already begins with the loop.
+    // Carry the overshoot beyond the loop's end over, unless it exceeds a tick; then start at the loop's
+    // beginning.
     const std::int64_t beyond = state_.moment.time_ns - state_.loop_end;
     begin_epoch(state_.loop_begin);
     if (beyond < state_.ns_per_tick) state_.moment.time_ns += beyond;

@@ -12,18 +12,18 @@
 
 namespace touchable {
 
-/// What a person may ask of a clip's clock. The numbers are part of the recordings' format.
+/// Commands to a clip's clock. The numbers are part of the recordings' format.
 enum class PlaybackVerb : std::uint32_t {
     play = 0,
     pause = 1,
     rate = 2,   ///< `first`: thousandths of the clip's own speed
-    seek = 3,   ///< `first`: where to, ns
-    step = 4,   ///< on to the next frame, and pause
-    loop = 5,   ///< from `first` to before `second`, ns, and again
-    unloop = 6  ///< on beyond the loop's end
+    seek = 3,   ///< `first`: target, ns
+    step = 4,   ///< go to the next frame and pause
+    loop = 5,   ///< repeat from `first` to before `second`, ns
+    unloop = 6  ///< end the loop; play on beyond its end
 };
 
-/// Takes effect with its tick.
+/// Takes effect at its tick.
 struct PlaybackCommand {
     std::int64_t tick = 0;
     PlaybackVerb verb = PlaybackVerb::play;
@@ -31,28 +31,29 @@ struct PlaybackCommand {
     bool operator==(const PlaybackCommand&) const = default;
 };
 
-/// What is asked of a clip's clock, in order: all known before the run, or given while it runs. Then one
-/// thread asks, and the haptic thread takes what was asked for at its next tick. The list only grows, in
-/// memory that is there from the start; neither thread waits for the other.
+/// Commands to a clip's clock, in order: all known before the run, or some given during it. Then one thread
+/// adds commands with `ask`, and the haptic thread takes them at its next tick. The list only grows, in
+/// memory allocated at the start; neither thread waits for the other.
 class PlaybackLog {
 public:
-    /// Of all commands that there will be, in the order of their ticks.
+    /// A complete log: all commands, ordered by tick.
     explicit PlaybackLog(std::vector<PlaybackCommand> commands) : PlaybackLog(std::move(commands), 0) {}
-    /// With room for `more`. The ticks of those that are there are not above the first that is taken with.
+    /// With room for `more` commands. The ticks of `commands` must not exceed the first tick passed to
+    /// `take`.
     PlaybackLog(std::vector<PlaybackCommand> commands, std::size_t more);
 
     /// Whether commands may come.
     bool is_open() const { return is_open_; }
-    /// One thread. Refused (ErrorKind::usage) where there is no room. Wait-free.
+    /// One thread only. Refused (ErrorKind::usage) if there is no room. Wait-free.
     Result<void> ask(PlaybackVerb verb, std::int64_t first, std::int64_t second);
-    /// The thread that asks: whether anything that was asked for has no tick yet.
+    /// Called by the thread that calls `ask`: whether a command has no tick yet.
     bool is_waiting() const { return asked_.load(std::memory_order_relaxed) != size(); }
-    /// Haptic thread, with ticks that go forward: what was asked for takes effect with this one. Wait-free.
+    /// Haptic thread, ticks must increase: gives all new commands this tick. Wait-free.
     void take(std::int64_t tick);
 
-    /// Any thread: how many have their tick. Those stay as they are.
+    /// Any thread: number of commands that have their tick. They no longer change.
     std::size_t size() const { return taken_.load(std::memory_order_acquire); }
-    /// Below `size`.
+    /// `k` < size().
     const PlaybackCommand& operator[](std::size_t k) const { return commands_[k]; }
     std::vector<PlaybackCommand> commands() const {
         return {commands_.begin(), commands_.begin() + static_cast<std::ptrdiff_t>(size())};
@@ -60,75 +61,76 @@ public:
 
 private:
     const bool is_open_;
-    std::vector<PlaybackCommand> commands_;       // from `taken_` to `asked_` without a tick yet
-    alignas(64) std::atomic<std::size_t> asked_;  // stored by who asks
+    std::vector<PlaybackCommand> commands_;       // those from `taken_` to `asked_` have no tick yet
+    alignas(64) std::atomic<std::size_t> asked_;  // stored by the thread that calls `ask`
     alignas(64) std::atomic<std::size_t> taken_;  // stored by the haptic thread
 };
 
 inline constexpr std::int64_t slowest_rate = 1, fastest_rate = 8000;  ///< thousandths
-inline constexpr std::int64_t shortest_loop_ns = 100'000'000;         ///< as long as a jump takes to fade
+inline constexpr std::int64_t shortest_loop_ns = 100'000'000;         ///< time in which a jump fades
 /// The latest moment that a command may name, ns: eleven days.
 inline constexpr std::int64_t latest_moment_ns = 1'000'000'000'000'000;
 
-/// Refuses (ErrorKind::input, the command named by its place from 1) ticks that are below 0 or go backward,
-/// verbs that there are none, and rates, moments and loops out of their range.
+/// Refuses (ErrorKind::input, naming the command by its place from 1) ticks that are negative or decrease,
+/// unknown verbs, and rates, moments and loops out of range.
 Result<void> validate(const std::vector<PlaybackCommand>& commands);
 
-/// What is wrong with a command after another one's tick; nothing where it will do.
+/// What is wrong with a command that follows one at `tick_before`; nothing: valid.
 std::optional<std::string> fault_after(std::int64_t tick_before, const PlaybackCommand& command);
 
-/// Whether the clip may never come to the moments that it would have come to without the command. True of all
-/// but play, pause and rate, which only change when the clip comes there.
+/// Whether the command may keep the clip from moments it would have reached without it. True for all but
+/// play, pause and rate, which only change when they are reached.
 bool leads_elsewhere(PlaybackVerb verb);
 
-/// What a clip's clock is doing in a tick.
+/// State of a clip's clock at a tick.
 struct PlaybackState {
     MediaMoment moment;
     bool playing = true;
     std::int64_t rate = 1000;  ///< thousandths
     bool loops = false;
-    std::int64_t loop_begin_ns = 0, loop_end_ns = 0;  ///< where it does
-    bool at_end = false;  ///< the clip's last frame has been reached, and nothing leads away from it
+    std::int64_t loop_begin_ns = 0, loop_end_ns = 0;  ///< valid if `loops`
+    bool at_end = false;  ///< the clip's last frame is reached and no loop leads away from it
 };
 
-/// An epoch that is to come.
+/// A coming epoch.
 struct ComingEpoch {
     std::uint64_t number = 0;
     std::int64_t start_ns = 0;
-    std::int64_t left_ns = 0;  ///< no moment of the epoch before lies beyond
+    std::int64_t left_ns = 0;  ///< the previous epoch's last moment
 };
 
-/// Which moment of the clip a tick is of: a pure function of commands and tick, in integers. Without commands
-/// tick k is at k ms, of epoch 0. A seek and a loop's way back each begin a new epoch; within one times never
-/// go backward. Rates are thousandths, so that a tick is a whole number of nanoseconds at each of them.
+/// Maps a tick to a moment of the clip: a pure function of commands and tick, in integers. Without commands
+/// tick k is at k ms in epoch 0. A seek and a loop's way back each begin a new epoch; within an epoch time
+/// never decreases. Rates are thousandths, so that a tick is a whole number of nanoseconds at any rate.
 class PlaybackClock {
 public:
-    /// Of commands that `validate` passes; `rate` says how far a step goes.
+    /// `commands` must pass `validate`; `rate`: frame rate, for steps.
     explicit PlaybackClock(const FrameRate& rate, std::vector<PlaybackCommand> commands = {})
         : PlaybackClock(rate, std::make_shared<const PlaybackLog>(std::move(commands))) {}
-    /// Of commands some of which may be still to come, with ticks that this clock has not been asked for.
+    /// With a log that may still grow, by commands at later ticks than this clock was called with.
     PlaybackClock(const FrameRate& rate, std::shared_ptr<const PlaybackLog> log);
 
-    /// Ticks must not go backward; which of them are asked for changes nothing. No lock, no allocation.
+    /// Ticks must not decrease; skipping ticks changes nothing. No lock, no allocation.
     MediaMoment at(std::int64_t tick);
-    /// The same, with all that there is to say; but for the end, which this clock does not know.
+    /// The whole state at a tick, except at_end: this clock does not know the clip's length.
     PlaybackState state_at(std::int64_t tick);
-    /// Goes on to where the next epoch begins, by the commands that the clock knows; nothing where none is to
-    /// come. For a reader that looks ahead, with a clock of its own.
+    /// Advances to the next epoch's beginning by the commands known to this clock; nothing: none comes. For a
+    /// prefetching reader with a clock of its own.
     std::optional<ComingEpoch> next_epoch();
-    /// After the last command that it knows the clip goes on to its end: neither paused nor in a loop.
+    /// Whether the clip plays to its end after the last known command: neither paused nor in a loop.
     bool plays_to_the_end() const;
 
-    // For a reader that looks ahead of commands that are still to come.
+    // For a prefetching reader while commands may still come.
     const PlaybackLog& log() const { return *log_; }
-    /// How many commands this clock knows: those that there were at its making, or when it was last asked.
+    /// Number of commands known to this clock: those in the log at its construction or last
+    /// at_newest_command.
     std::size_t known() const { return known_; }
     bool has_news() const { return log_->size() > known_; }
-    /// Goes on to the newest command there is; of a clock that has not been led beyond it.
+    /// Advances to the log's newest command; this clock must not be beyond it.
     MediaMoment at_newest_command();
 
 private:
-    /// From a tick on, until the next command or the loop's end.
+    /// Valid from a tick until the next command or the loop's end.
     struct State {
         std::int64_t tick = 0;
         MediaMoment moment;  // at that tick
@@ -143,7 +145,7 @@ private:
     }
     std::int64_t time_at(std::int64_t tick) const;
     std::int64_t tick_of_loops_end() const;
-    /// Of the next command or end of a loop; `never` where there is neither.
+    /// Tick of the next command or loop's end; `never`: neither.
     std::int64_t tick_of_next_turn() const {
         return applied_ < known_ ? std::min((*log_)[applied_].tick, tick_of_loops_end())
                                  : tick_of_loops_end();
@@ -158,15 +160,15 @@ private:
     State state_;
 };
 
-/// What the clip's clock is doing, for other threads than the haptic one: each sees one tick's whole state.
-/// The writer does not wait; a reader looks again where it was written to while it read.
+/// Publishes the clock's state to other threads (seqlock): each reader gets one tick's whole state. The
+/// writer never waits; a reader retries if a write overlapped its read.
 class PlaybackBoard {
 public:
-    /// Haptic thread; before it begins, the thread that starts it.
+    /// Called by the haptic thread; before it starts, by the thread that starts it.
     void set(const PlaybackState& state) {
         const std::uint64_t writes = writes_.load(std::memory_order_relaxed);
         writes_.store(writes + 1, std::memory_order_relaxed);
-        // With release: a thread that reads one of them sees that they are being written.
+        // Release: a thread that reads a new value also sees the odd count.
         constexpr auto release = std::memory_order_release;
         epoch_.store(state.moment.epoch, release);
         time_ns_.store(state.moment.time_ns, release);
@@ -196,7 +198,7 @@ public:
     MediaMoment moment() const { return read().moment; }
 
 private:
-    alignas(64) std::atomic<std::uint64_t> writes_{0};  // twice the times it was written; odd: it is being
+    alignas(64) std::atomic<std::uint64_t> writes_{0};  // twice the number of writes; odd: during a write
     std::atomic<std::uint64_t> epoch_{0};
     std::atomic<std::int64_t> time_ns_{0}, start_ns_{0}, rate_{1000}, loop_begin_ns_{0}, loop_end_ns_{0};
     std::atomic<bool> playing_{true}, loops_{false};

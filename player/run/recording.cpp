@@ -14,7 +14,7 @@ namespace {
 
 // Layout: magic, version u32, fingers u32, ticks..., commands..., number of commands u64, facts (JSON), size
 // of the facts u64, number of ticks u64, XXH64 of all before it u64. Format 1 has neither commands nor
-// epochs. A recording of several parts is those one after the other, each whole; their facts number them.
+// epochs. Several parts follow each other, each whole; their facts number them.
 constexpr std::string_view magic = "TOUCHREC";
 constexpr std::size_t head_size = 16, tail_size = 24, finger_size = 52, command_size = 28;
 constexpr std::size_t tick_size(std::uint64_t version) {
@@ -32,7 +32,7 @@ void put(std::string& bytes, const glm::dvec3& v) {
     for (const double component : {v.x, v.y, v.z}) put(bytes, component);
 }
 
-/// Reads forward; the caller has made sure that there is enough.
+/// Reads forward; the caller ensures that enough bytes remain.
 class Bytes {
 public:
     explicit Bytes(std::string_view bytes) : bytes_(bytes) {}
@@ -77,7 +77,7 @@ PlaybackCommand read_command(Bytes& bytes) {
     return command;
 }
 
-/// Why ticks that can be read cannot be; empty where they can.
+/// Why well-formed ticks are impossible; empty: they are valid.
 std::string fault_of(const std::vector<RecordedPart::Tick>& ticks) {
     if (ticks.empty()) return "has no ticks; there is nothing to replay";
     for (std::size_t k = 1; k < ticks.size(); ++k) {
@@ -89,7 +89,7 @@ std::string fault_of(const std::vector<RecordedPart::Tick>& ticks) {
     return "";
 }
 
-/// What stands at the head of a part.
+/// Head of a part.
 struct PartHead {
     std::uint64_t version = 0, fingers = 0;
     bool operator==(const PartHead&) const = default;
@@ -100,18 +100,18 @@ PartHead head_of(std::string_view bytes) {
     return {version, head.integer(4)};
 }
 
-/// Where the things of a part are, from the file's beginning.
+/// Layout of a part: byte offsets in the file, and counts.
 struct PartPlace {
     std::uint64_t begin = 0, facts = 0, end = 0;
     std::uint64_t ticks = 0, commands = 0;
 };
 
-/// A recording's bytes, where they are wanted.
+/// Reads a recording's bytes at any offset.
 class RecordingBytes {
 public:
     explicit RecordingBytes(GivenFile& file) : file_(file) {}
     std::uint64_t size() const { return file_.size(); }
-    /// Why bytes are missing: those of a stretch that cannot be read are zeros.
+    /// First read error; ranges that cannot be read are returned as zeros.
     const std::optional<Error>& failure() const { return failure_; }
 
     std::string of(std::uint64_t at, std::uint64_t count) {
@@ -136,7 +136,7 @@ private:
     std::optional<Error> failure_;
 };
 
-/// The part that ends at `end`, by the sizes that it ends with; nothing where they cannot be.
+/// The part that ends at `end`, located by the sizes in its tail; nothing: impossible sizes.
 std::optional<PartPlace> last_part(RecordingBytes& bytes, std::uint64_t end, const PartHead& head) {
     if (end < head_size + tail_size) return std::nullopt;
     const std::string tail_bytes = bytes.of(end - tail_size, tail_size);
@@ -156,7 +156,7 @@ std::optional<PartPlace> last_part(RecordingBytes& bytes, std::uint64_t end, con
     return PartPlace{begin, facts_at, end, ticks, commands};
 }
 
-/// The parts in their order; nothing where the bytes are not made of whole ones, each as its hash says.
+/// The parts in order; nothing unless the file consists of whole parts with correct hashes.
 std::optional<std::vector<PartPlace>> find_parts(RecordingBytes& bytes, const PartHead& head) {
     std::vector<PartPlace> parts;
     for (std::uint64_t end = bytes.size(); end > 0; end = parts.back().begin) {
@@ -174,14 +174,14 @@ std::optional<std::vector<PartPlace>> find_parts(RecordingBytes& bytes, const Pa
 
 constexpr const char* damaged_words = "is damaged or cut short; it cannot be replayed";
 
-/// Whether the facts say that it is part `number` of so many: a file that was cut between two is not whole.
+/// Whether the facts state part `number` of `parts`; detects a file cut between two parts.
 bool is_in_its_place(const nlohmann::ordered_json& facts, std::size_t number, std::size_t parts) {
     const bool numbered = facts.contains("part");
     return numbered == (number > 1) && (!numbered || facts["part"] == number) &&
            facts.contains("goes_on") == (number < parts);
 }
 
-/// An error with the reason alone.
+/// Errors give the reason only, without the file's name.
 Result<RecordedPart> read_part(RecordingBytes& bytes, const PartHead& head, const PartPlace& place) {
     RecordedPart part;
     part.fingers = static_cast<int>(head.fingers);
@@ -202,7 +202,7 @@ Result<RecordedPart> read_part(RecordingBytes& bytes, const PartHead& head, cons
     if (!part.facts.is_object()) return input_error(damaged_words);
     if (const std::string fault = fault_of(part.ticks); !fault.empty()) return input_error(fault);
     TRY(validate(part.playback));
-    // A loop is run through turn by turn.
+    // The clock goes through loops one by one, so the time is limited.
     if (!part.playback.empty() && part.ticks.back().time_ns > latest_moment_ns)
         return input_error("its last tick is later than 1e6 s");
     return part;
@@ -215,7 +215,7 @@ double scale_of(const RecordedPart& part) {
     return facts.contains("S") && facts["S"].is_number() ? facts["S"].get<double>() : 0;
 }
 
-/// The ticks of all parts, each after the one before.
+/// All parts' ticks in one part, each part after the previous.
 RecordedPart in_one(Recording recording) {
     RecordedPart all = std::move(recording.front());
     for (std::size_t k = 1; k < recording.size(); ++k) {
@@ -249,7 +249,7 @@ Result<Recording> read_recording(const std::filesystem::path& file) {
     if (!places) return input_error(name + ": " + damaged_words);
 
     Recording recording;
-    std::int64_t all_ns = 0;  // of several parts
+    std::int64_t all_ns = 0;  // total time, if there are several parts
     for (const PartPlace& place : *places) {
         const std::size_t number = recording.size() + 1;
         const std::string part_name =
@@ -351,7 +351,7 @@ std::uint64_t RecordingFile::ticks_up_to(std::int64_t frame) const {
     return ticks;
 }
 
-/// What stands behind the ticks of a part, but for the hash.
+/// A part's bytes after its ticks, without the hash.
 std::string RecordingFile::tail_of(std::size_t part, std::uint64_t ticks, bool goes_on) const {
     const Part& ended = parts_[part];
     std::string tail;
@@ -365,7 +365,7 @@ std::string RecordingFile::tail_of(std::size_t part, std::uint64_t ticks, bool g
     nlohmann::ordered_json facts = ended.facts;
     if (part > 0) facts["part"] = part + 1;
     if (goes_on) facts["goes_on"] = true;
-    // Names of files need not be UTF-8; JSON must.
+    // File names need not be UTF-8; JSON must be.
     const std::string text = facts.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
     tail += text;
     put(tail, text.size(), 8);
@@ -385,14 +385,14 @@ std::size_t RecordingFile::tick_bytes() const {
     return tick_size(recording_format_version) + finger_size * static_cast<std::size_t>(fingers_);
 }
 
-/// The last part of which there is room for a tick, and what stands behind it, becomes the last one.
+/// Ends the recording with the last part that has room for a tick and its tail.
 Result<void> RecordingFile::keep_whole_ticks(const Error& why) {
     const std::uint64_t size = file_->size();
-    constexpr std::uint64_t step = 1 << 16, most = 1 << 20;  // that others may take of what is given back
+    constexpr std::uint64_t step = 1 << 16, most = 1 << 20;  // bytes that other programs may take meanwhile
     for (std::uint64_t less = 0; less <= most; less += step)
         for (std::size_t part = parts_.size(); part-- > 0;) {
             if (!parts_[part].has_ended) continue;
-            parts_[part].facts["force_hash"] = ForceHash().hex();  // as long as the one to come
+            parts_[part].facts["force_hash"] = ForceHash().hex();  // placeholder of the final hash's length
             const std::uint64_t needed =
                 parts_[part].begin + head_size + tail_of(part, 0, false).size() + 8 + less;
             if (size < needed + tick_bytes()) continue;
@@ -406,7 +406,7 @@ Result<void> RecordingFile::keep_whole_ticks(const Error& why) {
     return why;
 }
 
-/// The time of its last tick; nothing where there was no room.
+/// Returns the last tick's time, ns; nothing: no room.
 Result<std::optional<std::int64_t>> RecordingFile::end_with(std::size_t part, std::uint64_t ticks) {
     constexpr std::uint64_t at_once = 1024;
     const std::uint64_t first = parts_[part].begin + head_size;

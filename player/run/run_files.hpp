@@ -1,19 +1,19 @@
 #pragma once
 
-// Files of a run: what is written tick by tick, what repeats a run to the bit, and tables of forces that are
-// read again and compared.
+// Files of a run: tables written tick by tick, recordings that repeat a run to the bit, and tables of forces
+// that are read again and compared.
 //
-// An OutputFile appears whole or not at all where a run can be repeated, and is kept as far as it came where
-// it cannot (Pace). OutputSink is the base of the sinks that write: TickTable (forces, a device's log) and
+// An OutputFile appears whole or not at all if the run can be repeated; otherwise it is kept up to a failure
+// (Pace). OutputSink is the base of the sinks that write: TickTable (forces, a device's log) and
 // RecordingFile, which keeps a header (format version, rules of force, scene, settings) and for each tick its
-// goals, frames and forces. `read_recording` reads one that is whole or that ends early, of this format or an
-// older one; a newer one is refused by name. RepeatingHand gives the goals of a recording again, over another
+// goals, frames and forces. `read_recording` reads recordings of this format or an older one, also those that
+// were ended early; a newer format is refused by name. RepeatingHand repeats a recording's goals over another
 // surface. `read_force_table` and `compare_forces` are for tables of forces. docs/forces.md has the columns,
 // docs/touch.md the format.
 //
-// Errors name the file, its line and what would be right. Bytes that are read come from outside: every count
-// and length is checked before memory is taken for it. The thread that takes a session's ticks writes;
-// nothing is written by the haptic thread, which only leaves ticks in a DeviceTickLog.
+// Errors name the file, its line and the valid values. Files read are untrusted: every count and length is
+// checked before memory is allocated for it. The thread that takes a session's ticks writes the files; the
+// haptic thread only pushes ticks to a DeviceTickLog.
 
 #include <array>
 #include <atomic>
@@ -34,49 +34,48 @@ namespace touchable {
 
 class StandardOutput;
 
-// ---- Files that are written
+// ---- Output files
 
-/// By which clock a run goes, and so what becomes of its files.
+/// The clock that drives a run; decides how its output files treat slow readers and full disks.
 enum class Pace {
-    own,         ///< it can be repeated: it waits for its readers, and a file is whole or not there
-    wall_clock,  ///< it cannot: it waits for no reader, and what a full disk has taken of a file is kept
+    own,         ///< repeatable run: waits for its readers; a file is whole or absent
+    wall_clock,  ///< live run: never waits for a reader; when the disk is full, the file so far is kept
 };
 
-/// An output file of a command (`--json FILE`), or standard output (`--json -`). A file is opened before
-/// the work that fills it, so that a place where nothing can be written is known at once, and has its name
-/// only when it is complete: whatever goes wrong leaves nothing behind, and an older file as it was. Where
-/// the disk is full, a run by the wall clock keeps the pieces that are whole by then.
+/// An output file of a command (`--json FILE`), or standard output (`--json -`). A file is opened before the
+/// work that fills it, so that an unwritable place is reported at once. It gets its name only when complete:
+/// a failure leaves no file behind and an older file unchanged. If the disk becomes full, Pace::wall_clock
+/// keeps the pieces written whole.
 class OutputFile : NonCopyable {
 public:
-    /// `what`: the program's name for it in messages: "--forces", "the recording". An error of kind input
-    /// where nothing can be written there.
+    /// `what`: its name in messages: "--forces", "the recording". Unwritable: an error of kind input.
     static Result<std::unique_ptr<OutputFile>> create(std::string what, const std::filesystem::path& file,
                                                       Existing existing, Pace pace = Pace::own);
     ~OutputFile();
 
-    /// What is whole together or not there. After an error nothing more is taken.
+    /// Writes a piece whole or not at all. After an error every call fails.
     Result<void> write(std::string_view piece);
     /// For messages: "--forces f.csv", "the recording f.touch".
     std::string name() const { return what_ + ' ' + (file_ ? file_->target().string() : "-"); }
     Pace pace() const { return pace_; }
-    /// Gives the file its name. Nothing may be written after that. An error where anything is missing; by the
-    /// wall clock the file is there nevertheless, with the pieces before, where there are two or more.
+    /// Gives the file its name; no writes after that. Error: data is missing; with Pace::wall_clock the file
+    /// is kept nevertheless with its whole pieces, if there are two or more.
     Result<void> finish();
-    /// Whether what went wrong is that standard output is not read, or not fast enough.
+    /// Whether the error is that standard output is not read fast enough.
     bool reader_lags() const;
 
-    // For a format that knows how such a file ends, also earlier than it was to.
-    /// Writes out what waits for more.
+    // For a format that can end its file early.
+    /// Writes the buffered pieces.
     Result<void> flush();
-    /// Bytes of the pieces that are whole.
+    /// Size of the pieces written whole, bytes.
     std::uint64_t size() const { return size_; }
-    /// Other bytes for some that stand there.
+    /// Overwrites bytes at `at`.
     Result<void> write_over(std::uint64_t at, std::string_view bytes);
-    /// What stands there; empty where it cannot be read.
+    /// `size` bytes from `at`; empty if unreadable.
     std::string read(std::uint64_t at, std::size_t size) const;
-    /// Only the first `size` bytes, and what is written from now on.
+    /// Truncates to `size` bytes, clears the error and continues there.
     Result<void> go_on_from(std::uint64_t size);
-    /// Gives it its name as it is.
+    /// Gives the file its name as it is.
     Result<void> keep();
 
 private:
@@ -87,21 +86,21 @@ private:
     std::string what_;
     Pace pace_;
     std::optional<NewFile> file_;
-    std::unique_ptr<StandardOutput> standard_;  // in place of a file
+    std::unique_ptr<StandardOutput> standard_;  // used instead of a file
     int out_ = -1;
-    std::string waiting_;            // of the file, until there is enough to write
-    std::vector<std::size_t> ends_;  // of the pieces in it
-    std::uint64_t size_ = 0;         // of the file
-    std::size_t pieces_ = 0;         // in it
+    std::string waiting_;            // buffered pieces
+    std::vector<std::size_t> ends_;  // ends of the pieces in waiting_
+    std::uint64_t size_ = 0;         // bytes of the file
+    std::size_t pieces_ = 0;         // pieces in the file
     std::optional<Error> fault_;
 };
 
-/// Of outputs that are finished each for itself: what went wrong first, and behind it what else did.
+/// Joins the results of several outputs: the first error, followed by the other messages.
 Result<void> all_ok(const std::vector<Result<void>>& finished);
 
-/// What a run writes of every tick. A disk that is full, or gone, ends the file and not the run: nothing more
-/// is taken. A reader of standard output that lags behind a live run, or a person who asks to stop while one
-/// is waited for, ends the run.
+/// Writes every tick of a run. A full or missing disk ends the file, not the run: later ticks are ignored. A
+/// reader of standard output that lags behind a live run, or a stop request while waiting for the reader,
+/// ends the run.
 class OutputSink : public TouchSink {
 public:
     Result<void> take(const TouchTick& tick) final {
@@ -113,18 +112,18 @@ public:
         spoil(kept.error());
         return {};
     }
-    /// Why it takes no more ticks; any thread.
+    /// Why it takes no more ticks. Any thread.
     std::optional<Error> fault() const {
         const std::lock_guard lock(mutex_);
         return fault_;
     }
-    std::string name() const { return file_->name(); }  ///< as OutputFile has it
+    std::string name() const { return file_->name(); }  ///< OutputFile::name
 
 protected:
     explicit OutputSink(std::unique_ptr<OutputFile> file) : file_(std::move(file)) {}
     virtual Result<void> write(const TouchTick& tick) = 0;
     bool is_faulty() const { return is_faulty_; }
-    /// Nothing more is taken. By the thread that takes, or after it.
+    /// Ignore all later ticks. Called by the thread that calls `take`, or after it has ended.
     void spoil(const Error& why) {
         is_faulty_ = true;
         const std::lock_guard lock(mutex_);
@@ -134,31 +133,31 @@ protected:
     const std::unique_ptr<OutputFile> file_;
 
 private:
-    bool is_faulty_ = false;  // the thread's that takes
+    bool is_faulty_ = false;  // used by the thread that calls `take`
     mutable std::mutex mutex_;
-    std::optional<Error> fault_;  // guarded by it
+    std::optional<Error> fault_;  // guarded by mutex_
 };
 
-/// Ticks of a device on their way from the haptic thread to a file.
+/// Queue of a device's ticks from the haptic thread to a file.
 class DeviceTickLog {
 public:
-    /// A tick as a device had it.
+    /// A device's positions, forces and state at a tick.
     struct Tick {
         std::int64_t tick = 0;
         std::uint32_t buttons = 0;
-        double age_s = 0;                       ///< of the positions
-        bool exerts = false;                    ///< forces were on, and not kept back
-        std::span<const glm::dvec3> places{};   ///< device metres, not a number where there was none
-        std::span<const glm::dvec3> newtons{};  ///< as given to the device
+        double age_s = 0;                       ///< age of the positions
+        bool exerts = false;                    ///< forces were on and not held back
+        std::span<const glm::dvec3> places{};   ///< device metres; NaN: no position
+        std::span<const glm::dvec3> newtons{};  ///< as sent to the device
     };
 
     DeviceTickLog(int ticks, int fingers)
         : ring_(std::vector<Slot>(static_cast<std::size_t>(ticks), Slot(static_cast<std::size_t>(fingers)))) {
     }
 
-    /// Haptic thread; neither waits nor allocates. One for which there is no room is lost, and counted.
+    /// Haptic thread; neither waits nor allocates. Without room the tick is dropped and counted.
     void push(const Tick& tick);
-    /// Reader. Hands the oldest tick to `take`; false where there is none.
+    /// Reader. Passes the oldest tick to `take`; false: none.
     template <class Take>
     bool pop(const Take& take) {
         return ring_.pop([&take](const Slot& slot) { take(slot.tick); });
@@ -176,20 +175,20 @@ private:
     std::atomic<std::int64_t> lost_{0};
 };
 
-/// A table with rows for each tick. Numbers have 17 digits, so exactly the bits that there were.
+/// A table with rows per tick. Numbers have 17 digits, which preserves their bits.
 class TickTable : public OutputSink {
 public:
-    /// `--forces FILE`, or `-` for standard output: a header, then one row per tick and finger with all it
-    /// takes to check a force with another program. World axes, scene units, newtons, N/m (docs/forces.md).
+    /// `--forces FILE`, or `-` for standard output: a header, then one row per tick and finger with
+    /// everything needed to check a force with another program. World axes, scene units, newtons, N/m
+    /// (docs/forces.md).
     static Result<std::unique_ptr<TickTable>> create_forces(const std::filesystem::path& file,
                                                             Existing existing, Pace pace, std::string name);
-    /// `--device-log FILE`, or `-`: a row for each tick and finger (docs/devices.md, Logs), of a live run.
-    /// Replays as a device. `log` outlives it.
+    /// `--device-log FILE`, or `-`: one row per tick and finger of a live run (docs/devices.md, Logs). Can be
+    /// replayed as a device. `log` must outlive it.
     static Result<std::unique_ptr<TickTable>> create_device_log(const std::filesystem::path& file,
                                                                 Existing existing, DeviceTickLog& log,
                                                                 std::string name);
-    /// Gives the file its name, as OutputFile does; without this nothing is left behind. Error: ticks are
-    /// missing.
+    /// Gives the file its name (OutputFile::finish); without this no file is left. Error: ticks are missing.
     virtual Result<void> finish() { return file_->finish(); }
 
 protected:
@@ -200,49 +199,49 @@ protected:
 
 inline constexpr int recording_format_version = 2;
 
-/// All that a run needs to be repeated: what was set (`facts`: clip, scene, fingers, settings, hashes), and
-/// what happened tick by tick. On disk (docs/touch.md): little-endian ticks and commands, the facts as
-/// JSON, sizes, and an XXH64 of it all, so that a file cut short or changed is refused.
+/// Everything needed to repeat a run: its settings (`facts`: clip, scene, fingers, settings, hashes) and its
+/// ticks. On disk (docs/touch.md): little-endian ticks and commands, the facts as JSON, sizes, and an XXH64
+/// of it all, so that a truncated or changed file is refused.
 struct RecordedPart {
-    /// One tick of a recording; `goals`, `forces` and `guards` have one element per finger.
+    /// A tick of a recording; `goals`, `forces` and `guards` have one element per finger.
     struct Tick {
         std::int64_t time_ns = 0, frame_prev = 0, frame_next = 0;
         double blend = 0;
-        std::uint64_t epoch = 0;         ///< of those frames
-        std::vector<glm::dvec3> goals;   ///< world, scene units, as the hand gave them
+        std::uint64_t epoch = 0;         ///< of frame_prev and frame_next
+        std::vector<glm::dvec3> goals;   ///< world, scene units, as given by the hand
         std::vector<glm::dvec3> forces;  ///< guarded, newtons
         std::vector<std::uint32_t> guards;
     };
 
-    std::string name;  ///< as messages call it: "recording FILE", with its number where there are more
+    std::string name;  ///< name in messages: "recording FILE", with the number if there are several
     nlohmann::ordered_json facts;
     int fingers = 0;
     std::vector<Tick> ticks;
-    std::vector<PlaybackCommand> playback;  ///< what was asked of the clip's clock; none in format 1
+    std::vector<PlaybackCommand> playback;  ///< commands to the clip's clock; none in format 1
 
-    /// The rules of force it was made under (haptics_cpu/touch_step.hpp), once the facts have been read.
+    /// Version of the force rules of this recording (haptics_cpu/touch_step.hpp); needs `facts`.
     int rules() const { return facts.value("rules", 1); }
 };
-/// One part or more, each a run by settings of its own, one after the other. All have as many fingers.
+/// One or more consecutive parts, each a run with its own settings. All have the same number of fingers.
 using Recording = std::vector<RecordedPart>;
-/// Refuses what is not a recording, is damaged, is not whole, or is of a newer version.
+/// Refuses files that are not recordings, damaged, incomplete or of a newer version.
 Result<Recording> read_recording(const std::filesystem::path& file);
 
-/// `--record FILE`. A part has ended once it is said to; what comes after it is another one. A part without
-/// ticks is left out, unless there is no other. Where a disk became full under a live run, the recording ends
-/// with the last tick for which there is room, its facts included, and replays up to there.
+/// `--record FILE`. `end_part` ends a part; the next tick begins another. A part without ticks is left out
+/// unless it is the only one. If the disk becomes full during a live run, the recording ends with the last
+/// tick that fits together with its facts, and replays up to there.
 class RecordingFile final : public OutputSink {
 public:
     static Result<std::unique_ptr<RecordingFile>> create(const std::filesystem::path& file, int fingers,
                                                          Existing existing, Pace pace = Pace::own,
                                                          std::string name = "the recording");
-    /// Of the ticks since the last part: the facts, and the clock's commands.
+    /// Ends the part: facts and clock commands of the ticks since the previous part.
     void end_part(nlohmann::ordered_json facts, std::vector<PlaybackCommand> playback);
-    /// The clip of the last part ends with this frame, for which see `why`: so does the recording, and takes
-    /// no more ticks.
+    /// The last part's clip ended with this frame because of `why`: the recording ends there and takes no
+    /// more ticks.
     void end_with_frame(std::int64_t last, const Error& why);
-    /// Ends the last part, and gives the file its name; without this nothing is left behind. An error where
-    /// ticks are missing, which says up to where it is kept.
+    /// Ends the last part and gives the file its name; without this no file is left. Error: ticks are
+    /// missing; says up to where it is kept.
     Result<void> finish(nlohmann::ordered_json facts, std::vector<PlaybackCommand> playback);
 
 private:
@@ -254,11 +253,11 @@ private:
     Result<void> add(const std::string& bytes);
 
     struct Part {
-        std::uint64_t begin = 0;  // in the file
+        std::uint64_t begin = 0;  // offset in the file
         std::uint64_t ticks = 0;
         nlohmann::ordered_json facts{};
         std::vector<PlaybackCommand> playback{};
-        bool has_ended = false;  // what is to be written behind its ticks is known
+        bool has_ended = false;  // its facts and commands are known
     };
     std::string tail_of(std::size_t part, std::uint64_t ticks, bool goes_on) const;
     Result<void> keep_whole_ticks(const Error& why);
@@ -268,23 +267,24 @@ private:
 
     const int fingers_;
     std::vector<Part> parts_;
-    std::optional<ByteHash> hash_;  // of what is written of the last one
-    std::uint64_t bytes_ = 0;       // all that was written
+    std::optional<ByteHash> hash_;  // of the last part so far
+    std::uint64_t bytes_ = 0;       // all bytes written
     std::optional<std::int64_t> last_frame_;
     std::string tick_;
 };
 
-/// `--hand rec:FILE[:depth=MM]`: the very goals of a recording, over whatever is touched now, in the scene
-/// units and with the device's metres per scene unit of then. Two runs of it compare: with one filter and
-/// another, one solver and another.
+/// `--hand rec:FILE[:depth=MM]`: a recording's exact goals over the present clip, in the recording's scene
+/// units and device metres per scene unit. For comparing two runs, for example with different filters or
+/// solvers.
 class RepeatingHand final : public Hand {
 public:
     static bool is_meant(std::string_view hand) { return hand.starts_with("rec:"); }
-    /// `hand` as typed. Refuses (ErrorKind::usage) unknown keys, and what `read_recording` refuses.
+    /// `hand` as typed. Refuses unknown keys (ErrorKind::usage) and invalid recordings as `read_recording`
+    /// does.
     static Result<std::unique_ptr<RepeatingHand>> read(const std::string& hand);
 
     int fingers() const override { return recording_.fingers; }
-    /// The latest goals that had been recorded by then.
+    /// The latest goals recorded up to this tick.
     void goals_at(std::int64_t tick, const SurfaceProbe& probe, std::span<glm::dvec3> goals) override;
     std::optional<std::int64_t> ticks() const override;
     std::optional<std::string> file() const override { return file_; }
@@ -303,14 +303,14 @@ private:
     RecordedPart recording_;  // all parts as one
     double metres_per_scene_unit_;
     GoalWatch watch_;
-    std::size_t at_ = 0;  // the recorded tick whose goals were given last
+    std::size_t at_ = 0;  // the recorded tick whose goals were returned last
 };
 
 // ---- Tables of forces
 
-/// A forces file: `fingers` samples of each tick, ticks from 0 on.
+/// A forces file: `fingers` samples per tick, ticks from 0 on.
 struct ForceTable {
-    /// What one finger did in one tick, of a forces file (docs/forces.md).
+    /// One finger at one tick in a forces file (docs/forces.md).
     struct Sample {
         glm::dvec3 goal{0.0};   ///< world, scene units
         glm::dvec3 force{0.0};  ///< N, guarded
@@ -326,19 +326,18 @@ struct ForceTable {
     }
 };
 
-/// Reads what `touch --forces` wrote. Refuses (ErrorKind::input, with file and line) a table without its
-/// columns, and rows that are not every finger of every tick in order.
+/// Reads a table of `touch --forces`. Refuses (ErrorKind::input, with file and line) missing columns, and
+/// rows that do not list every finger of every tick in order.
 Result<ForceTable> read_force_table(const std::string& file);
 
-/// What differs between two runs of the same hand, sample by sample (a sample: one finger in one tick).
+/// Differences between two runs of the same hand, per sample (one finger at one tick).
 struct ForceComparison {
-    /// Mean, the value that 95 % are not above, and the largest.
+    /// Mean, 95th percentile and maximum.
     struct Deviation {
         double mean = 0, p95 = 0, max = 0;
     };
 
-    /// Frequencies that a hand tells apart: what it follows, what it feels as flutter, as vibration, as a
-    /// hum.
+    /// Frequency bands that a hand distinguishes: motion it follows, flutter, vibration, hum.
     struct Band {
         double from_hz, to_hz;
     };
@@ -350,27 +349,26 @@ struct ForceComparison {
         double newtons = 0;  ///< |A - B|
     };
 
-    std::int64_t ticks = 0;  ///< that both have
+    std::int64_t ticks = 0;  ///< common to both
     int fingers = 0;
-    std::int64_t other_goals = 0;  ///< samples whose goals differ: they are not compared any further
-    /// Samples, by who touches.
+    std::int64_t other_goals = 0;  ///< samples with different goals, otherwise not compared
+    /// Samples by contact in A and B.
     std::int64_t both = 0, only_a = 0, only_b = 0, neither = 0;
-    // Of the samples where both touch.
+    // Of samples with contact in both.
     double mean_a_n = 0, mean_b_n = 0;  ///< |A|, |B|
     double longer_n = 0;                ///< mean of |A| - |B|
     Deviation difference_n;             ///< |A - B|
-    /// Between A and B, where both are `least_newtons` long.
+    /// Angle between A and B if both are at least `least_newtons`.
     Deviation direction_degrees;
     static constexpr double least_newtons = 0.05;
-    /// RMS of the force in each band, N, while both touch without a break; nothing where they never do for
-    /// `noise_window` ticks.
+    /// RMS of the force per band, N, while both touch without a break; 0 unless for `noise_window` ticks.
     std::array<double, noise_bands.size()> noise_a_n{}, noise_b_n{};
     static constexpr std::size_t noise_window = 256;
     std::int64_t noise_windows = 0;
     std::vector<WorstTick> worst;  ///< up to five, at least 50 ms apart, the worst first
 };
 
-/// Refuses (ErrorKind::usage) runs of different numbers of fingers, and such as have no goal in common.
+/// Refuses (ErrorKind::usage) runs with different numbers of fingers or without a common goal.
 Result<ForceComparison> compare_forces(const ForceTable& a, const ForceTable& b);
 
 }  // namespace touchable

@@ -10,9 +10,9 @@
 namespace touchable {
 namespace {
 
-// A pipe that is ready takes so much at once, without a wait (PIPE_BUF).
+// Bytes that a ready pipe takes without blocking (PIPE_BUF).
 constexpr std::size_t at_once = 4096;
-// How often a wait looks whether the person asked to stop.
+// ms; interval at which a wait polls for a stop request.
 constexpr int look_ms = 50;
 
 }  // namespace
@@ -37,7 +37,7 @@ Error StandardOutput::lagging() {
                        std::to_string(ends_.size()) + " ticks are missing, so it is not complete");
 }
 
-/// What goes at once, where the reader takes anything within so long.
+/// Writes what fits at once if the reader accepts data within `patience_ms`.
 Result<StandardOutput::Taken> StandardOutput::give(int patience_ms) {
     pollfd output{STDOUT_FILENO, POLLOUT, 0};
     if (poll(&output, 1, patience_ms) <= 0) return Taken::nothing_yet;
@@ -46,7 +46,7 @@ Result<StandardOutput::Taken> StandardOutput::give(int patience_ms) {
     if (count < 0 && (errno == EINTR || errno == EAGAIN)) return Taken::nothing_yet;
     if (count < 0 && errno != EPIPE)
         return input_error("standard output cannot be written: " + std::generic_category().message(errno));
-    gone_ = count < 0;  // it has heard what it wanted to hear
+    gone_ = count < 0;  // the reader has closed the pipe: no error
     const std::size_t given = gone_ ? rest().size() : static_cast<std::size_t>(count);
     given_ += given;
     written_ += given;
@@ -59,7 +59,7 @@ Result<StandardOutput::Taken> StandardOutput::give(int patience_ms) {
 
 Result<void> StandardOutput::give_all() {
     using Clock = std::chrono::steady_clock;
-    // What a live run has when a person ends it is still given.
+    // A live run that was interrupted still writes its remaining rows.
     const bool was_interrupted = pace_ == Pace::wall_clock && stop_requested();
     std::size_t taken_before = written_;
     Clock::time_point since = Clock::now();

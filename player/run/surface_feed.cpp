@@ -12,14 +12,14 @@ namespace {
 
 constexpr int columns = 32, rows = 24;
 constexpr std::size_t most_found = 4096;
-/// A pixel is another one where its code is farther away than this share of the codes of both frames, and a
-/// frame is a cut where so many of its pixels are.
+/// A pixel has changed if its code differs by more than `another` times the range of both frames' codes; a
+/// frame is a cut if more than cut_share of its pixels have changed.
 constexpr double another = 1.0 / 12, cut_share = 0.4;
 
-// A bin is what has the same exponent and the same first bits behind the point: those of a double, which
-// count up with it.
+// A bin holds doubles with the same exponent and the same 7 leading mantissa bits; bit patterns of positive
+// doubles are ordered like their values.
 constexpr int bits_in_bin = 52 - 7;
-constexpr double shortest = 0x1p-10, longest = 0x1p40;  // of microseconds: a nanosecond, twelve days
+constexpr double shortest = 0x1p-10, longest = 0x1p40;  // if in microseconds: a nanosecond, twelve days
 
 constexpr std::uint64_t bin_of_all(double time) {
     return std::bit_cast<std::uint64_t>(time) >> bits_in_bin;
@@ -28,7 +28,7 @@ constexpr std::uint64_t first_bin = bin_of_all(shortest);
 constexpr std::size_t bins = bin_of_all(longest) - first_bin + 1;
 
 std::size_t bin_of(double time) {
-    if (!(time >= shortest)) return 0;  // with the first
+    if (!(time >= shortest)) return 0;  // in the first bin
     return time < longest ? bin_of_all(time) - first_bin : bins - 1;
 }
 
@@ -98,7 +98,7 @@ void SceneCuts::look(const RawFrame& frame, const DepthCoding& coding) {
                 least = std::min(least, code);
                 greatest = std::max(greatest, code);
             }
-    const double far_away = another * std::max(0, greatest - least);  // none is valid: nothing is
+    const double far_away = another * std::max(0, greatest - least);  // no valid code: 0
     int others = 0;
     for (std::size_t k = 0; k < codes_.size(); ++k) {
         const bool same_state = (codes_[k] < 0) == (before_[k] < 0);
@@ -227,7 +227,7 @@ Result<std::optional<FedFrame>> SurfaceFeed::read_next() {
 
 /// When the run is not recorded, only a count is kept, except for the epochs that reading may go back to.
 void SurfaceFeed::note_dropped(std::int64_t frames) {
-    constexpr std::uint64_t epochs_ahead = 16;  // more than can be read before the hand comes to the first
+    constexpr std::uint64_t epochs_ahead = 16;  // more than can be read before the hand reaches the first
     dropped_.push_back({place_.epoch, place_.next_number, frames});
     if (hashed_) return;
     std::erase_if(dropped_, [this](const DroppedFrames& old) {
@@ -245,7 +245,7 @@ void SurfaceFeed::note_built(const RawFrame& raw) {
     ++built_.back().count;
 }
 
-/// What a filter that remembers makes of it is another surface, all the same.
+/// A temporal filter makes another surface even of equal frames, so with one no frame counts as unchanged.
 bool SurfaceFeed::is_unchanged(const std::optional<RawFrame>& before, const RawFrame& raw) const {
     return !settles_ && before && before->epoch == raw.epoch && same_touch_planes(*before, raw) &&
            same_filled(*before, raw);
@@ -291,7 +291,7 @@ Result<bool> SurfaceFeed::publish(const FedFrame& frame, bool unchanged, std::op
     return true;
 }
 
-/// One that is not shown stays in the writer's slot, where the next one takes its place.
+/// A frame that is not shown stays in the writer's slot; the next frame overwrites it.
 Result<bool> SurfaceFeed::build(const FedFrame& frame, bool begun) {
     const RawFrame& raw = frame.raw;
     SurfaceFrame* slot = timeline_.acquire();
@@ -313,8 +313,8 @@ FeedFigures SurfaceFeed::figures() const {
     return figures_;
 }
 
-/// Reads and begins as many frames as the builder works at side by side. A frame whose planes last only until
-/// the next is read has to be finished first.
+/// Reads and begins as many frames as the builder processes in parallel. A frame whose planes are valid only
+/// until the next read must be finished first.
 void SurfaceFeed::begin_ahead() {
     const std::size_t most = works_ahead_ ? static_cast<std::size_t>(builder_->frames_in_flight()) : 1;
     while (!all_read_ && ahead_.size() < most && (ahead_.empty() || ahead_.back().fed.raw.storage)) {
@@ -337,8 +337,7 @@ void SurfaceFeed::begin_ahead() {
     }
 }
 
-/// For the next epoch. What has been begun is finished in a slot where that of the next frame takes its
-/// place.
+/// Discards frames begun before a new epoch: finishes each in a slot that the next frame overwrites.
 Result<void> SurfaceFeed::forget_ahead() {
     for (; !ahead_.empty(); ahead_.pop_front()) {
         if (ahead_.front().unchanged) continue;
@@ -377,7 +376,8 @@ Result<FramePair> SurfaceFeed::pair_at(const MediaMoment& moment) {
     const auto is_there = [&] {
         return built_epoch_ >= moment.epoch && timeline_.newest_time() > moment.time_ns;
     };
-    // The reader's oldest frame follows it before each build, so that a slot is free however far time jumps.
+    // Each pair_at lets the timeline release frames before the build, so a slot is free however far time
+    // jumps.
     while (!ended_ && !is_there()) {
         if (stop_requested()) return interrupted_error();
         timeline_.pair_at(moment, pair);

@@ -17,7 +17,7 @@
 
 namespace touchable {
 
-/// "frames of 720x480 pixels": what most of the memory is for.
+/// "frames of 720x480 pixels": the main use of memory.
 inline std::string frames_in_words(const Scene& scene) {
     return "frames of " + std::to_string(scene.width) + "x" + std::to_string(scene.height) + " pixels";
 }
@@ -26,8 +26,8 @@ inline Error too_large(const std::string& what) {
     return input_error("memory does not suffice for " + what);
 }
 
-/// Does the work; where memory does not suffice, says what is too large. `what` is looked at only then, so
-/// that the work may make it more precise as it learns of sizes.
+/// Does the work; if memory does not suffice, the error names `what`. It is read only then, so the work may
+/// update it as it learns of sizes.
 template <class Work>
 Result<void> within_memory(const std::string& what, Work&& work) {
     try {
@@ -37,8 +37,8 @@ Result<void> within_memory(const std::string& what, Work&& work) {
     }
 }
 
-/// XXH64 over the samples of frames' touch planes (depth, haptic, height) as stored, row by row: what forces
-/// depend on, of a clip.
+/// XXH64 over the stored samples of frames' touch planes (depth, haptic, height), row by row: the part of a
+/// clip on which forces depend.
 class PlanesHash {
 public:
     void add(const RawFrame& frame);
@@ -48,23 +48,23 @@ private:
     ByteHash hash_;
 };
 
-/// Frames of a clip that were read one after another.
+/// Consecutive frames of a clip.
 struct FrameRun {
     std::int64_t first = 0, count = 0;
     bool operator==(const FrameRun&) const = default;
 };
 
-/// Of these frames of a clip, in this order; an error where it has not all of them.
+/// The hash of these frames, in this order; an error if the clip lacks one.
 Result<std::string> planes_hash_of(ClipReader& clip, const std::vector<FrameRun>& runs);
 
-/// Finds a clip's cuts by its depth, as frames come by: a cut is a frame in which most of the picture has
-/// another depth than in the frame before. For the eye alone; touch has its own measure of sudden changes.
+/// Finds a clip's cuts from its depth, frame by frame: a cut is a frame whose depth differs from the previous
+/// frame's in much of the picture. For display only; touch has its own measure of sudden changes.
 class SceneCuts {
 public:
-    /// Some 800 pixels of a frame are looked at; the frame before is the last one that was, where it is one
-    /// or two earlier and of the same epoch.
+    /// Samples some 800 pixels and compares with the last frame looked at, if that is one or two frames
+    /// earlier in the same epoch.
     void look(const RawFrame& frame, const DepthCoding& coding);
-    /// Their numbers, of a clip of any length no more than 4096.
+    /// The cuts' frame numbers, at most 4096.
     const std::set<std::int64_t>& found() const { return found_; }
 
 private:
@@ -78,54 +78,53 @@ private:
 struct Spread {
     double mean = 0, p50 = 0, p99 = 0, p999 = 0, max = 0;
 };
-/// The value at rank floor(share n) of n, for each share; all 0 of none.
+/// For each share, the value at rank floor(share n) of n; all 0 if there are no values.
 Spread spread_of(std::vector<double> values);
 nlohmann::ordered_json to_json(const Spread& spread);
 
-/// The spread of times of which there may be more than memory has room for: a histogram whose bins grow with
-/// the time, 128 from one power of 2 to the next. Mean and max are exact, the rest is within half a percent
-/// (below 1/1024 of the unit that times are given in: within that). Its memory is the same however many there
-/// are.
+/// Spread of any number of times in constant memory: a histogram whose bins grow with the time, 128 per power
+/// of 2. Mean and max are exact, the quantiles within half a percent (below 1/1024 of the times' unit: within
+/// 1/1024).
 class TimeSpread {
 public:
     TimeSpread();
-    /// In any unit, 0 or more.
+    /// `time`: any unit, 0 or more.
     void add(double time);
-    /// In the same; all 0 of none.
+    /// In the same unit; all 0 if empty.
     Spread spread() const;
 
 private:
     double quantile(double share) const;
 
-    std::vector<std::int64_t> times_;  // how many, of each bin
+    std::vector<std::int64_t> times_;  // count per bin
     std::int64_t count_ = 0;
     double sum_ = 0, least_ = 0, most_ = 0;
 };
 
-/// Of a frame, as stored, and what keeps it alive.
+/// A frame's stored planes and their owner.
 struct HeldPlanes {
-    PlaneView colour;  ///< empty: it has none
+    PlaneView colour;  ///< empty: no colour
     PlaneView depth;
     std::shared_ptr<const void> storage;
 };
 
-/// Stored planes of the frames in the timeline, for drawing: between the thread that builds and the eye's.
-/// Touch knows nothing of it.
+/// Stored planes of the timeline's frames, passed from the builder thread to the drawing thread. Not used by
+/// touch.
 class WatchedPlanes {
 public:
-    /// By the thread that builds: before its frame is published, so that none is seen without.
+    /// Builder thread: before the frame is published, so that no frame is seen without its planes.
     void put(const RawFrame& raw) {
         if (!raw.storage) return;
         const std::lock_guard lock(mutex_);
         if (!frames_.empty() && frames_.back().epoch == raw.epoch && frames_.back().number == raw.number)
             return;
         frames_.push_back({raw.epoch, raw.number, {raw.colour, raw.depth, raw.storage}});
-        // `storage` keeps the samples as they are.
+        // `storage` keeps the samples unchanged.
         frames_.back().planes.colour.content = new_content_number();
         if (frames_.size() > most) frames_.pop_front();
     }
-    /// By the eye: the planes of this frame, if they are kept. Those of earlier frames are freed, since they
-    /// are not asked for any more.
+    /// Drawing thread: this frame's planes, if kept. Frees earlier frames' planes, which are no longer
+    /// needed.
     std::optional<HeldPlanes> find(std::uint64_t epoch, std::int64_t number) {
         const std::lock_guard lock(mutex_);
         for (std::size_t k = 0; k < frames_.size(); ++k) {
@@ -137,7 +136,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t most = 32;  // more than a timeline with an eye has entries
+    static constexpr std::size_t most = 32;  // more than the entries of a timeline with an eye
     struct Frame {
         std::uint64_t epoch;
         std::int64_t number;
@@ -147,7 +146,7 @@ private:
     std::deque<Frame> frames_;
 };
 
-/// Frames of an epoch that were left out.
+/// Consecutive dropped frames of an epoch.
 struct DroppedFrames {
     std::uint64_t epoch = 0;
     std::int64_t first = 0, count = 0;
@@ -157,13 +156,13 @@ struct DroppedFrames {
 /// A frame as it was read.
 struct FedFrame {
     RawFrame raw;
-    bool shown = true;  ///< false: before the epoch's first, for the memory of a filter alone
+    bool shown = true;  ///< false: a warm-up frame before the epoch's first, for a temporal filter
 };
 
-/// Where reading has come to in an epoch.
+/// Position of reading in an epoch.
 struct ReadPlace {
     std::uint64_t epoch = 0;
-    std::int64_t start_ns = 0;  ///< the epoch's
+    std::int64_t start_ns = 0;  ///< start of the epoch
     std::int64_t first_shown = 0, next_number = 0;
 
     bool is_of(const MediaMoment& moment) const {
@@ -171,112 +170,110 @@ struct ReadPlace {
     }
 };
 
-/// How a feed is doing.
+/// Figures of a running feed.
 struct FeedFigures {
     std::string builder;
-    std::int64_t frames = 0, dropped = 0;  ///< published, left out
+    std::int64_t frames = 0, dropped = 0;  ///< published, dropped
     double read_ms = 0, build_ms = 0;      ///< of the newest frame
 };
 
-/// A clip's frames on their way into the timeline, and in virtual time on the caller's thread: a
-/// caller that asks for a moment finds the frames around it published.
+/// Reads a clip's frames, builds them and publishes them to the timeline. In virtual time it runs on the
+/// caller's thread: `pair_at` returns once the frames around a moment are published.
 class SurfaceFeed {
 public:
-    /// `scene`: the reader's, as this run applies it. `warm_up_frames`: that a filter with a memory sees
-    /// before an epoch's first frame. `eye`: whether what the hand holds is looked at; stored
-    /// planes are kept for that.
+    /// `scene`: the reader's, as applied in this run. `warm_up_frames`: frames that a temporal filter reads
+    /// before an epoch's first. `eye`: whether the held frames are drawn; keeps stored planes for that.
     SurfaceFeed(std::unique_ptr<ClipReader> reader, std::unique_ptr<SurfaceBuilder> builder,
                 const Scene& scene, int warm_up_frames = temporal_warm_up_frames,
                 SurfaceTimeline::Eye eye = SurfaceTimeline::Eye::none);
 
-    /// Reads and builds until a frame later than the moment is published or the clip has ended, then gives
-    /// the pair around it. Moments must not go backward (of an epoch that is left, the pair in hand stays
-    /// the one that it is); a later epoch is read from its start on. An empty clip is an error.
+    /// Reads and builds until a frame later than the moment is published or the clip has ended, then returns
+    /// the pair around the moment. Moments must not decrease (for an epoch already left, the current pair
+    /// stays); a later epoch is read from its start on. An empty clip is an error.
     Result<FramePair> pair_at(const MediaMoment& moment);
-    /// Of epoch 0.
+    /// In epoch 0.
     Result<FramePair> pair_at(std::int64_t time_ns) { return pair_at(MediaMoment{0, time_ns, 0}); }
 
-    /// From now on frames are begun before they are asked for, as many as the builder works at side by side:
-    /// of a run in virtual time, which asks for all of them by `pair_at` and `pair_of`.
+    /// From now on prefetches as many frames as the builder processes in parallel. For runs in virtual time,
+    /// which get every frame by `pair_at` and `pair_of`.
     void work_ahead() { works_ahead_ = !reader_->is_live(); }
 
-    /// The pair of these frames (the same, or neighbours) at a blend: what a live tick found in an epoch,
-    /// whatever its time.
+    /// The pair of these frames (equal or neighbours) at a blend: the pair of a recorded live tick, whatever
+    /// its time.
     Result<FramePair> pair_of(std::uint64_t epoch, std::int64_t start_ns, std::int64_t prev,
                               std::int64_t next, double blend);
-    /// The same of epoch 0.
+    /// The same in epoch 0.
     Result<FramePair> pair_of(std::int64_t prev, std::int64_t next, double blend) {
         return pair_of(0, 0, prev, next, blend);
     }
 
-    // The parts, for a thread each (FeedThreads).
-    /// What is read from now on is of this epoch: from the frame at its start on (the clip's last where that
-    /// is beyond), and where a filter remembers from the warm-up before. By the thread that
-    /// reads.
+    // The steps, each for its own thread (FeedThreads).
+    /// Reads this epoch from now on: from the frame at its start (at most the clip's last), with a temporal
+    /// filter from its warm-up frames before. Reading thread.
     Result<void> read_from(std::uint64_t epoch, std::int64_t start_ns);
     ReadPlace place() const { return place_; }
-    /// Forgets what was read since this place, of epochs that were never played: reading goes on from there.
-    /// Nothing of it was built. By the thread that reads.
+    /// Returns to this place and forgets what was read since, of epochs that were never played or built.
+    /// Reading thread.
     Result<void> go_back(const ReadPlace& place);
-    /// Leaves out frames whose time has passed at `now`, because they would not be felt any more, up to one
-    /// from which decoding can begin again. (A live source does so itself.) By the thread that reads.
+    /// Drops frames whose time has passed at `now`, because they would not be felt any more, up to a frame at
+    /// which decoding can begin. (A live source does so itself.) Reading thread.
     Result<void> catch_up(const MediaMoment& now);
-    /// A replay leaves out what its recording did.
+    /// For a replay: frames to leave out, as its recording did.
     void leave_out(std::vector<DroppedFrames> frames) { left_out_ = std::move(frames); }
-    /// Decodes a frame; nothing after the last.
+    /// Decodes the next frame; nothing after the last.
     Result<std::optional<FedFrame>> read_next();
-    /// Builds and publishes it, or, where no filter remembers, the frame before once more where nothing that
-    /// can be touched has changed; false while the timeline has no room.
+    /// Builds and publishes the frame. Without a temporal filter, a frame whose touch planes are unchanged
+    /// republishes the previous one. False while the timeline has no room.
     Result<bool> publish(const FedFrame& frame);
-    /// By the thread that builds: of this epoch all has been given to it.
+    /// Builder thread: all frames of this epoch have been passed to it.
     void end_epoch(std::uint64_t epoch) {
         if (epoch == built_epoch_) timeline_.end_epoch();
     }
     SurfaceTimeline& timeline() { return timeline_; }
-    /// Where there is an eye.
+    /// Filled only with an eye.
     WatchedPlanes& stored_planes() { return stored_planes_; }
     /// Any thread, at any time.
     FeedFigures figures() const;
-    /// Any thread: the frames that are cuts (SceneCuts), where there is an eye.
+    /// Any thread: the cuts (SceneCuts); empty without an eye.
     std::set<std::int64_t> cuts() const;
-    /// Of a live source: time 0 of the run, before the thread that reads begins.
+    /// For a live source: sets time 0 of the run, before the reading thread starts.
     Result<void> begin(std::chrono::steady_clock::time_point zero) { return reader_->begin(zero); }
 
     const ClipReader& reader() const { return *reader_; }
     std::string_view builder_name() const { return builder_->name(); }
     std::int64_t frames() const { return frames_; }  ///< published so far
-    /// Of them, those that were the frame before once more.
+    /// Published frames that republished the previous one.
     std::int64_t unchanged_frames() const { return unchanged_frames_; }
-    /// Of all their tiles the share that was not built, 0 to 1: because nothing there has changed since a
-    /// frame before, or because it was not touched (lazy).
+    /// Share of all published tiles that was not built, 0 to 1: unchanged since an earlier frame, or not
+    /// touched (lazy).
     double skipped_share() const { return frames_ > 0 ? skipped_frames_ / static_cast<double>(frames_) : 1; }
     /// Whether any stored pixel of the frames published so far was valid.
     bool any_valid() const { return any_valid_; }
     bool ended() const { return ended_; }
-    /// The newest epoch that was built, and the end of its newest frame's time on screen.
+    /// The newest epoch built, and the end of its newest frame.
     MediaMoment end() const { return {built_epoch_, end_ns(), 0}; }
     std::int64_t end_ns() const { return rate_.time_ns(newest_number_ + 1); }
-    /// Which frames were built, in order; what `planes_hash` is of, and empty where there is none.
+    /// The frames built, in order, which `planes_hash` covers; empty without a hash.
     const std::vector<FrameRun>& built() const { return built_; }
-    /// Which frames were left out, in order. Of a feed without a hash the newer ones.
+    /// The frames dropped, in order; without a hash only the newer ones.
     const std::vector<DroppedFrames>& dropped() const { return dropped_; }
     bool has_dropped(std::uint64_t epoch, std::int64_t number) const;
     std::int64_t dropped_frames() const;
-    /// Of a frame, milliseconds: of all that were read or built since `forget_times`. Where frames are built
-    /// side by side that is what the thread of the run spends on one, its waits included.
+    /// Milliseconds per frame read or built since `forget_times`. If frames are built in parallel, the time
+    /// the run's thread spends on a frame, waits included.
     const TimeSpread& read_ms() const { return read_ms_; }
     const TimeSpread& build_ms() const { return build_ms_; }
     void forget_times() { read_ms_ = build_ms_ = {}; }
     std::string planes_hash() const { return hash_.hex(); }
-    /// From the first frame on: no frame is hashed.
+    /// Hashes no frame; call before the first one.
     void leave_out_hash() { hashed_ = false; }
 
 private:
-    /// A frame that the builder has begun, or that is the one before once more.
+    /// A frame that the builder has begun, or that equals the previous one.
     struct FrameAhead {
         FedFrame fed;
         bool unchanged = false;
-        double began_ms = 0;  ///< what it took to begin it
+        double began_ms = 0;  ///< time that beginning it took
     };
     Result<void> feed_next();
     void begin_ahead();
@@ -285,7 +282,7 @@ private:
     void note_newest(std::optional<RawFrame>& newest, const RawFrame& raw) const;
     void note_built(const RawFrame& raw);
     void note_dropped(std::int64_t frames);
-    /// `began_ms`: nothing: the builder has not begun it.
+    /// `began_ms`: nothing if the builder has not begun the frame.
     Result<bool> publish(const FedFrame& frame, bool unchanged, std::optional<double> began_ms);
     Result<bool> build(const FedFrame& frame, bool begun);
 
@@ -294,32 +291,32 @@ private:
     FrameRate rate_;
     DepthCoding stored_;
     int warm_up_frames_;
-    bool settles_;  // a filter that remembers makes another surface of the same frame once more
+    bool settles_;  // a temporal filter makes another surface even of the same frame
     SurfaceTimeline::Eye eye_;
     SurfaceTimeline timeline_;
     WatchedPlanes stored_planes_;
     mutable std::mutex figures_mutex_;
-    FeedFigures figures_;  // guarded by it
-    SceneCuts cuts_;       // guarded by it
-    // Of the thread that reads.
+    FeedFigures figures_;  // guarded by figures_mutex_
+    SceneCuts cuts_;       // guarded by figures_mutex_
+    // Reading thread.
     ReadPlace place_;
     std::vector<DroppedFrames> dropped_, left_out_;
-    std::int64_t dropped_long_ago_ = 0;  // frames that are in `dropped_` no more
-    // Of the thread that builds.
+    std::int64_t dropped_long_ago_ = 0;  // frames no longer in `dropped_`
+    // Builder thread.
     std::uint64_t built_epoch_ = 0;
     PlanesHash hash_;
     bool hashed_ = true;
     std::vector<FrameRun> built_;
-    std::optional<RawFrame> newest_;   // of those that were built
-    std::int64_t newest_number_ = -1;  // of those that were published
+    std::optional<RawFrame> newest_;   // newest frame built
+    std::int64_t newest_number_ = -1;  // newest frame published
     std::int64_t frames_ = 0, unchanged_frames_ = 0;
-    double skipped_frames_ = 0;  // and parts of frames
+    double skipped_frames_ = 0;  // with fractions of frames
     bool any_valid_ = false, ended_ = false;
-    // In virtual time, of what is read before its turn.
+    // In virtual time: the prefetched frames.
     std::deque<FrameAhead> ahead_;
     std::optional<RawFrame> newest_ahead_;
     bool works_ahead_ = false, all_read_ = false;
-    std::optional<Error> unread_;  // why there is no more, where the clip has not ended
+    std::optional<Error> unread_;  // why reading or building stopped before the clip's end
     TimeSpread read_ms_, build_ms_;
 };
 

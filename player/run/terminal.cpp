@@ -15,7 +15,7 @@
 namespace touchable {
 namespace {
 
-std::atomic<std::int64_t> first_ns{0};  // when the first one came
+std::atomic<std::int64_t> first_ns{0};  // time of the first signal
 static_assert(std::atomic<std::int64_t>::is_always_lock_free,
               "a signal handler may touch nothing that locks");
 
@@ -25,8 +25,8 @@ std::int64_t now_ns() {
     return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
 }
 
-/// A person who asks again does so later. What comes at once is the same wish: a terminal and a program that
-/// started this one may both send it, and ending now would leave half-written what is being cleared away.
+/// A second request by the user comes later than same_wish. An immediate repetition is the same request: a
+/// terminal and the parent process may both send the signal, and exiting now would leave half-written files.
 void take_signal(int signal) {
     const int error_before = errno;
     const std::int64_t now = now_ns();
@@ -62,7 +62,7 @@ void catch_interrupts() {
     catch_signal(SIGINT);
     catch_signal(SIGTERM);
     catch_signal(SIGHUP);           // the terminal is gone
-    std::signal(SIGXFSZ, SIG_IGN);  // a file at its allowed size is an error of that write, told as any other
+    std::signal(SIGXFSZ, SIG_IGN);  // a file at its size limit is an ordinary error of that write
 }
 
 void ignore_stop_keys() {

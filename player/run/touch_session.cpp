@@ -5,11 +5,12 @@
 namespace touchable {
 namespace {
 
-// Of a clip's depths, the nearest and the deepest that count: what lies beyond may be noise.
+// Quantiles of a clip's depths that count as nearest and deepest; depths beyond may be noise.
 constexpr double nearest_share = 0.02, deepest_share = 0.98;
 constexpr double clearance = 0.02;  // device metres
 
-/// What is seen between the nearest and the deepest that count, and a fifth of it in front.
+/// Fits the picture between the nearest and the deepest depths that count, plus a fifth of their range in
+/// front.
 Workspace fitted(const Scene& scene, std::vector<double>& depths, double median, const glm::dvec3& reach) {
     const double near = quantile(depths, nearest_share), far = quantile(depths, deepest_share);
     const double wide = scene.width / scene.camera.fx * median,
@@ -100,7 +101,7 @@ std::optional<double> FieldProbe::depth_under(double x, double y) const {
     const double right = field_.width() - 1, bottom = field_.height() - 1;
     if (!(x >= 0 && y >= 0 && x <= right && y <= bottom)) return std::nullopt;
     const Place at = face_under(x, y);
-    // At the picture's last column and row the place is its cell's near edge; there is no cell beyond.
+    // At the picture's last column and row the place is on its cell's near edge; no cell lies beyond.
     for (const int di : {0, 1})
         for (const int dj : {0, 1}) {
             if ((di == 1 && at.a == 0) || (dj == 1 && at.b == 0)) continue;
@@ -157,7 +158,7 @@ Result<void> TouchSession::tick(std::int64_t tick, std::span<TouchSink* const> s
     const std::int64_t time_ns = settings_.time_of_tick(tick);
     TRY_ASSIGN(const auto pair,
                settings_.pair_of_tick ? settings_.pair_of_tick(tick) : feed_.pair_at(moment_of(tick)));
-    // A clip whose length only reading tells may turn out to have ended before this tick.
+    // A clip of unknown length may turn out to have ended before this tick.
     if (is_over(tick)) return {};
     const HeightField field(scene_, pair);
     hand_.goals_at(tick, FieldProbe(field), step_.goals());

@@ -1,20 +1,20 @@
 #pragma once
 
-// A run over a clip, tick by tick, in virtual time or in real time: the front door of this module.
-// docs/install.md has a whole example.
+// A run over a clip, tick by tick, in virtual time or in real time: this module's main interface.
+// docs/install.md has a complete example.
 //
 // A SurfaceFeed reads frames of a clip, builds them and publishes them to a SurfaceTimeline; a PlaybackClock
-// (playback.hpp) says which moment of the clip a tick meets; a TouchSession takes a goal for each finger,
-// makes the tick and hands it to TouchSinks (files, figures, recordings). clip_workspace says how a device
-// lies in a clip. The same inputs give the same forces to the bit, whatever the machine.
+// (playback.hpp) maps ticks to moments of the clip; a TouchSession takes a goal for each finger, solves the
+// tick and passes it to TouchSinks (files, figures, recordings). clip_workspace places a device over a clip.
+// The same inputs give the same forces to the bit, whatever the machine.
 //
 // A LiveSession is the same run in real time, on threads of its own (docs/architecture.md, Threads). The
-// haptic thread, which asks a HapticPort (`make_port`) for goals, waits for none of the others and hands its
-// ticks to the thread that calls `run`, which gives them to the sinks. Its figures say what was late, left
-// out or missing.
+// haptic thread, which reads goals from a HapticPort (`make_port`), waits for no other thread; it queues its
+// ticks for the thread that calls `run`, which passes them to the sinks. LiveFacts counts late frames and
+// lost ticks.
 //
-// A session is one thread's, but for what a LiveSession lets any thread ask, and for the one other thread
-// that may give commands to the clip's clock. Errors are lines for a person; a stop ends a run between two
+// A session is for one thread, except for LiveSession's members marked "any thread", and for one other thread
+// that may give commands to the clip's clock. Errors are user-readable lines; a stop ends a run between two
 // ticks.
 
 #include <atomic>
@@ -42,17 +42,17 @@ namespace touchable {
 
 class FeedThreads;
 
-/// Where a simulated device stands over a clip whose frame 0 is `first`: `default_workspace`, at the scene's
-/// `device_metres_per_unit` where that is given.
+/// Workspace of a simulated device over a clip with frame 0 `first`: `default_workspace`, with the scene's
+/// `device_metres_per_unit` if given.
 Workspace clip_workspace(const Scene& scene, const SurfaceFrame& first);
 
-/// Where a device stands that a person holds. Of one that reaches so far to each side (`reach`, metres, > 0)
-/// the picture and nearly all of its depths lie within reach, with a fifth in front of them to come from. Of
-/// others the picture is as wide as `default_workspace` says, and the centre is free: 0.02 m of device space
-/// before nearly all depths. The scale is the scene's `device_metres_per_unit` where that is given.
+/// Workspace of a device held by the user. If `reach` (metres to each side) is > 0, the picture and nearly
+/// all of its depths lie within reach, with a fifth of their range free in front. Otherwise the picture is as
+/// wide as in `default_workspace`, and the centre is free: 0.02 m of device space in front of nearly all
+/// depths. The scale is the scene's `device_metres_per_unit` if given.
 Workspace held_workspace(const Scene& scene, const SurfaceFrame& first, const glm::dvec3& reach);
 
-/// Shows a hand the same surface the solver sees.
+/// Gives a hand the same surface that the solver uses.
 class FieldProbe final : public SurfaceProbe {
 public:
     explicit FieldProbe(const HeightField& field) : field_(field) {}
@@ -67,7 +67,7 @@ private:
     const HeightField& field_;
 };
 
-/// What is given every tick: figures, a file of forces, a recording, a comparison.
+/// Receives every tick: figures, a file of forces, a recording, a comparison.
 class TouchSink {
 public:
     virtual ~TouchSink() = default;
@@ -75,47 +75,47 @@ public:
 };
 
 inline constexpr std::int64_t tick_ns = 1'000'000;
-/// A run without a length of its own lasts at least this long; a clip that has ended stands still.
+/// A run without a stated length lasts at least this long; after the clip's end its surface stands still.
 inline constexpr std::int64_t shortest_run_ns = 3'000'000'000;
 
-/// Everything about a run but the clip and the hand.
+/// All settings of a run except the clip and the hand.
 struct TouchSessionSettings {
-    /// How a live run goes, while it does.
+    /// Status of a running live run.
     struct LiveStatus {
         bool is_camera = false;
-        std::int64_t frames = 0;  ///< of a clip: that came late; of a camera: that fingers felt
-        bool has_ended = false;   ///< no more frames come
+        std::int64_t frames = 0;  ///< of a clip: late frames; of a camera: frames that fingers felt
+        bool has_ended = false;   ///< no more frames will come
     };
 
     int fingers = 1;
     TouchSettings touch;
     GuardSettings guard;
-    /// Nothing: as long as the hand's motion, or where that has no end as the clip, but 3 s at least.
+    /// Nothing: as long as the hand's motion, or if that is endless as the clip, at least 3 s.
     std::optional<std::int64_t> ticks;
-    /// What was asked of the clip's clock (PlaybackClock), at which ticks.
+    /// Commands to the clip's clock (PlaybackClock), with their ticks.
     std::vector<PlaybackCommand> playback;
-    /// Of a live run without commands: called every few milliseconds, by the thread that gives ticks to the
-    /// sinks. Nothing: not called.
+    /// Live run: called every few milliseconds by the thread that passes ticks to the sinks; for a clip only
+    /// if its log is closed.
     std::function<void(const LiveStatus&)> on_status;
-    /// Of a live run: whether its hand has nothing more to tell, which ends it; nothing: it never has.
+    /// Live run: whether its hand has ended, which ends the run; null: never.
     std::function<bool()> hand_is_over;
     /// Time of a tick; k ms by default. Must not go backward.
     std::function<std::int64_t(std::int64_t)> time_of_tick;
-    /// Whether the hand had been left alone before a tick (TouchStep::come_back); never by default.
+    /// Whether a gap precedes a tick (TouchStep::come_back); default: never.
     std::function<bool(std::int64_t)> is_after_gap;
-    /// Frames of a tick; those around its moment on the clip's clock by default.
+    /// Frames of a tick; default: those around its moment on the clip's clock.
     std::function<Result<FramePair>(std::int64_t)> pair_of_tick;
 };
 
-/// Offline touch: hand -> solver -> guard at 1 kHz of virtual time over a clip. When the clip has ended its
-/// last surface stands still. The same inputs give the same forces, however fast or slow the machine is.
+/// Offline touch: hand -> solver -> guard at 1 kHz of virtual time over a clip. After the clip's end its last
+/// surface stands still. The same inputs give the same forces on any machine, fast or slow.
 class TouchSession {
 public:
-    /// All references outlive the session.
+    /// All references must outlive the session.
     TouchSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, const TouchSolver& solver,
                  const TouchSessionSettings& settings);
 
-    /// To the end, or until the person asks to stop (an error then).
+    /// Runs to the end or until a stop request (an error then).
     Result<void> run(std::span<TouchSink* const> sinks);
 
 private:
@@ -131,71 +131,67 @@ private:
     TouchStep step_;
 };
 
-// Where a run's goals come from, and where its forces go. What they are made of outlives them.
+// Sources of a run's goals and targets of its forces. Their arguments must outlive them.
 
-/// A scripted or recorded hand in place of a device; its forces go nowhere.
+/// A scripted or recorded hand in place of a device; its forces are discarded.
 std::unique_ptr<HapticPort> make_port(Hand& hand);
-/// A device that a person holds, and that is open: its handles are the fingers.
+/// An open device held by the user: its handles are the fingers.
 std::unique_ptr<HapticPort> make_port(HapticDevice& device, const Workspace& workspace);
-/// A hand that holds a simulated device: the hand's goals are where it means the handles to be, the handles'
-/// places are the goals that are touched with, and their forces move them. At the first tick the handles are
-/// where they are meant to be. A tick that is skipped passes for the device all the same. The device is open,
-/// with as many fingers as the hand.
+/// A hand that holds a simulated device: the hand's goals are its intended handle positions, the actual
+/// handle positions are the goals used for touch, and forces move the handles. At the first tick the handles
+/// are at the hand's goals. A skipped tick still advances the device. The device is open and has as many
+/// fingers as the hand.
 std::unique_ptr<HapticPort> make_port(Hand& hand, SimulatedDevice& device, const Workspace& workspace);
 
 // ---- In real time
 
-/// How a live session went.
+/// Result of a live session.
 struct LiveFacts {
-    /// What became of a camera's frames in a live run.
+    /// Statistics of a camera's frames in a live run.
     struct Camera {
-        std::int64_t frames_shown = 0;  ///< that fingers felt
-        Spread exposure_to_force_ms;    ///< from taking a frame to the first force that it made
+        std::int64_t frames_shown = 0;  ///< frames that fingers felt
+        Spread exposure_to_force_ms;    ///< from a frame's exposure to its first force
     };
 
     HapticLoop::Facts loop;
-    std::int64_t late_frames = 0;    ///< not built yet when the surface first needed them
-    std::optional<Camera> camera{};  ///< of a live source, which has no late frames
-    bool interrupted = false;        ///< a person ended it
-    bool sinks_fell_behind = false;  ///< ticks were lost, and that is why `run` failed
-    std::optional<Error>
-        failure;  ///< what else ended it too early: the device, or a frame that cannot be read
+    std::int64_t late_frames = 0;    ///< frames not built when the surface first needed them
+    std::optional<Camera> camera{};  ///< for a live source, which has no late frames
+    bool interrupted = false;        ///< ended by a stop request
+    bool sinks_fell_behind = false;  ///< `run` failed because ticks were lost
+    std::optional<Error> failure;    ///< other reason for an early end: the device, or an unreadable frame
 };
 
-/// Of a live run whose ticks did not wait for what is written of it (`files`), or, where that is empty, for
-/// the program.
+/// Error of a live run that was faster than its output (`files`), or than this machine if `files` is empty.
 Error fell_behind_error(const std::string& files, std::int64_t ticks_missing);
 
-/// Touch on the wall clock: decoding, building and the haptic loop each on a thread of its own, the sinks on
-/// the caller's. Which frames a tick found is part of what a recording keeps, so that the session replays
-/// exactly.
+/// Touch on the wall clock: decoding, building and the haptic loop each have a thread, the sinks use the
+/// caller's. A recording keeps each tick's frames, so that the session replays exactly.
 class LiveSession {
 public:
-    /// All references outlive the session; `feed` has published its first frame. `port` is where goals come
-    /// from and forces go. It lasts `settings.ticks`, otherwise as long as the clip, 3 s at least.
+    /// All references must outlive the session; `feed` has published its first frame. `port` supplies goals
+    /// and takes forces. The session lasts `settings.ticks`, otherwise as long as the clip, at least 3 s.
     LiveSession(const Scene& scene, SurfaceFeed& feed, HapticPort& port, const TouchSolver& solver,
                 const TouchSessionSettings& settings);
-    /// The same by a log of commands in place of the settings' own. One that is open, because commands may
-    /// come, makes a session without an end of its own.
+    /// The same with `log` in place of the settings' commands. With an open log, to which commands may come,
+    /// the session does not end by itself.
     LiveSession(const Scene& scene, SurfaceFeed& feed, HapticPort& port, const TouchSolver& solver,
                 const TouchSessionSettings& settings, std::shared_ptr<PlaybackLog> log);
 
-    /// To the end, or until the person asks to stop, which is how most sessions end, or until the device or
-    /// the clip fails; where the log is open, the hand outlasts the clip. What was touched until then counts:
-    /// an error only where no tick was run by then, or where ticks were lost. What a sink refuses ends it
-    /// too.
+    /// Runs to the end, until a stop request (the usual end), or until the device, a sink or the clip fails;
+    /// with an open log the hand outlasts the clip. Ticks until then count: an error is returned only if no
+    /// tick was run or ticks were lost.
     Result<void> run(std::span<TouchSink* const> sinks);
 
-    // While it runs, any thread.
-    /// The hand is unpowered after the tick in progress, whatever a sink is at; then `run` returns as soon as
-    /// that is done.
+    // Any thread, during `run`.
+    /// Unpowers the hand after the tick in progress, without waiting for a sink; `run` returns once the sink
+    /// is done.
     void stop();
-    /// What the clip's clock is doing, as of the newest tick.
+    /// State of the clip's clock at the newest tick.
     PlaybackState playback() const { return board_.read(); }
     std::int64_t late_frames() const { return late_frames_.load(std::memory_order_relaxed); }
-    /// End of the clip's last frame, once it has been met; 0 before.
+    /// End of the clip's last frame once it was reached, ns; 0 before.
     std::int64_t clip_end_ns() const { return clip_end_ns_.load(std::memory_order_relaxed); }
-    /// Why its clip goes no further, where the log is open: the last surface stands still, and is touched.
+    /// With an open log: why the clip stopped; its last surface stands still and can be touched.
     std::optional<Error> clip_failure() const {
         const std::lock_guard lock(failure_mutex_);
         return clip_failure_;
@@ -219,7 +215,7 @@ private:
     PlaybackBoard board_;
     std::atomic<bool> stopping_{false};
     std::mutex loop_mutex_;
-    HapticLoop* loop_ = nullptr;  // that `run` has
+    HapticLoop* loop_ = nullptr;  // the loop of `run`
     std::atomic<std::int64_t> late_frames_{0}, clip_end_ns_{0};
     mutable std::mutex failure_mutex_;
     std::optional<Error> clip_failure_;

@@ -22,31 +22,29 @@ Result<std::unique_ptr<SurfaceBuilder>> make_vulkan(const Scene& scene, RunGpu& 
     return make_fallback_builder(std::move(builder), make_cpu_builder(scene), warn);
 }
 
-// Measured on a core of an AMD EPYC (docs/measurements.md). Others are faster or slower, but in both columns
-// alike.
+// Measured on a core of an AMD EPYC (docs/measurements.md). Other cores scale both columns by about the same
+// factor.
 
-/// CPU time of a whole frame: ns for each pixel (of terraces: and each pass), and a rest that does not depend
-/// on them.
+/// CPU time of a whole frame: ns per pixel (terraces: per pixel and pass), plus frame_us, which is constant.
 constexpr double decode_ns = 0.20, median3_ns = 0.38, median5_ns = 0.57, terraces_ns = 0.22,
                  temporal_ns = 0.15, frame_us = 10;
 
-/// CPU time that the lazy builder adds to a tick for each finger, us: a part that depends on how many pixels
-/// a finger passes, by thousands of the picture's width. Of a finger at 0.3 m/s between two frames; a slower
-/// one costs less.
+/// CPU time that the lazy builder adds to a tick per finger, us: a constant, and a part that grows with the
+/// pixels a finger passes, per thousand pixels of picture width. Measured for 0.3 m/s between two frames; a
+/// slower finger costs less.
 struct LazyCost {
     double us, us_by_width;
 };
 constexpr LazyCost lazy_decode{0.10, 0.17}, lazy_median3{0.13, 0.23}, lazy_median5{0.10, 0.50};
 
-/// Less than a hundredth of a core is not worth longer ticks.
+/// A saving below a hundredth of a core does not justify longer ticks.
 constexpr double least_gain_ms = 10;
-/// From a fifth of a core on it is worth opening a device, which itself takes as much CPU time as a second of
-/// that.
+/// Opening a GPU costs about as much CPU time as one second at a fifth of a core: worth it from there on.
 constexpr double gpu_from_ms = 200;
 
 constexpr double ticks_per_second = 1000;
 
-/// A filter whose answer at a pixel takes many others, too long for a tick; none: "".
+/// Name of an active filter that reads too many pixels around each result to run within a tick; "": none.
 std::string filter_that_reaches_far(const Scene& scene) {
     if (terrace_filter(scene)) return "removing terraces";
     return scene.filter.fill_holes > 0 ? "filling holes" : "";
@@ -76,7 +74,7 @@ Result<std::shared_ptr<GpuDevice>> RunGpu::open() {
 
 Result<std::shared_ptr<GpuDevice>> RunGpu::open_if_needed() {
     if (device_ && !device_->lost()) return device_;
-    // Without a home nothing is kept from run to run.
+    // Without a home folder there is no shader cache.
     const auto kept = own_folder("XDG_CACHE_HOME", ".cache");
     auto opened = GpuDevice::open({.request = request_,
                                    .window_extensions = window_extensions_,

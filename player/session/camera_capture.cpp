@@ -29,7 +29,7 @@ constexpr std::array replay_keys{
     HandOptions::Key{.name = "stall", .unit = "s", .least = 0, .greatest = 1e6, .standard = 0},
     HandOptions::Key{.name = "resume", .unit = "s", .least = 0, .greatest = 1e6, .standard = 0}};
 
-/// In thousandths, which is what cameras' 29.97 is said in.
+/// Rounded to thousandths, so that cameras' 29.97 stays exact.
 FrameRate rate_of(double per_second) {
     constexpr std::int64_t thousand = 1000;
     const std::int64_t thousandths = std::llround(per_second * thousand);
@@ -41,7 +41,7 @@ std::int64_t nanoseconds_of(double seconds) {
     return std::llround(seconds * 1e9);
 }
 
-/// What follows the kind: a file's name, and behind the first comma keys.
+/// The words after the kind: a file name and, after the first comma, keys.
 struct CameraParts {
     std::string file, keys;
 };
@@ -118,7 +118,7 @@ Result<ClipChoice::LiveCamera> read_replay(const std::string& words) {
     return camera;
 }
 
-// A second of frames: a disk that sleeps longer costs some.
+// Frames; about a second. A disk that stalls for longer costs camera frames.
 constexpr std::size_t most_waiting = 30;
 
 class KeptCamera final : public ReaderAround {

@@ -67,7 +67,7 @@ std::string noise_found(const MeasuredDepth& measured, double metres_per_unit) {
     return measured.noise == DepthLength{} ? "none found" : mm(measured.noise_at_median(), metres_per_unit);
 }
 
-/// What decides on a median: roughness as a share of a pixel, of a camera's depth.
+/// Reason for the choice of median: roughness (mm, share of a pixel's width), whether depth is from a camera.
 std::string median_reason(const MeasuredDepth& measured, double metres_per_unit) {
     std::string reason = "roughness " + mm(measured.roughness, metres_per_unit);
     if (measured.pixel > 0)
@@ -81,7 +81,7 @@ std::string contours_found(const Contours& contours) {
     return words;
 }
 
-/// What removal takes levels for, where that is not what was found.
+/// The level spacing that terrace removal uses, if it differs from the measured one.
 std::string removal_reason(const MeasuredDepth& measured, const FilterSettings& filter,
                            double metres_per_unit) {
     if (filter.terraces == TerraceRemoval::on && filter.terrace_reach != least_terrace_reach &&
@@ -92,7 +92,7 @@ std::string removal_reason(const MeasuredDepth& measured, const FilterSettings& 
            (is_wider ? ", noise and all " + mm(filter.levels.at(measured.median), metres_per_unit) : "");
 }
 
-/// What these filters did to the clip's own smooth places.
+/// Effect of these filters on the clip's smooth places.
 std::string effect_in_words(const MeasuredDepth& measured, const FilterSettings& filter) {
     const TriedFilters* const with = found_among(measured.tried, filter);
     const TriedFilters* const without = found_among(measured.tried, {});
@@ -101,7 +101,7 @@ std::string effect_in_words(const MeasuredDepth& measured, const FilterSettings&
            number(without->left_deg, " as stored");
 }
 
-/// `depth`: that the noise is given for, scene units; 0: not known.
+/// `depth`: depth at which the noise is stated, scene units; 0: unknown.
 std::string temporal_name(const Scene& scene, double depth) {
     if (!scene.filter.temporal) return "temporal";
     const DepthLength& noise = scene.filter.temporal_noise;
@@ -125,7 +125,7 @@ std::string flying_reason(const MeasuredDepth& measured) {
 constexpr const char* wandering = "wander:seed=1";
 constexpr std::int64_t standard_stroke_ticks = 3000;  // milliseconds
 
-/// Goals of one finger that were given before.
+/// Repeats one finger's recorded goals.
 class GoalsAgain final : public Hand {
 public:
     explicit GoalsAgain(const ForceTable& before) : before_(before) {}
@@ -147,7 +147,7 @@ public:
     ForceTable table{1, {}};
 };
 
-/// Wanders, or repeats what was done `before`.
+/// A wandering stroke, or a repeat of `before`'s goals at its scale.
 Result<Stroke> stroke(std::unique_ptr<ClipReader> reader, const Stroke* before) {
     reader->leave_out_colour();
     Scene scene = reader->scene();

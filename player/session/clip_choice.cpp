@@ -11,9 +11,9 @@ namespace touchable {
 
 namespace {
 
-/// What the first frame says of how the clip lies in the hand.
+/// Scale of the clip in the user's hand, from its first frame.
 struct InTheHand {
-    double metres_per_unit = 0;  ///< of the hand, for a scene unit, where no device of its own says otherwise
+    double metres_per_unit = 0;  ///< hand metres per scene unit: the scene's device scale if stated
     double pixel = 0;            ///< width of a pixel at the median depth, scene units; 0: no pixel is valid
 };
 
@@ -56,14 +56,14 @@ std::string finest_in_words(const InTheHand& hand, const ClipReader& clip) {
     return words;
 }
 
-// A run by other settings begins where the one before it is. If that reads 12 frames ahead of the hand, and
-// a filter with a memory wants 16 frames before its beginning, 28 must be there: otherwise both take turns at
-// the one decoder, each by a seek. So many of 1920x1080 with all four planes are less than 576 MiB. Of larger
-// frames there are fewer: 12, which do without such a filter, where those are less than 1 GiB (3840x2160).
+// A run with new settings begins where the previous run is. The previous run reads 12 frames ahead of the
+// hand and a temporal filter needs 16 frames before its start, so 28 must be cached; otherwise the two runs
+// take turns seeking in one decoder. At 1920x1080 with all four planes these frames take less than 576 MiB.
+// Larger frames: 12, enough without such a filter, if they take less than 1 GiB (3840x2160).
 constexpr std::size_t most_kept = 32, kept_without_memory = 12, least_kept = 2;
 constexpr std::size_t most_newest_bytes = std::size_t{576} << 20, most_first_bytes = std::size_t{128} << 20;
 
-/// Whether so many frames are more than are to be kept.
+/// Whether the cache exceeds its limit of frames or bytes.
 bool is_too_much(std::size_t frames, std::size_t bytes) {
     const std::size_t most = frames > kept_without_memory ? most_newest_bytes : std::size_t{1} << 30;
     return frames > most_kept || (frames > least_kept && bytes > most);
@@ -88,14 +88,13 @@ void apply(const FiltersChoice& choice, FilterSettings& filter, FilterSet& unsta
         unstated.terrace_reach = true;
 }
 
-/// What the clip is, and what is wanted of it.
+/// The clip's description with the user's choices applied.
 Result<SceneDescription> applied(const ClipChoice& choice, SceneDescription described) {
     Scene& scene = described.scene;
     for (const FiltersChoice* const filters : {&choice.filters, &choice.single_filters})
         apply(*filters, scene.filter, described.unstated.filters);
     if (choice.interpolation) scene.interpolation = *choice.interpolation;
-    // Levels, which decide whether they are apart enough for terrace removal, and noise are still to be
-    // measured.
+    // Terrace removal depends on the level spacing and the temporal filter on noise; neither is measured yet.
     Scene without = scene;
     without.filter.terraces = TerraceRemoval::off;
     without.filter.temporal = false;
@@ -129,7 +128,7 @@ Result<std::unique_ptr<ClipReader>> with_chosen_relief(std::unique_ptr<ClipReade
     return with_relief(std::move(looked.clip), choice.settings, looked.range, max_height, std::move(notes));
 }
 
-/// What describes the clip stays as it is once the clip is open, so that no reader waits for another there.
+/// The clip's description is constant once the clip is open, so reading it takes no lock.
 class SharedClip::Reader final : public ClipReader {
 public:
     explicit Reader(std::shared_ptr<SharedClip> shared) : shared_(std::move(shared)) {
@@ -151,7 +150,7 @@ public:
         return frame;
     }
     Result<void> rewind() override { return seek(0); }
-    /// The clip itself goes there only when a frame is wanted that no reader has read.
+    /// Sets the next frame only. The shared clip seeks when a frame is read that is not cached.
     Result<void> seek(std::int64_t frame) override {
         const auto count = frame_count();
         if (frame < 0 || (count && frame > *count))
@@ -188,10 +187,9 @@ Result<std::optional<RawFrame>> SharedClip::frame(std::int64_t number, bool is_f
     const std::lock_guard lock(mutex_);
     if (!keeps_first_) first_.clear();
     if (const RawFrame* const there = kept(number, is_from_the_beginning)) return std::optional(*there);
-    // A read that was broken off would leave a clip in the middle of a frame, of which the other run knows
-    // nothing.
+    // Not cancellable by one run: a cancelled read would leave the shared clip in the middle of a frame.
     const StopScope work = StopScope::for_all();
-    // Not known where reading fails.
+    // Unknown after a failed read.
     if (std::exchange(position_, std::nullopt) != number) TRY(clip_->seek(number));
     auto frame = clip_->next();
     if (!frame) return frame;
@@ -200,8 +198,8 @@ Result<std::optional<RawFrame>> SharedClip::frame(std::int64_t number, bool is_f
     return frame;
 }
 
-/// The first frames are for a reader that looks at no others, as a survey does: behind them reading on would
-/// mean to seek.
+/// The first frames serve only readers that have not seeked since the beginning, such as measure_depth; for
+/// others reading on from them would need a seek.
 const RawFrame* SharedClip::kept(std::int64_t number, bool is_from_the_beginning) const {
     for (const RawFrame& frame : newest_)
         if (frame.number == number) return &frame;
@@ -256,7 +254,7 @@ Result<std::unique_ptr<ClipReader>> ClipChoice::open(Colour colour) const {
     return painted && reader ? with_painted_segments(std::move(*reader), painted) : std::move(reader);
 }
 
-/// The clip as it feels without painted materials.
+/// The clip without painted materials.
 Result<std::unique_ptr<ClipReader>> ClipChoice::open_relief(Colour colour) const {
     if (!relief) return open_stored(colour);
     auto reader = open_stored(Colour::wanted);
@@ -268,7 +266,7 @@ Result<std::unique_ptr<ClipReader>> ClipChoice::open_anew(Colour colour) const {
         return usage_error(file.string() +
                            ": is touched as a camera, of which no later frame can tell what is behind a "
                            "hole: leave filling from motion off");
-    const Colour read = fill_from_motion ? Colour::wanted : colour;  // which tells what is behind
+    const Colour read = fill_from_motion ? Colour::wanted : colour;  // colour shows what is behind a hole
     auto opened = !plugged        ? open_clip(file, scene_file, camera, read, alignment)
                   : shared_camera ? shared_camera->open(*plugged, camera, scene_file)
                                   : open_plugged_camera(*plugged, camera, scene_file);
@@ -296,7 +294,7 @@ Result<SegmentStore> read_chosen_segments(const ClipChoice& choice,
             "materials are painted on clips, whose segments can be found beforehand; this is a camera");
     ClipChoice own = choice;
     own.shared_clip.reset();
-    own.relief.reset();  // heights tell nothing of segments
+    own.relief.reset();  // segments do not depend on relief
     own.painted.reset();
     TRY_ASSIGN(const auto reader, own.open());
     return read_segments(*reader, begin_segments, progress);

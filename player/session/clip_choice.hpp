@@ -1,16 +1,16 @@
 #pragma once
 
-// Which clip a run touches, and as what: a file, a stream or a camera, and what a person says of it.
+// Selects the clip that a run touches (a file, a stream or a camera) and the user's settings for it.
 //
-// A ClipChoice is all of that in plain values. open_chosen opens it: a ClipReader with its readers around it
+// A ClipChoice holds all of that as plain values. open_chosen opens it: a ClipReader with its decorators
 // (part, far plane, relief, materials, holes filled), the scene, and the filters that the scene leaves open,
-// which settle_filters chooses by the first frames. filters_in_words and the functions beside it say to a
-// person what was chosen. read_live_camera reads words like "v4l2:/dev/video0", and ClipChoice::take touches
+// which settle_filters chooses from the first frames. filters_in_words and the functions beside it describe
+// the choice to the user. read_live_camera reads words like "v4l2:/dev/video0", and ClipChoice::take touches
 // that camera; a CameraCapture writes the camera's film beside a recording. A SharedClip lets several
 // sessions of a window read one clip that is opened and decoded once.
 //
-// Opening may take long; it ends once its thread is asked to stop (stop_requested). A SharedClip may be used
-// by several threads, everything else by one, but for what says "any thread".
+// Opening may take long; a stop request to its thread (stop_requested) cancels it. A SharedClip may be used
+// by several threads, everything else by one thread unless marked "any thread".
 
 #include <atomic>
 #include <condition_variable>
@@ -34,36 +34,36 @@
 
 namespace touchable {
 
-/// What the first frames say of a clip, and the filters that were chosen by it.
+/// Measurements of a clip's first frames and the filters chosen from them.
 struct ChosenFilters {
-    UnstatedFilters chosen{};               ///< which were; the others are what the scene states
+    UnstatedFilters chosen{};               ///< filters chosen here; the scene states the others
     std::optional<MeasuredDepth> measured;  ///< nothing: no pixel is valid
-    std::string damage{};                   ///< why the frames ended early; empty: they did not
+    std::string damage{};                   ///< why the frames ended early; empty: complete
 };
-/// Measures and chooses nothing (`chosen` stays empty). Needs a reader at the beginning, and leaves one that
-/// is there again.
+/// Measures only; `chosen` stays empty. The reader must be at the beginning and is rewound afterwards.
 Result<ChosenFilters> measure_depth(std::unique_ptr<ClipReader>& reader, const Scene& scene);
-/// Settles in the scene what is unstated (choose_filters), and levels that terrace removal needs. Nothing
-/// where nothing is open: then no frame is read. `known`: what was measured before; nothing: measure now.
+/// Chooses the scene's unstated filters (choose_filters) and measures the levels that terrace removal needs.
+/// Returns nothing, without reading a frame, if nothing is open. `known`: an earlier measurement; nothing:
+/// measure now.
 Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>& reader,
                                                     const UnstatedFilters& unstated, Scene& scene,
                                                     const std::optional<ChosenFilters>& known = {});
 
 /// The filters of a scene and the reason for each: "terraces (levels 11.4 mm apart at 2 m), temporal for 3.2
-/// mm (noise 2.1 mm), no median (roughness 0.1 mm, 0.02 of a pixel's width)"; "stated" is the reason of those
-/// that were not chosen.
+/// mm (noise 2.1 mm), no median (roughness 0.1 mm, 0.02 of a pixel's width)"; "stated" is the reason of
+/// filters that were not chosen.
 std::string filters_in_words(const Scene& scene, const std::optional<ChosenFilters>& chosen);
 /// "12.3 mm apart at 1.86 m (kappa 3.47)".
 std::string levels_in_words(const MeasuredDepth& measured, double metres_per_unit);
 /// "2.1 mm from frame to frame, 5 mm at edges; roughness 0.31 mm", or that none was found.
 std::string noise_in_words(const MeasuredDepth& measured, double metres_per_unit);
 
-/// Keeps what a camera gave as a clip, so that what was felt can be repeated without it: frame n of the clip
-/// is the n-th that was given. Depth keeps every value. It is written by a thread of its own. Where its disk
-/// becomes full it ends there, and what is given after that is not kept.
+/// Writes a camera's frames to a clip (the film), so that a run can be replayed without the camera: frame n
+/// of the clip is the n-th frame passed to `keep`. Depth is lossless. A thread of its own writes it. If the
+/// disk becomes full the film ends there and later frames are dropped.
 class CameraCapture : NonCopyable {
 public:
-    /// A frame that a camera gave.
+    /// The camera's number and time of a frame.
     struct Frame {
         std::int64_t number = 0, time_ns = 0;
         bool operator==(const Frame&) const = default;
@@ -72,23 +72,24 @@ public:
 
     /// `described`: the camera.
     explicit CameraCapture(SceneDescription described) : described_(std::move(described)) {}
-    ~CameraCapture();  ///< without `finish` nothing is left behind
+    ~CameraCapture();  ///< without `finish` no file is left
 
-    /// Where it goes, and that of frames that were kept before. Once.
+    /// Opens the file and writes the frames kept so far to it. Call once.
     Result<void> open(const std::filesystem::path& file, Existing existing);
-    /// By the thread that reads. Waits while the disk is far behind; the camera's frames meanwhile are lost.
+    /// Called by the reading thread. Blocks while the disk is far behind; the camera's frames meanwhile are
+    /// lost.
     Result<void> keep(const RawFrame& frame);
-    /// Why it gets no more frames; any thread.
+    /// Why the film gets no more frames. Any thread.
     std::optional<Error> fault() const;
-    /// In place of `open`: nothing is kept.
+    /// Call in place of `open` to keep nothing.
     void give_up(const Error& why);
-    /// Completes it, once no more is kept. Where it has a fault there may be none, without any frame.
+    /// Completes the film after the last `keep`. After a fault there may be no film and no frames.
     Result<void> finish();
 
     const std::filesystem::path& file() const { return file_; }
-    /// All that were kept; once it is finished.
+    /// All frames kept; valid after `finish`.
     const Frames& frames() const { return frames_; }
-    /// The number of the last of them; -1: there is none.
+    /// The camera's number of the last frame kept; -1: none.
     std::int64_t last_frame() const { return frames_.empty() ? -1 : frames_.back().number; }
 
 private:
@@ -102,43 +103,42 @@ private:
     std::thread thread_;
     mutable std::mutex mutex_;
     std::condition_variable changed_;
-    std::deque<RawFrame> waiting_;  // guarded by mutex_, as are those below
+    std::deque<RawFrame> waiting_;  // guarded by mutex_, like the members below
     bool open_ = false, ended_ = false;
     std::optional<Error> failure_;
     std::size_t written_ = 0;  // frames
-    bool is_broken_ = false;   // by the failure: it cannot be completed
+    bool is_broken_ = false;   // the failure left a file that cannot be completed
 };
 
-/// Where the film of a recording's first, second ... part is: beside it, "run.rec.mkv", "run.rec.2.mkv".
+/// Path of the film of a recording's first, second ... part, beside it: "run.rec.mkv", "run.rec.2.mkv".
 std::filesystem::path film_beside(std::filesystem::path record, int part = 1);
 
-/// A camera whose frames are kept as they are given.
+/// The camera; every frame read from it is also kept in `film`.
 std::unique_ptr<ClipReader> with_film(std::unique_ptr<ClipReader> camera,
                                       std::shared_ptr<CameraCapture> film);
 
-/// A film in place of its camera: its frames have the camera's numbers and times. `file`: as messages call
-/// it.
+/// Replays a film with the numbers and times of its camera's frames. `file`: its name in messages.
 Result<std::unique_ptr<ClipReader>> make_filmed_camera(std::unique_ptr<ClipReader> film,
                                                        CameraCapture::Frames frames,
                                                        const std::filesystem::path& file);
 
-/// One clip for several runs over it, at once or one after the other, such as those of one window by other
-/// settings. The clip is opened once. Its newest frames are kept, so that a run that begins where another one
-/// is decodes nothing. The clip stays open until this and the last reader are gone. Of a camera it is
+/// One clip shared by several runs, at once or in turn, such as a window's runs with different settings. The
+/// clip is opened once. Its newest frames are cached, so that a run that begins where another run is decodes
+/// nothing. The clip stays open until this object and the last reader are gone. For a camera use
 /// SharedCamera.
 class SharedClip : public std::enable_shared_from_this<SharedClip> {
 public:
     using Open = std::function<Result<std::unique_ptr<ClipReader>>()>;
-    /// A reader of its own for a run, at the clip's beginning. The first call opens the clip, which must not
-    /// be a live source, by `open_clip`; later ones do so only where that failed. One call at a time. Several
-    /// readers may read at once, each on a thread.
+    /// A run's own reader, at the clip's beginning. The first call opens the clip, which must not be a live
+    /// source, with `open_clip`; later calls do so only if that failed. One call at a time. Several readers
+    /// may read at once, each on its own thread.
     Result<std::unique_ptr<ClipReader>> open(const Open& open_clip);
-    /// What the first frames can tell (DepthEstimator) is known: they are kept no longer than others.
+    /// The first frames have been measured (DepthEstimator), so they are cached no longer than others.
     void forget_first_frames() {
-        keeps_first_ = false;  // the next read lets go of them: it may take long until then
+        keeps_first_ = false;  // the next read frees them, possibly much later
     }
 
-    /// What was learned of the clip's relief: another amount or height needs no second look. Any thread.
+    /// The measured range of the clip's relief: valid for every amount and height. Any thread.
     using Bands = decltype(ReliefSettings::bands);
     std::optional<ReliefRange> relief_range(const Bands& bands) const;
     void keep_relief_range(const Bands& bands, const ReliefRange& range) {
@@ -154,49 +154,49 @@ private:
 
     std::unique_ptr<ClipReader> clip_;
     std::mutex mutex_;
-    // Guarded by it, as is reading from the clip.
-    std::optional<std::int64_t> position_;  // the frame that the clip gives next; nothing: not known
-    std::deque<RawFrame> newest_;           // of those that were read, the last
+    // Guarded by mutex_, as is reading from the clip.
+    std::optional<std::int64_t> position_;  // number of the clip's next frame; nothing: unknown
+    std::deque<RawFrame> newest_;           // the frames read last
     std::size_t newest_bytes_ = 0;
     std::vector<RawFrame> first_;  // from 0 on
     std::size_t first_bytes_ = 0;
     std::atomic<bool> keeps_first_{true};
     std::atomic<int> readers_{0};
     mutable std::mutex relief_mutex_;
-    std::map<Bands, ReliefRange> relief_ranges_;  // guarded by that
+    std::map<Bands, ReliefRange> relief_ranges_;  // guarded by relief_mutex_
 };
 
-/// Relief that a person wants of a clip's colour.
+/// Relief to be made from a clip's colour.
 struct ReliefChoice {
     ReliefSettings settings{};
     double height_mm = 0.5;    ///< from the deepest to the highest
-    bool is_of_world = false;  ///< of what was recorded, not of the hand
+    bool is_of_world = false;  ///< height_mm is in the recorded world, not in the hand
 };
 
-/// The clip with relief in place of its own heights (with_relief). `clip` is at its beginning, and no live
-/// source (ErrorKind::usage). `shared`: remembers what was learned of that clip; nullptr: nothing does.
+/// The clip with relief in place of its own heights (with_relief). `clip` is at its beginning; a live source
+/// is refused (ErrorKind::usage). `shared`: caches the measured range; nullptr: no cache.
 Result<std::unique_ptr<ClipReader>> with_chosen_relief(std::unique_ptr<ClipReader> clip,
                                                        const ReliefChoice& choice,
                                                        SharedClip* shared = nullptr);
 
-/// Filters as a person wants them. What is neither stated nor to be measured is the clip's own.
+/// The user's filter settings. Filters neither stated nor to be measured keep the clip's own settings.
 struct FiltersChoice {
-    FilterSettings settings{};       ///< of those that are stated; levels and terrace_noise do not count
+    FilterSettings settings{};       ///< values of the stated filters; levels and terrace_noise are ignored
     FilterSet stated{}, measured{};  ///< no filter is in both
 
-    /// All that `--filters` knows, off.
+    /// Every filter of `--filters`, off.
     static FiltersChoice off();
-    /// States one by the word that a person typed, or refuses that by false.
+    /// Sets one filter from a typed word; false: invalid word.
     bool state(const FilterSetting& setting, std::string_view word) {
         stated.*setting.open = true;
         return setting.read(word, settings);
     }
 };
 
-/// A clip, and what a person wants of it instead of what it says itself. Nothing: the clip's own.
+/// A clip and the user's settings that override its own. An empty optional: the clip's own.
 struct ClipChoice {
-    /// A camera, as a person names one: one that is plugged in, a program that sends its frames, a stream, or
-    /// a recording that behaves like one.
+    /// A camera as named by the user: plugged in, a program that sends frames, a stream, or a recording
+    /// played as a camera.
     struct LiveCamera {
         std::optional<PluggedChoice> plugged{};
         std::filesystem::path recording;
@@ -213,26 +213,25 @@ struct ClipChoice {
     std::optional<std::filesystem::path> scene_file;
     std::optional<SourceDescription> camera;  ///< of pictures without a scene file
     StillMaps maps;                           ///< in place of what it has itself
-    FiltersChoice filters, single_filters;    ///< all at once; one by one, which count last
+    FiltersChoice filters, single_filters;    ///< all at once; single filters, applied after
     std::optional<FrameInterpolation> interpolation;
     DepthAlignment alignment = DepthAlignment::automatic;  ///< of depth without a scale
-    bool fill_from_motion = false;                         ///< holes, from frames that saw what is behind
-    std::optional<ReliefChoice> relief;  ///< made of its colour, in place of the heights that it has
-    /// What its segments feel like, in place of what it says itself; null: as it says.
+    bool fill_from_motion = false;                         ///< fill holes from frames that saw behind them
+    std::optional<ReliefChoice> relief;  ///< made from the clip's colour, replaces its heights
+    /// Materials of its segments, replacing the clip's own; null: the clip's own.
     std::shared_ptr<const PaintedSegments> painted;
-    std::optional<ChosenFilters>
-        measured;  ///< what its first frames said before (measure_depth); nothing: look again
-    std::optional<CameraDelivery> as_camera;  ///< the clip is the recording that behaves like one
-    std::optional<PluggedChoice> plugged;     ///< the clip is a camera, and `file` its name
-    // What stays open from run to run; nothing: each opens its own.
+    std::optional<ChosenFilters> measured;    ///< earlier measure_depth result; nothing: measure again
+    std::optional<CameraDelivery> as_camera;  ///< plays the clip as a camera
+    std::optional<PluggedChoice> plugged;     ///< the clip is a camera; `file` is its name
+    // Kept open between runs; null: each run opens its own.
     std::shared_ptr<SharedCamera> shared_camera;  ///< of `plugged`
-    std::shared_ptr<SharedClip> shared_clip;      ///< of a clip that is no camera; as it was first opened
-    std::optional<CameraCapture::Frames> filmed;  ///< the clip is the film of a camera that gave these frames
+    std::shared_ptr<SharedClip> shared_clip;      ///< for a clip that is not a camera; as first opened
+    std::optional<CameraCapture::Frames> filmed;  ///< the clip is a camera's film; these are the frames
 
-    /// What is touched is a camera.
+    /// Sets the camera as the clip to touch.
     void take(const LiveCamera& camera);
     bool is_camera() const { return plugged || as_camera; }
-    /// From now on, and for copies of this choice, the clip is opened once; does nothing of a camera.
+    /// From now on this choice and its copies open the clip once; no effect for a camera.
     void share_clip() {
         if (!is_camera() && !shared_clip) shared_clip = std::make_shared<SharedClip>();
     }
@@ -253,20 +252,19 @@ private:
 std::vector<std::string> camera_words();
 /// Reads "v4l2:NODE[,key=value...]", "pipe:CMD", "tcp://HOST:PORT", "stream:ADDRESS" or
 /// "replay:PATH[,key=value...]" (docs/streaming.md); PATH ends with the first comma. Starts and opens
-/// nothing. Refuses (ErrorKind::usage) what is no such description, and names what would be right.
+/// nothing. Other text is refused (ErrorKind::usage) with the valid forms.
 Result<ClipChoice::LiveCamera> read_live_camera(const std::string& words);
 
-/// Opens the clip; colour is decoded only where it is wanted. Refused (ErrorKind::usage) where what is wanted
-/// does not go with the clip.
+/// Opens the clip; colour is decoded only if wanted. Settings that the clip does not allow are refused
+/// (ErrorKind::usage).
 Result<ClipChoice::Opened> open_chosen(const ClipChoice& choice, Colour colour);
 
-/// The segments of all frames of a clip, by a reader of its own, so that a run over it is not led to and
-/// fro. `progress` as read_segments has it. Refused (ErrorKind::usage) of a camera. Takes long.
+/// The segments of all frames of a clip. Uses its own reader, so that it does not make a run over the clip
+/// seek. `progress`: as in read_segments. A camera is refused (ErrorKind::usage). Takes long.
 Result<SegmentStore> read_chosen_segments(const ClipChoice& choice,
                                           const std::function<void(std::int64_t frame)>& progress);
 
-/// What a person said of the clip on which its segments depend, so that they are the same where it is; empty:
-/// nothing.
+/// The user's clip settings on which segments depend, as text: equal text, equal segments. Empty: none set.
 std::string segments_depend_on(const ClipChoice& choice);
 
 }  // namespace touchable

@@ -86,7 +86,7 @@ namespace {
 
 constexpr std::int64_t most_frames = 1'000'000'000;
 
-/// Throws std::out_of_range, with the member's name, where it is missing or no `kind`.
+/// Throws std::out_of_range with the member's name if it is missing or not of `kind`.
 template <class Value>
 Value member(const Json& facts, const char* name, const char* kind) {
     try {
@@ -105,7 +105,7 @@ double number(const Json& facts, const char* name) {
     return member<double>(facts, name, "a number");
 }
 
-/// Recordings of versions that did not know a member have the default.
+/// Recordings of versions without the member have the default.
 double number_or(const Json& facts, const char* name, double otherwise) {
     return facts.contains(name) ? number(facts, name) : otherwise;
 }
@@ -129,7 +129,7 @@ TouchMetric metric_named(const std::string& name) {
     throw std::out_of_range("metric must be " + range.in_words());
 }
 
-/// The lens that stood in for the scene file of a single depth picture.
+/// The lens stated for a depth picture without a scene file.
 Intrinsics intrinsics_of(const Json& facts) {
     const auto numbers = member<std::vector<double>>(facts, "intrinsics", "numbers");
     if (numbers.size() != 2 && numbers.size() != 4)
@@ -151,7 +151,7 @@ Intrinsics intrinsics_of(const Json& facts) {
     return lens;
 }
 
-/// What was said of pictures without a scene file.
+/// The camera settings of pictures without a scene file.
 std::optional<SourceDescription> camera_of(const Json& facts) {
     SourceDescription known;
     if (facts.contains("intrinsics")) known.intrinsics = intrinsics_of(facts);
@@ -198,7 +198,7 @@ CameraCapture::Frames filmed_frames(const Json& facts) {
     return frames;
 }
 
-/// Throws as `member` does, and where a setting is impossible.
+/// Throws as `member` does, also if a setting is out of range.
 void read_touch(const Json& facts, TouchSettings& touch) {
     touch.metric = metric_named(text(facts, "metric"));
     touch.metres_per_scene_unit = number(facts, "S");
@@ -239,8 +239,8 @@ void read_recorded_camera(const Json& facts, TouchSetup& setup) {
         setup.clip.as_camera = camera->delivery;
 }
 
-/// Gives the recorded scene, as text. Throws std::out_of_range where something is missing, of another kind or
-/// impossible.
+/// Returns the recorded scene as text. Throws std::out_of_range if a member is missing, of another kind or
+/// out of range.
 std::string read_facts(const Json& facts, TouchSetup& setup) {
     setup.clip.file = text(facts, "clip");
     if (facts.contains("scene_file")) setup.clip.scene_file = text(facts, "scene_file");
@@ -276,9 +276,8 @@ std::string to_text(const glm::dvec3& force, std::uint32_t guard) {
     return formatted("(%.17g, %.17g, %.17g) N with guard %u", force.x, force.y, force.z, guard);
 }
 
-/// A live session reads ahead of its hand as far as its builder gets, so that its replay reads fewer frames:
-/// what was recorded says of how many its hash is. A live recording of a version that did not say tells
-/// nothing.
+/// A live session prefetches as many frames as its builder manages, its replay fewer, so the recording states
+/// which frames its hash covers. A live recording of a version that did not state them cannot be checked.
 bool has_other_frames(const RecordedPart& recording, const TouchSetup& setup) {
     const auto recorded = recording.facts.at("planes_hash").get<std::string>();
     const auto built = built_frames(recording.facts);

@@ -1,12 +1,12 @@
 #pragma once
 
-// What is kept and told of a run: the figures of its report, the facts that its recording keeps, and whether
-// a replay's forces came out the same to the bit.
+// Records of a run: the figures of its report, the header of its recording, and whether a replay's forces
+// match to the bit.
 //
-// TouchFigures is a sink of ticks: what is in the report of `touch` (docs/forces.md), and what a window shows
-// at the end. recorded_facts makes the header of a run's recording, read_recorded_facts fills in a setup from
-// it. A ReplayCheck compares each tick's forces with the recorded ones and remembers the first that differs;
-// judge_replay puts it in words: the same, different from which tick and finger on, or not comparable.
+// TouchFigures is a sink of ticks: it makes the report of `touch` (docs/forces.md) and of a window's end.
+// recorded_facts makes the header of a run's recording, read_recorded_facts fills in a setup from it. A
+// ReplayCheck compares each tick's forces with the recorded ones and keeps the first difference; judge_replay
+// reports it: the same, different from which tick and finger on, or not comparable.
 //
 // All of it belongs to the thread that takes a session's ticks.
 
@@ -27,36 +27,36 @@
 
 namespace touchable {
 
-/// Counts and sums of a run, in memory that does not grow with it, of forces as they were sent to the hand;
-/// but the hash is of what the guard gave, which is what a replay gives again. Times are wall time on this
-/// machine; everything else repeats to the bit.
+/// Counts and sums of a run, of the forces as sent to the hand, in constant memory. The hash alone covers the
+/// guard's forces, which a replay reproduces. Times are wall time on this machine; everything else repeats to
+/// the bit.
 class TouchFigures final : public TouchSink {
 public:
-    /// A finger's energy as it was sent: of each force only the share that went to the hand did work on it,
-    /// and of the spring only that share was there. What is let through more or less is no motion of the
-    /// hand's, and so counts as put in by the surface, as the guard's ramp does.
+    /// A finger's energy as sent: only the sent share of each force does work on the hand, and only that
+    /// share of the spring stores energy. A change of the share is not the hand's motion, so its energy
+    /// counts as put in by the surface, like the guard's ramp.
     class SentEnergy {
     public:
-        /// Takes the guard's books up to a tick, and the share of its force that is sent and held. As long
-        /// as all is sent, the figures are the guard's own to the bit.
+        /// Takes the guard's energy figures up to a tick and the share of its force that is sent and held.
+        /// While the share is 1 the figures equal the guard's to the bit.
         void take(const EnergyFigures& guarded, double share);
         const EnergyFigures& figures() const { return sent_; }
 
     private:
         EnergyFigures guarded_, kept_, sent_;  // kept back: guarded less sent
-        double share_ = 1;                     // of the force that is held
+        double share_ = 1;                     // share of the force now held
     };
 
     Result<void> take(const TouchTick& tick) override;
-    /// What comes is another run, by another guard: nothing goes on in a row.
+    /// Next ticks are of another run with another guard: ends all rows of consecutive ticks.
     void end_part();
 
     std::int64_t ticks() const { return ticks_; }
     Spread tick_us() const { return tick_us_.spread(); }
-    /// How late ticks began; all 0 in virtual time.
+    /// How late ticks began, us; all 0 in virtual time.
     Spread late_us() const { return late_us_.spread(); }
-    /// Ticks by how late they began: {"below_us", "ticks"}, each counting what the ones before do not; the
-    /// last has no "below_us".
+    /// Ticks by how late they began: {"below_us", "ticks"}; each bin starts where the previous ends, the last
+    /// has no "below_us".
     nlohmann::ordered_json late_histogram() const;
     std::string force_hash() const { return hash_.hex(); }
     /// Whether a hole's wall pushed a finger as hard as its device can.
@@ -69,57 +69,56 @@ private:
     nlohmann::ordered_json energy_mj() const;
     nlohmann::ordered_json hole_contact() const;
 
-    /// The fingers that were led somewhere, or touched.
+    /// Number of fingers that were moved or touched.
     std::int64_t fingers_led() const;
 
     std::int64_t ticks_ = 0;
-    std::vector<glm::dvec3> first_goals_;                        // of each finger, in this part
-    std::vector<bool> led_;                                      // each finger, in any part
-    std::int64_t contact_ticks_ = 0, finger_contact_ticks_ = 0;  // any finger; each finger
+    std::vector<glm::dvec3> first_goals_;                        // per finger, in this part
+    std::vector<bool> led_;                                      // per finger, in any part
+    std::int64_t contact_ticks_ = 0, finger_contact_ticks_ = 0;  // ticks, finger ticks in contact
     std::int64_t behind_ticks_ = 0, nonfinite_ticks_ = 0, capped_ticks_ = 0, guarded_ticks_ = 0;
     std::int64_t stiffness_limited_ticks_ = 0, waiting_ticks_ = 0, stale_ticks_ = 0;
-    // What the clip asked for in contact, N/m.
+    // The clip's stiffness in contact, N/m.
     double largest_stiffness_ = 0, smallest_stiffness_ = std::numeric_limits<double>::infinity();
     std::int64_t events_ = 0;
     double force_sum_ = 0, force_max_ = 0;  // over finger ticks in contact
     std::int64_t force_limited_ticks_ = 0,
-                 longest_limited_ = 0;                   // finger ticks at the device's force; in a row
-    std::vector<std::int64_t> limited_;                  // of each finger, in a row up to the newest tick
-    std::int64_t hole_ticks_ = 0, longest_in_hole_ = 0;  // finger ticks on walls of holes; in a row
+                 longest_limited_ = 0;                   // finger ticks at the device's force; longest run
+    std::vector<std::int64_t> limited_;                  // per finger, length of the current run
+    std::int64_t hole_ticks_ = 0, longest_in_hole_ = 0;  // finger ticks on walls of holes; longest run
     std::int64_t limited_in_hole_ticks_ = 0;             // of these, at the device's force
     std::vector<std::int64_t> in_hole_;                  // as limited_
     std::int64_t held_back_ticks_ = 0;                   // finger ticks in contact, with less than all sent
-    std::vector<SentEnergy> energy_;                     // of each finger, up to the newest tick
+    std::vector<SentEnergy> energy_;                     // per finger, up to the newest tick
     EnergyFigures energy_before_;                        // of all fingers, in the parts before
     TimeSpread tick_us_, late_us_;
     static constexpr std::array late_below_us{10, 20, 50, 100, 200, 500, 1000};
-    std::array<std::int64_t, late_below_us.size() + 1> late_ticks_{};  // the last: of all that were later
+    std::array<std::int64_t, late_below_us.size() + 1> late_ticks_{};  // the last: all later ticks
     ForceHash hash_;
 };
 
-/// What a recording keeps of a run that has ended beside its ticks (docs/touch.md), but for its forces'
-/// hash.
+/// The recording's header of a run that has ended (docs/touch.md), without the forces' hash.
 nlohmann::ordered_json recorded_facts(const TouchSetup& setup);
 
-/// The frames that the `planes_hash` of such facts is of; nothing where they do not say. Throws
-/// std::out_of_range, with the member's name, where what they say cannot be.
+/// The frames that `planes_hash` in `facts` covers; nothing if not stated. Throws std::out_of_range with the
+/// member's name if the value is invalid.
 std::optional<std::vector<FrameRun>> built_frames(const nlohmann::ordered_json& facts);
 
-/// Fills in what those facts say of the run, but for what is opened and made of it, and gives the scene that
-/// was touched. An error of kind input that begins with `name` where something is missing, of another kind or
-/// impossible.
+/// Fills in the setup's plain values from a recording header (opens nothing) and returns the scene that was
+/// touched. A member that is missing, of another kind or out of range is an error of kind input that begins
+/// with `name`.
 Result<SceneDescription> read_recorded_facts(const nlohmann::ordered_json& facts, const std::string& name,
                                              TouchSetup& setup);
 
 /// Compares each tick with the recorded one, bit for bit, and remembers the first difference.
 class ReplayCheck final : public TouchSink {
 public:
-    /// What the replay of a part came to.
+    /// Result of a part's replay.
     struct Outcome {
-        int rules = 0;  ///< of force, that it was recorded under
+        int rules = 0;  ///< version of the force rules of the recording
         std::optional<std::string>
-            difference;                 ///< what differs first: tick, finger, both values; nothing: none does
-        bool has_other_frames = false;  ///< than those recorded
+            difference;                 ///< first difference: tick, finger, both values; nothing: none
+        bool has_other_frames = false;  ///< the clip's frames differ from the recorded ones
     };
 
     explicit ReplayCheck(const RecordedPart& recording) : recording_(recording) {}
@@ -129,14 +128,14 @@ public:
 
 private:
     const RecordedPart& recording_;
-    std::size_t next_ = 0;  // the tick that comes, by its place in the recording
+    std::size_t next_ = 0;  // index of the next tick in the recording
     std::optional<std::string> difference_;
 };
 
-/// After a replay: an error of kind input where the recording was made under other rules of force, so that
-/// there is nothing to compare; of kind check where something differs, which says what first and in which
-/// part, and whether the clip's frames are others than those recorded. Else what there is to say: a clip may
-/// have changed where no finger went. `force_hash`: of all parts.
+/// Judges a replay. Error of kind input if the recording was made under other rules of force, so that nothing
+/// can be compared; of kind check if something differs, naming the first difference, its part, and whether
+/// the clip's frames differ from the recorded ones. Else the message: a clip may have changed where no finger
+/// went. `force_hash`: of all parts.
 Result<std::string> judge_replay(std::span<const ReplayCheck::Outcome> parts, const std::string& force_hash);
 
 }  // namespace touchable

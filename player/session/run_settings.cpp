@@ -5,7 +5,7 @@
 namespace touchable {
 namespace {
 
-/// Where a value is, in the options of a run and in the run.
+/// Finds a setting's value in SessionOptions and in TouchSetup.
 struct Place {
     static GuardSettings& guard(SessionOptions& options) { return options.guard; }
     static const GuardSettings& guard(const TouchSetup& setup) { return setup.settings.guard; }
@@ -16,7 +16,7 @@ struct Place {
                                           : options.clip.interpolation.emplace();
     }
     static const auto& interpolation(const TouchSetup& setup) { return setup.scene.interpolation; }
-    /// As a person has set it so far; what is not set is as in `touchable relief`.
+    /// The user's relief so far; unset values are the defaults of `touchable relief`.
     static ReliefChoice& relief(SessionOptions& options) {
         if (!options.clip.relief) options.clip.relief.emplace().settings.amount = 0;
         return *options.clip.relief;
@@ -27,7 +27,8 @@ struct Place {
     }
 };
 
-/// `in`: gives the value in SessionOptions and in TouchSetup; of a number it is `per_unit` times as much.
+/// `in`: returns the value in SessionOptions and in TouchSetup; a stored number is `per_unit` times the
+/// setting.
 template <class In>
 SessionSetting setting_row(SettingOf of, const char* name, const char* what, const SettingRange& range, In in,
                            double per_unit = 1) {
@@ -70,7 +71,7 @@ std::vector<SessionSetting> all_settings() {
             felt, "interpolation",
             "How the surface moves between two frames: smoothly (linear), or not until the next (hold).",
             {.words = {"hold", "linear"}}, [](auto& run) -> auto& { return Place::interpolation(run); }),
-        // No more than a pointer exerts in a window.
+        // 20 N: the most that a pointer exerts in a window.
         setting_row(felt, "max-force", "The largest force on a finger.",
                     {.least = 0.1, .most = 20, .unit = "N"}, in_guard(&GuardSettings::max_force)),
         setting_row(
@@ -89,7 +90,7 @@ std::vector<SessionSetting> all_settings() {
          .of = filters,
          .range = {.words = {"clip", "auto", "off"}},
          .set = [](double place, SessionOptions& options) {
-             options.clip.single_filters = {};  // what was said of them one by one
+             options.clip.single_filters = {};  // drops single filters' settings
              options.clip.filters =
                  place == 2 ? FiltersChoice::off() : FiltersChoice{.measured = all_unstated};
          }}};

@@ -18,7 +18,7 @@ bool is_finite(const glm::dvec3& v) {
 
 }  // namespace
 
-/// The force that was held did the tick's work, and the spring that it is of stood before it.
+/// The force held until now (old share_) did the tick's work; its spring energy is scaled by the new share.
 void TouchFigures::SentEnergy::take(const EnergyFigures& guarded, double share) {
     const double back = 1 - share_;
     kept_.work += back * (guarded.work - guarded_.work);
@@ -153,7 +153,7 @@ nlohmann::ordered_json TouchFigures::to_json() const {
             {"guarded_ticks", guarded_ticks_},
             {"waiting_ticks", waiting_ticks_},
             {"stale_ticks", stale_ticks_},
-            {"late_ticks", 0},  // a live run knows better
+            {"late_ticks", 0},  // a live run overwrites this
             {"events_mean", share(static_cast<double>(events_), finger_contact_ticks_)},
             {"force_hash", force_hash()},
             {"force_n", {{"mean", share(force_sum_, finger_contact_ticks_)}, {"max", force_max_}}},

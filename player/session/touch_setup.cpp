@@ -12,13 +12,13 @@ namespace touchable {
 
 namespace {
 
-/// A command as it is written, what stands in a unit of its own (seconds or a rate), and the setting that
-/// gives it from the beginning.
+/// A playback command's word and number of arguments, their unit, and the setting that gives it from the
+/// beginning.
 struct Spelling {
     PlaybackVerb verb;
     const char* word;
     int numbers;
-    double per_unit;  ///< of `first` and `second`
+    double per_unit;  ///< `first` and `second` per unit: ns per second, or thousandths of a rate
     Setting::Name setting = Setting::playback;
 };
 constexpr double ns_per_s = 1e9, thousandths = 1000;
@@ -31,7 +31,7 @@ constexpr std::array spellings{Spelling{PlaybackVerb::play, "play", 0, 0},
                                Spelling{PlaybackVerb::unloop, "unloop", 0, 0}};
 constexpr const char* all_words = "play, pause, rate X, seek S, step, loop S S or unloop";
 
-/// Rounded; nothing where it is no number from 0 to 1e6, which is where all times end.
+/// Rounded; nothing if not a number from 0 to 1e6, the limit of all times in seconds.
 std::optional<std::int64_t> number_of(const std::string& word, double per_unit) {
     double value = 0;
     const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
@@ -40,7 +40,7 @@ std::optional<std::int64_t> number_of(const std::string& word, double per_unit) 
     return static_cast<std::int64_t>(value * per_unit + 0.5);
 }
 
-/// Reads one line's words; a text says why not.
+/// Reads one line's words; returns the reason for a refusal.
 std::optional<std::string> read_words(const std::vector<std::string>& words, PlaybackCommand& command) {
     const auto tick = number_of(words[0], thousandths);
     if (!tick) return in_quotes(words[0]) + " must be a time in seconds, 0 to 1e6";
@@ -63,7 +63,7 @@ std::optional<std::string> read_words(const std::vector<std::string>& words, Pla
     return in_quotes(verb) + " is no command; it must be " + all_words;
 }
 
-// N s/m. Beyond this a hand on a light device no longer slows down within a tick, it is thrown back.
+// N s/m. Above this, damping throws the hand on a light device back within a tick instead of slowing it down.
 constexpr double most_damping = 100;
 
 /// A camera takes its frames in real time, one after another.
@@ -83,11 +83,11 @@ Result<void> check_camera(const SessionOptions& options) {
     return {};
 }
 
-// Ticks that may wait to be written, as TickLog's: four seconds.
+// Ticks that may wait to be written, like TickLog's: four seconds.
 constexpr int device_log_ticks = 4096;
 
-/// The builder that was asked for, or what auto is in this run. A GPU that was named may be a software one,
-/// and has to be there whether auto takes it or not.
+/// Sets the requested builder, or resolves auto for this run. A GPU named by the user may be a software one;
+/// it must exist even if auto does not use it.
 Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frames,
                             const SessionOptions& options) {
     BuilderChoice& choice = setup.builder = options.builder;
@@ -117,8 +117,8 @@ Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frame
     return {};
 }
 
-/// What a stream shows is not there for sure once nothing has come for a quarter of a second, or for three
-/// frames.
+/// Default for streams: the surface is stale after a quarter of a second or three frames without data,
+/// whichever is longer. 0: never stale.
 std::int64_t stale_after_ns(const SessionOptions& options, const FrameRate& rate) {
     if (options.stale_after_ns) return *options.stale_after_ns;
     constexpr std::int64_t usual_ns = 250'000'000;
@@ -127,7 +127,7 @@ std::int64_t stale_after_ns(const SessionOptions& options, const FrameRate& rate
     return is_stream ? std::max(usual_ns, 3 * rate.time_ns(1)) : 0;
 }
 
-/// The clip's frames on their way to the surface.
+/// Makes the feed, which turns the clip's frames into surfaces.
 Result<void> make_feed(TouchSetup& setup, ClipChoice::Opened clip, const SessionOptions& options) {
     setup.scene = std::move(clip.scene);
     setup.notes = remarks_of(*clip.reader);
@@ -142,7 +142,7 @@ Result<void> make_feed(TouchSetup& setup, ClipChoice::Opened clip, const Session
     return {};
 }
 
-/// The run has as many fingers as `of`, a hand or a device.
+/// Sets the run's finger count from `of`, a hand or a device.
 Result<void> take_fingers(int fingers, const std::string& of, const SessionOptions& options,
                           TouchSetup& setup) {
     if (options.fingers != 1 && options.fingers != fingers)
@@ -153,7 +153,7 @@ Result<void> take_fingers(int fingers, const std::string& of, const SessionOptio
     return {};
 }
 
-/// A hand that knows its goals already: how many fingers it has, and at what scale it touches.
+/// Reads a hand whose goals are given (RepeatingHand) and takes its finger count and scale.
 Result<void> repeat_hand(TouchSetup& setup, const SessionOptions& options) {
     if (options.held_device || !RepeatingHand::is_meant(options.hand)) return {};
     TRY_ASSIGN(auto hand, RepeatingHand::read(options.hand));
@@ -163,7 +163,7 @@ Result<void> repeat_hand(TouchSetup& setup, const SessionOptions& options) {
     return {};
 }
 
-/// A moment that the clip has not, where its length is known, and a run that would never end.
+/// Refuses moments beyond the clip's end, if its length is known, and runs that would never end.
 Result<void> check_playback(const TouchSetup& setup, const SessionOptions& options) {
     const auto& playback = setup.settings.playback;
     const auto frames = setup.feed->reader().frame_count();
@@ -185,8 +185,8 @@ Result<void> check_playback(const TouchSetup& setup, const SessionOptions& optio
         {{Setting::seconds}});
 }
 
-/// Where a device stands over the clip: as the options say, as the clip's first frame says, or fitted to what
-/// the device reaches.
+/// Places a device over the clip: as the options state, from the clip's first frame, or fitted to the
+/// device's reach.
 Result<void> place_workspace(TouchSetup& setup, const SessionOptions& options) {
     if (options.workspace) {
         setup.workspace = *options.workspace;
@@ -203,7 +203,7 @@ Result<void> place_workspace(TouchSetup& setup, const SessionOptions& options) {
     if (!setup.control) return {};
     HandMapping mapping{setup.workspace};
     if (options.world_from_camera) {
-        // From the camera's axes (x right, y down, z forward) to the person's.
+        // From the camera's axes (x right, y down, z forward) to the user's.
         const glm::dmat3 upright(1, 0, 0, 0, -1, 0, 0, 0, -1);
         mapping.turn = upright * glm::transpose(glm::dmat3(*options.world_from_camera));
         mapping.offset = -(mapping.turn * glm::dvec3((*options.world_from_camera)[3]));
@@ -212,8 +212,8 @@ Result<void> place_workspace(TouchSetup& setup, const SessionOptions& options) {
     return {};
 }
 
-/// A hand over the frame that it begins with, and where it stands there. The scale is that of the clip's
-/// first frame, wherever it begins, unless that is known.
+/// Makes a hand over the frame it begins with. The scale is that of the clip's first frame, wherever playback
+/// begins, unless the hand knows its own.
 Result<void> place_hand(TouchSetup& setup, const SessionOptions& options) {
     TRY(place_workspace(setup, options));
     setup.hand_words = setup.held_device ? "a person's hand" : options.hand;
@@ -229,13 +229,13 @@ Result<void> place_hand(TouchSetup& setup, const SessionOptions& options) {
     return {};
 }
 
-/// A person may ask for less than the device can, never for more.
+/// The user may set lower limits than the device's, never higher ones.
 void keep_within(const DeviceLimits& can, GuardSettings& guard) {
     guard.max_force = std::min(guard.max_force, can.max_force);
     guard.max_stiffness = std::min(guard.max_stiffness, can.max_stiffness);
 }
 
-/// A device that a person holds has a finger for each handle.
+/// Takes a device held by the user: one finger per handle.
 Result<void> take_held_device(TouchSetup& setup, const SessionOptions& options) {
     if (!options.held_device) return {};
     const int fingers = options.held_device->fingers();
@@ -261,8 +261,8 @@ Result<void> make_solver(TouchSetup& setup) {
     return {};
 }
 
-/// Why the recorded clip could not be opened; where it, or its scene file, is gone, how to say where it is
-/// now.
+/// Why the recorded clip could not be opened. If it or one of its files is gone, adds a hint with the option
+/// that states the new place.
 Error gone(Error error, const TouchSetup& setup, const ClipChoice& instead) {
     const std::optional<std::filesystem::path> clip(setup.clip.file), none;
     const std::pair<Setting::Name, std::optional<std::filesystem::path>> files[] = {
@@ -280,7 +280,8 @@ Error gone(Error error, const TouchSetup& setup, const ClipChoice& instead) {
     return error;
 }
 
-/// The recorded clip, or the one it is now, as the `recorded` scene. Errors name the recording by `name`.
+/// The recorded clip, or its replacement from `instead`, with the `recorded` scene. Errors call the recording
+/// `name`.
 Result<ClipChoice::Opened> open_recorded(TouchSetup& setup, const SceneDescription& recorded,
                                          const std::string& name, const ClipChoice& instead) {
     if (!instead.file.empty()) setup.clip.file = instead.file;
@@ -318,8 +319,8 @@ private:
     const RecordedPart& recording_;
 };
 
-/// Ticks at the times that were recorded, and of a live run with the frames they found: that was a matter of
-/// the moment, and the recording knows.
+/// Runs ticks at their recorded times and, for a live run, with their recorded frame pairs: which pair a live
+/// tick found depended on timing.
 void follow(const RecordedPart& part, TouchSetup& setup) {
     setup.settings.time_of_tick = [&part](std::int64_t tick) {
         const auto last = static_cast<std::int64_t>(part.ticks.size()) - 1;

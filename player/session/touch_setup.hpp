@@ -1,21 +1,20 @@
 #pragma once
 
-// What a run is made of, in words that options, a window and a recording share; and a live run with a
-// watcher.
+// Parts of a run, in types shared by options, a window and a recording; and a live run with a watcher.
 //
-// SessionOptions are everything that a person can say of a run; setup_from_options makes a TouchSetup of
-// them: the clip, its scene, a builder (BuilderChoice; `auto` picks by what the run needs and what the
-// machine has), hands, guard, solver. setup_from_recording makes the same of a recording, for its replay.
-// RunGpu is the one GPU that builder and window share. Errors hint at the Setting that was wrong.
-// run_settings is the table of what a person can set of a run by a word or a number, whatever sets it.
+// SessionOptions holds every setting of a run; setup_from_options makes a TouchSetup from it: the clip, its
+// scene, a builder (BuilderChoice; `auto` picks by the run's needs and the machine), hands, guard, solver.
+// setup_from_recording makes the same from a recording, for its replay. RunGpu is the one GPU that builder
+// and window share. Errors name the wrong Setting as a hint. run_settings is the table of all settings that
+// take a word or a number.
 //
-// open_port opens a setup's hand: a device, a pointer, a script. A WatchedSession is what a window runs: a
-// LiveSession and its threads. `look` shows the frames, the blend and the tick that the hand holds, and what
-// fingers felt; figures count ticks and late frames; commands take effect with the next tick.
+// open_port opens a setup's hand: a device, a pointer, a script. A window runs a WatchedSession: a
+// LiveSession and its threads. `look` returns the frames, the blend and the tick that the hand holds, and the
+// fingers' contacts and forces; figures count ticks and late frames; commands take effect at the next tick.
 //
 // The thread that makes a setup owns it until a session takes it. The window's thread calls a session's
-// `ask`, `look` and `stop`; what stands under "Any thread" is any thread's. Only `stop` waits for the haptic
-// thread.
+// `ask`, `look` and `stop`; members under "Any thread" may be called from any thread. Only `stop` waits for
+// the haptic thread.
 
 #include <atomic>
 #include <cstddef>
@@ -46,21 +45,20 @@
 
 namespace touchable {
 
-/// The GPU of a run: opened when it is first needed, one for builder and pictures, and anew where it was
-/// lost. Safe from any thread.
+/// The GPU of a run, shared by builder and pictures: opened on first use, reopened after a loss. Thread-safe.
 class RunGpu {
 public:
     /// `request` as in choose_gpu, `window_extensions` as in GpuOptions.
     explicit RunGpu(std::string request, std::vector<std::string> window_extensions = {})
         : request_(std::move(request)), window_extensions_(std::move(window_extensions)) {}
     Result<std::shared_ptr<GpuDevice>> open();
-    /// The same, once `measure` (measure_builders, measure_painters) has measured it; opened anew where that
-    /// has lost it.
+    /// As `open`, after `measure` (measure_builders, measure_painters) has measured it; reopened if measuring
+    /// lost it.
     Result<std::shared_ptr<GpuDevice>> open_measured(
         const std::function<void(const std::shared_ptr<GpuDevice>&)>& measure);
-    /// Of the device that is open (VulkanDevice::take_new_programs).
+    /// VulkanDevice::take_new_programs of the open device.
     std::optional<ProgramsToKeep> take_new_programs();
-    /// The name that the GPU gives; empty before it is open.
+    /// The GPU's own name; empty before it is open.
     std::string name() const;
 
 private:
@@ -73,263 +71,263 @@ private:
     std::optional<GpuFacts::Measured> measured_;
 };
 
-/// `--builder` and what goes with it: as typed, or as a run has it.
+/// `--builder` and related options: as typed, or as resolved for a run.
 struct BuilderChoice {
-    /// What decides which builder costs least: the forces are the same with any.
+    /// Facts that decide which builder costs least; forces do not depend on the builder.
     struct Load {
         Scene scene;        ///< as the run applies it
         bool moves = true;  ///< the clip has more than one frame
         int fingers = 1;
         bool live = false;  ///< ticks are due every millisecond of the wall clock
-        /// A GPU draws the frames, and is open for that: what it builds it draws where it lies.
+        /// A GPU is open to draw the frames, so frames built there need no copy.
         bool drawn = false;
     };
 
     std::string name = "cpu";
-    std::string why{};  ///< one line: why auto, or another than was asked for; empty: asked for by name
+    std::string why{};          ///< one line: why chosen by auto, or in place of the request; empty: as
+                                ///< requested
     std::string gpu = "auto";   ///< as in choose_gpu; for the vulkan builder and for pictures
-    bool gpu_fallback = false;  ///< the GPU was not asked for: the cpu builder where there is no such GPU
+    bool gpu_fallback = false;  ///< no GPU was requested: fall back to the cpu builder without one
 
     bool names_gpu() const { return gpu != "auto"; }
 };
 
-/// The vulkan builder works on `gpu`, which others do not open. Refused (ErrorKind::gpu), saying what is
-/// missing, where it was asked for and there is no such GPU; (ErrorKind::usage) the lazy builder with a
-/// temporal filter. A GPU that is lost in the middle is no error: the cpu builder goes on, and a warning on
-/// stderr says so.
+/// The vulkan builder opens and uses `gpu`; other builders do not open it. Errors: ErrorKind::gpu with what
+/// is missing if vulkan was requested and there is no such GPU; ErrorKind::usage for the lazy builder with a
+/// temporal filter. A GPU lost during the run is no error: the cpu builder takes over, with a warning on
+/// stderr.
 Result<std::unique_ptr<SurfaceBuilder>> make_builder(const BuilderChoice& choice, const Scene& scene,
                                                      RunGpu& gpu);
 
-/// CPU time of whole frames by the CPU builder, but for hole filling, which depends on the holes, and of what
-/// the lazy builder adds to ticks, all threads: ms for each second of the clip (docs/measurements.md, where
-/// the constants come from).
+/// CPU time, all threads, ms per second of the clip: of whole frames by the CPU builder, without hole
+/// filling, which depends on the holes; and of the lazy builder's additions to ticks (constants:
+/// docs/measurements.md).
 double whole_frames_ms_per_second(const BuilderChoice::Load& load);
 double lazy_ms_per_second(const BuilderChoice::Load& load);
 
-/// What `--builder auto` is: cpu, lazy or vulkan, and why. `gpu_is_fast`, which opens a device, is asked only
-/// where whole frames cost so much that this pays: whether there is a GPU, not a software Vulkan nor one that
-/// was measured to be slow (is_fast_builder). Its name and why alone say something: a GPU's name and the
-/// fallback are the caller's.
+/// Resolves `--builder auto`: cpu, lazy or vulkan, and why. `gpu_is_fast` opens a device, so it is called
+/// only if whole frames cost enough for that to pay; it returns whether there is a GPU that is neither a
+/// software Vulkan nor measured to be slow (is_fast_builder). Only name and why of the result are set; a
+/// GPU's name and the fallback are the caller's.
 BuilderChoice pick_builder(const BuilderChoice::Load& load, const std::function<bool()>& gpu_is_fast);
 
-/// Whether a GPU builds a frame in no more than twice the CPU's time, which the CPU then has for other
-/// things; or it was not measured. A software Vulkan has the CPU's time only.
+/// Whether a GPU builds a frame in at most twice the CPU's time (which frees the CPU), or was not measured.
+/// Software Vulkan runs on the CPU, so false.
 bool is_fast_builder(const GpuFacts& facts);
 
-/// What a person wants of the clip's clock, one command a line: "SECONDS play", "pause", "rate X", "seek
-/// SECONDS", "step", "loop SECONDS SECONDS" or "unloop", in the order of their times (docs/touch.md).
-/// Empty lines and what follows '#' say nothing. Refuses (ErrorKind::input), with `name` and the line, all
-/// else.
+/// Reads commands to the clip's clock, one per line: "SECONDS play", "pause", "rate X", "seek SECONDS",
+/// "step", "loop SECONDS SECONDS" or "unloop", in the order of their times (docs/touch.md). Empty lines and
+/// text after '#' are ignored. Anything else is refused (ErrorKind::input) with `name` and the line.
 Result<std::vector<PlaybackCommand>> parse_playback(std::string_view text, const std::string& name);
-/// The same of a file.
+/// As parse_playback, from a file.
 Result<std::vector<PlaybackCommand>> read_playback(const std::filesystem::path& file);
 
-/// What a person may have set to give these commands.
+/// The settings that may have given these commands.
 Hints settings_of(const std::vector<PlaybackCommand>& commands);
-/// The commands as such lines, with ", " between them.
+/// The commands as parse_playback's lines, joined by ", ".
 std::string in_words(const std::vector<PlaybackCommand>& commands);
 
-/// What a run is made of: what is touched, with what, and how forces come about.
+/// Settings of a run: the clip, the hand or device, solver and guard.
 struct SessionOptions {
     ClipChoice clip;
     std::string hand = "wander";  ///< as make_hand reads it
     int fingers = 1;
-    std::vector<PlaybackCommand> playback;  ///< what is asked of the clip's clock; `validate` passes them
-    /// In place of `playback`, asked for once all but the first frames is there; nothing: `playback` it is.
+    std::vector<PlaybackCommand> playback;  ///< commands to the clip's clock; must pass validate(commands)
+    /// Replaces `playback`; called after the feed is made, before the first frames are read. Null:
+    /// `playback`.
     std::function<std::vector<PlaybackCommand>()> late_playback;
     std::optional<std::int64_t> ticks;  ///< nothing: the hand's length, or the clip's and at least 3 s
     BuilderChoice builder{.name = "auto"};
-    TouchSettings touch;  ///< but for its scale, which the clip or the hand has
+    TouchSettings touch;  ///< except its scale, which the clip or the hand sets
     GuardSettings guard;
     bool live = false;          ///< on the wall clock, in real time
-    bool start_buried = false;  ///< live: force from the start for a finger that begins inside, too
-    bool recorded = false;      ///< frames are hashed, so that a replay knows whether it has the same
-    /// Live source: as GuardSettings has it; nothing: 250 ms of a stream, never of a camera.
+    bool start_buried = false;  ///< live: force from the start even for a finger that begins inside
+    bool recorded = false;      ///< hash the frames, so that a replay can compare them
+    /// Live source: as in GuardSettings; nothing: max(250 ms, 3 frames) for a stream, never for a camera.
     std::optional<std::int64_t> stale_after_ns;
-    std::optional<std::string> camera;  ///< live: what `clip` is as a camera, in words; nothing: it is a clip
-    int stream_latency_ms = 200;        ///< of a stream: the longest that framesets wait for others' sake
-    std::optional<std::string> device;  ///< live: what the hand holds; nothing: the hand itself is the finger
-    /// Live: a device whose handles are the fingers, and no hand; it is opened when the session begins.
+    std::optional<std::string> camera;  ///< live: the camera's description; nothing: `clip` is no camera
+    int stream_latency_ms = 200;        ///< stream: longest time that a frameset waits for others
+    std::optional<std::string> device;  ///< live: device held by the hand; nothing: the hand is the finger
+    /// Live: a device held by the user: its handles are the fingers, there is no hand. Opened by the session.
     std::shared_ptr<HapticDevice> held_device;
-    /// Asks for that device's forces, repositions it. Nothing: it is there as it is, with all forces.
+    /// Enables that device's forces and repositions it. Null: device as it is, full forces.
     std::shared_ptr<HandControl> control;
-    std::optional<glm::dmat4> world_from_camera;  ///< rigid, metres: that device's places are the world's
-    double hand_scale = 1;                        ///< a finger's way for that of the hand, of the fitted one
-    bool device_log = false;                      ///< ticks are kept as that device had them
-    /// Where that device is, before `hand_scale`; nothing: where the clip's first frame puts it.
+    std::optional<glm::dmat4> world_from_camera;  ///< rigid, metres: device positions are world positions
+    double hand_scale = 1;                        ///< scale of finger motion relative to the fitted workspace
+    bool device_log = false;                      ///< keep a log of that device's ticks
+    /// That device's workspace, before `hand_scale`; nothing: fitted to the clip's first frame.
     std::optional<Workspace> workspace;
     /// Shared with the rest of the program; nothing: the run opens one of its own if it needs one.
     std::shared_ptr<RunGpu> gpu;
-    bool watched = false;  ///< live: what the hand holds is shown, with its colour
-    bool drawn = false;    ///< by `gpu`, which is opened for that
+    bool watched = false;  ///< live: a watcher shows the held frames, with colour
+    bool drawn = false;    ///< `gpu` draws the pictures and is opened for that
 };
 
-/// Refuses (ErrorKind::usage) what no run can be made of, whatever the clip, in the options' names.
+/// Refuses (ErrorKind::usage) options that are invalid for every clip; messages use the options' names.
 Result<void> validate(const SessionOptions& options);
 
-/// Refuses (ErrorKind::usage) a guard that is no good to a hand on a device.
+/// Refuses (ErrorKind::usage) guard settings that are invalid or harmful to a hand on a device.
 Result<void> check_guard(const GuardSettings& guard);
 
-/// Everything a session runs on, made from options or from a recording.
+/// All parts of a session, made from options or from a recording.
 struct TouchSetup {
     ClipChoice clip;
-    Scene scene;                           ///< as this run applies it
-    std::vector<Remark> notes;             ///< of the clip (remarks_of)
-    std::optional<ChosenFilters> filters;  ///< nothing: all were stated
-    BuilderChoice builder;                 ///< not auto any more
-    std::shared_ptr<RunGpu> gpu;           ///< of builder and picture
+    Scene scene;                           ///< as applied in this run
+    std::vector<Remark> notes;             ///< the clip's (remarks_of)
+    std::optional<ChosenFilters> filters;  ///< nothing: all filters were stated
+    BuilderChoice builder;                 ///< resolved, never auto
+    std::shared_ptr<RunGpu> gpu;           ///< shared by builder and picture
     std::unique_ptr<SurfaceFeed> feed;
     std::string hand_words;                     ///< as on the command line
-    std::unique_ptr<Hand> hand;                 ///< nothing: a person holds `held_device`
+    std::unique_ptr<Hand> hand;                 ///< null: the user holds `held_device`
     std::string camera_words;                   ///< as on the command line; empty: no camera
-    std::shared_ptr<CameraCapture> film;        ///< of a camera that is plugged in and recorded; else nothing
+    std::shared_ptr<CameraCapture> film;        ///< of a recorded plugged-in camera; else null
     std::string device_words;                   ///< as on the command line; empty: no device
-    std::unique_ptr<SimulatedDevice> device;    ///< that the hand holds
-    std::shared_ptr<HapticDevice> held_device;  ///< that a person holds
-    std::shared_ptr<HandControl> control;       ///< of that device; nothing: it is there as it is
-    /// The control of a device that has motors; nullptr: no force reaches a person's hand, and what is
-    /// reported is the scene's force.
+    std::unique_ptr<SimulatedDevice> device;    ///< held by the hand
+    std::shared_ptr<HapticDevice> held_device;  ///< held by the user
+    std::shared_ptr<HandControl> control;       ///< of held_device; null: device as it is
+    /// The control of a device with motors; nullptr: no force reaches the user's hand, and the reported force
+    /// is the scene's.
     const HandControl* exerting_control() const {
         return control && held_device->capabilities().axes_driven > 0 ? control.get() : nullptr;
     }
-    double hand_scale = 1;                      ///< of that device, as SessionOptions has it
-    std::unique_ptr<DeviceTickLog> device_log;  ///< of that device; nothing: none is kept
+    double hand_scale = 1;                      ///< of held_device, as in SessionOptions
+    std::unique_ptr<DeviceTickLog> device_log;  ///< of held_device; null: no log
     Workspace workspace;
     std::optional<TouchSolver> solver;
     TouchSessionSettings settings;
-    std::vector<DroppedFrames> dropped{};  ///< that a recorded run left out
-    /// How many frames a filter with a memory sees before an epoch's first.
+    std::vector<DroppedFrames> dropped{};  ///< left out by the recorded run
+    /// Frames that a temporal filter reads before an epoch's first frame.
     int warm_up_frames = temporal_warm_up_frames;
-    bool live = false;  ///< on the wall clock, or recorded so
+    bool live = false;  ///< on the wall clock, or recorded live
 
-    /// How long the run was asked to be, or its hand's motion is; nothing: neither has an end.
+    /// The run's stated length, or that of its hand's motion; nothing: endless.
     std::optional<std::int64_t> ticks() const {
         return settings.ticks || !hand ? settings.ticks : hand->ticks();
     }
 };
 
-/// Of what a setting is: which part of a window shows it, and on what it has an effect.
+/// Group of a setting: the part of a window that shows it and what it affects.
 enum class SettingOf {
     felt,     ///< how forces come about
-    device,   ///< a device that a person holds: without one it has no effect
+    device,   ///< a device held by the user; no effect without one
     filters,  ///< how depth is cleaned: "filters", which sets all, and each of them
     relief,   ///< heights that are made of the clip's colour
-    brush,    ///< what is painted in this window; it is never kept
-    expert    ///< as felt, but options alone set it
+    brush,    ///< what is painted in this window; never saved
+    expert    ///< as felt, but set by options only
 };
 
-/// A row of the table of a run's settings, which options, the window's panel, its commands and scripts, and
-/// kept settings go by. The rows of filters come from `filter_settings`.
+/// A row of the table of a run's settings, used by options, the window's panel, its commands and scripts, and
+/// saved settings. The filters' rows come from `filter_settings`.
 struct SessionSetting {
-    std::string name;       ///< in commands and kept settings; behind "--" of an option
-    const char* what = "";  ///< for a person who sees it for the first time
+    std::string name;       ///< in commands and saved settings; with "--" as an option
+    const char* what = "";  ///< description for a first-time user
     SettingOf of = SettingOf::felt;
-    SettingRange range{};  ///< in a window. An option takes any number: `validate` refuses what cannot be
+    SettingRange range{};  ///< in a window. An option takes any number that `validate` allows
     /// Sets a legal value (SettingRange::value_of) in the options of a run.
     std::function<void(double value, SessionOptions& options)> set{};
-    /// The value that a run has; null: the setting has none of its own, as "filters".
+    /// The run's value; null: the setting has no value of its own, like "filters".
     std::function<std::string(const TouchSetup& setup)> get{};
-    std::string usual{};  ///< of a number: what a run has where nothing sets it; empty: see `what`
+    std::string usual{};  ///< a number's default; empty: see `what`
 };
 std::span<const SessionSetting> run_settings();
-/// Those that a window has: all but the experts'.
+/// The settings in a window: all but SettingOf::expert.
 std::span<const SessionSetting> session_settings();
-/// One of those; null: none has that name.
+/// The session setting with that name; null: none.
 const SessionSetting* session_setting(std::string_view name);
 
 Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& options);
-/// The run of `part`, which outlives the setup: by `options.builder`, and over the clip and scene file of
-/// `options.clip` where they are given. `gpu`: that of the part before; nothing: its own.
+/// The run of `part`, which must outlive the setup, with `options.builder` and, if given, the clip and files
+/// of `options.clip`. `gpu`: the previous part's; null: the run opens its own.
 Result<std::unique_ptr<TouchSetup>> setup_from_recording(const RecordedPart& part,
                                                          const SessionOptions& options,
                                                          std::shared_ptr<RunGpu> gpu = nullptr);
 
-/// What a live session's haptic thread is plugged into: the hand, the device that it holds, or the one that a
-/// person holds. Opens the device. `setup` outlives the port.
+/// The port of a live session's haptic thread: to the hand, the device it holds, or the user's device. Opens
+/// the device. `setup` must outlive the port.
 Result<std::unique_ptr<HapticPort>> open_port(TouchSetup& setup);
 
-/// After a session: the reason that its device gives for having stopped.
+/// After a session: stores the device's reason for a failure in `facts`.
 void explain_failure(const TouchSetup& setup, LiveFacts& facts);
 
-/// A tick as its fingers had it.
+/// A tick's goals, contacts and forces, per finger.
 struct WatchedTick {
     struct Finger {
-        glm::dvec3 goal{0.0};  ///< as the hand gave it
-        Contact contact;       ///< the goal that was used, proxy, whether it touches, properties there
-        GuardedForce force;    ///< as it was sent to the hand, and why it is not the spring's; no energy
+        glm::dvec3 goal{0.0};  ///< as given by the hand
+        Contact contact;       ///< the goal used, proxy, whether it touches, local properties
+        GuardedForce force;    ///< as sent to the hand, and why it differs from the spring's; no energy
     };
     std::int64_t tick = -1;
     std::vector<Finger> fingers;
 };
 
-/// What the hand was at, to be drawn.
+/// What the hand touches at a tick, for drawing.
 struct WatchedMoment {
-    SurfaceTimeline::HeldPair held;    ///< its frames stay whole until the next look
-    std::optional<HeldPlanes> stored;  ///< of the pair's frame nearer in time, where its reader keeps them
-    WatchedTick felt;                  ///< by every finger: of that tick or one a few later
+    SurfaceTimeline::HeldPair held;    ///< its frames stay valid until the next look
+    std::optional<HeldPlanes> stored;  ///< of the pair's frame nearer in time, if kept by its reader
+    WatchedTick felt;                  ///< all fingers, at that tick or a few later
 
-    PlaneView colour() const { return stored ? stored->colour : PlaneView{}; }  ///< empty: it has none
+    PlaneView colour() const { return stored ? stored->colour : PlaneView{}; }  ///< empty: no colour
 };
 
-/// How a session goes while it does.
+/// Figures of a running session.
 struct WatchedFigures {
     struct Ticks {
         std::int64_t ticks = 0;
-        std::int64_t late = 0;   ///< that began a millisecond or more too late
-        double solve_us = 0;     ///< of the newest
-        double late_us_p99 = 0;  ///< of all, in steps of 10; 1000 stands for all that were later
+        std::int64_t late = 0;   ///< ticks that began a millisecond or more late
+        double solve_us = 0;     ///< of the newest tick, us
+        double late_us_p99 = 0;  ///< 99th percentile of all ticks, us, in steps of 10; 1000: that or later
     };
     FeedFigures feed;
-    Ticks ticks;                   ///< those so far
-    std::int64_t late_frames = 0;  ///< but for the two that an epoch begins with
+    Ticks ticks;                   ///< so far
+    std::int64_t late_frames = 0;  ///< except the two that begin an epoch
 };
 
-/// A live session on threads of its own, beside a watcher who also commands its clip's clock. It goes on
-/// until it is stopped, or the device fails: where the clip ends or fails, its surface stands still. Nothing
-/// here keeps the haptic thread waiting.
+/// A live session on its own threads, with a watcher that draws it and commands the clip's clock. Runs until
+/// stopped or until the device fails; when the clip ends or fails, its surface stands still. Never blocks the
+/// haptic thread.
 class WatchedSession : NonCopyable {
 public:
-    /// As many commands as a session takes: one every tenth of a second for an hour and a half.
+    /// Limit of commands in a session: one every tenth of a second for an hour and a half.
     static constexpr std::size_t most_commands = 65536;
 
-    /// Begins at once. `setup` was made for a live run that is watched. `sinks` get every tick, on the
-    /// session's own thread, and outlive it. Refused (ErrorKind::usage): commands known before that are not
-    /// of tick 0, which are those of a run without a watcher.
+    /// Begins at once. `setup` was made for a watched live run. `sinks` get every tick on the session's own
+    /// thread and must outlive it. Refused (ErrorKind::usage): playback commands of later ticks than 0, which
+    /// only a run without a watcher takes.
     static Result<std::unique_ptr<WatchedSession>> start(std::unique_ptr<TouchSetup> setup,
                                                          std::vector<TouchSink*> sinks);
-    ~WatchedSession();  ///< stops it
+    ~WatchedSession();  ///< calls stop
 
-    /// Zero force, threads ended, the device closed, and the setup as after any run: its settings have all
-    /// commands.
+    /// Sends zero force, ends the threads, closes the device; the setup's settings then hold all commands.
     void stop();
     bool running() const { return running_.load(std::memory_order_acquire); }
 
-    // The watcher's, one thread.
-    /// Takes effect with the next tick. Refused (ErrorKind::usage): what `validate` refuses, moments beyond
-    /// the clip's end, anything of a camera, after the end, and once there are `most_commands`.
+    // One thread, the watcher's.
+    /// Takes effect at the next tick. Refused (ErrorKind::usage): invalid commands, moments beyond the clip's
+    /// end, any command to a camera or after the end, and more than `most_commands`.
     Result<void> ask(PlaybackVerb verb, std::int64_t first = 0, std::int64_t second = 0);
-    /// Whether a command is still to take effect; after the end it never will.
+    /// Whether a command has yet to take effect; after the end it never will.
     bool is_asked() const { return log_->is_waiting(); }
-    /// How many have taken effect so far.
+    /// Number of commands that have taken effect.
     std::size_t commands() const { return log_->size(); }
-    /// What the hand was at last; nothing before the first tick. Waits for nothing but a copy of the same.
+    /// What the hand touched last; nullptr before the first tick. Waits only for a tick being copied.
     const WatchedMoment* look();
 
     // Any thread.
     PlaybackState playback() const;
-    /// The clip's clock, as every tick has met it.
+    /// The clip's clock as applied to every tick.
     PlaybackClock clock() const { return {setup_->scene.rate, log_}; }
     WatchedFigures figures() const;
     /// As LiveSession::clip_failure.
     std::optional<Error> clip_failure() const { return live_->clip_failure(); }
     /// As ClipReader::remarks.
     std::vector<std::string> remarks() const { return setup_->feed->reader().remarks(); }
-    /// Frames with which the clip showed something else all at once, of those that came by.
+    /// First frames after a cut, among the frames read so far.
     std::set<std::int64_t> cuts() const { return setup_->feed->cuts(); }
 
     // After the end.
     const LiveFacts& facts() const { return facts_; }
-    /// Why it ended, if not because it was to.
+    /// Why it ended, unless stopped.
     std::optional<Error> failure() const;
     TouchSetup& setup() { return *setup_; }
 
@@ -348,23 +346,23 @@ private:
     std::vector<TouchSink*> sinks_;
     WatchedMoment seen_;
     std::atomic<bool> running_{false};
-    // Of the session's thread, until it has ended.
+    // Owned by the session's thread until it has ended.
     Result<void> ran_;
     LiveFacts facts_;
     std::thread thread_;
 };
 
-/// What one finger did, and what it felt.
+/// One finger's goals and forces.
 struct Stroke {
     ForceTable forces;
     double metres_per_scene_unit = 0;
 };
 
-/// The stroke of a finger that wanders over a clip, always on the same way. The clip has the filters that it
-/// states, or that its first frames ask for, here and below.
+/// The stroke of a finger that wanders over a clip, always along the same path. Here and below the clip has
+/// the filters it states, or those chosen from its first frames.
 Result<Stroke> standard_stroke(std::unique_ptr<ClipReader> clip);
-/// What the same hand feels of two clips that show the same: the very goals of a stroke over the first are
-/// repeated over the second, at the same scale.
+/// Compares the forces of two clips of the same scene: repeats the goals of a stroke over the first on the
+/// second, at the same scale.
 Result<ForceComparison> compare_by_stroke(const Stroke& first, std::unique_ptr<ClipReader> second);
 
 }  // namespace touchable

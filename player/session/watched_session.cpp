@@ -12,16 +12,15 @@ namespace touchable {
 
 namespace {
 
-// One rule for a hand that fell silent and for a program that stood still.
+// A silent hand and a stalled program are handled by the same time limit.
 static_assert(HandControl::away_ticks * std::int64_t{1'000'000} +
                   static_cast<std::int64_t>(HapticDevice::oldest_s * 1e9) ==
               HapticLoop::longest_gap_ns);
 
-/// A device that a person holds, with what stands between it and the fingers: mapping, clutch, and the force
-/// that is asked for.
+/// A device held by the user, with the mapping, clutch and force enabling between it and the fingers.
 class HeldPort final : public HapticPort {
 public:
-    /// All of them outlive the port; the device is open. `log`: nullptr: none is kept.
+    /// All must outlive the port; the device is open. `log`: nullptr: no log.
     HeldPort(HapticDevice& device, HandControl& control, DeviceTickLog* log)
         : device_(device),
           control_(control),
@@ -44,7 +43,7 @@ public:
     bool write_forces(std::span<const glm::dvec3> newtons) override {
         const auto passed =
             static_cast<int>(std::min<std::int64_t>(tick_ - written_, HandControl::rise_ticks));
-        const bool is_tick = tick_ > written_;  // the zeros at the end are of none
+        const bool is_tick = tick_ > written_;  // the zeros at the end belong to no tick
         written_ = tick_;
         control_.to_device(newtons, passed, newtons_);
         for (std::size_t finger = 0; finger < newtons_.size(); ++finger)
@@ -55,14 +54,14 @@ public:
         return works;
     }
 
-    /// All of it where the device has no motors: what is reported is the scene's force then.
+    /// 1 if the device has no motors: the reported force is then the scene's.
     double share(std::size_t finger) const override {
         if (!has_motors_) return 1;
         return has_place(finger) ? control_.share(finger) : 0;
     }
 
 private:
-    /// A finger without a place has no force, which its device would not let out either.
+    /// A finger without a position has no force; its device would not exert one either.
     bool has_place(std::size_t finger) const { return std::isfinite(places_[finger].x); }
 
     HapticDevice& device_;
@@ -79,7 +78,7 @@ HapticDevice* device_of(const TouchSetup& setup) {
 
 }  // namespace
 
-/// The newest tick, from the session's thread to a watcher's.
+/// Hands the newest tick from the session's thread to the watcher's.
 class WatchedSession::Ticks final : public TouchSink {
 public:
     Result<void> take(const TouchTick& tick) override {
@@ -171,7 +170,7 @@ WatchedSession::~WatchedSession() {
     stop();
 }
 
-/// Nothing thrown leaves the thread.
+/// Catches every exception of the thread.
 void WatchedSession::run() {
     try {
         ran_ = live_->run(sinks_);

@@ -37,10 +37,10 @@ struct BackgroundWriter::Queue {
     const std::size_t most_waiting;
     char thread_name[16]{};
     std::mutex mutex{};
-    std::condition_variable changed{};  // a job is done
-    // Guarded by it.
+    std::condition_variable changed{};  // signalled when a job is done
+    // Guarded by `mutex`.
     std::deque<Job> waiting{};
-    std::optional<Job> at_work{};  // without what it owns; empty: none, or it was dropped
+    std::optional<Job> at_work{};  // without its closures; empty: none, or it was dropped
     std::vector<Written> done{};
     bool has_thread = false, is_abandoned = false;
 };
@@ -72,7 +72,7 @@ void BackgroundWriter::give(Job job) {
     (void)Queue::start(queue_);
 }
 
-/// Where the machine has no thread left, the next call of the writer tries again.
+/// If the machine has no thread left, the writer's next call tries again.
 Result<void> BackgroundWriter::Queue::start(const std::shared_ptr<Queue>& queue) {
     if (queue->has_thread || queue->waiting.empty()) return {};
     std::thread thread;
@@ -96,10 +96,10 @@ void BackgroundWriter::Queue::work() {
             if (at_work)
                 at_work->file = job.file;
             else
-                job.write = [](const auto&) -> Result<void> { return {}; };  // it was dropped meanwhile
+                job.write = [](const auto&) -> Result<void> { return {}; };  // dropped meanwhile
         }
         auto result = job.write(job.file);
-        job.write = nullptr;  // frees what it owns before it counts as done
+        job.write = nullptr;  // releases its data before it counts as done
         lock.lock();
         if (at_work) done.push_back({job.file, job.tag, std::move(result)});
         at_work.reset();
@@ -147,8 +147,7 @@ bool BackgroundWriter::finish(std::chrono::milliseconds longest, Late late) {
     return false;
 }
 
-/// A sync that failed is not tried again: Linux reports a row that it could not write once, and then forgets
-/// it.
+/// A failed sync is not retried: Linux reports a failed write once, then forgets it.
 int append_durably(int out, std::string_view rows) {
     const off_t before = lseek(out, 0, SEEK_END);
     int why = write_all(out, rows);

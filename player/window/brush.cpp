@@ -48,7 +48,7 @@ bool is_there(const std::filesystem::path& file) {
     return std::filesystem::exists(file, failed) || failed;
 }
 
-/// Nothing: there is no such file.
+/// The saved text; nullopt if there is no such file.
 Result<std::optional<std::string>> read_saved(const std::filesystem::path& file) {
     if (!is_there(file)) return std::optional<std::string>();
     TRY_ASSIGN(auto text, read_given_file(file, file.string(), "a file of segments (JSON, docs/content.md)",
@@ -56,11 +56,11 @@ Result<std::optional<std::string>> read_saved(const std::filesystem::path& file)
     return std::optional(std::move(text));
 }
 
-/// A file beside the history, which exists while a window uses the history.
+/// A lock file beside the history, held while a window uses the history.
 class HistoryLock : NonCopyable {
 public:
-    /// Whether no other window holds it. A lock file that cannot be made counts as free: then no history can
-    /// be written either.
+    /// Returns whether no other window holds it. A lock file that cannot be made counts as free: then no
+    /// history can be written either.
     static bool take(const std::filesystem::path& history, std::shared_ptr<void>& held) {
         auto lock = std::make_shared<HistoryLock>();
         lock->file_ = history;
@@ -182,7 +182,7 @@ std::filesystem::path BrushFiles::history() const {
     return history_folder / ("brush-" + hash_of_text(key) + ".json");
 }
 
-/// Takes the saved names of segments in place of guesses.
+/// Replaces guesses by the saved names of segments.
 Result<void> KeptBrush::take_saved(const std::optional<std::string>& text) {
     if (!text) return {};
     TRY_ASSIGN(const auto names, parse_segment_names(*text, files_.saved().string()));
@@ -191,7 +191,7 @@ Result<void> KeptBrush::take_saved(const std::optional<std::string>& text) {
     return {};
 }
 
-/// Fails if it is no history, or one of other materials than are saved now; then nothing is changed.
+/// Fails, changing nothing, if it is no history, or belongs to materials other than the saved ones.
 Result<void> KeptBrush::take_history(const std::string& text, const std::optional<std::string>& saved) {
     const std::string where = files_.history().string();
     std::vector<std::string> hashes;
@@ -216,7 +216,7 @@ void KeptBrush::set_history_aside(const Error& why) {
     go_without_history(why.message + "; it stays there, for " + aside.error().message);
 }
 
-/// Whether the brush goes on with a history.
+/// Returns whether a history was loaded.
 Result<bool> KeptBrush::find_history(const std::optional<std::string>& saved) {
     const std::filesystem::path file = files_.history();
     if (file.empty()) return false;

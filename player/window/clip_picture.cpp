@@ -11,9 +11,9 @@ namespace {
 using TintRgb = std::array<std::uint8_t, 3>;
 
 constexpr TintRgb tint_of_holes{24, 24, 28}, tint_of_borders{12, 12, 16};
-constexpr int pale = 150;                          // what half of a guess's colour is
-constexpr int grey_brightness = 160;               // where the clip has no colour
-constexpr int darkest = 104, of_brightness = 152;  // of 256: how bright black is, and white besides
+constexpr int pale = 150;                          // blended half into a guess's colour
+constexpr int grey_brightness = 160;               // without a clip colour
+constexpr int darkest = 104, of_brightness = 152;  // of 256: black's brightness, and white's additional
 
 int brightness_at(const PlaneView& colour, int x, int y, int width, int height) {
     if (colour.empty() || colour.channels < 3 || colour.bytes_per_sample != 1) return grey_brightness;
@@ -56,7 +56,8 @@ void SegmentTint::paint_anew(const PlaneView& colour) {
     const int width = segments.width(), height = segments.height();
     segments.read_labels(frame_, labels_);
     std::vector<TintRgb> colours(65536, material_colour(""));
-    std::vector<std::uint16_t> things(65536);  // the first segment of that name: joined ones have no border
+    std::vector<std::uint16_t> things(65536);  // the first segment of that name, as joined ones have no
+                                               // border
     std::map<std::string, std::uint16_t> by_name;
     for (const auto& [label, paint] : painted_->by_label) {
         colours[label] = tint_of(paint);
@@ -149,7 +150,7 @@ void DrawnState::remember(const WatchedMoment& moment, int count) {
 
 void PictureGovernor::go_to(std::size_t level, double now_s) {
     const bool rises = level < level_;
-    // What was too much soon after it was tried is tried again later and later.
+    // A level that failed soon after a rise is retried after doubled waits.
     if (!rises) wait_s_ = rose_ && now_s - changed_s_ < wait_s_ ? std::min(2 * wait_s_, most_s) : least_s;
     level_ = level;
     rose_ = rises;
@@ -158,14 +159,14 @@ void PictureGovernor::go_to(std::size_t level, double now_s) {
 
 void PictureGovernor::add(double now_s, std::int64_t due, std::int64_t in_time, double drawing,
                           bool coarse_saves) {
-    // Where both are the same, coarse is the first level.
+    // Without savings, coarse is the first level.
     const std::size_t least = coarse_saves ? 0 : 1;
     level_ = std::max(level_, least);
     due_ += due;
     in_time_ += in_time;
     drawing_ += drawing;
     ++pictures_;
-    // That too many are late is known before all are due; what less has saved is not.
+    // Lateness can be judged before all frames are due; savings cannot.
     const bool is_lowest = level_ + 1 == levels_.size(), is_judged = before_ > 0 && is_lowest;
     if (due_ < few && (is_judged || static_cast<double>(due_ - in_time_) <= (1 - tolerated) * few)) return;
     const double drawing_each = drawing_ / static_cast<double>(pictures_);
@@ -187,9 +188,9 @@ void PictureGovernor::add(double now_s, std::int64_t due, std::int64_t in_time, 
     }
 }
 
-/// Judged at the end of the way down: a step of it may save too little to be seen in the time, as long as
-/// decoding wants what it leaves. Pictures just after a clip has opened, or beside a busy program, may take
-/// as long as before whatever is saved: while they are late, more of them are looked at.
+/// Judges at the lowest level, as a single step may save too little time while decoding takes what it frees.
+/// Just after a clip has opened, or beside a busy program, pictures may take equally long at every level:
+/// while they are late, judging is repeated.
 void PictureGovernor::judge(double drawing_each, bool is_late, double now_s) {
     const bool saves = drawing_each <= worth * before_;
     if (!saves && is_late && ++judged_ < judgements) return;

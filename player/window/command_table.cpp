@@ -188,7 +188,7 @@ std::vector<CommandRow> all_rows() {
     return rows;
 }
 
-/// Keys of all rows. Those of a row that alternates stand between those of the row above.
+/// Keys of all rows. Those of a row that alternates are interleaved with the row above.
 std::vector<KeyBinding> all_keys() {
     std::vector<KeyBinding> keys;
     for (const CommandRow& row : command_rows()) {

@@ -13,7 +13,7 @@ namespace {
 constexpr ImU32 light_ink = IM_COL32(255, 255, 255, 235), dark_ink = IM_COL32(0, 0, 0, 130),
                 faint_ink = IM_COL32(255, 255, 255, 120);
 
-/// Whether something is drawn in front of it.
+/// Whether a drawn surface hides the place.
 bool is_hidden(const glm::dvec3& place, double radius, const glm::dvec3& screen, const HeightField& field,
                const ViewCamera& camera) {
     const double before = glm::distance(place, camera.eye) - 2.5 * radius;
@@ -25,7 +25,7 @@ ImVec2 point(const glm::dvec2& at) {
     return {static_cast<float>(at.x), static_cast<float>(at.y)};
 }
 
-/// So much of a turn, clockwise from straight up.
+/// Draws a share `turns` of the circle, clockwise from straight up.
 void draw_arc(ImDrawList& list, const FingerHalo& halo, double turns, float thick, ImU32 colour) {
     constexpr double upward = -0.5 * std::numbers::pi;
     list.PathArcTo(point(halo.at), static_cast<float>(halo.ring), static_cast<float>(upward),
@@ -33,7 +33,7 @@ void draw_arc(ImDrawList& list, const FingerHalo& halo, double turns, float thic
     list.PathStroke(colour, 0, thick);
 }
 
-/// On a dark background, to be read on any surface.
+/// Draws the force on a dark background, legible on any surface.
 void draw_newtons(ImDrawList& list, const FingerHalo& halo, std::vector<LabelBox>& labels, float scale) {
     const std::string words = formatted("%.1f N", halo.newtons);
     const ImVec2 text = ImGui::CalcTextSize(words.c_str());
@@ -47,7 +47,7 @@ void draw_newtons(ImDrawList& list, const FingerHalo& halo, std::vector<LabelBox
     list.AddText(ImVec2(at.x + x, at.y + y), light_ink, words.c_str());
 }
 
-/// The force of an arrow that is too short on the screen to show it.
+/// Draws the sign for an arrow that is too short on the screen.
 void draw_end_on(ImDrawList& list, const FingerHalo& halo, float scale) {
     const float arm = static_cast<float>(halo.radius) * 0.42F;
     const ImVec2 at = point(halo.at);
@@ -121,7 +121,7 @@ std::vector<FingerHalo> finger_halos(std::span<const FingerMark> fingers, const 
 void draw_finger_halos(std::span<const FingerHalo> halos, float scale) {
     constexpr double least_newtons = 0.05;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
-    std::vector<LabelBox> taken;  // by rings, heads of arrows, and labels
+    std::vector<LabelBox> taken;  // boxes of rings, arrow heads, and labels
     for (const FingerHalo& halo : halos) {
         const glm::dvec2 tip = halo.at + halo.arrow;
         taken.push_back({halo.at - halo.ring, halo.at + halo.ring});

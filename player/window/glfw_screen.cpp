@@ -1,5 +1,5 @@
-// A window of the system's, by GLFW: the pictures that it shows by Vulkan, keys, mouse and touch screen as
-// events, and what becomes of all that where its X server goes away.
+// A system window with GLFW: pictures presented with Vulkan, keys, mouse and touch screen as events, and
+// handling of a lost X server.
 
 #include <dlfcn.h>
 #include <poll.h>
@@ -57,7 +57,7 @@ std::vector<Value> all_of(Ask ask) {
     return values;
 }
 
-/// A window system's surface for Vulkan. It must outlive every swapchain that shows on it.
+/// A window's Vulkan surface. Must outlive every swapchain on it.
 class WindowSurface : NonCopyable {
 public:
     WindowSurface(std::shared_ptr<VulkanDevice> vulkan, VkSurfaceKHR surface)
@@ -70,12 +70,12 @@ private:
     VkSurfaceKHR surface_;
 };
 
-/// The pictures that a window shows in turn. `present` waits until the drawing is done, so that nothing that
-/// the drawing read has to be kept longer. A GPU that hangs is not waited for; what it may still use stays in
-/// memory. A lost surface counts as a lost GPU: both have to be opened anew.
+/// A window's swapchain. `present` waits for the drawing to complete, so that its inputs need not be kept
+/// longer. It does not wait for a hanging GPU, but leaks what that may still use. A lost surface counts as a
+/// lost GPU: both must be reopened.
 class Swapchain : NonCopyable {
 public:
-    /// ErrorKind::gpu where the device cannot show on this surface.
+    /// ErrorKind::gpu if the device cannot present to this surface.
     static Result<std::unique_ptr<Swapchain>> create(std::shared_ptr<GpuDevice> device,
                                                      std::unique_ptr<WindowSurface> surface) {
         std::unique_ptr<Swapchain> made(new Swapchain(std::move(device), std::move(surface)));
@@ -92,8 +92,8 @@ public:
         if (acquired_) vkDestroyFence(device_->vulkan()->device, acquired_, nullptr);
     }
 
-    /// Screen::present; `wanted`: pixels of the window, of which the surface may know better. Nothing is
-    /// shown while it has none.
+    /// Screen::present; `wanted`: the window's size in pixels, which the surface may override. Nothing is
+    /// shown while it is empty.
     Result<void> present(GpuCommands commands, const GpuImage& canvas, VkExtent2D wanted) {
         std::uint32_t index = 0;
         bool shown = false;
@@ -139,8 +139,7 @@ private:
         const auto formats = all_of<VkSurfaceFormatKHR>([&](std::uint32_t* count, VkSurfaceFormatKHR* to) {
             return vkGetPhysicalDeviceSurfaceFormatsKHR(gpu.physical, surface_->handle(), count, to);
         });
-        // The canvas holds what is to be seen already: a format that would make it brighter is the last
-        // resort.
+        // The canvas holds final (sRGB) values: an sRGB format would brighten it, so it is the last resort.
         const auto plain = std::ranges::find_if(formats, [](const VkSurfaceFormatKHR& format) {
             return format.format == VK_FORMAT_B8G8R8A8_UNORM || format.format == VK_FORMAT_R8G8B8A8_UNORM;
         });
@@ -149,7 +148,7 @@ private:
         const auto modes = all_of<VkPresentModeKHR>([&](std::uint32_t* count, VkPresentModeKHR* to) {
             return vkGetPhysicalDeviceSurfacePresentModesKHR(gpu.physical, surface_->handle(), count, to);
         });
-        // The player paces itself: a wait for the screen here would only make it late.
+        // The player paces itself: waiting for the screen here would only add delay.
         if (std::ranges::find(modes, VK_PRESENT_MODE_MAILBOX_KHR) != modes.end())
             mode_ = VK_PRESENT_MODE_MAILBOX_KHR;
         VkFenceCreateInfo fence{};
@@ -158,7 +157,7 @@ private:
         if (result != VK_SUCCESS) return gpu.failed("vkCreateFence", result);
         return {};
     }
-    /// False where the window has no pixels. Nothing that was drawn before is still at work.
+    /// False if the window has no pixels. No earlier drawing is in progress.
     Result<bool> make(VkExtent2D wanted) {
         VulkanDevice& gpu = *device_->vulkan();
         destroy_chain();
@@ -198,7 +197,7 @@ private:
         if (!chain_) return;
         VulkanDevice& gpu = *device_->vulkan();
         if (!device_->lost()) {
-            // What was drawn is done; what was presented may not be.
+            // Drawing is done; presentation may not be.
             const std::lock_guard lock(gpu.queue_mutex);
             vkQueueWaitIdle(gpu.queue);
         }
@@ -210,13 +209,13 @@ private:
         if (result == VK_ERROR_SURFACE_LOST_KHR) device_->lose();
         return device_->vulkan()->failed(call, result);
     }
-    /// False where the chain has to be made anew first.
+    /// False if the chain must be remade first, or no image is free.
     Result<bool> acquire(std::uint32_t& index) {
         VulkanDevice& gpu = *device_->vulkan();
         constexpr std::uint64_t patience_ns = 100'000'000;
         VkResult result =
             vkAcquireNextImageKHR(gpu.device, chain_, patience_ns, VK_NULL_HANDLE, acquired_, &index);
-        // A window that is covered may have no picture free: this one is not shown then.
+        // A covered window may have no free image: `present` then tries once more with a new chain.
         if (result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_TIMEOUT || result == VK_NOT_READY)
             return false;
         if (result == VK_SUBOPTIMAL_KHR) outdated_ = true;
@@ -272,10 +271,10 @@ private:
     bool acquiring_ = false;  // the window system has yet to signal the fence
 };
 
-std::atomic<bool> met_fault{false};  // of the connection, in the middle of a call
+std::atomic<bool> met_fault{false};  // of the connection, during a call
 std::atomic<bool> met_no_window{false};
 
-/// XErrorEvent, whose layout is part of Xlib's interface.
+/// XErrorEvent; its layout is part of Xlib's ABI.
 struct XRefusal {
     int type;
     void* display;
@@ -284,24 +283,24 @@ struct XRefusal {
 };
 constexpr unsigned char bad_window = 3, bad_drawable = 9;
 
-/// Of a request that was refused: without it, Xlib ends the program.
+/// Handler of refused requests: without it, Xlib ends the program.
 int note_refusal(void*, XRefusal* refusal) {
     if (refusal->error == bad_window || refusal->error == bad_drawable) met_no_window = true;
     return 0;
 }
 
-/// GLFW for Wayland has none of these, and Xlib's headers are not needed for them.
+/// Looked up at run time: GLFW for Wayland lacks these, and Xlib's headers are not needed.
 template <class Function>
 Function* function(const char* name) {
     return reinterpret_cast<Function*>(dlsym(RTLD_DEFAULT, name));
 }
 
-/// GLFW's connection to an X server. Left alone, Xlib ends the program where the server goes away, or another
-/// program destroys the window; with this, its calls do nothing from then on. Nothing of it does anything
-/// where GLFW speaks to something else.
+/// GLFW's connection to an X server. By default Xlib ends the program if the server goes away, or another
+/// program destroys the window; with this class, its calls then do nothing. Without an X server the class
+/// does nothing.
 class XConnection {
 public:
-    /// After glfwInit.
+    /// Call after glfwInit.
     void open() {
         using OnFault = int(void* display);
         using OnExit = void(void* display, void* data);
@@ -325,22 +324,22 @@ public:
         socket_ = socket_of(display);
     }
     bool is_open() const { return socket_ >= 0; }
-    /// The server has gone away. Xlib, and so GLFW, then knows nothing of use any more.
+    /// The server has gone away. Xlib, and so GLFW, is unusable then.
     bool is_lost() const {
         if (!is_open()) return false;
         if (met_fault) return true;
         pollfd look{socket_, POLLRDHUP, 0};
         return poll(&look, 1, 0) > 0 && (look.revents & (POLLRDHUP | POLLHUP | POLLERR | POLLNVAL)) != 0;
     }
-    /// Another program has destroyed the window: an X server has refused something for that reason.
+    /// Another program has destroyed the window: the X server refused a request for that reason.
     bool has_lost_window() const { return is_open() && met_no_window; }
-    /// Until there is something to be read, there or from those other two, but no longer than that.
+    /// Waits for input on the connection or two other sockets, for `longest` at most.
     void wait(std::chrono::milliseconds longest, int other, int another) const {
         std::array<pollfd, 3> look{
             {{is_lost() ? -1 : socket_, POLLIN, 0}, {other, POLLIN, 0}, {another, POLLIN, 0}}};
         poll(look.data(), look.size(), static_cast<int>(longest.count()));
     }
-    /// Of the display, as long as the connection is there.
+    /// Keeps the display awake while the connection lives.
     void keep_awake() const {
         if (is_open()) keep_screen_awake(display_);
     }
@@ -359,14 +358,14 @@ Error no_display() {
             {{Setting::headless}}};
 }
 
-/// All of GLFW, and so all input, has a thread of its own, the window's thread: a key is heard while the main
-/// thread draws, waits for a GPU or opens something. (GLFW asks for one thread; that this is the main one
-/// matters on macOS alone.) Vulkan's swapchain is the main thread's.
+/// All of GLFW, and so all input, runs on a separate thread, the window's thread: keys are processed while
+/// the main thread draws, waits for a GPU or opens something. (GLFW must be used by one thread; only on macOS
+/// must that be the main one.) Vulkan's swapchain belongs to the main thread.
 class GlfwScreen final : public Screen {
 public:
     ~GlfwScreen() override {
         swapchain_.reset();
-        is_over_ = true;  // seen at its next look: GLFW may be gone before it could be woken
+        is_over_ = true;  // polled: GLFW may be gone before it could be woken
         if (thread_.joinable()) thread_.join();
         if (wake_ >= 0) close(wake_);
     }
@@ -447,7 +446,7 @@ public:
 
     void set_size(int width, int height) override {
         ask_and_wait([this, width, height] {
-            // Pixels at this display's scale, in the window's own units.
+            // Converts pixels at this display's scale to the window's own units.
             const double unit = size_.width > 0 ? size_.scale * units_.first / size_.width : 1;
             glfwSetWindowSize(window_, static_cast<int>(width * unit), static_cast<int>(height * unit));
         });
@@ -462,8 +461,8 @@ public:
     }
 
 private:
-    // The main thread's.
-    /// The window's thread does it soon, after what it was asked for before, unless the display is gone.
+    // The main thread's functions.
+    /// Queues an errand for the window's thread; it is skipped if the display is gone.
     std::uint64_t ask(std::function<void()> errand) {
         std::uint64_t number = 0;
         {
@@ -474,14 +473,14 @@ private:
         wake();
         return number;
     }
-    /// As `ask`, and returns once it is done and the window has its new size. Does not wait for a display
-    /// that hangs once the program is asked to stop.
+    /// Like `ask`, but waits until it is done and the window has its new size. Does not wait for a hanging
+    /// display once the program is asked to stop.
     void ask_and_wait(std::function<void()> errand) {
         const std::uint64_t number = ask(std::move(errand));
         std::unique_lock lock(mutex_);
         (void)wait_unless_stopped(has_news_, lock, [&] { return done_ >= number; });
     }
-    /// Where the window is gone, that is why.
+    /// The error; if the window is gone, that reason instead.
     Error why(const Error& error) {
         ask_and_wait([this] { note_size(); });
         const auto well = health();
@@ -493,10 +492,10 @@ private:
         (void)!write(wake_, &one, sizeof one);
     }
 
-    // All that follows is the window's thread's.
+    // The rest runs on the window's thread.
     Result<void> open_window(const ScreenOptions& options) {
         glfwInitHint(GLFW_JOYSTICK_HAT_BUTTONS, GLFW_FALSE);
-#ifdef GLFW_PLATFORM  // since 3.4, which would look for Wayland first: `connection_` hears of X11 alone
+#ifdef GLFW_PLATFORM  // since 3.4, which would try Wayland first: `connection_` supports X11 only
         if (std::getenv("DISPLAY") || !std::getenv("WAYLAND_DISPLAY"))
             glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
 #endif
@@ -522,7 +521,7 @@ private:
         return {};
     }
 
-    /// No larger than what the display has for windows.
+    /// The size, limited to the display's work area.
     static std::pair<int, int> fitted(const ScreenOptions& options) {
         int x = 0, y = 0, width = 0, height = 0;
         if (GLFWmonitor* const monitor = glfwGetPrimaryMonitor())
@@ -531,11 +530,11 @@ private:
         return {std::min(options.width, width), std::min(options.height, height)};
     }
 
-    /// Until the window is over. Vulkan presents by the same connection, and may have read what wakes this
-    /// thread: it looks again soon in any case.
+    /// Runs until the window closes. Vulkan presents on the same connection, and may have read the bytes that
+    /// would wake this thread, so it polls regularly.
     void serve() {
         constexpr std::chrono::milliseconds look_again{8};
-        constexpr int size_again = 12;  // looks: asks the X server, which says so where the window is gone
+        constexpr int size_again = 12;  // polls: queries the X server, which reports a lost window
         for (int k = 1; !is_over_; ++k) {
             do_errands();
             if (k % size_again == 0) note_size();
@@ -601,7 +600,7 @@ private:
         size_ = size;
     }
 
-    /// Touches first: of what GLFW tells then it is known whose pointer it is.
+    /// Reads touches first: then it is known whether GLFW's pointer events are a finger's.
     void read_events() {
         if (connection_.is_lost()) return;
         if (touches_)
@@ -624,7 +623,7 @@ private:
         if (opened) touches_ = std::move(*opened);
     }
 
-    /// X's pointer goes along with a finger, which is an event of its own already.
+    /// X's pointer follows a finger, which has its own events.
     bool pointer_is_finger() const {
         return touches_ && touches_->has_pointer();
     }
@@ -639,7 +638,7 @@ private:
         has_news_.notify_all();
     }
 
-    /// A place in the window's own units, in pixels of the picture.
+    /// Converts the window's own units to pixels of the picture.
     std::pair<double, double> pixels(double x, double y) const {
         if (units_.first < 1 || units_.second < 1) return {x, y};
         return {x * size_.width / units_.first, y * size_.height / units_.second};
@@ -661,7 +660,7 @@ private:
         glfwSetMouseButtonCallback(window_, [](GLFWwindow* window, int button, int action, int held) {
             constexpr const char* names[] = {"left", "right", "middle"};
             if (button > GLFW_MOUSE_BUTTON_MIDDLE) return;
-            // A button that was pressed before the finger came is let go of all the same.
+            // The release of a button pressed before the finger came is still reported.
             if (action != GLFW_RELEASE && of(window).pointer_is_finger()) return;
             of(window).add({.kind = action == GLFW_RELEASE ? Kind::released : Kind::pressed,
                             .word = names[button],
@@ -683,7 +682,7 @@ private:
                             .shift = (held & GLFW_MOD_SHIFT) != 0,
                             .repeated = action == GLFW_REPEAT});
         });
-        // After the key that it comes of.
+        // Comes after its key event.
         glfwSetCharCallback(window_, [](GLFWwindow* window, unsigned character) {
             const std::string name = name_of_sign(character);
             if (!name.empty())
@@ -702,30 +701,30 @@ private:
     }
 
     std::thread thread_;
-    int wake_ = -1;  // the window's thread
+    int wake_ = -1;  // wakes the window's thread
     std::atomic<bool> is_over_{false};
     XConnection connection_;
     GLFWwindow* window_ = nullptr;
     std::string touch_state_;
     std::function<void(InputEvent&)> at_once_;
-    // The main thread's.
+    // The main thread's data.
     std::unique_ptr<Swapchain> swapchain_;
     bool hidden_ = false;
-    // From one to the other.
+    // Shared data.
     mutable std::mutex mutex_;
-    std::condition_variable has_news_;  // an event, or an errand is done
-    ScreenSize size_;                   // as last known; written by the window's thread
+    std::condition_variable has_news_;  // an event came, or an errand is done
+    ScreenSize size_;                   // last known; written by the window's thread
     std::vector<InputEvent> events_;
     std::vector<std::function<void()>> errands_;
     std::uint64_t asked_ = 0, done_ = 0;
-    // The window's thread's.
+    // The window's thread's data.
     std::pair<int, int> units_{1, 1};       // the window's size, in its own units
-    std::unique_ptr<TouchScreen> touches_;  // nothing: the first finger is the pointer
-    int place_[4] = {0, 0, 1280, 720};      // before it became full-screen: x, y, width, height
+    std::unique_ptr<TouchScreen> touches_;  // null: the first finger is the pointer
+    int place_[4] = {0, 0, 1280, 720};      // before full screen: x, y, width, height
     bool repeats_ = false;
 };
 
-/// Whether UTF-8 of two bytes is a letter with an accent or the like, up to U+024F.
+/// Whether UTF-8 of two bytes is a Latin letter, such as one with an accent, up to U+024F.
 bool is_latin_letter(const char* printed) {
     const auto first = static_cast<unsigned char>(*printed);
     return first >= 0xC3 && first <= 0xC9;

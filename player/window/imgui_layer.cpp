@@ -1,4 +1,4 @@
-// Dear ImGui: its input, colours and letters, of the typefaces that fontconfig knows.
+// Dear ImGui: its input, colours and fonts, from the typefaces that fontconfig finds.
 
 #include "player/window/imgui_layer.hpp"
 
@@ -24,7 +24,7 @@ Letters letters_of(const std::string& words) {
     for (int left = static_cast<int>(words.size()); left > 0;) {
         FcChar32 letter = 0;
         const int taken = FcUtf8ToUcs4(at, &letter, left);
-        if (taken <= 0) break;  // no UTF-8: refused where the words were read
+        if (taken <= 0) break;  // invalid UTF-8, refused when the words were read
         letters.insert(letter);
         at += taken;
         left -= taken;
@@ -42,7 +42,7 @@ std::string utf8(const Letters& letters) {
     return text;
 }
 
-/// Nothing: this process may not read it, or Dear ImGui cannot, which takes outlines of one colour.
+/// nullopt: this process cannot read it, or Dear ImGui cannot, which needs outlines of one colour.
 std::optional<FontFace> face_of(FcPattern* font) {
     const auto is = [font](const char* what) {
         FcBool value = FcFalse;
@@ -62,7 +62,7 @@ std::optional<FontFace> face_of(FcPattern* font) {
     return face;
 }
 
-/// Moves from `wanted` to what is returned the letters that a typeface has.
+/// Moves the letters that a typeface has from `wanted` to the result.
 Letters taken_by(FcPattern* font, Letters& wanted) {
     Letters taken;
     FcCharSet* has = nullptr;
@@ -76,7 +76,7 @@ Letters taken_by(FcPattern* font, Letters& wanted) {
 Pattern sans_of(const std::string& language) {
     Pattern wanted(FcNameParse(reinterpret_cast<const FcChar8*>("sans")), &FcPatternDestroy);
     if (!wanted) return wanted;
-    // Typefaces name Chinese with a country.
+    // Typefaces tag Chinese with a country.
     const std::string named = language == "zh" ? "zh-cn" : language;
     if (!named.empty())
         FcPatternAddString(wanted.get(), FC_LANG, reinterpret_cast<const FcChar8*>(named.c_str()));
@@ -106,7 +106,7 @@ void colour(ImGuiStyle& style) {
     c[ImGuiCol_TitleBg] = c[ImGuiCol_TitleBgActive] = ground;
 }
 
-/// Of both sizes of letters, and kept for as long as an atlas reads them.
+/// Glyph ranges of both font sizes; an atlas reads them until it is built.
 struct LetterRanges {
     ImVector<ImWchar> text, large;
     std::vector<ImVector<ImWchar>> others;
@@ -115,7 +115,7 @@ struct LetterRanges {
 void set_range(ImVector<ImWchar>& to, const std::string& letters, const ImWchar* usual = nullptr) {
     ImFontGlyphRangesBuilder builder;
     if (usual) builder.AddRanges(usual);
-    // What Dear ImGui writes in place of a letter that is not there.
+    // Dear ImGui's replacements of missing letters.
     builder.AddChar(IM_UNICODE_CODEPOINT_INVALID);
     builder.AddChar('?');
     builder.AddText(letters.c_str());
@@ -123,18 +123,18 @@ void set_range(ImVector<ImWchar>& to, const std::string& letters, const ImWchar*
     builder.BuildRanges(&to);
 }
 
-/// `merged`: into the font that was added last.
+/// `merged`: into the last added font.
 bool add_font(const FontFace& face, float pixels, const ImWchar* letters, bool merged) {
     ImFontConfig config;
     config.FontNo = face.index;
     config.MergeMode = merged;
-    // Dear ImGui would end the program.
+    // AddFontFromFileTTF would abort the program.
     if (::access(face.file.c_str(), R_OK) != 0) return false;
     return ImGui::GetIO().Fonts->AddFontFromFileTTF(face.file.c_str(), pixels, &config, letters);
 }
 
-/// The atlas's letters of both sizes: those of the usual typeface, and beside them those that others write.
-/// False where one of these cannot be read.
+/// Builds the atlas in both sizes: the usual typeface's letters, and those of the fallbacks. False if a
+/// fallback cannot be read.
 bool build_letters(const FontFallback& found, const std::string& kiosk_words, double scale) {
     static LetterRanges ranges;
     ImFontAtlas& fonts = *ImGui::GetIO().Fonts;
@@ -145,8 +145,8 @@ bool build_letters(const FontFallback& found, const std::string& kiosk_words, do
         ImGui::GetIO().FontGlobalScale = static_cast<float>(scale);
         return fonts.Build();
     }
-    // Latin, and what the panel uses besides: the multiplication sign, the degree and the micro sign. Of the
-    // large size only what is written in it.
+    // Latin, including the panel's multiplication, degree and micro signs. The large size has only the texts
+    // that use it.
     set_range(ranges.text, kiosk_words, fonts.GetGlyphRangesDefault());
     set_range(ranges.large, std::string(stop_words) + go_on_words + empty_page_title + kiosk_words);
     ranges.others.resize(found.others.size());
@@ -160,12 +160,12 @@ bool build_letters(const FontFallback& found, const std::string& kiosk_words, do
             if (!add_font(found.others[k].face, pixels, ranges.others[k].Data, true)) return false;
     }
     const bool is_built = fonts.Build();
-    fonts.ClearInputData();  // a file of Chinese has 20 MB, and is there twice
+    fonts.ClearInputData();  // a Chinese font has 20 MB, and is there twice
     return is_built;
 }
 
-/// The current ImGui context's fonts; `scale` as in ScreenSize. Words are set in the system's own sans-serif
-/// typeface where it has one.
+/// Sets the current ImGui context's fonts; `scale` as in ScreenSize. Uses the system's sans-serif typeface if
+/// there is one.
 void set_fonts(FontFallback& found, const std::string& kiosk_words, double scale) {
     if (build_letters(found, kiosk_words, scale)) return;
     for (const FallbackFont& other : std::exchange(found.others, {})) found.unwritten += other.letters;
@@ -189,7 +189,7 @@ void apply_theme(double scale) {
     style.ScaleAllSizes(static_cast<float>(scale));
 }
 
-/// The keys that a text field or a slider knows, as ImGui 1.86 numbers keys.
+/// Keys of text fields and sliders, as ImGui 1.86 numbers keys.
 int number_of_key(const std::string& name) {
     constexpr const char* names[] = {"tab",  "left", "right",  "up",        "down",  "pageup", "pagedown",
                                      "home", "end",  "delete", "backspace", "enter", "escape"};
@@ -233,7 +233,7 @@ void tell(ImGuiIO& io, const InputEvent& event) {
             io.KeyCtrl = event.control;
             io.KeyShift = event.shift;
             break;
-        case Kind::touch_began:  // one that is at a panel comes as the pointer
+        case Kind::touch_began:  // touches on a panel arrive as pointer events
         case Kind::touch_moved:
         case Kind::touch_ended:
         case Kind::resized:
@@ -259,7 +259,7 @@ FontFallback find_fonts(const std::string& words, const std::string& language) {
         taken_by(usual.get(), wanted);
     else
         std::erase_if(wanted, [](char32_t letter) { return letter < 0x100; });
-    // Typefaces for that language first, nearest to the usual one.
+    // Typefaces for that language first, most similar to the usual one.
     const Pattern near = sans_of(language);
     FcFontSet* const sorted = near && fonts.usual && !wanted.empty()
                                   ? FcFontSort(nullptr, near.get(), FcFalse, nullptr, &result)
@@ -311,8 +311,8 @@ void ImGuiLayer::begin(int width, int height, double seconds, std::span<const In
     ImGuiIO& io = ImGui::GetIO();
     io.DisplaySize = ImVec2(static_cast<float>(width), static_cast<float>(height));
     io.DeltaTime = static_cast<float>(seconds > 1e-4 ? seconds : 1e-4);
-    // ImGui sees what a button is when a picture begins: of a short click each half gets a picture, and a
-    // pointer that goes away with it, as a finger's or a quick hand's does, is there until it is let go.
+    // ImGui samples buttons once per picture: a short click gets a picture for each half, and a pointer that
+    // leaves with its release, as a finger's or a quick hand's, stays until the release.
     std::vector<InputEvent> now = std::exchange(later_, {});
     now.insert(now.end(), events.begin(), events.end());
     std::set<std::string> pressed;

@@ -15,50 +15,49 @@ namespace touchable {
 /// A typeface of the system.
 struct FontFace {
     std::string file;  ///< TrueType or OpenType
-    int index = 0;     ///< in that file, which may be a collection
+    int index = 0;     ///< index within a collection file
     bool operator==(const FontFace&) const = default;
 };
 
-/// One that writes what the usual one cannot.
+/// A typeface with letters that the usual one lacks.
 struct FallbackFont {
     FontFace face;
-    std::string letters;  ///< UTF-8: those that are taken of it
+    std::string letters;  ///< UTF-8: the letters taken from it
 };
 
-/// Which of the system's typefaces write some words, as fontconfig knows them.
+/// The system's typefaces for a text, from fontconfig.
 struct FontFallback {
-    std::optional<FontFace> usual;     ///< sans serif; nothing: Dear ImGui's own, which has Latin-1
-    std::vector<FallbackFont> others;  ///< each for letters that the usual one has not
+    std::optional<FontFace> usual;     ///< sans serif; nullopt: Dear ImGui's own, which has Latin-1
+    std::vector<FallbackFont> others;  ///< each for letters that the usual one lacks
     std::string unwritten;             ///< UTF-8: letters that no typeface has, each once
 };
 
-/// `words`: UTF-8. `language` ("ja"; empty: of the person who is logged in): of letters that the usual
-/// typeface lacks its form is taken, as Chinese and Japanese write one letter in two ways. Letters beyond
-/// U+FFFF are unwritten: Dear ImGui has none of them where its letters are of 16 bits, as in Debian.
+/// `words`: UTF-8. `language` ("ja"; empty: the logged-in user's) selects the form of letters that the usual
+/// typeface lacks, as Chinese and Japanese write one letter in two ways. Letters beyond U+FFFF are unwritten,
+/// as Dear ImGui with 16-bit letters, as in Debian, has none of them.
 FontFallback find_fonts(const std::string& words, const std::string& language = "");
 
 /// The letters among `words` (UTF-8), each once, that are written from right to left, as Hebrew and Arabic
 /// are.
 std::string right_to_left_letters(const std::string& words);
 
-/// Dear ImGui: its input, and what it lays out for a painter (ImGuiVulkan). One at a time.
+/// Dear ImGui's context: takes input, and prepares draw data for a renderer (ImGuiVulkan). One at a time.
 class ImGuiLayer : NonCopyable {
 public:
-    /// `scale` as in ScreenSize. `words`: whose letters are there in both sizes, beside what the window says;
-    /// `language` is theirs (find_fonts).
+    /// `scale` as in ScreenSize. `words`: texts whose letters are loaded in both sizes, besides the window's
+    /// own; `language` is theirs (find_fonts).
     explicit ImGuiLayer(double scale, const std::string& words = "", const std::string& language = "");
     ~ImGuiLayer();
 
-    /// Which of `words` no typeface of this machine writes: UTF-8, each letter once.
+    /// The letters of `words` that no typeface of this machine has: UTF-8, each once.
     const std::string& unwritten() const { return fonts_.unwritten; }
     double scale() const { return scale_; }
-    /// Between pictures. Graphics need the letters anew afterwards (take_letters).
+    /// Call between pictures. Graphics must then reload the font (take_letters).
     void set_scale(double scale);
-    /// Begins a picture of so many pixels, `seconds` after the one before; from here to `end` ImGui's calls
-    /// make it.
+    /// Begins a picture of that size, `seconds` after the previous one; ImGui calls up to `end` build it.
     void begin(int width, int height, double seconds, std::span<const InputEvent> events);
     void end();
-    /// Whether something of the panel is being pressed or dragged at the moment.
+    /// Whether a widget of the panel is being pressed or dragged.
     bool holds_pointer() const;
 
 private:
@@ -66,7 +65,7 @@ private:
     std::string words_;
     FontFallback fonts_;
     double scale_;
-    // What came after a button that was let go in the picture it was pressed in.
+    // Events after a button release that came in the same picture as its press.
     std::vector<InputEvent> later_;
 };
 

@@ -115,7 +115,7 @@ TouchLabel read_label(const LabelNode& node, const std::filesystem::path& folder
     return label;
 }
 
-/// By how often a line to the right crosses the border; the border itself is inside, half a pixel wide.
+/// Counts crossings of a ray to the right with the border; the border itself, half a pixel wide, is inside.
 bool is_inside_of(const std::vector<glm::dvec2>& corners, const glm::dvec2& at) {
     constexpr double border = 0.5;
     bool is_inside = false;
@@ -135,14 +135,14 @@ std::string name_of_label(const TouchLabels& labels, std::size_t k) {
     return labels.said_by + ": labels[" + std::to_string(k) + "]";
 }
 
-/// A field of CSV, of text that may have commas and quotes.
+/// A quoted CSV field, for text with commas or quotes.
 std::string quoted_field(const std::string& words) {
     std::string field = "\"";
     for (const char c : printable(words, 500)) field += c == '"' ? std::string("\"\"") : std::string(1, c);
     return field + "\"";
 }
 
-/// Why an open file cannot take rows of the log; nothing: rows may follow.
+/// Why an open file cannot take rows of the log; nullopt: it can.
 std::optional<std::string> why_no_log(int out) {
     struct stat facts {};
     if (fstat(out, &facts) != 0) return std::strerror(errno);
@@ -156,7 +156,7 @@ std::optional<std::string> why_no_log(int out) {
     std::string begin(header.size(), '\0');
     if (pread(out, begin.data(), begin.size(), 0) != static_cast<ssize_t>(begin.size()) || begin != header)
         return "is there, and is no log of use";
-    // The machine may have been switched off in the middle of a row.
+    // A power failure may have left a partial row.
     char last = '\n';
     if (pread(out, &last, 1, facts.st_size - 1) == 1 && last != '\n')
         if (const int why = append_durably(out, "\n")) return std::strerror(why);
@@ -316,7 +316,7 @@ Result<TouchLabels> parse_touch_labels(std::string_view json, std::string_view w
     });
 }
 
-/// Whether its label is to be said now.
+/// Returns whether to announce its label now.
 bool RestingFingers::rests(Finger& finger, const LabelledFinger& now, double now_s) const {
     if (now.label && now.label == finger.label) {
         finger.met_s = now_s;

@@ -12,8 +12,8 @@
 namespace touchable {
 namespace {
 
-/// Where a finger has something to touch all round, as near to the middle as may be: in shares of the
-/// picture, above the words. The middle where there is nothing.
+/// A place, in shares of the picture, above the texts, that is surrounded by surface and as near to the
+/// middle as possible. The middle if there is no surface.
 glm::dvec2 place_to_show(const HeightField& field, const ViewCamera& camera) {
     constexpr int columns = 13, rows = 8;
     const glm::dvec2 least(0.2, 0.2), most(0.8, 0.55), middle(0.5, 0.44);
@@ -41,7 +41,7 @@ glm::dvec2 place_to_show(const HeightField& field, const ViewCamera& camera) {
     return best;
 }
 
-/// What colours mean to a visitor: its name, and where it lies; nothing more, as a kiosk has no words for it.
+/// An overlay's scale for visitors: name and range only, as a kiosk has no texts for more.
 Overlays::Scale in_kiosk_words(const Overlays::Scale& scale, Overlay overlay, const KioskTexts& texts) {
     Overlays::Scale told = scale;
     told.spread.clear();
@@ -58,13 +58,13 @@ Overlays::Scale in_kiosk_words(const Overlays::Scale& scale, Overlay overlay, co
     return told;
 }
 
-/// Those in whose colours a visitor sees what is felt.
+/// Overlays that show visitors what they feel.
 bool is_for_visitors(Overlay overlay) {
     return overlay == Overlay::colour || overlay == Overlay::depth || overlay == Overlay::stiffness ||
            overlay == Overlay::static_friction || overlay == Overlay::height;
 }
 
-/// After one, for a visitor who goes round.
+/// The next overlay for visitors, cyclically.
 Overlay overlay_for_visitors(Overlay now) {
     do now = *overlay_after(now, "");
     while (!is_for_visitors(now));
@@ -81,7 +81,7 @@ Result<void> KioskMode::open_log() {
     return {};
 }
 
-/// Of all that it may have to write.
+/// Letters of all its texts.
 std::string KioskMode::letters() const {
     std::string letters = texts().all();
     for (const TouchLabel& label : core_.options.kiosk->labels.labels)
@@ -89,7 +89,7 @@ std::string KioskMode::letters() const {
     return letters;
 }
 
-/// Warns on the terminal of letters that visitors could not read.
+/// Warns on the terminal of letters that visitors cannot read.
 void KioskMode::begin() {
     core_.sound().set_spoken(core_.options.kiosk->label_sounds);
     if (const std::string& unwritten = core_.picture().layer().unwritten(); !unwritten.empty())
@@ -108,8 +108,7 @@ bool KioskMode::handle(const InputEvent& event) {
     return false;
 }
 
-/// A visitor goes round through colours that show what is felt, and needs no message that the clip is not
-/// there yet.
+/// Visitors step only through overlays of what they feel, and see no message about a missing clip.
 bool KioskMode::handle(const WindowCommand& command) {
     if (!core_.clip() && !row_of(command.verb).has(CommandRow::without_clip)) return true;
     if (command.verb != WindowVerb::overlay || !command.word.empty()) return false;
@@ -124,19 +123,19 @@ void KioskMode::look(const WatchedMoment& moment) {
     const double far = core_.clip()->sizes().finger_radius / 2;
     if (glm::dot(way, way) < far * far || !(glm::dot(goal, goal) >= 0)) return;
     hand_seen_at_ = goal;
-    // Another clip, or one that has begun anew, maps a hand that rests to another place of its world.
+    // After a change of clip or a reset, a resting hand maps to another place of the clip's world.
     constexpr double mapped_s = 0.5;
     const double now_s = core_.time.now_s();
     if (now_s > restored_s_ + mapped_s) came(now_s);
 }
 
-/// Invites after a while without visitors, and forgets what the last visitor did.
+/// Starts the invitation and the reset after a visit.
 void KioskMode::tick(double now_s) {
     open_again();
     if (core_.input().holds()) watch_.holds(now_s);
     log_visit(watch_.ended(now_s));
     if (watch_.begins_anew(now_s)) end_visit(now_s);
-    // A clip that did not say how long it is could not be told to loop; a camera does not begin again.
+    // A clip of unknown length cannot loop, so it is restarted; a camera does not restart.
     const OpenedClip& clip = *core_.clip();
     const bool has_ended =
         clip.frames() == 0 && !clip.is_camera() && clip.session().playback().at_end && repeats_clip();
@@ -146,7 +145,7 @@ void KioskMode::tick(double now_s) {
 
 void KioskMode::invite(double now_s) {
     const auto invited = watch_.invites(now_s);
-    core_.sound().silence_fingers(invited.has_value());  // no visitor is there to hear the finger that shows
+    core_.sound().silence_fingers(invited.has_value());  // the demonstration is silent
     if (!invited && is_inviting_) core_.input().leave_picture();
     is_inviting_ = invited.has_value();
 }
@@ -166,7 +165,7 @@ void KioskMode::restore() {
     for (WindowMode* const mode : core_.modes()) mode->begin_anew();
     clip.fingers().set_count(KeptSettings().fingers);
     clip.fingers().lift();
-    // A button may still be pressed: on the surface, or on something of the panel.
+    // Releases buttons still pressed on the surface or the panel.
     if (!is_inviting_) core_.input().leave_picture();
     core_.input().release_panel();
     clip.device().set_force(true);
@@ -178,7 +177,7 @@ void KioskMode::restore() {
     core_.clips().play_next();
 }
 
-/// A clip that broke off may have come back: a disk that was away, a file that was being written.
+/// Reopens a failed clip, as its disk may be back, or its file complete.
 void KioskMode::open_again() {
     const OpenedClip& clip = *core_.clip();
     const auto failure = fault_of(clip);
@@ -190,26 +189,25 @@ void KioskMode::open_again() {
     core_.clips().open_again();
 }
 
-/// Called on any input of a visitor. The first one of a visit, a press and a touch turn the mouse's force on
-/// again without a word, where something had stopped it.
+/// Called on any visitor input. The first input of a visit, a press or a touch switches the mouse's stopped
+/// force on again, silently.
 void KioskMode::welcome(const InputEvent& event) {
-    tick(core_.time.now_s());  // of a time in which the machine stood still nothing is the visitor's
+    tick(core_.time.now_s());  // time while the machine stood still does not count for the visitor
     const bool has_come = !watch_.is_there();
     came(core_.time.now_s());
-    tick(core_.time.now_s());  // the finger that showed how goes before the visitor's comes
+    tick(core_.time.now_s());  // the demonstrating finger leaves first
     const bool presses =
         has_come || event.kind == InputEvent::Kind::pressed || event.kind == InputEvent::Kind::touch_began;
     if (presses && !core_.options.hand) core_.clip()->set_force(true);
 }
 
-/// While it invites, moves a finger by itself over the picture; it really touches, even if forces were
-/// stopped. It stays nearer to the middle where there is nothing to touch farther out. With a held device
-/// there is no such finger.
+/// During the invitation, moves a finger over the picture; it really touches, even if forces were stopped. It
+/// stays nearer to the middle where the surface ends. With a haptic device there is no such finger.
 void KioskMode::prepare(const Seen& seen) {
     if (!is_inviting_ || core_.options.hand) return;
     OpenedClip& clip = *core_.clip();
     clip.set_force(true);
-    constexpr double goes_nearer = 0.03;  // a picture, of its way
+    constexpr double goes_nearer = 0.03;  // a picture, of its path
     const ShownStroke stroke = stroke_at(watch_.invites(core_.time.now_s()).value_or(0));
     const glm::dvec2 size(seen.camera.width, seen.camera.height);
     if (!stroke.pressed) {
@@ -229,7 +227,7 @@ void KioskMode::prepare(const Seen& seen) {
     clip.fingers().press(stroke.pressed);
 }
 
-/// Says what a finger rests on, as a caption and as a spoken sound.
+/// Announces the label under a resting finger, as a caption and as a spoken sound.
 void KioskMode::look_for_labels(const WatchedMoment& moment) {
     const TouchLabels& labels = core_.options.kiosk->labels;
     const OpenedClip& clip = *core_.clip();
@@ -268,7 +266,7 @@ void KioskMode::draw(PanelFacts& facts, const Seen& seen) {
             shown.caption = *caption;
     if (!facts.hand) return;
     HandState& state = facts.hand->state;
-    // The device's own remark is for the person who set it up.
+    // The device's own remark is for the operator.
     const bool waits = !state.remark.empty() && !state.has_to_come_out;
     state.what = state_of(state.what);
     state.words = kiosk.texts.of_device(waits ? HandState::What::away : state.what);
@@ -282,7 +280,7 @@ void KioskMode::log_visit(const std::optional<KioskWatch::Visit>& visit) {
     log_->visit(WallClock::now() - std::chrono::duration_cast<WallClock::duration>(ago), visit->seconds);
 }
 
-/// A fault that goes on, or comes again and again, is logged once an hour.
+/// A lasting or repeated fault is logged once an hour.
 void KioskMode::note_fault(const std::string& fault) {
     constexpr double again_s = 3600;
     constexpr std::size_t most_known = 100;
@@ -293,7 +291,7 @@ void KioskMode::note_fault(const std::string& fault) {
     log_->fault(std::chrono::system_clock::now(), fault);
 }
 
-/// What ended the window is the last but one row of the log.
+/// The fault that ended the window is the log's last row but one.
 void KioskMode::close(const Result<void>& ended) {
     log_visit(watch_.end());
     if (!log_) return;

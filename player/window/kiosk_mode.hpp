@@ -7,24 +7,24 @@
 
 namespace touchable {
 
-/// A window that runs unattended (kiosk.hpp): lets visitors do what is theirs, shows how to touch while there
-/// is none, begins anew after each, says what a finger rests on, opens its clip again where that broke off,
-/// and logs its use.
+/// A window that runs unattended (kiosk.hpp): restricts visitors' input, demonstrates touching without
+/// visitors, resets after each visit, announces labels under fingers, reopens its clip after a failure, and
+/// logs its use.
 class KioskMode : public WindowMode {
 public:
     KioskMode(WindowCore& core, const KioskTimes& times) : WindowMode(core), watch_(times) {}
-    /// The log of use, if one is kept. Refused: a file that cannot be one.
+    /// Opens the usage log, if requested. Fails if the file cannot be one.
     Result<void> open_log();
 
     bool handle(const InputEvent& event) override;
     bool handle(const WindowCommand& command) override;
-    /// A device that is held shows that a visitor is there.
+    /// Movement of a haptic device counts as a visit.
     void look(const WatchedMoment& moment) override;
     void tick(double now_s) override;
     void prepare(const Seen& seen) override;
     void draw(PanelFacts& facts, const Seen& seen) override;
     void begin() override;
-    /// Whether labels go with the clip that they are of.
+    /// Whether the labels fit their clip.
     Result<void> check(const OpenedClip& clip) const override {
         if (clip.choice().file != core_.options.session.clip.file) return {};
         return core_.options.kiosk->labels.fits(clip.scene().width, clip.scene().height, clip.frames());
@@ -43,19 +43,19 @@ public:
     }
 
 protected:
-    /// Whether a visitor may do this.
+    /// Whether visitors may do this.
     virtual bool allows(const InputEvent& event) const { return is_for_visitors(event); }
-    /// The visitor has gone.
+    /// The visitor has left.
     virtual void end_visit(double now_s);
-    /// Invites the next visitor, or not any more.
+    /// Starts or stops the invitation.
     virtual void invite(double now_s);
-    /// What visitors see of a device that is held.
+    /// The haptic device's state as shown to visitors.
     virtual HandState::What state_of(HandState::What what) const { return what; }
 
     const KioskTexts& texts() const { return core_.options.kiosk->texts; }
-    /// A visitor did something.
+    /// A visitor made an input.
     void came(double now_s) { watch_.came(now_s); }
-    /// The clip, its view, its fingers and forces, and the sound are as at the start.
+    /// Resets the clip, its view, fingers, forces and sound.
     void restore();
 
 private:
@@ -67,16 +67,16 @@ private:
     KioskWatch watch_;
     std::optional<RestingFingers> resting_;  // once there is a clip
     std::unique_ptr<UseLog> log_;
-    std::map<std::string, double> logged_faults_;  // in the last hour, and when
+    std::map<std::string, double> logged_faults_;  // in the last hour, with their times
     bool is_inviting_ = false;
-    glm::dvec3 hand_seen_at_{0.0};  // world, its first finger, when it last was a visit
-    double tried_again_s_ = 0;      // to open its clip
-    double restored_s_ = 0;         // or another clip came
+    glm::dvec3 hand_seen_at_{0.0};  // world, its first finger, at the last visit
+    double tried_again_s_ = 0;      // reopening its clip
+    double restored_s_ = 0;         // last reset or change of clip
     double shown_share_ = 1;
     glm::dvec2 shown_from_{0.5, 0.44};  // shares of the picture
 };
 
-/// A kiosk of the study that the options have (study_mode.cpp). Refused where its results cannot be written.
+/// A kiosk for the study in the options (study_mode.cpp). Fails if its results cannot be written.
 Result<std::unique_ptr<KioskMode>> open_study(WindowCore& core);
 
 }  // namespace touchable

@@ -9,15 +9,15 @@
 
 namespace touchable {
 
-/// What takes long to make for the window, on a thread of its own: a clip, other settings of one, segments.
-/// One at a time, and of those that are asked for meanwhile the newest. All calls are the window's.
+/// Slow work for the window on a separate thread: opening a clip, changing settings, reading segments. One at
+/// a time; of several requests meanwhile only the newest counts. The window's thread only.
 template <class Made>
 class LongWork : NonCopyable {
 public:
-    /// Asks stop_requested between its steps, and gives up once that is true.
+    /// Checks stop_requested between its steps, and returns once it is true.
     using Make = std::function<Result<Made>()>;
 
-    /// As start_thread has them: the thread's name, and what it is for.
+    /// As in start_thread: the thread's name and purpose.
     template <std::size_t bytes>
     LongWork(const char (&name)[bytes], const char* what) : what_(what) {
         static_assert(bytes <= sizeof(ThreadName));
@@ -25,7 +25,7 @@ public:
     }
     ~LongWork() { give_up(); }
 
-    /// `words`: what is being done, for a person. What was asked for before is given up.
+    /// `words`: the work, for the user. Cancels the previous work.
     void ask(std::string words, Make make) {
         next_.emplace(Asked{std::move(words), std::move(make)});
         if (work_)
@@ -33,37 +33,37 @@ public:
         else
             start_next();
     }
-    /// Nothing is wanted any more. Does not wait: what is on its way ends once it hears of it, and
-    /// what is asked for next begins then.
+    /// Cancels all work without waiting: the current work ends once it checks for the stop, and the next
+    /// request begins then.
     void let_go() {
         next_.reset();
         if (!work_) return;
         work_->stop.request_stop();
         work_->is_wanted = false;
     }
-    /// As `give_up`, and waits until the work hears of it.
+    /// Cancels all work, and waits until it has ended.
     void give_up() {
         let_go();
         if (work_ && work_->thread.joinable()) work_->thread.join();
         work_.reset();
     }
-    /// With what is wanted.
+    /// Whether wanted work is pending or in progress.
     bool is_busy() const { return next_ || (work_ && work_->is_wanted); }
-    /// Of what is wanted; empty where nothing is.
+    /// Of the wanted work; empty if there is none.
     std::string words() const {
         if (next_) return next_->words;
         return is_busy() ? work_->words : std::string();
     }
-    /// Since it was begun.
+    /// Since the work began.
     double seconds() const {
         if (!is_busy() || !work_) return 0;
         return std::chrono::duration<double>(Clock::now() - work_->begun).count();
     }
-    /// Once a turn of the window: what was asked for, or why it is not to be had; nothing while it is made.
+    /// Once a turn of the window: the result or error; nullopt while in progress.
     std::optional<Result<Made>> take() {
         if (!work_ || !work_->done.load(std::memory_order_acquire)) return std::nullopt;
         if (work_->thread.joinable()) work_->thread.join();
-        // Before the next begins: it may need what this one holds.
+        // Destroys this work before the next begins, which may need its resources.
         const bool is_wanted = work_->is_wanted && !next_;
         std::optional<Result<Made>> made;
         if (is_wanted) made = std::move(work_->made);
@@ -102,7 +102,7 @@ private:
         work_->made = started.error();
         work_->done.store(true, std::memory_order_release);
     }
-    /// Nothing thrown leaves the thread.
+    /// Catches exceptions: none may leave the thread.
     static Result<Made> made_by(Work& work) {
         try {
             return work_until(work.stop.get_token(), work.make);

@@ -7,7 +7,7 @@
 namespace touchable {
 namespace {
 
-constexpr double stroke_pixels = 6;  // a press that is let go of nearer is a click
+constexpr double stroke_pixels = 6;  // a press released nearer is a click
 
 std::string pixel_in_words(const glm::ivec2& pixel) {
     return "pixel " + std::to_string(pixel.x) + ", " + std::to_string(pixel.y);
@@ -73,7 +73,7 @@ std::optional<glm::ivec2> MeasureTool::pixel_at(const glm::dvec2& at, const Seen
 }
 
 void MeasureTool::take_click(const Click& click, const Seen& seen) {
-    // A stroke ends only what its own press began.
+    // A stroke can only end the line begun by its own press.
     if (click.is_second && ends_.size() != 1) return;
     const auto pixel = pixel_at(click.at, seen);
     if (!pixel) {
@@ -109,7 +109,7 @@ void MeasureTool::look(const Seen& seen) {
     if (ends_.size() == 2 && !std::exchange(is_told_, true)) tell(seen);
 }
 
-/// A message with all that the line is made of, to be read later.
+/// Reports the line with all its inputs, for later reading.
 void MeasureTool::tell(const Seen& seen) {
     const Scene& scene = seen.field.scene();
     const auto words_of = [&](const End& end) {

@@ -8,8 +8,8 @@
 namespace touchable {
 namespace {
 
-/// The pointer's device: it stays open from one session to the next, so that its fingers stay where they are.
-/// Where it fails, unlike a PersistentDevice, the session fails, and the next one opens it again.
+/// The pointer's device: it stays open from one session to the next, so that its fingers stay in place.
+/// Unlike a PersistentDevice, its failure fails the session, and the next one reopens it.
 class PersistentPointer final : public HapticDevice {
 public:
     explicit PersistentPointer(std::shared_ptr<PointerDevice> device) : device_(std::move(device)) {}
@@ -38,8 +38,7 @@ bool has_loop_of(const PlaybackState& a, const PlaybackState& b) {
     return a.loop_begin_ns == b.loop_begin_ns && a.loop_end_ns == b.loop_end_ns;
 }
 
-/// Whether a finger is nowhere, or where it touches nothing, before the clip's camera: so near to that it
-/// would be in the way of all else.
+/// Whether a finger is absent, or hovers near the clip's camera, where it would hide everything else.
 bool is_away(const WatchedTick::Finger& finger, const FieldProbe& probe, double nearest_share) {
     if (!std::isfinite(glm::dot(finger.goal, finger.goal))) return true;
     const Contact& contact = finger.contact;
@@ -55,7 +54,7 @@ bool is_away(const WatchedTick::Finger& finger, const FieldProbe& probe, double 
 std::vector<FingerMark> FingerTrails::marks(const WatchedTick& tick, int count, const HeightField& field,
                                             double nearest_share) {
     constexpr std::int64_t trail_ticks = 500;
-    constexpr double farthest_apart = 0.05;  // of a trail from one picture to the next, of the clip's width
+    constexpr double farthest_apart = 0.05;  // between pictures, of the clip's width: more breaks a trail
     const auto shown = std::min(tick.fingers.size(), static_cast<std::size_t>(count));
     const FieldProbe probe(field);
     trails_.resize(shown);
@@ -107,7 +106,7 @@ SessionOptions OpenedClip::session_options(const SessionSettings& settings,
     SessionOptions session = options_.session;
     session.clip = clip_;
     session.clip.painted = std::move(painted);
-    if (!clip_.is_camera()) {  // they are of another clip, which was there before
+    if (!clip_.is_camera()) {  // they belong to another clip
         session.camera.reset();
         session.stale_after_ns.reset();
     }
@@ -117,10 +116,10 @@ SessionOptions OpenedClip::session_options(const SessionSettings& settings,
     if (options_.hand) {
         session.held_device = options_.hand;
         session.control = std::make_shared<HandControl>(fingers_of_hand(), HandMapping{});
-        if (options_.study) session.control->allow_force(false);  // until its participant is to touch
+        if (options_.study) session.control->allow_force(false);  // until a participant's touch begins
     }
-    // A pointer's finger that was inside, where how the surface is felt is new or after a gap, stays there,
-    // and the ramp is for that. No hand is pushed out of what it did not come into.
+    // A pointer's finger that begins inside a surface, after a change of settings or a gap, stays there, with
+    // the guard's force ramp. A device's user is not pushed out of a surface that was not entered.
     session.start_buried = !options_.hand;
     session.recorded = options_.record.has_value();
     session = with_settings(std::move(session), settings);
@@ -129,9 +128,9 @@ SessionOptions OpenedClip::session_options(const SessionSettings& settings,
     return session;
 }
 
-/// The arrow of the greatest force stays within a third of the picture.
+/// The largest force's arrow stays within a third of the picture.
 MarkSizes OpenedClip::sizes_for(double max_newtons) const {
-    constexpr double whole_newtons = 5;  // up to that an arrow is as long as in any picture
+    constexpr double whole_newtons = 5;  // up to this limit arrows have their usual length
     MarkSizes sizes = mark_sizes(*scene_, middle_);
     sizes.length_per_newton *= std::min(1.0, whole_newtons / max_newtons);
     sizes.limit_newtons = max_newtons;
@@ -151,7 +150,7 @@ void OpenedClip::put_on_surface(std::span<FingerMark> marks, const WatchedTick& 
     }
 }
 
-/// What a setup says of the clip by these settings.
+/// Takes the clip's facts from a setup with these settings.
 void OpenedClip::take_over(const TouchSetup& setup, const SessionSettings& settings) {
     scene_ = setup.scene;
     settings_ = settings;
@@ -174,7 +173,7 @@ Result<void> OpenedClip::make_ready(const SessionSettings& settings) {
     take_over(s, settings);
     workspace_ = s.workspace;
     workspace_.metres_per_scene_unit *= session.hand_scale;
-    // No surface is before the clip's camera.
+    // No surface is in front of the clip's camera.
     device_->set_refuge(workspace_.to_device({0, 0, 0}));
     fingers_.emplace(*device_, workspace_);
     TRY_ASSIGN(const auto first, s.feed->pair_at(PlaybackClock(s.scene.rate, s.settings.playback).at(0)));
@@ -186,7 +185,7 @@ Result<void> OpenedClip::make_ready(const SessionSettings& settings) {
     return {};
 }
 
-/// Each part of a recording has a film of its own.
+/// Each part of a recording has its own film.
 Result<void> OpenedClip::open_film(TouchSetup& setup) {
     if (!setup.film) return {};
     const auto fault = record_->file->fault();
@@ -198,7 +197,7 @@ Result<void> OpenedClip::open_film(TouchSetup& setup) {
     return setup.film->open(film_beside(*options_.record, ++films_), options_.existing);
 }
 
-/// Where it ends early, so does the recording.
+/// If the film ends early, so does the recording.
 Result<void> OpenedClip::finish_film() {
     const auto& film = session_->setup().film;
     if (!film) return {};
@@ -244,7 +243,7 @@ Result<void> OpenedClip::start_session(std::unique_ptr<TouchSetup> setup) {
     return {};
 }
 
-/// Where the clip will be, as it plays, once its first frames have been read there: `reading_ns` from now.
+/// Chooses where the clip will be, as it plays, after `reading_ns`, when its first frames are read.
 std::vector<PlaybackCommand> OpenedClip::choose_begin(Change& change, std::int64_t reading_ns) const {
     const FrameRate& rate = scene_->rate;
     const PlaybackState now = change.state = session_->playback();
@@ -268,7 +267,7 @@ Result<OpenedClip::Change> OpenedClip::prepare(const SessionSettings& settings,
     Clock::time_point chosen_at;
     SessionOptions session = session_options(settings, std::move(painted));
     session.workspace = workspace_;
-    // A camera's time only goes on, and begins with each of its runs.
+    // A camera's time only advances, and restarts with each run.
     session.late_playback = [&]() -> std::vector<PlaybackCommand> {
         chosen_at = Clock::now();
         if (!clip_.is_camera()) return choose_begin(change, reading_ns_);
@@ -278,7 +277,7 @@ Result<OpenedClip::Change> OpenedClip::prepare(const SessionSettings& settings,
     TRY_ASSIGN(change.setup, setup_from_options(session));
     change.reading_ns = std::chrono::nanoseconds(Clock::now() - chosen_at).count();
     if (!clip_.is_camera() && is_left_behind(change)) {
-        // Once more, now that it is known how long that takes; for the clip it is a seek from there.
+        // Chooses again with the measured time; for the clip it is a seek from the first choice.
         auto& playback = change.setup->settings.playback;
         std::vector<PlaybackCommand> commands = choose_begin(change, change.reading_ns * 5 / 4);
         commands.insert(commands.begin(), playback[1]);
@@ -288,13 +287,13 @@ Result<OpenedClip::Change> OpenedClip::prepare(const SessionSettings& settings,
     return change;
 }
 
-/// Whether no command has led the clip elsewhere meanwhile.
+/// Whether no command has moved the clip elsewhere meanwhile.
 bool OpenedClip::goes_on_to(const Change& change, const PlaybackState& now) const {
     return now.moment.epoch == change.state.moment.epoch && now.playing && change.state.playing &&
            now.rate == change.state.rate && has_loop_of(change.state, now);
 }
 
-/// The clip has played on beyond its begin by more than an eye would miss.
+/// Whether the clip has visibly played past the change's start.
 bool OpenedClip::is_left_behind(const Change& change) const {
     constexpr std::int64_t bearable_ns = 100'000'000;
     const PlaybackState now = session_->playback();
@@ -303,7 +302,7 @@ bool OpenedClip::is_left_behind(const Change& change) const {
 
 bool OpenedClip::has_come_to(const Change& change) const {
     if (!session_->running()) return true;
-    if (session_->is_asked()) return false;  // it would be lost with the session
+    if (session_->is_asked()) return false;  // the command would be lost with the session
     const PlaybackState now = session_->playback();
     return !goes_on_to(change, now) || now.at_end || now.moment.time_ns >= change.begin_ns;
 }
@@ -334,7 +333,7 @@ Result<void> OpenedClip::take(Change change) {
     return {};
 }
 
-/// What is refused has become impossible with the change.
+/// Ignores refusals: such commands are impossible after the change.
 void OpenedClip::lead_from(const Change& change, const PlaybackState& to) {
     const PlaybackState& from = change.state;
     const bool other_loop = !has_loop_of(from, to);
@@ -386,7 +385,7 @@ Result<void> PlaybackControl::play_or_pause() {
 }
 
 void PlaybackControl::seek_to(double seconds) {
-    // A clip whose length is not known yet may be sought to any moment.
+    // A clip of unknown length may be sought to any moment.
     const std::int64_t last_ns =
         clip_->frames() > 0 ? clip_->scene().rate.time_ns(clip_->frames() - 1) : latest_moment_ns;
     wanted_ns_ = static_cast<std::int64_t>(std::clamp(seconds * 1e9, 0.0, static_cast<double>(last_ns)));

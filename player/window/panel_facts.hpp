@@ -23,21 +23,21 @@
 
 namespace touchable {
 
-/// How a window says something.
+/// Kind of a message.
 enum class Tone {
-    remark,   ///< what was done: goes by itself
-    refusal,  ///< what cannot be done, though it was just asked for: goes by itself
-    fault     ///< what went wrong: stays until it is dismissed
+    remark,   ///< a result: disappears by itself
+    refusal,  ///< a refused request: disappears by itself
+    fault     ///< a fault: stays until dismissed
 };
 
-/// What a fault is about: it goes with that.
+/// The subject of a fault: the fault disappears with it.
 enum class About { window, clip };
 
-/// What a window has to say to a person. Times are the window's own, seconds, and do not go backward.
+/// A window's messages for the user. Times are the window's, seconds, monotonic.
 class Notices {
 public:
-    static constexpr double shown_s = 4;           ///< what goes by itself
-    static constexpr std::size_t most_faults = 5;  ///< that wait: the newest of more
+    static constexpr double shown_s = 4;           ///< of passing messages
+    static constexpr std::size_t most_faults = 5;  ///< waiting: the newest of more
 
     void say(std::string words, Tone tone, double now_s, About about = About::window) {
         if (tone != Tone::fault) {
@@ -51,20 +51,19 @@ public:
         if (about == About::clip) of_clip_.insert(words);
         faults_.push_back(std::move(words));
     }
-    /// Another clip takes the place of the one that is there: what was said so far goes, but for faults of
-    /// the window.
+    /// The clip changes: removes all messages but faults of the window.
     void leave_clip() {
         clear_passing();
         std::erase_if(faults_, [this](const std::string& fault) { return of_clip_.contains(fault); });
         of_clip_.clear();
     }
-    /// What has been there long enough goes.
+    /// Removes a message after its time.
     void pass(double now_s) {
         if (now_s - said_s_ > shown_s) passing_.clear();
     }
-    /// What goes by itself goes now.
+    /// Removes the passing message now.
     void clear_passing() { passing_.clear(); }
-    /// The fault that is shown was read; whether there was one.
+    /// Dismisses the shown fault; returns whether there was one.
     bool dismiss() {
         if (faults_.empty()) return false;
         of_clip_.erase(faults_.front());
@@ -72,8 +71,8 @@ public:
         return true;
     }
 
-    const std::string& passing() const { return passing_; }  ///< empty: nothing
-    bool is_refusal() const { return is_refusal_; }          ///< `passing`
+    const std::string& passing() const { return passing_; }  ///< empty: none
+    bool is_refusal() const { return is_refusal_; }          ///< of `passing`
     const std::deque<std::string>& faults() const { return faults_; }
 
 private:
@@ -81,73 +80,73 @@ private:
     bool is_refusal_ = false;
     double said_s_ = 0;
     std::deque<std::string> faults_;  // the first one is shown
-    std::set<std::string> of_clip_;   // those of them that are about the clip
+    std::set<std::string> of_clip_;   // the faults about the clip
 };
 
-/// What the panel shows of the settings of what is felt.
+/// The panel's facts about the settings of touch.
 struct SettingsFacts {
     std::map<std::string, std::string> by_hand,
-        in_effect;            ///< as SessionSettings and `settings_in_effect` have them
-    std::string filters;      ///< each filter with its reason, in words
-    std::string relief{};     ///< what keeps the relief; empty: there is none
-    bool b_is_on = false;     ///< of the two sets
-    bool has_device = false;  ///< one is held
+        in_effect;            ///< as in SessionSettings and `settings_in_effect`
+    std::string filters;      ///< each filter with its reason, as text
+    std::string relief{};     ///< command that makes a clip of the relief; empty: none
+    bool b_is_on = false;     ///< set B is in effect
+    bool has_device = false;  ///< a haptic device is used
 };
 
-/// What is shown of the brush of materials.
+/// The panel's facts about the brush of materials.
 struct BrushFacts {
     BrushTool tool = BrushTool::touch;
-    std::string material{};         ///< in hand
+    std::string material{};         ///< selected
     bool is_there = false;          ///< segments are known
-    std::string otherwise{};        ///< material of all that is not painted; empty: guesses
+    std::string otherwise{};        ///< material of all unpainted segments; empty: guesses
     bool materials_are_on = false;  ///< felt
     bool can_undo = false, can_redo = false;
-    std::size_t segments = 0;        ///< that are seen anywhere in the clip
-    std::vector<glm::dvec2> line{};  ///< that was begun, pixels of the window
+    std::size_t segments = 0;        ///< visible anywhere in the clip
+    std::vector<glm::dvec2> line{};  ///< the unfinished input, pixels of the window
 };
 
-/// What a participant of a study has before him, in his language.
+/// The screen of a study's participant, in that participant's language.
 struct StudyFacts {
-    bool is_page = true;  ///< over all of the window; otherwise a strip below the picture that is touched
-    bool shows_force = false;          ///< of a strip: whether forces are to be seen
-    std::string title, words;          ///< either may be empty; of a question the words
-    std::vector<std::string> answers;  ///< of a question; empty: it is none
-    bool is_scale = false;             ///< they are numbers in a row, between two ends
-    std::string low, high;             ///< what those mean
+    bool is_page = true;               ///< over all of the window; otherwise a strip below the picture
+    bool shows_force = false;          ///< of a strip: whether forces are shown
+    std::string title, words;          ///< either may be empty; the question, if there is one
+    std::vector<std::string> answers;  ///< of a question; empty: no question
+    bool is_scale = false;             ///< the answers are a row of numbers between two ends
+    std::string low, high;             ///< meaning of the ends
     std::optional<std::size_t> chosen{};
-    std::string go_on;  ///< on the button; empty: there is none
+    std::string go_on;  ///< the button's text; empty: no button
     bool may_go_on = false;
-    int wait_s = 0;         ///< seconds until it may, which are said on the button; 0: no time is waited for
+    int wait_s = 0;         ///< seconds until it may, shown on the button; 0: none
     double share_done = 0;  ///< of the study, 0 to 1
-    std::string fault;      ///< that a participant is to call for help; empty: all is well
+    std::string fault;      ///< asks the participant to call the staff; empty: no fault
 };
 
-/// Under the pointer, in words; empty where there is nothing to say.
+/// The values at the pointer, as text; empty: none.
 struct PlaceFacts {
     std::vector<std::string> lines;
-    std::optional<glm::ivec2> pixel{};  ///< of the clip; nothing: no surface
+    std::optional<glm::ivec2> pixel{};  ///< of the clip; nullopt: no surface
 };
 
-/// What a kiosk shows beside the picture.
+/// A kiosk's content beside the picture.
 struct KioskFacts {
     const KioskTexts& texts;
     TouchedBy by = TouchedBy::mouse;
-    std::optional<double> invited_s{};  ///< since when it invites to touch, seconds; nothing: it does not
-    std::string caption{};              ///< of what a finger rests on; empty: none
+    std::optional<double> invited_s{};  ///< seconds since the invitation began; nullopt: none
+    std::string caption{};              ///< of the label under a resting finger; empty: none
     bool is_turned = false;             ///< the view is not the clip's own
-    bool has_bar = true;                ///< KioskBar, while a visitor does something
-    bool is_still = false;              ///< the clip is one picture
+    bool has_bar = true;                ///< KioskBar, during visitor input
+    bool is_still = false;              ///< the clip is a single picture
     std::optional<Overlays::Scale>
-        scale{};  ///< what colours mean, in its words; nothing: they are the clip's
+        scale{};  ///< the colours' meaning in the kiosk's texts; nullopt: the clip's own colours
 };
 
-/// What the window's own words, bars and curves show.
+/// The content of the window's texts, bars and curves.
 struct PanelFacts {
     std::string clip;  ///< its name
     double seconds = 0, clip_seconds = 0;
-    double last_seconds = 0;  ///< moment of its last frame, where the seek bar ends
+    double last_seconds = 0;  ///< time of its last frame, where the seek bar ends
     std::vector<double>
-        cuts;  ///< seconds, where the picture's depth changed all at once, as far as it was seen
+        cuts;  ///< seconds; moments at which the picture's depth changes suddenly, as found so far
     std::int64_t frame = 0;
     bool playing = true, looping = false, at_end = false;
     std::size_t clips = 1;    ///< of the playlist
@@ -155,27 +154,27 @@ struct PanelFacts {
     bool has_touch_screen = false;
     double speed = 1;
     std::string overlay;                     ///< of the surface's colours
-    const Overlays::Scale* scale = nullptr;  ///< what those mean; null: they are the clip's own
+    const Overlays::Scale* scale = nullptr;  ///< of the overlay; null: the clip's own colours
     bool force_on = true;
-    std::optional<HandFacts> hand;  ///< nothing: the pointer is the finger
-    double pressed_mm = 0;          ///< how deep the finger is meant to be in the surface; below 0 above it
+    std::optional<HandFacts> hand;  ///< nullopt: the pointer is the finger
+    double pressed_mm = 0;          ///< intended depth of the finger in the surface; below 0 above it
     std::vector<double> forces;     ///< newtons, by finger
-    double limit_newtons = 10;      ///< that none of them is beyond
-    bool is_dented = true;          ///< whether a surface that gives way is drawn so
+    double limit_newtons = 10;      ///< the greatest force
+    bool is_dented = true;          ///< dents are drawn
     std::vector<FingerHalo> halos;
     PlaceFacts place;
     SettingsFacts settings;
     BrushFacts brush;
     MeasureFacts measure;
-    std::vector<std::string> figures;  ///< of the machine, a line each
+    std::vector<std::string> figures;  ///< performance, one per line
     std::int64_t late_ticks = 0, dropped_frames = 0;
-    std::string message;  ///< of the moment: what a key did, or why a file cannot be opened
+    std::string message;  ///< passing: a key's effect, or why a file cannot be opened
     bool message_is_bad = false;
-    std::vector<std::string> faults;  ///< that are not dismissed yet; the first is shown
+    std::vector<std::string> faults;  ///< not dismissed yet; the first is shown
     int volume = 100;
     bool is_empty = false;            ///< no clip was named yet
-    std::optional<KioskFacts> kiosk;  ///< only what a visitor needs; nothing: it is none
-    std::optional<StudyFacts> study;  ///< of a kiosk whose visitors are participants
+    std::optional<KioskFacts> kiosk;  ///< the visitor's view; nullopt: no kiosk
+    std::optional<StudyFacts> study;  ///< for a kiosk whose visitors are participants
 };
 
 }  // namespace touchable

@@ -13,7 +13,7 @@ constexpr ImGuiWindowFlags fixed_window = ImGuiWindowFlags_NoDecoration | ImGuiW
 
 constexpr float half_turn = std::numbers::pi_v<float>;
 
-/// Draws by tenths of a square.
+/// Draws in tenths of a square.
 struct Sketch {
     ImDrawList& list;
     ImVec2 at;
@@ -36,14 +36,14 @@ struct Sketch {
     }
 };
 
-/// A fingertip, and what it meets round it.
+/// A fingertip with an arc round it.
 void draw_touch(const Sketch& sketch) {
     sketch.disc(5, 4.4F, 0.8F, sketch.ink);
     sketch.box(4.2F, 4.4F, 5.8F, 8.2F);
     sketch.arc(5, 4.4F, 2.3F, -1.17F * half_turn, 0.17F * half_turn);
 }
 
-/// An arrow nearly once round.
+/// A nearly closed circular arrow.
 void draw_turn(const Sketch& sketch) {
     constexpr float radius = 2.4F, from = -0.2F * half_turn, to = 1.4F * half_turn, head = 1.2F;
     sketch.arc(5, 5, radius, from, to);
@@ -53,7 +53,7 @@ void draw_turn(const Sketch& sketch) {
     sketch.triangle(on(radius - head, to), on(radius + head, to), on(radius + 0.25F, to + 0.3F * half_turn));
 }
 
-/// Some of the ramp's.
+/// Samples of the ramp.
 void draw_colours(const Sketch& sketch) {
     sketch.disc(5, 3.6F, 1.7F, ramp_colour(0.95));
     sketch.disc(3.6F, 6.2F, 1.7F, ramp_colour(0.25));
@@ -146,7 +146,7 @@ void explain_row(const char* words) {
     ImGui::End();
 }
 
-/// In front of whatever is there.
+/// Draws in front of all panels.
 bool explain_button(const char* words) {
     if (!ImGui::IsItemHovered()) return false;
     const ImGuiStyle& style = ImGui::GetStyle();

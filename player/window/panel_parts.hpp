@@ -1,9 +1,9 @@
 #pragma once
 
-// What the window's panels are made of, each drawn where it is called (immediate mode): rows of the panel,
-// where Dear ImGui's cursor is; boxes in the corners of the window, which take no clicks, between
-// ImGuiLayer's `begin` and `draw`; lines over the picture, help, and the pages of a study and of an empty
-// window. `scale` is ScreenSize's, or less in a small window; sizes are in pixels. By the window's thread.
+// Parts of the window's panels, drawn immediately (immediate mode): rows of the panel at Dear ImGui's cursor;
+// boxes in the corners of the window, which take no clicks, between ImGuiLayer's `begin` and `draw`; lines
+// over the picture, help, and the pages of a study and of an empty window. `scale` is ScreenSize's, or less
+// in a small window; sizes are in pixels. The window's thread only.
 
 #include <imgui.h>
 
@@ -16,70 +16,70 @@
 
 namespace touchable {
 
-/// The title of a part that a click folds away or out; whether it is out. `out`: at first.
+/// A section title that a click folds; returns whether it is open. `out`: initially open.
 bool draw_fold(const char* words, bool out);
-/// Dim words, over as many lines as they take.
+/// Dim text, wrapped.
 void draw_remark(const std::string& words);
-/// What a row sets, on its left; the rest of it is for the next item.
+/// A row's label on the left; the next item gets the rest of the row.
 void draw_label(const std::string& words, float scale);
-/// With its value in words on its right. Whether it was moved; ImGui's last item is the slider.
+/// A slider with its value as text on the right. Returns whether it was moved; it is ImGui's last item.
 bool draw_slider(const char* id, float& value, float least, float most, const std::string& words, float scale,
                  int flags = 0);
-/// Words side by side, of which one holds (-1: none); which was clicked, or -1. `by_hand`: it was chosen in
-/// the window.
+/// Adjacent words, one of them chosen (-1: none); returns the clicked one, or -1. `by_hand`: chosen in the
+/// window.
 int draw_words(const char* id, const std::vector<const char*>& words, int chosen, bool by_hand);
-/// How wide an item may be that has its value in words on its right, and those words.
+/// Width of an item with its value as text on the right, and that text.
 float value_column(float scale);
 void draw_value(const char* words, float right_of, float top);
 
-/// While the pointer is over the row before: what it is, in plain words, beside the panel.
+/// While the pointer is over the previous row: its explanation in plain words, beside the panel.
 void explain_row(const char* words);
 
-/// While the pointer is over the button before: what it does, above its window, as high as
-/// `explanation_height` with a gap. Gives whether it is.
+/// While the pointer is over the previous button: its explanation, above its window, with a height of
+/// `explanation_height` and a gap. Returns whether it is shown.
 bool explain_button(const char* words);
 float explanation_height();
 
-/// The typeface for words of that size, pixels: of the two that there are.
+/// The better of the two fonts for text of that size, pixels.
 ImFont* font_of_size(float size);
 
-/// A finger's colour, light enough to be told from the panel's dark ground.
+/// A finger's colour, lightened for the panel's dark background.
 ImU32 readable_finger_colour(std::size_t finger);
 
-/// What a button shows that is drawn: no typeface is sure to have the signs.
+/// A button's drawn sign: no typeface is sure to have them.
 enum class ButtonSign { none, play, pause, next, previous, home, touch, turn, colours };
 
-/// In a square of that side, over ImGui's window.
+/// Draws in a square of that side, over ImGui's window.
 void draw_sign(ButtonSign sign, const ImVec2& at, float side, ImU32 ink);
 
 inline constexpr float panel_margin = 12, panel_bar_height = 48;
 
-/// A box that stays where it is, of that size or as large as what is in it (0): ImGui::Begin. `flags`:
-/// ImGuiWindowFlags besides.
+/// Begins a fixed box (ImGui::Begin), of that size, or as large as its content (0). `flags`: additional
+/// ImGuiWindowFlags.
 struct FixedBox {
     float x = 0, y = 0;
-    float pivot_x = 0, pivot_y = 0;  ///< the part of it that is there
+    float pivot_x = 0, pivot_y = 0;  ///< the point of the box at (x, y)
     float width = 0, height = 0;
     int flags = 0;
-    bool scrolls = false;  ///< what does not fit is scrolled to
+    bool scrolls = false;  ///< scrolls overflowing content
 };
 void begin_box(const char* name, const FixedBox& box);
 
-/// A bar for each finger, as high as its force, with lines at round newtons and a mark at the largest that
-/// there may be. Upper left.
+/// A bar for each finger, as high as its force, with lines at round newtons and a mark at the limit. Upper
+/// left.
 void draw_force(const PanelFacts& facts, float height, float scale);
-/// What is under the pointer, but for what the bar or the panel covers. Lower left; a fifth of the window's
-/// height and half of its width at most, which leaves the picture free: smaller words, and then fewer lines,
-/// where it is small. Gives where something may end that lies above it.
+/// The values at the pointer, unless the bar or the panel covers it. Lower left; at most a fifth of the
+/// window's height and half of its width, to keep the picture free: smaller text, then fewer lines, if it is
+/// small. Returns the lowest free y above it.
 float draw_place(const PanelFacts& facts, float width, float height, float scale);
-/// What the surface's colours mean: a ramp with its ends, or a list. Lower right, so far from the edge.
+/// The scale of the surface's colours: a ramp with its ends, or a list. Its lower right corner is given.
 void draw_overlay_scale(const Overlays::Scale& scale_of, float right, float bottom, float scale);
 
-/// What was measured, or begun with the brush, over the picture and below all panels.
+/// The measured line, or the brush's unfinished one, over the picture and below all panels.
 void draw_measured_line(const MeasureFacts& facts, float scale);
 void draw_brush_line(const BrushFacts& facts, float scale);
 
-/// What keys, mouse and touch screen do, under titles.
+/// Help on keys, mouse and touch screen, in titled groups.
 struct HelpGroup {
     struct Row {
         std::string keys, what;
@@ -87,32 +87,31 @@ struct HelpGroup {
     std::string title;
     std::vector<Row> rows;
 };
-/// All that does something now: by the list of keys (key_bindings), and the gestures beside them.
+/// Help on all commands with an effect now: from the list of keys (key_bindings), and gestures.
 std::vector<HelpGroup> help_groups(const PanelFacts& facts);
 
-/// In the middle, in two columns where the window is wide enough, as large as is legible; what does not fit
-/// is scrolled to, and that it is there is said. Between ImGuiLayer's `begin` and `draw`; ImGui::End is the
-/// caller's. `scale` as in ScreenSize; sizes in pixels.
+/// In the middle, in two columns if the window is wide enough, as large as is legible; overflowing text
+/// scrolls, with a hint. Between ImGuiLayer's `begin` and `draw`; the caller calls ImGui::End. `scale` as in
+/// ScreenSize; sizes in pixels.
 void begin_help(const PanelFacts& facts, float width, float height, float scale);
 
-/// Draws what may be dropped on a window without a clip, and where clips come from. Between ImGuiLayer's
+/// Draws the page of a window without a clip: what may be dropped, and sources of clips. Between ImGuiLayer's
 /// `begin` and `end`; `scale` as in ScreenSize.
 void draw_empty_page(float width, float height, float scale);
 
-/// Says over the lower part of the picture, in large words, that forces of the mouse's fingers are off in a
-/// window that is no kiosk. Between ImGuiLayer's `begin` and `end`.
+/// Shows in large text over the lower part of the picture that forces of the mouse's fingers are off, except
+/// in a kiosk. Between ImGuiLayer's `begin` and `end`.
 void draw_stop(float width, float height);
 
-/// What draw_stop and draw_empty_page write in the large size, whose letters the font has for them.
+/// Texts of draw_stop and draw_empty_page in the large size; the font has their letters.
 inline constexpr const char *stop_words = "Force is off", *go_on_words = "F brings it back",
                             *empty_page_title = "Drop a depth video here";
 
-/// How high the strip is in which a participant of a study touches, in a window of that size.
+/// Height of the strip shown while a study's participant touches, in a window of that size.
 float study_strip_height(float width, float height);
 
-/// Draws the page or the strip of a study, and takes clicks: of an answer, and of the button. In an ImGui
-/// window of its own, whose ImGui::End is the caller's. Between ImGuiLayer's `begin` and `end`; sizes in
-/// pixels.
+/// Draws the page or the strip of a study, and takes clicks on answers and the button. In its own ImGui
+/// window, whose ImGui::End the caller calls. Between ImGuiLayer's `begin` and `end`; sizes in pixels.
 void begin_study(const StudyFacts& facts, float width, float height, std::vector<WindowCommand>& asked);
 
 }  // namespace touchable

@@ -7,7 +7,7 @@ namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
 
-/// What is wrong with a device that has failed; empty: it works.
+/// A failed device's fault; empty: it works.
 std::string words_of_fault(const PersistentDevice& hand) {
     if (hand.is_looked_for()) return "looking for the " + hand.name();
     const auto health = hand.health();
@@ -31,7 +31,7 @@ PersistentDevice::~PersistentDevice() {
 
 Result<void> PersistentDevice::open() {
     if (state() != State::closed) return {};
-    const StopScope work = StopScope::for_all();  // whichever clip is given up meanwhile
+    const StopScope work = StopScope::for_all();  // independent of clips given up meanwhile
     const StopScope until(ending_.get_token());
     TRY(device_->open());
     state_.store(State::open, std::memory_order_release);
@@ -66,7 +66,7 @@ void PersistentDevice::look_again() {
     const auto begun = start_thread(looking_, "device-search", "that looks for the device", [this] {
         const StopScope until(ending_.get_token());
         const bool is_there = bool(device_->open());
-        if (!is_there && stop_requested()) return;  // the window ends, and the device is still looked for
+        if (!is_there && stop_requested()) return;  // the window ends, and the search did not finish
         state_.store(is_there ? State::open : State::gone, std::memory_order_release);
     });
     if (!begun) state_.store(State::gone, std::memory_order_release);

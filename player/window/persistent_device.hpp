@@ -12,11 +12,11 @@
 
 namespace touchable {
 
-/// A device that a person holds in a window, for sessions that come and go: it stays open from one to the
-/// next. When it has failed for good, the session goes on without a hand, until it is looked for again.
+/// A haptic device in a window, shared by successive sessions: it stays open from one to the next. After a
+/// permanent failure the session continues without a device, until a new search.
 class PersistentDevice final : public HapticDevice {
 public:
-    /// Not opened yet.
+    /// Does not open the device.
     explicit PersistentDevice(std::shared_ptr<HapticDevice> device);
     ~PersistentDevice() override;  ///< closes the device
 
@@ -26,26 +26,26 @@ public:
     DeviceCapabilities capabilities() const override { return device_->capabilities(); }
     /// Opens the device the first time.
     Result<void> open() override;
-    /// Leaves zero force, and the device open.
+    /// Leaves zero force, and keeps the device open.
     void close() override {
         if (state() == State::open) device_->write_forces(zeros_);
     }
     bool read_positions(std::span<glm::dvec3> device_metres) override;
     bool write_forces(std::span<const glm::dvec3> newtons) override;
     std::uint32_t buttons() override { return state() == State::open ? device_->buttons() : 0; }
-    double age_s() const override { return age_s_.load(std::memory_order_relaxed); }  ///< by any thread
+    double age_s() const override { return age_s_.load(std::memory_order_relaxed); }  ///< any thread
     std::string prompt() const override { return device_->prompt(); }
     std::string why_no_position() const override { return device_->why_no_position(); }
     Result<void> health() const override { return device_->health(); }
 
-    // By the window's thread.
-    /// Whether it has failed, and comes back only when it is looked for.
+    // The window's thread only.
+    /// Whether it has failed, and needs `look_again`.
     bool is_gone() const { return state() == State::gone; }
     bool is_looked_for() const { return state() == State::looked_for; }
-    /// Opens the device again if it is gone, on a thread of its own.
+    /// Reopens a failed device, on a separate thread.
     void look_again();
-    /// No force reaches the device from the session's next tick on, by any caller, and it is no longer waited
-    /// for while it is opened. Waits for nothing, and is for good.
+    /// From the session's next tick on, no caller's force reaches the device; opening it is cancelled. Does
+    /// not wait; permanent.
     void power_off() {
         is_unpowered_.store(true, std::memory_order_release);
         ending_.request_stop();
@@ -56,7 +56,7 @@ private:
     State state() const { return state_.load(std::memory_order_acquire); }
 
     const std::shared_ptr<HapticDevice> device_;
-    // While `open`, the session's haptic thread has the device; otherwise the thread that opens it.
+    // While `open`, the device belongs to the session's haptic thread; otherwise to the thread that opens it.
     std::atomic<State> state_{State::closed};
     std::atomic<double> age_s_;
     std::atomic<bool> is_unpowered_{false};
@@ -65,26 +65,26 @@ private:
     std::thread looking_;
 };
 
-/// Whether a device that is held exerts forces, and what to do about it.
+/// Whether a haptic device exerts forces, and what the user may do.
 struct HandState {
     enum class Mood { off, on, away };
     enum class What { away, has_no_force, repositioned, on, off };
     Mood mood = Mood::off;
     What what = What::off;
-    std::string words;             ///< always to be read in the picture
-    std::string remark;            ///< what the person has to do (HapticDevice::prompt); empty: nothing
-    bool has_to_come_out = false;  ///< `remark` is that the finger is to leave the surface first
+    std::string words;             ///< always visible in the picture
+    std::string remark;            ///< what the user has to do (HapticDevice::prompt); empty: nothing
+    bool has_to_come_out = false;  ///< `remark` asks to lift the finger off the surface first
 };
 
-/// `is_inside`: the guard keeps a finger's force back until it has been free.
+/// `is_inside`: the guard withholds a finger's force until it has been free.
 HandState hand_state(const PersistentDevice& hand, const HandControl& control, bool is_inside = false);
 
-/// What the panel shows of a device.
+/// The panel's facts about a device.
 struct HandFacts {
     std::string device;  ///< its name
     HandState state;
     double age_s = 0;            ///< of the positions; infinite: there are none
-    double scene_per_metre = 1;  ///< metres of the scene that a finger goes for one of the hand
+    double scene_per_metre = 1;  ///< metres of finger motion in the scene per metre of the hand
     int buttons = 0;
 };
 

@@ -1,5 +1,5 @@
-// Over the picture: boxes in its corners, lines that were measured or begun, help, and the page of a window
-// that has no clip.
+// Over the picture: boxes in its corners, lines of the measure and the brush, help, and the page of a window
+// without a clip.
 
 #include <imgui.h>
 
@@ -16,19 +16,19 @@
 namespace touchable {
 namespace {
 
-/// From one line across the force bar to the next: a round number of newtons, three to seven of them.
+/// Spacing of the lines across the force bar: a round number of newtons, for three to seven lines.
 double newtons_of_line(double limit) {
     const double decade = std::pow(10.0, std::floor(std::log10(limit)));
     const double lead = limit / decade;
     return decade * (lead < 1.5 ? 0.25 : (lead < 3 ? 0.5 : (lead < 6 ? 1 : 2)));
 }
 
-/// `beyond`: what lies there has the same colour.
+/// `beyond`: a prefix if values beyond the end have the same colour.
 std::string end_of_scale(double value, const char* beyond) {
     return beyond + formatted("%.4g", value);
 }
 
-/// A colour and what it means.
+/// A colour and its meaning.
 void draw_class(PackedColour colour, const char* words, float scale) {
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float side = ImGui::GetFontSize();
@@ -40,7 +40,7 @@ void draw_class(PackedColour colour, const char* words, float scale) {
     ImGui::PopTextWrapPos();
 }
 
-/// The ramp, and below it its ends; the middle too where values do not lie evenly.
+/// The ramp, with its ends below; also the middle, if the scale is not linear.
 void draw_ramp(const Overlays::Scale& scale_of, float scale) {
     const float wide = 220 * scale, tall = 12 * scale;
     ImDrawList& list = *ImGui::GetWindowDrawList();
@@ -53,7 +53,7 @@ void draw_ramp(const Overlays::Scale& scale_of, float scale) {
                            ramp_colour(scale_of.least_is_light ? 1 - share : share));
     }
     ImGui::Dummy(ImVec2(wide, tall));
-    // `part`: of the words that is left of the place.
+    // `part`: the share of the text left of the place.
     const auto draw_at = [&](float place, const std::string& words, float part) {
         ImGui::SameLine(ImGui::GetStyle().WindowPadding.x + place -
                         part * ImGui::CalcTextSize(words.c_str()).x);
@@ -94,7 +94,7 @@ std::string printed(std::string key) {
     return key;
 }
 
-/// What is done without a key.
+/// Actions without a key.
 std::vector<HelpRow> gestures(CommandRow::Topic topic, const PanelFacts& facts) {
     std::vector<HelpRow> rows;
     if (topic == CommandRow::Topic::begin && facts.hand) {
@@ -121,7 +121,7 @@ std::vector<HelpRow> gestures(CommandRow::Topic topic, const PanelFacts& facts) 
     return rows;
 }
 
-/// The keys of one row. One that does the same with Shift, or more of it, is named once.
+/// The keys of a row. A key that does the same with Shift, or a larger step, is named once.
 std::string names_of(std::span<const KeyBinding> row) {
     std::string names, held;
     for (std::size_t k = 0; k < row.size(); ++k) {
@@ -139,7 +139,7 @@ std::string names_of(std::span<const KeyBinding> row) {
 
 constexpr float title_lines = 1.3F, gap_lines = 0.6F, smallest_help_words = 12.0F / 15;
 
-/// The groups of one column, and how wide its words are, at full size.
+/// The groups of a column, and the widths of its text, at full size.
 struct HelpColumn {
     std::span<const HelpGroup> groups;
     float keys = 0, whole = 0, lines = 0;
@@ -158,7 +158,7 @@ struct HelpColumn {
     }
 };
 
-/// Two of about the same height.
+/// Two columns of about the same height.
 std::vector<HelpColumn> two_columns(std::span<const HelpGroup> groups, float gap) {
     std::vector<HelpColumn> best;
     float tallest = 0;
@@ -194,7 +194,7 @@ void draw_column(const HelpColumn& column, ImVec2 at, float line, float share) {
     }
 }
 
-/// Over the last line, as long as there is something below it.
+/// Covers the last line while there is more below.
 void draw_more(float scale) {
     if (ImGui::GetScrollY() >= ImGui::GetScrollMaxY() - 1) return;
     const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
@@ -213,7 +213,7 @@ void draw_more(float scale) {
 constexpr const char* other_things =
     "or several; a folder of pictures; a photo with depth; a recording of a camera";
 
-/// Who has none, and what helps.
+/// Hints for users without a clip.
 constexpr struct {
     const char *wish, *command;
 } ways[] = {{"make one", "touchable make globe globe.mkv"},
@@ -224,12 +224,12 @@ constexpr struct {
 }  // namespace
 
 void draw_force(const PanelFacts& facts, float height, float scale) {
-    constexpr double beyond_limit = 1.08;  // so that the mark of the limit has bar on either side
+    constexpr double beyond_limit = 1.08;  // so that the limit's mark has bar on either side
     const float m = panel_margin * scale;
     const auto fingers = static_cast<float>(std::max<std::size_t>(facts.forces.size(), 1));
     const float each = std::min(18 * scale, 180 * scale / fingers);
     const float bar = each * 2 / 3, gap = each / 3, tall = std::min(150 * scale, height * 0.3F);
-    // What is in a box tells its size a picture later: where that is known before, it is said.
+    // ImGui sizes a box by its content a picture later, so known sizes are set.
     const ImGuiStyle& style = ImGui::GetStyle();
     const std::string limit_words =
         (facts.kiosk ? facts.kiosk->texts.limit : "limit") + formatted(" %.3g N", facts.limit_newtons);
@@ -242,7 +242,7 @@ void draw_force(const PanelFacts& facts, float height, float scale) {
                .flags = ImGuiWindowFlags_NoInputs});
     double most = 0;
     for (const double force : facts.forces) most = std::max(most, force);
-    if (facts.force_on || facts.kiosk)  // which says it large, in its own words
+    if (facts.force_on || facts.kiosk)  // a kiosk shows it in large text, in its own words
         ImGui::TextUnformatted(formatted("%.1f N", most).c_str());
     else
         ImGui::TextColored(ImVec4(0.95F, 0.65F, 0.35F, 1), "force off");
@@ -278,7 +278,7 @@ float draw_place(const PanelFacts& facts, float width, float height, float scale
     const float m = panel_margin * scale, bottom = height - 2 * m - panel_bar_height * scale;
     // A place behind the bar or the panel is not described, and a button's explanation takes the space.
     if (words.empty() || ImGui::IsWindowHovered(ImGuiHoveredFlags_AnyWindow)) return bottom;
-    // As large as there is room for, but legible; lines that then do not fit are left out.
+    // As large as fits, but legible; lines that then do not fit are dropped.
     constexpr float smallest = 12.0F / 15;
     const ImVec2 padding = ImGui::GetStyle().WindowPadding;
     const float font = ImGui::GetFontSize(), gap = 2 * scale, room = height / 5 - 2 * padding.y;
@@ -377,7 +377,7 @@ void begin_help(const PanelFacts& facts, float width, float height, float scale)
     const float m = panel_margin * scale, tall_room = height - 3 * m - panel_bar_height * scale,
                 wide_room = width - 2 * m, full_line = ImGui::GetFontSize() + 2 * scale;
     const float gap = 14 * scale, between = 34 * scale;
-    // Of one that is scrolled the bar takes some of the width.
+    // Scrolling takes the scrollbar's width.
     const auto share_of = [&](const std::vector<HelpColumn>& columns) {
         float wide = between * static_cast<float>(columns.size() - 1), lines = 0;
         for (const HelpColumn& column : columns) wide += column.whole, lines = std::max(lines, column.lines);
@@ -410,7 +410,7 @@ void begin_help(const PanelFacts& facts, float width, float height, float scale)
         at.x += share * (column.whole + between);
     }
     if (!scrolls) return;
-    // The last line ends above the words that say that there is more.
+    // The last line ends above the hint that there is more.
     ImGui::SetCursorPos(ImVec2(0, lines * line + padding.y));
     ImGui::Dummy(ImVec2(1, line));
     draw_more(scale);

@@ -8,7 +8,7 @@
 namespace touchable {
 namespace {
 
-/// The same pixels, and so many rows more below them.
+/// Adds rows below the same pixels.
 ViewCamera with_rows_below(ViewCamera camera, int rows) {
     const double share = static_cast<double>(camera.height) / (camera.height + rows);
     for (glm::dmat4* const matrix : {&camera.clip_from_world, &camera.clip_from_lattice})
@@ -20,11 +20,11 @@ ViewCamera with_rows_below(ViewCamera camera, int rows) {
     return camera;
 }
 
-/// How far several fingers are from the pointer, as a share of the picture's height.
+/// Distance of several fingers from the pointer, as a share of the picture's height.
 constexpr double finger_spread = 0.08;
-// Device metres; docs/play.md says why. A finger is lifted over what is more than step_m higher, and over
-// what holds it back by more than caught_m. A place nearer than again_m to the one that it was last lifted
-// for is the same place.
+// Device metres; docs/play.md gives the reasons. step_m: a finger is lifted over higher steps. caught_m: a
+// finger that lags its goal by more is stuck. again_m: a place closer to the last lift's is the same
+// obstacle.
 constexpr double step_m = 0.003, caught_m = 0.005, again_m = 0.001;
 
 constexpr double metres_per_notch = 0.0005, metres_per_pixel = 0.00003;  // of the hand, into the surface
@@ -37,8 +37,8 @@ void turn_by(const glm::dvec2& moved, WindowView& view, int height) {
 }
 
 constexpr std::size_t most_touches = 32;
-constexpr double least_radius_share = 0.01;  // of the picture's height: nearer fingers zoom nothing
-constexpr double most_nearer = 2;            // with one event
+constexpr double least_radius_share = 0.01;  // of the picture's height: closer fingers do not zoom
+constexpr double most_nearer = 2;            // per event
 
 InputEvent pointer_event(InputEvent::Kind kind, const glm::dvec2& at) {
     using Kind = InputEvent::Kind;
@@ -48,7 +48,7 @@ InputEvent pointer_event(InputEvent::Kind kind, const glm::dvec2& at) {
 
 }  // namespace
 
-// On the clip camera's axis, so that the first turn does not jump.
+// On the clip camera's axis, so that the view does not jump on the first turn.
 WindowView::WindowView(const Scene& scene, const glm::dvec3& middle) : scene_(scene), home_(0, 0, middle.z) {
     go_home();
 }
@@ -83,7 +83,7 @@ void WindowView::pan(double x, double y, int width, int height) {
     set_centre(moved);
 }
 
-/// The eye stays as far away as it was; zoom counts from the clip's camera.
+/// Keeps the eye's distance; zoom is relative to the clip's camera.
 void WindowView::set_centre(const glm::dvec3& place) {
     if (!(place.z < 0)) return;
     orbit_.zoom = std::clamp(orbit_.zoom.value_or(1) * place.z / centre_.z, 0.1, 20.0);
@@ -107,7 +107,7 @@ void WindowView::go_home() {
 void PointerFingers::set_pointer(std::optional<glm::dvec2> at) {
     pointer_ = at;
     if (at || is_touched()) return;
-    device_.intend({}, glm::dvec3(0.0));  // now, not with the next picture
+    device_.intend({}, glm::dvec3(0.0));  // at once, not with the next picture
 }
 
 std::optional<glm::dvec2> PointerFingers::looked_at() const {
@@ -125,7 +125,7 @@ std::optional<std::size_t> PointerFingers::put_down(const glm::dvec2& at) {
     return static_cast<std::size_t>(free - fingers_.begin());
 }
 
-/// Up to the last that is down.
+/// Number of fingers up to the last that is down.
 int PointerFingers::touched() const {
     for (int k = most; k > 0; --k)
         if (fingers_[static_cast<std::size_t>(k - 1)].touch) return k;
@@ -155,8 +155,8 @@ void PointerFingers::intend(const HeightField& field, const ViewCamera& camera,
     }
 }
 
-/// A finger that was away begins highest_m before the surface, on the way there from the clip's camera, where
-/// nothing can be in between: a pointer has no hand that such a jump could hurt.
+/// A new finger begins highest_m in front of the surface, on the clip camera's ray, where nothing can be in
+/// between: a pointer has no hand that such a jump could hurt.
 void PointerFingers::lead(std::size_t finger, const glm::dvec2& at, const HeightField& field,
                           const ViewCamera& camera, const Contact* felt) {
     const auto met = ground_at(field, camera, at);
@@ -175,9 +175,9 @@ void PointerFingers::lead(std::size_t finger, const glm::dvec2& at, const Height
     device_.intend(finger, workspace_.to_device(*goal), from, workspace_.to_device(camera.eye));
 }
 
-/// The goal of a finger that does not go straight to the `ground` under the pointer, world: lifted, or on to
-/// the edge of what it is over. Nothing: it goes straight. The surface on its way is looked at as the clip's
-/// camera sees it: from there nothing of it is hidden, and nothing is in the way of what is lifted.
+/// The goal of a finger that must detour on its way to the `ground` under the pointer, world: lifted, or on
+/// to the edge of the surface in between. nullopt: it goes straight. The surface on the path is examined
+/// along the clip camera's rays: they see all of it, and a lifted finger meets no obstacle there.
 std::optional<glm::dvec3> PointerFingers::detour(Finger& finger, const HeightField& field,
                                                  const glm::dvec3& ground, double deep_m,
                                                  const Contact& felt) const {
@@ -189,7 +189,7 @@ std::optional<glm::dvec3> PointerFingers::detour(Finger& finger, const HeightFie
         finger.is_lifted = false;
         return std::nullopt;
     }
-    // How much nearer to the camera than the finger the surface comes, and whether the way goes through it.
+    // How much nearer to the camera than the finger the surface comes, and whether the path crosses it.
     const double height_m = (from->planar_depth - surface->nearest) * metres;
     const bool is_through = surface->behind * metres > step_m, is_step = is_through && height_m > step_m;
     if (finger.is_lifted)
@@ -242,7 +242,7 @@ void PointerInput::take(const InputEvent& event, Leads leads, PointerFingers& fi
     }
 }
 
-/// By how much the pointer moves.
+/// Returns the pointer's movement.
 glm::dvec2 PointerInput::move_to(const glm::dvec2& place, PointerFingers& fingers) {
     const glm::dvec2 moved = place - at_;
     at_ = place;
@@ -251,7 +251,7 @@ glm::dvec2 PointerInput::move_to(const glm::dvec2& place, PointerFingers& finger
 }
 
 void PointerInput::press(const InputEvent& event) {
-    // Not every mouse has a middle button.
+    // Ctrl and left stand in for a missing middle button.
     held_ = event.word == "left" && event.control ? "middle" : event.word;
     shift_ = event.shift;
     if (held_ != "middle") return;
@@ -310,7 +310,7 @@ std::vector<InputEvent> TouchInput::begin(const InputEvent& event, Ground ground
         touches_.push_back(touch);
         return {pointer_event(InputEvent::Kind::moved, at), pointer_event(InputEvent::Kind::pressed, at)};
     }
-    // Until it moves again: X may report its pointer before the finger that moved it.
+    // No pointer until it moves again: X may report its pointer before the finger that moved it.
     if (fingers) fingers->set_pointer(std::nullopt);
     pair_since_s_ = is_pair(touch, height) ? std::optional(event.seconds) : std::nullopt;
     if (touch.role == Role::finger) {
@@ -328,7 +328,7 @@ TouchInput::Role TouchInput::role_on(Ground ground, const PointerFingers* finger
     return Role::finger;
 }
 
-/// Whether it and the only other one are put down together.
+/// Whether this touch and the only other one are put down together.
 bool TouchInput::is_pair(const Touch& second, int height) const {
     if (gesture_ || count(Role::finger) + count(Role::view) != 1) return false;
     const auto first = std::ranges::find_if(touches_, over_picture);
@@ -352,7 +352,7 @@ void TouchInput::move(Touch& touch, const InputEvent& event, const Led& led, int
         led.view->near_by(std::clamp(now.radius / before.radius, 1 / most_nearer, most_nearer));
 }
 
-/// The pair lets go of what it touched until now.
+/// The pair releases what it touched.
 void TouchInput::begin_gesture(PointerFingers* fingers) {
     pair_since_s_.reset();
     gesture_ = true;
@@ -376,7 +376,7 @@ std::vector<InputEvent> TouchInput::cancel(PointerFingers* fingers) {
     std::vector<InputEvent> events;
     for (const Touch& touch : touches_) {
         if (touch.role == Role::finger) fingers->lift(touch.finger);
-        // Away before it is let go, so that it clicks nothing.
+        // Leaves before the release, so that it clicks nothing.
         if (touch.role == Role::pointer)
             events = {pointer_event(InputEvent::Kind::left_window, touch.at),
                       pointer_event(InputEvent::Kind::released, touch.at)};

@@ -41,7 +41,7 @@ SessionOptions with_settings(SessionOptions options, const SessionSettings& sett
         if (const auto value = settings.values().find(setting.name);
             value != settings.values().end() && (setting.of != SettingOf::device || options.control))
             setting.set(*setting.range.value_of(value->second), options);
-    // Without any of it the clip has its own heights.
+    // With amount 0 the clip keeps its own heights.
     if (options.clip.relief && options.clip.relief->settings.amount == 0) options.clip.relief.reset();
     return options;
 }

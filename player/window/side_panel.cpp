@@ -1,5 +1,4 @@
-// The panel on the right: what the finger and the clip do, materials, settings of what is felt, and how it
-// goes.
+// The panel on the right: finger and clip, materials, settings of touch, and performance figures.
 
 #include <imgui.h>
 
@@ -18,7 +17,7 @@
 namespace touchable {
 namespace {
 
-/// The clip's name, as far as there is room, and what forgets all settings.
+/// The clip's name, clipped to the space, and the button that resets all settings.
 void draw_title(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked) {
     const ImGuiStyle& style = ImGui::GetStyle();
     const float reset_width = 56 * scale, room = ImGui::GetContentRegionAvail().x - reset_width;
@@ -67,7 +66,7 @@ void draw_hand(const HandFacts& hand, float scale) {
     explain_row("How far a finger goes in the scene for 1 m of the hand. J: finer; K: coarser.");
 }
 
-/// Buttons for a person who has neither a middle button nor keys.
+/// Buttons for users with neither a middle button nor keys.
 void draw_view(float scale, std::vector<WindowCommand>& asked) {
     draw_label("view", scale);
     const float gap = ImGui::GetStyle().ItemInnerSpacing.x / 2, side = ImGui::GetFrameHeight();
@@ -98,7 +97,7 @@ void draw_measure(const MeasureFacts& facts, float scale, std::vector<WindowComm
         "other. T does the same, and leaves the line when it puts the tool away; off takes it away.");
 }
 
-/// What the finger and the clip do now.
+/// The state of the finger and the clip.
 void draw_finger(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked) {
     if (facts.hand)
         draw_hand(*facts.hand, scale);
@@ -134,7 +133,7 @@ void draw_finger(const PanelFacts& facts, float scale, std::vector<WindowCommand
     if (ImGui::Button("clip's own view", ImVec2(-1, 0))) asked.push_back({WindowVerb::home});
 }
 
-/// A chip of the colour and the name. Whether it was clicked.
+/// A colour chip and the name. Returns whether it was clicked.
 bool draw_material(const PaletteMaterial& material, bool is_in_hand, float wide, float scale) {
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const float tall = ImGui::GetFrameHeight(), chip = tall - 8 * scale;
@@ -190,7 +189,7 @@ void draw_materials(const BrushFacts& facts, float scale, std::vector<WindowComm
     draw_palette(facts, scale, asked);
     if (facts.is_there) {
         draw_label("all others", scale);
-        // What they are, if that is one material, or what they can be.
+        // Their material, if it is one for all, or the selected one as an alternative.
         const std::string& one = facts.otherwise.empty() ? facts.material : facts.otherwise;
         const int others =
             draw_words("others", {"guessed", one.c_str()}, facts.otherwise.empty() ? 0 : 1, true);
@@ -223,7 +222,7 @@ void ask_for(const SessionSetting& setting, const std::string& value, std::vecto
     asked.push_back({WindowVerb::feel, 0, setting.name + " " + value});
 }
 
-/// What was chosen by hand, otherwise what is in effect.
+/// The value chosen by hand, otherwise the one in effect.
 void draw_choice(const SessionSetting& setting, const SettingsFacts& facts,
                  std::vector<WindowCommand>& asked) {
     const bool by_hand = facts.by_hand.contains(setting.name);
@@ -237,7 +236,7 @@ void draw_choice(const SessionSetting& setting, const SettingsFacts& facts,
     if (clicked >= 0) ask_for(setting, setting.range.words[static_cast<std::size_t>(clicked)], asked);
 }
 
-/// Each filter with its reason, a line each: what stands between parentheses is no end of one.
+/// Each filter with its reason, one per line; separators in parentheses do not count.
 void draw_reasons(const std::string& words) {
     int depth = 0;
     std::string line;
@@ -270,7 +269,7 @@ struct DrawnCurve {
     ImU32 colour;
 };
 
-/// Lines over each other from 0 to `most`, or a bar for each value; the newest value in words on the right.
+/// Overlaid lines from 0 to `most`, or a bar for each value; the newest value as text on the right.
 void draw_curves(const char* label, std::initializer_list<DrawnCurve> curves, float most, bool bars,
                  const char* words, float scale) {
     const float tall = 30 * scale, down = (tall - ImGui::GetFrameHeight()) / 2;
@@ -308,9 +307,9 @@ void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
     const float m = panel_margin * scale_, scale = roomy ? scale_ : 0.86F * scale_;
     ImGui::SetNextWindowPos(ImVec2(width - m, m), ImGuiCond_Always, ImVec2(1, 0));
     ImGui::SetNextWindowSize(ImVec2(side_width(width), height - 3 * m - panel_bar_height * scale_));
-    // The picture behind it is what the settings are about.
+    // Keeps the picture visible, as the settings affect it.
     if (!roomy) ImGui::SetNextWindowBgAlpha(0.7F);
-    // What does not fit is scrolled to.
+    // Overflowing content scrolls.
     ImGui::Begin("panel", nullptr,
                  ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                      ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings |
@@ -322,7 +321,7 @@ void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
     ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(style.ItemSpacing.x, 4 * scale));
     draw_title(facts, scale, asked);
     draw_finger(facts, scale, asked);
-    // A person who takes a tool wants to see what else there is.
+    // Opens the materials when a tool is taken.
     const bool is_held = facts.brush.tool != BrushTool::touch;
     if (std::exchange(tool_was_held_, is_held) != is_held) ImGui::SetNextItemOpen(is_held);
     if (draw_fold("Materials", false)) draw_materials(facts.brush, scale, asked);
@@ -372,7 +371,7 @@ void SettingsPanel::draw_row(const SessionSetting& setting, const SettingsFacts&
     explain_row(setting.what);
 }
 
-/// Takes effect when the slider is let go.
+/// Takes effect when the slider is released.
 void SettingsPanel::draw_number(const SessionSetting& setting, const SettingsFacts& facts,
                                 std::vector<WindowCommand>& asked) {
     const SettingRange& range = setting.range;
@@ -398,7 +397,7 @@ void CurvesPanel::remember(const PanelFacts& facts, double picture_ms, double ti
         forces_[k].add(k < facts.forces.size() ? facts.forces[k] : 0);
     picture_ms_.add(picture_ms);
     tick_us_.add(tick_us);
-    // Another session counts from 0 again.
+    // A new session counts from 0 again.
     late_ticks_.add(static_cast<double>(std::max<std::int64_t>(facts.late_ticks - all_late_, 0)));
     dropped_frames_.add(static_cast<double>(std::max<std::int64_t>(facts.dropped_frames - all_dropped_, 0)));
     all_late_ = facts.late_ticks;

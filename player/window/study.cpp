@@ -22,7 +22,7 @@ constexpr double longest_wait_s = 24 * 3600;
 constexpr std::pair<const char*, StudyForce> force_words[] = {{"on", StudyForce::on},
                                                               {"off", StudyForce::off}};
 
-/// A name for a table of results, and for formulas over it.
+/// A name usable in a results table and in formulas.
 std::string read_id(const StudyNode& node) {
     std::string id = node.text();
     const auto is_legal = [](char c) {
@@ -99,7 +99,7 @@ void read_times(const StudyNode& node, StudyStep& step) {
         node["most_s"].refuse("more than 0, and no less than least_s");
 }
 
-/// `in_condition`: the force is the condition's.
+/// `in_condition`: the condition sets the force.
 StudyStep read_step(const StudyNode& node, bool in_condition) {
     constexpr std::pair<const char*, StepKind> kinds[] = {
         {"text", StepKind::text}, {"touch", StepKind::touch}, {"questions", StepKind::questions}};
@@ -136,7 +136,7 @@ StudyCondition read_condition(const StudyNode& node) {
     return condition;
 }
 
-/// Each step, and each question, has a name of its own; `known`: those so far.
+/// Steps and questions have unique names; `known`: those so far.
 std::vector<StudyStep> read_steps(const StudyNode& node, const char* member, bool in_condition,
                                   std::set<std::string>& known) {
     std::vector<StudyStep> steps;
@@ -167,7 +167,7 @@ Study read_study(const StudyNode& node) {
     start.allow_only({"title", "text"});
     study.title = read_by_language(start["title"], read_lines);
     study.words = read_by_language(start["text"], read_lines);
-    std::set<std::string> known{"end"};  // the last row of a participant's table
+    std::set<std::string> known{"end"};  // id of the last row of a participant's table
     study.before = read_steps(node, "before", false, known);
     study.in_each_condition = read_steps(node, "in_each_condition", true, known);
     study.after = read_steps(node, "after", false, known);
@@ -192,7 +192,7 @@ constexpr const char* table_header =
     "study,participant,language,hand,time,condition,place,step,question,answer,seconds,contact_s,touches,"
     "mean_force_n,max_force_n\n";
 
-/// A device's name, in a table.
+/// A device's name without CSV's special characters.
 std::string plain_field(std::string words) {
     std::ranges::replace_if(
         words, [](char c) { return c == ',' || c == '"' || static_cast<unsigned char>(c) < 0x20; }, ' ');
@@ -202,9 +202,9 @@ std::string plain_field(std::string words) {
 constexpr std::string_view file_stem = "participant-";
 constexpr const char *partial_ending = ".partial.csv", *whole_ending = ".csv", *left_ending = ".left.csv";
 constexpr std::size_t largest_number = 999'999;
-constexpr const char* begin_tag = "begin";  // of the job by which a participant begins
+constexpr const char* begin_tag = "begin";  // tag of the job that begins a participant
 
-/// The participant's number in a file's name; 0: it is no file of results.
+/// The participant's number in a file's name; 0: not a results file.
 std::size_t participant_of(const std::string& name) {
     if (!name.starts_with(file_stem)) return 0;
     std::size_t number = 0;
@@ -263,12 +263,12 @@ std::vector<std::size_t> order_of_conditions(std::size_t count, std::size_t numb
     const std::size_t rows = count % 2 == 0 ? count : 2 * count,
                       row = (number - 1) % std::max<std::size_t>(rows, 1);
     std::vector<std::size_t> order;
-    // 0, 1, n - 1, 2, n - 2, ...: each row is the first one, shifted.
+    // 0, 1, n - 1, 2, n - 2, ...; each row is the first one, shifted.
     for (std::size_t k = 0; k < count; ++k) {
         const std::size_t first = k % 2 == 1 ? (k + 1) / 2 : (count - k / 2) % count;
         order.push_back((first + row) % count);
     }
-    // Of an odd number of conditions half of the followers come in the mirrored rows.
+    // With an odd number of conditions half of the successions are in the mirrored rows.
     if (row >= count) std::ranges::reverse(order);
     return order;
 }
@@ -294,7 +294,7 @@ std::vector<StudyScreen> screens_of(const Study& study, std::size_t number) {
 Result<void> TouchMeter::take(const TouchTick& tick) {
     const std::lock_guard lock(mutex_);
     touched_.resize(tick.contacts.size());
-    constexpr int most_ticks = 100;  // that a late tick stands for
+    constexpr int most_ticks = 100;  // limit on ticks of a late tick
     double largest = 0;
     int ticks = 0;
     for (std::size_t k = 0; k < tick.contacts.size(); ++k) {
@@ -313,7 +313,7 @@ Result<void> TouchMeter::take(const TouchTick& tick) {
     return {};
 }
 
-/// A finger that touches already has come to the surface for this touch, too.
+/// A finger that already touches counts for this touch too.
 void TouchMeter::begin(StudyForce force) {
     const std::lock_guard lock(mutex_);
     force_ = force;
@@ -331,20 +331,20 @@ TouchMeasures TouchMeter::measures() const {
     return measures;
 }
 
-/// The tables of participants, one after the other. All calls wait for the disk: they are made by jobs of the
-/// writer, and the result of the last one says whether all answers are kept.
+/// The participants' tables, one after another. All calls wait for the disk: they run in jobs of the writer,
+/// and the last job's result says whether all answers are stored.
 class StudyRun::Tables : NonCopyable {
 public:
     explicit Tables(fs::path folder) : folder_(std::move(folder)) {}
     ~Tables() { close_table(); }
 
     const fs::path& folder() const { return folder_; }
-    /// Of the participant. The window reads it once `begin` is done, until it asks for the next one.
+    /// The participant's number. The window may read it between the end of `begin` and its next request.
     std::size_t number() const { return number_; }
 
-    /// Makes the table of the next participant. If that of the one before could not be finished, that comes
-    /// first. The number is one more than the largest in the folder, whole or not. A number that another
-    /// program takes at the same moment is left to that one.
+    /// Creates the table of the next participant; first ends the previous one, if that had failed. The number
+    /// is one more than the largest in the folder, of complete and partial tables. A number that another
+    /// program takes at the same moment is skipped.
     Result<void> begin() {
         constexpr std::size_t most_tries = 100;
         if (unended_) TRY(end(*unended_));
@@ -368,18 +368,17 @@ public:
         return input_error(folder_.string() +
                            ": there is no number for another participant; give an empty folder");
     }
-    /// After `begin`: makes the name safe on the disk. Until then a machine that is switched off may lose the
-    /// table.
+    /// After `begin`: syncs the file's name to disk. Until then a power failure may lose the table.
     Result<void> secure() {
         if (last) sync_folder(folder_);
         return last;
     }
-    /// Writes a row, and what still waits. If there is no room, both wait for the next row.
+    /// Writes a row and all waiting ones. If the disk is full, they wait for the next row.
     Result<void> add(const std::string& row) {
         waiting_ += row;
         return write();
     }
-    /// Makes it safe on the disk, under its last name. If rows are missing, or the name is taken, it stays
+    /// Syncs the table to disk under its final name. If rows are missing, or the name is taken, it stays
     /// partial.
     Result<void> end(bool is_whole) {
         unended_ = is_whole;
@@ -393,7 +392,7 @@ public:
         close_table();
         return {};
     }
-    /// Ends the table once more, if it could not be ended.
+    /// Retries ending the table, if that failed.
     Result<void> end_again() { return unended_ ? end(*unended_) : last; }
 
     Result<void> last;  ///< the result of the last job
@@ -405,7 +404,7 @@ private:
     Error failed(int why) const {
         return input_error(named(partial_ending).string() + ": answers are not kept: " + std::strerror(why));
     }
-    /// Writes all that waits, or nothing of it.
+    /// Writes all waiting rows, or none.
     Result<void> write() {
         if (const int why = append_durably(out_, waiting_)) return failed(why);
         waiting_.clear();
@@ -418,8 +417,8 @@ private:
     const fs::path folder_;
     std::size_t number_ = 0;
     int out_ = -1;
-    std::string waiting_;          // whole rows
-    std::optional<bool> unended_;  // the table could not be ended so
+    std::string waiting_;          // complete rows
+    std::optional<bool> unended_;  // the `is_whole` of a failed `end`
 };
 
 Result<std::unique_ptr<StudyRun>> StudyRun::open(Study study, fs::path folder, std::string language,
@@ -451,7 +450,7 @@ void StudyRun::write(std::function<Result<void>(Tables& tables)> work, std::stri
     writer_->give({.file = tables_->folder(), .write = std::move(job), .tag = std::move(tag)});
 }
 
-/// Before a participant has begun, the first clip of the study: it is open by the time it is wanted.
+/// Before a participant begins, the study's first clip, so that it is open in time.
 std::size_t StudyRun::clip() const {
     const std::vector<StudyScreen> first =
         screens_.empty() ? screens_of(study_, 1) : std::vector<StudyScreen>();
@@ -477,7 +476,7 @@ void StudyRun::go_on(double now_s, Time time) {
     if (!screen()) {
         is_beginning_ = true;
         write([](Tables& tables) { return tables.begin(); }, begin_tag);
-        write([](Tables& tables) { return tables.secure(); });  // the participant need not wait for it
+        write([](Tables& tables) { return tables.secure(); });  // the participant does not wait for it
         return;
     }
     add_row(now_s, time, chosen_ ? screen()->question->answers[*chosen_].value : "");
@@ -524,7 +523,7 @@ void StudyRun::begin_screen(double now_s) {
     if (screen() && screen()->is_touch()) meter_->begin(screen()->force());
 }
 
-/// `rest`: from the condition on.
+/// `rest`: the columns from the condition on.
 std::string StudyRun::row(const std::string& rest, Time time) const {
     std::string row;
     for (const std::string& field :
@@ -564,7 +563,7 @@ void StudyRun::add(const std::string& row) {
     write([row](Tables& tables) { return tables.add(row); });
 }
 
-/// The start screen is next, even if the file cannot be finished.
+/// The start screen follows, even if the file cannot be finished.
 void StudyRun::finish(bool is_whole, double now_s) {
     write([is_whole](Tables& tables) { return tables.end(is_whole); });
     screens_.clear();
@@ -574,11 +573,11 @@ void StudyRun::finish(bool is_whole, double now_s) {
     ++turn_;
 }
 
-/// The file of a participant who has not finished stays partial.
+/// The file of an unfinished participant stays partial.
 Result<void> StudyRun::end(double now_s, Time time, std::chrono::milliseconds longest) {
     using Clock = std::chrono::steady_clock;
     const auto until = Clock::now() + longest;
-    // A participant who began just now counts, too.
+    // A participant who began just now counts too.
     if (is_beginning_ && wait_for_disk(longest)) take_written(now_s);
     if (screen()) {
         add_row(now_s, time, "");

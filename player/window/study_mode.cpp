@@ -12,7 +12,7 @@ std::chrono::system_clock::time_point by_the_clock() {
     return std::chrono::system_clock::now();
 }
 
-/// Of a digit: the number on a scale, or the place among choices.
+/// The answer for a digit: a number on a scale, or a position among choices.
 std::optional<std::size_t> answer_of(const std::string& key, const StudyQuestion& question) {
     if (key.size() != 1 || key[0] < '0' || key[0] > '9') return std::nullopt;
     if (!question.is_scale) return key[0] == '0' ? std::nullopt : std::optional<std::size_t>(key[0] - '1');
@@ -21,8 +21,8 @@ std::optional<std::size_t> answer_of(const std::string& key, const StudyQuestion
     return std::nullopt;
 }
 
-/// A kiosk whose visitors are the participants of a study (study.hpp): leads them through its screens, by
-/// keys, by buttons and by a held device, and gives forces and sound where a screen says so.
+/// A kiosk whose visitors are a study's participants (study.hpp): guides them through its screens, with keys,
+/// buttons and a haptic device, and gives forces and sound if a screen allows them.
 class StudyMode final : public KioskMode {
 public:
     StudyMode(WindowCore& core, std::unique_ptr<StudyRun> run)
@@ -48,7 +48,7 @@ public:
                 return false;
         }
     }
-    /// The clip that is wanted, the device's buttons, time that has passed.
+    /// Requests the needed clip, polls the device's buttons, advances time.
     void go_on(double now_s) override {
         if (!core_.time.begun) return;
         ask_for_clip();
@@ -75,10 +75,10 @@ public:
     bool repeats_clip() const override { return true; }
     bool keeps_view() const override { return false; }
     bool chooses_clip() const override { return true; }
-    /// What a participant touches is measured in one piece.
+    /// A touch trial is measured in one session.
     bool keeps_session() const override { return run_->screen() && run_->screen()->is_touch(); }
     bool hides_forces() const override { return !run_->gives_force(); }
-    /// What of the picture's height is below the picture that a participant touches.
+    /// Share of the picture's height below the picture that a participant touches.
     double strip_below(const ScreenSize& size) const override {
         if (has_page()) return 0;
         const auto height = static_cast<float>(size.height);
@@ -94,18 +94,18 @@ public:
     }
 
 private:
-    /// Every key is the study's.
+    /// Every key belongs to the study.
     bool allows(const InputEvent& event) const override {
         return (core_.clip() && event.kind == InputEvent::Kind::key) || KioskMode::allows(event);
     }
     void end_visit(double now_s) override { run_->leave(now_s, by_the_clock()); }
-    /// Its start screen invites.
+    /// The study's start screen is its invitation.
     void invite(double) override {}
     HandState::What state_of(HandState::What what) const override {
         return !run_->gives_force() && what == HandState::What::off ? HandState::What::has_no_force : what;
     }
 
-    /// Whether something is before the participant that has all of the window.
+    /// Whether a page covers the whole window.
     bool has_page() const {
         const StudyScreen* const screen = run_->screen();
         return !screen || !screen->is_touch() || !clip_is_there();
@@ -113,9 +113,9 @@ private:
     bool clip_is_there() const {
         return run_->clip() == core_.playlist().list().place() && !core_.clips().is_busy();
     }
-    /// The clip that is wanted, unless it is there or on its way.
+    /// Requests the needed clip, unless it is there or being opened.
     void ask_for_clip() {
-        constexpr double again_s = 5;  // to open a clip that could not be opened
+        constexpr double again_s = 5;  // retry interval for a clip that could not be opened
         if (clip_is_there()) return asked_.reset();
         const std::size_t wanted = run_->clip();
         const double now_s = core_.time.script_s;
@@ -126,8 +126,8 @@ private:
         list.go_to(wanted);
         core_.clips().open_instead(std::move(list), 0);
     }
-    /// The first button says "continue" to a page. The second one goes through a question's answers; in a
-    /// touch it stops forces, and where there are none says "continue".
+    /// The first button continues on a page. The second one steps through a question's answers; during a
+    /// touch it stops forces, and without forces continues.
     void take_buttons() {
         HandControl* const control = core_.clip()->control();
         if (!control) return;
@@ -140,8 +140,8 @@ private:
         came(core_.time.now_s());
         core_.time.note_event();
     }
-    /// Whether the study takes the key: every one but those by which a participant touches, turns the view,
-    /// or stops the force.
+    /// Whether the study takes the key: all but those with which a participant touches, turns the view, or
+    /// stops the force.
     bool take_key(const InputEvent& event) {
         const bool is_page = has_page();
         const StudyScreen* const screen = run_->screen();
@@ -151,10 +151,10 @@ private:
         if (is_page && (event.word == "right" || event.word == "down")) run_->choose_by(1);
         if (!event.repeated && (event.word == "enter" || (is_page && event.word == "space"))) go_to_next();
         core_.time.note_event();
-        if (is_page) return !event.stopped_force;  // the window says that the force is off
+        if (is_page) return !event.stopped_force;  // the window reports that the force is off
         const KeyBinding* const binding = binding_of(event.word, event.control, event.shift);
         if (!binding) return true;
-        // The user of a device can always stop it.
+        // A device's user can always stop its force.
         if (binding->verb == WindowVerb::force && core_.options.hand)
             return !core_.clip()->force_is_on() && !run_->gives_force();
         return !row_of(binding->verb).has(CommandRow::for_participants);
@@ -205,9 +205,9 @@ private:
         double at_s;
     };
     const std::unique_ptr<StudyRun> run_;
-    std::size_t turn_ = 0;            // that the window has begun
-    bool had_force_ = false;          // asked for, of a device
-    std::optional<AskedClip> asked_;  // which has not come yet
+    std::size_t turn_ = 0;            // the turn that the window has begun
+    bool had_force_ = false;          // the device's force was requested
+    std::optional<AskedClip> asked_;  // requested, not yet open
 };
 
 }  // namespace

@@ -52,14 +52,14 @@ std::optional<int> whole_in(const Json& json, int least, int most) {
     return static_cast<int>(value);
 }
 
-/// Reads what can be used of the set of that name, and says what is wrong with the rest.
+/// Reads the valid values of a set; returns the faults of the rest.
 std::string read_settings(const std::string& set_name, const Json& json, SessionSettings& settings) {
     if (!json.is_object()) return "'" + set_name + "' must be an object";
     std::string wrong;
     const auto complain = [&](const std::string& what) {
         wrong += (wrong.empty() ? "" : "; ") + ("'" + set_name + "': ") + what;
     };
-    // "filters" is before those that differ from it.
+    // "filters" precedes the settings that override it.
     for (const SessionSetting& setting : session_settings()) {
         const auto member = json.find(setting.name);
         if (setting.of == SettingOf::brush || member == json.end()) continue;
@@ -73,10 +73,10 @@ std::string read_settings(const std::string& set_name, const Json& json, Session
     return wrong;
 }
 
-/// Members of every file of settings that a window wrote.
+/// Members of every settings file that a window writes.
 constexpr const char* always_written[] = {"panel", "fingers", "a"};
 
-/// Reads a member, or says what is wrong with it; empty: nothing.
+/// Reads a member; returns its fault, or an empty string.
 std::string read_member(const std::string& name, const Json& value, KeptSettings& kept) {
     const std::string quoted = "'" + printable(name) + "' ";
     if (name == "panel" || name == "dent") {
@@ -96,7 +96,7 @@ std::string read_member(const std::string& name, const Json& value, KeptSettings
         kept.volume = *volume;
         return "";
     }
-    if (name == "overlay") return "";  // earlier versions kept it
+    if (name == "overlay") return "";  // kept by earlier versions
     if (name == "window") {
         const bool two = value.is_array() && value.size() == 2;
         const auto width =
@@ -114,7 +114,7 @@ std::string read_member(const std::string& name, const Json& value, KeptSettings
     return quoted + "is unknown";
 }
 
-/// The file that a link leads to, so that the link stays one.
+/// Resolves a symbolic link, so that the link itself is kept.
 fs::path followed(const fs::path& file) {
     std::error_code failed;
     if (!fs::is_symlink(file, failed)) return file;
@@ -131,7 +131,7 @@ std::vector<fs::path> clips_of(const fs::path& named) {
     for (fs::directory_iterator entry(named, failed), end; !failed && entry != end; entry.increment(failed))
         if (entry->path().filename().string().front() != '.' && looks_like_clip(*entry))
             clips.push_back(entry->path());
-    // A folder of pictures may have a film beside them.
+    // A folder of pictures may also contain videos.
     if (clips.empty() || fs::exists(named / "scene.json", failed) || guess_clip(named, {})) return {named};
     std::ranges::sort(clips, by_name);
     return clips;
@@ -176,7 +176,7 @@ void SettingsFile::take(const std::string& text) {
         message_ = file_.string() + ": is no JSON object; " + where;
         return;
     }
-    // Another program's file, named by mistake, may share a name or two with ours.
+    // Another program's file, named by mistake, may share a member or two with ours.
     const bool was_written_here =
         std::ranges::all_of(always_written, [&](const char* name) { return json.contains(name); });
     std::string wrong_members;

@@ -1,10 +1,9 @@
 #pragma once
 
-// Files of a person that a window uses: the clips that it shows, one after the other (Playlist), and the
-// settings that last from one window to the next (SettingsFile), which the window reads when it opens and
-// writes when it closes. No file of the person's is lost: settings are written whole or not at all, a file
-// that cannot be used is renamed (set_aside), and one that may be another program's is left alone. An object
-// belongs to the window's thread.
+// The user's files in a window: the list of clips (Playlist), and the settings kept between windows
+// (SettingsFile), which the window reads when it opens and writes when it closes. No user file is lost:
+// settings are written completely or not at all, a file that cannot be used is renamed (set_aside), and a
+// file of another program is left alone. An object belongs to the window's thread.
 
 #include <cstddef>
 #include <filesystem>
@@ -15,22 +14,22 @@
 
 namespace touchable {
 
-/// The clips of a window, and the place of one among them: the one that is shown, or on its way there.
+/// A window's clips, and the position of the shown one, or of the one being opened.
 class Playlist {
 public:
     Playlist() = default;
-    /// Begins with the first of `clips`. `wraps`: after the last comes the first.
+    /// Begins at the first of `clips`. `wraps`: the last is followed by the first.
     explicit Playlist(std::vector<ClipChoice> clips, bool wraps = false)
         : clips_(std::move(clips)), wraps_(wraps) {}
 
     std::size_t size() const { return clips_.size(); }
     std::size_t place() const { return place_; }              ///< of the clip, from 0
-    const ClipChoice& now() const { return clips_[place_]; }  ///< of a list that is not empty
-    /// Goes one on or back; null: there is no such clip, and the place stays.
+    const ClipChoice& now() const { return clips_[place_]; }  ///< of a non-empty list
+    /// Moves to the next or previous clip; null: there is none, and the place stays.
     const ClipChoice* next();
     const ClipChoice* previous();
     const ClipChoice* go(int by) { return by > 0 ? next() : previous(); }
-    /// To that place, which is there.
+    /// Moves to that place, which must exist.
     void go_to(std::size_t place) { place_ = place; }
 
 private:
@@ -39,35 +38,35 @@ private:
     bool wraps_ = false;
 };
 
-/// The settings that the next window begins with, for any clip.
+/// The settings with which the next window begins, for any clip.
 struct KeptSettings {
     bool panel = false;  ///< shown
     int fingers = 1;
-    int width = 0, height = 0;  ///< of the window, as `--size` has it; 0: not known
+    int width = 0, height = 0;  ///< of the window, in units of `--size`; 0: unknown
     SessionSettings a;
     std::optional<SessionSettings> b;
-    bool dent = true;  ///< a surface that gives way is drawn so
+    bool dent = true;  ///< dents are drawn
     int volume = 100;  ///< of sound, 0 to 100
     bool operator==(const KeptSettings&) const = default;
 };
 
-/// The file of settings of one window, from its opening to its closing.
+/// A window's settings file, from its opening to its closing.
 class SettingsFile {
 public:
     static constexpr int least_width = 320, least_height = 200, most_pixels = 8192;
 
     /// Keeps nothing.
     SettingsFile() = default;
-    /// Reads `file`. Members that cannot be used are ignored, and `message` names them. JSON with such
-    /// members that lacks one of those that every window writes may be another program's: it is never
-    /// written. A file that is no JSON object is set aside.
+    /// Reads `file`. Unusable members are ignored, and `message` names them. A JSON object with such members
+    /// that lacks one that every window writes may be another program's: it is never written. A file that is
+    /// no JSON object is set aside.
     explicit SettingsFile(std::filesystem::path file);
 
     const KeptSettings& read() const { return read_; }
     /// What was wrong with the file; empty: nothing.
     const std::string& message() const { return message_; }
-    /// Writes the whole file, or nothing, and only if something is not as it was read. Fails if the file
-    /// cannot be written; then it is as it was.
+    /// Writes the whole file, or nothing, and only if something has changed since reading. If it fails, the
+    /// file is unchanged.
     Result<void> write(const KeptSettings& settings) const;
 
 private:
@@ -76,11 +75,11 @@ private:
     std::filesystem::path file_;
     KeptSettings read_;
     std::string message_;
-    bool is_foreign_ = false;  // what is there is not ours to write
+    bool is_foreign_ = false;  // the file is not ours to write
 };
 
-/// Renames a file that cannot be used to FILE.broken, or to FILE.broken2 and so on if such files are there:
-/// the new name. A file that was set aside before stays.
+/// Renames an unusable file to FILE.broken, or to FILE.broken2 and so on if those exist; returns the new
+/// name. Files set aside earlier stay.
 Result<std::filesystem::path> set_aside(const std::filesystem::path& file);
 
 }  // namespace touchable

@@ -1,4 +1,4 @@
-// What visitors of a kiosk see, a bar of large buttons and large words; and the pages of a study.
+// A kiosk's visitor interface, a bar of large buttons and large texts; and the pages of a study.
 
 #include <imgui.h>
 
@@ -25,13 +25,13 @@ float letters_width(const std::string& words, float size) {
     return font_of_size(size)->CalcTextSizeA(size, 1e6F, 0, words.c_str()).x;
 }
 
-/// A few large buttons for visitors of a kiosk, fit for fingers, in the middle of the picture's lower edge.
+/// A few large buttons for visitors of a kiosk, sized for fingers, in the middle of the picture's lower edge.
 /// Sizes in pixels; `scale` as in ScreenSize.
 class KioskBar {
 public:
-    /// Where it is, or would be: it keeps its place, whatever its buttons say.
-    /// As wide as the longest words want; where that is too wide they are smaller, and where they would be
-    /// too small to read there are signs alone.
+    /// Computes the layout, shown or not; it does not depend on the buttons' current texts. Buttons are as
+    /// wide as the longest text; if that is too wide the text shrinks, and below the smallest legible size
+    /// there are only signs.
     KioskBar(const PanelFacts& facts, float width, float height, float scale)
         : buttons_(buttons_of(facts)),
           bottom_(height - panel_margin * scale / 2),
@@ -57,11 +57,11 @@ public:
     float right() const { return right_; }
     float bottom() const { return bottom_; }
 
-    /// Between ImGuiLayer's `begin` and `end`.
+    /// Call between ImGuiLayer's `begin` and `end`.
     void draw(std::vector<WindowCommand>& asked) const {
         ImGui::SetNextWindowPos(ImVec2(left_, top_));
         ImGui::SetNextWindowSize(ImVec2(right_ - left_, bottom_ - top_));
-        ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));  // beyond which nothing is drawn
+        ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));  // drawing is clipped to it
         ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, ImVec2(1, 1));
         ImGui::Begin("kiosk", nullptr,
                      ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
@@ -84,18 +84,18 @@ private:
         const std::string& words;
         ButtonSign sign;
         WindowCommand command;
-        bool is_lit = false;          ///< what it switches is on
-        bool is_there = true;         ///< otherwise it does nothing now
-        const std::string& or_words;  ///< that it has at other times
+        bool is_lit = false;          ///< its switch is on
+        bool is_there = true;         ///< false: no effect now
+        const std::string& or_words;  ///< its text in the other state
     };
-    /// Whatever there is nothing to do by is left out: a still does not pause, and a held device turns
-    /// nothing.
+    /// Leaves out buttons without effect: a still does not pause, and with a haptic device dragging always
+    /// turns.
     static std::vector<Button> buttons_of(const PanelFacts& facts) {
         const KioskTexts& texts = facts.kiosk->texts;
         const bool turns = facts.is_turning,
-                   plays = facts.playing;  // also at the end: it begins anew, or the next comes
+                   plays = facts.playing;  // also at the end: the clip restarts, or the next one comes
         std::vector<Button> buttons;
-        if (!facts.hand)  // there dragging always turns
+        if (!facts.hand)  // with a device, dragging always turns
             buttons.push_back({.id = "mode",
                                .words = turns ? texts.touch : texts.turn,
                                .sign = turns ? ButtonSign::touch : ButtonSign::turn,
@@ -155,7 +155,7 @@ private:
 
     std::vector<Button> buttons_;
     float left_, top_, right_, bottom_;
-    float wide_, high_, text_;  // of a button; of its words: 0: there is no room for any
+    float wide_, high_, text_;  // of a button; of its text, 0: no room for text
     float gap_;
 };
 
@@ -175,8 +175,8 @@ float wide_at(float size, const std::string& words) {
     return large_font().CalcTextSizeA(size, 1e6F, 0, words.c_str()).x;
 }
 
-/// Words in the middle of the width, with a soft dark edge: they have to be read over any picture. Smaller
-/// where they would not fit, down to a part of their size, and then in several lines.
+/// Text in the middle of the width, with a soft dark edge to be legible over any picture. Too wide text
+/// shrinks, down to a part of its size, and then wraps.
 struct CentredWords {
     std::vector<std::string> lines;
     float size;
@@ -185,7 +185,7 @@ struct CentredWords {
         constexpr float smallest = 11, smallest_part = 0.7F;
         const float room = 0.94F * width, wide = wide_at(size, words);
         if (wide > room) size = std::max({smallest, smallest_part * size, size * room / wide});
-        constexpr float rounding = 1.01F;  // a line just made as wide as the room stays whole
+        constexpr float rounding = 1.01F;  // a line exactly as wide as the room is not wrapped
         const char *from = words.data(), *const end = from + words.size();
         while (from < end) {
             const char* to =
@@ -195,7 +195,7 @@ struct CentredWords {
             for (from = to; from < end && *from == ' ';) ++from;
         }
     }
-    /// More than one line has.
+    /// Additional height beyond one line.
     float more() const { return lines.empty() ? 0 : 1.2F * size * static_cast<float>(lines.size() - 1); }
     void draw(ImDrawList& list, float width, float top, float opacity) const {
         const float shift = std::max(1.0F, size / 28);
@@ -209,8 +209,7 @@ struct CentredWords {
     }
 };
 
-/// The lower part of the picture goes dark for words whose top is at that share of the height, without an
-/// edge.
+/// Darkens the lower part of the picture, without an edge, for text with its top at that share of the height.
 void darken(ImDrawList& list, float opacity, float width, float height, float at) {
     const float begin = height * (at - 0.20F), middle = height * (at + 0.02F);
     list.AddRectFilledMultiColor(ImVec2(0, begin), ImVec2(width, middle), black(0), black(0),
@@ -219,13 +218,13 @@ void darken(ImDrawList& list, float opacity, float width, float height, float at
                                  black(0.62F * opacity), black(0.85F * opacity), black(0.85F * opacity));
 }
 
-/// As the window is large, as far as the letters are not blurred by it.
+/// Proportional to the window, limited by the font's sharpness.
 float large_size(float width, float height) {
     const float most = 1.75F * large_font().FontSize;
     return std::clamp(std::min(height * 0.085F, width * 0.075F), 22.0F, std::max(most, 22.0F));
 }
 
-/// A line and a smaller one under it, whose top is at that share of the height; more lines of either go up.
+/// A line and a smaller one under it, its top at that share of the height; more lines move it up.
 void draw_large(const std::string& words, const std::string& small_words, float opacity, float width,
                 float height, float at) {
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
@@ -237,7 +236,7 @@ void draw_large(const std::string& words, const std::string& small_words, float 
     second.draw(list, width, top + first.more() + large * 1.25F, 0.85F * opacity);
 }
 
-/// `room`: of the height, as of draw_kiosk_words.
+/// `room`: height available, as in draw_kiosk_words.
 void draw_caption(const std::string& words, float width, float height, float room) {
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     const CentredWords caption(words, 0.75F * large_size(width, height), width);
@@ -246,9 +245,9 @@ void draw_caption(const std::string& words, float width, float height, float roo
     caption.draw(list, width, top, 1);
 }
 
-/// A kiosk's words over the lower part of its picture: an invitation to touch it, that forces of the mouse's
-/// fingers are off and what brings them back (`is_stopped`), or a caption; the two last are in the upper
-/// `room` of it. Whether there are any. (The finger that shows how is drawn with the others.)
+/// A kiosk's text over the lower part of its picture: the invitation, the notice that the mouse's forces are
+/// off and how to restore them (`is_stopped`), or a caption; the last two are within the upper `room` of it.
+/// Returns whether there is any. (The demonstrating finger is drawn with the others.)
 bool draw_kiosk_words(const KioskFacts& facts, bool is_stopped, float width, float height, float room) {
     const KioskTexts& texts = facts.texts;
     constexpr float at = 0.80F;
@@ -274,17 +273,17 @@ constexpr ImU32 page_ground = IM_COL32(16, 19, 25, 255), page_words_ink = IM_COL
 
 constexpr float smallest_page_text = 12;
 
-/// Of a page: the sizes of its parts, by those of the window.
+/// Sizes of a page's parts, from the window's.
 struct StudyPage {
     float width, height;
     float text = std::clamp(std::min(height / 22, width / 34), 13.0F, 72.0F);
     float margin = 0.07F * width;
     float room = width - 2 * margin;
     float button_height = std::max(0.115F * height, 2.2F * text);
-    float bottom = height - 0.06F * height - button_height;  ///< where the button begins
+    float bottom = height - 0.06F * height - button_height;  ///< top of the button
 };
 
-/// From one line of a text to the next, beside its height.
+/// Spacing between lines, in addition to their height.
 float pause_between(float size) {
     return 0.35F * size;
 }
@@ -296,7 +295,7 @@ std::vector<std::string> lines_of(const std::string& words) {
     return lines;
 }
 
-/// Of its lines, each of which may take several: no wider than `wrap`; 0: however wide.
+/// Size of its lines, each wrapped at `wrap`; 0: not wrapped.
 ImVec2 size_of(const std::string& words, float size, float wrap) {
     ImVec2 all(0, 0);
     for (const std::string& line : lines_of(words)) {
@@ -306,7 +305,7 @@ ImVec2 size_of(const std::string& words, float size, float wrap) {
     return all;
 }
 
-/// The largest size, up to `size`, in which it is no higher and no line is wider.
+/// The largest size, up to `size`, at which it fits into that height and width.
 float fitting(const std::string& words, float size, float wide, float high) {
     const auto fits = [&](float tried) {
         const ImVec2 needs = size_of(words, tried, wide);
@@ -325,11 +324,11 @@ void draw_text(const std::string& words, float size, ImVec2 at, float wrap, ImU3
 
 struct ButtonLook {
     bool is_chosen = false, is_there = true;
-    /// An answer under a pointer that rests there must not look chosen.
+    /// An answer under a resting pointer must not look chosen.
     bool is_lit_by_pointer = true;
 };
 
-/// A button with words in its middle; whether it was clicked.
+/// A button with text in its middle; returns whether it was clicked.
 bool draw_page_button(const char* id, const std::string& words, ImVec2 at, ImVec2 size, float text,
                       ButtonLook look) {
     ImGui::SetCursorScreenPos(at);
@@ -357,7 +356,7 @@ void ask_for_answer(std::size_t answer, std::vector<WindowCommand>& asked) {
     asked.push_back({WindowVerb::answer, static_cast<double>(answer + 1)});
 }
 
-/// `count` buttons side by side from `left` on, between `top` and `bottom`.
+/// Adjacent buttons for the answers from `left` on, between the two y of `rows`.
 void draw_answers(const StudyFacts& facts, float left, float room, ImVec2 rows, float text,
                   std::vector<WindowCommand>& asked) {
     const auto count = static_cast<float>(facts.answers.size());
@@ -371,7 +370,7 @@ void draw_answers(const StudyFacts& facts, float left, float room, ImVec2 rows, 
     }
 }
 
-/// Numbers, with the meaning of their ends below.
+/// Numbers, with the meaning of the ends below.
 void draw_scale(const StudyFacts& facts, const StudyPage& page, float top, float bottom,
                 std::vector<WindowCommand>& asked) {
     const auto count = static_cast<float>(facts.answers.size());
@@ -388,7 +387,7 @@ void draw_scale(const StudyFacts& facts, const StudyPage& page, float top, float
     draw_text(facts.high, end_text, ImVec2(left + room - wide, below), end_room, page_dim_ink);
 }
 
-/// Side by side where each fits, otherwise one below the other.
+/// Side by side if each fits, otherwise stacked.
 void draw_choices(const StudyFacts& facts, const StudyPage& page, float top, float bottom,
                   std::vector<WindowCommand>& asked) {
     const auto count = static_cast<float>(facts.answers.size());
@@ -411,12 +410,12 @@ void draw_choices(const StudyFacts& facts, const StudyPage& page, float top, flo
             ask_for_answer(k, asked);
 }
 
-/// As wide while it says how long it waits as afterwards.
+/// The same width with and without the remaining seconds.
 float width_of_go_on(const StudyFacts& facts, float high, float text) {
     return std::max(size_of(facts.go_on + " (00)", text, 0).x + 2 * text, 2.4F * high);
 }
 
-/// `right`, `bottom`: its corner there.
+/// `right`, `bottom`: its lower right corner.
 void draw_go_on(const StudyFacts& facts, float right, float bottom, float high, float text,
                 std::vector<WindowCommand>& asked) {
     if (facts.go_on.empty()) return;
@@ -433,7 +432,7 @@ void begin_window(ImVec2 at, ImVec2 size, float opacity) {
     ImGui::SetNextWindowSize(size);
     ImGui::SetNextWindowBgAlpha(0);
     ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0);
-    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));  // beyond which nothing is drawn
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));  // drawing is clipped to it
     ImGui::Begin("study", nullptr,
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
                      ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing);
@@ -470,7 +469,7 @@ void begin_page(const StudyFacts& facts, float width, float height, std::vector<
     draw_text(facts.fault, small, ImVec2(page.margin, page.bottom), wide, page_bad_ink);
 }
 
-/// Below the picture that is touched: what to do there, and the button.
+/// Below the touched picture: the instruction, and the button.
 void begin_strip(const StudyFacts& facts, float width, float height, std::vector<WindowCommand>& asked) {
     const StudyPage page{width, height};
     const float text = 0.85F * page.text, gap = 0.6F * text, high = study_strip_height(width, height);
@@ -485,7 +484,7 @@ void begin_strip(const StudyFacts& facts, float width, float height, std::vector
 
 }  // namespace
 
-/// What is written leaves the bar its place, shown or not: nothing moves when it comes and goes.
+/// Texts leave room for the bar, shown or hidden, so that nothing moves.
 void WindowPanel::draw_kiosk(const PanelFacts& facts, float width, float height,
                              std::vector<WindowCommand>& asked) {
     const KioskFacts& kiosk = *facts.kiosk;
@@ -507,7 +506,7 @@ void WindowPanel::draw_kiosk(const PanelFacts& facts, float width, float height,
     boxes_.push_back(bar_box_);
 }
 
-/// For visitors who have no keys, and participants of a study.
+/// For visitors without keys, and participants of a study.
 void WindowPanel::draw_turn_back(const std::string& words, float width, std::vector<WindowCommand>& asked) {
     const float m = panel_margin * scale_;
     begin_box("turn back", {.x = width - m, .y = m, .pivot_x = 1});

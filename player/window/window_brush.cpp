@@ -30,7 +30,7 @@ Result<std::string> done_by(MaterialBrush& brush, const WindowCommand& command) 
     }
 }
 
-/// What is there already may be replaced only where it is of the same kind.
+/// Allows replacing only a file of segments.
 Result<void> check_saved(const std::filesystem::path& file) {
     std::error_code failed;
     if (!std::filesystem::exists(file, failed) && !failed) return {};
@@ -48,7 +48,7 @@ std::int64_t shown_frame(const WatchedMoment& moment) {
 
 }  // namespace
 
-/// Empty: there may be one.
+/// Why painting is not possible; empty: it is.
 std::string WindowBrush::why_none() const {
     if (clip_->is_camera())
         return "materials are painted on clips, whose segments can be found beforehand; this is a camera";
@@ -90,7 +90,7 @@ void WindowBrush::take_tool(const WindowCommand& command) {
     if (is_held()) begin();
 }
 
-/// Reads the segments, and what is kept of them.
+/// Reads the segments and their saved materials.
 void WindowBrush::begin() {
     if (brush_ || work_.is_busy()) return;
     const ClipChoice& choice = clip_->choice();
@@ -105,7 +105,7 @@ void WindowBrush::begin() {
                   TRY_ASSIGN(auto segments, read_chosen_segments(choice, [&read](std::int64_t frame) {
                                  read->store(frame, std::memory_order_relaxed);
                              }));
-                  // Of a clip that was left just now the changes are read once they are written.
+                  // If the clip was left just now, its history is read after it is written.
                   (void)wait_unless_stopped([&] { return !is_history_late(); }, std::chrono::milliseconds(5));
                   TRY_ASSIGN(auto begun, KeptBrush::begin(std::move(segments), files));
                   std::string words = begun.begun_with();
@@ -114,7 +114,7 @@ void WindowBrush::begin() {
               });
 }
 
-/// The oldest command, once all before it are done.
+/// Runs the oldest command, once the earlier ones are done.
 void WindowBrush::do_next() {
     if (asked_.empty() || work_.is_busy()) return;
     if (!brush_) return begin();
@@ -131,7 +131,7 @@ void WindowBrush::do_next() {
     });
 }
 
-/// What the thread has done, if it has.
+/// Takes the thread's result, if it is done.
 void WindowBrush::take_made() {
     const auto made = work_.take();
     if (!made) return;
@@ -162,7 +162,7 @@ void WindowBrush::refuse_all(const Error& why) {
     tool_.take(BrushTool::touch);
 }
 
-/// What cannot be done any more. Whether something was to be saved.
+/// Drops commands that can no longer run. Returns whether a save was among them.
 bool WindowBrush::drop_asked(const Error& why) {
     const bool is_unsaved = std::ranges::any_of(
         asked_, [](const WindowCommand& command) { return command.verb == WindowVerb::save_materials; });
@@ -188,7 +188,7 @@ void WindowBrush::go_on(const ScreenSize& size) {
     do_next();
 }
 
-/// A history's fault is said once.
+/// Reports a history's fault once.
 void WindowBrush::note_files() {
     for (const auto& [file, clip, written] : files_.take()) {
         const bool is_saved = !clip.empty();
@@ -230,8 +230,7 @@ bool WindowBrush::take(const InputEvent& event, const glm::dvec2& pointer, bool 
     return presses || releases;
 }
 
-/// A session that has just begun shows nothing yet: what was clicked is seen once it does. One that has ended
-/// before will not.
+/// Clicks wait until a new session shows its first picture; those for an ended session are dropped.
 void WindowBrush::do_with_tool(const ScreenSize& size) {
     using Kind = InputEvent::Kind;
     if (for_tool_.empty()) return;
@@ -254,7 +253,7 @@ void WindowBrush::do_with_tool(const ScreenSize& size) {
     }
 }
 
-/// While a stroke is drawn a clip that plays waits.
+/// Pauses a playing clip while a stroke is drawn.
 void WindowBrush::hold_still(bool still) {
     if (still == holds_clip_) return;
     const PlaybackState now = clip_->session().playback();
@@ -266,7 +265,7 @@ void WindowBrush::hold_still(bool still) {
 
 void WindowBrush::save(const std::filesystem::path& file) {
     std::string text = brush_->save();
-    keep_history(brush_->history());  // first: it says what was saved
+    keep_history(brush_->history());  // first, as it records the saved state
     files_.give(text_file(file, std::move(text), brush_->files().clip.string(), check_saved));
 }
 

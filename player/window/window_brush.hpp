@@ -22,66 +22,65 @@
 
 namespace touchable {
 
-/// The brush of materials in a window. Segments are read, and changed one command after the other, on a
-/// thread of its own, while the clip goes on; its files are written on another one. Nothing here waits.
+/// The brush of materials in a window. Segments are read, and changed one command after another, on a
+/// separate thread, while the clip continues; files are written on another one. No call waits.
 class WindowBrush {
 public:
-    /// `options` outlive it.
+    /// `options` must outlive it.
     explicit WindowBrush(const PlayOptions& options) : options_(options) {}
 
-    /// Another clip from now on, which is there until the next: whatever was on its way for the one before is
-    /// let go of (is_changing).
+    /// Switches to a clip, which must live until the next: pending work for the previous clip is dropped
+    /// (is_changing).
     void go_to(OpenedClip& clip);
-    /// A command of the brush.
+    /// Queues a command of the brush.
     void take(WindowCommand command);
-    /// `pointer`: window, pixels. Whether the tool in hand has the event, and not the finger.
+    /// `pointer`: window, pixels. Returns whether the selected tool uses the event, instead of the finger.
     bool take(const InputEvent& event, const glm::dvec2& pointer, bool is_of_panel, const ScreenSize& size);
     /// Once a turn of the window.
     void go_on(const ScreenSize& size);
 
-    /// What the window is to say and to do since it last asked.
+    /// Messages and requests for the window since the last call.
     struct News {
         struct Remark {
             std::string words;
             Tone tone = Tone::remark;
-            bool is_change = false;  ///< that is felt where materials are
+            bool is_change = false;  ///< to be felt if materials are on
         };
         std::vector<Remark> remarks{};
-        bool has_begun = false;   ///< with a clip's segments
-        bool is_another = false;  ///< what is to be felt, perhaps
+        bool has_begun = false;   ///< a clip's segments are loaded
+        bool is_another = false;  ///< what is to be felt may have changed
     };
     News take_news() { return std::exchange(news_, {}); }
 
-    /// Whether it is at anything.
+    /// Whether work is in progress or pending.
     bool is_at_work() const { return work_.is_busy() || !asked_.empty() || !for_tool_.empty(); }
-    /// Whether it is at changes that would be lost with the clip.
+    /// Whether there are changes that would be lost with the clip.
     bool is_changing() const { return brush_ && !asked_.empty(); }
     bool is_held() const { return tool_.is_held(); }
-    /// What is to be felt: what a person painted, and all guesses as long as a tool is in hand. Null: as the
-    /// clip says.
+    /// Materials to be felt: painted ones, and all guesses while a tool is selected. Null: the clip's own.
     std::shared_ptr<const PaintedSegments> felt() const {
         return is_held() || is_painted_ ? painted_ : nullptr;
     }
-    /// In place of the clip's colours; null: those.
+    /// Replaces the clip's colours; null: the clip's own.
     std::shared_ptr<const PaintedSegments> tint() const { return is_held() ? painted_ : nullptr; }
-    /// What it is at, where that takes long.
+    /// Work in progress, if it takes long.
     std::string words() const;
     BrushFacts facts() const;
-    /// The segment at a pixel of the depth plane, and what it is; empty where none is shown or felt.
+    /// The segment at a pixel of the depth plane, and its material; empty if none is shown or felt.
     std::string segment_words(const WatchedMoment& moment, int x, int y) const;
 
-    /// The name of the segment at a pixel; empty where it has none.
+    /// The name of the segment at a pixel; empty if it has none.
     std::string segment_name(const WatchedMoment& moment, const glm::dvec2& pixel) const;
 
-    /// What is not saved, at the end, and where it is then; empty: nothing was painted, or all is saved.
+    /// Unsaved materials at the end, and their location; empty: none.
     std::string unsaved_words() const;
-    /// Gives up what it is at, and waits for its files, but not for ever. What went wrong with them is still
-    /// to be told: the result is why what a person wanted to be saved last is not.
+    /// Cancels its work, and waits for its files for a limited time. Their faults are still reported as news;
+    /// the result is why the last requested save failed.
     Result<void> finish();
 
 private:
     std::string why_none() const;
-    /// With which the window was opened, and for which a file of segments may be given.
+    /// Whether this is the clip that the window was opened with, to which a given file of segments belongs.
     bool is_first_clip() const { return clip_->choice().file == options_.session.clip.file; }
     void take_tool(const WindowCommand& command);
     void begin();
@@ -116,24 +115,25 @@ private:
         InputEvent::Kind kind;
         glm::dvec2 at;  // window
     };
-    std::vector<ToolInput> for_tool_;                         // that waits until something is shown
-    bool is_pressed_ = false, holds_clip_ = false;            // the clip waits for a stroke
-    std::shared_ptr<KeptBrush> brush_;                        // null: none yet; lent while `work_` is busy
-    std::shared_ptr<const PaintedSegments> painted_;          // by it, as shown
-    bool is_painted_ = false;                                 // by a person
-    BrushFacts state_;                                        // what of the brush is shown
-    std::deque<WindowCommand> asked_;                         // that wait for it, and the one it is at
-    std::shared_ptr<std::atomic<std::int64_t>> frames_read_;  // of segments
+    std::vector<ToolInput> for_tool_;                         // waits for a first picture
+    bool is_pressed_ = false, holds_clip_ = false;            // holds_clip_: the clip is paused for a stroke
+    std::shared_ptr<KeptBrush> brush_;                        // null: none yet; in use by `work_` while that
+                                                              // is busy
+    std::shared_ptr<const PaintedSegments> painted_;          // as shown
+    bool is_painted_ = false;                                 // by the user
+    BrushFacts state_;                                        // the shown part of the state
+    std::deque<WindowCommand> asked_;                         // waiting commands, and the one in progress
+    std::shared_ptr<std::atomic<std::int64_t>> frames_read_;  // while reading segments
     BackgroundWriter files_{"text-files", "what is painted"};
-    std::filesystem::path lost_history_;   // whose newest text is not written
-    std::set<std::string> faults_;         // of histories that were told
-    std::optional<Error> save_fault_;      // of the last that was to be saved
-    std::optional<Error> segments_fault_;  // of the file that was given
-    /// What became of a command, or of beginning.
+    std::filesystem::path lost_history_;   // its newest text is not written
+    std::set<std::string> faults_;         // of histories, already reported
+    std::optional<Error> save_fault_;      // of the last requested save
+    std::optional<Error> segments_fault_;  // of the given file
+    /// The result of a command, or of beginning.
     struct Work {
         std::shared_ptr<KeptBrush> brush;
         Result<std::string> said;
-        std::string history{};  // where it changed
+        std::string history{};  // if it changed
     };
     LongWork<Work> work_{"brush", "that reads and changes segments"};
 };

@@ -13,11 +13,11 @@
 namespace touchable {
 namespace {
 
-// From one try to renew a session to the next; many fewer commands come in that time than it still takes.
+// Interval of attempts to renew a session; few commands come in that time compared to the remaining room.
 constexpr std::chrono::seconds renew_pause(20);
 
-/// All but those of the relief, which is made of a clip's colour: of a camera, or where a run is recorded,
-/// there is none.
+/// All settings but the relief's, which needs a clip's colour: a camera's clip, or a recorded run, has no
+/// relief.
 SessionSettings without_relief(const SessionSettings& settings) {
     SessionSettings rest;
     for (const SessionSetting& setting : session_settings())
@@ -32,7 +32,7 @@ std::string title_of(const std::filesystem::path& file) {
     return name.empty() ? file.string() : name;
 }
 
-/// What else could be true of the clip's camera and unit: the surface would have another size then.
+/// Reports guesses about the clip's camera and unit: with others the surface would have another size.
 void tell_guesses(WindowCore& core) {
     std::string guessed, doubt;
     for (const Remark& remark : core.clip()->scene().remarks) {
@@ -55,7 +55,7 @@ void tell_guesses(WindowCore& core) {
                                        : "; touchable info tells how to say it"));
 }
 
-/// Of very many it says how many more there are.
+/// Reports faults; of very many, only how many more there are.
 void tell_skipped(WindowCore& core, std::span<const Error> skipped) {
     const std::size_t told =
         skipped.size() > Notices::most_faults ? Notices::most_faults - 1 : skipped.size();
@@ -64,7 +64,7 @@ void tell_skipped(WindowCore& core, std::span<const Error> skipped) {
         core.say(std::to_string(skipped.size() - told) + " more clips cannot be opened", Tone::fault);
 }
 
-/// Of all clips that were there.
+/// Adds the session's figures to those of earlier clips.
 void count_session(WindowCore& core) {
     const WatchedFigures sessions = core.clip()->figures();
     PlayFigures& figures = core.figures;
@@ -108,7 +108,7 @@ void WindowClips::keep(const KeptSettings& kept) {
     if (!core_.options.filters_are_stated) settings_.kept = {kept.a, kept.b};
 }
 
-/// It may be open already, to know which files may be written; a later opening opens it anew.
+/// The first clip may be open already, to know which files may be written; later openings reopen it.
 void WindowClips::ask_for_first() {
     if (waits_for_wish()) return;
     PlayOptions& options = core_.options;
@@ -116,13 +116,13 @@ void WindowClips::ask_for_first() {
     options.session.clip.shared_clip.reset();
     std::vector<ClipChoice> clips{options.session.clip};
     clips.insert(clips.end(), options.next_clips.begin(), options.next_clips.end());
-    // A mode that chooses the clip cannot do with another one.
+    // A mode that chooses the clip does not accept another one.
     ask_for_clip(Playlist(std::move(clips), core_.is_unattended()),
                  core_.any(&WindowMode::chooses_clip) ? 0 : 1, first);
 }
 
-/// Settings that do not go with the clip are not in effect then; they stay kept for another one. Those of the
-/// relief are the first to go.
+/// Settings that the clip does not support are kept for another clip but not in effect. The relief's are
+/// dropped first.
 Result<WindowClips::Ready> WindowClips::open_clip(ClipChoice choice, const TwoSettings& kept) {
     choice.share_clip();
     auto opened = OpenedClip::open(core_.options, choice, kept.now(), core_.sound());
@@ -143,8 +143,8 @@ Result<WindowClips::Ready> WindowClips::open_clip(ClipChoice choice, const TwoSe
     return opened.error();
 }
 
-/// `choice`, which is the list's now; where it cannot be opened, the first that can be of those `by` which
-/// the list is gone through, each once; 0: of no other.
+/// Opens `choice`, the list's current clip; if it cannot be opened, tries the others in steps of `by`, each
+/// once; 0: no other.
 Result<WindowClips::Ready> WindowClips::open_first(Playlist list, int by, ClipChoice choice,
                                                    const TwoSettings& kept) {
     std::vector<Error> skipped;
@@ -166,7 +166,7 @@ Result<WindowClips::Ready> WindowClips::open_first(Playlist list, int by, ClipCh
     return Ready{.skipped = std::move(skipped)};
 }
 
-/// What was being changed is given up, and asked for again once the clip is there.
+/// Drops a pending change, which is requested again once the clip is there.
 void WindowClips::begin_asking() {
     ready_.reset();
     asked_settings_.reset();
@@ -174,7 +174,7 @@ void WindowClips::begin_asking() {
     next_is_paused_ = false;
 }
 
-/// As open_first has them.
+/// Arguments as in open_first.
 void WindowClips::ask_for_clip(const Playlist& list, int by, const ClipChoice& choice) {
     begin_asking();
     wanted_list_ = list;
@@ -183,7 +183,7 @@ void WindowClips::ask_for_clip(const Playlist& list, int by, const ClipChoice& c
     });
 }
 
-/// A folder may lie on a disk that does not answer.
+/// Lists folders off the window's thread, as their disk may not answer.
 void WindowClips::ask_for_named(std::vector<std::string> named) {
     begin_asking();
     const std::string words = "opening " + title_of(named.front());
@@ -214,7 +214,7 @@ void WindowClips::ask_for_change(const WindowSettings& wanted) {
 
 Result<void> WindowClips::go_on() {
     if (auto made = opening_.take()) TRY(take_made(std::move(*made)));
-    // What the brush is asked for is done before its clip goes.
+    // Finishes the brush's work before its clip goes.
     if (ready_ &&
         (ready_->clip ? !core_.brush().brush().is_changing() : core_.clip()->has_come_to(*ready_->change))) {
         Ready ready = *std::exchange(ready_, std::nullopt);
@@ -228,8 +228,8 @@ Result<void> WindowClips::go_on() {
     return {};
 }
 
-/// The program says in the end which of the clips that it was started with cannot be opened. Where none can
-/// be, the window closes, or stays empty.
+/// Keeps the first failure of the named clips for the program's end. If none can be opened, the window
+/// closes, or stays empty.
 Result<void> WindowClips::take_made(Result<Ready> made) {
     const bool is_change = asked_settings_.has_value(), is_named = !core_.clip() && !waits_for_wish();
     if (is_change && !made && wanted_settings_ == asked_settings_) wanted_settings_.reset();  // refused
@@ -253,7 +253,7 @@ Result<void> WindowClips::take_made(Result<Ready> made) {
     return {};
 }
 
-/// None of the clips that were named can be opened: the window closes, or stays empty.
+/// None of the named clips can be opened: the window closes, or stays empty.
 Result<void> WindowClips::go_on_without_clip(const Error& why) {
     PlayOptions& options = core_.options;
     if (!options.stays_without_clip || why.kind == ErrorKind::interrupted) return why;
@@ -275,7 +275,7 @@ void WindowClips::go_on_changing() {
         renew_after_ = now + renew_pause;
         return ask_for_change(settings_);
     }
-    // What is painted and not felt changes nothing.
+    // Painted materials that are not felt change nothing.
     if (wanted_settings_->in_effect.now() == clip.settings() &&
         (wanted_settings_->painted == clip.painted() || !wanted_settings_->has_materials())) {
         const WindowSettings before = std::exchange(settings_, *wanted_settings_);
@@ -307,28 +307,28 @@ Result<void> WindowClips::take(Ready& ready) {
     return {};
 }
 
-/// In place of the one that is there, if one is.
+/// Replaces the current clip, if there is one.
 Result<void> WindowClips::show(Ready& ready) {
     OpenedClip* const before = core_.clip();
     OpenedClip& clip = *ready.clip;
     core_.input().lift_touches();
-    // What a visitor has chosen is of all clips.
+    // A visitor's choices hold for all clips.
     const bool goes_on = before && core_.any(&WindowMode::keeps_view);
     if (goes_on) clip.view().look_as(before->view());
     if (before) {
         if (auto finished = before->finish(); !finished) core_.say(finished);
         note_failure();
         clip.fingers().set_count(before->fingers().count());
-        // Who has stopped all force has stopped it for every clip.
+        // Stopped forces stay stopped for every clip.
         clip.device().set_force(before->device().force_is_on());
     } else {
         clip.fingers().set_count(core_.settings_file().read().fingers);
     }
     if (auto begun = clip.begin(); !begun) {
-        forget_wish();  // the clip that is there has ended; an unattended window opens it again
+        forget_wish();  // the current clip has ended; an unattended window reopens it
         return begun;
     }
-    // There a fault that is over is a row of the log and no exit code.
+    // Unattended, a fault that is over is a row of the log and no exit code.
     if (before && core_.is_unattended() && ready.skipped.empty()) failure_.reset();
     if (before) count_session(core_);
     core_.set_clip(std::move(ready.clip));
@@ -352,7 +352,7 @@ Result<void> WindowClips::show(Ready& ready) {
     return {};
 }
 
-/// Whether the clip's session ended as it should not have: the window says so, and in the end the program.
+/// Whether the clip's session failed: the window reports it, and so does the program at its end.
 bool WindowClips::note_failure() {
     const auto& failure = core_.clip()->failure();
     if (!failure) return false;
@@ -382,7 +382,7 @@ void WindowClips::open_again() {
 void WindowClips::play_or_pause() {
     if (!next_is_paused_) return core_.say(core_.playback().play_or_pause());
     const PlaybackState there = core_.clip()->session().playback();
-    // What the button shows: at the end it is "play", but in an unattended window, which goes on by itself.
+    // As the button shows: at the end "play", except unattended, where the clip continues by itself.
     const bool pauses = there.playing && (core_.is_unattended() || !there.at_end);
     const Result<void> heard = core_.playback().pause(pauses);
     if (heard) next_is_paused_ = pauses;
@@ -436,7 +436,7 @@ void WindowClips::reset() {
     if (anew.painted) compare_with_before();
 }
 
-/// Pictures that other programs packed take their time: once for each clip, and what helps.
+/// Reports once per clip that pictures compressed by other programs are slow to read, and the remedy.
 void WindowClips::note_slow_reading() {
     const OpenedClip& clip = *core_.clip();
     const Scene& scene = clip.scene();

@@ -9,8 +9,8 @@
 
 namespace touchable {
 
-/// The window's clock: std::chrono::steady_clock, which a test can put forward, so that a day of a kiosk
-/// takes minutes. Sessions and their forces go by their own. Any thread.
+/// The window's clock: std::chrono::steady_clock, which a test can advance, so that a day of a kiosk takes
+/// minutes. Sessions and their forces use their own clocks. Any thread.
 class WindowClock {
 public:
     using duration = std::chrono::steady_clock::duration;
@@ -23,7 +23,7 @@ public:
         return std::chrono::steady_clock::now() + duration(ahead_.load(std::memory_order_relaxed));
     }
     static void put_forward(duration by) { ahead_.fetch_add(by.count(), std::memory_order_relaxed); }
-    /// For how long the machine has been suspended so far, which `now` sleeps through; a test can suspend it.
+    /// Total time that the machine was suspended, which `now` does not count; a test can add to it.
     static duration slept() {
         const auto steady = std::chrono::steady_clock::now().time_since_epoch();
         return std::chrono::nanoseconds(boot_ns()) - steady +
@@ -38,22 +38,22 @@ private:
     static inline std::atomic<rep> ahead_{0}, asleep_{0};
 };
 
-/// The moments of one window, which all its parts go by. The window's thread alone.
+/// A window's times, shared by all its parts. The window's thread only.
 struct WindowTime {
     const WindowClock::time_point asked_for = WindowClock::now();
-    WindowClock::time_point last_event{};            ///< the last that makes a picture due
-    std::optional<WindowClock::time_point> begun{};  ///< with the first picture
-    /// Of the script, and of what a person does: it stands still where the machine does.
+    WindowClock::time_point last_event{};            ///< the last one that makes a picture due
+    std::optional<WindowClock::time_point> begun{};  ///< at the first picture
+    /// Time of scripts and of user input: stands still while the machine is suspended or stalled.
     double script_s = 0;
-    double stirred_s = 0;  ///< when a person last did something, by `script_s`
+    double stirred_s = 0;  ///< `script_s` of the last user input
 
     /// Since the first picture; 0 before it.
     double now_s() const { return begun ? WindowClock::seconds_between(*begun, WindowClock::now()) : 0; }
-    /// CPU time since the first picture: of this thread, of all threads of the process.
+    /// CPU time since the first picture, of this thread and of the process.
     double thread_cpu_ms() const { return begun ? cpu_ms(CLOCK_THREAD_CPUTIME_ID) - begun_thread_ms_ : 0; }
     double process_cpu_ms() const { return begun ? cpu_ms(CLOCK_PROCESS_CPUTIME_ID) - begun_process_ms_ : 0; }
     void note_event() { last_event = WindowClock::now(); }
-    /// The first picture was shown then. Gives how long after the window was asked for that is, ms.
+    /// Notes when the first picture was shown; returns the ms since the window was requested.
     double begin(WindowClock::time_point at) {
         begun = at;
         begun_thread_ms_ = cpu_ms(CLOCK_THREAD_CPUTIME_ID);

@@ -24,7 +24,7 @@ std::optional<std::int64_t> whole_number(std::string_view word, std::int64_t mos
     return is_one && value >= 0 && value <= most ? std::optional(value) : std::nullopt;
 }
 
-/// Whether these are pixels as the command takes them, and no more.
+/// Whether the text has the pixels that the command takes, and no more.
 bool read_places(const std::string& rest, WindowCommand& command) {
     const bool is_cut = command.verb == WindowVerb::cut;
     const std::size_t least = command.verb == WindowVerb::paint ? 1 : 2,
@@ -51,7 +51,7 @@ bool read_size(const std::string& rest, WindowCommand& command) {
     return std::min(command.width, command.height) >= 64 && std::max(command.width, command.height) <= 8192;
 }
 
-/// Whether the command takes these words. An error says by itself which are right.
+/// Whether the command takes this text. An error already says what is allowed.
 Result<bool> read_words(const std::string& rest, WindowCommand& command) {
     command.word = rest;
     switch (command.verb) {
@@ -81,7 +81,7 @@ Result<bool> read_words(const std::string& rest, WindowCommand& command) {
     }
 }
 
-/// Whether the command takes what follows its name.
+/// Whether the command takes the text after its name.
 Result<bool> read_rest(const CommandRow& row, const std::string& rest, WindowCommand& command) {
     const auto number = parsed_number(rest);
     switch (row.takes.words) {
@@ -126,11 +126,11 @@ bool ends(std::istringstream& words) {
     return !(words >> more);
 }
 
-/// Keys of a study, beside key_bindings(), that a script may press.
+/// A study's keys, besides key_bindings(), that a script may press.
 constexpr const char* study_keys[] = {"enter", "6", "7", "8"};
 constexpr std::int64_t most_scripted = 10;  // fingers on a touch screen
 
-/// Refused: no key of that name does anything.
+/// Fails if no key of that name does anything.
 Result<void> check_key(const std::string& name) {
     std::string known;
     for (const KeyBinding& binding : key_bindings()) {
@@ -145,7 +145,7 @@ Result<void> check_key(const std::string& name) {
     return usage_error("no key " + name + " does anything; there are " + known);
 }
 
-/// "move 10 20" and the like; nothing where it is none of the inputs.
+/// Parses inputs such as "move 10 20"; nullopt if it is no input.
 Result<std::optional<InputEvent>> read_input(const std::string& line) {
     using Kind = InputEvent::Kind;
     const std::string a_place = "two numbers, pixels from the upper left";

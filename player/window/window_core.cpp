@@ -30,7 +30,7 @@ Result<void> WindowCore::open() {
     return picture_.draw_opening();
 }
 
-/// The mode that the window was opened for, which comes first.
+/// Opens the mode that the window was opened for, which comes first.
 Result<void> WindowCore::open_mode() {
     if (!options.kiosk) return {};
     std::unique_ptr<KioskMode> kiosk;
@@ -62,7 +62,7 @@ Result<void> WindowCore::open_screen(const KeptSettings& kept) {
     }
     if (!options.gpu)
         options.gpu = std::make_shared<RunGpu>(options.session.builder.gpu, screen_->extensions());
-    // One for the surface and its picture: what is built on it is drawn where it lies.
+    // One device for the surface and its picture, so that surfaces are drawn without copying.
     options.session.gpu = options.gpu;
     options.session.drawn = !options.headless || options.painter != "cpu";
     return {};
@@ -105,7 +105,7 @@ void WindowCore::take(const WindowCommand& command) {
 
 void WindowCore::leave() {
     if (quits_ || std::exchange(picture_.panel().help_shown, false) || notices.dismiss()) return;
-    notices.clear_passing();  // the hint of a tool that is put away
+    notices.clear_passing();  // the hint of a tool being put away
     for (WindowMode* const mode : modes_)
         if (mode->leave()) return;
     input_.fullscreen() ? input_.turn_fullscreen() : quit();

@@ -100,7 +100,7 @@ Result<void> WindowFilm::encode(const std::optional<Picture>& picture, const std
     return {};
 }
 
-/// Until it is to stop and nothing waits, or the film cannot be written.
+/// Runs until stopped with nothing waiting, or until the film cannot be written.
 void WindowFilm::encode() {
     std::unique_lock lock(mutex_);
     while (encoded_) {

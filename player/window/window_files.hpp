@@ -15,46 +15,46 @@
 
 namespace touchable {
 
-/// Pictures of the window that may wait for their disk.
+/// Maximum number of screenshots waiting for their disk.
 inline constexpr std::size_t most_screenshots = 4;
-/// Writes a picture of the window as a PNG file, under this name or, if it is empty, a free one.
-/// `existing`: what becomes of a file that is there.
+/// Writes a screenshot as a PNG file, under this name or, if it is empty, a free one. `existing`: the
+/// treatment of an existing file.
 BackgroundWriter::Job screenshot(Image image, std::filesystem::path name, Existing existing);
 
-/// Whole or not at all; folders that are missing are made.
+/// Writes a file completely or not at all; creates missing folders.
 Result<void> write_text(const std::filesystem::path& file, std::string_view text);
-/// Refuses to replace a file that is there: why. It owns all that it uses.
+/// Returns an error to keep an existing file from being replaced. Owns all its data.
 using TextCheck = std::function<Result<void>(const std::filesystem::path& file)>;
-/// Writes a text as `write_text` does. A text for the same file that still waits is not written any more:
-/// this one has its place, before those that came after it.
+/// Writes a text as `write_text` does. A queued text for the same file is not written: this one takes its
+/// place in the queue.
 BackgroundWriter::Job text_file(std::filesystem::path file, std::string text, std::string tag = {},
                                 TextCheck check = {});
 
-/// A film of what the window shows, and of what is heard. Both are encoded on a thread of their own; pictures
-/// and sound that come too fast for it are left out, so that the window does not wait.
+/// A film of the window's picture and sound. Both are encoded on a separate thread; pictures and sound that
+/// come too fast are dropped, so that the window does not wait.
 class WindowFilm : NonCopyable {
 public:
     static Result<std::unique_ptr<WindowFilm>> create(const std::filesystem::path& file, Existing existing);
     ~WindowFilm() { stop(); }
 
-    // The window's.
-    /// Whether the film has a place for a picture of this moment, and room for it; times do not go backward.
+    // For the window's thread.
+    /// Whether the film needs a picture of this moment, and has room for it; times must not go backward.
     bool wants(double seconds);
-    /// RGB; the one that it wanted last.
+    /// Adds the picture last wanted, RGB.
     void add(Image picture);
-    /// FilmWriter's. After the first picture; any thread.
+    /// Arguments as in FilmWriter. Call after the first picture; any thread.
     void add_sound(std::int64_t sample, std::span<const StereoSample> samples);
-    /// Why it gets no more; nothing where it does.
+    /// Why encoding stopped; nullopt: it continues.
     std::optional<Error> fault() {
         const std::lock_guard lock(mutex_);
         return encoded_ ? std::nullopt : std::optional(encoded_.error());
     }
-    /// Pictures that found no room.
+    /// Pictures dropped for lack of room.
     std::int64_t left_out() const { return left_out_; }
-    /// In the film, once it is finished.
+    /// Number of pictures in the finished film.
     std::int64_t pictures() const { return pictures_; }
-    /// Completes the file, so long after the first picture. An error where it could not be written; then
-    /// there is none, or, where its disk became full, what there was room for.
+    /// Completes the file, `seconds` after the first picture. Fails if it could not be written; then there is
+    /// no file, or, if its disk became full, the part that fitted.
     Result<void> finish(double seconds);
 
 private:
@@ -74,18 +74,18 @@ private:
     Result<void> encode(const std::optional<Picture>& picture, const std::vector<Sound>& sounds);
     void stop();
 
-    static constexpr std::size_t most_waiting = 4;  // pictures, with the one that is being encoded
-    // Of sound; so much that pictures rarely have it wait in vain, and so much at most.
+    static constexpr std::size_t most_waiting = 4;  // pictures, including the one being encoded
+    // Sound samples: enough that pictures rarely lack their sound, and the maximum.
     static constexpr std::size_t much_sound = SoundTrack::rate / 2, most_sound = 10 * SoundTrack::rate;
     std::unique_ptr<FilmWriter> film_;
     std::int64_t last_place_ = -1, left_out_ = 0, pictures_ = 0;
     std::mutex mutex_;
     std::condition_variable changed_;
-    // Guarded by it.
+    // Guarded by `mutex_`.
     std::deque<Picture> waiting_;
     std::size_t in_use_ = 0;
     std::vector<Sound> sounds_;
-    std::size_t sound_waits_ = 0;  // samples of them
+    std::size_t sound_waits_ = 0;  // samples in sounds_
     bool stopping_ = false;
     Result<void> encoded_;
     std::thread thread_;

@@ -1,5 +1,5 @@
-// What draws the window's pictures: on a GPU, with Dear ImGui's Vulkan backend; or in the CPU's memory. And
-// the screen of a window that is not shown.
+// Draws the window's pictures: on a GPU, with Dear ImGui's Vulkan backend; or in the CPU's memory. Also the
+// headless screen.
 
 #include <backends/imgui_impl_vulkan.h>
 #include <imgui.h>
@@ -20,8 +20,8 @@
 namespace touchable {
 namespace {
 
-/// Draws what ImGui has laid out, over a canvas (VK_FORMAT_R8G8B8A8_UNORM). One at a time, with an ImGuiLayer
-/// that outlives it. What a GPU that hangs may still use of it stays in memory.
+/// Draws ImGui's draw data over a canvas (VK_FORMAT_R8G8B8A8_UNORM). One at a time; the ImGuiLayer must
+/// outlive it. Leaks the objects that a hanging GPU may still use.
 class ImGuiVulkan : NonCopyable {
 public:
     static Result<std::unique_ptr<ImGuiVulkan>> create(std::shared_ptr<GpuDevice> device) {
@@ -42,7 +42,7 @@ public:
         if (pool_) vkDestroyDescriptorPool(device, pool_, nullptr);
     }
 
-    /// Records it over `canvas`, which is in VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL before and in
+    /// Records drawing over `canvas`, which is in VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL before and in
     /// VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL after.
     Result<void> draw(GpuCommands& commands, const GpuImage& canvas) {
         TRY_ASSIGN(const auto framebuffer, framebuffer_of(canvas));
@@ -60,7 +60,7 @@ public:
 
 private:
     explicit ImGuiVulkan(std::shared_ptr<GpuDevice> device) : device_(std::move(device)) {}
-    /// To a GPU that hangs; ImGui knows nothing of it from now on.
+    /// Leaks the backend to a hanging GPU, and detaches it from ImGui.
     void leave() {
         leave_for_good(device_->vulkan());
         if (!is_started_) return;
@@ -86,7 +86,7 @@ private:
         subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
         subpass.colorAttachmentCount = 1;
         subpass.pColorAttachments = &reference;
-        // After what was drawn below, before what copies the canvas.
+        // After the drawing below, before the canvas is copied.
         const VkSubpassDependency dependencies[] = {
             {VK_SUBPASS_EXTERNAL, 0, VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
              VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT, VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
@@ -173,10 +173,10 @@ private:
     VkDescriptorPool pool_ = VK_NULL_HANDLE;
     VkRenderPass pass_ = VK_NULL_HANDLE;
     VkFramebuffer framebuffer_ = VK_NULL_HANDLE;
-    std::shared_ptr<const void> canvas_;  // what the framebuffer is of
+    std::shared_ptr<const void> canvas_;  // the framebuffer's canvas
 };
 
-/// What `canvas` shows, which is in VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, as a picture in the CPU's memory.
+/// Copies `canvas`, which is in VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, into the CPU's memory.
 Result<Image> read_back(std::shared_ptr<GpuDevice> device, const GpuImage& canvas) {
     const VkExtent2D extent = canvas.extent();
     const std::size_t pixels = std::size_t{extent.width} * extent.height;
@@ -209,7 +209,7 @@ VkOffset3D corner_of(const GpuImage& image) {
             1};
 }
 
-/// From one that was drawn to another that is to be drawn over.
+/// Stretches a drawn image over another one, ready for drawing.
 void record_stretch(GpuCommands& commands, const GpuImage& from, const GpuImage& to) {
     constexpr VkImageLayout drawn = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
     record_transition(commands, from, drawn, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
@@ -245,7 +245,7 @@ public:
     bool thins_vertices() const override { return drawing_ && drawing_->thins_vertices(); }
 
     Result<void> take_letters() override {
-        imgui_.reset();  // there is one at a time
+        imgui_.reset();  // only one may exist
         TRY_ASSIGN(imgui_, ImGuiVulkan::create(device_));
         return {};
     }
@@ -304,7 +304,7 @@ private:
         return upload(*drawn, image);
     }
 
-    /// The CPU's picture.
+    /// Uploads the CPU's picture.
     Result<void> upload(const Image& picture, const GpuImage& image) {
         const std::size_t pixels = picture.samples.size() / 3;
         TRY_ASSIGN(const auto buffer, uploads_.take("picture", 4 * pixels));
@@ -326,11 +326,11 @@ private:
     std::shared_ptr<GpuDevice> device_;
     Screen& screen_;
     std::unique_ptr<SurfaceDrawing> drawing_;
-    std::optional<CpuDrawing> by_cpu_;  // in place of it
+    std::optional<CpuDrawing> by_cpu_;  // replaces drawing_
     UploadPool uploads_;
     std::unique_ptr<ImGuiVulkan> imgui_;
-    GpuImage canvas_, small_;              // small: what is stretched over it, if anything is
-    std::optional<GpuCommands> commands_;  // of the picture that was begun
+    GpuImage canvas_, small_;              // small_: stretched over the canvas, if used
+    std::optional<GpuCommands> commands_;  // of the current picture
 };
 
 /// Surface and fingers in the CPU's memory, without Vulkan and without the panel.

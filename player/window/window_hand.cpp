@@ -53,12 +53,12 @@ void WindowHand::turn_force(bool may_turn_on) {
         clip.set_force(on);
         return core_.say(clip.force_is_on() ? "force on" : "force off");
     }
-    // The device comes back without forces: its user may have left by then.
+    // The device comes back without forces, as its user may have left by then.
     if (device->is_gone()) {
         clip.set_force(false);
         return device->look_again();
     }
-    // Forces are not asked for while the device is away: they would come without warning when it is back.
+    // Forces cannot be requested while the device is away: they would return without warning.
     if (on && !(device->age_s() <= HapticDevice::oldest_s))
         return core_.say("no forces yet: no position comes from the " + device->name());
     clip.set_force(on);

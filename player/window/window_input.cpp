@@ -11,7 +11,7 @@
 namespace touchable {
 namespace {
 
-/// A bit of a set as the kernel prints it: words of a `long` each in hexadecimal, the highest first.
+/// A bit of a set in the kernel's format: hexadecimal words of a `long` each, highest first.
 bool has_bit(const std::filesystem::path& file, std::size_t bit) {
     std::ifstream in(file);
     std::vector<unsigned long> words;
@@ -68,8 +68,8 @@ void WindowInput::take_pointer(const InputEvent& event) {
     OpenedClip* const clip = core_.clip();
     const bool is_over = !pointer_.holds() && picture.panel_covers(at_);
     const bool is_of_panel = picture.holds_pointer() || is_over;
-    // A finger under the bar is felt, though the bar has the clicks; not in an unattended window, where some
-    // never knew that a finger is there.
+    // A finger under the bar touches, though the bar has the clicks; not in an unattended window, whose
+    // visitors may not know about the finger.
     const bool leaves =
         picture.holds_pointer() || (is_over && (core_.is_unattended() || !picture.is_bar(at_)));
     if (clip && leaves && (event.kind == Kind::moved || event.kind == Kind::pressed)) leave_picture();
@@ -81,7 +81,7 @@ void WindowInput::take_pointer(const InputEvent& event) {
     const auto leads = core_.options.hand || core_.any_button(LeftButton::turns_view)
                            ? PointerInput::Leads::view
                            : PointerInput::Leads::fingers;
-    // A clip that has just come knows of no pointer yet.
+    // A new clip has no pointer position yet.
     if (event.kind == Kind::pressed && is_there_ && !is_of_panel)
         pointer_.take({.kind = Kind::moved, .x = at_.x, .y = at_.y}, leads, clip->fingers(), clip->view(),
                       size.width, size.height);
@@ -90,7 +90,7 @@ void WindowInput::take_pointer(const InputEvent& event) {
         pointer_.take(event, leads, clip->fingers(), clip->view(), size.width, size.height);
 }
 
-/// What a finger that comes down there is for. A mode's tool and the panel take it for the pointer.
+/// The role of a new touch there. A mode's tool and the panel use it as the pointer.
 TouchInput::Ground WindowInput::ground_at(double x, double y) {
     using Ground = TouchInput::Ground;
     OpenedClip* const clip = core_.clip();
@@ -118,7 +118,7 @@ void WindowInput::lift_touches() {
     take_pointers(touches_.cancel(core_.clip() ? &core_.clip()->fingers() : nullptr));
 }
 
-/// What the pointer does where touches stand for it.
+/// Applies the pointer events of touches.
 void WindowInput::take_pointers(const std::vector<InputEvent>& events) {
     for (const InputEvent& done : events) {
         events_.push_back(done);
@@ -159,7 +159,7 @@ bool WindowInput::has_touch_screen() const {
     return was_touched_ || (is_there && !core_.options.headless);
 }
 
-/// The second of two quick presses on the picture presses no finger.
+/// Whether this is the second of two quick presses on the picture, which presses no finger.
 bool WindowInput::clicks_for_fullscreen(const InputEvent& event, bool is_of_panel) {
     if (event.kind != InputEvent::Kind::pressed) return false;
     if (event.word != "left" || event.control || is_of_panel || core_.is_unattended()) {
@@ -178,7 +178,7 @@ void WindowInput::turn_fullscreen() {
     core_.screen().set_fullscreen(is_fullscreen_);
 }
 
-/// While a person does something, but not over a finger that presses where the bar is.
+/// True during user input, unless a finger presses where the bar is.
 bool WindowInput::bar_is_wanted() const {
     constexpr double rest_s = 4;
     const WindowPicture& picture = core_.picture();

@@ -10,13 +10,13 @@ namespace touchable {
 
 class WindowCore;
 
-/// Tells the second of two quick presses at the same place from presses that touch.
+/// Detects the second of two quick presses at the same place, in contrast to touching presses.
 class DoubleClick {
 public:
     static constexpr double longest_s = 0.3;    ///< from press to press
     static constexpr double farthest_px = 6.0;  ///< between the two presses
 
-    /// Whether the press of that moment, at that place, is a second one; a third is a first again.
+    /// Whether this press is a second one; a third counts as a first again.
     bool press(double now_s, const glm::dvec2& at) {
         const bool is_second =
             first_s_ && now_s - *first_s_ <= longest_s && glm::distance(at, at_) <= farthest_px;
@@ -24,7 +24,7 @@ public:
         at_ = at;
         return is_second;
     }
-    /// What comes next belongs to no press before it.
+    /// Makes the next press a first one.
     void forget() { first_s_.reset(); }
 
 private:
@@ -32,53 +32,52 @@ private:
     glm::dvec2 at_{0.0};
 };
 
-/// What a person does to the window: keys become commands; the pointer and fingers on a touch screen go to
-/// the panel, to a mode that has the left button, or to the fingers over the clip and its view. By the
-/// window's thread.
+/// User input to the window: keys become commands; the pointer and touch screen fingers go to the panel, to a
+/// mode that uses the left button, or to the fingers over the clip and its view. The window's thread only.
 class WindowInput {
 public:
     explicit WindowInput(WindowCore& core) : core_(core) {}
 
-    /// An event that no mode takes.
+    /// Takes an event that no mode takes.
     void take(const InputEvent& event);
-    /// After a machine was suspended it is not known what is still pressed. Lifts all fingers and buttons
+    /// Call once a turn: after a suspension the state of buttons is unknown. Lifts all fingers and buttons
     /// that were down; the force of a finger that comes down again begins at zero.
     void lift_after_sleep();
-    /// Lifts fingers on a touch screen, whatever they do: the window is looked at no more, or the clip goes.
+    /// Lifts all touch screen fingers: the window has lost the focus, or the clip changes.
     void lift_touches();
-    /// The pointer leaves the picture: its fingers touch nothing, and nothing is held.
+    /// The pointer leaves the picture: its fingers touch nothing, and no button is held.
     void leave_picture();
-    /// A button that is still pressed on something of the panel clicks nothing.
+    /// Releases a button held on the panel without a click.
     void release_panel();
-    /// The pointer moves by so many pixels.
+    /// Moves the pointer by pixels.
     void move_by(double x, double y);
     void begin_clip() { pointer_ = PointerInput(); }
     /// Once a turn, with a clip: shows and hides the pointer and the bar.
     void go_on();
 
-    /// Where the pointer is, or was last: window, pixels.
+    /// The pointer's current or last position: window, pixels.
     const glm::dvec2& pointer() const { return at_; }
     /// The same, unless it is away, or over the panel.
     std::optional<glm::dvec2> pointer_over_picture() const;
-    /// Whether a button is held that was pressed over the picture.
+    /// Whether a button pressed over the picture is held.
     bool holds_pointer() const { return pointer_.holds(); }
-    /// Whether a button is, or a finger on a touch screen.
+    /// Whether that or a touch screen finger is down.
     bool holds() const { return pointer_.holds() || touches_.holds(); }
-    /// As far as is known.
+    /// As far as known.
     bool has_touch_screen() const;
     std::optional<glm::dvec2> take_double_click() { return pointer_.take_double_click(); }
 
-    /// Fingers leave: the pointer is over another place then, to which a pressed one would be torn.
+    /// Lifts fingers: the pointer's place changes, and a pressed finger would jump there.
     void turn_fullscreen();
     void set_fullscreen(bool on) { is_fullscreen_ = on; }
     bool fullscreen() const { return is_fullscreen_; }
 
-    /// Since the last picture, for the panel.
+    /// Events since the last picture, for the panel.
     std::vector<InputEvent> take_events() { return std::exchange(events_, {}); }
     bool has_events() const { return !events_.empty(); }
-    /// The first that is in no picture yet.
+    /// Time of the first event not shown in a picture yet.
     std::optional<WindowClock::time_point> take_first_event() { return std::exchange(first_event_, {}); }
-    /// Files and folders that were dropped at once.
+    /// Files and folders dropped together.
     std::vector<std::string> take_dropped() { return std::exchange(dropped_, {}); }
     bool has_dropped() const { return !dropped_.empty(); }
 
@@ -94,7 +93,7 @@ private:
     WindowCore& core_;
     PointerInput pointer_;
     TouchInput touches_;
-    bool was_touched_ = false;  // by a finger on a touch screen
+    bool was_touched_ = false;  // by a touch screen finger
     glm::dvec2 at_{0.0};
     bool is_there_ = false;  // the pointer, in the window
     DoubleClick fullscreen_click_;

@@ -1,4 +1,4 @@
-// The window from its opening to its end: its turns, a script's inputs, and what is kept in the end.
+// A window's main loop, a script's inputs, and the files kept at the end.
 
 #include <malloc.h>
 
@@ -14,16 +14,16 @@ bool drops(const ScriptedInput& input) {
     return event && event->kind == InputEvent::Kind::dropped;
 }
 
-/// Each clip that is opened is read, built and drawn by threads of its own, and by default malloc has eight
-/// places for each core, of which every thread takes another one. What one has freed no other uses, so that
-/// memory would grow with every clip. The haptic thread has no need of any.
+/// Limits malloc's arenas. Each clip is read, built and drawn by its own threads, and by default malloc has
+/// eight arenas per core, a new one for every thread. An arena's freed memory is not reused by others, so
+/// memory would grow with every clip. The haptic thread does not allocate.
 void share_memory_among_threads() {
 #ifdef __GLIBC__
     mallopt(M_ARENA_MAX, 2);
 #endif
 }
 
-/// Drives a window (window_core.hpp), and ends it.
+/// Runs a window (window_core.hpp) to its end.
 class WindowLoop {
 public:
     explicit WindowLoop(PlayOptions options) : core_(std::move(options)), options_(core_.options) {}
@@ -35,7 +35,7 @@ public:
     }
 
 private:
-    /// Draws where something is to be seen, takes what has come, and does it.
+    /// Draws if a picture is due, then processes input.
     Result<void> turn() {
         OpenedClip* const clip = core_.clip();
         const WatchedMoment* const moment = clip ? clip->session().look() : nullptr;
@@ -52,11 +52,11 @@ private:
         if (options_.seconds && core_.time.script_s >= *options_.seconds) core_.quit();
         return {};
     }
-    /// Waits for input, and takes it; then what a script has until now, and what the panel was asked for.
+    /// Waits for input and processes it, then the script's due inputs and the panel's commands.
     void take_input() {
         WindowTime& time = core_.time;
         const OpenedClip* const clip = core_.clip();
-        // Until another frame is seen, or the first clip is open.
+        // Until another frame is due, or the first clip is open.
         const int longest_ms =
             (clip ? clip->session().playback().playing : core_.clips().is_opening()) ? 2 : 8;
         const auto wait =
@@ -66,7 +66,7 @@ private:
         core_.input().lift_after_sleep();
         for (const InputEvent& event : events) core_.take(event);
         if (time.begun && !core_.quits()) take_script();
-        // Until the clip that was asked for first is open, or cannot be, what is dropped waits.
+        // Dropped files wait until the first requested clip is open, or failed to open.
         if (core_.input().has_dropped() && (clip || core_.clips().waits_for_wish()))
             core_.clips().open_others(core_.input().take_dropped());
         if (clip && time.begun)
@@ -74,7 +74,7 @@ private:
         for (const WindowCommand& command : core_.picture().take_asked()) core_.take(command);
     }
     void take_script() {
-        // A first clip is opened before.
+        // The first clip is opened before.
         WindowTime& time = core_.time;
         const double until_s = time.script_s;
         const std::vector<ScriptedInput>& script = options_.script;
@@ -85,7 +85,7 @@ private:
             const auto& [at_s, what] = script[scripted_++];
             time.script_s = at_s;
             std::visit([this](const auto& input) { core_.take(input); }, what);
-            // What is dropped at one moment is one drop.
+            // Files dropped at one moment form one drop.
             if (core_.input().has_dropped() && !(is_next(at_s) && drops(script[scripted_])))
                 core_.clips().open_others(core_.input().take_dropped());
         }
@@ -100,8 +100,8 @@ private:
             core_.quit();  // there will be no picture
     }
     bool is_at_work() const { return core_.any(&WindowMode::is_at_work); }
-    /// Whether the brush is still at what it was asked for before the window was closed. Who closes it again
-    /// does not wait. A hand has no forces by then.
+    /// Whether the brush is still working on requests made before the window was closed. Closing it again
+    /// does not wait. The haptic device has no forces by then.
     bool has_to_stay() {
         if (core_.leaves_at_once() || !core_.brush().brush().is_changing()) return false;
         if (!std::exchange(is_leaving_, true)) {
@@ -112,14 +112,14 @@ private:
         }
         return true;
     }
-    /// Once for each clip.
+    /// Once per clip.
     void note_sound() {
         const std::string fault = core_.sound().clip_fault();
         if (fault == std::exchange(sound_fault_, fault) || fault.empty()) return;
         if (core_.figures.sound_fault.empty()) core_.figures.sound_fault = fault;
         core_.say(fault, Tone::fault, About::clip);
     }
-    /// What is to be kept and no longer can be: once, as it happens. And screenshots that were written.
+    /// Reports files that can no longer be written, once each, and screenshots that were written.
     void note_files() {
         const auto& film = core_.picture().film();
         std::vector<Error> faults;
@@ -135,9 +135,9 @@ private:
                            : core_.say(written.result.error().message, Tone::fault);
     }
 
-    /// Whatever ended it: what was touched, heard, filmed and answered until then is kept. The exit code is
-    /// that of `ended`; an earlier fault, which the window outlived, decides only where nothing failed in the
-    /// end. An unattended window that was interrupted was ended by that, not by a fault.
+    /// On every exit path, keeps touches, sound, film and answers so far. The exit code is that of `ended`;
+    /// an earlier fault that the window survived decides only if nothing failed at the end. An interruption
+    /// of an unattended window is no fault.
     Result<PlayFigures> end(Result<void> ended) {
         core_.hand().power_off();
         for (WindowMode* const mode : core_.modes()) mode->close(ended);
@@ -175,7 +175,7 @@ private:
         if (stop_requested()) return interruption();
         return std::move(figures);
     }
-    /// Closed while the first clip was opened, or waited for; or it cannot be opened.
+    /// Closed while the first clip was opened or requested, or it cannot be opened.
     Result<PlayFigures> end_without_clip(Result<void> ended) {
         core_.clips().let_go();
         const bool is_kept = ended && core_.time.begun && options_.screenshot && !stop_requested();
@@ -189,7 +189,7 @@ private:
         core_.figures.seconds = core_.time.now_s();
         return std::move(core_.figures);
     }
-    /// For the runs to come; waits for their disk, but not for ever.
+    /// Keeps GPU programs for later runs; waits for their disk for a limited time.
     void write_programs() {
         auto programs = core_.options.gpu ? core_.options.gpu->take_new_programs() : std::nullopt;
         if (!programs) return;
@@ -200,7 +200,7 @@ private:
                      }});
         writer.finish();
     }
-    /// Waits for their disk, but not for ever.
+    /// Waits for their disk for a limited time.
     Result<void> write_settings() {
         if (!options_.settings_file) return {};
         BackgroundWriter writer("settings", "settings");
@@ -230,7 +230,7 @@ private:
             std::max(static_cast<int>(std::lround(size.height / size.scale)), SettingsFile::least_height);
         return kept;
     }
-    /// `is_kept`: the one that was asked for by an option is among them, `kept` what became of it until then.
+    /// `is_kept`: they include the one requested by an option, with `kept` as its result so far.
     Result<void> finish_screenshots(bool is_kept, Result<void> kept) {
         core_.screenshots().finish();
         for (const auto& written : core_.screenshots().take()) {
@@ -242,7 +242,7 @@ private:
         }
         return kept;
     }
-    /// Ended by a person's signal: what is kept of what was asked for.
+    /// The error for an interruption by a signal, with a list of the outputs written and missing.
     Error interruption() {
         std::string written, missing;
         const auto add = [&](const std::string& name, bool is_asked_for, bool is_written) {
@@ -276,7 +276,7 @@ private:
     std::size_t scripted_ = 0;
     ScriptClock script_clock_;
     std::string sound_fault_;
-    bool is_leaving_ = false;  // while the brush is at work
+    bool is_leaving_ = false;  // and waits for the brush
 };
 
 }  // namespace

@@ -12,7 +12,7 @@ void ViewMode::go_home() {
     is_turning_ = false;
 }
 
-/// A finger that presses leaves, as no event would lift it.
+/// Lifts a pressing finger, as no release would arrive.
 void ViewMode::turn_or_touch() {
     if (core_.options.hand) return core_.say("dragging turns the view already");
     is_turning_ = !is_turning_;
@@ -28,7 +28,7 @@ void ViewMode::turn_or_touch() {
 // --- The list of clips
 
 void PlaylistMode::go(int by) {
-    if (!core_.clip() && !core_.clips().waits_for_wish()) return;  // the first is not open yet
+    if (!core_.clip() && !core_.clips().waits_for_wish()) return;  // the first clip is not open yet
     Playlist list = core_.clips().wanted_list();
     if (list.go(by)) return core_.clips().open_instead(std::move(list), by);
     if (list.size() < 2) return core_.say("there is no other clip; drop some on the window");
@@ -36,7 +36,7 @@ void PlaylistMode::go(int by) {
               " clips");
 }
 
-/// By a person.
+/// By the user.
 bool PlaylistMode::is_touched() const {
     if (core_.any_button(LeftButton::is_a_tool) || core_.picture().holds_pointer()) return true;
     if (core_.any(&WindowMode::moves_by_itself)) return false;
@@ -58,7 +58,7 @@ void PlaylistMode::go_on(double) {
     if (!has_ended) return went_on_s_.reset();
     if (core_.any(&WindowMode::chooses_clip) || list_.size() < 2 || core_.clips().is_busy()) return;
     if (clip.seconds() < blink_s && now_s < shown_s_ + rest_s) return;
-    // Where no other can be opened, this is said once, but an unattended window tries on.
+    // If no other clip opens, it is reported once; an unattended window retries.
     if (went_on_s_ && (!core_.is_unattended() || now_s < *went_on_s_ + again_s)) return;
     if (touched_s_ && now_s < *touched_s_ + between_strokes_s) return;
     went_on_s_ = now_s;
@@ -109,7 +109,7 @@ bool MeasureMode::leave() {
     return true;
 }
 
-/// What is measured in the picture of this moment.
+/// Measures in the picture of this moment.
 void MeasureMode::prepare(const Seen& seen) {
     const FramePair& pair = seen.moment.held.pair;
     tool_.look({.field = seen.field,
@@ -175,7 +175,7 @@ void BrushMode::begin_clip(bool) {
     brush_.go_to(*core_.clip());
 }
 
-/// What it says, and what of it is to be felt.
+/// Passes on its messages, and the materials to feel.
 void BrushMode::take_news() {
     const WindowBrush::News news = brush_.take_news();
     const bool is_felt = core_.clips().wanted_settings().has_materials();
@@ -185,7 +185,7 @@ void BrushMode::take_news() {
     if (news.is_another) core_.clips().feel_painted(brush_.felt());
 }
 
-/// An interrupted run tells it, and says in the end that it was interrupted.
+/// An interrupted run only prints its faults, as its result is the interruption.
 Result<void> BrushMode::save() {
     Result<void> saved = brush_.finish();
     if (stop_requested()) saved = {};

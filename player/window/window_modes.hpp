@@ -1,9 +1,9 @@
 #pragma once
 
-// The modes that every window has, in what the left button and keys do over the picture: the view that is
-// turned, the list of clips, the measure, and the brush of materials. As any mode they are asked by
-// WindowCore (window_mode.hpp), and belong to the window's thread; these four may also be asked by name, by
-// the commands of the table and by the parts that need the list or what the brush paints.
+// The modes that every window has, for the left button and keys over the picture: turning the view, the list
+// of clips, the measure, and the brush of materials. As with any mode, WindowCore calls them
+// (window_mode.hpp) on the window's thread; these four may also be called by name, by commands of the table
+// and by parts that need the list or the painted materials.
 
 #include <cstdio>
 
@@ -14,7 +14,7 @@
 
 namespace touchable {
 
-/// From where the clip is seen: keys and dragging turn the view.
+/// The clip's viewpoint: keys and dragging turn the view.
 class ViewMode final : public WindowMode {
 public:
     using WindowMode::WindowMode;
@@ -37,18 +37,18 @@ private:
     bool is_turning_ = false;
 };
 
-/// The list of clips, and the place in it: a person goes through it by keys, and at the end of a clip that
-/// does not repeat the window goes on by itself.
+/// The list of clips, and the current place: the user steps through it with keys, and at the end of a clip
+/// that does not repeat the window continues by itself.
 class PlaylistMode final : public WindowMode {
 public:
     using WindowMode::WindowMode;
 
     const Playlist& list() const { return list_; }
     void set_list(Playlist list) { list_ = std::move(list); }
-    /// One on, or back.
+    /// Steps forward or back.
     void go(int by);
-    /// From the clip's end to the next clip. A clip that is over in a blink rests first. The clip also stays
-    /// while it is touched or painted, or something of the panel is dragged, and some seconds after that.
+    /// Goes to the next clip at the clip's end. A very short clip rests first. The clip also stays while it
+    /// is touched or painted, or the panel is used, and some seconds after that.
     void go_on(double now_s) override;
     void begin_clip(bool goes_on) override;
     void draw(PanelFacts& facts, const Seen&) override { facts.clips = list_.size(); }
@@ -56,20 +56,20 @@ public:
 private:
     bool is_touched() const;
 
-    Playlist list_;                    // of the clip that is there
-    std::optional<double> went_on_s_;  // to the next clip by itself, or tried to: at this end
-    double shown_s_ = 0;               // since when the clip is
+    Playlist list_;                    // with the current clip
+    std::optional<double> went_on_s_;  // when it went on by itself, or tried to, at this end
+    double shown_s_ = 0;               // when the clip was shown
     std::optional<double> touched_s_;  // when a clip was last touched, painted or measured
 };
 
-/// The measure in a window: its command, its clicks over the picture, and its line, whose length is said, and
-/// printed in the end.
+/// The measure in a window: its command, its clicks over the picture, and its line, whose length is shown,
+/// and printed at the end.
 class MeasureMode final : public WindowMode {
 public:
     using WindowMode::WindowMode;
 
     void take(const WindowCommand& command);
-    /// Takes the line and the tool away.
+    /// Removes the line and puts the tool away.
     void let_go() { tool_.let_go(); }
 
     bool handle_pointer(const InputEvent& event, bool is_of_panel) override;
@@ -90,20 +90,20 @@ public:
 
 private:
     MeasureTool tool_;
-    std::vector<std::string> lines_;  // between two places, in words
+    std::vector<std::string> lines_;  // completed measurements, as text
 };
 
-/// The brush of materials in a window: hands it clips, commands and clicks, says what it says, and lets what
-/// it painted be felt, by the road of other settings.
+/// The brush of materials in a window: passes clips, commands and clicks to it, shows its messages, and makes
+/// its materials felt through a change of settings.
 class BrushMode final : public WindowMode {
 public:
     explicit BrushMode(WindowCore& core);
 
     void take(const WindowCommand& command);
-    /// The brush itself, to be asked.
+    /// The brush, for queries.
     const WindowBrush& brush() const { return brush_; }
-    /// The last call: completes its files, and says on the terminal what went wrong with them. Fails with why
-    /// materials that were to be saved are not.
+    /// The last call: completes its files, and prints their faults on the terminal. Fails if a requested save
+    /// failed.
     Result<void> save();
 
     bool handle_pointer(const InputEvent& event, bool is_of_panel) override;

@@ -15,24 +15,24 @@ std::string clock_words(double seconds) {
     return formatted("%ld:%02ld.%ld", tenths / 600, tenths / 10 % 60, tenths % 10);
 }
 
-/// How wide words are with any digits in the place of theirs.
+/// Width of the text with any other digits.
 float wide_digits(std::string words) {
     for (char& letter : words)
         if (letter >= '0' && letter <= '9') letter = '0';
     return ImGui::CalcTextSize(words.c_str()).x;
 }
 
-/// The least needed first, which is also the first to go where there is little room.
+/// Ordered from dispensable to needed; the first are dropped when room is short.
 enum class Need { colours, loop, speed, other_clip, settings, turn, measure, home, always };
 
 struct BarButton {
-    std::string words;  ///< with an identity behind ##
-    const char* what;   ///< for a person
+    std::string words;  ///< with an ImGui id after ##
+    const char* what;   ///< tooltip
     Need need;
     WindowCommand command;
     bool is_lit = false;
     ButtonSign sign = ButtonSign::none;
-    float width = 0;  ///< 0: as wide as its words
+    float width = 0;  ///< 0: fits its text
 
     float wide(float side) const {
         if (sign != ButtonSign::none) return side;
@@ -41,7 +41,7 @@ struct BarButton {
     }
 };
 
-/// Whether it is explained.
+/// Returns whether its tooltip is shown.
 bool draw_bar_button(const BarButton& button, float side, std::vector<WindowCommand>& asked) {
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const ImVec4* const colours = ImGui::GetStyle().Colors;
@@ -63,7 +63,7 @@ BarButton play_button(const PanelFacts& facts) {
             .sign = plays ? ButtonSign::pause : ButtonSign::play};
 }
 
-/// Right of the seek bar.
+/// The buttons right of the seek bar.
 std::vector<BarButton> buttons_of(const PanelFacts& facts, float scale, bool panel_shown, bool help_shown) {
     std::vector<BarButton> buttons{{.words = formatted("%g\xC3\x97##speed", facts.speed),
                                     .what = "how fast the clip plays ([ ])",
@@ -80,7 +80,7 @@ std::vector<BarButton> buttons_of(const PanelFacts& facts, float scale, bool pan
                                     .need = Need::colours,
                                     .command = {WindowVerb::overlay},
                                     .width = 132 * scale}};
-    if (!facts.hand)  // there dragging always turns
+    if (!facts.hand)  // with a device, dragging always turns
         buttons.push_back({.words = "turn",
                            .what = "dragging turns the view, or presses again (V)",
                            .need = Need::turn,
@@ -109,7 +109,7 @@ std::vector<BarButton> buttons_of(const PanelFacts& facts, float scale, bool pan
     return buttons;
 }
 
-/// Left of it, beside play.
+/// The buttons left of the seek bar, beside play.
 std::vector<BarButton> buttons_of_list(const PanelFacts& facts) {
     if (facts.clips < 2) return {};
     return {{.words = "##previous",
@@ -124,10 +124,10 @@ std::vector<BarButton> buttons_of_list(const PanelFacts& facts) {
              .sign = ButtonSign::next}};
 }
 
-/// Where the clip is.
+/// The clip's position as text.
 struct TimeWords {
     std::string words;
-    float width = 0;  ///< that it needs while the clip plays and while it rests, whatever the digits are
+    float width = 0;  ///< enough while playing and while paused, with any digits
 };
 
 TimeWords time_words(const PanelFacts& facts, bool has_room) {
@@ -158,7 +158,7 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     if (is_stopped && !facts.kiosk && !help_shown) draw_stop(w, h);
     words_bottom_ = 0;
     const bool has_page = facts.study && facts.study->is_page;
-    if (!help_shown && !has_page) draw_state(facts, w);  // it is among the help
+    if (!help_shown && !has_page) draw_state(facts, w);  // the help shows the state
     if (facts.study) {
         if (facts.study->shows_force && !has_page) draw_force(facts, h, scale_);
         begin_study(*facts.study, w, h, asked);
@@ -176,7 +176,7 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     draw_fault(facts, w, asked);
     if (!help_shown || facts.message_is_bad) draw_message(facts, w);
     if (help_shown) {
-        begin_help(facts, w, h, scale_);  // which needs the room
+        begin_help(facts, w, h, scale_);  // the help needs the room
         note_box();
         return ImGui::End();
     }
@@ -184,7 +184,7 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     const float above_place = draw_place(facts, w, h, scale_);
     if (facts.scale && (!shown || is_roomy(w))) {
         const float right = w - m - (shown ? side_width(w) + m : 0);
-        const bool is_beside = right > 580 * scale_;  // what is said of the place
+        const bool is_beside = right > 580 * scale_;  // the right side is clear of the place's values
         const float bottom = is_beside ? h - 2 * m - bar : above_place;
         const float explained = wants_bar(facts) && bar_.explains() ? explanation_height() : 0;
         draw_overlay_scale(*facts.scale, right, bottom - explained, scale_);
@@ -212,12 +212,12 @@ WindowPanel::Box WindowPanel::note_box() {
 }
 
 WindowPanel::Free WindowPanel::free_of(const PanelFacts& facts, float width) const {
-    const bool is_narrow = width < 480 * scale_ && !facts.is_empty;  // where no force is shown
+    const bool is_narrow = width < 480 * scale_ && !facts.is_empty;  // no force is shown there
     return {shown || facts.hand || is_narrow ? 104 * scale_ : 0.0F,
             shown ? width - side_width(width) - 2 * panel_margin * scale_ : width};
 }
 
-/// Whether forces are on: always to be read, whatever else is shown.
+/// Draws the state of forces, always visible.
 void WindowPanel::draw_state(const PanelFacts& facts, float width) {
     if (!facts.hand) return;
     const HandState& state = facts.hand->state;
@@ -235,7 +235,7 @@ void WindowPanel::draw_state(const PanelFacts& facts, float width) {
     ImGui::End();
 }
 
-/// What went wrong, until it is dismissed.
+/// Draws a fault until it is dismissed.
 void WindowPanel::draw_fault(const PanelFacts& facts, float width, std::vector<WindowCommand>& asked) {
     if (facts.faults.empty()) return;
     const auto [from, to] = free_of(facts, width);
@@ -254,13 +254,13 @@ void WindowPanel::draw_fault(const PanelFacts& facts, float width, std::vector<W
     ImGui::End();
 }
 
-/// Above the middle of what the panel leaves free.
+/// Draws a message above the middle of the panel's free space.
 void WindowPanel::draw_message(const PanelFacts& facts, float width) {
     if (facts.message.empty()) return;
     const auto [from, to] = free_of(facts, width);
     const float m = panel_margin * scale_, top = words_bottom_ > 0 ? words_bottom_ + m / 2 : m;
     const float wrap = std::min(to - from - m, shown ? to : width * 0.6F);
-    // By itself a box has the size of the words before.
+    // Sets the size, as ImGui's own is that of the previous text.
     const ImVec2 padding = ImGui::GetStyle().WindowPadding;
     const ImVec2 words = ImGui::CalcTextSize(facts.message.c_str(), nullptr, false, wrap - padding.x);
     ImGui::SetNextWindowSize(ImVec2(words.x + 2 * padding.x, words.y + 2 * padding.y));
@@ -310,14 +310,14 @@ void PlaybackBar::draw(const PanelFacts& facts, float width, float height, float
     ImGui::PopStyleVar();
 }
 
-/// The bar of time, with a mark where the picture's depth changes all at once.
+/// The seek bar, with a mark at each sudden change of the picture's depth.
 void PlaybackBar::draw_seek(const PanelFacts& facts, float scale, float room,
                             std::vector<WindowCommand>& asked) {
     const float wide = std::max(60 * scale, room);
     ImGui::SetNextItemWidth(wide);
     const ImVec2 at_left = ImGui::GetCursorScreenPos();
     float at = dragging_ ? dragged_seconds_ : static_cast<float>(facts.seconds);
-    // At the last frame the handle is at the end; a still has no other.
+    // At the last frame the handle is at the end; a still has only that frame.
     const auto end = static_cast<float>(std::max(facts.last_seconds, 0.001));
     if (!dragging_ && facts.at_end) at = end;
     if (ImGui::SliderFloat("##seek", &at, 0, end, "", ImGuiSliderFlags_NoInput)) {
@@ -327,7 +327,7 @@ void PlaybackBar::draw_seek(const PanelFacts& facts, float scale, float room,
     dragging_ = ImGui::IsItemActive();
     const float grab = ImGui::GetStyle().GrabMinSize / 2 + 2, tall = ImGui::GetItemRectSize().y;
     for (const double cut : facts.cuts) {
-        if (cut > end) continue;  // of what has no end
+        if (cut > end) continue;  // streams have no end
         const float x = at_left.x + grab + (wide - 2 * grab) * static_cast<float>(cut) / end;
         ImGui::GetWindowDrawList()->AddLine(ImVec2(x, at_left.y + tall * 0.68F), ImVec2(x, at_left.y + tall),
                                             IM_COL32(255, 200, 110, 230), 2 * scale);

@@ -11,7 +11,7 @@
 
 namespace touchable {
 
-/// The last values of something that is drawn as a curve.
+/// The last values of a quantity that is drawn as a curve.
 class Curve {
 public:
     static constexpr std::size_t most = 240;  // values
@@ -29,13 +29,13 @@ private:
     std::size_t next_ = 0;
 };
 
-/// Curves over the last pictures: each finger's force, the time that a picture and a tick take, and ticks and
-/// frames that came too late.
+/// Curves over the last pictures: each finger's force, the times of a picture and a tick, and late ticks and
+/// dropped frames.
 class CurvesPanel {
 public:
-    /// Once a picture, whether it is drawn or not.
+    /// Once a picture, whether or not the curves are drawn.
     void remember(const PanelFacts& facts, double picture_ms, double tick_us);
-    /// Where Dear ImGui's cursor is. `most_newtons`: of the highest force; `scale` as in ScreenSize.
+    /// Draws at Dear ImGui's cursor. `most_newtons`: the force limit; `scale` as in ScreenSize.
     void draw(double most_newtons, float scale);
 
 private:
@@ -44,16 +44,16 @@ private:
     std::int64_t all_late_ = 0, all_dropped_ = 0;
 };
 
-/// The bar below: play, time, seek, and a button for each thing that a person without keys looks for. Of
-/// those there are as many as leave the seek bar some width; the most needed stay longest.
+/// The bar below: play, time, seek, and buttons for users without keys. Buttons are dropped, the least needed
+/// first, until the seek bar has a minimum width.
 class PlaybackBar {
 public:
-    /// `scale` as in ScreenSize. Between begin_box and ImGui::End. `panel_shown`, `help_shown`: whether they
-    /// are, for their buttons.
+    /// `scale` as in ScreenSize. Call between begin_box and ImGui::End. `panel_shown`, `help_shown`: states
+    /// for their buttons.
     void draw(const PanelFacts& facts, float width, float height, float scale, bool panel_shown,
               bool help_shown, std::vector<WindowCommand>& asked);
 
-    /// Whether a button is explained, above the bar.
+    /// Whether a button's tooltip is shown, above the bar.
     bool explains() const { return explains_; }
 
 private:
@@ -63,11 +63,10 @@ private:
     bool dragging_ = false, explains_ = false;
 };
 
-/// The panel's parts for the settings of what is felt, a row each, where Dear ImGui's cursor is. `scale` as
-/// in panel_parts.hpp.
+/// The panel's rows for settings of touch, at Dear ImGui's cursor. `scale` as in panel_parts.hpp.
 class SettingsPanel {
 public:
-    /// `of`: felt, of which a device's are a part, filters or relief.
+    /// `of`: felt (which includes a device's), filters or relief.
     void draw(SettingOf of, const SettingsFacts& facts, float scale, std::vector<WindowCommand>& asked);
 
 private:
@@ -77,30 +76,30 @@ private:
                      std::vector<WindowCommand>& asked);
 
     float scale_ = 1;
-    std::string held_;   // the slider that is dragged
-    float dragged_ = 0;  // what it says
+    std::string held_;   // name of the dragged slider
+    float dragged_ = 0;  // its value
 };
 
-/// Dear ImGui's part of the window. What a person asks of it comes out as commands.
+/// Dear ImGui's part of the window. User requests are returned as commands.
 class WindowPanel {
 public:
     /// `scale` as in ScreenSize.
     explicit WindowPanel(double scale) : scale_(static_cast<float>(scale)) {}
     void set_scale(double scale) { scale_ = static_cast<float>(scale); }
     bool shown = false, help_shown = false;
-    bool bar_shown = true;  ///< where nothing else wants it
+    bool bar_shown = true;  ///< unless something else needs it
 
-    /// Between ImGuiLayer's `begin` and `draw`.
+    /// Call between ImGuiLayer's `begin` and `draw`.
     void draw(const PanelFacts& facts, int width, int height, std::vector<WindowCommand>& asked);
-    /// The same without a clip: what is said, and what may be dropped.
+    /// The same without a clip: messages, and what may be dropped.
     void draw_without_clip(const PanelFacts& facts, int width, int height, std::vector<WindowCommand>& asked);
-    /// Whether something that can be pressed was there in the last picture.
+    /// Whether the last picture had a clickable item there.
     bool covers(double x, double y) const {
         return std::ranges::any_of(boxes_, [x, y](const Box& box) { return box.has(x, y); });
     }
-    /// Whether the bar is, or would be, there.
+    /// Whether the bar covers the point when shown.
     bool is_bar(double x, double y) const { return bar_box_.has(x, y); }
-    /// Once a picture, whether it is drawn or not.
+    /// Once a picture, whether or not the panel is drawn.
     void remember(const PanelFacts& facts, double picture_ms, double tick_us) {
         curves_.remember(facts, picture_ms, tick_us);
     }
@@ -112,13 +111,13 @@ private:
     void draw_state(const PanelFacts& facts, float width);
     void draw_message(const PanelFacts& facts, float width);
     void draw_fault(const PanelFacts& facts, float width, std::vector<WindowCommand>& asked);
-    /// Between what the panel and the forces leave free of the width.
+    /// The horizontal range that the panel and the forces leave free.
     struct Free {
         float from, to;
     };
     Free free_of(const PanelFacts& facts, float width) const;
     float side_width(float width) const;
-    /// Whether the panel has its whole width.
+    /// Whether there is room for the panel's full width.
     bool is_roomy(float width) const { return width > 760 * scale_; }
 
     struct Box {
@@ -129,16 +128,16 @@ private:
         }
     };
     Box note_box();
-    /// Beside what is set in the panel; and at the end, where it is what goes on.
+    /// Also shown beside the panel, and at the end, where it is used to continue.
     bool wants_bar(const PanelFacts& facts) const {
         return bar_shown || shown || help_shown || (facts.at_end && facts.last_seconds > 0);
     }
 
     float scale_;
-    std::vector<Box> boxes_;  // of what can be pressed
-    Box bar_box_;             // shown or not
+    std::vector<Box> boxes_;  // of clickable items
+    Box bar_box_;             // shown or hidden
     bool tool_was_held_ = false;
-    float words_bottom_ = 0;  // of what is said above the picture; 0: nothing
+    float words_bottom_ = 0;  // lower edge of messages above the picture; 0: none
     PlaybackBar bar_;
     SettingsPanel settings_;
     CurvesPanel curves_;

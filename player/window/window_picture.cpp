@@ -15,12 +15,12 @@
 namespace touchable {
 namespace {
 
-// From the begin of one picture to the next, at least: as often as screens show one, but where drawing takes
-// so long that decoding would suffer. Another frame of the clip is waited for less.
+// Least time from the start of one picture to the next: a screen's period, or longer if drawing is so slow
+// that decoding would suffer. For a new frame of the clip it is shorter.
 constexpr double picture_pause_ms = 16, slowest_pause_ms = 50, share_of_drawing = 0.95, frame_pause_ms = 8;
-constexpr double idle_pause_ms = 200;   // and at most, so that clock and figures go on
+constexpr double idle_pause_ms = 200;   // longest pause, so that clock and figures advance
 constexpr double after_input_ms = 300;  // buttons fade
-// FingerTrails': a finger of the pointer is there only on its way; that of a hand is wherever it is.
+// FingerTrails' nearest_share: a pointer's finger is hidden far from the surface, a device's hardly ever.
 constexpr double nearest_of_pointer = 0.5, nearest_of_hand = 0.125;
 constexpr const char* first_words =
     "hold the left button over the picture to touch it; ? below shows all keys";
@@ -30,7 +30,7 @@ constexpr const char* end_words = "the end: Space plays it again, L repeats it";
 constexpr const char* end_first_words =
     "the end: Space plays it again; hold the left button over the picture to touch it";
 
-/// What is under the pointer, to be read at a glance.
+/// Values at the pointer, readable at a glance.
 PlaceFacts place_facts(const OpenedClip& clip, const WatchedMoment& moment, const HeightField& field,
                        const ViewCamera& camera) {
     const auto pointer = clip.fingers().looked_at();
@@ -62,7 +62,7 @@ PlaceFacts place_facts(const OpenedClip& clip, const WatchedMoment& moment, cons
     return place;
 }
 
-/// How well the machine keeps up.
+/// Figures of how well the machine keeps up.
 std::vector<std::string> figure_words(const OpenedClip& clip, const ClipPicture& picture,
                                       const WatchedMoment& moment) {
     const WatchedFigures figures = clip.session().figures();
@@ -84,14 +84,14 @@ std::vector<std::string> figure_words(const OpenedClip& clip, const ClipPicture&
                 (picture.graphics().gpu().empty() ? "the CPU" : picture.graphics().gpu())};
 }
 
-/// Whether a finger has to leave a surface that was not there before it.
+/// Whether a finger waits inside a surface that has appeared around it.
 bool is_inside(const WatchedTick& felt) {
     return std::ranges::any_of(felt.fingers, [](const WatchedTick::Finger& finger) {
         return (finger.force.reasons & guard_waiting) != 0;
     });
 }
 
-/// What there is to show of a clip at a moment, but for what the window itself knows (messages, loop).
+/// A clip's facts at a moment, without the window's own (messages, loop).
 PanelFacts panel_facts(const OpenedClip& clip, const ClipPicture& picture, const WatchedMoment& moment,
                        const HeightField& field, const ViewCamera& camera) {
     const PlaybackState state = clip.session().playback();
@@ -134,15 +134,14 @@ PanelFacts panel_facts(const OpenedClip& clip, const ClipPicture& picture, const
     return facts;
 }
 
-/// What was said, if anything was.
+/// Adds messages, if any.
 void add_notices(PanelFacts& facts, const Notices& notices) {
     facts.faults = {notices.faults().begin(), notices.faults().end()};
     facts.message = notices.passing();
     facts.message_is_bad = !notices.passing().empty() && notices.is_refusal();
 }
 
-/// Without its force a finger is on the surface where the hand is: nothing holds it back, and nothing gives
-/// way.
+/// Hides forces: puts fingers on the surface at the hand's position, without force, trail or dents.
 void hide_forces(std::vector<FingerMark>& marks, const HeightField& field, double finger_radius) {
     for (FingerMark& mark : marks) {
         if (mark.touching)
@@ -194,7 +193,7 @@ double WindowPicture::scale_of_words(const ScreenSize& size) const {
     return core_.options.scale.value_or(words_scale(size, core_.is_unattended()));
 }
 
-/// In a window that has another size by now.
+/// Adapts text sizes to a changed window size.
 Result<void> WindowPicture::fit_words(const ScreenSize& size) {
     const double scale = scale_of_words(size);
     if (scale == layer_->scale()) return {};
@@ -225,9 +224,9 @@ Result<void> WindowPicture::open_graphics() {
     return {};
 }
 
-/// After an error of drawing: once, where the GPU was lost. The hand goes on meanwhile.
+/// Reopens graphics after a drawing error, once, if the GPU was lost. Touch continues meanwhile.
 Result<void> WindowPicture::open_graphics_anew(const Error& error) {
-    constexpr std::chrono::seconds soon(10);  // a GPU that is lost again so soon will be lost again
+    constexpr std::chrono::seconds soon(10);  // a GPU lost again this soon will be lost again
     TRY(core_.screen().health());
     const auto now = Clock::now();
     if (!surface_.graphics().is_lost() || (lost_at_ && now - *lost_at_ < soon)) return error;
@@ -248,7 +247,7 @@ Result<void> WindowPicture::keep(const std::filesystem::path& name) {
 }
 
 void WindowPicture::begin_clip(bool goes_on) {
-    if (!goes_on) surface_.set_overlay(Overlay::colour);  // a clip that was just opened is to be seen first
+    if (!goes_on) surface_.set_overlay(Overlay::colour);  // a newly opened clip shows its own colours first
     forget_session();
 }
 
@@ -260,8 +259,8 @@ Result<void> WindowPicture::draw_if_due(const WatchedMoment* moment) {
     return drawn ? drawn : open_graphics_anew(drawn.error());
 }
 
-/// Another frame of the clip is drawn at once. Of the one that is seen nothing is drawn again where nothing
-/// has moved, nor where the next would come late for it.
+/// A new frame of the clip is drawn at once. The current one is redrawn only if something has moved and there
+/// is time before the next frame.
 bool WindowPicture::is_due(const WatchedMoment* moment, Clock::time_point now) const {
     const double since_ms = 1000 * Clock::seconds_between(last_picture_, now);
     const bool is_soon_after_input =
@@ -273,7 +272,7 @@ bool WindowPicture::is_due(const WatchedMoment* moment, Clock::time_point now) c
     if (since_ms < pause_ms()) return false;
     const PlaybackState playback = clip->session().playback();
     const double left_ms = frame_ms() - 1000 * Clock::seconds_between(frame_came_at_, now);
-    // One that is overdue by as much again is not waited for.
+    // A frame overdue by its own duration is not waited for.
     if (playback.playing && !playback.at_end && left_ms < redraw_.ms() && left_ms > -frame_ms()) return false;
     return core_.any(&WindowMode::moves_by_itself) || core_.input().has_events() || is_soon_after_input ||
            since_ms >= idle_pause_ms ||
@@ -284,14 +283,14 @@ double WindowPicture::pause_ms() const {
     return std::clamp(redraw_.ms() / share_of_drawing, picture_pause_ms, slowest_pause_ms);
 }
 
-/// From one of the clip's frames to the next, as it is played.
+/// Duration of a clip's frame at the current speed.
 double WindowPicture::frame_ms() const {
     const OpenedClip& clip = *core_.clip();
     const auto rate = static_cast<double>(clip.session().playback().rate) / 1000;
     return 1000 / clip.scene().rate.per_second() / std::max(rate, 1e-3);
 }
 
-/// Of the size in which there is time to draw.
+/// The camera at the size that there is time to draw.
 ViewCamera WindowPicture::drawn_camera(const ScreenSize& size) const {
     const double share = surface_.graphics().can_stretch() ? governor_.share() : 1;
     const auto side = [share](int pixels) {
@@ -300,8 +299,7 @@ ViewCamera WindowPicture::drawn_camera(const ScreenSize& size) const {
     return core_.clip()->view().camera(side(size.width), side(size.height));
 }
 
-/// Which of the surface's vertices are drawn: while the clip plays no more than there is time for, at rest
-/// all.
+/// The decimation of vertices: only as fine as there is time for while the clip plays, 1 at rest.
 int WindowPicture::vertex_step(const ViewCamera& camera) {
     const OpenedClip& clip = *core_.clip();
     const int coarse = SurfaceDrawing::step_for(clip.view().pixels_per_vertex(camera.width, camera.height));
@@ -319,10 +317,10 @@ Result<void> WindowPicture::draw_newest() {
     return draw_what_is_there(core_.clip() ? core_.clip()->session().look() : nullptr);
 }
 
-/// A finger of its that touches nothing is not drawn then: it would look as if it were behind the bar.
+/// Its fingers that touch nothing are then hidden, as they would seem to be behind the bar.
 bool WindowPicture::pointer_is_on_bar() const {
     const PointerFingers& fingers = core_.clip()->fingers();
-    const auto& at = fingers.pointer();  // where keys have moved it, too
+    const auto& at = fingers.pointer();  // includes moves by keys
     return at && !core_.options.hand && !fingers.is_touched() && !core_.input().holds_pointer() &&
            is_bar(*at) && panel_covers(*at);
 }
@@ -357,11 +355,11 @@ Result<void> WindowPicture::draw(const WatchedMoment& moment) {
 
     WindowGraphics& graphics = surface_.graphics();
     TRY(graphics.begin());
-    // What a session felt last is not felt any more once it has ended.
+    // After a session's end, its last contacts no longer count.
     const WatchedTick felt = clip.session().running() ? moment.felt : WatchedTick{};
     auto marks =
         clip.trails().marks(felt, clip.shown(), field, is_held ? nearest_of_hand : nearest_of_pointer);
-    // A dent would change what the colours of an overlay say.
+    // A dent would change the values that an overlay's colours show.
     clip.put_on_surface(marks, felt, field, is_dented_ && surface_.overlay() == Overlay::colour);
     if (core_.any(&WindowMode::hides_forces)) hide_forces(marks, field, clip.sizes().finger_radius);
     if (pointer_is_on_bar())
@@ -394,7 +392,7 @@ Result<void> WindowPicture::draw(const WatchedMoment& moment) {
     return {};
 }
 
-/// All that is shown in words, bars and curves.
+/// All contents of texts, bars and curves.
 PanelFacts WindowPicture::facts_of(const WatchedMoment& moment, const HeightField& field,
                                    const ViewCamera& camera) {
     PanelFacts facts = panel_facts(*core_.clip(), surface_, moment, field, camera);
@@ -412,7 +410,7 @@ PanelFacts WindowPicture::facts_of(const WatchedMoment& moment, const HeightFiel
     return facts;
 }
 
-/// What was said; else what is being done, what goes wrong, or what a person may do.
+/// The last message; else work in progress, a fault, or a hint.
 void WindowPicture::add_message(PanelFacts& facts) const {
     add_notices(facts, core_.notices);
     if (!facts.message.empty()) return;
@@ -420,7 +418,7 @@ void WindowPicture::add_message(PanelFacts& facts) const {
     const WindowClips& clips = core_.clips();
     facts.message =
         clips.seconds() > opening_is_quick_s ? clips.words() + " ..." : core_.brush().brush().words();
-    if (!facts.message.empty() || !facts.faults.empty()) return;  // no hint beside what went wrong
+    if (!facts.message.empty() || !facts.faults.empty()) return;  // no hint beside a fault
     const OpenedClip& clip = *core_.clip();
     const auto failure = fault_of(clip);
     const std::vector<std::string> remarks = clip.remarks();
@@ -439,7 +437,7 @@ void WindowPicture::add_message(PanelFacts& facts) const {
 }
 
 void WindowPicture::note_picture(const PanelFacts& facts, Clock::time_point begin) {
-    // A box of words has its size one picture later.
+    // ImGui sizes a text box one picture later.
     const std::string said = facts.message + (facts.faults.empty() ? "" : facts.faults.front()) +
                              (facts.hand ? facts.hand->state.words + facts.hand->state.remark : "");
     if (facts.place.lines.size() != place_lines_ || said != shown_message_) core_.time.last_event = begin;
@@ -464,7 +462,7 @@ void WindowPicture::note_picture(const PanelFacts& facts, Clock::time_point begi
         figures.input_to_picture_ms.add(Clock::seconds_between(*first, end) * 1000);
 }
 
-/// Whether the picture was there in time, and how large the next one is to be.
+/// Counts whether the picture was in time, and adapts the next one's size.
 void WindowPicture::note_frame(const WatchedMoment& moment, bool is_new) {
     if (!is_new) {
         redraw_.add(last_draw_ms_);
@@ -484,9 +482,9 @@ void WindowPicture::note_frame(const WatchedMoment& moment, bool is_new) {
     least = std::min(least, governor_.detail());
 }
 
-/// Until there is a clip. A finger behind the eye makes graphics ready for those that will touch, and half
-/// the size for a governor that will want it: compiling what they are drawn by would make a picture come
-/// late. What is shown counts as the window's first picture only where no clip was named for it.
+/// Shown before the first clip. Draws a finger behind the eye to compile its programs, and at half size for
+/// the governor, as compiling later would make a picture late. It counts as the window's first picture only
+/// if no clip was named.
 Result<void> WindowPicture::draw_opening() {
     const auto since = Clock::seconds_between(last_picture_, Clock::now());
     last_picture_ = Clock::now();
@@ -519,7 +517,7 @@ Result<void> WindowPicture::draw_opening() {
         add_notices(facts, notices);
         if (facts.message.empty() && clips.is_opening()) facts.message = clips.words() + " ...";
     }
-    for (int k = 0; k < 2; ++k) {  // a box of words has its size the second time
+    for (int k = 0; k < 2; ++k) {  // ImGui sizes a text box at the second pass
         layer_->begin(size.width, size.height, k == 0 ? since : 1e-3, core_.input().take_events());
         panel_->draw_without_clip(facts, size.width, size.height, asked_);
         layer_->end();

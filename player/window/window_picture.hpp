@@ -1,13 +1,13 @@
 #pragma once
 
-// The window's pictures: when one is due, what it shows, and what was measured of it. Each shows the clip at
-// the moment that the hand is at, with fingers, words and panels; as long as there is no clip, what is said.
+// The window's pictures: when one is due, its content, and its measurements. Each shows the clip at the
+// haptic moment, with fingers, messages and panels; before the first clip, only messages.
 //
-// A picture is due when the clip has another frame; while the same one is seen, when something has moved or a
-// person does something, and there is time for it before the next. How large and how fine it is drawn follows
-// from how long drawing takes (PictureGovernor). Where the GPU is lost, it goes on once with new graphics.
+// A picture is due with each new frame of the clip; within a frame, after movement or user input, if there is
+// time before the next. Its size and level of detail follow from the drawing time (PictureGovernor). If the
+// GPU is lost, new graphics are opened once.
 //
-// By the window's thread. A film is encoded on a thread of its own (WindowFilm).
+// Runs on the window's thread. A film is encoded on a separate thread (WindowFilm).
 
 #include "player/draw/view.hpp"
 #include "player/window/clip_picture.hpp"
@@ -22,46 +22,46 @@ class OpenedClip;
 class WindowCore;
 struct KeptSettings;
 
-/// How large words, lines and bars are in a window, as ScreenSize::scale: the display's, and more where the
-/// window has more room than 1280x720 of such pixels. By the root of that, because a larger window is meant
-/// to show more; `from_afar`, as visitors of a kiosk look, by all of it. In steps of a quarter, so that a
-/// window that is being resized seldom changes them.
+/// Scale of text, lines and bars in a window, like ScreenSize::scale: the display's, and more if the window
+/// is larger than 1280x720 of such pixels: by the square root of the excess, because a larger window is meant
+/// to show more; with `from_afar`, for a kiosk's distant visitors, by all of it. In steps of a quarter, so
+/// that resizing a window seldom changes it.
 double words_scale(const ScreenSize& size, bool from_afar);
 
 class WindowPicture {
 public:
     explicit WindowPicture(WindowCore& core) : core_(core) {}
 
-    /// What draws; there is a screen.
+    /// Opens graphics; needs a screen.
     Result<void> open(const KeptSettings& kept);
-    /// Draws the moment, if that is due. Null: nothing of the clip is there to be seen.
+    /// Draws the moment, if a picture is due. Null: nothing of the clip is visible.
     Result<void> draw_if_due(const WatchedMoment* moment);
-    /// With all that was done until now.
+    /// Draws with the effects of all input so far.
     Result<void> draw_newest();
     Result<void> draw_opening();
-    /// For how long no picture is due where nothing comes, ms.
+    /// Time until the next picture is due without input, ms.
     double left_ms() const { return pause_ms() - 1000 * Clock::seconds_between(last_picture_, Clock::now()); }
-    /// Keeps what was drawn last as a file.
+    /// Writes the last picture to a file.
     Result<void> keep(const std::filesystem::path& name);
-    /// What a person asked the panel for.
+    /// Commands from the panel.
     std::vector<WindowCommand> take_asked() { return std::exchange(asked_, {}); }
 
     ClipPicture& surface() { return surface_; }
     ImGuiLayer& layer() { return *layer_; }
     WindowPanel& panel() { return *panel_; }
-    const std::unique_ptr<WindowFilm>& film() const { return film_; }  ///< null: none is made
+    const std::unique_ptr<WindowFilm>& film() const { return film_; }  ///< null: no film is made
     bool panel_covers(const glm::dvec2& at) const { return panel_->covers(at.x, at.y); }
     bool is_bar(const glm::dvec2& at) const { return panel_->is_bar(at.x, at.y); }
-    /// Whether something of the panel is being pressed or dragged.
+    /// Whether a widget of the panel is being pressed or dragged.
     bool holds_pointer() const { return layer_->holds_pointer(); }
 
-    /// Whether a surface that gives way is drawn so.
+    /// Whether dents of the surface are drawn.
     bool is_dented() const { return is_dented_; }
     void set_dented(bool on) { is_dented_ = on; }
 
-    /// `goes_on`: with the colours of the clip before.
+    /// `goes_on`: with the previous clip's colours.
     void begin_clip(bool goes_on);
-    /// Another session of the clip comes.
+    /// A new session of the clip begins.
     void forget_session() {
         surface_.forget();
         frames_shown_.forget();
@@ -96,7 +96,7 @@ private:
     std::unique_ptr<WindowFilm> film_;
     std::vector<WindowCommand> asked_;
     bool is_dented_ = true;
-    std::optional<Clock::time_point> lost_at_;  // when graphics were last
+    std::optional<Clock::time_point> lost_at_;  // the last loss of graphics
     DrawnState seen_;
     Clock::time_point last_picture_, frame_came_at_;
     double last_draw_ms_ = 0;
@@ -105,10 +105,10 @@ private:
     RedrawEstimator redraw_;
     FramesShown frames_shown_;
     PictureGovernor governor_;
-    bool coarse_saves_ = false;  // vertices of the last picture, if it is coarse
+    bool coarse_saves_ = false;  // whether coarse drawing reduces the last picture's vertices
 };
 
-/// What keeps the relief that is felt; empty: there is none.
+/// The command that makes a clip with the felt relief; empty: no relief, or unknown.
 std::string relief_words(WindowCore& core);
 
 }  // namespace touchable

@@ -1,4 +1,4 @@
-// What an X server has beyond GLFW: fingers on touch screens (XInput2), and a display that stays awake
+// X server features beyond GLFW: touch screen fingers (XInput2), and keeping the display awake
 // (MIT-SCREEN-SAVER). TOUCHABLE_HAS_X_TOUCH, TOUCHABLE_HAS_XSS: the libraries that the program is built with.
 
 #include "player/window/x11_screen.hpp"
@@ -23,7 +23,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// How long after a finger was lifted X still tells of its pointer, at most.
+/// How long X may report its pointer after a finger was lifted, at most.
 constexpr std::chrono::milliseconds pointer_lags(300);
 
 struct Closed {
@@ -39,7 +39,7 @@ class X11TouchScreen final : public TouchScreen {
 public:
     X11TouchScreen(Connection display, int opcode) : display_(std::move(display)), opcode_(opcode) {}
     ~X11TouchScreen() override {
-        if (is_lost()) (void)display_.release();  // closing speaks with the server
+        if (is_lost()) (void)display_.release();  // closing would talk to the server
     }
 
     std::vector<InputEvent> take() override {
@@ -63,7 +63,7 @@ public:
     int socket() const override { return is_lost() ? -1 : ConnectionNumber(display_.get()); }
 
 private:
-    /// Xlib would end the program, or wait for ever.
+    /// On a lost connection, Xlib would end the program, or wait for ever.
     bool is_lost() const {
         pollfd look{ConnectionNumber(display_.get()), POLLRDHUP, 0};
         return poll(&look, 1, 0) > 0 && (look.revents & (POLLRDHUP | POLLHUP | POLLERR | POLLNVAL)) != 0;
@@ -71,11 +71,11 @@ private:
 
     void add(int type, const XIDeviceEvent& event, std::vector<InputEvent>& events) {
         using Kind = InputEvent::Kind;
-        // Of two screens each counts its own fingers.
+        // Each touch screen numbers its own fingers.
         const std::int64_t touch = (static_cast<std::int64_t>(event.sourceid) << 32) + event.detail;
         const bool begins = type == XI_TouchBegin, ends = type == XI_TouchEnd;
         if (begins && is_touch_screen(event.sourceid)) down_.insert(touch);
-        if (!down_.contains(touch)) return;  // of a touchpad, or of before
+        if (!down_.contains(touch)) return;  // a touchpad's, or begun before
         if (ends) down_.erase(touch);
         pointer_until_ = Clock::now() + pointer_lags;
         events.push_back({.kind = begins ? Kind::touch_began
@@ -87,14 +87,14 @@ private:
                           .seconds = seconds_of(event.time)});
     }
 
-    /// The server's milliseconds have 32 bits: they begin anew every 50 days.
+    /// The server's milliseconds have 32 bits: they wrap every 50 days.
     double seconds_of(Time time) {
         const auto now = static_cast<std::uint32_t>(time);
         milliseconds_ += static_cast<std::int32_t>(now - std::exchange(last_, now));
         return static_cast<double>(milliseconds_) / 1000;
     }
 
-    /// Where a finger is where it is seen; a touchpad's is not.
+    /// Direct touch: a finger's position is where it is seen, unlike a touchpad's.
     bool is_touch_screen(int device) {
         int count = 0;
         XIDeviceInfo* const infos = XIQueryDevice(display_.get(), device, &count);
@@ -122,7 +122,7 @@ private:
 Result<std::unique_ptr<TouchScreen>> TouchScreen::open(unsigned long window) {
     Connection display(XOpenDisplay(nullptr));
     if (!display) return no_touch("no other connection to the display");
-    // Xlib would end the program when this connection ends; GLFW's own has such a handler already.
+    // Xlib would end the program when this connection ends; GLFW's own already has such a handler.
     XSetIOErrorExitHandler(
         display.get(), [](Display*, void*) {}, nullptr);
     int opcode = 0, first_event = 0, first_error = 0, major = 2, minor = 2;

@@ -42,7 +42,7 @@ class Frame:
         self._handle = handle
         self._struct = FrameStruct()
         call("frameset_frame", handle.number, self._struct)
-        if not colour:  # some formats have it all the same
+        if not colour:  # some formats decode colour nevertheless
             self._struct.colour = _library.Plane()
         self.scene = scene
         self.number: int = self._struct.number
@@ -56,7 +56,7 @@ class Frame:
     @functools.cached_property
     def depth(self) -> NDArray[Any]:
         """Depth as it is stored: (height, width) uint8 or uint16 codes; of hue coding (height, width, 3) uint8."""
-        return numpy.asarray(_planes.array_of(self._struct.depth, self._handle))  # there is always one
+        return numpy.asarray(_planes.array_of(self._struct.depth, self._handle))  # depth is never None
 
     @functools.cached_property
     def colour(self) -> NDArray[numpy.uint8] | None:
@@ -204,7 +204,7 @@ class Clip:
         index = _library.whole("index", index)
         if self._position != index:
             call("clip_seek", self._handle.number, index)
-        self._position = None  # unknown, should the next call fail
+        self._position = None  # unknown if the next call fails
         handle = self._waiting(functools.partial(_next_of, self._handle))
         if handle is None:
             return None

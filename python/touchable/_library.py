@@ -21,7 +21,7 @@ U8, U16, F32 = 1, 2, 4  # TOUCH_U8, TOUCH_U16, TOUCH_F32
 PLANAR, RANGE = 0, 1
 
 
-farthest = 2**60  # from 0, of ticks and times
+farthest = 2**60  # largest magnitude of ticks and times
 
 
 def whole(name: str, value: Any, least: int = -farthest, most: int = farthest) -> int:
@@ -119,7 +119,8 @@ WriterSettings = struct("WriterSettings", **several("overwrite small exact_colou
 _handle, _made = c_uint64, POINTER(c_uint64)
 _error: Any = POINTER(ErrorLine)
 
-# What each function takes after touch_; all give a status. `_error` last: it says what was wrong in a line.
+# Argument types by function name without touch_; all functions return a status. A last `_error` receives the error
+# line.
 _solver_functions = {
     "camera_defaults": (POINTER(CameraStruct), c_uint32),
     "scene_from_camera": (POINTER(CameraStruct), _made, _error),
@@ -208,7 +209,7 @@ def version() -> str:
 
 @functools.lru_cache(maxsize=None)
 def _media() -> dict[str, Any]:
-    # Only where a file is opened or written: it needs FFmpeg, which the solver does not.
+    # Loaded only when a file is opened or written: it needs FFmpeg, which the solver does not.
     return _bind(_load("libtouchable-media.so.0", "which opens and writes files"), _media_functions)
 
 
@@ -252,7 +253,7 @@ def text_of(name: str, *arguments: Any) -> str:
 def _end(end: Callable[..., int], number: int, kept: tuple) -> None:
     try:
         end(number)
-    except KeyboardInterrupt:  # before the call, or after it: then there is no such object, which does no harm
+    except KeyboardInterrupt:  # before or after the call; a second call with a stale handle is harmless
         end(number)
         raise
 
@@ -270,7 +271,7 @@ class Handle:
 
     def __init__(self, number: int, end: str, *needs: Any, at_exit: bool = True) -> None:
         """`at_exit`: False: it stays when Python exits, as arrays may lie over its memory until the very end."""
-        self.number = number  # what C knows it by
+        self.number = number  # the C handle
         self._name_of_end = end
         self._end = weakref.finalize(self, _end, function(end), number, needs)
         self._end.atexit = at_exit
@@ -304,7 +305,7 @@ def made(name: str, end: str, *arguments: Any, needs: tuple = (), at_exit: bool 
     try:
         call(name, *arguments, number)
         return Handle(number.value, end, *needs, at_exit=at_exit)
-    except BaseException:  # such as Ctrl-C, once the object is there
+    except BaseException:  # for example Ctrl-C after the object was made
         if number.value:
             function(end)(number.value)
         raise

@@ -48,10 +48,10 @@ def _figure(shown: bool) -> Figure:
 def _draw_depth(figure: Figure, axes: Any, touched: Touched) -> None:
     depth = touched.surface_metres
     known = depth[numpy.isfinite(depth)]
-    # A few far pixels would leave no greys for what is touched.
+    # Otherwise a few far pixels would leave no greys for the touched surface.
     near, far = numpy.percentile(known, (1, 99)) if known.size else (0, 1)
     picture = axes.imshow(depth, cmap="Greys", vmin=near, vmax=far if far > near else near + 1e-3)
-    axes.set_facecolor("#f4e3d7")  # where there is no surface
+    axes.set_facecolor("#f4e3d7")  # pixels without a surface
     figure.colorbar(picture, ax=axes, label="depth [m]", shrink=0.8)
     axes.set(xlabel="column [pixels]", ylabel="row [pixels]", title="ways over the depth")
 

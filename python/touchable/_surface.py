@@ -190,7 +190,7 @@ def metres_of(depth: NDArray[Any] | None, scene: Scene) -> NDArray[numpy.float32
         raise _planes.refuse("no picture was pushed yet; push the first one before")
     if depth.dtype != numpy.float32:
         return scene.metres(depth)
-    # Compared as floats, as the library does it: what is exactly at the far plane has a surface.
+    # Compare as floats, like the library: depth exactly at the far plane has a surface.
     near, far = (numpy.float32(units * scene.metres_per_scene_unit) for units in (scene.near_units, _deepest(scene)))
     return numpy.where((depth > 0) & (depth >= near) & (depth <= far), depth, numpy.float32(numpy.nan))
 

@@ -214,7 +214,7 @@ class ForcesAt(_Contacts):
         return f"<touchable.ForcesAt: {self.contacts.size} places, {int(self.touching.sum())} of them in contact>"
 
 
-_places_at_a_time = 128  # of at most 500 ticks each: so Ctrl-C is heard in tens of milliseconds
+_places_at_a_time = 128  # at most 500 ticks each, so that Ctrl-C takes effect within tens of milliseconds
 
 
 def forces_at(surface: Surface, points: ArrayLike, friction: bool, time_ns: int | None, settings: dict[str, Any]) -> ForcesAt:
@@ -277,7 +277,7 @@ class Solver:
         struct = self.settings._struct(fingers)
         self._handle = made("solver_create", "solver_destroy", surface._handle.number, struct, needs=(surface._handle,))
         self.next_tick = 0
-        self._lock = threading.Lock()  # of what follows, which a tick fills
+        self._lock = threading.Lock()  # guards the members below, which a tick fills
         self._tick = Tick()
         self._no_goals = numpy.full((fingers, 3), numpy.nan)
         self._goals = self._no_goals.copy()

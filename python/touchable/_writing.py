@@ -86,10 +86,10 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
     return count
 
 
-# As `touchable info` finds the far plane of pictures.
-_stray_of = 10_000  # one depth in so many may be stray
+# The same rule as `touchable info` for the far plane of pictures.
+_stray_of = 10_000  # one depth in this many may be stray
 _far_margin = 1.05
-_deep_m = 200.0  # no camera sees half of a scene beyond this: floats are millimetres then
+_deep_m = 200.0  # no camera sees half of a scene beyond this, so floats are millimetres
 
 
 def _reaching(camera: Camera, frames: Any) -> Camera:
@@ -162,7 +162,7 @@ def _checked(times_ns: ArrayLike) -> NDArray[numpy.int64]:
     times = _planes.array_from("times_ns", times_ns)
     if times.ndim != 1 or times.dtype.kind not in "iu":
         raise _planes.refuse(f"times_ns has the shape {times.shape} of {times.dtype}; must be (frames,) of whole nanoseconds")
-    if (times > _library.farthest).any():  # of uint64
+    if (times > _library.farthest).any():  # possible for uint64
         raise _planes.refuse(f"times_ns has {times.max()}; must be at most {_library.farthest}")
     if times[:1].any():
         raise _planes.refuse(f"times_ns begins with {times[0]}; must be 0")
@@ -173,7 +173,7 @@ def _settings(overwrite: bool, small: bool, exact_colour: bool, times: NDArray[n
     settings = WriterSettings()
     call("writer_settings_defaults", settings, settings.struct_size)
     settings.overwrite, settings.small, settings.exact_colour = int(overwrite), int(small), int(exact_colour)
-    if times is None or len(times) == 1:  # of one frame, at any rate
+    if times is None or len(times) == 1:  # one frame: at the scene's rate
         return settings
     settings.times_ns, settings.times = times.ctypes.data_as(ctypes.POINTER(ctypes.c_int64)), len(times)
     settings.array = times
@@ -184,7 +184,7 @@ def _create(path: str | os.PathLike, scene: Scene, settings: Struct) -> Handle:
     try:
         return made("writer_create", "writer_abandon", encoded(f"the path {path!r}", path), scene._handle.number, settings)
     except Error as problem:
-        if " is there already; " in problem.line:  # no status tells it from other things that cannot be
+        if " is there already; " in problem.line:  # no status distinguishes it from other usage errors
             raise ExistingFileError(problem.status, problem.line) from None
         raise
 

@@ -1,12 +1,12 @@
-# The one file for calls that changed from Blender 3.4 on. What holds for 3.4 was run; the rest was written from Blender's
-# documentation of its Python API and has not been run.
+# The one file for calls that changed since Blender 3.4. The calls of 3.4 were run; the others follow Blender's
+# documentation of its Python API and have not been run.
 """Calls that differ between Blender 3.4 and today's."""
 
 import bpy
 
 RUN_WITH = ((3, 4, 1),)
 
-# The passes of a multilayer OpenEXR, by each name that they have had.
+# Passes of a multilayer OpenEXR, by all names that they have had.
 DEPTH_NAMES = ("Depth.Z", "Depth.V")
 INDEX_NAMES = ("IndexMA.X", "Material Index.X", "Material Index.V", "IndexMA.V")
 VALUE_NAMES = ("X", "V")

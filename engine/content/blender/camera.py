@@ -38,7 +38,7 @@ def camera_of(scene):
 
 def _pinhole(render, size, lens):
     width, height = size
-    tall = render.pixel_aspect_y / render.pixel_aspect_x  # height of a pixel, its width being 1
+    tall = render.pixel_aspect_y / render.pixel_aspect_x  # height of a pixel, in pixel widths
     fit = lens.sensor_fit
     if fit == "AUTO":
         is_wide = render.pixel_aspect_x * width >= render.pixel_aspect_y * height
@@ -46,6 +46,6 @@ def _pinhole(render, size, lens):
     else:
         is_wide = fit == "HORIZONTAL"
         sensor = lens.sensor_width if is_wide else lens.sensor_height
-    fitted = width if is_wide else tall * height  # widths of a pixel that the sensor spans, and that a shift of 1 is
+    fitted = width if is_wide else tall * height  # pixel widths across the sensor, and of a shift of 1
     fx = lens.lens * fitted / sensor
     return Camera(fx, fx / tall, (width - 1) / 2 - lens.shift_x * fitted, (height - 1) / 2 + lens.shift_y * fitted / tall)

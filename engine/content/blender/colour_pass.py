@@ -29,7 +29,7 @@ def prepare(scene, samples):
         scene.eevee.taa_render_samples = samples
     if render.use_motion_blur:
         remarks.append("colour has motion blur, and depth has none: it is of each frame's own moment")
-    # No other files.
+    # Write no other files.
     for tree in blender_versions.compositor_trees(scene):
         _mute_files(tree, set())
     blender_versions.write_png(render.image_settings)

@@ -28,8 +28,8 @@ class Sample:
     material: numpy.ndarray  # 1 is the first one; 0: none
     haptic: numpy.ndarray  # factors of stiffness, static and dynamic friction; 1 where no texture varies them
     height: numpy.ndarray  # factor of the relief; 0 where there is none
-    doubtful: int  # pixels where several surfaces would have said something
-    broken: int  # pixels where a texture is no number, or infinite
+    doubtful: int  # pixels where several surfaces have haptic values or heights
+    broken: int  # pixels where a texture is NaN or infinite
 
 
 def prepare(scene, materials, feels):
@@ -60,7 +60,7 @@ def _set_renderer(scene):
     render.use_motion_blur = render.use_multiview = False
     for thing in bpy.data.cameras:
         thing.dof.use_dof = False
-    # 3.4 sends the first ray of a pixel through its middle. By the narrow filter it goes there whatever a version does.
+    # 3.4 sends a pixel's first ray through its middle. The narrow filter ensures this in every version.
     blender_versions.set_where_it_is(
         scene.cycles, device="CPU", samples=1, use_adaptive_sampling=False, use_denoising=False, time_limit=0.0,
         pixel_filter_type="BLACKMAN_HARRIS", filter_width=0.01, use_auto_tile=False, shading_system=False,
@@ -136,7 +136,7 @@ def _sample_of(planes, layer):
     haptic = numpy.where((haptics == 1)[..., None], haptic, numpy.float32(1))
     height = numpy.where(heights == 1, _value(planes, layer, HEIGHT), numpy.float32(0))
     is_broken = ~(numpy.isfinite(haptic).all(axis=-1) & numpy.isfinite(height))
-    # What is no number is as if no texture said anything there.
+    # NaN counts as if there were no texture.
     return Sample(numpy.where(is_surface, depth, math.inf).astype(numpy.float32), numpy.where(is_surface, material, 0),
                   numpy.nan_to_num(haptic, nan=1, posinf=1, neginf=0), numpy.nan_to_num(height, nan=0, posinf=1, neginf=0),
                   int(numpy.count_nonzero(is_surface & ((haptics > 1) | (heights > 1)))),

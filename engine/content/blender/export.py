@@ -19,7 +19,7 @@ import bpy
 
 sys.dont_write_bytecode = True
 
-LAST_FRAME = 1048574  # Blender has none beyond it, and none before its negative
+LAST_FRAME = 1048574  # Blender's last frame; its first is the negative
 
 
 def package():
@@ -110,7 +110,7 @@ class Speaker:
             pass
 
 
-CLEANER = 'code=$1; shift; rm -rf -- "$@"; exit "$code"'  # of the shell
+CLEANER = 'code=$1; shift; rm -rf -- "$@"; exit "$code"'  # a shell script
 
 
 def clean_up_on_signals():
@@ -128,16 +128,16 @@ def clean_up_on_signals():
     def wait():
         os.read(hear, 1)
         outputs = part("outputs")
-        outputs.steady.acquire()  # for good
+        outputs.steady.acquire()  # never released
         for child in list(outputs.children):
             child.terminate()
             child.wait()
         left = list(outputs.folders)
-        own = bpy.app.tempdir  # where Blender could not make one of its own, it is everybody's
+        own = bpy.app.tempdir  # shared with other programs if Blender could not make its own
         if os.path.basename(os.path.normpath(own)).startswith("blender_"):
             left.append(own)
         if os.name == "posix":
-            # Blender makes the folder of a picture anew where it is gone, so it ends first: the cleaner takes its process.
+            # Blender makes a picture's missing folder anew, so it ends first: the cleaner replaces its process.
             signal.pthread_sigmask(signal.SIG_BLOCK, numbers)
             os.execv("/bin/sh", ["sh", "-c", CLEANER, "sh", str(code), *left])
         for folder in left:
@@ -163,7 +163,7 @@ def export(words, say):
         say("writing")
         return outputs.publish(work, output, touchable, asked.overwrite, say)
     finally:
-        with outputs.steady:  # it never returns where a signal ends this process
+        with outputs.steady:  # blocks for ever once a signal ends this process
             shutil.rmtree(work, ignore_errors=True)
 
 
@@ -181,7 +181,7 @@ def main():
     except OSError as fault:
         print(f"touchable: {fault.filename or 'the output'}: {fault.strerror or fault}", file=sys.stderr, flush=True)
         return 1
-    except Exception as fault:  # of Blender, or our own
+    except Exception as fault:  # from Blender or from this code
         traceback.print_exc()
         print(f"touchable: the export failed: {str(fault).strip() or type(fault).__name__}", file=sys.stderr, flush=True)
         return 1

@@ -90,7 +90,7 @@ class Export:
                 raise Refused(f"the camera's lens changes at frame {frame} (focal length, shift or sensor), and a clip has one lens; "
                               "move the camera instead of zooming")
             self.camera = self.camera or camera
-            # Material 0 is that of objects that have none.
+            # Material 0 is for objects without a material.
             self.feels[frame] = [feel_of(material, self.metres_per_unit) for material in (None, *self.materials)]
         self.ranges = ranges_of([feel for feels in self.feels.values() for feel in feels])
 
@@ -102,7 +102,7 @@ class Export:
             colour_pass.take(self.scene, self._picture(scene_file.COLOUR, number))
 
     def _render_data(self):
-        # A relief that is animated may be none at the first frame.
+        # An animated relief may be absent at the first frame.
         feels = [max(self._over_time(number), key=lambda feel: feel.height_socket is not None) for number in range(1, len(self.materials) + 1)]
         data_pass.prepare(self.scene, self.materials, feels)
         self.nearest, self.farthest, self.seen, doubtful = math.inf, 0.0, set(), 0
@@ -149,7 +149,7 @@ class Export:
                           "make touchable_relief of the material less than half of that")
         self._write_depths(scene_file.depth_unit(far))
         of_materials = [self._over_time(material) for material in sorted(self.seen)]
-        # What holds at many frames, with other numbers, is said once.
+        # A remark that recurs with other numbers is given once.
         for feels in of_materials:
             self.remarks += next((feel.remarks for feel in feels if feel.remarks), [])
         self.remarks = _at_most(self.remarks, scene_file.MOST_REMARKS - 1)

@@ -18,13 +18,13 @@ STIFFNESS, STATIC, DYNAMIC, RELIEF = ("touchable_stiffness", "touchable_static_f
                                       "touchable_relief")
 HAPTIC_NODE, HEIGHT_NODE = "Touch Haptic", "Touch Height"
 
-# What a person may set, and what a clip can say.
+# Limits of what a person may set, and a clip can store.
 LIMITS = {STIFFNESS: (0.0, 100.0), STATIC: (0.0, 10.0), DYNAMIC: (0.0, 10.0), RELIEF: (0.0, 1000.0)}
 
-# A displacement that is deeper, in metres, is not what somebody wanted to feel: it is the node's scale of 1 as it comes.
+# Metres; a deeper displacement is not meant to be felt: it is the node's default scale of 1.
 DEEPEST_GUESS = 0.1
 
-# Of what has no material, or one that no guess knows: what `touchable` takes itself where a clip says nothing.
+# For objects without a material, or with one that no guess knows: touchable's own defaults.
 UNKNOWN = (0.6, 0.4, 0.3)
 
 

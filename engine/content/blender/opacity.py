@@ -13,7 +13,7 @@ class Cutter:
     """Cuts the materials of a file; groups of nodes, which several may share, once."""
 
     def __init__(self):
-        self.groups = {}  # (group, number of its output): what is known of it
+        self.groups = {}  # (group, number of its output): the output added for its opacity
 
     def cut(self, material):
         """Returns a socket that is 1 where the material is a surface and otherwise 0, or None: it is one everywhere."""
@@ -52,7 +52,7 @@ class Cutter:
             step = _math(tree, "SUBTRACT", second, first)
             return _math(tree, "ADD", first, _math(tree, "MULTIPLY", step, _source(node.inputs[0])))
         if node.type == "ADD_SHADER":
-            # Light of both passes; what is let through is added up.
+            # The light of both shaders adds up, and so does their transparency.
             values = [value for value in (self._of_input(tree, socket) for socket in node.inputs) if value is not None]
             return None if not values else values[0] if len(values) == 1 else _math(tree, "SUBTRACT", _math(tree, "ADD", *values), 1.0)
         return self._of_group(node, link.from_socket) if node.type == "GROUP" else None

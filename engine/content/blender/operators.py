@@ -32,7 +32,7 @@ def find_touchable(context):
 class Exporting:
     """An operator that waits for a `Child` without stopping Blender: Esc cancels."""
 
-    running = None  # the one there is, for the panel
+    running = None  # the current export, for the panel
 
     def start(self, context, output, options):
         if Exporting.running:
@@ -59,7 +59,7 @@ class Exporting:
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
-        # What began later and is modal takes Esc first; playback is not modal.
+        # Modal operators that began later get Esc first; playback is not modal.
         if event.type == "ESC" and event.value == "PRESS" and not context.screen.is_animation_playing:
             self.child.cancel()
         elif event.type != "TIMER":

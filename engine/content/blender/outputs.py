@@ -10,7 +10,7 @@ import threading
 
 from .faults import BadUsage, Fault
 
-# For whoever ends this process: what is to be ended, what is to be removed, and a lock that is held where an end would leave something behind.
+# For code that ends this process: children to end, folders to remove, and a lock held wherever an end would leave something behind.
 children, folders, steady = [], [], threading.Lock()
 CLIPS = (".mkv", ".mp4", ".gltf")
 PICTURE_NAME = re.compile(r"(depth|colour|haptic|height)(_\d{6,})?\.png|depth_\d{6,}\.exr|scene\.json|depth\.txt")
@@ -50,7 +50,7 @@ def check_output(output, touchable, overwrite):
         raise BadUsage(f"'{folder}' cannot be written to")
     if os.path.lexists(final):
         if final != output:
-            # Who lets a clip be replaced has not been asked about a folder of its name.
+            # --overwrite lets a clip be replaced, but not a folder of its name.
             raise BadUsage(f"touchable is not installed here, so '{final}' would be a folder of pictures, and it is there already; give another name")
         if not overwrite:
             raise BadUsage(f"'{final}' is there already; --overwrite replaces it")
@@ -91,20 +91,20 @@ def publish(work, output, touchable, overwrite, say):
 def _convert(work, final, touchable, overwrite):
     command = [touchable, "convert", work, final] + (["--overwrite"] if overwrite else [])
     before = _state(final)
-    # In a session of its own, so that Ctrl-C reaches it through this process alone.
+    # In a session of its own, so that Ctrl-C reaches it only through this process.
     with steady:
         running = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
                                    start_new_session=True)
         children.append(running)
     told = running.communicate()[1].strip()
-    with steady:  # it never returns where a signal has ended `running`
+    with steady:  # blocks for ever once a signal has ended `running`
         children.remove(running)
     if running.returncode != 0:
         last = (told or f"it ended with code {running.returncode}").splitlines()[-1]
         fault = Fault(f"touchable convert: {last.removeprefix('touchable: ')}")
         fault.code = running.returncode if running.returncode > 0 else 1
         raise fault
-    # Any program can be named, and `true` succeeds as well.
+    # The user may have named any program, and `true` succeeds as well.
     if _state(final) in (None, before) or os.path.getsize(final) == 0:
         raise Fault(f"'{touchable}' wrote no clip; must be the path of touchable")
 
@@ -124,7 +124,7 @@ def _become(work, final, overwrite):
         if not os.path.lexists(final):
             os.rename(work, final)
             return
-        # It may have come, or changed, while the pictures were rendered.
+        # It may have appeared, or changed, during rendering.
         if not overwrite:
             raise BadUsage(f"'{final}' is there by now; it stays as it is")
         _check_replaced(final)

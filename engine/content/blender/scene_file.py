@@ -5,7 +5,7 @@ import math
 import os
 
 DEPTH, COLOUR, HAPTIC, HEIGHT = "depth", "colour", "haptic", "height"
-MOST_REMARKS, MOST_REMARK = 100, 2000  # how many a scene file may have, and bytes of each
+MOST_REMARKS, MOST_REMARK = 100, 2000  # number of a scene file's remarks, and bytes of each
 
 
 def picture_name(plane, number):
@@ -15,7 +15,7 @@ def picture_name(plane, number):
 
 def planes_between(nearest, farthest):
     """Near and far that hold both, outward to a ten-thousandth of what lies between them."""
-    between = max(farthest - nearest, 2e-3 * farthest)  # of a wall that is seen from the front
+    between = max(farthest - nearest, 2e-3 * farthest)  # at least so much for a wall seen from the front
     grain = 10.0 ** (math.floor(math.log10(between)) - 4)
     middle = (nearest + farthest) / 2
     near = math.floor(min(nearest, middle - between / 2) / grain) * grain

@@ -9,9 +9,9 @@ from mathutils import Quaternion, Vector
 import scene_tools as tools
 
 FRAMES, RATE, TURNS = 24, 12, 2
-INNER = 0.095  # radius of the ball that the bowl's inside is part of
+INNER = 0.095  # radius of the sphere of the bowl's inside
 MARBLE = 0.021
-TILT = math.asin(3.5 * MARBLE / INNER)  # from the bowl's axis to the marble: so that it has rolled seven times in both rounds
+TILT = math.asin(3.5 * MARBLE / INNER)  # from the bowl's axis to the marble, so that it rolls seven times in two rounds
 SEGMENTS = 384
 
 
@@ -58,7 +58,7 @@ def marble_place(frame):
     angle = 2 * math.pi * TURNS * (frame - 1) / FRAMES
     reach = INNER - MARBLE
     centre = Vector((reach * math.sin(TILT) * math.cos(angle), reach * math.sin(TILT) * math.sin(angle), INNER - reach * math.cos(TILT)))
-    # What touches the bowl stands still: the marble goes round with its path, and round an axis along the slope.
+    # The point of contact is at rest: the marble turns with its path, and round an axis along the slope.
     rolled = Quaternion((math.cos(TILT), 0, math.sin(TILT)), -angle * math.sin(TILT) * INNER / MARBLE)
     return centre, Quaternion((0, 0, 1), angle) @ rolled
 

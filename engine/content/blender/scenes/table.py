@@ -106,7 +106,7 @@ def make():
                       tools.material("Porcelain", (0.9, 0.88, 0.84), roughness=0.12, stiffness=1.8, friction=(0.25, 0.18)), closed=(False, True))
     (x, y), radius, height = COASTER
     steps = numpy.stack(numpy.meshgrid(numpy.linspace(-1, 1, 65), numpy.linspace(-1, 1, 65)), axis=-1)
-    # A square's grid laid into a disc, so that the weave stays straight.
+    # A square grid mapped to a disc, so that the weave stays straight.
     disc = steps * numpy.sqrt(1 - steps[..., ::-1] ** 2 / 2) * radius
     rim = numpy.concatenate((disc[0, :-1], disc[:-1, -1], disc[-1, :0:-1], disc[:0:-1, 0]))
     cloth = linen()
