@@ -42,8 +42,8 @@ struct Scenery {
             return static_cast<std::uint64_t>(static_cast<int>(place + 3000) / 3);
         };
         const double shift = ball ? ball_x * columns : 0;
-        Numbers numbers(at(u - shift) * 7919 + at(v) * 104729 + static_cast<std::uint64_t>(wall) * 31 +
-                        (ball ? 5 : 0));
+        Random numbers(at(u - shift) * 7919 + at(v) * 104729 + static_cast<std::uint64_t>(wall) * 31 +
+                       (ball ? 5 : 0));
         return static_cast<std::uint8_t>(40 + numbers.next() % 160);
     }
 };

@@ -39,7 +39,7 @@ struct StillScene {
     };
 
     static std::uint64_t chance(std::uint64_t a, std::uint64_t b, std::uint64_t c) {
-        return Numbers(a * 7919 + b * 104'729 + c * 1'299'709 + 17).next() >> 20;
+        return Random(a * 7919 + b * 104'729 + c * 1'299'709 + 17).next() >> 20;
     }
     int hand_x(std::int64_t frame) const {
         return frame >= rests_from ? 60 : 10 + static_cast<int>(frame * 5 % 140);

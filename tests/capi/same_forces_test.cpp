@@ -20,8 +20,7 @@
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/touch_step.hpp"
 #include "tests/capi/hill.hpp"
-#include "tests/frame/allocations.hpp"
-#include "tests/sanitizers.hpp"
+#include "tests/limits.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable::test {

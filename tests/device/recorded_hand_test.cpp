@@ -14,7 +14,7 @@
 #include "tests/device/fake_driver.hpp"
 #include "tests/device/hand_path.hpp"
 #include "tests/device/temporary_file.hpp"
-#include "tests/limited_memory.hpp"
+#include "tests/limits.hpp"
 #include "tests/real_data.hpp"
 
 namespace touchable {

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "engine/scene/frames.hpp"
-#include "tests/frame/allocations.hpp"
 #include "tests/frame/marked_frame.hpp"
-#include "tests/frame/random.hpp"
+#include "tests/limits.hpp"
+#include "tests/sweep.hpp"
 
 namespace touchable::test {
 namespace {

@@ -346,7 +346,7 @@ std::string with(const std::string& old_text, const std::string& new_text) {
 }
 
 std::vector<Image> noise(int frames, int image_width = width, int image_height = 2 * height) {
-    Numbers numbers(5);
+    Random numbers(5);
     std::vector<Image> pictures;
     for (int n = 0; n < frames; ++n)
         pictures.push_back(

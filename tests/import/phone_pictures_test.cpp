@@ -477,7 +477,7 @@ TEST(Base64, DecodesExamplesOfRfc4648) {
 }
 
 TEST(Base64, KeepsAllBytes) {
-    Numbers numbers(3);
+    Random numbers(3);
     for (int length = 0; length < 200; ++length) {
         std::string bytes;
         for (int k = 0; k < length; ++k) bytes += static_cast<char>(numbers.below(256));

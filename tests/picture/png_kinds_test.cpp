@@ -4,7 +4,7 @@
 
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
-#include "tests/limited_memory.hpp"
+#include "tests/limits.hpp"
 #include "tests/picture/raw_png.hpp"
 #include "tests/picture/results.hpp"
 

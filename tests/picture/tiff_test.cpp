@@ -6,7 +6,7 @@
 
 #include "engine/picture/image.hpp"
 #include "tests/import/jpeg_with_xmp.hpp"
-#include "tests/limited_memory.hpp"
+#include "tests/limits.hpp"
 #include "tests/picture/results.hpp"
 #include "tests/picture/tiff_pages.hpp"
 

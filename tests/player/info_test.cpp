@@ -12,9 +12,9 @@
 #include "engine/gpu/gpu_device.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
+#include "tests/limits.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
-#include "tests/sanitizers.hpp"
 
 namespace touchable::test {
 namespace {

@@ -20,9 +20,9 @@
 #include "player/session/clip_choice.hpp"
 #include "player/session/touch_setup.hpp"
 #include "tests/clip/clip_fixture.hpp"
-#include "tests/frame/allocations.hpp"
-#include "tests/frame/random.hpp"
+#include "tests/limits.hpp"
 #include "tests/player/in_process.hpp"
+#include "tests/sweep.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable::test {

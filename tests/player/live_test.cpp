@@ -21,11 +21,11 @@
 #include <utility>
 
 #include "player/run/run_files.hpp"
+#include "tests/limits.hpp"
 #include "tests/player/network_peer.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/recording_bytes.hpp"
 #include "tests/player/standstill.hpp"
-#include "tests/sanitizers.hpp"
 
 namespace touchable::test {
 namespace {

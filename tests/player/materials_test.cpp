@@ -11,10 +11,10 @@
 #include "engine/formats/open_clip.hpp"
 #include "engine/picture/image.hpp"
 #include "player/commands/make_command.hpp"
+#include "tests/limits.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 #include "tests/real_data.hpp"
-#include "tests/sanitizers.hpp"
 #include "tests/video/clip_remux.hpp"
 
 namespace touchable::test {

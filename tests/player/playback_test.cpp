@@ -22,9 +22,9 @@
 #include "player/run/touch_session.hpp"
 #include "player/session/run_record.hpp"
 #include "player/session/touch_setup.hpp"
-#include "tests/frame/random.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
+#include "tests/sweep.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace touchable::test {

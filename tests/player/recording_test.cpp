@@ -19,7 +19,7 @@
 #include "haptics_cpu/touch_step.hpp"
 #include "player/run/run_files.hpp"
 #include "player/run/surface_feed.hpp"
-#include "tests/full_disk.hpp"
+#include "tests/limits.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/recording_bytes.hpp"
 #include "tests/player/touched.hpp"

@@ -183,7 +183,7 @@ protected:
     PumpingFolder() {
         std::filesystem::create_directory(pictures());
         for (int n = 0; n < 24; ++n) {
-            Numbers numbers(static_cast<std::uint64_t>(n) + 5);
+            Random numbers(static_cast<std::uint64_t>(n) + 5);
             const double scale = 0.9 + 0.01 * numbers.below(40), shift = 0.001 * numbers.below(60);
             const RawFrame frame = guessed_frame({}, {scale, shift}, 2, true, n);
             write("depth_", n, frame.depth);

@@ -14,7 +14,7 @@
 #include "engine/surface/patches.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "shaders/median_network.h"
-#include "tests/frame/allocations.hpp"
+#include "tests/limits.hpp"
 #include "tests/surface/pictures.hpp"
 
 namespace touchable::test {

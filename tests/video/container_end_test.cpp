@@ -5,7 +5,7 @@
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/picture/input.hpp"
 #include "tests/clip/clip_fixture.hpp"
-#include "tests/full_disk.hpp"
+#include "tests/limits.hpp"
 #include "tests/video/clip_remux.hpp"
 #include "tests/video/quicktime.hpp"
 #include "tests/video/sounding_clip.hpp"

@@ -5,7 +5,7 @@
 #include "engine/mpeg4/boxes.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/picture/ffmpeg.hpp"
-#include "tests/full_disk.hpp"
+#include "tests/limits.hpp"
 #include "tests/sweep.hpp"
 #include "tests/video/mp4_boxes.hpp"
 #include "tests/video/quicktime.hpp"

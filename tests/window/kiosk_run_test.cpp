@@ -21,7 +21,7 @@
 #include "engine/picture/sound.hpp"
 #include "player/audio/heard_sound.hpp"
 #include "player/audio/window_sound.hpp"
-#include "tests/sanitizers.hpp"
+#include "tests/limits.hpp"
 #include "tests/sweep.hpp"
 #include "tests/video/sounding_clip.hpp"
 #include "tests/window/scripted_window.hpp"

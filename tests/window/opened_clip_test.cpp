@@ -18,7 +18,7 @@
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 #include "player/audio/heard_sound.hpp"
-#include "tests/sanitizers.hpp"
+#include "tests/limits.hpp"
 #include "tests/video/sounding_clip.hpp"
 #include "tests/window/opened_clip_fixture.hpp"
 
