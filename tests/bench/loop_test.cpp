@@ -16,7 +16,7 @@
 #include "engine/content/seeded_noise.hpp"
 #include "engine/gpu/gpu_device.hpp"
 #include "engine/scene/plane_memory.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable {
 namespace {

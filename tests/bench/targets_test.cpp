@@ -8,7 +8,7 @@
 
 #include "bench/report.hpp"
 #include "bench/targets.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable {
 namespace {

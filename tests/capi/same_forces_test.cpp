@@ -21,7 +21,7 @@
 #include "haptics_cpu/touch_step.hpp"
 #include "tests/capi/hill.hpp"
 #include "tests/limits.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 namespace {

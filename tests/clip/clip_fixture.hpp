@@ -22,7 +22,7 @@
 #include "engine/scene/scene.hpp"
 #include "tests/must.hpp"
 #include "tests/sweep.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 

@@ -20,7 +20,7 @@
 #include "device/drivers/falcon_device.hpp"
 #include "tests/device/fake_falcon.hpp"
 #include "tests/device/fault_sessions.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 namespace {

@@ -24,9 +24,9 @@
 #include "player/session/touch_setup.hpp"
 #include "tests/import/foreign_video.hpp"
 #include "tests/limits.hpp"
-#include "tests/opened_files.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 namespace {

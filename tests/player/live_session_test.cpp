@@ -23,7 +23,7 @@
 #include "tests/limits.hpp"
 #include "tests/player/in_process.hpp"
 #include "tests/sweep.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 namespace {

@@ -27,7 +27,7 @@
 #include "player/session/touch_setup.hpp"
 #include "tests/player/in_process.hpp"
 #include "tests/sweep.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 #include "tests/verify/certificate.hpp"
 #include "tests/verify/exported_frame.hpp"
 #include "tests/verify/synthetic.hpp"

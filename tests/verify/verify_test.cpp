@@ -6,7 +6,7 @@
 #include <functional>
 #include <sstream>
 
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 #include "tests/verify/synthetic.hpp"
 
 namespace touchable::verify {
