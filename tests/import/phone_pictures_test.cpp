@@ -10,7 +10,7 @@
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/import/heic_file.hpp"
-#include "tests/import/jpeg_with_xmp.hpp"
+#include "tests/picture/picture_bytes.hpp"
 #include "tests/picture/results.hpp"
 #include "tests/real_data.hpp"
 

@@ -13,8 +13,8 @@
 
 #include "engine/picture/decoding.hpp"
 #include "engine/picture/image.hpp"
-#include "tests/import/jpeg_with_xmp.hpp"
 #include "tests/limits.hpp"
+#include "tests/picture/picture_bytes.hpp"
 #include "tests/picture/results.hpp"
 #include "tests/real_data.hpp"
 

@@ -2,8 +2,8 @@
 #include <unistd.h>
 
 #include "engine/picture/image.hpp"
-#include "tests/import/jpeg_with_xmp.hpp"
 #include "tests/limits.hpp"
+#include "tests/picture/picture_bytes.hpp"
 #include "tests/sweep.hpp"
 #include "tests/video/clip_remux.hpp"
 #include "tests/video/mp4_boxes.hpp"
