@@ -14,7 +14,6 @@
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/import/bag_bytes.hpp"
-#include "tests/import/ros2_messages.hpp"
 #include "tests/limits.hpp"
 #include "tests/picture/results.hpp"
 #include "tests/real_data.hpp"

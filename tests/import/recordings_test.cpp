@@ -15,7 +15,6 @@
 #include "engine/scene/scene.hpp"
 #include "tests/import/bag_bytes.hpp"
 #include "tests/import/foreign_video.hpp"
-#include "tests/import/ros2_messages.hpp"
 #include "tests/limits.hpp"
 #include "tests/picture/results.hpp"
 

@@ -12,7 +12,6 @@
 #include "tests/import/bag_bytes.hpp"
 #include "tests/import/foreign_video.hpp"
 #include "tests/import/heic_file.hpp"
-#include "tests/import/ros2_messages.hpp"
 #include "tests/picture/hdf5_file.hpp"
 #include "tests/picture/picture_bytes.hpp"
 #include "tests/picture/results.hpp"
