@@ -24,8 +24,7 @@
 #include "tests/limits.hpp"
 #include "tests/player/network_peer.hpp"
 #include "tests/player/program.hpp"
-#include "tests/player/recording_bytes.hpp"
-#include "tests/player/standstill.hpp"
+#include "tests/player/touched.hpp"
 
 namespace touchable::test {
 namespace {

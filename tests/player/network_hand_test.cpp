@@ -28,8 +28,6 @@
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/player/network_peer.hpp"
 #include "tests/player/program.hpp"
-#include "tests/player/recording_bytes.hpp"
-#include "tests/player/standstill.hpp"
 #include "tests/player/touched.hpp"
 #include "tests/stream/loopback_sender.hpp"
 

@@ -21,7 +21,6 @@
 #include "player/run/surface_feed.hpp"
 #include "tests/limits.hpp"
 #include "tests/player/program.hpp"
-#include "tests/player/recording_bytes.hpp"
 #include "tests/player/touched.hpp"
 
 namespace touchable::test {

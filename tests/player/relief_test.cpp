@@ -22,7 +22,6 @@
 #include "tests/alignment/pumping_clip.hpp"
 #include "tests/background/still_scene.hpp"
 #include "tests/player/program.hpp"
-#include "tests/player/recording_bytes.hpp"
 #include "tests/player/touched.hpp"
 
 namespace touchable::test {

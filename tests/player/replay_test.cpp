@@ -11,7 +11,6 @@
 #include "haptics_cpu/touch_step.hpp"
 #include "player/run/run_files.hpp"
 #include "tests/player/program.hpp"
-#include "tests/player/recording_bytes.hpp"
 #include "tests/player/touched.hpp"
 
 namespace touchable::test {

@@ -20,7 +20,7 @@
 #include "player/audio/heard_sound.hpp"
 #include "tests/limits.hpp"
 #include "tests/video/sounding_clip.hpp"
-#include "tests/window/opened_clip_fixture.hpp"
+#include "tests/window/window_rig.hpp"
 
 namespace touchable::test {
 namespace {

@@ -15,8 +15,7 @@
 #include "player/run/run_files.hpp"
 #include "player/window/persistent_device.hpp"
 #include "tests/limits.hpp"
-#include "tests/player/standstill.hpp"
-#include "tests/window/opened_clip_fixture.hpp"
+#include "tests/player/touched.hpp"
 #include "tests/window/window_rig.hpp"
 
 namespace touchable::test {
