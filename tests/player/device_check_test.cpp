@@ -25,8 +25,6 @@
 namespace touchable::test {
 namespace {
 
-using Words = std::vector<std::string>;
-
 /// A device's log of `seconds`, whose x flickers by 40 um and whose handle otherwise rests.
 void write_log(const std::string& file, int seconds) {
     std::ofstream log(file);

@@ -17,8 +17,6 @@
 namespace touchable::test {
 namespace {
 
-using Words = std::vector<std::string>;
-
 Image image_of(const std::string& file) {
     auto image = read_image(file);
     EXPECT_TRUE(image) << file;

@@ -220,8 +220,6 @@ TEST(Info, FarPlaneSearchIsInterruptible) {
     EXPECT_EQ(run.out, "");
 }
 
-using Words = std::vector<std::string>;
-
 /// A bowl of millimetres, 60 x 40, beside which nothing lies.
 class BarePicture : public ::testing::Test {
 protected:

@@ -21,8 +21,6 @@ namespace touchable::test {
 namespace {
 
 namespace fs = std::filesystem;
-using Words = std::vector<std::string>;
-
 constexpr int wide = 96, high = 64;
 
 /// A wall at 1000 mm, brown to the left and blue to the right, with a hole in its upper left corner. In a

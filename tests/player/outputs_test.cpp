@@ -21,8 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using Words = std::vector<std::string>;
-
 class Outputs : public ::testing::Test {
 protected:
     Outputs() {

@@ -30,8 +30,6 @@
 namespace touchable::test {
 namespace {
 
-using Words = std::vector<std::string>;
-
 constexpr int clip_frames = 60;  // 2 s
 
 Scene pumping_scene() {

@@ -10,6 +10,8 @@
 
 namespace touchable::test {
 
+using Words = std::vector<std::string>;
+
 /// Exit code and output of a run of the program `touchable`.
 struct Outcome {
     int code = -1;  ///< exit code; -signal where it died of one

@@ -291,7 +291,6 @@ TEST_F(PumpingFolder, RewritingCommandsAlignDepth) {
 
 // Holes of a recording that other frames saw, filled on request.
 
-using Words = std::vector<std::string>;
 constexpr const char* filled_words = "holes are filled from frames that saw what is behind: ";
 
 /// A hand over a table, in pictures of millimetres and their colour.

@@ -17,8 +17,6 @@ namespace touchable::test {
 namespace {
 namespace fs = std::filesystem;
 
-using Words = std::vector<std::string>;
-
 class Replay : public ::testing::Test {
 protected:
     std::string clip() const { return folder / "clip.mkv"; }

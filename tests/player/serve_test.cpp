@@ -28,7 +28,6 @@
 namespace touchable::test {
 namespace {
 
-using Words = std::vector<std::string>;
 constexpr Planes served_planes{true, true, true, false};
 
 Scene quick_scene() {

@@ -12,8 +12,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using Words = std::vector<std::string>;
-
 /// A clip, and a folder of its own for what a run writes.
 class TouchRefusal : public ::testing::Test {
 protected:

@@ -50,8 +50,6 @@ std::vector<ForcesRow> read_forces(const std::string& file);
 
 double length(const std::array<double, 3>& v);
 
-using Words = std::vector<std::string>;
-
 /// A camera that the program touches live, and its recording.
 class TouchedCamera : public ::testing::Test {
 protected:

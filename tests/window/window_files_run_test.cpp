@@ -413,8 +413,6 @@ TEST_F(BrushScript, RejectsUnfitSegments) {
 // and what stays as it was.
 
 using namespace std::chrono_literals;
-using Words = std::vector<std::string>;
-
 constexpr PicturePart middle{110, 140, 300, 176}, top{60, 0, 260, 60};
 
 /// A clip of one frame.
