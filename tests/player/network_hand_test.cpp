@@ -39,7 +39,7 @@
 #include "tests/limits.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
-#include "tests/stream/loopback_sender.hpp"
+#include "tests/stream/servers.hpp"
 #include "tests/unused_port.hpp"
 
 namespace touchable::test {

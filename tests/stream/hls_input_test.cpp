@@ -3,7 +3,7 @@
 #include "engine/base/threads.hpp"
 #include "engine/stream/hls.hpp"
 #include "tests/stream/labelled_stream.hpp"
-#include "tests/stream/web_server.hpp"
+#include "tests/stream/servers.hpp"
 #include "tests/sweep.hpp"
 
 namespace touchable::test {

@@ -6,8 +6,8 @@
 #include "engine/stream/receiving.hpp"
 #include "engine/stream/stream_bytes.hpp"
 #include "tests/stream/labelled_stream.hpp"
-#include "tests/stream/loopback_sender.hpp"
-#include "tests/stream/srt_peer.hpp"
+#include "tests/stream/peers.hpp"
+#include "tests/stream/servers.hpp"
 #include "tests/unused_port.hpp"
 
 namespace touchable::test {
