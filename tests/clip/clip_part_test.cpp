@@ -5,7 +5,7 @@
 
 #include "engine/clip/readers.hpp"
 #include "tests/clip/clip_fixture.hpp"
-#include "tests/video/clip_remux.hpp"
+#include "tests/video/remuxed_clip.hpp"
 
 namespace touchable::test {
 namespace {

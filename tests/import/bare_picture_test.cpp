@@ -23,10 +23,10 @@
 #include "engine/picture/image.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
+#include "tests/import/foreign_video.hpp"
 #include "tests/picture/results.hpp"
 #include "tests/real_data.hpp"
 #include "tests/temporary_files.hpp"
-#include "tests/video/quicktime.hpp"
 
 namespace touchable::test {
 namespace {

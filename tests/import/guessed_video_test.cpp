@@ -11,7 +11,6 @@
 #include "tests/import/foreign_video.hpp"
 #include "tests/picture/results.hpp"
 #include "tests/real_data.hpp"
-#include "tests/video/quicktime.hpp"
 
 namespace touchable::test {
 namespace {

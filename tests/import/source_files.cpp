@@ -15,7 +15,6 @@
 #include "tests/picture/hdf5_file.hpp"
 #include "tests/picture/picture_bytes.hpp"
 #include "tests/picture/results.hpp"
-#include "tests/video/quicktime.hpp"
 
 namespace touchable::test {
 namespace {

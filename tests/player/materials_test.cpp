@@ -15,7 +15,7 @@
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 #include "tests/real_data.hpp"
-#include "tests/video/clip_remux.hpp"
+#include "tests/video/remuxed_clip.hpp"
 
 namespace touchable::test {
 namespace {

@@ -495,7 +495,7 @@ TEST_F(ClipVerification, PictureRequiresVerify) {
 
 constexpr int width = 20, height = 12;
 
-struct Planes {
+struct PlannedPlanes {
     std::vector<std::uint8_t> depth = std::vector<std::uint8_t>(width * height, 100);
     std::vector<std::uint8_t> haptic = std::vector<std::uint8_t>(3 * width * height, 7);
     std::vector<std::uint8_t> heights = std::vector<std::uint8_t>(width * height, 3);
@@ -516,7 +516,7 @@ Scene small_scene() {
 class Planned final : public ClipReader {
 public:
     /// `fails_at`: the frame that cannot be read.
-    explicit Planned(std::vector<Planes> frames, std::int64_t fails_at = -1)
+    explicit Planned(std::vector<PlannedPlanes> frames, std::int64_t fails_at = -1)
         : scene_(small_scene()), frames_(std::move(frames)), fails_at_(fails_at) {}
     const Scene& scene() const override { return scene_; }
     const std::vector<TrackInfo>& tracks() const override { return tracks_; }
@@ -532,7 +532,7 @@ public:
         if (number_ == static_cast<std::int64_t>(frames_.size())) return std::optional<RawFrame>();
         if (number_ == fails_at_) return input_error("the disk is out");
         // Each frame in memory of its own, which is freed with its last holder.
-        auto planes = std::make_shared<Planes>(frames_[static_cast<std::size_t>(number_)]);
+        auto planes = std::make_shared<PlannedPlanes>(frames_[static_cast<std::size_t>(number_)]);
         RawFrame raw;
         raw.number = number_;
         raw.time_ns = scene_.rate.time_ns(number_);
@@ -547,7 +547,7 @@ public:
 
 private:
     Scene scene_;
-    std::vector<Planes> frames_;
+    std::vector<PlannedPlanes> frames_;
     std::vector<TrackInfo> tracks_;
     std::vector<std::string> notes_;
     const std::int64_t fails_at_;
@@ -570,7 +570,7 @@ private:
 };
 
 TEST(UnchangedFrames, AreNotBuiltAgain) {
-    Planes still, new_colour, new_haptic, new_depth, new_height;
+    PlannedPlanes still, new_colour, new_haptic, new_depth, new_height;
     new_colour.colour[5] = 1;
     new_haptic.haptic.back() = 8;
     new_depth = new_haptic;
@@ -605,7 +605,7 @@ TEST(UnchangedFrames, AreRebuiltByTemporalFilter) {
     Scene scene = small_scene();
     scene.filter.temporal = true;
     scene.filter.temporal_noise = {1, 0};
-    Planes still, moved;
+    PlannedPlanes still, moved;
     moved.depth.assign(moved.depth.size(), 101);
     int built = 0;
     SurfaceFeed feed(std::make_unique<Planned>(std::vector{still, still, moved, moved, moved, moved}),
@@ -623,8 +623,8 @@ TEST(UnchangedFrames, AreRebuiltByTemporalFilter) {
 // More of them than the timeline has entries, with a hand that does not move on.
 TEST(UnchangedFrames, WaitForHand) {
     int built = 0;
-    SurfaceFeed feed(std::make_unique<Planned>(std::vector<Planes>(60)), std::make_unique<Counting>(built),
-                     small_scene());
+    SurfaceFeed feed(std::make_unique<Planned>(std::vector<PlannedPlanes>(60)),
+                     std::make_unique<Counting>(built), small_scene());
     int published = 0;
     auto raw = feed.read_next();
     while (raw && *raw) {
@@ -671,8 +671,8 @@ private:
 };
 
 /// Frames of which the first are each the one before once more or another one in turn.
-std::vector<Planes> some_frames() {
-    std::vector<Planes> frames(9);
+std::vector<PlannedPlanes> some_frames() {
+    std::vector<PlannedPlanes> frames(9);
     for (std::size_t n = 0; n < frames.size(); ++n)
         frames[n].depth.back() = static_cast<std::uint8_t>(100 + 3 * (n < 4 ? n / 2 : n));
     return frames;
@@ -730,7 +730,7 @@ TEST(FramesAhead, DelayErrorUntilItsFrame) {
 
 /// The memory of one frame's planes may be another's later.
 TEST(WatchedPlanes, NumberColoursOfEachFrame) {
-    const auto planes = std::make_shared<Planes>();
+    const auto planes = std::make_shared<PlannedPlanes>();
     WatchedPlanes watched;
     std::vector<std::uint64_t> contents;
     for (std::int64_t n = 0; n < 2; ++n) {

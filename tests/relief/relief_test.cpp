@@ -14,7 +14,7 @@
 #include "engine/clip/clip.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/must.hpp"
-#include "tests/video/clip_remux.hpp"
+#include "tests/video/remuxed_clip.hpp"
 
 namespace touchable::test {
 namespace {

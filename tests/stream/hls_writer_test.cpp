@@ -5,7 +5,7 @@
 #include "engine/stream/receiving.hpp"
 #include "tests/stream/labelled_stream.hpp"
 #include "tests/stream/servers.hpp"
-#include "tests/video/sounding_clip.hpp"
+#include "tests/video/remuxed_clip.hpp"
 
 namespace touchable::test {
 namespace {

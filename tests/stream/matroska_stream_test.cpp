@@ -3,7 +3,7 @@
 #include "tests/limits.hpp"
 #include "tests/stream/labelled_stream.hpp"
 #include "tests/sweep.hpp"
-#include "tests/video/sounding_clip.hpp"
+#include "tests/video/remuxed_clip.hpp"
 
 namespace touchable::test {
 namespace {

@@ -7,7 +7,7 @@
 #include "engine/scene/plane_memory.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/sweep.hpp"
-#include "tests/video/clip_remux.hpp"
+#include "tests/video/remuxed_clip.hpp"
 
 namespace touchable::test {
 namespace {

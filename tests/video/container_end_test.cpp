@@ -6,9 +6,7 @@
 #include "engine/picture/input.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/limits.hpp"
-#include "tests/video/clip_remux.hpp"
-#include "tests/video/quicktime.hpp"
-#include "tests/video/sounding_clip.hpp"
+#include "tests/video/remuxed_clip.hpp"
 
 namespace touchable::test {
 namespace {

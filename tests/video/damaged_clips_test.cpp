@@ -5,8 +5,8 @@
 #include "tests/limits.hpp"
 #include "tests/picture/picture_bytes.hpp"
 #include "tests/sweep.hpp"
-#include "tests/video/clip_remux.hpp"
 #include "tests/video/mp4_boxes.hpp"
+#include "tests/video/remuxed_clip.hpp"
 
 namespace touchable::test {
 namespace {

@@ -3,7 +3,7 @@
 #include "engine/picture/image.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/limits.hpp"
-#include "tests/video/sounding_clip.hpp"
+#include "tests/video/remuxed_clip.hpp"
 
 namespace touchable::test {
 namespace {

@@ -8,7 +8,7 @@
 #include "engine/picture/ffmpeg.hpp"
 #include "tests/limits.hpp"
 #include "tests/video/mp4_boxes.hpp"
-#include "tests/video/sounding_clip.hpp"
+#include "tests/video/remuxed_clip.hpp"
 
 namespace touchable::test {
 namespace {

@@ -22,7 +22,7 @@
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 #include "tests/temporary_files.hpp"
-#include "tests/video/sounding_clip.hpp"
+#include "tests/video/remuxed_clip.hpp"
 #include "tests/window/scripted_window.hpp"
 #include "tests/window/window_rig.hpp"
 

@@ -19,7 +19,7 @@
 #include "engine/scene/scene.hpp"
 #include "player/audio/heard_sound.hpp"
 #include "tests/limits.hpp"
-#include "tests/video/sounding_clip.hpp"
+#include "tests/video/remuxed_clip.hpp"
 #include "tests/window/window_rig.hpp"
 
 namespace touchable::test {

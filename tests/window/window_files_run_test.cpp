@@ -29,7 +29,7 @@
 #include "player/window/play_window.hpp"
 #include "tests/player/program.hpp"
 #include "tests/temporary_files.hpp"
-#include "tests/video/sounding_clip.hpp"
+#include "tests/video/remuxed_clip.hpp"
 #include "tests/window/scripted_window.hpp"
 #include "tests/window/window_rig.hpp"
 
