@@ -11,8 +11,8 @@
 #include "engine/clip/shot_alignment.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/filter_codes.hpp"
-#include "tests/alignment/pumping_clip.hpp"
 #include "tests/clip/clip_fixture.hpp"
+#include "tests/clip/made_clip.hpp"
 #include "tests/limits.hpp"
 
 namespace touchable::test {

@@ -19,8 +19,7 @@
 #include "engine/content/seeded_noise.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/picture/image.hpp"
-#include "tests/alignment/pumping_clip.hpp"
-#include "tests/background/still_scene.hpp"
+#include "tests/clip/made_clip.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 
