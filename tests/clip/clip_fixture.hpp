@@ -185,6 +185,28 @@ inline Result<std::vector<RawFrame>> read_all(ClipReader& reader) {
     }
 }
 
+/// A clip of a test's own: what each has beside its `next`.
+class OwnClip : public ClipReader {
+public:
+    /// `count`: of its frames, where it is known.
+    explicit OwnClip(const Scene& scene, std::optional<std::int64_t> count = {})
+        : scene_(scene), count_(count) {}
+    const Scene& scene() const override { return scene_; }
+    const std::vector<TrackInfo>& tracks() const override { return tracks_; }
+    std::optional<std::int64_t> frame_count() const override { return count_; }
+    const std::vector<std::string>& notes() const override { return notes_; }
+    Result<void> rewind() override {
+        number_ = 0;
+        return {};
+    }
+
+    Scene scene_;
+    const std::optional<std::int64_t> count_;
+    std::vector<TrackInfo> tracks_;
+    std::vector<std::string> notes_;
+    std::int64_t number_ = 0;  ///< of the next frame
+};
+
 /// With another scene than its own, by a scene file.
 inline Result<std::unique_ptr<ClipReader>> open_as(const std::filesystem::path& clip,
                                                    const SceneDescription& described) {

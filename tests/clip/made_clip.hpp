@@ -91,10 +91,10 @@ inline RawFrame guessed_frame(const Scenery& scenery, const Guessed& guessed, in
 }
 
 /// Frames that are made when they are read.
-class MadeClip final : public ClipReader {
+class MadeClip final : public OwnClip {
 public:
     using Make = std::function<RawFrame(std::int64_t)>;
-    MadeClip(std::int64_t count, int bytes, Make make) : count_(count), make_(std::move(make)) {
+    MadeClip(std::int64_t count, int bytes, Make make) : OwnClip({}, count), make_(std::move(make)) {
         const RawFrame first = make_(0);
         scene_ = small_scene(first.depth.width, first.depth.height, 8 * bytes);
         scene_.metres_per_unit = 1;
@@ -106,27 +106,19 @@ public:
         tracks_ = {{"depth", "made", "gray", scene_.width, scene_.height, true}};
         add_input("made");
     }
-    const Scene& scene() const override { return scene_; }
+    using OwnClip::scene;
     Scene& scene() { return scene_; }
-    const std::vector<TrackInfo>& tracks() const override { return tracks_; }
-    std::optional<std::int64_t> frame_count() const override { return count_; }
-    const std::vector<std::string>& notes() const override { return notes_; }
     Result<std::optional<RawFrame>> next() override {
-        if (at_ == count_) return std::optional<RawFrame>{};
-        return std::optional(make_(at_++));
+        if (number_ == count_) return std::optional<RawFrame>{};
+        return std::optional(make_(number_++));
     }
-    Result<void> rewind() override { return seek(0); }
     Result<void> seek(std::int64_t frame) override {
-        at_ = frame;
+        number_ = frame;
         return {};
     }
 
 private:
-    std::int64_t count_, at_ = 0;
     Make make_;
-    Scene scene_;
-    std::vector<TrackInfo> tracks_;
-    std::vector<std::string> notes_;
 };
 
 /// A table that leans, a box on it, and a hand that goes over it and up and down, as a depth camera sees
