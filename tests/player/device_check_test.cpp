@@ -201,11 +201,8 @@ protected:
     void rest(std::uint16_t port) {
         if (socket_ < 0) {
             socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK, 0);
-            sockaddr_in to{};
-            to.sin_family = AF_INET;
-            to.sin_port = htons(port);
-            to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-            EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&to), sizeof to), 0);
+            const sockaddr_in to = loopback(port);
+            EXPECT_EQ(::connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
         }
         NetworkPacket packet;
         packet.sequence = ++sequence_;
