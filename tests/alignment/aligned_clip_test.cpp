@@ -11,9 +11,9 @@
 #include "engine/clip/shot_alignment.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/filter_codes.hpp"
-#include "tests/alignment/pumping_clip.hpp"
 #include "tests/clip/clip_fixture.hpp"
-#include "tests/sanitizers.hpp"
+#include "tests/clip/made_clip.hpp"
+#include "tests/limits.hpp"
 
 namespace touchable::test {
 namespace {
@@ -21,7 +21,7 @@ namespace {
 constexpr int columns = 96, rows = 72;
 
 Guessed pumped(std::int64_t frame) {
-    Numbers numbers(static_cast<std::uint64_t>(frame) + 77);
+    Random numbers(static_cast<std::uint64_t>(frame) + 77);
     const double a = static_cast<double>(numbers.next() % 1000) / 1000,
                  b = static_cast<double>(numbers.next() % 1000) / 1000;
     return {0.7 + 0.5 * a, 0.1 * b};
@@ -368,11 +368,11 @@ TEST(AlignedCodes, LeaveRoomForTerraceRemoval) {
 
 // The line on which most points lie.
 
-double random_share(Numbers& numbers) {
+double random_share(Random& numbers) {
     return static_cast<double>(numbers.next() % 10000) / 10000;
 }
 
-std::vector<LinePoint> points_on(const Line& line, int count, double noise, Numbers& numbers) {
+std::vector<LinePoint> points_on(const Line& line, int count, double noise, Random& numbers) {
     std::vector<LinePoint> points;
     for (int k = 0; k < count; ++k) {
         const double from = 4000 * random_share(numbers);
@@ -382,7 +382,7 @@ std::vector<LinePoint> points_on(const Line& line, int count, double noise, Numb
 }
 
 TEST(LineFit, FindsLineDespiteManyOutliers) {
-    Numbers numbers(1);
+    Random numbers(1);
     std::vector<LinePoint> points = points_on({1.3, -200}, 600, 2, numbers);
     // Something near, which came nearer.
     for (int k = 0; k < 450; ++k) {
@@ -396,7 +396,7 @@ TEST(LineFit, FindsLineDespiteManyOutliers) {
 }
 
 TEST(LineFit, FindsOnlyShiftOfWall) {
-    Numbers numbers(2);
+    Random numbers(2);
     std::vector<LinePoint> points;
     for (int k = 0; k < 100; ++k) {
         const double from = 1000 + 4 * random_share(numbers);
@@ -409,7 +409,7 @@ TEST(LineFit, FindsOnlyShiftOfWall) {
 }
 
 TEST(LineFit, NeedsEnoughPoints) {
-    Numbers numbers(3);
+    Random numbers(3);
     EXPECT_FALSE(fit_line(points_on({}, 7, 0, numbers), 1));
     EXPECT_TRUE(fit_line(points_on({}, 8, 0, numbers), 1));
 }

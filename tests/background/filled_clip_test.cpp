@@ -13,7 +13,7 @@
 #include "engine/clip/readers.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/scene/frames.hpp"
-#include "tests/background/still_scene.hpp"
+#include "tests/clip/made_clip.hpp"
 #include "tests/real_data.hpp"
 
 namespace touchable::test {

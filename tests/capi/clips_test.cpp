@@ -17,7 +17,7 @@
 #include "engine/scene/scene.hpp"
 #include "engine/surface/depth_estimator.hpp"
 #include "tests/capi/hill.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 namespace {

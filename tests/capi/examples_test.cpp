@@ -14,7 +14,7 @@
 
 #include "capi/touchable.hpp"
 #include "tests/capi/hill.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 namespace {

@@ -20,9 +20,8 @@
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/touch_step.hpp"
 #include "tests/capi/hill.hpp"
-#include "tests/frame/allocations.hpp"
-#include "tests/sanitizers.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/limits.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 namespace {

@@ -21,7 +21,8 @@
 #include "engine/formats/open_clip.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/must.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/sweep.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 
@@ -66,28 +67,12 @@ struct Planes {
 };
 inline constexpr Planes all_planes{true, true, true};
 
-/// The same numbers on every machine.
-class Numbers {
-public:
-    explicit Numbers(std::uint64_t seed) : state_(seed) {}
-    std::uint64_t next() {  // splitmix64
-        std::uint64_t z = state_ += 0x9E3779B97F4A7C15U;
-        z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9U;
-        z = (z ^ (z >> 27)) * 0x94D049BB133111EBU;
-        return z ^ (z >> 31);
-    }
-    int below(int limit) { return static_cast<int>(next() % static_cast<std::uint64_t>(limit)); }
-
-private:
-    std::uint64_t state_;
-};
-
 using Samples = std::vector<std::uint8_t>;
 
 /// A plane in rows padded by some bytes, so that strides matter.
 inline PlaneView test_plane(Samples& memory, int width, int height, int bytes, int channels, int largest,
                             std::uint64_t seed, bool noisy) {
-    Numbers numbers(seed);
+    Random numbers(seed);
     const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(width) * bytes * channels + 6;
     memory.assign(static_cast<std::size_t>(stride * height), 0xEE);
     for (int y = 0; y < height; ++y)
@@ -199,6 +184,28 @@ inline Result<std::vector<RawFrame>> read_all(ClipReader& reader) {
         frames.push_back(std::move(**frame));
     }
 }
+
+/// A clip of a test's own: what each has beside its `next`.
+class OwnClip : public ClipReader {
+public:
+    /// `count`: of its frames, where it is known.
+    explicit OwnClip(const Scene& scene, std::optional<std::int64_t> count = {})
+        : scene_(scene), count_(count) {}
+    const Scene& scene() const override { return scene_; }
+    const std::vector<TrackInfo>& tracks() const override { return tracks_; }
+    std::optional<std::int64_t> frame_count() const override { return count_; }
+    const std::vector<std::string>& notes() const override { return notes_; }
+    Result<void> rewind() override {
+        number_ = 0;
+        return {};
+    }
+
+    Scene scene_;
+    const std::optional<std::int64_t> count_;
+    std::vector<TrackInfo> tracks_;
+    std::vector<std::string> notes_;
+    std::int64_t number_ = 0;  ///< of the next frame
+};
 
 /// With another scene than its own, by a scene file.
 inline Result<std::unique_ptr<ClipReader>> open_as(const std::filesystem::path& clip,

@@ -5,7 +5,7 @@
 
 #include "engine/clip/readers.hpp"
 #include "tests/clip/clip_fixture.hpp"
-#include "tests/video/clip_remux.hpp"
+#include "tests/video/remuxed_clip.hpp"
 
 namespace touchable::test {
 namespace {
@@ -177,13 +177,9 @@ PlaneView wide_view(const std::vector<std::uint16_t>& codes) {
 }
 
 /// A clip whose frames are made as they are read.
-class MadeClip : public ClipReader {
+class MadeClip : public OwnClip {
 public:
-    explicit MadeClip(std::int64_t count) : count_(count), scene_(scene_without_far()) {}
-    const Scene& scene() const override { return scene_; }
-    const std::vector<TrackInfo>& tracks() const override { return tracks_; }
-    std::optional<std::int64_t> frame_count() const override { return count_; }
-    const std::vector<std::string>& notes() const override { return notes_; }
+    explicit MadeClip(std::int64_t count) : OwnClip(scene_without_far(), count) {}
     Result<std::optional<RawFrame>> next() override {
         if (number_ == count_) return std::optional<RawFrame>{};
         const std::int64_t number = number_++;
@@ -209,12 +205,6 @@ public:
     std::set<std::int64_t> damaged_;
     std::map<std::int64_t, int> deepest_;
     std::vector<std::int64_t> read_;
-    std::int64_t number_ = 0;
-
-    const std::int64_t count_;
-    Scene scene_;
-    std::vector<TrackInfo> tracks_;
-    std::vector<std::string> notes_;
     std::vector<std::uint16_t> codes_;
 };
 

@@ -9,7 +9,7 @@
 #include <set>
 #include <string>
 #include "device/drivers/known_devices.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable {
 namespace {

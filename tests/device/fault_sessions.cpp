@@ -11,7 +11,7 @@
 #include "device/hand.hpp"
 #include "device/haptic_device.hpp"
 #include "tests/device/fault_sessions.hpp"
-#include "tests/sanitizers.hpp"
+#include "tests/limits.hpp"
 #include "tests/sweep.hpp"
 
 namespace touchable::test {

@@ -9,7 +9,7 @@
 #include "device/haptic_device.hpp"
 #include "device/point_motion.hpp"
 #include "tests/device/fake_driver.hpp"
-#include "tests/frame/allocations.hpp"
+#include "tests/limits.hpp"
 
 namespace touchable::test {
 namespace {

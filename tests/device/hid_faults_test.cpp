@@ -18,9 +18,8 @@
 #include "device/drivers/spacemouse_device.hpp"
 #include "device/drivers/woodenhaptics_device.hpp"
 #include "tests/device/fault_sessions.hpp"
-#include "tests/device/temporary_file.hpp"
 #include "tests/device/wooden_bench.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 namespace {
@@ -172,6 +171,8 @@ TEST(SpaceMouseFaults, NeverCauseStalePosition) {
 
 namespace touchable {
 namespace {
+
+using test::TemporaryFile;
 
 namespace fs = std::filesystem;
 

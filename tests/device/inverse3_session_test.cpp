@@ -404,9 +404,7 @@ TEST(Inverse3Session, ReportsMissingService) {
 class SomethingElse {
 public:
     SomethingElse() : listener_(socket(AF_INET, SOCK_STREAM, 0)) {
-        sockaddr_in here{};
-        here.sin_family = AF_INET;
-        here.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        sockaddr_in here = test::loopback(0);
         socklen_t size = sizeof here;
         auto* address = reinterpret_cast<sockaddr*>(&here);
         if (bind(listener_, address, size) == 0 && listen(listener_, 1) == 0 &&

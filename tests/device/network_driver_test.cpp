@@ -33,11 +33,8 @@ using std::chrono::milliseconds;
 class Peer {
 public:
     explicit Peer(std::uint16_t port) : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
-        sockaddr_in to{};
-        to.sin_family = AF_INET;
-        to.sin_port = htons(port);
-        to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-        EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&to), sizeof to), 0);
+        const sockaddr_in to = loopback(port);
+        EXPECT_EQ(::connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
     }
     ~Peer() { ::close(socket_); }
     Peer(const Peer&) = delete;
@@ -523,11 +520,8 @@ class FarHand {
 public:
     FarHand(std::uint16_t port, const HandleDynamics& dynamics)
         : handle_(dynamics, period_s), socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
-        sockaddr_in to{};
-        to.sin_family = AF_INET;
-        to.sin_port = htons(port);
-        to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-        EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&to), sizeof to), 0);
+        const sockaddr_in to = loopback(port);
+        EXPECT_EQ(::connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
     }
     ~FarHand() { ::close(socket_); }
     FarHand(const FarHand&) = delete;

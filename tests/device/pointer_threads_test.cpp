@@ -12,7 +12,7 @@
 
 #include "device/drivers/driven_device.hpp"
 #include "device/haptic_device.hpp"
-#include "tests/frame/allocations.hpp"
+#include "tests/limits.hpp"
 
 namespace touchable::test {
 namespace {

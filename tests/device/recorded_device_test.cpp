@@ -11,10 +11,12 @@
 #include <sstream>
 
 #include "device/drivers/device_catalog.hpp"
-#include "tests/device/temporary_file.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable {
 namespace {
+
+using test::TemporaryFile;
 
 using std::chrono::microseconds;
 using std::chrono::milliseconds;

@@ -13,12 +13,14 @@
 #include "device/hand_parts.hpp"
 #include "tests/device/fake_driver.hpp"
 #include "tests/device/hand_path.hpp"
-#include "tests/device/temporary_file.hpp"
-#include "tests/limited_memory.hpp"
+#include "tests/limits.hpp"
 #include "tests/real_data.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable {
 namespace {
+
+using test::TemporaryFile;
 
 std::string table_refusal(const std::string& text, const std::string& column = "") {
     const TemporaryFile file("table.csv", text);

@@ -27,7 +27,7 @@
 
 #include "device/drivers/safety_watchdog.hpp"
 #include "device/point_motion.hpp"
-#include "tests/sanitizers.hpp"
+#include "tests/limits.hpp"
 
 namespace touchable::test {
 namespace {

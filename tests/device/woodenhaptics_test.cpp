@@ -18,11 +18,13 @@
 
 #include "device/drivers/driven_device.hpp"
 #include "device/drivers/woodenhaptics_device.hpp"
-#include "tests/device/temporary_file.hpp"
 #include "tests/device/wooden_bench.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable {
 namespace {
+
+using test::TemporaryFile;
 
 constexpr double quarter = std::numbers::pi / 2;
 

@@ -1,4 +1,4 @@
-#include "tests/frame/allocations.hpp"
+#include "tests/limits.hpp"
 
 #include <cstdlib>
 #include <new>

@@ -13,7 +13,7 @@
 
 #include "engine/scene/frames.hpp"
 #include "engine/scene/plane_memory.hpp"
-#include "tests/frame/random.hpp"
+#include "tests/sweep.hpp"
 
 namespace touchable::test {
 namespace {

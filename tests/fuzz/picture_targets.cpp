@@ -24,7 +24,7 @@
 #include "engine/scene/checked_json.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
-#include "tests/import/jpeg_with_xmp.hpp"
+#include "tests/picture/picture_bytes.hpp"
 
 namespace touchable::fuzz {
 namespace {

@@ -13,7 +13,7 @@
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/gpu/mix_words.h"
 #include "tests/gpu/spirv_layout.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 namespace {

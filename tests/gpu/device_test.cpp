@@ -23,7 +23,7 @@
 #include "engine/gpu/vulkan_instance.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/gpu/spirv_layout.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 namespace {

@@ -7,9 +7,9 @@
 
 #include "haptics_cpu/cast.hpp"
 #include "haptics_cpu/world_space.hpp"
-#include "tests/frame/random.hpp"
 #include "tests/haptics/touch_rig.hpp"
 #include "tests/reference/solver.hpp"
+#include "tests/sweep.hpp"
 
 namespace touchable::test {
 namespace {

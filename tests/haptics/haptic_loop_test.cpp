@@ -18,7 +18,7 @@
 
 #include "haptics_cpu/haptic_loop.hpp"
 #include "tests/haptics/touch_rig.hpp"
-#include "tests/sanitizers.hpp"
+#include "tests/limits.hpp"
 
 namespace touchable::test {
 namespace {

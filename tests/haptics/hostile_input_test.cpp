@@ -14,10 +14,10 @@
 #include "haptics_cpu/haptic_loop.hpp"
 #include "haptics_cpu/touch_step.hpp"
 #include "haptics_cpu/world_space.hpp"
-#include "tests/frame/allocations.hpp"
-#include "tests/frame/random.hpp"
 #include "tests/haptics/touch_rig.hpp"
+#include "tests/limits.hpp"
 #include "tests/stress/drawn_scene.hpp"
+#include "tests/sweep.hpp"
 
 namespace touchable::test {
 namespace {

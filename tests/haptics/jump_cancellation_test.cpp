@@ -9,8 +9,8 @@
 
 #include "haptics_cpu/force_guard.hpp"
 #include "haptics_cpu/touch_step.hpp"
-#include "tests/frame/random.hpp"
 #include "tests/haptics/touch_rig.hpp"
+#include "tests/sweep.hpp"
 
 namespace touchable::test {
 namespace {

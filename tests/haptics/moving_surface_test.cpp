@@ -10,9 +10,9 @@
 #include "haptics_cpu/surface_carry.hpp"
 #include "haptics_cpu/touch_step.hpp"
 #include "haptics_cpu/world_space.hpp"
-#include "tests/frame/random.hpp"
 #include "tests/haptics/touch_rig.hpp"
 #include "tests/reference/solver.hpp"
+#include "tests/sweep.hpp"
 
 namespace touchable::test {
 namespace {

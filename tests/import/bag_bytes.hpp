@@ -1,10 +1,16 @@
 #pragma once
 
+// Recordings of ROS 1 and messages of ROS 2, byte by byte.
+
 #include <cstdint>
 #include <map>
 #include <string>
 #include <string_view>
 #include <vector>
+
+namespace touchable {
+class ClipReader;
+}
 
 namespace touchable::test {
 
@@ -58,5 +64,19 @@ private:
     std::vector<Connection> connections_;
     std::vector<Message> messages_;
 };
+
+/// A message of ROS 2, in CDR; from here on of ros2_messages.cpp.
+struct Ros2Message {
+    std::string topic, type;  ///< "sensor_msgs/msg/Image"
+    std::int64_t time_ns;     ///< when it was recorded
+    std::string bytes;
+};
+
+/// Depth of 16x12, its camera, colour, and what is no picture: three of each, in the order of time.
+std::vector<Ros2Message> ros2_recording();
+
+/// Expects a clip of the last `frames` of these: codes, times, colour, and every point
+/// where an unprojection written here has it.
+void expect_ros2_recording(ClipReader& clip, int frames = 3);
 
 }  // namespace touchable::test

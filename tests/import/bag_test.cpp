@@ -14,8 +14,7 @@
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/import/bag_bytes.hpp"
-#include "tests/import/ros2_messages.hpp"
-#include "tests/limited_memory.hpp"
+#include "tests/limits.hpp"
 #include "tests/picture/results.hpp"
 #include "tests/real_data.hpp"
 #include "tests/stand_ins.hpp"
@@ -506,7 +505,7 @@ TEST_F(Bag, RefusesCutFiles) {
 
 TEST_F(Bag, SurvivesChangedBytes) {
     const LimitedMemory limit(512);
-    Numbers numbers(5);
+    Random numbers(5);
     int read = 0, all = 0;
     for (const char* name : {"realsense_lz4.bag", "depth_plain.bag", "tum_bz2.bag"}) {
         const std::string whole = read_bytes(kept_bag(name));
@@ -740,7 +739,7 @@ TEST_F(Db3, NamesOrSkipsDamage) {
         write_bytes(file, whole.substr(0, length));
         EXPECT_TRUE(has_words(refusal(file), "is damaged")) << length;
     }
-    Numbers numbers(7);
+    Random numbers(7);
     for (int n = 0; n < 300; ++n) {
         std::string damaged = whole;
         for (int k = 0; k < 4; ++k)

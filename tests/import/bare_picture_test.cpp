@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
@@ -22,11 +23,10 @@
 #include "engine/picture/image.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
-#include "tests/import/kept_clips.hpp"
-#include "tests/opened_files.hpp"
+#include "tests/import/foreign_video.hpp"
 #include "tests/picture/results.hpp"
 #include "tests/real_data.hpp"
-#include "tests/video/quicktime.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 namespace {
@@ -177,9 +177,9 @@ TEST_F(BarePicture, MakesRendererBackgroundAHole) {
     for (const auto& [name, background] :
          {std::pair{"a.pfm", 1e10F}, {"b.pfm", 65504.0F}, {"c.pfm", -1e30F}, {"d.npy", 65504.0F}}) {
         SCOPED_TRACE(name);
-        const TemporaryFolder folder;
-        write_bytes(folder / name, ball_file(std::string(name).ends_with("pfm"), background));
-        auto reader = must(open_clip(folder / name));
+        const TemporaryFolder own;
+        write_bytes(own / name, ball_file(std::string(name).ends_with("pfm"), background));
+        auto reader = must(open_clip(own / name));
         const Scene& scene = reader->scene();
         EXPECT_TRUE(is_noted(*reader, "values are metres, as their median is 6"));
         EXPECT_TRUE(is_noted(*reader, "% of the pixels are background"));
@@ -241,12 +241,12 @@ TEST_F(BarePicture, FindsColourBesideIt) {
     for (const auto& [depth, colour] : {std::pair{"room_depth.png", "room_color.png"},
                                         {"room_depth.png", "room.png"},
                                         {"d/my.png", "d/my.jpg"}}) {
-        const TemporaryFolder folder;
-        std::filesystem::create_directories(folder / "d");
+        const TemporaryFolder own;
+        std::filesystem::create_directories(own / "d");
         Samples memory;
-        write_picture(folder / depth, memory);
-        const PlaneView picture = write_picture(folder / colour, memory, 1, 3);  // PNG under any name
-        auto reader = must(open_clip(folder / depth));
+        write_picture(own / depth, memory);
+        const PlaneView picture = write_picture(own / colour, memory, 1, 3);  // PNG under any name
+        auto reader = must(open_clip(own / depth));
         EXPECT_TRUE(same_plane(read_all(*reader)->at(0).colour, picture));
         EXPECT_TRUE(is_noted(*reader, "colour is"));
     }
@@ -453,6 +453,25 @@ Ending open_on(const std::filesystem::path& clip, int answers) {
         EXPECT_EQ(message(reader), "");
     }
     return {was_silent, ended - asked};
+}
+
+/// A clip of each kind of file, among the seeds of the fuzzer.
+const std::array<std::string, 15> kept_clips{
+    "clip/small.mkv",         "bag/realsense_lz4.bag", "bag/tum_bz2.bag",       "bag/depth_plain.bag",
+    "k4a/with_colour.mkv",    "video/v.mp4",           "video/v.webm",          "video/v.avi",
+    "depthkit_video/png.mov", "heic/portrait.heic",    "jpeg_depth/gdepth.jpg", "npy_stack/stack.npy",
+    "npy_stack/stack.npz",    "png/grey16.png",        "tiff/float.tif"};
+
+/// Copies one to `folder`, with the files that it needs beside it.
+std::filesystem::path copied_clip(const std::string& kept, const std::filesystem::path& folder) {
+    namespace fs = std::filesystem;
+    const fs::path seeds = fs::path(TOUCHABLE_SOURCE_DIR) / "tests/fuzz/seeds",
+                   clip = folder / fs::path(kept).filename();
+    fs::copy_file(seeds / kept, clip, fs::copy_options::overwrite_existing);
+    if (kept.starts_with("depthkit_video/"))
+        fs::copy_file(seeds / "depthkit/one.asset", folder / (clip.stem().string() + ".Metadata.asset"),
+                      fs::copy_options::overwrite_existing);
+    return clip;
 }
 
 /// Wherever the disk falls silent.

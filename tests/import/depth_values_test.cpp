@@ -323,7 +323,7 @@ TEST(DepthValues, RefuseFramesWithoutDepth) {
 
 /// As sorting all of them tells it.
 TEST(EstimatedValues, MedianIsExact) {
-    Numbers numbers(3);
+    Random numbers(3);
     for (const int count : {1, 2, 3, 1000, 300'001}) {
         std::vector<float> stored;
         for (int k = 0; k < count; ++k)

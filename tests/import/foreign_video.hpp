@@ -1,5 +1,7 @@
 #pragma once
 
+// Videos as other programs write them.
+
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -9,6 +11,8 @@
 #include <vector>
 
 #include "engine/picture/ffmpeg.hpp"
+#include "engine/picture/image.hpp"
+#include "engine/scene/scene.hpp"
 
 namespace touchable::test {
 
@@ -48,5 +52,16 @@ void join_tracks(const std::vector<TitledFile>& sources, const std::filesystem::
 /// entry `dish`.
 void join_cinematic(const std::filesystem::path& colour, const std::filesystem::path& disparity,
                     const std::filesystem::path& file);
+
+enum class QuicktimeCodec {
+    png,  ///< without loss
+    hap   ///< four by four pixels of two colours and what is between them, as Depthkit writes
+};
+
+/// Writes 8-bit RGB pictures as a QuickTime file. `time_of` gives each frame's time in units of 1/rate.num
+/// seconds; its number times rate.den where evenly spaced.
+void write_quicktime(const std::filesystem::path& file, const std::vector<Image>& pictures,
+                     const FrameRate& rate, const std::function<std::int64_t(int)>& time_of = {},
+                     QuicktimeCodec codec = QuicktimeCodec::png);
 
 }  // namespace touchable::test

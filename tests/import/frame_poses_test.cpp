@@ -22,9 +22,8 @@
 #include "engine/picture/image.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
-#include "tests/import/kept_clips.hpp"
-#include "tests/opened_files.hpp"
 #include "tests/picture/results.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 namespace {

@@ -9,7 +9,7 @@
 #include "engine/formats/pinhole_frames.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
-#include "tests/limited_memory.hpp"
+#include "tests/limits.hpp"
 #include "tests/picture/results.hpp"
 #include "tests/real_data.hpp"
 #include "tests/stand_ins.hpp"

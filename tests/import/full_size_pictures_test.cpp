@@ -30,7 +30,7 @@
 #include "engine/picture/number_pictures.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
-#include "tests/limited_memory.hpp"
+#include "tests/limits.hpp"
 #include "tests/picture/results.hpp"
 #include "tests/real_data.hpp"
 

@@ -11,7 +11,6 @@
 #include "tests/import/foreign_video.hpp"
 #include "tests/picture/results.hpp"
 #include "tests/real_data.hpp"
-#include "tests/video/quicktime.hpp"
 
 namespace touchable::test {
 namespace {
@@ -346,7 +345,7 @@ std::string with(const std::string& old_text, const std::string& new_text) {
 }
 
 std::vector<Image> noise(int frames, int image_width = width, int image_height = 2 * height) {
-    Numbers numbers(5);
+    Random numbers(5);
     std::vector<Image> pictures;
     for (int n = 0; n < frames; ++n)
         pictures.push_back(

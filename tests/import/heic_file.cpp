@@ -7,7 +7,7 @@
 #include <cstring>
 #include <vector>
 
-#include "tests/import/jpeg_with_xmp.hpp"
+#include "tests/picture/picture_bytes.hpp"
 
 namespace touchable::test {
 namespace {

@@ -6,7 +6,7 @@
 #include "engine/formats/formats_read.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
-#include "tests/picture/raw_png.hpp"
+#include "tests/picture/picture_bytes.hpp"
 #include "tests/picture/results.hpp"
 
 namespace touchable::test {

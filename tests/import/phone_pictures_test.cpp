@@ -10,7 +10,7 @@
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/import/heic_file.hpp"
-#include "tests/import/jpeg_with_xmp.hpp"
+#include "tests/picture/picture_bytes.hpp"
 #include "tests/picture/results.hpp"
 #include "tests/real_data.hpp"
 
@@ -477,7 +477,7 @@ TEST(Base64, DecodesExamplesOfRfc4648) {
 }
 
 TEST(Base64, KeepsAllBytes) {
-    Numbers numbers(3);
+    Random numbers(3);
     for (int length = 0; length < 200; ++length) {
         std::string bytes;
         for (int k = 0; k < length; ++k) bytes += static_cast<char>(numbers.below(256));

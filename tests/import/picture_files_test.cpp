@@ -5,8 +5,8 @@
 #include "engine/formats/picture_files.hpp"
 #include "engine/picture/image.hpp"
 #include "tests/import/foreign_video.hpp"
+#include "tests/picture/picture_bytes.hpp"
 #include "tests/picture/results.hpp"
-#include "tests/picture/tiff_pages.hpp"
 
 namespace touchable::test {
 namespace {

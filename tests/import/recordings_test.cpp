@@ -15,8 +15,7 @@
 #include "engine/scene/scene.hpp"
 #include "tests/import/bag_bytes.hpp"
 #include "tests/import/foreign_video.hpp"
-#include "tests/import/ros2_messages.hpp"
-#include "tests/limited_memory.hpp"
+#include "tests/limits.hpp"
 #include "tests/picture/results.hpp"
 
 namespace touchable::test {
@@ -152,7 +151,7 @@ TEST_F(Mcap, ReadsUpToCut) {
         }
     }
     EXPECT_GT(opened, 5);
-    Numbers numbers(7);
+    Random numbers(7);
     const std::string packed = ros2_mcap().file({"lz4"});
     for (int n = 0; n < 300; ++n) {
         std::string damaged = packed;
@@ -431,7 +430,7 @@ TEST(AzureKinect, RefusesDamagedCalibration) {
     ASSERT_EQ(message(parsed(whole)), "");
     for (std::size_t length = 0; length < whole.size(); ++length)
         ASSERT_NE(message(parsed(whole.substr(0, length))), "") << length;
-    Numbers numbers(3);
+    Random numbers(3);
     for (int trial = 0; trial < 2000; ++trial) {
         std::string changed = whole;
         changed[static_cast<std::size_t>(numbers.below(static_cast<int>(whole.size())))] =

@@ -1,9 +1,8 @@
-#include "tests/import/ros2_messages.hpp"
+#include "tests/import/bag_bytes.hpp"
 
 #include <gtest/gtest.h>
 
 #include "engine/picture/image.hpp"
-#include "tests/import/bag_bytes.hpp"
 #include "tests/picture/results.hpp"
 
 namespace touchable::test {

@@ -12,11 +12,9 @@
 #include "tests/import/bag_bytes.hpp"
 #include "tests/import/foreign_video.hpp"
 #include "tests/import/heic_file.hpp"
-#include "tests/import/jpeg_with_xmp.hpp"
-#include "tests/import/ros2_messages.hpp"
 #include "tests/picture/hdf5_file.hpp"
+#include "tests/picture/picture_bytes.hpp"
 #include "tests/picture/results.hpp"
-#include "tests/video/quicktime.hpp"
 
 namespace touchable::test {
 namespace {

@@ -15,7 +15,7 @@
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
-#include "tests/limited_memory.hpp"
+#include "tests/limits.hpp"
 #include "tests/picture/results.hpp"
 #include "tests/sweep.hpp"
 

@@ -366,7 +366,7 @@ TEST_F(VideoClip, SurvivesChangedBytes) {
     for (const char* name : {"d.mkv", "d.mov", "d.avi"}) {
         write_codes(folder / name);
         const std::string whole = read_bytes(folder / name);
-        Numbers numbers(7);
+        Random numbers(7);
         for (int attempt = 0; attempt < 30; ++attempt) {
             std::string changed = whole;
             for (int k = 1 + numbers.below(3); k > 0; --k)

@@ -6,7 +6,7 @@
 #include "engine/mpeg4/bifs.hpp"
 #include "engine/mpeg4/boxes.hpp"
 #include "tests/mpeg4/example_scenes.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::mpeg4 {
 namespace {

@@ -13,8 +13,8 @@
 
 #include "engine/picture/decoding.hpp"
 #include "engine/picture/image.hpp"
-#include "tests/import/jpeg_with_xmp.hpp"
-#include "tests/limited_memory.hpp"
+#include "tests/limits.hpp"
+#include "tests/picture/picture_bytes.hpp"
 #include "tests/picture/results.hpp"
 #include "tests/real_data.hpp"
 
@@ -392,7 +392,7 @@ void expect_as_plainly_parsed(const std::filesystem::path& file) {
 TEST(Netpbm, MatchesPlainParse) {
     const TemporaryFolder folder;
     std::string bytes = "P5 640 480 65535\n";
-    Numbers numbers(3);
+    Random numbers(3);
     for (int k = 0; k < 2 * 640 * 480; ++k) bytes += static_cast<char>(numbers.below(256));
     write_bytes(folder / "kinect.pgm", bytes);
     expect_as_plainly_parsed(folder / "kinect.pgm");

@@ -4,8 +4,8 @@
 
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
-#include "tests/limited_memory.hpp"
-#include "tests/picture/raw_png.hpp"
+#include "tests/limits.hpp"
+#include "tests/picture/picture_bytes.hpp"
 #include "tests/picture/results.hpp"
 
 namespace touchable::test {

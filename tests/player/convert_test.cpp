@@ -23,10 +23,10 @@
 #include "player/session/run_record.hpp"
 #include "player/session/touch_setup.hpp"
 #include "tests/import/foreign_video.hpp"
-#include "tests/opened_files.hpp"
+#include "tests/limits.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
-#include "tests/sanitizers.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 namespace {

@@ -380,8 +380,6 @@ TEST(SmallGpu, FallsBackToCpuPainter) {
 
 namespace fs = std::filesystem;
 
-using Words = std::vector<std::string>;
-
 /// The environment of a machine without a Vulkan driver, while it lives.
 class WithoutDriver {
 public:

@@ -25,8 +25,6 @@
 namespace touchable::test {
 namespace {
 
-using Words = std::vector<std::string>;
-
 /// A device's log of `seconds`, whose x flickers by 40 um and whose handle otherwise rests.
 void write_log(const std::string& file, int seconds) {
     std::ofstream log(file);
@@ -201,11 +199,8 @@ protected:
     void rest(std::uint16_t port) {
         if (socket_ < 0) {
             socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK, 0);
-            sockaddr_in to{};
-            to.sin_family = AF_INET;
-            to.sin_port = htons(port);
-            to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-            EXPECT_EQ(::connect(socket_, reinterpret_cast<sockaddr*>(&to), sizeof to), 0);
+            const sockaddr_in to = loopback(port);
+            EXPECT_EQ(::connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
         }
         NetworkPacket packet;
         packet.sequence = ++sequence_;

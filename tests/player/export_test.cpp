@@ -10,14 +10,12 @@
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/surface/surface_builder.hpp"
+#include "tests/limits.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
-#include "tests/sanitizers.hpp"
 
 namespace touchable::test {
 namespace {
-
-using Words = std::vector<std::string>;
 
 Image image_of(const std::string& file) {
     auto image = read_image(file);

@@ -12,9 +12,9 @@
 #include "engine/gpu/gpu_device.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
+#include "tests/limits.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
-#include "tests/sanitizers.hpp"
 
 namespace touchable::test {
 namespace {
@@ -219,8 +219,6 @@ TEST(Info, FarPlaneSearchIsInterruptible) {
     EXPECT_TRUE(run.one_line_of_error()) << run.err;
     EXPECT_EQ(run.out, "");
 }
-
-using Words = std::vector<std::string>;
 
 /// A bowl of millimetres, 60 x 40, beside which nothing lies.
 class BarePicture : public ::testing::Test {

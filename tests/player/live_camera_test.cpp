@@ -18,7 +18,7 @@
 #include "player/window/opened_clip.hpp"
 #include "tests/camera/fake_video.hpp"
 #include "tests/clip/clip_fixture.hpp"
-#include "tests/full_disk.hpp"
+#include "tests/limits.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 

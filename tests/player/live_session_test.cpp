@@ -20,10 +20,10 @@
 #include "player/session/clip_choice.hpp"
 #include "player/session/touch_setup.hpp"
 #include "tests/clip/clip_fixture.hpp"
-#include "tests/frame/allocations.hpp"
-#include "tests/frame/random.hpp"
+#include "tests/limits.hpp"
 #include "tests/player/in_process.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/sweep.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 namespace {
@@ -148,26 +148,16 @@ INSTANTIATE_TEST_SUITE_P(, DecodingThreads, ::testing::Values(Archive::fast, Arc
 // elsewhere than where they had read ahead.
 
 /// A clip that takes all the memory there is.
-class Insatiable final : public ClipReader {
+class Insatiable final : public OwnClip {
 public:
-    Insatiable() {
+    Insatiable() : OwnClip({}, 3) {
         scene_.width = 720;
         scene_.height = 480;
     }
-    const Scene& scene() const override { return scene_; }
-    const std::vector<TrackInfo>& tracks() const override { return tracks_; }
-    std::optional<std::int64_t> frame_count() const override { return 3; }
-    const std::vector<std::string>& notes() const override { return notes_; }
-    Result<void> rewind() override { return {}; }
     Result<std::optional<RawFrame>> next() override {
         refuse_allocations();
         throw std::bad_alloc();
     }
-
-private:
-    Scene scene_;
-    std::vector<TrackInfo> tracks_;
-    std::vector<std::string> notes_;
 };
 
 TEST(FeedThreads, ReportExhaustedMemory) {
@@ -183,9 +173,9 @@ TEST(FeedThreads, ReportExhaustedMemory) {
 }
 
 /// Pictures of two pixels, 30 a second, whose number is their depth.
-class Numbered final : public ClipReader {
+class Numbered final : public OwnClip {
 public:
-    explicit Numbered(std::int64_t count = frames) : count_(count) {
+    explicit Numbered(std::int64_t count = frames) : OwnClip({}, count) {
         scene_.width = 2;
         scene_.height = 1;
         scene_.camera = {1, 1, 1, 0.5};
@@ -193,11 +183,6 @@ public:
         scene_.depth.near = 100;
         scene_.depth.far = 300;
     }
-    const Scene& scene() const override { return scene_; }
-    const std::vector<TrackInfo>& tracks() const override { return tracks_; }
-    std::optional<std::int64_t> frame_count() const override { return count_; }
-    const std::vector<std::string>& notes() const override { return notes_; }
-    Result<void> rewind() override { return seek(0); }
     Result<void> seek(std::int64_t frame) override {
         number_ = frame;
         return {};
@@ -215,13 +200,6 @@ public:
     }
     static constexpr std::int64_t frames = 60;
     std::atomic<int> read{0};
-
-private:
-    Scene scene_;
-    std::vector<TrackInfo> tracks_;
-    std::vector<std::string> notes_;
-    const std::int64_t count_;
-    std::int64_t number_ = 0;
 };
 
 TEST(SurfaceFeed, MemoryStaysConstant) {
@@ -376,15 +354,10 @@ struct ReadFrames {
 };
 
 /// Pictures whose number is their depth; `width` makes them large, in words alone.
-class Counted final : public ClipReader {
+class Counted final : public OwnClip {
 public:
-    Counted(ReadFrames& read, int width) : read_(read) { scene_.width = width; }
-    const Scene& scene() const override { return scene_; }
+    Counted(ReadFrames& read, int width) : OwnClip({}, shared_frames), read_(read) { scene_.width = width; }
     UnstatedFilters unstated_filters() const override { return {.median = true}; }
-    const std::vector<TrackInfo>& tracks() const override { return tracks_; }
-    std::optional<std::int64_t> frame_count() const override { return shared_frames; }
-    const std::vector<std::string>& notes() const override { return notes_; }
-    Result<void> rewind() override { return seek(0); }
     Result<void> seek(std::int64_t frame) override {
         number_ = frame;
         return {};
@@ -408,10 +381,6 @@ public:
 
 private:
     ReadFrames& read_;
-    Scene scene_;
-    std::vector<TrackInfo> tracks_;
-    std::vector<std::string> notes_;
-    std::int64_t number_ = 0;
 };
 
 class ClipSharing : public testing::Test {

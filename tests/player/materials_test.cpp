@@ -11,18 +11,16 @@
 #include "engine/formats/open_clip.hpp"
 #include "engine/picture/image.hpp"
 #include "player/commands/make_command.hpp"
+#include "tests/limits.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 #include "tests/real_data.hpp"
-#include "tests/sanitizers.hpp"
-#include "tests/video/clip_remux.hpp"
+#include "tests/video/remuxed_clip.hpp"
 
 namespace touchable::test {
 namespace {
 
 namespace fs = std::filesystem;
-using Words = std::vector<std::string>;
-
 constexpr int wide = 96, high = 64;
 
 /// A wall at 1000 mm, brown to the left and blue to the right, with a hole in its upper left corner. In a

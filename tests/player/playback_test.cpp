@@ -22,15 +22,14 @@
 #include "player/run/touch_session.hpp"
 #include "player/session/run_record.hpp"
 #include "player/session/touch_setup.hpp"
-#include "tests/frame/random.hpp"
+#include "tests/clip/clip_fixture.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/sweep.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 namespace {
-
-using Words = std::vector<std::string>;
 
 constexpr int clip_frames = 60;  // 2 s
 
@@ -51,18 +50,10 @@ Scene pumping_scene() {
 
 /// A wall that comes 6 mm nearer in a second and goes back in the next, from 200 mm on; and of its depth some
 /// noise, codes.
-class Pumping final : public ClipReader {
+class Pumping final : public OwnClip {
 public:
-    explicit Pumping(int noise = 0) : noise_(noise) {}
+    explicit Pumping(int noise = 0) : OwnClip(pumping_scene(), clip_frames), noise_(noise) {}
     static double depth(double seconds) { return 194 + 6 * std::abs(seconds - 1); }
-    const Scene& scene() const override { return scene_; }
-    const std::vector<TrackInfo>& tracks() const override { return tracks_; }
-    std::optional<std::int64_t> frame_count() const override { return clip_frames; }
-    const std::vector<std::string>& notes() const override { return notes_; }
-    Result<void> rewind() override {
-        number_ = 0;
-        return {};
-    }
     Result<std::optional<RawFrame>> next() override {
         if (number_ == clip_frames) return std::optional<RawFrame>();
         const double wall = depth(static_cast<double>(number_) / 30);
@@ -80,11 +71,7 @@ public:
     }
 
 private:
-    const Scene scene_ = pumping_scene();
     int noise_;
-    std::vector<TrackInfo> tracks_;
-    std::vector<std::string> notes_;
-    std::int64_t number_ = 0;
 };
 
 /// Rests 5 mm behind where the wall is at 200 mm.

@@ -24,7 +24,7 @@
 #include <set>
 #include <thread>
 
-#include "tests/sanitizers.hpp"
+#include "tests/limits.hpp"
 
 namespace touchable::test {
 namespace fs = std::filesystem;

@@ -6,9 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
+
+using Words = std::vector<std::string>;
 
 /// Exit code and output of a run of the program `touchable`.
 struct Outcome {

@@ -19,9 +19,9 @@
 #include "haptics_cpu/touch_step.hpp"
 #include "player/run/run_files.hpp"
 #include "player/run/surface_feed.hpp"
-#include "tests/full_disk.hpp"
+#include "tests/clip/clip_fixture.hpp"
+#include "tests/limits.hpp"
 #include "tests/player/program.hpp"
-#include "tests/player/recording_bytes.hpp"
 #include "tests/player/touched.hpp"
 
 namespace touchable::test {
@@ -496,14 +496,14 @@ TEST_F(ClipVerification, PictureRequiresVerify) {
 
 constexpr int width = 20, height = 12;
 
-struct Planes {
+struct PlannedPlanes {
     std::vector<std::uint8_t> depth = std::vector<std::uint8_t>(width * height, 100);
     std::vector<std::uint8_t> haptic = std::vector<std::uint8_t>(3 * width * height, 7);
     std::vector<std::uint8_t> heights = std::vector<std::uint8_t>(width * height, 3);
     std::vector<std::uint8_t> colour = std::vector<std::uint8_t>(3 * width * height, 50);
 };
 
-Scene small_scene() {
+Scene planned_scene() {
     Scene scene;
     scene.width = width;
     scene.height = height;
@@ -514,26 +514,16 @@ Scene small_scene() {
     return scene;
 }
 
-class Planned final : public ClipReader {
+class Planned final : public OwnClip {
 public:
     /// `fails_at`: the frame that cannot be read.
-    explicit Planned(std::vector<Planes> frames, std::int64_t fails_at = -1)
-        : scene_(small_scene()), frames_(std::move(frames)), fails_at_(fails_at) {}
-    const Scene& scene() const override { return scene_; }
-    const std::vector<TrackInfo>& tracks() const override { return tracks_; }
-    std::optional<std::int64_t> frame_count() const override {
-        return static_cast<std::int64_t>(frames_.size());
-    }
-    const std::vector<std::string>& notes() const override { return notes_; }
-    Result<void> rewind() override {
-        number_ = 0;
-        return {};
-    }
+    explicit Planned(std::vector<PlannedPlanes> frames, std::int64_t fails_at = -1)
+        : OwnClip(planned_scene(), std::ssize(frames)), frames_(std::move(frames)), fails_at_(fails_at) {}
     Result<std::optional<RawFrame>> next() override {
-        if (number_ == static_cast<std::int64_t>(frames_.size())) return std::optional<RawFrame>();
+        if (number_ == count_) return std::optional<RawFrame>();
         if (number_ == fails_at_) return input_error("the disk is out");
         // Each frame in memory of its own, which is freed with its last holder.
-        auto planes = std::make_shared<Planes>(frames_[static_cast<std::size_t>(number_)]);
+        auto planes = std::make_shared<PlannedPlanes>(frames_[static_cast<std::size_t>(number_)]);
         RawFrame raw;
         raw.number = number_;
         raw.time_ns = scene_.rate.time_ns(number_);
@@ -547,17 +537,13 @@ public:
     }
 
 private:
-    Scene scene_;
-    std::vector<Planes> frames_;
-    std::vector<TrackInfo> tracks_;
-    std::vector<std::string> notes_;
+    std::vector<PlannedPlanes> frames_;
     const std::int64_t fails_at_;
-    std::int64_t number_ = 0;
 };
 
 class Counting final : public SurfaceBuilder {
 public:
-    explicit Counting(int& built, const Scene& scene = small_scene())
+    explicit Counting(int& built, const Scene& scene = planned_scene())
         : built_(built), builder_(make_reference_builder(scene)) {}
     std::string_view name() const override { return "counting"; }
     Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
@@ -571,7 +557,7 @@ private:
 };
 
 TEST(UnchangedFrames, AreNotBuiltAgain) {
-    Planes still, new_colour, new_haptic, new_depth, new_height;
+    PlannedPlanes still, new_colour, new_haptic, new_depth, new_height;
     new_colour.colour[5] = 1;
     new_haptic.haptic.back() = 8;
     new_depth = new_haptic;
@@ -581,8 +567,8 @@ TEST(UnchangedFrames, AreNotBuiltAgain) {
     int built = 0;
     SurfaceFeed feed(std::make_unique<Planned>(std::vector{still, still, new_colour, new_haptic, new_depth,
                                                            new_depth, new_height, still}),
-                     std::make_unique<Counting>(built), small_scene());
-    const Scene scene = small_scene();
+                     std::make_unique<Counting>(built), planned_scene());
+    const Scene scene = planned_scene();
     const std::vector<int> built_by{1, 1, 1, 2, 3, 3, 4, 5};
     const SurfaceFrame* before = nullptr;
     for (std::int64_t n = 0; n < 8; ++n) {
@@ -603,10 +589,10 @@ TEST(UnchangedFrames, AreNotBuiltAgain) {
 
 // From 100 to 101 levels: what is shown nears the new one frame by frame, though nothing in the clip changes.
 TEST(UnchangedFrames, AreRebuiltByTemporalFilter) {
-    Scene scene = small_scene();
+    Scene scene = planned_scene();
     scene.filter.temporal = true;
     scene.filter.temporal_noise = {1, 0};
-    Planes still, moved;
+    PlannedPlanes still, moved;
     moved.depth.assign(moved.depth.size(), 101);
     int built = 0;
     SurfaceFeed feed(std::make_unique<Planned>(std::vector{still, still, moved, moved, moved, moved}),
@@ -624,8 +610,8 @@ TEST(UnchangedFrames, AreRebuiltByTemporalFilter) {
 // More of them than the timeline has entries, with a hand that does not move on.
 TEST(UnchangedFrames, WaitForHand) {
     int built = 0;
-    SurfaceFeed feed(std::make_unique<Planned>(std::vector<Planes>(60)), std::make_unique<Counting>(built),
-                     small_scene());
+    SurfaceFeed feed(std::make_unique<Planned>(std::vector<PlannedPlanes>(60)),
+                     std::make_unique<Counting>(built), planned_scene());
     int published = 0;
     auto raw = feed.read_next();
     while (raw && *raw) {
@@ -667,20 +653,20 @@ public:
 
 private:
     std::size_t& most_;
-    std::unique_ptr<SurfaceBuilder> builder_ = make_reference_builder(small_scene());
+    std::unique_ptr<SurfaceBuilder> builder_ = make_reference_builder(planned_scene());
     std::deque<RawFrame> begun_;
 };
 
 /// Frames of which the first are each the one before once more or another one in turn.
-std::vector<Planes> some_frames() {
-    std::vector<Planes> frames(9);
+std::vector<PlannedPlanes> some_frames() {
+    std::vector<PlannedPlanes> frames(9);
     for (std::size_t n = 0; n < frames.size(); ++n)
         frames[n].depth.back() = static_cast<std::uint8_t>(100 + 3 * (n < 4 ? n / 2 : n));
     return frames;
 }
 
 TEST(FramesAhead, GiveSamePairsEveryEpoch) {
-    const Scene scene = small_scene();
+    const Scene scene = planned_scene();
     std::size_t most = 0;
     int built = 0;
     SurfaceFeed ahead(std::make_unique<Planned>(some_frames()), std::make_unique<ThreeAtOnce>(most), scene),
@@ -711,7 +697,7 @@ TEST(FramesAhead, GiveSamePairsEveryEpoch) {
 TEST(FramesAhead, AreOffByDefault) {
     std::size_t most = 0;
     SurfaceFeed feed(std::make_unique<Planned>(some_frames()), std::make_unique<ThreeAtOnce>(most),
-                     small_scene());
+                     planned_scene());
     ASSERT_TRUE(feed.pair_at(0));
     EXPECT_EQ(most, 1U);
     EXPECT_EQ(feed.place().next_number, 2);
@@ -720,9 +706,9 @@ TEST(FramesAhead, AreOffByDefault) {
 TEST(FramesAhead, DelayErrorUntilItsFrame) {
     std::size_t most = 0;
     SurfaceFeed feed(std::make_unique<Planned>(some_frames(), 5), std::make_unique<ThreeAtOnce>(most),
-                     small_scene());
+                     planned_scene());
     feed.work_ahead();
-    const FrameRate rate = small_scene().rate;
+    const FrameRate rate = planned_scene().rate;
     for (std::int64_t n = 0; n < 4; ++n) EXPECT_TRUE(feed.pair_at(rate.time_ns(n))) << n;
     const auto pair = feed.pair_at(rate.time_ns(4));
     ASSERT_FALSE(pair);
@@ -731,7 +717,7 @@ TEST(FramesAhead, DelayErrorUntilItsFrame) {
 
 /// The memory of one frame's planes may be another's later.
 TEST(WatchedPlanes, NumberColoursOfEachFrame) {
-    const auto planes = std::make_shared<Planes>();
+    const auto planes = std::make_shared<PlannedPlanes>();
     WatchedPlanes watched;
     std::vector<std::uint64_t> contents;
     for (std::int64_t n = 0; n < 2; ++n) {

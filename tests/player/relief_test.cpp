@@ -19,10 +19,8 @@
 #include "engine/content/seeded_noise.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/picture/image.hpp"
-#include "tests/alignment/pumping_clip.hpp"
-#include "tests/background/still_scene.hpp"
+#include "tests/clip/made_clip.hpp"
 #include "tests/player/program.hpp"
-#include "tests/player/recording_bytes.hpp"
 #include "tests/player/touched.hpp"
 
 namespace touchable::test {
@@ -183,7 +181,7 @@ protected:
     PumpingFolder() {
         std::filesystem::create_directory(pictures());
         for (int n = 0; n < 24; ++n) {
-            Numbers numbers(static_cast<std::uint64_t>(n) + 5);
+            Random numbers(static_cast<std::uint64_t>(n) + 5);
             const double scale = 0.9 + 0.01 * numbers.below(40), shift = 0.001 * numbers.below(60);
             const RawFrame frame = guessed_frame({}, {scale, shift}, 2, true, n);
             write("depth_", n, frame.depth);
@@ -292,7 +290,6 @@ TEST_F(PumpingFolder, RewritingCommandsAlignDepth) {
 
 // Holes of a recording that other frames saw, filled on request.
 
-using Words = std::vector<std::string>;
 constexpr const char* filled_words = "holes are filled from frames that saw what is behind: ";
 
 /// A hand over a table, in pictures of millimetres and their colour.

@@ -19,16 +19,15 @@
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
+#include "tests/stream/peers.hpp"
 #include "tests/stream/relay.hpp"
 #include "tests/stream/served_clip.hpp"
-#include "tests/stream/stream_peer.hpp"
-#include "tests/stream/web_server.hpp"
+#include "tests/stream/servers.hpp"
 #include "tests/unused_port.hpp"
 
 namespace touchable::test {
 namespace {
 
-using Words = std::vector<std::string>;
 constexpr Planes served_planes{true, true, true, false};
 
 Scene quick_scene() {

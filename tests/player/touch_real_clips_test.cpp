@@ -15,8 +15,6 @@ namespace touchable::test {
 namespace {
 namespace fs = std::filesystem;
 
-using Words = std::vector<std::string>;
-
 // Real recordings, touched, and every force judged by verify_forces, which knows nothing of this program but
 // its files: the proxy is nowhere behind the surface, is the place nearest to the goal that friction allows,
 // and pulls as its spring says.

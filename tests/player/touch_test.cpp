@@ -19,8 +19,6 @@
 namespace touchable::test {
 namespace {
 
-using Words = std::vector<std::string>;
-
 class Touch : public ::testing::Test {
 protected:
     void make(const std::string& scene, const Words& more = {"--size", "72x48", "--frames", "6"}) {

@@ -25,9 +25,9 @@
 #include "player/run/terminal.hpp"
 #include "player/session/run_record.hpp"
 #include "player/session/touch_setup.hpp"
-#include "tests/frame/random.hpp"
 #include "tests/player/in_process.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/sweep.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 namespace {

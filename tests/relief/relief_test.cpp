@@ -14,7 +14,7 @@
 #include "engine/clip/clip.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/must.hpp"
-#include "tests/video/clip_remux.hpp"
+#include "tests/video/remuxed_clip.hpp"
 
 namespace touchable::test {
 namespace {
@@ -128,7 +128,7 @@ TEST_F(ReliefClip, ReportsNoiseAndEvenness) {
         must(writer->finish());
         return must(looked_at_and_with_relief(must(open_clip(folder_ / name)), {}, 2))->notes().back();
     };
-    Numbers numbers(3);
+    Random numbers(3);
     const auto noise = [&] { return static_cast<int>(numbers.next() % 9); };
     const std::string noisy = note_of("noise.mkv", [&](int, int, int) { return 100 + noise(); });
     EXPECT_TRUE(has_words(noisy, "most of what is felt is noise"));
@@ -162,7 +162,7 @@ TEST_F(ReliefClip, HasSameBitsEverywhere) {
 // The Laplacian of Gaussian, against sums that are written out.
 
 NumberField random_field(int width, int height, int largest, std::uint64_t seed) {
-    Numbers numbers(seed);
+    Random numbers(seed);
     NumberField field(width, height);
     for (auto& number : field.numbers) number = numbers.below(largest + 1);
     return field;
@@ -193,7 +193,7 @@ NumberField plain_box(const NumberField& field, int side, const SurfaceRuns& run
 
 /// Runs that end at random.
 SurfaceRuns random_runs(int width, int height, std::uint64_t seed) {
-    Numbers numbers(seed);
+    Random numbers(seed);
     SurfaceRuns runs(width, height);
     const auto part = [&](std::vector<SurfaceRuns::Run>& all, int length, int step, std::size_t begin) {
         for (int first = 0, last = 0; first < length; first = last + 1) {
@@ -380,7 +380,7 @@ TEST_F(ReliefFilterTest, IgnoresShadowsHighlightsAndHoles) {
 constexpr int pixels = 400;
 
 /// About normal: a sum of four even ones, each of that width.
-std::int32_t noise(Numbers& numbers, int deviation) {
+std::int32_t noise(Random& numbers, int deviation) {
     std::int32_t sum = 0;
     for (int k = 0; k < 4; ++k) sum += numbers.below(2 * deviation + 1) - deviation;
     return sum * 87 / 100;  // 4 (2d)^2/12 is 1.33 d^2
@@ -398,7 +398,7 @@ TEST(ReliefHeights, SpanTheirRange) {
 /// A still point of a still camera flickers by a level at most.
 TEST(ReliefHeights, FlickerLittleOnStillPoints) {
     constexpr int deviation = 16, full = 16 * 36;  // a level of brightness, as much detail as castel's
-    Numbers numbers(5);
+    Random numbers(5);
     NumberField truth(pixels, 1), seen = truth;
     for (auto& number : truth.numbers) number = numbers.below(2 * full + 1) - full;
     ReliefHeights heights({full, deviation}, 100);
@@ -460,7 +460,7 @@ TEST(ReliefHeights, FollowMotionAtOnce) {
 TEST(ReliefEstimator, TakesPercentilesOfAllFrames) {
     NumberField weights(pixels, 1), relief = weights;
     weights.numbers.assign(pixels, DifferenceOfGaussians::most_weight);
-    Numbers numbers(9);
+    Random numbers(9);
     ReliefEstimator estimator;
     EXPECT_EQ(estimator.range().full, 1);
     for (int frame = 0; frame < 40; ++frame) {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/scene/scene.hpp"
-#include "tests/scene/scene_texts.hpp"
+#include "tests/sweep.hpp"
 
 namespace touchable::test {
 namespace {
@@ -48,7 +48,7 @@ long double long_depth(const DepthCoding& coding, std::uint16_t code) {
     return 1 / (1 / far + (1 / near - 1 / far) * n / coding.code_max);
 }
 
-DepthCoding random_coding(RandomBits& random) {
+DepthCoding random_coding(Random& random) {
     const double near = random.between(0.01, 50), far = near + random.between(0.01, 200);
     const auto code_max = static_cast<std::uint16_t>(1 + random.below(random.below(2) ? 255 : 4095));
     DepthCoding coding;
@@ -67,13 +67,12 @@ DepthCoding random_coding(RandomBits& random) {
         default:
             coding = metric(random.between(0.01, 0.5), random.below(2) ? near : 0.0, far, code_max);
     }
-    coding.invalid_code_count = static_cast<int>(random.below(DepthCoding::max_invalid_codes + 1));
-    const std::uint64_t first =
-        random.below(coding.code_max + 1u);  // neighbours, the hardest case, or anywhere
+    coding.invalid_code_count = random.below(DepthCoding::max_invalid_codes + 1);
+    const int first = random.below(coding.code_max + 1);  // neighbours, the hardest case, or anywhere
     const bool together = random.below(2);
     for (int k = 0; k < coding.invalid_code_count; ++k)
-        coding.invalid_codes[static_cast<std::size_t>(k)] = static_cast<std::uint16_t>(
-            together ? first + static_cast<std::uint64_t>(k) : random.below(coding.code_max + 1u));
+        coding.invalid_codes[static_cast<std::size_t>(k)] =
+            static_cast<std::uint16_t>(together ? first + k : random.below(coding.code_max + 1));
     if (random.below(2)) derive_valid_range(coding);
     return coding;
 }
@@ -87,7 +86,7 @@ std::vector<std::uint16_t> valid_codes(const DepthCoding& coding) {
 }
 
 TEST(DepthCoding, ReachesBothPlanesExactly) {
-    RandomBits random(21);
+    Random random(21);
     for (int k = 0; k < 20000; ++k) {
         const double near = random.between(0.01, 50), far = near + random.between(1e-3, 200);
         const auto code_max = static_cast<std::uint16_t>(1 + random.below(65535));
@@ -103,7 +102,7 @@ TEST(DepthCoding, ReachesBothPlanesExactly) {
 }
 
 TEST(DepthCoding, AgreesWithLongDoubles) {
-    RandomBits random(22);
+    Random random(22);
     for (int k = 0; k < 100; ++k) {
         const DepthCoding coding = random_coding(random);
         for (const std::uint16_t code : valid_codes(coding)) {
@@ -171,7 +170,7 @@ TEST(DepthCoding, RejectsMetricCodesBeyondEnds) {
 }
 
 TEST(DepthCoding, AcceptsExactlyFittingCodes) {
-    RandomBits random(23);
+    Random random(23);
     for (int k = 0; k < 300; ++k) {
         DepthCoding coding = random_coding(random);
         coding.invalid_code_count = 0;
@@ -215,12 +214,12 @@ TEST(DepthCoding, AcceptsRangesOfValidCodes) {
 }
 
 TEST(DepthCoding, TrimsRangeToValidCodes) {
-    RandomBits random(25);
+    Random random(25);
     int trimmed = 0, nothing_left = 0;
     for (int k = 0; k < 2000; ++k) {
         DepthCoding coding = random_coding(random);
         coding.invalid_codes = {0, coding.code_max, 1, static_cast<std::uint16_t>(coding.code_max - 1)};
-        coding.invalid_code_count = static_cast<int>(random.below(5));
+        coding.invalid_code_count = random.below(5);
         derive_valid_range(coding);
         std::vector<std::uint16_t> fitting;
         for (int c = 0; c <= coding.code_max; ++c) {
@@ -258,7 +257,7 @@ TEST(DepthCoding, InvertsEveryValidCode) {
 }
 
 TEST(DepthCoding, EncodesToNearestValidCode) {
-    RandomBits random(24);
+    Random random(24);
     for (int k = 0; k < 400; ++k) {
         const DepthCoding coding = random_coding(random);
         const std::vector<std::uint16_t> codes = valid_codes(coding);
@@ -310,7 +309,7 @@ LongPoint long_unproject(const Camera& camera, DepthSemantics semantics, double 
     return {along * u, along * v, -along};
 }
 
-Camera random_camera(RandomBits& random, int width, int height) {
+Camera random_camera(Random& random, int width, int height) {
     return {random.between(0.3, 4.0) * width, random.between(0.3, 4.0) * width,
             random.between(-0.2, 1.2) * width, random.between(-0.2, 1.2) * height};
 }
@@ -361,10 +360,10 @@ TEST(Camera, MatchesEquation3) {
             DepthCoding coding;
             coding.near = z_near;
             coding.far = z_far;
-            RandomBits random(11);
+            Random random(11);
             for (int k = 0; k < 2000; ++k) {
-                const int i = static_cast<int>(random.below(static_cast<std::uint64_t>(W)));
-                const int j = static_cast<int>(random.below(static_cast<std::uint64_t>(H)));
+                const int i = random.below(W);
+                const int j = random.below(H);
                 const auto code = static_cast<std::uint16_t>(random.below(256));
 
                 const double x_p = i, y_p = H - 1 - j, z_p = code;  // rows flipped
@@ -391,10 +390,9 @@ TEST(Camera, MapsImageRightAndDown) {
 
 // Bound: x - cx, / fx and * d round once each; range adds the length of the ray and a division.
 TEST(Camera, UnprojectAgreesWithLongDouble) {
-    RandomBits random(12);
+    Random random(12);
     for (int k = 0; k < 100000; ++k) {
-        const int width = 1 + static_cast<int>(random.below(4096)),
-                  height = 1 + static_cast<int>(random.below(4096));
+        const int width = 1 + random.below(4096), height = 1 + random.below(4096);
         const Camera camera = random_camera(random, width, height);
         const double i = random.between(-1, width), j = random.between(-1, height),
                      d = random.between(1e-3, 1e4);
@@ -411,10 +409,9 @@ TEST(Camera, UnprojectAgreesWithLongDouble) {
 
 // Bound: five roundings of x - cx on the way there and back, one of the sum with cx.
 TEST(Camera, ProjectsWhatItUnprojected) {
-    RandomBits random(13);
+    Random random(13);
     for (int k = 0; k < 50000; ++k) {
-        const int width = 1 + static_cast<int>(random.below(16384)),
-                  height = 1 + static_cast<int>(random.below(16384));
+        const int width = 1 + random.below(16384), height = 1 + random.below(16384);
         const Camera camera = random_camera(random, width, height);
         const double right = width - 1, bottom = height - 1;
         const std::pair<double, double> places[] = {{0, 0},
@@ -440,7 +437,7 @@ TEST(Camera, ProjectsWhatItUnprojected) {
 }
 
 TEST(Camera, MeasuresRangeFromCamera) {
-    RandomBits random(14);
+    Random random(14);
     for (int k = 0; k < 10000; ++k) {
         const Camera camera = random_camera(random, 640, 480);
         const double i = random.between(0, 640), j = random.between(0, 480),
@@ -477,7 +474,7 @@ TEST(FrameRate, ExtendsOwnTimesByMean) {
 
 /// Against a search through all frames.
 TEST(FrameRate, FindsFramesByTime) {
-    RandomBits random(16);
+    Random random(16);
     std::vector<std::int64_t> times_ns{0};
     for (int n = 1; n < 40; ++n)
         times_ns.push_back(times_ns.back() + ms + static_cast<std::int64_t>(random.below(90)) * ms / 3);

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "engine/base/same_bits.hpp"
-#include "tests/scene/scene_texts.hpp"
+#include "tests/sweep.hpp"
 
 namespace touchable::test {
 namespace {
@@ -29,15 +29,14 @@ double worst_of_sine_and_cosine(double x) {
 }
 
 /// A number of random size as well as digits.
-double of_any_size(RandomBits& random, int least_exponent, int most_exponent) {
-    const auto span = static_cast<std::uint64_t>(most_exponent - least_exponent);
-    const int exponent = least_exponent + static_cast<int>(random.below(span));
+double of_any_size(Random& random, int least_exponent, int most_exponent) {
+    const int exponent = least_exponent + random.below(most_exponent - least_exponent);
     const double magnitude = std::ldexp(random.between(1.0, 2.0), exponent);
     return random.below(2) ? magnitude : -magnitude;
 }
 
 TEST(Trigonometry, BoundsSineErrorToMillion) {
-    RandomBits random(1);
+    Random random(1);
     double worst = 0;
     for (int k = 0; k < 200000; ++k) {
         worst = std::max(worst, worst_of_sine_and_cosine(random.between(-1e6, 1e6)));
@@ -59,7 +58,7 @@ TEST(Trigonometry, BoundsSineErrorNearMultiples) {
 }
 
 TEST(Trigonometry, BoundsSineErrorBetweenQuarters) {
-    RandomBits random(2);
+    Random random(2);
     double worst = 0;
     for (int k = 0; k < 100000; ++k) {
         const double turns = static_cast<double>(random.below(636619)) + 0.5;
@@ -70,7 +69,7 @@ TEST(Trigonometry, BoundsSineErrorBetweenQuarters) {
 }
 
 TEST(Trigonometry, BoundsArctangentError) {
-    RandomBits random(3);
+    Random random(3);
     double worst = 0;
     const auto check = [&](double x) {
         worst = std::max(worst, ulps(arctangent(x), std::atan(static_cast<long double>(x))));
@@ -87,7 +86,7 @@ TEST(Trigonometry, BoundsArctangentError) {
 }
 
 TEST(Trigonometry, BoundsArctangent2ErrorInQuadrants) {
-    RandomBits random(4);
+    Random random(4);
     double worst = 0;
     const auto check = [&](double y, double x) {
         worst = std::max(worst, ulps(arctangent2(y, x),
@@ -114,7 +113,7 @@ TEST(Trigonometry, DefinesArctangent2OnAxes) {
 }
 
 TEST(Trigonometry, BoundsArcsineError) {
-    RandomBits random(5);
+    Random random(5);
     double worst = 0;
     const auto check = [&](double x) {
         worst = std::max(worst, ulps(arcsine(x), std::asin(static_cast<long double>(x))));
@@ -136,7 +135,7 @@ TEST(Trigonometry, ClampsArcsineBeyondOne) {
 }
 
 TEST(Trigonometry, HasExactSymmetries) {
-    RandomBits random(6);
+    Random random(6);
     for (int k = 0; k < 20000; ++k) {
         const double x = of_any_size(random, -60, 20), y = random.between(-1, 1);
         ASSERT_EQ(sine(-x), -sine(x)) << x;
@@ -147,7 +146,7 @@ TEST(Trigonometry, HasExactSymmetries) {
 }
 
 TEST(Trigonometry, StaysBoundedForHugeArguments) {
-    RandomBits random(7);
+    Random random(7);
     for (int k = 0; k < 20000; ++k) {
         const double x = of_any_size(random, 20, 1023);
         ASSERT_LE(std::fabs(sine(x)), 1.0) << x;
@@ -165,7 +164,7 @@ TEST(Trigonometry, KeepsNotANumber) {
 // The promise for which these functions exist: compilers, optimisation levels and CPUs agree with this
 // number.
 TEST(Trigonometry, GivesSameBitsEverywhere) {
-    RandomBits random(8);
+    Random random(8);
     std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a over the results' bits
     const auto take = [&](double value) {
         hash = (hash ^ std::bit_cast<std::uint64_t>(value)) * 0x100000001b3u;
@@ -182,7 +181,7 @@ TEST(Trigonometry, GivesSameBitsEverywhere) {
 }
 
 TEST(Exponential, StaysWithinOneUlp) {
-    RandomBits random(31);
+    Random random(31);
     double worst = 0;
     const auto check = [&](double x) {
         worst = std::max(worst, ulps(exponential(x), std::exp(static_cast<long double>(x))));
@@ -190,7 +189,7 @@ TEST(Exponential, StaysWithinOneUlp) {
     for (int k = 0; k < 200000; ++k) {
         check(random.between(-708, 709.7));
         check(random.between(-3, 3));
-        check(std::ldexp(random.between(-1, 1), -static_cast<int>(random.below(70))));
+        check(std::ldexp(random.between(-1, 1), -random.below(70)));
         // Near changes of the power of two.
         check((static_cast<double>(random.below(2000)) - 1000 + 0.5) * 0.6931471805599453 *
               (1 + random.between(-1e-15, 1e-15)) * 0.7);
@@ -210,15 +209,15 @@ TEST(Exponential, EndsWhereDoublesDo) {
 }
 
 TEST(Logarithm, StaysWithinOneUlp) {
-    RandomBits random(32);
+    Random random(32);
     double worst = 0;
     const auto check = [&](double x) {
         worst = std::max(worst, ulps(logarithm(x), std::log(static_cast<long double>(x))));
     };
     for (int k = 0; k < 200000; ++k) {
         check(random.between(0.25, 4));
-        check(1 + std::ldexp(random.between(-1, 1), -1 - static_cast<int>(random.below(52))));
-        check(std::ldexp(random.between(1, 2), static_cast<int>(random.below(2090)) - 1070));
+        check(1 + std::ldexp(random.between(-1, 1), -1 - random.below(52)));
+        check(std::ldexp(random.between(1, 2), random.below(2090) - 1070));
         check(0.7071067811865476 * (1 + random.between(-1e-15, 1e-15)));
     }
     EXPECT_LE(worst, 1.0);
@@ -235,7 +234,7 @@ TEST(Logarithm, EndsWhereDoublesDo) {
 /// The hash was taken on one machine; a machine with other bits fails.
 TEST(Logarithm, GivesSameBitsEverywhere) {
     std::uint64_t hash = 0;
-    RandomBits random(33);
+    Random random(33);
     for (int k = 0; k < 100000; ++k) {
         hash =
             hash * 0x9e3779b97f4a7c15U + std::bit_cast<std::uint64_t>(logarithm(random.between(0.001, 100)));

@@ -9,7 +9,7 @@
 #include "engine/scene/scene.hpp"
 #include "tests/must.hpp"
 #include "tests/scene/scene_texts.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 namespace {

@@ -278,7 +278,7 @@ TEST(Validation, NeedsDerivedRange) {
 }
 
 TEST(Validation, LeavesAThousandthOfDepth) {
-    RandomBits random(31);
+    Random random(31);
     int accepted = 0;
     for (int k = 0; k < 5000; ++k) {
         Scene scene = good_scene();
@@ -370,18 +370,18 @@ void expect_same(const SceneDescription& one, const SceneDescription& other) {
     EXPECT_EQ(a.folder->height_numbers, b.folder->height_numbers);
 }
 
-PropertyRange random_range(RandomBits& random) {
+PropertyRange random_range(Random& random) {
     const double least = random.between(0, 5);
     return {least, least + random.between(0, 5)};
 }
 
-SceneDescription random_description(RandomBits& random) {
+SceneDescription random_description(Random& random) {
     SceneDescription described;
     Scene& scene = described.scene;
     SceneDescription::Unstated& open = described.unstated;
     scene.name = random.below(2) ? "globe \"twice\" \u00e9\u4e16\n" : "";
-    scene.width = 1 + static_cast<int>(random.below(16384));
-    scene.height = 1 + static_cast<int>(random.below(16384));
+    scene.width = 1 + random.below(16384);
+    scene.height = 1 + random.below(16384);
     scene.rate = {1 + static_cast<std::int64_t>(random.below(100000)),
                   1 + static_cast<std::int64_t>(random.below(2000))};
     scene.metres_per_unit = random.between(1e-6, 2);
@@ -394,10 +394,10 @@ SceneDescription random_description(RandomBits& random) {
     const bool hue = scene.depth.kind == DepthCodingKind::hue;
     if (scene.depth.kind == DepthCodingKind::log)
         scene.depth.shift = random.between(-0.9 * scene.depth.near, 50);
-    if (hue) scene.depth.least_sum = static_cast<int>(random.below(766));
-    scene.depth_bits = hue ? 8 : 8 + static_cast<int>(random.below(9));
-    scene.depth.code_max = static_cast<std::uint16_t>((hue ? 1536 : (1 << scene.depth_bits) - 1) -
-                                                      static_cast<int>(random.below(20)));
+    if (hue) scene.depth.least_sum = random.below(766);
+    scene.depth_bits = hue ? 8 : 8 + random.below(9);
+    scene.depth.code_max =
+        static_cast<std::uint16_t>((hue ? 1536 : (1 << scene.depth_bits) - 1) - random.below(20));
     if (scene.depth.kind == DepthCodingKind::metric) {
         scene.depth.scale = 2 * scene.depth.far / scene.depth.code_max;
         open.far = random.below(2);
@@ -405,7 +405,7 @@ SceneDescription random_description(RandomBits& random) {
     } else {
         scene.depth.near_is_high = random.below(2);
     }
-    scene.depth.invalid_code_count = static_cast<int>(random.below(5));
+    scene.depth.invalid_code_count = random.below(5);
     for (int k = 0; k < scene.depth.invalid_code_count; ++k)
         scene.depth.invalid_codes[static_cast<std::size_t>(k)] =
             static_cast<std::uint16_t>(random.below(scene.depth.code_max));
@@ -417,7 +417,7 @@ SceneDescription random_description(RandomBits& random) {
     const double static_friction = random.between(0, 2);
     scene.default_properties = {random.between(1, 5000), static_friction,
                                 static_friction * random.between(0, 1)};
-    scene.filter = {random.below(2) ? 3 : 5, static_cast<int>(random.below(17))};
+    scene.filter = {random.below(2) ? 3 : 5, random.below(17)};
     scene.filter.terraces = static_cast<TerraceRemoval>(random.below(3));
     if (!open.far && !has_working_codes(scene) && scene.filter.terraces == TerraceRemoval::on)
         scene.filter.terraces = TerraceRemoval::off;
@@ -436,18 +436,17 @@ SceneDescription random_description(RandomBits& random) {
     if (open.filters.temporal) scene.filter.temporal = false;
     scene.interpolation = static_cast<FrameInterpolation>(random.below(2));
     if (random.below(2)) scene.device_metres_per_unit = random.between(1e-6, 1);
-    if (random.below(2))
-        scene.folder = FolderSource{"d_%04d.png", "", "h%d.png", "", static_cast<int>(random.below(99)), 5};
+    if (random.below(2)) scene.folder = FolderSource{"d_%04d.png", "", "h%d.png", "", random.below(99), 5};
     if (scene.folder && random.below(2)) {
-        scene.folder->step = 1 + static_cast<int>(random.below(9));
-        if (random.below(2)) scene.folder->haptic_numbers.first = static_cast<int>(random.below(999));
-        if (random.below(2)) scene.folder->haptic_numbers.step = 1 + static_cast<int>(random.below(9));
+        scene.folder->step = 1 + random.below(9);
+        if (random.below(2)) scene.folder->haptic_numbers.first = random.below(999);
+        if (random.below(2)) scene.folder->haptic_numbers.step = 1 + random.below(9);
     }
     return described;
 }
 
 TEST(SceneFile, RestoresRandomScenesExactly) {
-    RandomBits random(41);
+    Random random(41);
     for (std::size_t k = 0; k < 3000; k += sweep_step()) {
         const SceneDescription random_one = random_description(random);
         ASSERT_TRUE(validate(random_one)) << validate(random_one).error().message;

@@ -2,11 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdint>
 #include <string>
 
 #include "engine/scene/scene.hpp"
-#include "tests/frame/random.hpp"
 
 namespace touchable::test {
 
@@ -39,20 +37,5 @@ inline SceneDescription described(const std::string& json) {
 inline Scene parsed(const std::string& json) {
     return described(json).scene;
 }
-
-/// The same numbers on every machine.
-class RandomBits {
-public:
-    explicit RandomBits(std::uint64_t seed) : numbers_(seed) {}
-
-    std::uint64_t bits() { return numbers_.next(); }
-    /// 0 to n - 1.
-    std::uint64_t below(std::uint64_t n) { return bits() % n; }
-    /// With all 53 bits of the mantissa at random.
-    double between(double a, double b) { return a + (b - a) * (static_cast<double>(bits() >> 11) * 0x1p-53); }
-
-private:
-    Random numbers_;
-};
 
 }  // namespace touchable::test

@@ -19,7 +19,7 @@
 #include "engine/base/threads.hpp"
 #include "engine/base/words.hpp"
 #include "engine/scene/scene.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 namespace {

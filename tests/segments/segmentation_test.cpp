@@ -165,7 +165,7 @@ GeneratedFrame generate(const GeneratedTable& table, int frame, std::uint64_t se
                        std::vector<std::array<double, 3>>(pixels),
                        width,
                        height};
-    Numbers numbers(seed * 1000 + static_cast<std::uint64_t>(frame));
+    Random numbers(seed * 1000 + static_cast<std::uint64_t>(frame));
     const auto noise = [&] {  // about normal, deviation 1
         double sum = 0;
         for (int k = 0; k < 4; ++k) sum += numbers.below(2001) - 1000;
@@ -247,7 +247,7 @@ double mean_iou(const std::vector<std::uint16_t>& truth, const std::vector<std::
 
 /// A table with things at random, which do not stand in each other.
 GeneratedTable random_table(std::uint64_t seed, int width = 320, int height = 240) {
-    Numbers numbers(seed + 77);
+    Random numbers(seed + 77);
     const auto between = [&](int least, int most) { return least + numbers.below(most - least + 1); };
     constexpr int colours[][3] = {{190, 50, 45}, {50, 80, 170},   {60, 140, 70}, {215, 190, 60},
                                   {60, 60, 65},  {225, 225, 220}, {150, 70, 140}};

@@ -153,7 +153,7 @@ TEST(FramesetAssembler, FollowsRestartedSender) {
 /// With any pictures lost, torn, sent twice, mixed or out of order, each frameset is of one frame and one
 /// moment, in order, and every frame that came whole and in order is given.
 TEST(FramesetAssembler, NeverMixesFrames) {
-    Numbers numbers(7);
+    Random numbers(7);
     for (int round = 0; round < 300; ++round) {
         FramesetAssembler assembler(all_of_them);
         const bool restarts = round % 3 == 0, steps_back = round % 3 == 1;
@@ -287,7 +287,7 @@ std::int64_t quantile(std::vector<std::int64_t> all, double part) {
 
 std::function<std::int64_t(int)> jitter_of(std::int64_t most) {
     return [most](int n) {
-        Numbers numbers(static_cast<std::uint64_t>(n) + 1);
+        Random numbers(static_cast<std::uint64_t>(n) + 1);
         return 20 * ms +
                (most > 0 ? static_cast<std::int64_t>(numbers.next() % static_cast<std::uint64_t>(most)) : 0);
     };
@@ -356,7 +356,7 @@ TEST(JitterBuffer, RestartsWhenClockJumps) {
 }
 
 TEST(JitterBuffer, ReplacesImpossibleClocksByArrival) {
-    Numbers numbers(3);
+    Random numbers(3);
     JitterBuffer buffer(bound);
     std::int64_t last = 0;
     for (int n = 0; n < 10'000; ++n) {
@@ -505,7 +505,7 @@ TEST(LabelledPictures, DamageNeverChangesSamples) {
     const LabelledClip clip = labelled_clip(scene_of_bits(12), 12, {true, true, false, false});
     std::int64_t lost = 0;
     for (std::uint64_t seed = 0; seed < 700; seed += sweep_step()) {
-        Numbers numbers(seed);
+        Random numbers(seed);
         LabelledDecoder decoder = decoder_for(clip);
         Came came;
         for (std::size_t n = 0; n < clip.packets.size(); ++n)

@@ -3,7 +3,7 @@
 #include "engine/base/threads.hpp"
 #include "engine/stream/hls.hpp"
 #include "tests/stream/labelled_stream.hpp"
-#include "tests/stream/web_server.hpp"
+#include "tests/stream/servers.hpp"
 #include "tests/sweep.hpp"
 
 namespace touchable::test {
@@ -408,7 +408,7 @@ TEST(HlsInput, DamageNeverChangesSamples) {
     const WebStream stream(30);
     std::size_t lost = 0;
     for (std::uint64_t seed = 0; seed < 70; seed += sweep_step()) {
-        Numbers numbers(seed);
+        Random numbers(seed);
         WebServer server([&](const std::string& path) {
             WebReply reply = stream.reply(path);
             if (path.ends_with("m3u8") || numbers.below(2) == 0) return reply;

@@ -4,8 +4,8 @@
 #include "engine/stream/hls.hpp"
 #include "engine/stream/receiving.hpp"
 #include "tests/stream/labelled_stream.hpp"
-#include "tests/stream/web_server.hpp"
-#include "tests/video/sounding_clip.hpp"
+#include "tests/stream/servers.hpp"
+#include "tests/video/remuxed_clip.hpp"
 
 namespace touchable::test {
 namespace {

@@ -1,9 +1,9 @@
 #include "engine/clip/tracks.hpp"
 #include "engine/stream/stream_pictures.hpp"
-#include "tests/limited_memory.hpp"
+#include "tests/limits.hpp"
 #include "tests/stream/labelled_stream.hpp"
 #include "tests/sweep.hpp"
-#include "tests/video/sounding_clip.hpp"
+#include "tests/video/remuxed_clip.hpp"
 
 namespace touchable::test {
 namespace {
@@ -275,7 +275,7 @@ TEST(MatroskaGate, ResumesAtNextCluster) {
     const auto sent = make_stream(small_scene(64, 48, 16), 4, {});
     const std::string last =
         through_the_gate(sent.header + sent.blocks[3])->substr(through_the_gate(sent.header)->size());
-    Numbers numbers(5);
+    Random numbers(5);
     for (int round = 0; round < 200; ++round) {
         std::string harmed = sent.blocks[1] + sent.blocks[2];
         const auto at = static_cast<std::size_t>(numbers.below(static_cast<int>(harmed.size()) - 200));
@@ -361,7 +361,7 @@ TEST(MpegtsStream, LossNeverChangesSamples) {
     const std::string whole = stream.bytes(0);
     std::size_t fewest = 1000;
     for (std::uint64_t seed = 0; seed < 150; seed += sweep_step()) {
-        Numbers numbers(seed);
+        Random numbers(seed);
         std::string damaged;
         for (std::size_t at = 0; at < whole.size(); at += 188)
             if (numbers.below(50) > 0) damaged += whole.substr(at, 188);

@@ -12,8 +12,8 @@
 #include "engine/stream/sending.hpp"
 #include "engine/stream/srt.hpp"
 #include "tests/clip/clip_fixture.hpp"
+#include "tests/stream/peers.hpp"
 #include "tests/stream/relay.hpp"
-#include "tests/stream/srt_peer.hpp"
 #include "tests/unused_port.hpp"
 
 namespace touchable::test {

@@ -6,8 +6,8 @@
 #include "engine/stream/receiving.hpp"
 #include "engine/stream/stream_bytes.hpp"
 #include "tests/stream/labelled_stream.hpp"
-#include "tests/stream/loopback_sender.hpp"
-#include "tests/stream/srt_peer.hpp"
+#include "tests/stream/peers.hpp"
+#include "tests/stream/servers.hpp"
 #include "tests/unused_port.hpp"
 
 namespace touchable::test {
@@ -182,7 +182,7 @@ TEST(StreamClip, ReportsBrokenConnection) {
 TEST(StreamClip, RejectsOtherBytes) {
     refusal("");
     refusal(std::string(100'000, 'x'));
-    Numbers numbers(1);
+    Random numbers(1);
     std::string noise;
     for (int n = 0; n < 100'000; ++n) noise += static_cast<char>(numbers.below(256));
     refusal(noise);
@@ -619,7 +619,7 @@ TEST(TransportClip, ReceivesExactFrames) {
 TEST(TransportClip, HoldsFramesOverLostPackets) {
     const auto sent = make_transport_stream(small_scene(64, 48, 16), 40, all_planes);
     for (std::uint64_t seed = 1; seed < 6; ++seed) {
-        Numbers numbers(seed);
+        Random numbers(seed);
         std::string damaged = sent.blocks[0];
         for (std::size_t n = 1; n < sent.blocks.size(); ++n)
             for (std::size_t at = 0; at < sent.blocks[n].size(); at += 188)

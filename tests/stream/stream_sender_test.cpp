@@ -35,14 +35,10 @@ public:
 
 /// Frames of so many planes, as a clip or as a camera that takes them at its own times, which pass while it
 /// is waited for.
-class MadeClip final : public ClipReader {
+class MadeClip final : public OwnClip {
 public:
     MadeClip(const Scene& scene, int frames, VirtualTime* camera_time = nullptr)
-        : scene_(scene), frames_(frames), camera_time_(camera_time) {}
-    const Scene& scene() const override { return scene_; }
-    const std::vector<TrackInfo>& tracks() const override { return tracks_; }
-    std::optional<std::int64_t> frame_count() const override { return std::nullopt; }
-    const std::vector<std::string>& notes() const override { return notes_; }
+        : OwnClip(scene), frames_(frames), camera_time_(camera_time) {}
     Result<std::optional<RawFrame>> next() override {
         if (number_ == frames_) return std::optional<RawFrame>{};
         RawFrame frame = test_frame(scene_, number_, {false, true, false, false});
@@ -54,10 +50,6 @@ public:
         ++number_;
         return std::optional(std::move(frame));
     }
-    Result<void> rewind() override {
-        number_ = 0;
-        return {};
-    }
     bool is_live() const override { return camera_time_ != nullptr; }
     Result<void> begin(std::chrono::steady_clock::time_point zero) override {
         begun_ns_ = std::chrono::nanoseconds(zero.time_since_epoch()).count();
@@ -68,12 +60,9 @@ public:
     std::int64_t delay_ns = 0;  // from when a frame is taken to when it is there
 
 private:
-    const Scene scene_;
     const int frames_;
     VirtualTime* const camera_time_;
-    std::vector<TrackInfo> tracks_;
-    std::vector<std::string> notes_;
-    std::int64_t number_ = 0, begun_ns_ = 0;
+    std::int64_t begun_ns_ = 0;
 };
 
 /// Notes what is added; its blocks hold three bytes.

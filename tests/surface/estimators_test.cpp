@@ -18,7 +18,7 @@
 #include "tests/real_data.hpp"
 #include "tests/stand_ins.hpp"
 #include "tests/surface/pictures.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 namespace {

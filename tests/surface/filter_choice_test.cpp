@@ -9,8 +9,8 @@
 #include "engine/surface/depth_estimator.hpp"
 #include "engine/surface/estimators.hpp"
 #include "engine/surface/surface_builder.hpp"
-#include "tests/frame/random.hpp"
 #include "tests/surface/pictures.hpp"
+#include "tests/sweep.hpp"
 
 namespace touchable::test {
 namespace {

@@ -9,7 +9,7 @@
 #include "engine/surface/surface_builder.hpp"
 #include "tests/must.hpp"
 #include "tests/surface/pictures.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
-#include "tests/frame/random.hpp"
+#include "tests/sweep.hpp"
 
 namespace touchable::test {
 

@@ -13,7 +13,7 @@
 #include "tests/surface/pictures.hpp"
 #include "tests/surface/test_gpu.hpp"
 #include "tests/sweep.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 
 // Every builder gives the bits of the obvious one, for any picture.
 namespace touchable::test {

@@ -16,7 +16,7 @@
 #include "tests/surface/pictures.hpp"
 #include "tests/surface/test_gpu.hpp"
 #include "tests/sweep.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 namespace {

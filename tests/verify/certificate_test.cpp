@@ -4,7 +4,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 #include "tests/verify/certificate.hpp"
 #include "tests/verify/exported_frame.hpp"
 #include "tests/verify/synthetic.hpp"
@@ -19,8 +19,8 @@ ExportedFrame rough_frame(std::uint64_t seed, std::uint64_t amplitude, bool rang
     frame.meaning.fx = frame.meaning.fy = 60;
     Random random(seed);
     for (auto& code : frame.codes)
-        code = static_cast<std::uint16_t>(amplitude ? 30000 + random.bits() % amplitude
-                                                    : random.bits() % 2 * 65535);
+        code = static_cast<std::uint16_t>(amplitude ? 30000 + random.next() % amplitude
+                                                    : random.next() % 2 * 65535);
     frame.valid[9 * 32 + 11] = frame.valid[12 * 32 + 20] = 0;
     return frame;
 }
@@ -68,7 +68,7 @@ TEST(Certificate, HoldsAtClosestPoints) {
     Random random(11);
     int places[3] = {0, 0, 0};
     for (const std::uint64_t amplitude : amplitudes) {
-        const ExportedFrame frame = rough_frame(random.bits(), amplitude, amplitude % 3 != 1);
+        const ExportedFrame frame = rough_frame(random.next(), amplitude, amplitude % 3 != 1);
         const Surface surface(frame, frame, 0);
         for (const Rest& rest : true_minima(surface, 150, random)) {
             const Star star = star_at(surface, surface.project(rest.proxy));
@@ -83,12 +83,12 @@ TEST(Certificate, HoldsAtClosestPoints) {
 TEST(Certificate, FailsBesideClosestPoints) {
     Random random(12);
     for (const std::uint64_t amplitude : amplitudes) {
-        const ExportedFrame frame = rough_frame(random.bits(), amplitude, amplitude % 3 != 1);
+        const ExportedFrame frame = rough_frame(random.next(), amplitude, amplitude % 3 != 1);
         const Surface surface(frame, frame, 0);
         for (const Rest& rest : true_minima(surface, 100, random)) {
             const ImagePosition exact = surface.project(rest.proxy);
-            const ImagePosition at{exact.x + (random.bits() % 2 ? 1e-4L : -1e-4L),
-                                   exact.y + (random.bits() % 2 ? 0.7e-4L : -0.7e-4L)};
+            const ImagePosition at{exact.x + (random.next() % 2 ? 1e-4L : -1e-4L),
+                                   exact.y + (random.next() % 2 ? 0.7e-4L : -0.7e-4L)};
             const Vec3 proxy = point_at(surface, at);
             const Judgement j = judge(star_at(surface, surface.project(proxy)), proxy, rest.goal, 0);
             EXPECT_FALSE(j.holds()) << "amplitude " << amplitude << " at " << static_cast<double>(at.x) << ' '
@@ -309,7 +309,7 @@ protected:
         frame_.meaning.low = {600, 0, 0};
         frame_.meaning.high = {600, 1, 0.7L};
         for (std::size_t k = 0; k < 3 * frame_.codes.size(); ++k)
-            frame_.haptic.push_back(static_cast<std::uint8_t>(random.bits()));
+            frame_.haptic.push_back(static_cast<std::uint8_t>(random.next()));
         write_frame(folder_.path() / "0", frame_);
         begin({5.6L, 5.3L});
         const auto mu_at = [&](const Vec3& p) { return surface_->touch_at(surface_->project(p)); };
@@ -441,7 +441,7 @@ TEST(Surface, CellsSplitAlongDiagonal) {
 TEST(Surface, PlaneAndInterpolationAgreeEverywhere) {
     ExportedFrame frame = blank_frame(9, 7);
     Random random(3);
-    for (auto& code : frame.codes) code = static_cast<std::uint16_t>(random.bits());
+    for (auto& code : frame.codes) code = static_cast<std::uint16_t>(random.next());
     const Surface surface(frame, frame, 0);
     for (int k = 0; k < 2000; ++k) {
         const ImagePosition at{random.between(-1, 9), random.between(-1, 7)};

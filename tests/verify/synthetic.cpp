@@ -82,17 +82,6 @@ Vec3 closest_on_triangle(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3
 
 }  // namespace
 
-std::uint64_t Random::bits() {
-    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-}
-
-double Random::between(double least, double most) {
-    return least + (most - least) * (static_cast<double>(bits() >> 11) / 9007199254740992.0);
-}
-
 ExportedFrame blank_frame(int width, int height) {
     ExportedFrame frame;
     Meaning& m = frame.meaning;

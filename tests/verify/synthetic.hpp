@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/sweep.hpp"
 #include "tests/verify/exported_frame.hpp"
 
 namespace touchable::verify {
@@ -13,16 +14,7 @@ inline double narrow(real v) {
     return static_cast<double>(v);
 }
 
-/// splitmix64.
-class Random {
-public:
-    explicit Random(std::uint64_t seed) : state_(seed) {}
-    std::uint64_t bits();
-    double between(double least, double most);
-
-private:
-    std::uint64_t state_;
-};
+using test::Random;
 
 /// A small camera looking at linear range codes of 16 bits from 40 to 180 units, without haptics, heights or
 /// friction; stiffness 600 N/m. All codes 0, all valid.

@@ -6,7 +6,7 @@
 #include <functional>
 #include <sstream>
 
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 #include "tests/verify/synthetic.hpp"
 
 namespace touchable::verify {
@@ -32,10 +32,10 @@ protected:
         for (ExportedFrame& frame : frames_) {
             frame.meaning.largest_height = 2;
             frame.haptic.resize(3 * frame.codes.size());
-            for (auto& code : frame.codes) code = static_cast<std::uint16_t>(30000 + random_.bits() % 3000);
-            for (auto& value : frame.haptic) value = static_cast<std::uint8_t>(random_.bits());
+            for (auto& code : frame.codes) code = static_cast<std::uint16_t>(30000 + random_.next() % 3000);
+            for (auto& value : frame.haptic) value = static_cast<std::uint8_t>(random_.next());
             for (std::size_t k = 0; k < frame.codes.size(); ++k)
-                frame.heights.push_back(static_cast<std::uint16_t>(random_.bits() % 256));
+                frame.heights.push_back(static_cast<std::uint16_t>(random_.next() % 256));
         }
         frames_[0].valid[40] = frames_[1].valid[41] = 0;
     }

@@ -7,7 +7,7 @@
 #include "engine/scene/plane_memory.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/sweep.hpp"
-#include "tests/video/clip_remux.hpp"
+#include "tests/video/remuxed_clip.hpp"
 
 namespace touchable::test {
 namespace {
@@ -489,7 +489,7 @@ RawFrame frame_of(const Scene& scene, int n, const Value& value) {
 }
 
 int random_below(int limit, int x, int y, int n) {
-    return Numbers(static_cast<std::uint64_t>((n * 1000 + y) * 1000 + x)).below(limit);
+    return Random(static_cast<std::uint64_t>((n * 1000 + y) * 1000 + x)).below(limit);
 }
 
 constexpr int bits_of_scene[] = {9, 10, 12, 13, 16};

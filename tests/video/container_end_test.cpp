@@ -5,10 +5,8 @@
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/picture/input.hpp"
 #include "tests/clip/clip_fixture.hpp"
-#include "tests/full_disk.hpp"
-#include "tests/video/clip_remux.hpp"
-#include "tests/video/quicktime.hpp"
-#include "tests/video/sounding_clip.hpp"
+#include "tests/limits.hpp"
+#include "tests/video/remuxed_clip.hpp"
 
 namespace touchable::test {
 namespace {

@@ -2,12 +2,11 @@
 #include <unistd.h>
 
 #include "engine/picture/image.hpp"
-#include "tests/full_disk.hpp"
-#include "tests/import/jpeg_with_xmp.hpp"
-#include "tests/limited_memory.hpp"
+#include "tests/limits.hpp"
+#include "tests/picture/picture_bytes.hpp"
 #include "tests/sweep.hpp"
-#include "tests/video/clip_remux.hpp"
 #include "tests/video/mp4_boxes.hpp"
+#include "tests/video/remuxed_clip.hpp"
 
 namespace touchable::test {
 namespace {
@@ -141,7 +140,7 @@ TEST(ClipDamage, NamesTrackAndFrame) {
     const std::vector<std::string> payloads = packets(subject.folder / "whole.mkv");
     ASSERT_EQ(payloads.size(), 12U);
     const char* roles[] = {"depth", "colour", "haptic", "height"};
-    Numbers numbers(5);
+    Random numbers(5);
     for (std::size_t k = 0; k < payloads.size(); ++k) {
         const auto begin = subject.bytes.find(payloads[k]);
         ASSERT_NE(begin, std::string::npos);
@@ -159,7 +158,7 @@ TEST(ClipDamage, NamesTrackAndFrame) {
 }
 
 /// Some bytes between `begin` and `end` become others.
-std::string scattered(std::string bytes, std::size_t begin, std::size_t end, Numbers& numbers) {
+std::string scattered(std::string bytes, std::size_t begin, std::size_t end, Random& numbers) {
     for (int k = numbers.below(30); k >= 0; --k)
         bytes[begin + static_cast<std::size_t>(numbers.below(static_cast<int>(end - begin)))] =
             static_cast<char>(numbers.below(256));
@@ -172,7 +171,7 @@ TEST(ClipDamage, FindsHeavyDamageAmongFrames) {
                cues = subject.bytes.rfind("\x1C\x53\xBB\x6B");
     ASSERT_LT(clusters, cues);
     ASSERT_NE(cues, std::string::npos);
-    Numbers numbers(7);
+    Random numbers(7);
     for (int trial = 0; trial < 500; ++trial) {
         const Outcome outcome = subject.with(scattered(subject.bytes, clusters, cues, numbers));
         ASSERT_TRUE(!outcome.error.empty() || same_outcome(outcome, subject.whole)) << "trial " << trial;

@@ -2,8 +2,8 @@
 
 #include "engine/picture/image.hpp"
 #include "tests/clip/clip_fixture.hpp"
-#include "tests/full_disk.hpp"
-#include "tests/video/sounding_clip.hpp"
+#include "tests/limits.hpp"
+#include "tests/video/remuxed_clip.hpp"
 
 namespace touchable::test {
 namespace {

@@ -5,11 +5,11 @@
 #include "engine/mpeg4/boxes.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/picture/ffmpeg.hpp"
-#include "tests/full_disk.hpp"
+#include "tests/import/foreign_video.hpp"
+#include "tests/limits.hpp"
 #include "tests/sweep.hpp"
 #include "tests/video/mp4_boxes.hpp"
-#include "tests/video/quicktime.hpp"
-#include "tests/video/sounding_clip.hpp"
+#include "tests/video/remuxed_clip.hpp"
 
 namespace touchable::test {
 namespace {

@@ -6,9 +6,9 @@
 #include "engine/mpeg4/boxes.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/picture/ffmpeg.hpp"
-#include "tests/full_disk.hpp"
+#include "tests/limits.hpp"
 #include "tests/video/mp4_boxes.hpp"
-#include "tests/video/sounding_clip.hpp"
+#include "tests/video/remuxed_clip.hpp"
 
 namespace touchable::test {
 namespace {
@@ -89,7 +89,7 @@ void expect_same_by_any_way(const fs::path& file, const Scene& scene, int frames
     auto reader = must(open_clip(file));
     const auto whole = test_frames(scene, frames, all_planes);
     std::vector<int> order(whole.size());
-    Numbers numbers(11);
+    Random numbers(11);
     for (std::size_t k = 0; k < order.size(); ++k) {
         order[k] = static_cast<int>(k);
         std::swap(order[k], order[static_cast<std::size_t>(numbers.below(static_cast<int>(k) + 1))]);

@@ -182,30 +182,30 @@ TEST(RankZstd, ReadsClipOfFirstVersion) {
 /// Pictures of which each mode is the smallest, and others.
 struct Picture {
     const char* name;
-    int (*sample)(int x, int y, Numbers& numbers);
+    int (*sample)(int x, int y, Random& numbers);
     std::optional<RankZstdMode> smallest;
 };
 constexpr Picture pictures[] = {
-    {"slope", [](int x, int y, Numbers&) { return 1000 + 3 * x + 2 * y + x * y / 50; }, samples_by_gradient},
+    {"slope", [](int x, int y, Random&) { return 1000 + 3 * x + 2 * y + x * y / 50; }, samples_by_gradient},
     {"millimetres",
-     [](int x, int y, Numbers& numbers) { return (40 + x / 60 + y / 50 + numbers.below(4) / 3) * 1300; },
+     [](int x, int y, Random& numbers) { return (40 + x / 60 + y / 50 + numbers.below(4) / 3) * 1300; },
      ranks_by_left},
     {"stretched bowl",
-     [](int x, int y, Numbers& numbers) { return (x * x + y * y + 60 * numbers.below(2)) / 90 * 43; },
+     [](int x, int y, Random& numbers) { return (x * x + y * y + 60 * numbers.below(2)) / 90 * 43; },
      ranks_by_gradient},
     {"bowl with gaps, where ranks save too little",
-     [](int x, int y, Numbers& numbers) {
+     [](int x, int y, Random& numbers) {
          const int value = (x * x + y * y + 60 * numbers.below(2)) / 90;
          return value + (value > 400 ? 3 : 0) + (value > 700 ? 2 : 0);
      },
      samples_by_gradient},
-    {"noise", [](int, int, Numbers& numbers) { return numbers.below(65536); }, samples_by_gradient},
-    {"one value", [](int, int, Numbers&) { return 65535; }, std::nullopt},
+    {"noise", [](int, int, Random& numbers) { return numbers.below(65536); }, samples_by_gradient},
+    {"one value", [](int, int, Random&) { return 65535; }, std::nullopt},
 };
 
 Wide samples_of(const Picture& picture, int width, int height) {
     Wide samples;
-    Numbers numbers(3);
+    Random numbers(3);
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x)
             samples.push_back(static_cast<std::uint16_t>(picture.sample(x, y, numbers)));

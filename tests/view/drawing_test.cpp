@@ -21,7 +21,7 @@
 #include "shaders/cut_rule.h"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/stand_ins.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 #include "tests/view/shown.hpp"
 
 namespace touchable::test {

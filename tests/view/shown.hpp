@@ -26,7 +26,7 @@
 #include "shaders/cut_rule.h"
 #include "tests/real_data.hpp"
 #include "tests/stand_ins.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 

@@ -21,7 +21,7 @@
 #include "player/window/background_writer.hpp"
 #include "player/window/long_work.hpp"
 #include "player/window/window_files.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 #include "tests/window/scripted_window.hpp"
 #include "tests/window/window_rig.hpp"
 

@@ -20,9 +20,9 @@
 #include "player/run/run_files.hpp"
 #include "player/window/kiosk.hpp"
 #include "tests/player/program.hpp"
-#include "tests/player/recording_bytes.hpp"
-#include "tests/temporary_folder.hpp"
-#include "tests/video/sounding_clip.hpp"
+#include "tests/player/touched.hpp"
+#include "tests/temporary_files.hpp"
+#include "tests/video/remuxed_clip.hpp"
 #include "tests/window/scripted_window.hpp"
 #include "tests/window/window_rig.hpp"
 

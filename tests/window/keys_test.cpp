@@ -21,7 +21,7 @@
 #include "player/window/user_files.hpp"
 #include "player/window/window_command.hpp"
 #include "player/window/window_input.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/temporary_files.hpp"
 #include "tests/window/scripted_window.hpp"
 
 namespace touchable::test {

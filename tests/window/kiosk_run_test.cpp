@@ -21,9 +21,9 @@
 #include "engine/picture/sound.hpp"
 #include "player/audio/heard_sound.hpp"
 #include "player/audio/window_sound.hpp"
-#include "tests/sanitizers.hpp"
+#include "tests/limits.hpp"
 #include "tests/sweep.hpp"
-#include "tests/video/sounding_clip.hpp"
+#include "tests/video/remuxed_clip.hpp"
 #include "tests/window/scripted_window.hpp"
 #include "tests/window/window_rig.hpp"
 
@@ -479,19 +479,19 @@ protected:
     }
     /// `play`, which has to end well.
     void play_well(const std::string& labels, const std::vector<std::string>& more = {},
-                   const std::string& script = press, const char* at_s = "2", const char* bar = "off") {
-        const Outcome played = play(labels, more, script, at_s, bar);
+                   const std::string& script = press, const char* at_s = "2", const char* has_bar = "off") {
+        const Outcome played = play(labels, more, script, at_s, has_bar);
         EXPECT_EQ(played.code, 0) << played.err;
     }
     static constexpr const char* press = "0 move 160 110\n0.1 press left\n";
     /// The finger comes to the middle of a window of 320x240, and stays.
     Outcome play(const std::string& labels, const std::vector<std::string>& more = {},
-                 const std::string& script = press, const char* at_s = "2", const char* bar = "off") {
+                 const std::string& script = press, const char* at_s = "2", const char* has_bar = "off") {
         std::ofstream(folder_ / "labels.json") << "{\"touchable_labels\": 1, \"labels\": [" << labels << "]}";
         std::filesystem::remove(folder_ / "heard.wav");
         std::filesystem::remove(folder_ / "shot.png");
         std::vector<std::string> words{
-            clip_,          "--kiosk",   "--kiosk-bar", bar,
+            clip_,          "--kiosk",   "--kiosk-bar", has_bar,
             "--sound",      "heard.wav", "--labels",    (folder_ / "labels.json").string(),
             "--screenshot", "shot.png",  "--at",        at_s};
         words.insert(words.end(), more.begin(), more.end());

@@ -18,9 +18,9 @@
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 #include "player/audio/heard_sound.hpp"
-#include "tests/sanitizers.hpp"
-#include "tests/video/sounding_clip.hpp"
-#include "tests/window/opened_clip_fixture.hpp"
+#include "tests/limits.hpp"
+#include "tests/video/remuxed_clip.hpp"
+#include "tests/window/window_rig.hpp"
 
 namespace touchable::test {
 namespace {

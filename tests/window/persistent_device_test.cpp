@@ -14,9 +14,8 @@
 #include "haptics_cpu/force_guard.hpp"
 #include "player/run/run_files.hpp"
 #include "player/window/persistent_device.hpp"
-#include "tests/player/standstill.hpp"
-#include "tests/sanitizers.hpp"
-#include "tests/window/opened_clip_fixture.hpp"
+#include "tests/limits.hpp"
+#include "tests/player/touched.hpp"
 #include "tests/window/window_rig.hpp"
 
 namespace touchable::test {

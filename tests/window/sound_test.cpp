@@ -10,7 +10,7 @@
 
 #include "player/audio/contact_sound.hpp"
 #include "player/audio/heard_sound.hpp"
-#include "tests/frame/allocations.hpp"
+#include "tests/limits.hpp"
 
 namespace touchable::test {
 namespace {

@@ -85,9 +85,6 @@ TEST_F(WholeWindow, RecordsTouchDuringSeeks) {
 class PeerHand {
 public:
     PeerHand() : socket_(socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK, 0)) {
-        to_.sin_family = AF_INET;
-        to_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-        to_.sin_port = htons(unused_port());
         thread_ = std::thread([this] { speak(); });
     }
     ~PeerHand() {
@@ -149,7 +146,7 @@ private:
     }
 
     const int socket_;
-    sockaddr_in to_{};
+    const sockaddr_in to_ = loopback(unused_port());
     Way way_ = Way::asks;
     int asked_ = 0;
     std::uint32_t buttons_ = 0;

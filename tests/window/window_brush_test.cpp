@@ -13,7 +13,6 @@
 #include "player/session/clip_choice.hpp"
 #include "player/window/clip_picture.hpp"
 #include "player/window/window_brush.hpp"
-#include "tests/window/opened_clip_fixture.hpp"
 #include "tests/window/window_rig.hpp"
 
 namespace touchable::test {

@@ -2,11 +2,8 @@
 // place of another.
 
 #include <gtest/gtest.h>
-#include <sys/inotify.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -31,37 +28,13 @@
 #include "player/session/clip_choice.hpp"
 #include "player/window/play_window.hpp"
 #include "tests/player/program.hpp"
-#include "tests/video/sounding_clip.hpp"
+#include "tests/temporary_files.hpp"
+#include "tests/video/remuxed_clip.hpp"
 #include "tests/window/scripted_window.hpp"
 #include "tests/window/window_rig.hpp"
 
 namespace touchable::test {
 namespace {
-
-/// How often each file of a folder was opened since.
-class OpenedFiles {
-public:
-    explicit OpenedFiles(const std::filesystem::path& folder) : watch_(inotify_init1(IN_NONBLOCK)) {
-        EXPECT_GE(inotify_add_watch(watch_, folder.c_str(), IN_OPEN), 0);
-    }
-    ~OpenedFiles() { close(watch_); }
-    OpenedFiles(const OpenedFiles&) = delete;
-    OpenedFiles& operator=(const OpenedFiles&) = delete;
-    std::map<std::string, int> times() const {
-        std::map<std::string, int> times;
-        alignas(inotify_event) std::array<char, 65536> events{};
-        for (ssize_t size; (size = ::read(watch_, events.data(), events.size())) > 0;)
-            for (ssize_t at = 0; at < size;) {
-                const auto* const event = reinterpret_cast<const inotify_event*>(events.data() + at);
-                if (event->len > 0) ++times[event->name];
-                at += static_cast<ssize_t>(sizeof(inotify_event) + event->len);
-            }
-        return times;
-    }
-
-private:
-    const int watch_;
-};
 
 /// Neither to know which files may be written, nor for other settings; kept ones are refused here at first.
 TEST(WindowFiles, OpensEachFrameOnce) {
@@ -69,10 +42,10 @@ TEST(WindowFiles, OpensEachFrameOnce) {
     const std::string pictures = (folder / "pictures").string();
     ASSERT_EQ(run_touchable({"convert", made_clip("globe", 30).string(), pictures + "/"}).code, 0);
     std::ofstream(folder / "play.json") << R"({"a": {"temporal": "on"}})";
-    const OpenedFiles opened(pictures);
+    OpenedFiles opened(pictures);
     shot_of(pictures, "0 speed 0.25\n0.3 median 5\n0.8 metric pixel\n1.3 filters auto\n", "2",
             {"--record", (folder / "hand.touch").string(), "--settings", (folder / "play.json").string()});
-    const auto times = opened.times();
+    const auto times = opened.counts();
     EXPECT_TRUE(times.contains("scene.json") && times.contains("depth_000003.png"));
     for (const auto& [file, count] : times) EXPECT_EQ(count, 1) << file;
     const auto recording = read_recording(folder / "hand.touch");
@@ -440,8 +413,6 @@ TEST_F(BrushScript, RejectsUnfitSegments) {
 // and what stays as it was.
 
 using namespace std::chrono_literals;
-using Words = std::vector<std::string>;
-
 constexpr PicturePart middle{110, 140, 300, 176}, top{60, 0, 260, 60};
 
 /// A clip of one frame.

@@ -1,12 +1,38 @@
 #pragma once
 
+// Clips written again by FFmpeg alone, with faults or with sound; and films, written and seen.
+
+#include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "engine/picture/sound.hpp"
 
 namespace touchable::test {
+
+/// How a clip is written again, not as this project would: for clips that must be refused.
+struct Remux {
+    std::map<std::string, std::string> file_tags{};  ///< set; an empty value removes the tag
+    std::map<std::string, std::string>
+        roles{};  ///< role -> new tag T3D_ROLE; an empty value removes the track
+    std::map<std::string, std::string> transcoded{};  ///< role -> codec, "mjpeg" or "mpeg4"; both 4:2:0
+    int transcoded_scale = 1;                         ///< size of transcoded pictures over the original's
+    std::string attachment_name{};                    ///< if not empty, the scene's new name
+    bool checksums = true;                            ///< whether headers and tags carry CRC-32 elements
+    /// Packets to leave out.
+    std::function<bool(const std::string& role, int number)> drop = [](const std::string&, int) {
+        return false;
+    };
+};
+
+void remux(const std::filesystem::path& from, const std::filesystem::path& to, const Remux& changes);
+
+/// The bytes of every packet, track after track.
+std::vector<std::string> packets(const std::filesystem::path& clip);
 
 /// Writes `pictures` again, if any, with a track of this sound, stored as floats at `rate`. Sound and
 /// pictures are so many milliseconds later than the file's begin.

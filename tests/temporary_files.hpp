@@ -1,16 +1,62 @@
 #pragma once
 
+// Files of one test alone, and who opens them.
+
 #include <sys/inotify.h>
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
+#include <cstddef>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <stdexcept>
 #include <string>
 
 namespace touchable::test {
+
+/// A folder of its own for one test, gone with it.
+class TemporaryFolder {
+public:
+    TemporaryFolder() {
+        std::string name = (std::filesystem::temp_directory_path() / "touchable-test-XXXXXX").string();
+        if (!mkdtemp(name.data())) throw std::runtime_error("no temporary folder " + name);
+        path_ = name;
+    }
+    ~TemporaryFolder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path_, ignored);
+    }
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+    const std::filesystem::path& path() const { return path_; }
+    std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+    std::size_t file_count() const {
+        return static_cast<std::size_t>(
+            std::distance(std::filesystem::directory_iterator(path_), std::filesystem::directory_iterator{}));
+    }
+
+private:
+    std::filesystem::path path_;
+};
+
+/// A file in a folder of its own, there as long as this is.
+class TemporaryFile {
+public:
+    TemporaryFile(const std::string& name, const std::string& text) : path_(folder_ / name) {
+        std::ofstream(path_, std::ios::binary) << text;
+    }
+    const std::string& path() const { return path_; }
+
+private:
+    const TemporaryFolder folder_;
+    const std::string path_;
+};
 
 /// How often files that lie in a folder were opened since this is here, by whatever process.
 class OpenedFiles {
