@@ -172,7 +172,7 @@ Result<std::unique_ptr<UsbPort>> open_usb_port(const fs::path& node, const std::
     const int descriptor = ::open(node.c_str(), O_RDWR | O_CLOEXEC);
     if (descriptor < 0 && (errno == EACCES || errno == EPERM))
         return device_error(
-            named + ": no permission; the program's rules of udev give it; then plug it in again",
+            named + ": no permission; install the program's udev rules, then plug it in again",
             {{Setting::device_rules}});
     if (descriptor < 0) return device_error(named + ": " + std::strerror(errno));
     auto port = std::make_unique<LibusbPort>(named, descriptor);

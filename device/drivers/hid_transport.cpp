@@ -58,7 +58,7 @@ Error hid_not_opened(const std::string& node, int failure) {
         node + (is_missing     ? ": is not there"
                 : is_forbidden ? ": may not be opened by this user"
                                : std::string(": cannot be opened (") + std::strerror(failure) + ")");
-    if (is_forbidden) words += "; the program's rules of udev permit it; then plug it in again";
+    if (is_forbidden) words += "; install the program's udev rules, then plug it in again";
     if (is_missing || failure == ENODEV || failure == ENXIO)
         words += "; must be the node of a device that is plugged in, as 'ls /dev/hidraw*' shows";
     return device_error(std::move(words), is_forbidden ? Hints{{Setting::device_rules}} : Hints());
