@@ -39,9 +39,15 @@ std::string_view members_of(Setting::Name setting) {
 }
 
 std::string members_of(const Hints& hints) {
-    std::vector<std::string_view> members;
-    for (const Hint& hint : hints)
-        if (const auto member = members_of(hint.setting); !member.empty()) members.push_back(member);
+    std::vector<std::string> members;
+    for (const Hint& hint : hints) {
+        const auto member = members_of(hint.setting);
+        if (member.empty()) continue;
+        const bool is_example = hint.value.empty() || hint.setting == Setting::intrinsics ||
+                                (hint.value[0] >= 'A' && hint.value[0] <= 'Z');  // FILE
+        std::string words = std::string(member) + (is_example ? "" : "=" + hint.value);
+        if (std::ranges::find(members, words) == members.end()) members.push_back(std::move(words));
+    }
     return listed(members, {}, " or ");
 }
 

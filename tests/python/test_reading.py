@@ -191,6 +191,11 @@ class Reading(unittest.TestCase):
             with touchable.open(folder + "/pictures", fov_degrees=90) as clip:
                 self.assertAlmostEqual(clip.camera.fx_px, 32)
                 self.assertIn("guessed", " ".join(clip.notes))
+            ramp = (numpy.arange(48 * 64, dtype=numpy.uint16) % 401 + 501).reshape(48, 64)
+            touchable.write(folder + "/ramp", [ramp], camera=touchable.Camera(64, 48))
+            os.remove(folder + "/ramp/scene.json")
+            with touchable.open(folder + "/ramp") as clip:
+                self.assertIn("metres_per_code=0.00390625", " ".join(clip.notes))
 
 
 class RealReading(unittest.TestCase):
