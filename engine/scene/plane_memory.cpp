@@ -140,16 +140,23 @@ std::shared_ptr<std::uint8_t> take_plane_memory(std::size_t bytes, PlaneContent 
     const auto count = [](std::int64_t counted) { return !count_planes || count_planes(counted); };
     const auto size = static_cast<std::int64_t>(bytes);
     if (!count(size)) return nullptr;
+    std::uint8_t* data = nullptr;
     try {
-        if (std::uint8_t* const data = pool().take(bytes, content))
-            return {data, [=](std::uint8_t* leased) {
-                        pool().give_back(leased);
-                        count(-size);
-                    }};
+        data = pool().take(bytes, content);
     } catch (const std::bad_alloc&) {  // of the pool's own records
     }
-    count(-size);
-    return nullptr;
+    if (!data) {
+        count(-size);
+        return nullptr;
+    }
+    try {
+        return {data, [=](std::uint8_t* leased) {
+                    pool().give_back(leased);
+                    count(-size);
+                }};
+    } catch (const std::bad_alloc&) {  // the deleter has run
+        return nullptr;
+    }
 }
 
 std::shared_ptr<const PlaneBlock> plane_block_of(const void* data, std::size_t bytes) {
