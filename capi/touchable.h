@@ -107,8 +107,8 @@ typedef struct touch_camera {
     double far_m;                /**< deeper pixels have no surface; metres, > 0. See touch_frame.lost_pixels */
     double frames_per_second;    /**< > 0; used for frames that are counted, not timed */
     double stiffness_n_per_m;    /**< used without a haptic picture; >= 0 */
-    double static_friction;      /**< coefficient >= 0 */
-    double dynamic_friction;     /**< coefficient, 0 to static_friction */
+    double static_friction;      /**< used without a haptic picture; coefficient >= 0 */
+    double dynamic_friction;     /**< used without a haptic picture; 0 to static_friction */
 } touch_camera;
 
 /** Fills in 640x480 pixels, 60 degrees wide, planar depth in millimetres up to 10 m, 30 frames/s, 600 N/m, friction
@@ -306,10 +306,10 @@ typedef struct touch_contact {
     touch_vec3 goal;          /**< scene units: as given, or the last valid one */
     touch_vec3 proxy;         /**< scene units: position held by the surface; the goal itself out of contact */
     double pixel_x;           /**< column of the proxy in the picture, pixels; NaN if no pixel sees it */
-    double pixel_y;           /**< its row, pixels */
+    double pixel_y;           /**< its row, pixels; NaN if pixel_x is */
     double stiffness_n_per_m; /**< at the proxy; 0 out of contact */
-    double static_friction;   /**< a coefficient */
-    double dynamic_friction;  /**< a coefficient */
+    double static_friction;   /**< coefficient at the proxy; 0 out of contact */
+    double dynamic_friction;  /**< coefficient at the proxy; 0 out of contact */
     int32_t touching;         /**< 1 in contact */
     int32_t in_hole;          /**< 1 if the proxy rests on a hole's wall or ground */
 } touch_contact;
@@ -396,8 +396,8 @@ typedef struct touch_clip_facts {
     int32_t depth_sample;      /**< of frames' depth: TOUCH_U8 or TOUCH_U16 */
     int32_t depth_channels;    /**< of frames' depth: 1; 3 if depth is stored as hue */
     int32_t has_colour;        /**< 1: frames have this picture, 0: they do not */
-    int32_t has_haptic;        /**< 0 or 1 */
-    int32_t has_height;        /**< 0 or 1 */
+    int32_t has_haptic;        /**< 1: frames have this picture, 0: they do not */
+    int32_t has_height;        /**< 1: frames have this picture, 0: they do not */
     int32_t depth_is_lossless; /**< 1: the codec keeps every value, 0: it may not */
     int32_t notes;             /**< number of notes of touch_clip_note */
     int32_t has_own_times;     /**< 1: frames have a variable rate; 0: a constant rate */

@@ -63,8 +63,8 @@ public:
     virtual std::vector<std::string> remarks() const { return {}; }
 };
 
-/// Descriptions for make_hand, without keys: "wander", ..., "csv:FILE", "rec:FILE". (A run opens the last one
-/// itself.)
+/// Descriptions for make_hand, without keys: "wander", ..., "csv:FILE", "rec:FILE". make_hand does not
+/// take rec:FILE; a run opens it itself.
 std::vector<std::string> hand_words();
 
 /// Makes a hand from its description: "wander|stroke|press|poke[:key=value,...]" or

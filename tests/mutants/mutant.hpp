@@ -9,8 +9,8 @@
 #pragma GCC visibility push(hidden)
 extern "C" {
 struct TouchableReached {
-    int yes;  // in a type of its own, which no other store can change: the compiler keeps its freedom around
-              // it
+    // A type of its own, so that no other store can change it and the compiler keeps its freedom around it.
+    int yes;
 };
 extern TouchableReached* touchable_reached_mutants;
 extern int touchable_active_mutant;
