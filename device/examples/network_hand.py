@@ -10,7 +10,7 @@ words.add_argument("port", nargs="?", type=int, default=5710)
 words = words.parse_args()
 hand = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 hand.connect(("127.0.0.1", words.port))
-hand.settimeout(0.02)
+hand.setblocking(False)
 head = struct.Struct("<4sBBBBIIQ")  # TCHD, version, kind, fingers, flags, sequence, buttons, time
 
 def send(sequence, place, last=False):  # metres: x right, y up, z towards the person
@@ -21,16 +21,21 @@ start, forces, trips, why = time.monotonic(), [], [], "there was no time for one
 for tick in range(1, int(words.seconds * 1000)):
     while (now := time.monotonic() - start) < tick / 1000:
         time.sleep(max(0.0, tick / 1000 - now - 0.0001))
+    answer, refused = None, False
     try:
         send(tick, (0.01 * math.sin(now), 0.0, 0.04 * math.cos(2 * now)))
-        answer = hand.recv(1024)
-        while select.select([hand], [], [], 0)[0]:  # only the newest counts
+    except ConnectionRefusedError:  # an earlier packet was; answers may wait nevertheless
+        refused = True
+    while select.select([hand], [], [], 0 if answer or refused else 0.02)[0]:  # only the newest counts
+        try:
             answer = hand.recv(1024)
-    except ConnectionRefusedError:  # a real device would be unpowered now
-        why = "no program listens there, or it has another hand"
-        continue
-    except TimeoutError:  # lost on the way, or left out
-        why = "no answer came: touchable says why (another number of fingers, another hand)"
+        except ConnectionRefusedError:
+            refused = True
+        except BlockingIOError:
+            break
+    if not answer:  # a real device would be unpowered now
+        why = ("no program listens there, or it has another hand" if refused else
+               "no answer came: touchable says why (another number of fingers, another hand)")
         continue
     if len(answer) == 52 and zlib.crc32(answer[:-4]) == struct.unpack("<I", answer[-4:])[0]:
         forces.append(math.hypot(*struct.unpack_from("<3d", answer, head.size)))
