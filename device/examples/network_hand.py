@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """A small hand: it pokes at what is in front of it, and says what it felt.
-   touchable touch CLIP --live --device network --force-on --seconds 5
+   touchable touch CLIP --live --device network --force-on --max-force 1 --seconds 5
    python3 network_hand.py [SECONDS [PORT]]"""
 import argparse, math, select, socket, struct, sys, time, zlib
 
