@@ -63,13 +63,14 @@ TEST(Usage, HelpIsAlsoACommand) {
         EXPECT_EQ(run.code, 0) << run.err;
         EXPECT_EQ(run.out, run_touchable({command, "-h"}).out);
     }
-    for (const std::vector<std::string>& words :
-         {std::vector<std::string>{"help", "paint"}, {"help", "touch", "hand", "too"}}) {
+    const std::pair<std::vector<std::string>, const char*> refused[] = {
+        {{"help", "paint"}, "must be one of make, play, touch, cameras, devices, info"},
+        {{"help", "touch", "hand", "too"}, "help takes a command and a topic, no more words"}};
+    for (const auto& [words, message] : refused) {
         const Outcome run = run_touchable(words);
         EXPECT_EQ(run.code, 2);
         EXPECT_TRUE(run.one_line_of_error()) << run.err;
-        EXPECT_NE(run.err.find("must be one of make, play, touch, cameras, devices, info"), std::string::npos)
-            << run.err;
+        EXPECT_NE(run.err.find(message), std::string::npos) << run.err;
     }
 }
 
@@ -829,10 +830,8 @@ TEST(Help, UnknownTopicListsTopics) {
             EXPECT_NE(run.err.find(right), std::string::npos) << run.err;
     }
     EXPECT_EQ(run_touchable({"play", "--help", "Camera"}).out, run_touchable({"help", "play", "camera"}).out);
-    EXPECT_NE(run_touchable({"cameras", "--help", "x"}).err.find("must be all;"), std::string::npos);
-    EXPECT_EQ(run_touchable({"touch", "--help", "--json"}).out, run_touchable({"touch", "--help"}).out);
-    EXPECT_EQ(run_touchable({"help", "a", "b", "c"}).err,
-              "touchable: help takes a command and a topic, no more words\n");
+    EXPECT_NE(run_touchable({"cameras", "--help", "x"}).err.find("must be all\n"), std::string::npos);
+    EXPECT_EQ(run_touchable({"touch", "--help", "--live"}).out, run_touchable({"touch", "--help"}).out);
 }
 
 TEST(Help, ListsAllowedWords) {
