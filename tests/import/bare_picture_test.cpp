@@ -295,7 +295,7 @@ TEST_F(BarePicture, RefusesInvalidDescriptions) {
     EXPECT_TRUE(has_words(with("colour.png", 30, 0.001), "is in colour"));
     EXPECT_TRUE(is_refused(open_clip(folder / "colour.png"), "is in colour"));
     EXPECT_TRUE(has_words(with("100%.png", 30, 0.001), "rename it"));
-    EXPECT_TRUE(has_words(with("clip.mkv", 30, 0.001), "is no picture"));
+    EXPECT_TRUE(has_words(with("clip.mkv", 30, 0.001), "has its scene in it"));
     SourceDescription unknown;
     unknown.preset = "kinekt";
     EXPECT_TRUE(
