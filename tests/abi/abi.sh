@@ -26,6 +26,7 @@ trap 'rm -rf "$work"' EXIT
         reading && /;/ {
             reading = 0
             sub(/;.*/, " { for (;;) {} }", declaration)
+            gsub(/[ *]+/, " ", comment)  # the words may stand on two lines
             if (comment !~ /Not yet stable/) print declaration
         }' "$header"
 } >"$work/header.c"
