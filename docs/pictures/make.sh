@@ -1,5 +1,5 @@
 #!/bin/bash
-# Makes the pictures of docs/play.md, docs/exhibit.md and of the README anew, by the program itself, without a display:
+# Makes the pictures of README.md and docs/play.md anew, by the program itself, without a display:
 #     docs/pictures/make.sh [build/release/player/touchable]
 set -euo pipefail
 cd "$(dirname "$0")"
@@ -21,12 +21,12 @@ picture() {
 picture window 3 --size 800x450 <<'SCRIPT'
 0.1  play-pause
 0.2  seek 1
-0.4  move 330 268
+0.4  move 470 150
 1.0  press left
-2.6  move 334 264
+2.6  move 502 158
 SCRIPT
 
-# Once something was pressed nobody is told how.
+# After the first press the window no longer hints how to press.
 picture research 3 --size 1000x560 <<'SCRIPT'
 0.1  play-pause
 0.2  seek 1
