@@ -108,7 +108,7 @@ typedef struct touch_camera {
     double frames_per_second;    /**< > 0; used for frames that are counted, not timed */
     double stiffness_n_per_m;    /**< used without a haptic picture; >= 0 */
     double static_friction;      /**< used without a haptic picture; coefficient >= 0 */
-    double dynamic_friction;     /**< used without a haptic picture; 0 to static_friction */
+    double dynamic_friction;     /**< used without a haptic picture; coefficient, 0 to static_friction */
 } touch_camera;
 
 /** Fills in 640x480 pixels, 60 degrees wide, planar depth in millimetres up to 10 m, 30 frames/s, 600 N/m, friction

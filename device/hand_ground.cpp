@@ -12,7 +12,8 @@ namespace {
 
 // Limits of smooth, rough and broken ground.
 constexpr int relief_rings = 4;
-constexpr double least_cliff = 0.006;  // device metres: a lower step is rough ground
+constexpr double least_cliff = 0.006;  // device metres: a lower step is rough ground, however steep
+constexpr double steepest = 2.14;      // rise per length, as the camera sees it: 65 degrees
 constexpr double least_bend = 0.0001;  // device metres: deviation of rough ground from the straight ...
 constexpr double sharpest = 1.0 / 6;   // ... or, per length, if that is more: 9.5 degrees
 
@@ -100,7 +101,7 @@ LocalRelief LocalReliefSearch::about(const glm::dvec2& pixel, double depth, cons
             if (!box_.contains(place)) continue;
             const std::optional<double> there = probe.depth_under(place.x, place.y);
             if (there) rise[k] = (depth - *there) * metres_per_scene_unit_;
-            broken = broken || !there || std::fabs(rise[k]) > least_cliff;
+            broken = broken || !there || std::fabs(rise[k]) > std::max(least_cliff, steepest * radius);
             highest = std::min(highest, there.value_or(depth));
         }
         // On a slope, the rises of opposite sides cancel; at a bend a sum is left.

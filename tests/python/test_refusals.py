@@ -63,7 +63,7 @@ class Refusals(unittest.TestCase):
         for words, wrong in {
             "int64.*uint16": depth.astype(numpy.int64), "bool": depth > 5, r"shape \(\)": numpy.float32(3),
             r"shape \(3072,\).*\(height, width\)": depth.ravel(), "object": numpy.full((48, 64), None),
-            "64x47|47": depth[:47], "8 bits, 16": depth.astype(numpy.uint8), "masked": numpy.ma.masked_array(depth),
+            "64x47|47": depth[:47], "8 bits; must be 16": depth.astype(numpy.uint8), "masked": numpy.ma.masked_array(depth),
             "2 channels|shape": numpy.zeros((48, 64, 2), numpy.uint16), "shape": depth[:0], "complex": depth.astype(complex),
             "<U": "depth.png", "no depth": {"depth": None}, "picture 'color'": {"depth": depth, "color": depth},
             "tuple of 5": (depth,) * 5, "no array": [[1, 2], [3]],
