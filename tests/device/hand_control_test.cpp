@@ -600,6 +600,18 @@ TEST_F(Pointer, ApproachesSlowlyAndLeavesQuickly) {
     EXPECT_GT(glm::length(before - deep), 0.02);
 }
 
+TEST_F(Pointer, ReturnsWithoutDetour) {
+    const glm::dvec3 deep(0.04, -0.02, -0.01);
+    intend({deep});
+    read_for(2000);
+    intend({});
+    const glm::dvec3 left = read_for(60)[0];
+    const double apart = glm::length(left - deep);
+    ASSERT_GT(apart, 0.02);
+    intend({left});
+    for (int k = 0; k < 300; ++k) EXPECT_GT(glm::length(read()[0] - deep), apart - 0.001) << k;
+}
+
 TEST_F(Pointer, LimitsSpeedOfJump) {
     intend({{-0.08, 0, 0}});
     glm::dvec3 before = read_for(3000)[0];
