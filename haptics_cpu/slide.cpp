@@ -283,15 +283,13 @@ Place rim_place(const Motion& motion, const ImageStep& step, const CellPoint& fr
         exit.edge == Feature::edge_v ? from.b + exit.length * step.dy : from.a + exit.length * step.dx);
 }
 
-/// Moves a place that is a rounding beside the rim of its face or edge onto the rim, where other faces count.
-Place on_the_rim(const Place& at) {
+/// Moves a place that is a rounding beside the end of its edge onto the vertex, where other faces count.
+Place at_the_vertex(const Place& at) {
     const auto snapped = [](double f) { return f < 0x1p-48 ? 0.0 : (f > 1 - 0x1p-48 ? 1.0 : f); };
     const double a = snapped(at.a), b = snapped(at.b);
     if (at.feature == Feature::edge_v) return edge_place(at.feature, at.i, at.j, b);
     if (at.feature == Feature::edge_h || at.feature == Feature::edge_d)
         return edge_place(at.feature, at.i, at.j, a);
-    if (at.feature == Feature::face_lower || at.feature == Feature::face_upper)
-        return face_or_rim_place(at.feature, at.i, at.j, a, std::abs(a - b) < 0x1p-48 ? a : b);
     return at;
 }
 
@@ -351,7 +349,7 @@ public:
                 const bool whole = stalls > 0 && too_short_to_tell(motion, pull);
                 arrived = move(motion, whole ? no_friction : cone, next) && cone.stopping == 0;
                 if (whole) {
-                    next = on_the_rim(next);
+                    next = at_the_vertex(next);
                     arrived &= next.feature == motion.feature;
                 }
                 // Also without friction yet: a proxy in motion is in motion when it meets friction.

@@ -70,7 +70,7 @@ Result<FramesetHeader> read_header(std::span<const std::uint8_t> bytes) {
     const std::uint32_t version = whole_at(bytes, 8), length = whole_at(bytes, 12);
     if (version != frameset_version || length != frameset_header_bytes)
         return input_error("gives framesets of version " + std::to_string(version) + " with headers of " +
-                           std::to_string(length) + " bytes; read are those of version 1 with 100");
+                           std::to_string(length) + " bytes; must be version 1 with 100");
     const std::uint32_t width = whole_at(bytes, 32), height = whole_at(bytes, 36);
     const std::uint32_t colour_width = whole_at(bytes, 80), colour_height = whole_at(bytes, 84);
     const std::uint32_t flags = whole_at(bytes, 88);

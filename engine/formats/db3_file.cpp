@@ -128,7 +128,7 @@ private:
         if (stop_requested()) return interrupted_error();
         const int status = database_ != nullptr ? sqlite3_errcode(database_) : SQLITE_NOMEM;
         if (status == SQLITE_NOMEM) return internal_error("SQLite is out of memory");
-        if (status == SQLITE_INTERRUPT) return input_error("is damaged: SQLite comes to no end with it");
+        if (status == SQLITE_INTERRUPT) return input_error("is damaged: SQLite did not finish reading it");
         return input_error((status == SQLITE_ERROR ? "is not as ROS 2 writes it" : "is damaged") +
                            std::string(", as SQLite says: ") + printable(sqlite3_errmsg(database_), 100));
     }

@@ -110,7 +110,8 @@ Result<const SourceDescription::Preset*> known_preset(const SourceDescription& k
     if (known.preset.empty()) return static_cast<const SourceDescription::Preset*>(nullptr);
     if (const SourceDescription::Preset* preset = preset_named(known.preset)) return preset;
     if (video_values_named(known.preset))
-        return usage_error("preset " + known.preset + " is of videos of depth", {{Setting::preset}});
+        return usage_error("preset " + known.preset + " is for depth videos, not for pictures",
+                           {{Setting::preset}});
     return usage_error("preset " + known.preset + " is not known: must be one of " +
                            listed(all_presets(), &SourceDescription::Preset::name),
                        {{Setting::preset}});

@@ -253,7 +253,7 @@ Result<PixelOfFrame> read_place(const std::string& text) {
     auto place = read_pixel_of_frame(text);
     if (!place)
         return usage_error("--at " + in_quotes(text) +
-                           " is no pixel; must be X,Y or X,Y,FRAME: its column, its row and its "
+                           "; must be X,Y or X,Y,FRAME: a pixel's column, its row and its "
                            "frame, from 0, such as 120,80 or 120,80,45");
     place->frame = std::max<std::int64_t>(place->frame, 0);
     return *place;

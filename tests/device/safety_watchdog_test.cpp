@@ -383,6 +383,8 @@ public:
         process_ = fork();
         if (process_ == 0) {
             setpgid(0, 0);
+            for (const int signal : {SIGINT, SIGQUIT, SIGHUP})
+                std::signal(signal, SIG_DFL);  // nohup ignores them
             for (const int theirs : {ends[0], told[0], 2}) ::close(theirs);
             if (before) before();
             live(ends[1], told[1], way, beside);

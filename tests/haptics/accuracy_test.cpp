@@ -8,6 +8,7 @@
 #include "engine/content/height_fields.hpp"
 #include "tests/haptics/touch_rig.hpp"
 #include "tests/reference/solver.hpp"
+#include "tests/sweep.hpp"
 
 namespace touchable::test {
 namespace {
@@ -208,6 +209,36 @@ TEST_P(RoughField, ProxyRestsAtMinimum) {
     std::cout << GetParam().scene << ": touching " << touching << " of " << ticks << ", most events "
               << most_events << ", excess " << static_cast<double>(worst_excess) << ", q deficit "
               << static_cast<double>(worst_deficit) << '\n';
+}
+
+/// A scene in units 2^k times as long has the same touch to the bit: no length in the solver is absolute.
+TEST(RoughGround, IgnoresUnitOfLength) {
+    for (const double scale : {0x1p-40, 0x1p-8, 0x1p40}) {
+        SmallField one(24, 24, 100.0, DepthSemantics::planar), other(24, 24, 100.0, DepthSemantics::planar);
+        Random random(8);
+        std::vector<double> depths(24 * 24);
+        for (double& depth : depths) depth = 60.0 + random.within(0, 60);
+        const auto depth = [&](int x, int y) { return depths[static_cast<std::size_t>(24 * y + x)]; };
+        one.shape(one.prev, depth);
+        other.scene.depth.near *= scale;
+        other.scene.depth.far *= scale;
+        other.prev.coding = other.next.coding = other.scene.depth;
+        other.shape(other.prev, [&](int x, int y) { return depth(x, y) * scale; });
+        TouchSettings settings, scaled;
+        scaled.metres_per_scene_unit = settings.metres_per_scene_unit / scale;
+        FingerState finger, scaled_finger;
+        int touching = 0;
+        for (int tick = 0; tick < 20000; ++tick) {
+            const dvec3 goal = unproject(one.scene.camera, random.within(-2, 26), random.within(-2, 26),
+                                         random.within(50, tick % 3 ? 150 : 70));
+            const Contact contact = one.touch(finger, goal, 0, settings);
+            const Contact same = other.touch(scaled_finger, goal * scale, 0, scaled);
+            ASSERT_EQ(contact.proxy * scale, same.proxy) << "tick " << tick;
+            ASSERT_EQ(contact.counts.events, same.counts.events) << "tick " << tick;
+            touching += contact.touching;
+        }
+        EXPECT_GT(touching, 5000);
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Fields, RoughField,

@@ -627,6 +627,22 @@ TEST(HoleStiffness, ClosingHoleDoesNotKick) {
     EXPECT_NEAR(last, scene_k * 0.005, 1e-9);
 }
 
+/// The ground becomes stiffer under a finger at rest. Its place, (40.4, 32), is 0.4 of the way to a
+/// neighbour of the pixel that may become a hole in the same tick.
+TEST(HoleStiffness, JumpsOnlyWithoutHole) {
+    for (const bool opens : {false, true}) {
+        HoleyField field(65, 64);
+        FingerState finger;
+        field.touch(finger, {1.975, 0, -90});
+        field.touch(finger, {1.975, 0, -105});
+        field.scene.default_properties.stiffness = 1000;
+        if (opens) field.set(field.prev, 42, 31, nothing);
+        const Contact contact = field.touch(finger, {1.975, 0, -105});
+        EXPECT_NEAR(contact.hole_share, opens ? 0.4 : 0, 1e-9);
+        EXPECT_EQ(contact.jumped, !opens);
+    }
+}
+
 TEST_F(HoleWall, BecomesCliffWithoutKick) {
     CliffAndHole field(hole_k / 1000);
     field.shape(field.next, [](int x, int) { return x < 32 ? 100.0 : 400.0; });

@@ -529,5 +529,60 @@ TEST(UnevenFriction, SlidesEndByLocalFriction) {
     std::cout << judged << " slides judged, worst " << worst << ", by mu_s " << lesser << '\n';
 }
 
+/// By how much friction fails to hold a proxy after `length` image steps, in lengths of its way: the rest of
+/// the way less mu times the load, by the lesser mu.
+Real missing(const FrictionCone& cone, const Motion& motion, const ImageStep& step, const CellPoint& from,
+             Real length) {
+    const Real a = from.a + length * step.dx, b = from.b + length * step.dy;
+    const auto mu = [&](const std::array<double, 4>& at) {
+        return (1 - b) * ((1 - a) * at[0] + a * at[1]) + b * ((1 - a) * at[2] + a * at[3]);
+    };
+    const Real rest = 1 - length / (1 - length * step.stretch);
+    return rest - std::min(mu(cone.sliding), mu(cone.most)) *
+                      std::sqrt(Real(motion.load2) / glm::dot(motion.way, motion.way));
+}
+
+// On steep ground the rest of a way is no straight line over the image. There, and between smooth and rough
+// corners, friction may hold in the middle of a way alone.
+TEST(StoppingLength, IsFirstSampleThatHolds) {
+    SplitMix64 random(19);
+    int stopped = 0, passed = 0;
+    for (int k = 0; k < 20000; ++k) {
+        const bool steep = k % 2;
+        CornerProperties corners{};
+        for (HapticProperties& corner : corners) {
+            corner.static_friction = steep ? std::round(random.unit()) : random.unit();
+            corner.dynamic_friction = steep ? corner.static_friction : random.unit();
+        }
+        const CellPoint from{random.unit(), random.unit()};
+        const FrictionCone cone = cone_over(corners, from, true, {});
+        Motion motion;
+        motion.way = {1, 0, 0};
+        motion.load2 = std::pow(10.0, random.within(-0.6, 1.4));
+        const double far = steep ? 0.3 : 2;
+        const ImageStep step{random.within(-far, far), random.within(-far, far),
+                             steep ? random.within(-0.99, -0.5) : random.within(-0.95, 4)};
+        const auto to_rim = [](double at, double speed) {
+            return speed > 0 ? (1 - at) / speed : -at / speed;
+        };
+        const double reach = std::min(to_rim(from.a, step.dx), to_rim(from.b, step.dy));
+        const double length = stopping_length(cone, motion, step, from, reach);
+        const double end = std::min({length, reach, step.length_at(1)});
+        const int samples = 200;
+        for (int n = 0; n < samples && end > 0; ++n) {
+            const Real at = Real(end) * n / samples;
+            ASSERT_GT(missing(cone, motion, step, from, at), -1e-9L) << k << " at " << n;
+        }
+        if (length <= reach) {
+            ASSERT_LE(missing(cone, motion, step, from, length), 1e-9L) << k;
+            stopped += length > 0 && length < step.length_at(1);
+        } else {
+            ++passed;
+        }
+    }
+    EXPECT_GT(stopped, 3000);
+    EXPECT_GT(passed, 1000);
+}
+
 }  // namespace
 }  // namespace touchable::test

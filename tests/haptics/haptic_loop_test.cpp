@@ -1,6 +1,7 @@
 // The real-time thread: what it promises at any load of the machine. No test here depends on a deadline
 // being met.
 
+#include <dlfcn.h>
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <sys/mman.h>
@@ -14,7 +15,9 @@
 #include <fstream>
 #include <new>
 #include <stdexcept>
+#include <string_view>
 #include <thread>
+#include <utility>
 
 #include "haptics_cpu/haptic_loop.hpp"
 #include "tests/haptics/touch_rig.hpp"
@@ -371,6 +374,38 @@ TEST(Realtime, LocksLaterMemory) {
         return named && locked_kib() - before >= 64 * 1024 ? right : wrong;
     });
     if (said == not_here) GTEST_SKIP() << "this machine does not let all memory be locked";
+    EXPECT_EQ(said, right);
+}
+
+/// How much of a library's code lies in memory, and its size, KiB.
+std::pair<long, long> code_in_memory(std::string_view library) {
+    std::ifstream maps("/proc/self/smaps");
+    bool within = false;
+    std::pair<long, long> kib{0, 0};
+    for (std::string line; std::getline(maps, line);) {
+        if (line.find(" r-xp ") != line.npos) within = line.find(library) != line.npos;
+        if (line.find(" r--p ") != line.npos || line.find(" rw-p ") != line.npos) within = false;
+        if (within && line.starts_with("Rss:")) kib.first += std::stol(line.substr(4));
+        if (within && line.starts_with("Size:")) kib.second += std::stol(line.substr(5));
+    }
+    return kib;
+}
+
+TEST(Realtime, LoadsWhatTicksCall) {
+#ifdef TOUCHABLE_SANITIZED
+    GTEST_SKIP() << "sanitizers take every call that locks memory for themselves";
+#endif
+    const int said = in_a_child([] {
+        if (dlopen("libvulkan.so.1", RTLD_LAZY) == nullptr) return not_here;
+        if (become_realtime().memory == RealtimeGrant::Memory::none) return not_here;
+        for (const char* library : {"/libc.so", "/libm.so", "/libstdc++.so"}) {
+            const auto [loaded, size] = code_in_memory(library);
+            if (loaded == 0 || loaded != size) return wrong;
+        }
+        const auto [loaded, size] = code_in_memory("/libvulkan.so");
+        return loaded < size ? right : wrong;
+    });
+    if (said == not_here) GTEST_SKIP() << "this machine does not let memory be locked, or has no Vulkan";
     EXPECT_EQ(said, right);
 }
 

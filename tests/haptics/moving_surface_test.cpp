@@ -603,6 +603,30 @@ TEST(NearestPlace, NoSampleIsNearer) {
     EXPECT_GT(refused, 3);
 }
 
+/// A step of the ground one cell beside a buried point, which is nearer than the ground above it.
+TEST(NearestPlace, FindsStepOnEverySide) {
+    struct Side {
+        double a, b;
+        int di, dj;
+    };
+    for (const Side& side :
+         {Side{0.97, 0.5, 1, 0}, {0.03, 0.5, -1, 0}, {0.5, 0.97, 0, 1}, {0.5, 0.03, 0, -1}}) {
+        SmallField field(40, 40, 100.0, DepthSemantics::planar);
+        field.shape(field.prev, [side](int x, int y) {
+            const bool falls = side.di > 0 ? x > 21 : side.di < 0 ? x < 20 : side.dj > 0 ? y > 21 : y < 20;
+            return falls ? 200.0 : 160.0;
+        });
+        const HeightField surface = field.field();
+        const WorldSpace space(surface);
+        const Place around = face_under(20 + side.a, 20 + side.b);
+        const auto place =
+            nearest_place(space, around, unproject(field.scene.camera, 20 + side.a, 20 + side.b, 160.1), 1);
+        ASSERT_TRUE(place);
+        EXPECT_EQ(place->i, 20 + side.di);
+        EXPECT_EQ(place->j, 20 + side.dj);
+    }
+}
+
 /// A block 30 mm high before a wall at 1000, its side at column `edge`, under the tabletop's camera.
 class Block {
 public:

@@ -667,7 +667,7 @@ TEST_F(GuessedFolder, PointsToPicturesElsewhere) {
     colour("a b/seq/rgb/1.png");
     depth("a b/seq/depth/1.png");
     EXPECT_TRUE(
-        has_words(refusal(), "there are no pictures, but further down than it is looked: touchable play '" +
+        has_words(refusal(), "there are no pictures, but they are in a folder too far down: touchable play '" +
                                  (folder / "a b").string() + "')"));
     depth("c/d/e/1.png");
     EXPECT_TRUE(has_words(refusal(), "one of 2 such folders"));

@@ -43,7 +43,7 @@ class Words(argparse.ArgumentParser):
 def frames(text):
     found = re.fullmatch(r"(-?\d+)(?:-(-?\d+))?", text)
     if not found or int(found[2] or found[1]) < int(found[1]):
-        raise argparse.ArgumentTypeError(f"'{text}' are no frames; must be like 1-90 or 7")
+        raise argparse.ArgumentTypeError(f"frames '{text}'; must be like 1-90 or 7")
     first, last = int(found[1]), int(found[2] or found[1])
     if first < -LAST_FRAME or last > LAST_FRAME:
         raise argparse.ArgumentTypeError(f"'{text}' are not all Blender's; must be frames from {-LAST_FRAME} to {LAST_FRAME}")
