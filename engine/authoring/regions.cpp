@@ -304,12 +304,12 @@ void RegionCleaning::find_runs(const std::vector<std::uint16_t>& regions, int wi
     row_begins_.push_back(static_cast<std::uint32_t>(runs_.size()));
 }
 
-/// Calls `touch(run above, run below, pixels)` for runs that meet.
+/// Calls `touch(run above, run below, pixels)` for runs that meet. The last runs of all rows end at the
+/// picture's right edge, so that a row and the row below it end together.
 template <class Touch>
 void RegionCleaning::for_each_contact(Touch&& touch) const {
     for (std::size_t y = 1; y + 1 < row_begins_.size(); ++y)
-        for (std::uint32_t above = row_begins_[y - 1], below = row_begins_[y];
-             above < row_begins_[y] && below < row_begins_[y + 1];) {
+        for (std::uint32_t above = row_begins_[y - 1], below = row_begins_[y]; above < row_begins_[y];) {
             const Run &a = runs_[above], &b = runs_[below];
             const std::int32_t pixels = std::min(a.last, b.last) - std::max(a.first, b.first) + 1;
             if (pixels > 0) touch(above, below, pixels);

@@ -300,7 +300,7 @@ private:
         if (!best) return std::optional<Taken>();
         newest_ = best->header;
         Taken taken{static_cast<std::uint32_t>(newest_.number), at_ns};
-        add_plane(taken.frame, PlaneRole::depth, {best->depth(), best->payload, 16});
+        add_plane(taken.frame, PlaneRole::depth, {best->depth(), best->payload});
         if (shows_colour_)
             if (auto colour = fit_plane(PlaneRole::colour, {best->colour(), best->payload, 8}, scene_, name_))
                 add_plane(taken.frame, PlaneRole::colour, std::move(*colour));

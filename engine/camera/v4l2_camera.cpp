@@ -226,7 +226,7 @@ private:
         put_in_host_order(**picture, format);
         const PlaneView depth{bytes->data(), format.stride, format.width, format.height, 2, 1};
         Taken taken{sequence, at_ns};
-        add_plane(taken.frame, PlaneRole::depth, {depth, bytes, 16});
+        add_plane(taken.frame, PlaneRole::depth, {depth, bytes});
         if (colour_)
             if (auto colour = colour_->nearest(at_ns, scene_)) last_colour_ = std::move(colour);
         if (last_colour_) add_plane(taken.frame, PlaneRole::colour, *last_colour_);

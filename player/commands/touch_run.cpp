@@ -329,16 +329,17 @@ Result<void> touch(const TouchOptions& options, std::string& at_work) {
     return strictly(options, report);
 }
 
-}  // namespace
-
-std::int64_t usual_picture_tick(const TouchSetup& setup) {
-    const auto known = setup.ticks();
-    if (known) return *known * 6 / 10;
+/// The tick that a picture shows by default: 60 % of the run, or of the clip's, at least 3 s, if the run's
+/// length is unknown.
+std::int64_t usual_picture_tick(const TouchSetup& setup, const std::optional<std::int64_t>& ticks) {
+    if (ticks) return *ticks * 6 / 10;
     if (!setup.settings.playback.empty()) return shortest_run_ns / tick_ns * 6 / 10;
     const auto frames = setup.feed->reader().frame_count();
     const std::int64_t clip_ms = frames ? setup.scene.rate.time_ns(*frames) / 1'000'000 : 0;
     return std::max<std::int64_t>(clip_ms, 3000) * 6 / 10;
 }
+
+}  // namespace
 
 Result<void> TouchPicture::take(const TouchTick& tick) {
     if (reached_) return {};
@@ -440,8 +441,9 @@ Result<std::unique_ptr<TouchOutputs>> TouchOutputs::open(const TouchOptions& opt
     };
     TRY(open_if(options.json, out->json_, json));
     TRY_ASSIGN(auto order, order_picture(options.picture, options.existing, setup.builder, *setup.gpu));
-    const std::int64_t usual = ticks ? *ticks * 6 / 10 : usual_picture_tick(setup);
-    if (order) out->picture_.emplace(std::move(*order), options.picture_tick.value_or(usual));
+    if (order)
+        out->picture_.emplace(std::move(*order),
+                              options.picture_tick.value_or(usual_picture_tick(setup, ticks)));
     return out;
 }
 

@@ -41,7 +41,7 @@ struct TouchOptions {
     bool verbose = false;                       ///< print the whole table
     bool strict = false;                        ///< warnings are an error of kind check
     PictureOptions picture;
-    std::optional<std::int64_t> picture_tick;  ///< nothing: usual_picture_tick
+    std::optional<std::int64_t> picture_tick;  ///< nothing: 60 % of the run
 };
 
 /// Touches a clip at 1 kHz, in virtual time or (live) on the wall clock, prints a table and writes the
@@ -82,10 +82,6 @@ private:
     bool reached_ = false;
     std::string line_;
 };
-
-/// The tick that a picture shows by default: 60 % of the run, or of its shortest length (3 s) if the clip's
-/// length is unknown.
-std::int64_t usual_picture_tick(const TouchSetup& setup);
 
 /// The requested files of a run: opened before it, so that unwritable places are reported at once, and named
 /// after it, so that a failed run leaves none. A full disk ends neither the run nor the other files.

@@ -85,7 +85,8 @@ TEST(FilledClip, FillsShadowsWithTable) {
     EXPECT_GT(f.share(f.filled_shadows, f.shadows), 0.9);
     EXPECT_LE(f.worst, 3);
     EXPECT_EQ(f.filled_in_hand, 0);
-    EXPECT_TRUE(has_words(clip->notes().back(), "holes are filled from frames that saw what is behind"));
+    EXPECT_TRUE(has_words(clip->notes().back(), "holes are filled from frames that saw what is behind: "))
+        << "and how many";
 }
 
 /// At the hand's rim nothing tells a drop-out from a shadow, and some of those are filled.

@@ -222,6 +222,12 @@ int FakeVideo::enumerate(Device& device, unsigned long request, void* argument) 
         auto& entry = *static_cast<v4l2_frmsizeenum*>(argument);
         const FakeFormat* format = format_of(entry.pixel_format);
         if (format == nullptr || entry.index >= format->modes.size()) return fail(EINVAL);
+        if (format->stepwise) {
+            const FakeMode &least = format->modes.front(), &most = format->modes.back();
+            entry.type = V4L2_FRMSIZE_TYPE_STEPWISE;
+            entry.stepwise = {least.width, most.width, 1, least.height, most.height, 1};
+            return 0;
+        }
         entry.type = V4L2_FRMSIZE_TYPE_DISCRETE;
         entry.discrete = {format->modes[entry.index].width, format->modes[entry.index].height};
         return 0;
@@ -231,7 +237,7 @@ int FakeVideo::enumerate(Device& device, unsigned long request, void* argument) 
         const FakeFormat* format = format_of(entry.pixel_format);
         if (format == nullptr) return fail(EINVAL);
         for (const FakeMode& mode : format->modes) {
-            if (mode.width != entry.width || mode.height != entry.height) continue;
+            if (!format->stepwise && (mode.width != entry.width || mode.height != entry.height)) continue;
             if (entry.index >= mode.intervals.size()) return fail(EINVAL);
             entry.type = V4L2_FRMIVAL_TYPE_DISCRETE;
             entry.discrete = {mode.intervals[entry.index].first, mode.intervals[entry.index].second};

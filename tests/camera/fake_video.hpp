@@ -26,6 +26,7 @@ struct FakeMode {
 struct FakeFormat {
     std::uint32_t code = 0;
     std::vector<FakeMode> modes;
+    bool stepwise = false;  ///< these are the least and the greatest of all its sizes
 };
 
 /// A node as a test wants it. Pictures are delivered one at every poll that finds none, or by the clock.

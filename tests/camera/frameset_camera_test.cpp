@@ -163,6 +163,24 @@ TEST(FramesetCamera, GivesSentFramesets) {
     EXPECT_EQ(camera->remarks(), std::vector<std::string>());
 }
 
+// From 0.1 to 1000 a second; 30 where the sender's times say less, more or nothing.
+TEST(FramesetCamera, TakesRateFromTimes) {
+    for (const auto& [apart_ns, rate] : {std::pair<std::int64_t, double>{1'000'000, 1000},
+                                         {999'999, 30},
+                                         {10'000'000'000, 0.1},
+                                         {10'000'000'001, 30},
+                                         {0, 30}}) {
+        std::string all;
+        for (std::int64_t k = 0; k < 8; ++k) {
+            FramesetBytes each = sent(static_cast<std::uint64_t>(k));
+            each.time_ns = k * apart_ns;
+            all += each.bytes();
+        }
+        Listener sender;
+        EXPECT_EQ(must(sender.open(all))->scene().rate.per_second(), rate) << apart_ns;
+    }
+}
+
 TEST(FramesetCamera, ShowsOnlyWholeFramesets) {
     Listener sender;
     const auto camera = sender.running();

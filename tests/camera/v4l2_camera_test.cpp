@@ -641,6 +641,19 @@ TEST(CameraList, DescribesEachNode) {
     EXPECT_EQ(video.left_over(), std::vector<std::string>()) << "it only looks";
 }
 
+TEST(CameraList, OffersSizesBetweenLimits) {
+    for (const auto& [least, most] : {std::pair<FakeMode, FakeMode>{{32, 16}, {640, 960}},
+                                      {{32, 16}, {960, 480}},
+                                      {{640, 16}, {960, 960}},
+                                      {{32, 480}, {960, 960}}}) {
+        FakeVideo video;
+        video.add("/dev/video0").formats = {{V4L2_PIX_FMT_Z16, {least, most}, true}};
+        EXPECT_TRUE(has_words(cameras_in_words(video, how_to_touch), " frames/s; 640x480 at 30 frames/s; "));
+        const NodeFormat format = look_at_node(video, "/dev/video0")->formats.at(0);
+        EXPECT_EQ(mode_text(must(choose_mode(format, {800, 500}))), "800x500 at 30 frames/s");
+    }
+}
+
 TEST(CameraList, NamesMissingDepthNode) {
     FakeVideo video;
     FakeNode& colour = video.add("/dev/video0");
@@ -649,6 +662,13 @@ TEST(CameraList, NamesMissingDepthNode) {
     const std::string words = cameras_in_words(video, how_to_touch);
     EXPECT_TRUE(has_words(words, "has no node of depth (Z16)"));
     EXPECT_TRUE(has_words(words, "None of them gives depth"));
+}
+
+TEST(PluggedStream, RefusesMeaningOfDepth) {
+    const StreamSource stream{.url = must(read_stream_url("tcp://127.0.0.1:1"))};
+    EXPECT_TRUE(is_refused(open_plugged_camera(stream, millimetres), "is a stream, which has its scene in it",
+                           ErrorKind::usage));
+    EXPECT_TRUE(is_refused(open_plugged_camera(stream, SourceDescription()), "127.0.0.1:1"));
 }
 
 // A camera that stays open from run to run.

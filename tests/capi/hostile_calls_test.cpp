@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "capi/api_common.hpp"
@@ -264,6 +265,17 @@ TEST(Statuses, SurfaceHasOneSolver) {
     EXPECT_EQ(touch_surface_destroy(hill.surface), TOUCH_BUSY);
     EXPECT_EQ(touch_solver_destroy(hill.solver), TOUCH_OK);
     EXPECT_EQ(touch_solver_create(hill.surface, nullptr, &hill.solver, nullptr), TOUCH_OK);
+}
+
+TEST(Statuses, FingersAreLimited) {
+    TouchedHill hill;
+    EXPECT_EQ(touch_solver_destroy(hill.solver), TOUCH_OK);
+    touch_solver_settings settings;
+    touch_solver_settings_defaults(&settings, sizeof settings);
+    for (const auto& [fingers, expected] : {std::pair(0, TOUCH_USAGE), {257, TOUCH_USAGE}, {256, TOUCH_OK}}) {
+        settings.fingers = fingers;
+        EXPECT_EQ(touch_solver_create(hill.surface, &settings, &hill.solver, nullptr), expected) << fingers;
+    }
 }
 
 TEST(Statuses, ErrorsNameWhatIsWrong) {

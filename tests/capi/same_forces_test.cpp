@@ -9,6 +9,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <random>
 #include <string>
 #include <thread>
 
@@ -346,6 +347,35 @@ TEST(ForcesAt, PlacesAreIndependent) {
     EXPECT_EQ(off(all[5].force_n, {}), 0);
     EXPECT_EQ(all[7].touching, 0);
     EXPECT_EQ(all[7].guard, 0U);
+}
+
+/// Where a finger comes out of a soft hole, its force rises by 0.04 N a tick: 20 N in 500.
+TEST(ForcesAt, UnsteadyForceIsReported) {
+    touch::Surface surface{
+        touch::Scene(std::string(R"({"touchable_scene": 1, "width": 64, "height": 48, "metres_per_unit": 1,
+              "camera": {"fx": 60, "fy": 60, "cx": 31.5, "cy": 23.5}, "hole_stiffness": 0.05,
+              "depth": {"coding": "metric", "scale": 0.001, "near": 0.1, "far": 1, "invalid": [0]}})"))};
+    std::mt19937 random(1);
+    std::vector<std::uint16_t> codes(Hill().codes().size());
+    for (std::uint16_t& code : codes)
+        code = static_cast<std::uint16_t>(random() % 5 == 0 ? 0 : 500 + random() % 20);
+    touch_frame frame = Hill().frame();
+    frame.depth.data = codes.data();
+    EXPECT_TRUE(surface.push(frame));
+    std::vector<touch_vec3> points;
+    for (int k = -20; k < 20; ++k) points.push_back({0.012 * k, 0, -0.8});
+    touch_solver_settings settings = touch::solver_settings();
+    settings.metres_per_scene_unit = 1;
+    settings.max_force_n = 1000;
+    std::size_t unsteady = 0;
+    for (const touch_contact& contact :
+         surface.forces_at(touch::tick_at(0), points, TOUCH_FRICTION_ON, settings)) {
+        const bool is_unsteady = (contact.guard & TOUCH_GUARD_UNSTEADY) != 0;
+        EXPECT_EQ((contact.guard & TOUCH_GUARD_RISE) != 0, is_unsteady) << "it rises still, or no more";
+        unsteady += is_unsteady;
+    }
+    EXPECT_GT(unsteady, 0U);
+    EXPECT_LT(unsteady, points.size());
 }
 
 TEST(ForcesAt, ErrorsNameTheProblem) {

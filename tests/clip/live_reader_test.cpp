@@ -74,6 +74,11 @@ TEST_F(LiveSource, CountsEachFrameBeforeIt) {
     EXPECT_EQ(source.seek(4).error().kind, ErrorKind::usage);
     ASSERT_EQ(message(source.seek(1)), "");
     EXPECT_EQ(next({9, 0}), std::pair(std::int64_t{1}, ns_before_a_run));
+    ASSERT_EQ(message(source.rewind()), "");
+    ASSERT_EQ(message(source.begin(source.zero)), "");
+    source.on_wait = [&] { source.there.push_back({2, 3'000}); };
+    EXPECT_EQ(next({1, -1}), std::pair(std::int64_t{0}, std::int64_t{3'000}))
+        << "it was taken before the run";
 }
 
 TEST_F(LiveSource, GivesNewestAndCountsGaps) {

@@ -369,6 +369,23 @@ TEST(ControlOfTwo, BothFingersRiseTogether) {
     EXPECT_NEAR(glm::length(places[1] - places[0]), 400, 1e-9) << "as far apart as the hand holds them";
 }
 
+// Each finger that comes out pushes the other into the wall, a little less each time: all rounds are needed.
+TEST(ControlOfTwo, BothLeaveFunnel) {
+    HandControl control(2, {Workspace{1e-3, {0, 0, -500}}, glm::dmat3(1)});
+    const FakeProbe funnel =
+        camera_view([](double x, double) { return std::optional(827.5 - 3.4 * std::abs(x - 320)); });
+    std::array<glm::dvec3, 2> places{};
+    for (const bool is_held : {true, false}) {
+        control.hold(is_held);
+        places = {glm::dvec3(-0.1, 0, 0), glm::dvec3(0.1, 0, 0)};
+        control.to_goals(places, 0, &funnel);
+    }
+    for (const glm::dvec3& place : places) {
+        const glm::dvec3 at = funnel.project(place);
+        EXPECT_LT(at.z, *funnel.depth_under(at.x, at.y));
+    }
+}
+
 TEST_F(Control, RecentringMovesHandWithoutForce) {
     ask();
     goal({0.03, 0.01, -0.02});

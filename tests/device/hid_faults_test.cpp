@@ -224,11 +224,13 @@ TEST(HidNode, IsAbsentWithoutHid) {
 
 TEST(HidTransport, RejectsNonHidFiles) {
     const TemporaryFile file("plain", "text");
-    for (const std::string& node : {std::string("/dev/hidraw-none"), file.path(), std::string("/dev/null")}) {
+    for (const auto& [node, why] : {std::pair(std::string("/dev/hidraw-none"), "is not there"),
+                                    {file.path(), "is no HID device"},
+                                    {"/dev/null", "is no HID device"}}) {
         const auto opened = HidTransport::open(node);
         ASSERT_FALSE(opened) << node;
         EXPECT_EQ(opened.error().kind, ErrorKind::device);
-        EXPECT_TRUE(opened.error().message.starts_with(node + ": ")) << opened.error().message;
+        EXPECT_TRUE(opened.error().message.starts_with(node + ": " + why)) << opened.error().message;
         EXPECT_EQ(opened.error().message.find('\n'), std::string::npos);
     }
 }

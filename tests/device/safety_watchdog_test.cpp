@@ -412,6 +412,11 @@ public:
         const ssize_t came = recv(device_, room, sizeof room, 0);
         return {room, static_cast<std::size_t>(came > 0 ? came : 0)};
     }
+    /// True if no process holds the device any more, and there is nothing left to hear.
+    bool is_let_go_of() const {
+        char room[64];
+        return recv(device_, room, sizeof room, 0) == 0;
+    }
     /// True if the device comes to hear that, after other messages.
     bool hears_of(const std::string& what) const {
         for (int words = 0; words < 10'000; ++words) {
@@ -446,6 +451,8 @@ private:
         }
         auto kept = SafetyWatchdog::keep(*watchdog);
         if (!kept || !kept->set_packet({device, word("last"), {}, word("meanwhile")})) _exit(1);
+        // Opened again, the other has the higher descriptor.
+        if (other && !other->set_packet({beside, word("last"), {}, {}})) _exit(1);
         const pid_t guardian = (*watchdog)->process();
         if (write(told, &guardian, sizeof guardian) != sizeof guardian) _exit(1);
         for (int force = 0;; ++force) {
@@ -688,6 +695,7 @@ TEST(WatchdogProcess, BlockedDeviceDelaysNoOther) {
     kill(program.process(), SIGKILL);
     ASSERT_TRUE(program.hears_of("last"));
     EXPECT_EQ(program.hears(), "last");
+    EXPECT_TRUE(program.is_let_go_of()) << "its port is free, though a sender still waits for the other";
 }
 
 TEST(WatchdogProcess, UnpowersBothDevices) {

@@ -442,6 +442,13 @@ TEST_F(Bag, NamesFaults) {
     EXPECT_TRUE(has_words(refusal_of(file, unknown.file("none")), "/depth of bayer_rggb8"));
     BagBytes cut;
     ImageMessage picture = even_picture("16UC1", word(7));
+    BagBytes renewed;
+    renewed.add("/depth", of_images, 1, picture.bytes());
+    other = renewed.file("none");
+    const std::string sum = "md5sum=060021388200f6f0f447d0fcd9c64743";
+    for (std::size_t at = 0; (at = other.find(sum, at)) != std::string::npos;)
+        other[at + sum.size() - 1] = '4';
+    EXPECT_TRUE(has_words(refusal_of(file, other), "has no topic of depth")) << "an Image of other fields";
     picture.data.pop_back();
     cut.add("/depth", of_images, 1, picture.bytes());
     EXPECT_TRUE(has_words(refusal_of(file, cut.file("none")), "/depth, frame 0: is damaged: has 95 bytes"));

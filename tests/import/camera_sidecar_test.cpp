@@ -250,12 +250,12 @@ TEST_F(CameraSidecar, GivesRateUnlessTimesDo) {
             return remark.what.ends_with(" frames a second, as metadata.json says");
         };
         EXPECT_EQ(std::count_if(guessed.scene.remarks.begin(), guessed.scene.remarks.end(), says), 1);
-        EXPECT_NE(std::find(guessed.inputs.begin(), guessed.inputs.end(), folder / "metadata.json"),
-                  guessed.inputs.end());
+        EXPECT_EQ(std::ranges::count(guessed.inputs, folder / "metadata.json"), 1);
     }
     write_bytes(folder / "metadata.json", R"({"fps": -3})");
     EXPECT_EQ(guess().scene.rate.num, 30);
     write_bytes(folder / "metadata.json", R"({"fps": 59.85})");
+    EXPECT_EQ(std::ranges::count(guess().inputs, folder / "metadata.json"), 1) << "of the rate alone";
     write_bytes(folder / "depth.txt", "1.0 depth/0.png\n1.1 depth/1.png\n");
     EXPECT_EQ(guess().scene.rate.num, 10) << "times of frames go first";
 }
@@ -318,6 +318,12 @@ TEST_F(CameraSidecar, ChoosesAmongDifferentCameras) {
         std::ranges::find(scene.remarks, "the camera is one of 2 that differ, left.json", &Remark::what);
     ASSERT_NE(remark, scene.remarks.end());
     EXPECT_EQ(guessed_in(*remark), Guessed::camera);
+    for (const char* middle : {R"("cx": 31, "cy": 40)", R"("cx": 50, "cy": 23)"}) {
+        write_bytes(folder / "left.json", std::string(R"({"fx": 50, "fy": 50, )") + middle + '}');
+        EXPECT_EQ(guess().scene.camera.fx, 90) << "not in the middle both ways: " << middle;
+        EXPECT_FALSE(has_remark(guess().scene, "that differ"));
+    }
+    write_bytes(folder / "left.json", R"({"fx": 50, "fy": 50, "cx": 31, "cy": 23})");
     std::filesystem::rename(folder / "depth", folder / "depth_right");
     EXPECT_EQ(guess().scene.camera.fx, 90);
     EXPECT_FALSE(has_remark(guess().scene, "that differ"));

@@ -233,7 +233,8 @@ std::string ply_header(const std::string& format, const std::string& size, std::
 }
 
 const std::string num_cols = "obj_info num_cols 16\nobj_info num_rows 12\n",
-                  comments = "comment width 16\ncomment height 12\n";
+                  comments = "comment width 16\ncomment height 12\n",
+                  grid_of_points = "element range_grid 192\nproperty list uchar int vertex_indices\n";
 
 std::string ply_colour(std::size_t k) {
     const std::uint32_t rgb = colour_of(k);
@@ -276,7 +277,7 @@ std::string ply_range_grid(const Points& all) {
         grid += '\1' + bytes_of(count++);
     }
     return ply_header("binary_little_endian", num_cols, static_cast<std::size_t>(count), "float",
-                      "element range_grid 192\nproperty list uchar int vertex_indices\n") +
+                      grid_of_points) +
            seen + grid;
 }
 
@@ -398,6 +399,9 @@ TEST_F(OrganisedCloud, RefusesDamage) {
             has_words(refusal(whole.substr(0, whole.size() - 25)), "has fewer points than its header"))
             << refusal(whole.substr(0, whole.size() - 25));
     }
+    std::string none = ply_header("ascii", num_cols, 0, "float", grid_of_points) + '0';
+    for (std::size_t k = 1; k < points().size(); ++k) none += " 0";
+    EXPECT_EQ(refusal(none), "") << "no pixel has a point, and the last one ends the file";
     const std::pair<std::string, const char*> damaged[] = {
         {pcd_header("binary", "x y w rgb"), "has no fields x, y and z"},
         {with(binary, "TYPE F", "TYPE Q"), "has no fields x, y and z"},

@@ -668,7 +668,7 @@ TEST_F(Heic, ReadsGreyStoredAsColour) {
     const RawFrame frame = photo_frame(clip);
     EXPECT_GT(frame.depth.sample(20, 0), frame.depth.sample(19, 0));
     for (std::size_t row = 16; row < 20; ++row)  // so that chroma that four samples share shows it
-        for (std::size_t x = 32; x < 36; ++x) file.depth.samples[(row * deep_wide + x) * 3] ^= 64U;
+        for (std::size_t x = 64; x < 68; ++x) file.depth.samples[(row * deep_wide + x) * 3] ^= 64U;
     EXPECT_TRUE(is_refused(open(file.bytes()), "its depth is coloured"));
 }
 

@@ -161,6 +161,24 @@ TEST(ClipScene, TakesCameraOfDepthImage) {
     EXPECT_NEAR(scene.camera.fy, 80, 1e-9);
     EXPECT_EQ(scene.height_coding.max_height, 2);
     EXPECT_EQ(scene.haptic.stiffness.max, 7);
+    const Camera camera = must(described_by(nodes, 64, 48, 8)).scene.camera;
+    EXPECT_EQ(camera.cx, 31.5) << "the angles are those of the whole picture";
+    EXPECT_EQ(camera.cy, 23.5);
+}
+
+/// Whichever number of the nodes was edited, the scene beside them has it then.
+TEST(ClipScene, TakesEachChangedNumber) {
+    for (std::size_t k = 0; k < 10; ++k) {
+        Scene scene = papers_clip();
+        ClipNodes nodes = mpeg4::nodes_from(scene);
+        auto& [stiffness, still, sliding] = nodes.ranges;
+        double* const numbers[] = {&nodes.focal_length, &nodes.near,    &nodes.far, &nodes.max_height,
+                                   &stiffness.min,      &stiffness.max, &still.min, &still.max,
+                                   &sliding.min,        &sliding.max};
+        *numbers[k] += 0.01;
+        EXPECT_TRUE(must(take_nodes(nodes, scene))) << k;
+        EXPECT_FALSE(must(take_nodes(nodes, scene))) << k << ": is taken";
+    }
 }
 
 /// Height in scene units stays in them.

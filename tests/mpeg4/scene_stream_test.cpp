@@ -30,7 +30,7 @@ Bytes movie_header(std::uint32_t duration_ms) {
 }
 
 /// As a muxer writes one, as far as it matters here.
-Bytes track(std::uint32_t id, std::string_view handler) {
+Bytes track(std::uint32_t id, std::string_view handler, BytesView more_of_media = {}) {
     Bytes head, kind;
     put_zeros(head, 12);
     put_number(head, id, 4);
@@ -39,7 +39,9 @@ Bytes track(std::uint32_t id, std::string_view handler) {
     for (const char letter : handler) kind.push_back(static_cast<std::uint8_t>(letter));
     put_zeros(kind, 13);
     Bytes content = box_of("tkhd", head);
-    put_box(content, "mdia", box_of("hdlr", kind));
+    Bytes media = box_of("hdlr", kind);
+    put_bytes(media, more_of_media);
+    put_box(content, "mdia", media);
     return box_of("trak", content);
 }
 
@@ -397,6 +399,41 @@ TEST(Gpac, EncodesTheSameBytes) {
         const SceneTree scene = scene_from(text);
         const auto ours = must(encode_scene(scene, config_for(scene, 64, 48)));
         EXPECT_EQ(hex(gpac->scene), hex(ours)) << text;
+    }
+}
+
+Bytes fours(std::initializer_list<std::uint32_t> numbers) {
+    Bytes bytes;
+    for (const std::uint32_t number : numbers) put_number(bytes, number, 4);
+    return bytes;
+}
+
+/// A fragmented file may begin with samples that its movie box lists, two in one chunk and one in another.
+TEST(GatheredMovie, KeepsSamplesOfMovieBox) {
+    for (const bool is_far : {false, true}) {
+        Bytes tables = box_of("stts", fours({0, 2, 2, 10, 1, 30}));
+        put_box(tables, "stsz", fours({0, 0, 3, 5, 6, 7}));
+        put_box(tables, "stsc", fours({0, 2, 1, 2, 1, 2, 1, 1}));
+        put_box(tables, is_far ? "co64" : "stco",
+                is_far ? fours({0, 2, 0, 1000, 0, 2000}) : fours({0, 2, 1000, 2000}));
+        Bytes media = box_of("mdhd", fours({0, 0, 0, 1000, 0, 0}));
+        put_box(media, "minf", box_of("stbl", tables));
+        Bytes content = movie_header(0);
+        put_bytes(content, track(1, "vide", media));
+        put_box(content, "mvex", {});
+        const Bytes bytes = box_of("moov", content);
+        const test::TemporaryFile written("a.mp4", std::string(bytes.begin(), bytes.end()));
+        auto file = must(GivenFile::open(written.path(), "", "a file"));
+        const auto gathered = must(gather_fragments(file));
+        ASSERT_TRUE(gathered);
+        Bytes plain = gathered->head;
+        put_bytes(plain, bytes);
+        const BytesView made = content_at(plain, {"moov", "trak", "mdia", "minf", "stbl"});
+        for (const char* same : {"stts", "stsz", "stsc"})
+            EXPECT_EQ(hex(content_at(made, {same})), hex(content_at(tables, {same})));
+        for (const std::size_t k : {0, 1})
+            EXPECT_EQ(number_at(content_at(made, {"co64"}), 8 + 8 * k, 8),
+                      gathered->head.size() + 1000 * (k + 1));
     }
 }
 

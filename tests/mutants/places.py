@@ -30,7 +30,7 @@ TURNED = {"<": ">", ">": "<", "<=": ">=", ">=": "<="}
 EDGED = {"<": "<=", ">": ">=", "<=": "<", ">=": ">"}
 PAIRS = {tuple(pair.split("-")) for pair in """width-height column-row row-column low-high from-to to-from begin-end first-last least-most
     near-far before-after left-right top-bottom before-now at-size offset-size columns-rows rows-columns middle-end one-other""".split()}
-COMMUTATIVE = set("min max swap dot hypot abs distance equal lcm gcd plus pixel_count exchange sort same_samples".split())
+COMMUTATIVE = set("min max lesser greater swap dot hypot abs distance equal lcm gcd plus pixel_count exchange sort same_samples".split())
 
 
 class Token:

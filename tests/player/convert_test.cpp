@@ -363,6 +363,7 @@ TEST_F(ConvertCommand, ResizingNeedsAllowLossy) {
     const std::string told =
         convert({at("clip.mkv"), at("out/half.mkv"), "--size", "32x24", "--allow-lossy"});
     EXPECT_PRED2(says, told, "depth   LOST");
+    EXPECT_PRED2(says, told, "haptic  LOST: of the pixels before, ");
     EXPECT_PRED2(says, told, "degrees off on average");
     EXPECT_PRED2(says, told, " N, at most ");
     // The same size is no change and needs no --allow-lossy.
@@ -626,6 +627,44 @@ TEST_F(ConvertCommand, ProgramKeepsForces) {
     EXPECT_TRUE(refused.one_line_of_error()) << refused.err;
 }
 
+// What other commands make of a clip.
+using ClipForms = ConvertCommand;
+
+TEST_F(ClipForms, SceneTextHasPictureSize) {
+    make("globe");
+    EXPECT_PRED2(says, run_touchable({"info", at("clip.mkv"), "--scene-text"}).out, "size 64 48\n");
+}
+
+TEST_F(ClipForms, ExportReplacesFilesWithPermission) {
+    make("moving");
+    EXPECT_EQ(run_touchable({"export", at("clip.mkv"), "--frame", "0", "--out", at("out")}).code, 0);
+    const std::string before = file_contents(at("out/depth.png"));
+    Words other{"export", at("clip.mkv"), "--frame", "3", "--out", at("out")};
+    EXPECT_EQ(run_touchable(other).code, 2);
+    EXPECT_EQ(file_contents(at("out/depth.png")), before);
+    other.emplace_back("--overwrite");
+    EXPECT_EQ(run_touchable(other).code, 0);
+    EXPECT_NE(file_contents(at("out/depth.png")), before);
+}
+
+TEST_F(ClipForms, MaterialIsOfNamedFrame) {
+    make("globe");
+    const Outcome run = run_touchable(
+        {"materials", at("clip.mkv"), at("out/felt.mkv"), "--material", "sea=felt", "--at", "32,24,6"});
+    EXPECT_EQ(run.code, 2);
+    EXPECT_PRED2(says, run.err, "frame 6 is beyond the clip, whose last one is 5");
+}
+
+TEST_F(ClipForms, SegmentsReportRequestsOfViewer) {
+    make("globe");
+    const Outcome run = run_touchable({"serve", at("clip.mkv"), "--hls", at("web"), "--json", at("r.json")});
+    ASSERT_EQ(run.code, 0) << run.err;
+    const auto hls = nlohmann::json::parse(file_contents(at("r.json"))).at("hls");
+    EXPECT_EQ(hls["segments"], 1);
+    EXPECT_NEAR(hls["requests_per_second"].get<double>() * hls["seconds"].get<double>(), 2, 1e-6)
+        << "one for colour, one for touch";
+}
+
 /// A clip of many frames that is quickly made: all are one picture.
 TEST_F(ConvertCommand, InterruptLeavesNothing) {
     make_clip("noise", at("one.mkv"), {"--size", "320x240", "--frames", "1", "--bits", "16"});
@@ -700,6 +739,15 @@ void expect_generators_frames(const char* archive) {
         expect_same_samples((*frame)->depth, (*source)->frame(n).depth);
     }
     EXPECT_FALSE((*reader)->next()->has_value());
+}
+
+TEST(MakeCommand, ShowsProgressOnTerminal) {
+    const TemporaryFolder folder;
+    const Outcome run =
+        run_on_terminal({"make", "plane", folder / "p.mkv", "--size", "16x12", "--frames", "3"},
+                        [](const std::string&) { return false; });
+    EXPECT_EQ(run.code, 0);
+    EXPECT_NE(run.err.find("making frame 1 of 3"), std::string::npos) << run.err;
 }
 
 TEST(MakeCommand, StoresGeneratedFrames) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <limits>
 #include <map>
 #include <memory>
 #include <new>
@@ -31,13 +32,17 @@ namespace {
 /// A device that is pulled out in the middle.
 class PulledOut final : public HapticPort {
 public:
+    explicit PulledOut(std::int64_t tick = 20) : tick_(tick) {}
     bool read_goals(std::int64_t tick, const HeightField&, std::span<glm::dvec3> goals) override {
         for (glm::dvec3& goal : goals) goal = {0, 0, 0};
-        is_out = is_out || tick >= 20;
+        is_out = is_out || tick >= tick_;
         return !is_out;
     }
     bool write_forces(std::span<const glm::dvec3>) override { return !is_out; }
     std::atomic<bool> is_out{false};
+
+private:
+    const std::int64_t tick_;
 };
 
 /// A file that cannot be written from then on.
@@ -55,16 +60,29 @@ private:
     const PulledOut& port_;
 };
 
+/// A person ends the run once it has begun.
+class StopsRun final : public TouchSink {
+public:
+    Result<void> take(const TouchTick&) override {
+        asked.request_stop();
+        return {};
+    }
+    std::stop_source asked;
+};
+
+std::unique_ptr<TouchSetup> setup_of_globe(const TemporaryFolder& folder) {
+    SessionOptions options;
+    options.clip.file = folder / "clip.mkv";
+    options.live = true;
+    must(write_generated_clip("globe", options.clip.file, {.width = 32, .height = 24, .properties = true},
+                              30));
+    return must(setup_from_options(options));
+}
+
 TEST(LiveSession, ReportsFaultThatEndedIt) {
     const TemporaryFolder folder;
-    const std::string clip = folder / "clip.mkv";
-    ASSERT_TRUE(write_generated_clip("globe", clip, {.width = 32, .height = 24, .properties = true}, 30));
-    SessionOptions options;
-    options.clip.file = clip;
-    options.live = true;
-    const auto setup = setup_from_options(options);
-    ASSERT_TRUE(setup) << setup.error().message;
-    TouchSetup& s = **setup;
+    const auto setup = setup_of_globe(folder);
+    TouchSetup& s = *setup;
     PulledOut port;
     FailsThen sink(port);
     TouchSink* const sinks[] = {&sink};
@@ -73,6 +91,20 @@ TEST(LiveSession, ReportsFaultThatEndedIt) {
     ASSERT_TRUE(sink.has_failed);
     ASSERT_TRUE(session.facts().failure);
     EXPECT_EQ(session.facts().failure->kind, ErrorKind::device) << session.facts().failure->message;
+}
+
+TEST(LiveSession, KeepsInterruptedRun) {
+    const TemporaryFolder folder;
+    const auto setup = setup_of_globe(folder);
+    TouchSetup& s = *setup;
+    PulledOut port(std::numeric_limits<std::int64_t>::max());
+    StopsRun sink;
+    TouchSink* const sinks[] = {&sink};
+    LiveSession session(s.scene, *s.feed, port, *s.solver, s.settings);
+    const StopScope until(sink.asked.get_token());
+    ASSERT_TRUE(session.run(sinks)) << "what was touched until then counts";
+    EXPECT_TRUE(session.facts().interrupted);
+    EXPECT_GT(session.facts().loop.ticks, 0);
 }
 
 // Tracks of large pictures are decoded on threads of their own: the reader may be slow, fast, or gone.
@@ -512,6 +544,25 @@ TEST_F(ClipSharing, RetriesFailedOpen) {
         shared_->open([]() -> Result<std::unique_ptr<ClipReader>> { return input_error("not there yet"); });
     ASSERT_FALSE(refused);
     expect_frames(*reader(), 0, 3);
+}
+
+TEST(CameraFilm, HasNoFramesOnceBroken) {
+    const TemporaryFolder folder;
+    CameraCapture film{SceneDescription(small_scene(32, 24))};
+    ASSERT_TRUE(film.open(folder / "film.mkv", Existing::keep));
+    ASSERT_TRUE(film.keep(test_frame(small_scene(16, 12), 0, {})));  // cannot be written: another size
+    EXPECT_TRUE(film.finish());
+    EXPECT_TRUE(film.fault());
+    EXPECT_TRUE(film.frames().empty());
+}
+
+TEST(CameraChoice, ReplayNamesClip) {
+    const auto camera = read_live_camera("replay:takes/clip.mkv,fps=15");
+    ASSERT_TRUE(camera) << camera.error().message;
+    ClipChoice choice;
+    choice.take(*camera);
+    EXPECT_EQ(choice.file, "takes/clip.mkv");
+    EXPECT_TRUE(choice.is_camera());
 }
 
 TEST_F(ClipSharing, ServesTwoThreads) {

@@ -249,6 +249,10 @@ TEST_F(PlayedClip, ReplaysWithEveryBuilder) {
         words.insert(words.end(), filter.begin(), filter.end());
         const auto run = touch(words);
         EXPECT_GT(run["contact_ticks"], 500);
+        const auto facts = RecordingBytes(file_contents(folder / "run.rec")).facts();
+        std::int64_t frames = 0;
+        for (const auto& pair : facts.at("built")) frames += pair[1].get<std::int64_t>();
+        EXPECT_EQ(facts["frames"], frames);
         for (const char* builder : {"cpu", "reference"}) {
             const auto again = touch({"--replay", folder / "run.rec", "--builder", builder});
             EXPECT_EQ(again["force_hash"], run["force_hash"]) << builder;

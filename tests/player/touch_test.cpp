@@ -8,11 +8,15 @@
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <numbers>
 #include <set>
 #include <vector>
 
 #include "engine/content/seeded_noise.hpp"
+#include "player/commands/touch_run.hpp"
+#include "player/run/run_files.hpp"
 #include "player/session/run_record.hpp"
+#include "player/session/touch_setup.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 
@@ -372,6 +376,23 @@ TEST_F(Touch, DepthAloneUsesDefaultProperties) {
     }
 }
 
+TEST_F(Touch, WarnsAboutSkippedTicks) {
+    make("plane");
+    SessionOptions options;
+    options.clip.file = clip();
+    const auto setup = setup_from_options(options);
+    ASSERT_TRUE(setup) << setup.error().message;
+    LiveFacts live;
+    live.loop.skipped = 5;
+    const auto has_warning = [&](std::int64_t ticks, const char* warning) {
+        live.loop.ticks = ticks;
+        const auto report = make_report(**setup, {}, &live, nullptr);
+        return report["warnings"].dump().find(warning) != std::string::npos;
+    };
+    EXPECT_TRUE(has_warning(95, "5.0 % of the ticks were skipped"));
+    EXPECT_FALSE(has_warning(995, "of the ticks were skipped")) << "bearable";
+}
+
 // The figures of a report, tick by tick, against ones that are counted by hand.
 
 /// A tick of two fingers, both free; each in contact has 600 N/m.
@@ -645,6 +666,87 @@ TEST(TouchFigures, MemoryStaysConstant) {
     take(100'000);
     EXPECT_EQ(mallinfo2().uordblks, before);
     EXPECT_EQ(figures.ticks(), 100'010);
+}
+
+// Differences between two runs of the same hand.
+
+/// A finger that presses with this force in every tick.
+template <class ForceAt>
+ForceTable pressing(std::size_t ticks, ForceAt force_at) {
+    ForceTable table;
+    table.fingers = 1;
+    for (std::size_t tick = 0; tick < ticks; ++tick)
+        table.samples.push_back(
+            {{1, 2, -static_cast<double>(tick)}, force_at(0.001 * static_cast<double>(tick)), true});
+    return table;
+}
+
+TEST(ForceComparison, FindsNoDifferenceToItself) {
+    const ForceTable a = pressing(600, [](double t) { return glm::dvec3(0, t, 1); });
+    const auto same = compare_forces(a, a);
+    ASSERT_TRUE(same);
+    EXPECT_EQ(same->both, 600);
+    EXPECT_EQ(same->difference_n.max, 0);
+    EXPECT_EQ(same->direction_degrees.max, 0);
+    EXPECT_EQ(same->noise_a_n, same->noise_b_n);
+    EXPECT_TRUE(same->worst.empty());
+}
+
+TEST(ForceComparison, SeparatesDirectionFromLength) {
+    const double turned = 10 * std::numbers::pi / 180;
+    const ForceTable a = pressing(300, [](double) { return glm::dvec3(0, 0, 2); });
+    const ForceTable b =
+        pressing(300, [&](double) { return 1.5 * glm::dvec3(std::sin(turned), 0, std::cos(turned)); });
+    const auto c = compare_forces(a, b);
+    ASSERT_TRUE(c);
+    EXPECT_NEAR(c->direction_degrees.mean, 10, 1e-9);
+    EXPECT_NEAR(c->longer_n, 0.5, 1e-12);
+    const double apart = std::sqrt(4 + 2.25 - 2 * 2 * 1.5 * std::cos(turned));
+    EXPECT_NEAR(c->difference_n.p95, apart, 1e-12);
+    ASSERT_EQ(c->worst.size(), 5U) << "of each 50 ms one";
+    EXPECT_EQ(c->worst[0].tick, 0);
+    EXPECT_EQ(c->worst[1].tick, 50);
+}
+
+TEST(ForceComparison, FindsHumInItsBand) {
+    const ForceTable quiet = pressing(1024, [](double) { return glm::dvec3(0, 0, 1); });
+    for (const auto& [hz, band] : {std::pair{12.0, 0U}, {50.0, 1U}, {150.0, 2U}, {400.0, 3U}}) {
+        const ForceTable humming = pressing(1024, [hz = hz](double t) {
+            return glm::dvec3(0, 0.1 * std::sin(2 * std::numbers::pi * hz * t), 1);
+        });
+        const auto c = compare_forces(humming, quiet);
+        ASSERT_TRUE(c);
+        EXPECT_EQ(c->noise_windows, 4);
+        for (std::size_t k = 0; k < ForceComparison::noise_bands.size(); ++k) {
+            const double rms = 0.1 / std::numbers::sqrt2;
+            EXPECT_NEAR(c->noise_a_n[k], k == band ? rms : 0, 0.05 * rms) << hz << " Hz, band " << k;
+            EXPECT_NEAR(c->noise_b_n[k], 0, 1e-12);
+        }
+    }
+}
+
+TEST(ForceComparison, CountsContactOfEachRun) {
+    ForceTable a = pressing(4, [](double) { return glm::dvec3(0, 0, 1); }), b = a;
+    a.samples[1] = b.samples[2] = {{1, 2, -1}, {}, false};
+    a.samples[2].goal = b.samples[2].goal;
+    b.samples[1].goal = a.samples[1].goal;
+    a.samples[3].goal.x += 1e-9;
+    const auto c = compare_forces(a, b);
+    ASSERT_TRUE(c);
+    EXPECT_EQ(c->both, 1);
+    EXPECT_EQ(c->only_b, 1);
+    EXPECT_EQ(c->only_a, 1);
+    EXPECT_EQ(c->other_goals, 1);
+    EXPECT_EQ(c->noise_windows, 0);
+}
+
+TEST(ForceComparison, RejectsUnrelatedRuns) {
+    const ForceTable a = pressing(3, [](double) { return glm::dvec3(0, 0, 1); });
+    ForceTable other = a, two = a;
+    for (ForceTable::Sample& sample : other.samples) sample.goal.x = 7;
+    EXPECT_EQ(compare_forces(a, other).error().kind, ErrorKind::usage);
+    two.fingers = 3;
+    EXPECT_EQ(compare_forces(a, two).error().kind, ErrorKind::usage);
 }
 
 }  // namespace

@@ -242,6 +242,18 @@ TEST(Usage, NamesMissingFile) {
     }
 }
 
+TEST(Usage, DeviceCheckLastsRequestedSeconds) {
+    const TemporaryFolder folder;
+    const std::string log = folder / "log.csv";
+    std::ofstream(log) << "time_s,finger,x,y,z,buttons,age_ms,fx,fy,fz,force_on\n"
+                          "0,0,0,0,0,0,0,0,0,0,0\n9,0,0,0,0,0,0,0,0,0,0\n";
+    const Outcome run = run_touchable({"check", "--device", "recorded:" + log, "--seconds", "1", "--json"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    const auto json = nlohmann::json::parse(run.out);
+    EXPECT_EQ(json["readings"], 1000);
+    EXPECT_GE(json["seconds"].get<double>(), 0.999) << "a reading is a millisecond, or late";
+}
+
 TEST(Usage, FailsOnFullStandardOutput) {
     const TemporaryFolder folder;
     const std::string clip = folder / "plane.mkv";
@@ -608,6 +620,22 @@ TEST(SettingWords, PrintOptionsAsTyped) {
     EXPECT_EQ(typed_options({}), "");
 }
 
+TEST(SettingWords, NoiseNeedsThreeFrames) {
+    MeasuredDepth measured;
+    measured.frames = 2;
+    EXPECT_TRUE(noise_in_words(measured, 1).starts_with("not known of fewer than 3 frames; "));
+    measured.frames = 3;
+    EXPECT_TRUE(noise_in_words(measured, 1).starts_with("none found; "));
+}
+
+TEST(SettingWords, StiffnessRisesPerSecond) {
+    const auto slew = std::ranges::find(run_settings(), "stiffness-slew", &SessionSetting::name);
+    ASSERT_NE(slew, run_settings().end());
+    SessionOptions options;
+    slew->set(5, options);
+    EXPECT_DOUBLE_EQ(options.guard.rise.per_tick, 5) << "5 N/mm per second are 5 N/m per millisecond";
+}
+
 /// A program that is asked to stop by each of `signals`, the last one so much after the others.
 [[noreturn]] void be_asked(std::initializer_list<int> signals, std::chrono::milliseconds last_after) {
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);
@@ -816,6 +844,8 @@ TEST(Help, AllListsEveryOptionOnce) {
                 EXPECT_EQ(line.find(noise), std::string::npos) << command << ": " << line;
         }
     }
+    for (const char* command : {"play", "touch"})
+        EXPECT_EQ(std::ranges::count(heads_of(lines_of({command, "--help", "files"})), "--record FILE"), 1);
     EXPECT_GT(table().options.at("play").size(), 50U);
     EXPECT_GT(table().options.at("touch").size(), 50U);
 }

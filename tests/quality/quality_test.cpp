@@ -36,7 +36,8 @@ protected:
             for (int x = 0; x < width; ++x) {
                 const bool shadow = with_shadow && !in_box(x + 80, y + 80) && in_box(x + 87, y + 80);
                 depth_.push_back(shadow ? invalid : in_box(x + 80, y + 80) ? 200 : 60);
-                const bool is_red = in_box(x - right + 80, y - below + 80, colour_larger);
+                const int larger = colour_larger + (x / 80 % 3 == 0 ? some_larger_ : 0);
+                const bool is_red = in_box(x - right + 80, y - below + 80, larger);
                 const int noise = (x * 7 + y * 13) % 11;
                 for (const int channel : {is_red ? 190 : 40, 60, is_red ? 30 : 170})
                     colour_.push_back(static_cast<std::uint8_t>(channel + noise));
@@ -65,6 +66,7 @@ protected:
 
     static constexpr std::uint8_t invalid = 0;
     bool uneven_ = false;
+    int some_larger_ = 0;  ///< the colour of three boxes in eight, than that of the others
     std::vector<std::uint8_t> depth_, colour_, where;
 };
 
@@ -96,6 +98,15 @@ TEST_F(ColourEdgeFit, DisagreesForDistantColour) {
     for (const auto& [right, below] : {std::pair{30, 0}, {-30, 0}, {0, -30}}) {
         const auto fitted = fit(right, below, 0);
         EXPECT_FALSE(fitted.agrees()) << right << ' ' << below << ": " << fitted.agreement;
+    }
+}
+
+TEST_F(ColourEdgeFit, AgreesWithinTwoPixels) {
+    for (const int larger : {-3, -2, 2, 3}) {
+        some_larger_ = larger;
+        const double lines = 30 + 2 * std::min(larger, 0);  // that meet both edges of a box and of its colour
+        const double agreement = std::abs(larger) <= 2 ? 1 : 5 * 30 / (5 * 30 + 3 * lines);
+        EXPECT_DOUBLE_EQ(fit(0, 0, 0).agreement, agreement) << larger;
     }
 }
 

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -78,6 +79,19 @@ TEST(Height, HasLevelsOrWorldUnits) {
     const Scene scene = good_scene();
     EXPECT_DOUBLE_EQ(largest_height({3.0, HeightUnits::levels, 255}, scene.depth), 3.0 * 140.0 / 255);
     EXPECT_DOUBLE_EQ(largest_height({3.0, HeightUnits::world, 255}, scene.depth), 3.0);
+}
+
+TEST(CameraPose, RotationIsNoMirror) {
+    for (const double x : {-1, 0, 1})
+        for (const double y : {-1, 0, 1})
+            for (const double z : {-1, 0, 1})
+                for (const double w : {0.5, -0.25}) {
+                    const double length = std::sqrt(x * x + y * y + z * z + w * w);
+                    auto matrix = rotation_of(x / length, y / length, z / length, w / length).value();
+                    EXPECT_TRUE(is_rotation(matrix)) << x << y << z << w;
+                    for (double& number : matrix) number = -number;
+                    EXPECT_FALSE(is_rotation(matrix)) << x << y << z << w;
+                }
 }
 
 TEST(FrameRate, FloorsTimesToNanoseconds) {

@@ -1,7 +1,11 @@
 #include <gtest/gtest.h>
+#include <linux/magic.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/uio.h>
 #include <sys/un.h>
+#include <sys/vfs.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -79,6 +83,20 @@ std::string stretch(GivenFile& file, std::uint64_t at, std::size_t count) {
     return read ? bytes : read.error().message;
 }
 
+thread_local int waiting_reads = 0;
+
+}  // namespace
+}  // namespace touchable::test
+
+// In place of the C library's for this program: counts the reads that may wait for a disk.
+extern "C" ssize_t preadv2(int file, const iovec* to, int count, off_t at, int flags) {
+    touchable::test::waiting_reads += flags == RWF_NOWAIT ? 0 : 1;
+    return syscall(SYS_preadv2, file, to, count, at, 0, flags);
+}
+
+namespace touchable::test {
+namespace {
+
 TEST(GivenFile, ReadsAnyPiece) {
     const TemporaryFolder folder;
     const std::string bytes = telling_bytes(300'000);
@@ -93,6 +111,11 @@ TEST(GivenFile, ReadsAnyPiece) {
     EXPECT_EQ(stretch(*file, 299'999, 2), "is cut short");
     EXPECT_EQ(stretch(*file, ~std::uint64_t{0}, 2), "is cut short");
     EXPECT_EQ(*read_given_file(folder / "file", "NAME", "a file", bytes.size()), bytes);
+    struct statfs system = {};
+    ASSERT_EQ(statfs(folder.path().c_str(), &system), 0);
+    if (system.f_type != TMPFS_MAGIC) {
+        EXPECT_EQ(waiting_reads, 0) << "another thread waits for a disk";
+    }
 }
 
 /// A recorder goes on writing; another program cuts the file.

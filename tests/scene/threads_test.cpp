@@ -226,9 +226,12 @@ TEST(ChildProcess, SaysHowItEnded) {
 }
 
 TEST(ChildProcess, HasItsOwnSettings) {
-    const auto output = output_of({"sh", "-c", "echo $HOME-$EXTRA"}, 100, ample, {}, {"HOME=a", "EXTRA=b"});
+    ::setenv("EXTR", "c", 1);  // its name begins another's
+    const auto output =
+        output_of({"sh", "-c", "echo $HOME-$EXTRA-$EXTR"}, 100, ample, {}, {"HOME=a", "EXTRA=b"});
+    ::unsetenv("EXTR");
     ASSERT_EQ(failure_of(output), "");
-    EXPECT_EQ(*output, "a-b\n");
+    EXPECT_EQ(*output, "a-b-c\n");
 }
 
 TEST(ChildProcess, IsBoundedInOutput) {
@@ -287,8 +290,9 @@ TEST(StartThread, NamesAndRunsThread) {
 }
 
 TEST(RowBands, CoverEachRowOnce) {
-    for (const int threads : {1, 2, 3, 7}) {
-        RowBands bands(threads);
+    for (const auto& [threads, until_stopped] :
+         {std::pair(1, false), {2, false}, {3, false}, {7, false}, {1, true}, {3, true}}) {
+        RowBands bands(threads, until_stopped);
         for (const int step : {1, 3, 16})
             for (const int rows : {1, 2, 15, 16, 17, 100, 1080}) {
                 std::vector<int> visits(static_cast<std::size_t>(rows));  // no two bands touch the same row

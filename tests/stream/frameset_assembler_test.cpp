@@ -148,6 +148,12 @@ TEST(FramesetAssembler, FollowsRestartedSender) {
     EXPECT_EQ(given[10].number, 0);
     EXPECT_EQ(given.back().number, std::int64_t{1} << 40U);
     EXPECT_EQ(assembler.counts().restarts, 2);
+    // Of what it begins with anew, the second frame comes first.
+    FramesetAssembler swapped({depth, haptic});
+    add_pictures(swapped, 10, {depth, haptic}, 1010);
+    for (const std::int64_t n : {1, 0}) swapped.add(picture(depth, n, 5000 + n));
+    for (const std::int64_t n : {0, 1}) swapped.add(picture(haptic, n, 5000 + n));
+    EXPECT_EQ(numbers_of(take_all(swapped)), Numbers64({10, 0, 1}));
 }
 
 /// With any pictures lost, torn, sent twice, mixed or out of order, each frameset is of one frame and one

@@ -517,6 +517,8 @@ TEST(LiveStream, StopsWaitingOnRequest) {
     });
     const auto clip = must(open_live_stream(live_choice(sender.url())));
     ASSERT_EQ(message(clip->begin(Clock::now())), "");
+    while (!says(*clip, "has sent no whole frameset for")) std::this_thread::yield();
+    EXPECT_GT(clip->stream_figures()->lost, 0) << "by the clip's rate";
     std::stop_source given_up;
     const StopScope until(given_up.get_token());
     std::jthread teller([&] { given_up.request_stop(); });
@@ -614,6 +616,22 @@ TEST(TransportClip, ReceivesExactFrames) {
         for (std::size_t n = 0; n < frames.size(); ++n)
             EXPECT_TRUE(is_as_sent(frames[n], sent.frames[n])) << n;
     }
+}
+
+/// Its table of tracks names colour, and what waits for that must not fill the memory.
+TEST(TransportClip, OpensWithoutAnnouncedColour) {
+    const auto sent = make_transport_stream(small_scene(64, 48, 8), 100, {true, false, false, false});
+    const std::string all = sent.bytes();
+    std::string without;
+    for (std::size_t at = 0; at < all.size(); at += 188) {
+        const bool is_of_first_track = (all[at + 1] & 0x1f) == 1 && all[at + 2] == 0;  // PID 0x100
+        if (!is_of_first_track) without += all.substr(at, 188);
+    }
+    const LoopbackSender sender(without);
+    const auto frames = must(read_all(*must(open_stream_clip(source_of(sender.url())))));
+    ASSERT_FALSE(frames.empty());
+    EXPECT_LE(frames.size(), 64U);
+    EXPECT_TRUE(same_touch_planes(frames.back(), sent.frames.back()));
 }
 
 TEST(TransportClip, HoldsFramesOverLostPackets) {

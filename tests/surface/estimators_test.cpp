@@ -350,6 +350,19 @@ double slope(int x, int y) {
     return 800 + 10 * x + 2 * y;
 }
 
+// As infrared and depth in one folder: four frames tell.
+TEST(DepthEstimator, FindsKindsThatAlternate) {
+    const auto factor = [](int kinds, int frames) {
+        const auto depth = [kinds](int x, int y, int n, SplitMix64&) {
+            return (1 + n % kinds) * slope(x, y);
+        };
+        return measured_of(depth, frames)->alternates_by;
+    };
+    EXPECT_NEAR(factor(2, 4), 2, 0.01);
+    EXPECT_EQ(factor(2, 3), 1);
+    EXPECT_EQ(factor(1, 4), 1);
+}
+
 TEST(NoiseEstimator, FindsConstantNoise) {
     for (const double sigma : {1.5, 4.0, 12.0}) {
         const auto measured = measured_of(

@@ -187,6 +187,20 @@ TEST(ClipDamage, ReadsClipWithoutChecksums) {
     EXPECT_TRUE(same_outcome(subject.with(bytes), subject.whole));
 }
 
+/// Other programs keep no additions to packets. FFV1 has checksums of its own; depth's codec here has none.
+TEST(ClipDamage, ChecksSlicesWithoutAdditions) {
+    const Subject subject(8, 2, 12, all_planes, {Archive::small, true});
+    remux(subject.folder / "whole.mkv", subject.folder / "bare.mkv", {.checksums = false});
+    std::string bytes = read_bytes(subject.folder / "bare.mkv");
+    std::size_t at = 0;
+    for (int n = 0; (at = bytes.find("\x75\xA1\x8F", at)) != std::string::npos; ++n, ++at)
+        if (n % 4 != 0) bytes.replace(at, 2, "\xEC\x90");  // padding
+    EXPECT_TRUE(same_outcome(subject.with(bytes), subject.whole));
+    const std::string colour = packets(subject.folder / "whole.mkv").at(5);
+    bytes.at(bytes.find(colour) + colour.size() / 2) ^= 1;
+    EXPECT_TRUE(has_words(subject.with(bytes).error, "track colour, frame 1: is damaged: its checksum"));
+}
+
 TEST(ClipDamage, RejectsOtherFiles) {
     const TemporaryFolder folder;
     write_bytes(folder / "noise.mkv", std::string(5000, 'x'));
@@ -408,6 +422,9 @@ TEST_F(ClipRefusal, ChecksOwnCodec) {
     EXPECT_TRUE(has_words(no_width, "track depth: its header is damaged: it says 0x48 pixels") ||
                 has_words(no_width, "is not a readable Matroska file"))
         << no_width;
+    // An addition of another number is none of ours.
+    EXPECT_TRUE(has_words(refusal_with("\xEE\x81\x01", "\xEE\x81\x02"),
+                          "track depth, frame 0: is damaged: its checksum is missing or wrong"));
     // The additions of frame 0, 15 bytes and their size, become padding.
     EXPECT_TRUE(has_words(refusal_with("\x75\xA1\x8F", "\xEC\x90"),
                           "track depth, frame 0: is damaged: its checksum is missing"));

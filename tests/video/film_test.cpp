@@ -31,8 +31,9 @@ TEST(Film, ShowsPicturesFromTheirPlaces) {
             EXPECT_EQ(seen[k].width, 64);
             EXPECT_EQ(seen[k].height, 48);
             EXPECT_NEAR(seen[k].at(32, 24), k < 5 ? 16 : 235, 6) << k;
-            // The wide one is half as high, with black above and below.
-            EXPECT_NEAR(seen[k].at(32, 4), k >= 5 && k < 7 ? 235 : 16, 6) << k;
+            // The wide one is half as high, with black above and below; the others lose their odd column.
+            for (const int row : {4, 47})
+                EXPECT_NEAR(seen[k].at(32, row), k >= 5 && k < 7 ? 235 : 16, 6) << k << ' ' << row;
         }
     }
 }
@@ -240,6 +241,22 @@ TEST_F(ClipSound, IsSilentWhereCut) {
     std::filesystem::resize_file(file(), std::filesystem::file_size(file()) / 2);
     EXPECT_EQ(difference(heard(0, 10'000), sound, 0), 0);
     EXPECT_EQ(difference(heard(40'000, 8000), {}, 40'000), 0);
+}
+
+TEST_F(ClipSound, IgnoresDamageBeforeSeek) {
+    write_sounding_film(file(), tone(440, 2));
+    std::string bytes = read_bytes(file());
+    std::vector<std::string> frames;
+    for (const std::string& packet : packets(file()))
+        if (packet.starts_with("\xff\xf8")) frames.push_back(packet);  // FLAC's
+    ASSERT_GT(frames.size(), 5U);
+    bytes.replace(bytes.find(frames[3]), frames[3].size(), frames[3].size(), '\0');
+    write_bytes(file(), bytes);
+    const auto track = must(SoundTrack::open(file()));
+    heard_in(*track, 72'000, 9600);
+    EXPECT_FALSE(track->is_damaged());
+    heard_in(*track, 0, 48'000);
+    EXPECT_TRUE(track->is_damaged());
 }
 
 // Sound that is kept as it is stored.

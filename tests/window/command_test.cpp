@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
+#include <memory>
 #include <set>
 #include <string>
 #include <tuple>
@@ -11,6 +12,7 @@
 #include "player/session/touch_setup.hpp"
 #include "player/window/command_table.hpp"
 #include "player/window/user_files.hpp"
+#include "player/window/window_clips.hpp"
 #include "player/window/window_command.hpp"
 #include "tests/window/scripted_window.hpp"
 
@@ -337,6 +339,17 @@ TEST(TwoSettings, BStartsUnfiltered) {
     EXPECT_EQ(two.now(), felt({{"metric", "scaled"}, {"median", "5"}}));
     two.turn_to(true);
     EXPECT_EQ(two.in_words(), "B: metric scaled, filters off, median 3");
+}
+
+TEST(WindowSettings, TellPaintAndSettings) {
+    WindowSettings settings;
+    EXPECT_EQ(settings.in_words(), "A: as the clip says");
+    settings.painted = std::make_shared<PaintedSegments>();
+    EXPECT_EQ(settings.in_words(), "A: as painted");
+    EXPECT_TRUE(settings.in_effect.set("median", "5"));
+    EXPECT_EQ(settings.in_words(), "A: median 5, as painted");
+    EXPECT_TRUE(settings.in_effect.set("materials", "off"));
+    EXPECT_FALSE(contains(settings.in_words(), "painted")) << "it is not felt";
 }
 
 class SettingsFileTest : public ::testing::Test {

@@ -4,6 +4,7 @@
 #ifdef TOUCHABLE_HAS_SDL
 #define SDL_MAIN_HANDLED
 #include <SDL.h>
+#include <dlfcn.h>
 #endif
 
 #include <array>
@@ -15,6 +16,18 @@
 #include <vector>
 
 #include "player/audio/rumble.hpp"
+
+#ifdef TOUCHABLE_HAS_SDL
+static bool closed_in_time = true;
+
+/// SDL's, which sees whether SDL has ended, and with it the gamepad.
+extern "C" void SDL_GameControllerClose(SDL_GameController* pad) {
+    static const auto close =
+        reinterpret_cast<decltype(&SDL_GameControllerClose)>(dlsym(RTLD_NEXT, "SDL_GameControllerClose"));
+    closed_in_time = closed_in_time && SDL_WasInit(SDL_INIT_GAMECONTROLLER) != 0;
+    close(pad);
+}
+#endif
 
 namespace touchable::test {
 namespace {
@@ -195,7 +208,9 @@ TEST_F(RumblingGamepad, IsPluggedAndUnplugged) {
     EXPECT_NE(pad.look(), "");
     pad.rumble({1, 0}, 100);
     EXPECT_EQ(again.last()[0], 65535);
+    SDL_QuitSubSystem(SDL_INIT_GAMECONTROLLER);  // only the gamepad needs it now
     opened = Error{ErrorKind::device, "closed"};
+    EXPECT_TRUE(closed_in_time);
     EXPECT_EQ(again.last()[0], 0) << "it is closed";
 }
 

@@ -1,15 +1,20 @@
 // Labels of places of a clip: read, found, and shown where a finger rests.
 
 #include <gtest/gtest.h>
+#include <imgui.h>
 
+#include <algorithm>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "player/draw/light_picture.hpp"
 #include "player/window/finger_halos.hpp"
+#include "player/window/imgui_layer.hpp"
 #include "player/window/kiosk.hpp"
 #include "player/window/opened_clip.hpp"
+#include "player/window/window_panel.hpp"
 #include "tests/view/shown.hpp"
 #include "tests/window/scripted_window.hpp"
 
@@ -258,6 +263,64 @@ TEST(FingerHalos, LabelsNeverOverlap) {
     EXPECT_EQ(place({100, 100}), glm::dvec2(80, 69)) << "above";
     EXPECT_EQ(place({100, 100}), glm::dvec2(80, 115)) << "below";
     EXPECT_FALSE(place({100, 100}));
+}
+
+/// Within their box, which begins at (50, 50) with a soft edge.
+TEST(CurvesPanel, ShowsLateTicksAtOnce) {
+    ImGuiLayer layer(1);
+    CurvesPanel curves;
+    PanelFacts facts;
+    const auto drawn = [&] {
+        curves.remember(facts, 0, 0);
+        layer.begin(640, 480, 0.02, {});
+        ImGui::SetNextWindowPos(ImVec2(50, 50));
+        ImGui::SetNextWindowSize(ImVec2(500, 400));
+        ImGui::Begin("curves");
+        curves.draw(10, 1);
+        ImGui::End();
+        layer.end();
+        const ImDrawData& data = *ImGui::GetDrawData();
+        for (int k = 0; k < data.CmdListsCount; ++k)
+            for (const ImDrawVert& corner : data.CmdLists[k]->VtxBuffer)
+                EXPECT_GT(std::min(corner.pos.x, corner.pos.y), 48);
+        return data.TotalVtxCount;
+    };
+    drawn();
+    const int without = drawn();
+    ++facts.late_ticks;
+    EXPECT_GT(drawn(), without);
+    for (std::size_t k = 1; k < Curve::most; ++k) EXPECT_GT(drawn(), without) << k;
+    EXPECT_EQ(drawn(), without);
+}
+
+TEST(StudyPage, FittingAnswersAreSideBySide) {
+    ImGuiLayer layer(1);
+    WindowPanel panel(1);
+    PanelFacts facts;
+    facts.study.emplace();
+    std::string words;
+    const auto answers_on_the_right = [&] {
+        facts.study->answers.assign(3, words);
+        std::vector<WindowCommand> asked;
+        InputEvent event{.x = 250, .word = "left"};
+        for (event.y = 0; event.y < 400; event.y += 10)
+            for (const auto kind :
+                 {InputEvent::Kind::moved, InputEvent::Kind::pressed, InputEvent::Kind::released}) {
+                event.kind = kind;
+                layer.begin(300, 400, 0.02, {&event, 1});
+                panel.draw(facts, 300, 400, asked);
+                layer.end();
+            }
+        std::set<double> answers;
+        for (const WindowCommand& command : asked) answers.insert(command.number);
+        return answers;
+    };
+    // With two thirds of its share of the page an answer fits into its button, undiminished.
+    const ImFont& usual = *ImGui::GetIO().Fonts->Fonts[0];
+    while (usual.CalcTextSizeA(13, 1000, 0, words.c_str()).x < 56) words += 'i';
+    EXPECT_EQ(answers_on_the_right(), std::set<double>{3});
+    words += std::string(60, 'i');
+    EXPECT_EQ(answers_on_the_right(), (std::set<double>{1, 2, 3})) << "one below the other";
 }
 
 }  // namespace

@@ -6,11 +6,14 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "player/audio/contact_sound.hpp"
 #include "player/audio/heard_sound.hpp"
+#include "player/audio/window_sound.hpp"
 #include "tests/limits.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 namespace {
@@ -310,6 +313,53 @@ TEST(FilmedSound, FillsSkippedTicks) {
     EXPECT_GT(filmed.loudest[104], 0.01F) << "the tap is lost";
     filmed.take({}, 150, 41);
     EXPECT_EQ(filmed.loudest.size(), 151U);
+}
+
+/// What a file holds, up to where it is silent, of a finger that touches in ticks 200 to 899, by that force,
+/// and in each slips so far: scene units.
+Sound saved_sound(double slip, const GuardedForce& felt) {
+    const TemporaryFolder folder;
+    auto sound = WindowSound::create(false, folder / "heard.wav", Existing::keep);
+    EXPECT_TRUE(sound);
+    TouchListener listener(**sound, 100);
+    listener.begin(PlaybackClock(FrameRate()), 0);
+    Contact contact;
+    contact.touching = true;
+    contact.goal.z = -0.1;
+    contact.carried_stiffness = 1000;
+    for (int n = 200; n < 900; ++n) {
+        contact.carried = std::exchange(contact.proxy, contact.proxy + glm::dvec3(slip, 0, 0));
+        TouchTick tick;
+        tick.tick = n;
+        tick.metres_per_scene_unit = 0.001;
+        tick.contacts = {&contact, 1};
+        tick.forces = {&felt, 1};
+        EXPECT_TRUE(listener.take(tick));
+    }
+    EXPECT_TRUE((*sound)->finish());
+    const auto saved = SpokenSound::read(folder / "heard.wav");
+    Sound samples;
+    EXPECT_TRUE(saved) << saved.error().message;
+    if (!saved) return samples;
+    for (const auto& [left, right] : (*saved)->samples)
+        samples.push_back({static_cast<float>(left) / 32767, static_cast<float>(right) / 32767});
+    return samples;
+}
+
+TEST(TouchListener, RestingFingerTapsOnce) {
+    const Sound tap = saved_sound(0, {{0, 0, 2}});
+    EXPECT_GT(largest(tap), 0.05);
+    EXPECT_LT(tap.size(), 800U * ContactSound::samples_per_tick);
+}
+
+TEST(TouchListener, FrictionDoesNotPress) {
+    const auto end_of = [](const Sound& slide) {
+        EXPECT_NEAR(static_cast<double>(slide.size()), 900 * ContactSound::samples_per_tick, 48);
+        return loudness({slide.end() - 9600, slide.end()});
+    };
+    const double free = end_of(saved_sound(0.05, {{0, 0, 1}}));
+    EXPECT_GT(end_of(saved_sound(0.05, {{0, 0, 4}})), 1.3 * free);
+    EXPECT_NEAR(end_of(saved_sound(0.05, {{-4, 0, 1}})), free, 0.02 * free);
 }
 
 }  // namespace
