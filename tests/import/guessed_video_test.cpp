@@ -234,7 +234,7 @@ TEST_F(GuessedVideo, AveragesNearlyGrey) {
     EXPECT_TRUE(is_refused(open_clip(folder / "grey.mkv", std::nullopt, hue), "has no colours"));
     Samples memory;
     ASSERT_EQ(message(write_png(folder / "a.png", test_plane(memory, 20, 10, 2, 1, 3000, 5, true))), "");
-    EXPECT_TRUE(is_refused(open_clip(folder / "a.png", std::nullopt, mean), "preset mean is of videos"));
+    EXPECT_TRUE(is_refused(open_clip(folder / "a.png", std::nullopt, mean), "preset mean is for depth videos"));
 }
 
 TEST_F(GuessedVideo, ReadsGreyHalfOfRecord3d) {
