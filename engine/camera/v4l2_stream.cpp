@@ -288,10 +288,10 @@ std::shared_ptr<VideoSystem> system_video() {
 }
 
 int call(VideoSystem& system, int descriptor, unsigned long request, void* argument) {
-    int result = 0;
-    do result = system.ioctl(descriptor, request, argument);
-    while (result < 0 && errno == EINTR);
-    return result;
+    while (true) {
+        const int result = system.ioctl(descriptor, request, argument);
+        if (result >= 0 || errno != EINTR) return result;
+    }
 }
 
 std::string users_of_node(const std::string& node) {

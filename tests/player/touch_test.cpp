@@ -97,6 +97,16 @@ TEST_F(Touch, PrintsFourLinesByDefault) {
         EXPECT_NE(run.out.find(fact), std::string::npos) << fact << " is missing in\n" << run.out;
 }
 
+/// By default the picture shows a moment of the run, whose length its commands decide.
+TEST_F(Touch, CommandedRunHasPicture) {
+    make("globe");
+    std::ofstream(folder / "commands.txt") << "0.1 rate 0.5\n";
+    const Outcome run = run_touchable({"touch", clip(), "--play", folder / "commands.txt", "--picture",
+                                       folder / "p.png", "--picture-size", "64x48", "--painter", "cpu"});
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_GT(file_contents(folder / "p.png").size(), 1000U);
+}
+
 TEST_F(Touch, VerboseTablePrintsFigures) {
     make("globe");
     const Outcome run = run_touchable({"touch", clip(), "--seconds", "0.5", "--verbose"});
