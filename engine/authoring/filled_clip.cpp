@@ -683,7 +683,7 @@ private:
             return why + "it takes " + frames(least_frames) + " to tell that a camera stands still";
         if (known_.moving == known_.frames) return why + "the camera moves: the clip is left as it is";
         std::string said;
-        if (measured_ == 0 || holes_ == 0) {
+        if (holes_ == 0) {
             said = "holes are filled from frames that saw what is behind, but the " + frames(measured_) +
                    " that were measured have none";
         } else {

@@ -162,6 +162,8 @@ void add_mode(VideoSystem& system, int descriptor, NodeFormat& format, std::uint
               std::uint32_t height) {
     if (width == 0 || height == 0 || width > largest_side || height > largest_side) return;
     const int w = static_cast<int>(width), h = static_cast<int>(height);
+    const auto is_same = [&](const NodeMode& mode) { return mode.width == w && mode.height == h; };
+    if (std::ranges::any_of(format.modes, is_same)) return;
     format.modes.push_back({w, h, rates_of(system, descriptor, format.code, w, h)});
 }
 

@@ -378,7 +378,8 @@ private:
                                bytes_.size(), where_ + ": " + what);
     }
 
-    /// Reads depth's luma as stored, without colour conversion; or green, if red and blue are the same.
+    /// Reads depth's luma as stored; or green, where libheif makes RGB of colour, if red and blue are the
+    /// same.
     Result<void> read_depth() {
         heif_image* decoded = nullptr;
         TRY(done(heif_decode_image(depth_.get(), &decoded, heif_colorspace_undefined, heif_chroma_undefined,

@@ -228,7 +228,7 @@ private:
     }
     std::int64_t colour_frame(std::int64_t frame) const {
         if (!numbers_.empty()) return static_cast<std::int64_t>(numbers_[static_cast<std::size_t>(frame)]);
-        if (!pairing_rate_) return std::min(frame, colour_video_->count() - 1);
+        if (!pairing_rate_) return frame;
         return colour_video_->nearest(1e-9 * static_cast<double>(pairing_rate_->time_ns(frame)));
     }
     Result<TrackPicture> colour_picture(std::int64_t number) {

@@ -813,7 +813,7 @@ std::string found_elsewhere(const fs::path& folder) {
     }
     const std::set<fs::path> folders = folders_further_down(folder);
     if (folders.empty()) return "";
-    return std::string("but they are in a folder too far down: touchable play ") +
+    return std::string("but a folder further down has pictures: touchable play ") +
            shell_word(folders.begin()->string()) +
            (folders.size() > 1 ? " (one of " + std::to_string(folders.size()) + " such folders)" : "");
 }

@@ -652,6 +652,9 @@ TEST(CameraList, OffersSizesBetweenLimits) {
         const NodeFormat format = look_at_node(video, "/dev/video0")->formats.at(0);
         EXPECT_EQ(mode_text(must(choose_mode(format, {800, 500}))), "800x500 at 30 frames/s");
     }
+    FakeVideo video;
+    video.add("/dev/video0").formats = {{V4L2_PIX_FMT_Z16, {{640, 480}, {960, 960}}, true}};
+    EXPECT_EQ(look_at_node(video, "/dev/video0")->formats.at(0).modes.size(), 2U) << "each size once";
 }
 
 TEST(CameraList, NamesMissingDepthNode) {

@@ -666,9 +666,8 @@ TEST_F(GuessedFolder, PointsToPicturesElsewhere) {
     const auto refusal = [&] { return message(open_clip(folder.path())); };
     colour("a b/seq/rgb/1.png");
     depth("a b/seq/depth/1.png");
-    EXPECT_TRUE(
-        has_words(refusal(), "there are no pictures, but they are in a folder too far down: touchable play '" +
-                                 (folder / "a b").string() + "')"));
+    EXPECT_TRUE(has_words(refusal(), "a folder further down has pictures: touchable play '" +
+                                         (folder / "a b").string() + "')"));
     depth("c/d/e/1.png");
     EXPECT_TRUE(has_words(refusal(), "one of 2 such folders"));
     write_bytes(folder / "Test.mov", "");
