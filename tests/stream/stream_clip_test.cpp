@@ -320,14 +320,15 @@ TEST(HttpFile, FailsAtOnceAfterFailure) {
     auto file = must(opened.file->open("a clip"));
     char bytes[16];
     ASSERT_EQ(message(file.read(0, bytes, sizeof bytes)), "");
-    EXPECT_TRUE(is_refused(file.read(2 << 20, bytes, sizeof bytes), "too slowly"));
-    const int connections = server.connections();
+    // Where the last part ends: farther on, FFmpeg may or may not connect anew, and the server may take that
+    // late.
+    EXPECT_TRUE(is_refused(file.read(1 << 20, bytes, sizeof bytes), "too slowly"));
     const auto begun = std::chrono::steady_clock::now();
     for (std::uint64_t at = 1; at < 40; ++at)
         EXPECT_NE(message(file.read(at * 100'000, bytes, sizeof bytes)), "");
     EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(20))
         << "39 waits are as many seconds";
-    EXPECT_EQ(server.connections(), connections);
+    EXPECT_EQ(server.connections(), 1);
 }
 
 TEST(HttpFile, OpensInTimeOrFails) {
