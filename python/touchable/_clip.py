@@ -7,13 +7,13 @@ import functools
 import operator
 import os
 import threading
-from typing import TYPE_CHECKING, Any, Callable, Iterator, overload
+from typing import TYPE_CHECKING, Any, Callable, Iterator, SupportsIndex, overload
 
 import numpy
 from numpy.typing import ArrayLike, NDArray
 
 from . import _library, _planes
-from ._library import ClipFacts, ClipSettings, FrameStruct, Handle, call, encoded, made, refuse_copies, text_of
+from ._library import ClipFacts, ClipSettings, FrameStruct, Handle, call, encoded, flag, made, of_kind, refuse_copies, text_of
 from ._scene import Camera, Scene
 from .errors import Error, MissingFileError, Status
 
@@ -39,7 +39,7 @@ class Frame:
 
     def __init__(self, handle: Handle, scene: Scene, colour: bool = True) -> None:
         """Of a handle of the C API; programs get frames from a Clip."""
-        self._handle = handle
+        self._handle = of_kind("handle", handle, Handle, "the C API's; touchable.open gives frames")
         self._struct = FrameStruct()
         call("frameset_frame", handle.number, self._struct)
         if not colour:  # some formats decode colour nevertheless
@@ -140,8 +140,9 @@ class Clip:
 
     def __init__(self, path: str | os.PathLike, settings: _library.Struct) -> None:
         """Programs use touchable.open."""
+        of_kind("settings", settings, ClipSettings, "the C API's; use touchable.open")
+        name = encoded(f"the path {path!r}", path, "the name of a file or folder, or the address of a stream")
         self.path = os.fspath(path)
-        name = encoded(f"the path {path!r}", path)
         self._is_stream = b"://" in name or name == b"-"
         self._position: int | None = 0
         self._with_colour = bool(settings.colour)
@@ -254,7 +255,7 @@ class Clip:
     def __getitem__(self, index: int | slice) -> Frame | list[Frame]:
         if isinstance(index, slice):
             return [self[k] for k in range(*index.indices(len(self)))]
-        wanted = operator.index(index)
+        wanted = operator.index(of_kind("index", index, SupportsIndex, "a whole number or a slice"))
         place = wanted + len(self) if wanted < 0 else wanted
         beyond = place < 0 or (self.frame_count is not None and place >= self.frame_count)
         frame = None if beyond else self.read(place)
@@ -295,11 +296,11 @@ def open(path: str | os.PathLike, *, colour: bool = True, scene_file: str | os.P
     """
     settings = ClipSettings()
     call("clip_settings_defaults", settings, settings.struct_size)
-    settings.colour = int(colour)
+    settings.colour = flag("colour", colour)
     if scene_file is not None:
-        settings.scene_file = encoded("scene_file", scene_file)
+        settings.scene_file = encoded("scene_file", scene_file, "the name of a scene file")
     if preset is not None:
-        settings.preset = encoded("preset", preset)
+        settings.preset = encoded("preset", preset, "the name of a preset")
     given = {"fx_px": fx_px, "fy_px": fx_px if fy_px is None else fy_px, "cx_px": cx_px, "cy_px": cy_px,
              "fov_degrees": fov_degrees, "metres_per_code": metres_per_code}
     for name, value in given.items():

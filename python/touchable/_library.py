@@ -8,12 +8,15 @@ from __future__ import annotations
 import ctypes
 import functools
 import math
+import numbers
 import operator
 import os
 import pathlib
 import weakref
 from ctypes import POINTER, c_char, c_char_p, c_double, c_int32, c_int64, c_size_t, c_uint32, c_uint64, c_void_p
 from typing import Any, Callable, NoReturn
+
+import numpy
 
 from .errors import ClosedError, Status, UsageError, error_of
 
@@ -45,12 +48,26 @@ def number(name: str, value: Any) -> float:
     raise UsageError(Status.USAGE, f"{name} is {value!r}; must be a finite number")
 
 
-def encoded(what: str, text: str | os.PathLike) -> bytes:
-    """Text as the C API takes it: UTF-8, which ends at its first NUL."""
+def of_kind(name: str, value: Any, kinds: Any, right: str) -> Any:
+    """An argument that is of one of these types. Raises TypeError, as Python does, where it is not."""
+    if not isinstance(value, kinds):
+        raise TypeError(f"{name} is {type(value).__name__}; must be {right}")
+    return value
+
+
+def flag(name: str, value: Any) -> int:
+    """An argument that is True or False."""
+    return int(bool(of_kind(name, value, (numbers.Integral, numpy.bool_), "True or False")))
+
+
+def encoded(what: str, text: str | os.PathLike, right: str = "the name of a file") -> bytes:
+    """Text as the C API takes it: UTF-8, which ends at its first NUL. `right`: what it says."""
     try:
-        data = os.fsencode(text)
+        data = os.fsencode(of_kind(what, text, (str, bytes, os.PathLike), right + ", as str, bytes or os.PathLike"))
     except UnicodeEncodeError:
         data = b"\0"
+    if not data:
+        raise UsageError(Status.USAGE, f"{what} is empty; must be {right}")
     if b"\0" in data:
         raise UsageError(Status.USAGE, f"{what} has a NUL or a lone surrogate; must be text without")
     return data

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy
 
+from ._library import encoded, of_kind
 from ._touch import Touched
 
 if TYPE_CHECKING:
@@ -22,6 +23,9 @@ def plot(touched: Touched, path: str | os.PathLike | None = None, *, title: str 
         of matplotlib.pyplot, which pyplot.show() shows. title: above it.
     Gives the matplotlib Figure. Raises ImportError where matplotlib is missing, OSError where the file cannot be written.
     """
+    of_kind("touched", touched, Touched, "a touchable.Touched, as touch() and Solver.run() give it")
+    if path is not None and not hasattr(path, "write"):  # matplotlib writes to an open file, too
+        encoded(f"the path {path!r}", path)
     figure = _figure(path is None)
     over_depth, over_time = figure.subplots(1, 2, gridspec_kw={"width_ratios": (1, 1.15)})
     _draw_depth(figure, over_depth, touched)

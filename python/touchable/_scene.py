@@ -15,7 +15,7 @@ import numpy
 from numpy.typing import ArrayLike, NDArray
 
 from . import _library, _planes
-from ._library import CameraStruct, SceneFacts, call, encoded, made, number, text_of, whole
+from ._library import CameraStruct, SceneFacts, call, encoded, made, number, of_kind, text_of, whole
 from .errors import UsageError, Status
 
 DepthKind = Literal["planar", "range"]
@@ -119,7 +119,7 @@ class Scene:
 
     def __init__(self, handle: _library.Handle) -> None:
         """Of a handle of the C API; programs use Scene.from_camera or Scene.from_text."""
-        self._handle = handle
+        self._handle = of_kind("handle", handle, _library.Handle, "the C API's; use Scene.from_camera or Scene.from_text")
         self._takes_codes = True
         facts = SceneFacts()
         call("scene_describe", handle.number, facts)
@@ -140,14 +140,15 @@ class Scene:
     @classmethod
     def from_camera(cls, camera: Camera) -> Scene:
         """A scene of a camera: unit metre, no filter. Raises UsageError, which names a member out of its range."""
-        scene = cls(made("scene_from_camera", "scene_destroy", camera._struct()))
+        struct = of_kind("camera", camera, Camera, "a touchable.Camera")._struct()
+        scene = cls(made("scene_from_camera", "scene_destroy", struct))
         scene._takes_codes = camera.metres_per_code is not None
         return scene
 
     @classmethod
     def from_text(cls, text: str) -> Scene:
         """A scene of the text of a scene file (docs/scene_file.md). Raises Error, which names a wrong member."""
-        data = encoded("the text of the scene", text)
+        data = encoded("the text of the scene", text, "that of a scene file")
         return cls(made("scene_from_text", "scene_destroy", data, len(data)))
 
     @property
@@ -238,6 +239,4 @@ def scene_of(meaning: Camera | Scene | None, what: str = "camera") -> Scene:
     """The scene that was given, or of the camera that was given."""
     if isinstance(meaning, Scene):
         return meaning
-    if isinstance(meaning, Camera):
-        return Scene.from_camera(meaning)
-    raise TypeError(f"{what} is {type(meaning).__name__}; must be a touchable.Camera or a touchable.Scene")
+    return Scene.from_camera(of_kind(what, meaning, Camera, "a touchable.Camera or a touchable.Scene"))

@@ -15,7 +15,7 @@ import numpy
 from numpy.typing import ArrayLike, NDArray
 
 from . import _clip, _library, _planes
-from ._library import Contact, SolverStruct, Tick, call, made, number, refuse_copies, whole
+from ._library import Contact, SolverStruct, Tick, call, flag, made, number, of_kind, refuse_copies, whole
 from ._scene import Scene
 from ._surface import Surface, metres_of
 from .errors import Status, error_of
@@ -92,6 +92,7 @@ class SolverSettings:
 
     def _struct(self, fingers: int) -> _library.Struct:
         members = dataclasses.asdict(self)
+        members["waits_to_be_free"] = flag("waits_to_be_free", self.waits_to_be_free)
         if self.metres_per_scene_unit is None:
             members["metres_per_scene_unit"] = 0.0
         elif not number("metres_per_scene_unit", self.metres_per_scene_unit) > 0:
@@ -231,8 +232,8 @@ def forces_at(surface: Surface, points: ArrayLike, friction: bool, time_ns: int 
     rows, flat = numpy.ascontiguousarray(places).reshape(-1, 3), contacts.reshape(-1)
     for k in range(0, len(rows), _places_at_a_time):
         some = rows[k : k + _places_at_a_time]
-        call("surface_forces_at", surface._handle.number, struct, moment, int(friction), some.ctypes.data, len(some),
-             flat[k:].ctypes.data, _contact.itemsize)
+        call("surface_forces_at", surface._handle.number, struct, moment, flag("friction", friction), some.ctypes.data,
+             len(some), flat[k:].ctypes.data, _contact.itemsize)
     return ForcesAt(contacts, surface)
 
 
@@ -270,18 +271,18 @@ class Solver:
         settings: members of SolverSettings. Raises UsageError where one cannot be, Error with Status.BUSY where the
         surface has a solver already, ClosedError.
         """
-        surface._check_open()
+        of_kind("surface", surface, Surface, "a touchable.Surface")._check_open()
         self.surface = surface
-        self.fingers = fingers
+        self.fingers = whole("fingers", fingers, 1, 256)
         self.settings = _settings_of(settings)
-        struct = self.settings._struct(fingers)
+        struct = self.settings._struct(self.fingers)
         self._handle = made("solver_create", "solver_destroy", surface._handle.number, struct, needs=(surface._handle,))
         self.next_tick = 0
         self._lock = threading.Lock()  # guards the members below, which a tick fills
         self._tick = Tick()
-        self._no_goals = numpy.full((fingers, 3), numpy.nan)
+        self._no_goals = numpy.full((self.fingers, 3), numpy.nan)
         self._goals = self._no_goals.copy()
-        self.contacts: NDArray[Any] = numpy.zeros(fingers, _contact)
+        self.contacts: NDArray[Any] = numpy.zeros(self.fingers, _contact)
         self._run = _library.function("solver_run")
         self._call = (self._tick, 1, self._goals.ctypes.data, self.contacts.ctypes.data, _contact.itemsize)
 

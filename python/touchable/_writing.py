@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _library, _planes
 from ._clip import Clip, Frame
-from ._library import Handle, Struct, WriterSettings, call, encoded, made, status_of
+from ._library import Handle, Struct, WriterSettings, call, encoded, flag, made, status_of
 from ._scene import Camera, Scene, most_codes, scene_of, usual_far_m
 from .errors import Error, ExistingFileError, error_of
 
@@ -52,7 +52,7 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
         raise _planes.refuse("camera and scene are given; use one of them")
     if times_ns is None and fps is None and isinstance(frames, Clip):
         times_ns = frames.times_ns if frames.has_own_times else None
-    if camera is not None and camera.far_m is None and isinstance(frames, (list, tuple, numpy.ndarray)):
+    if isinstance(camera, Camera) and camera.far_m is None and isinstance(frames, (list, tuple, numpy.ndarray)):
         camera = _reaching(camera, frames)
     coming = iter(frames)
     first = list(itertools.islice(coming, 1))
@@ -147,15 +147,15 @@ def _valid(depth: NDArray[Any]) -> NDArray[Any]:
 
 
 def _meaning(first: Any, camera: Camera | None, scene: Scene | None, fps: Any) -> Scene:
-    if camera is not None and fps is not None:
+    if isinstance(camera, Camera) and fps is not None:
         camera = dataclasses.replace(camera, frames_per_second=_library.number("fps", fps))
     given = camera if camera is not None else scene
     if given is None and isinstance(first, Frame):
         given = first.scene
     if given is None:
         raise _planes.refuse("what the pictures mean is not said; give camera=touchable.Camera(...)")
-    meaning = scene_of(given)
-    return meaning if fps is None or camera is not None else meaning.with_rate(fps)
+    meaning = scene_of(given, "scene" if camera is None else "camera")
+    return meaning if fps is None or isinstance(camera, Camera) else meaning.with_rate(fps)
 
 
 def _checked(times_ns: ArrayLike) -> NDArray[numpy.int64]:
@@ -172,7 +172,8 @@ def _checked(times_ns: ArrayLike) -> NDArray[numpy.int64]:
 def _settings(overwrite: bool, small: bool, exact_colour: bool, times: NDArray[numpy.int64] | None) -> Struct:
     settings = WriterSettings()
     call("writer_settings_defaults", settings, settings.struct_size)
-    settings.overwrite, settings.small, settings.exact_colour = int(overwrite), int(small), int(exact_colour)
+    settings.overwrite, settings.small = flag("overwrite", overwrite), flag("small", small)
+    settings.exact_colour = flag("exact_colour", exact_colour)
     if times is None or len(times) == 1:  # one frame: at the scene's rate
         return settings
     settings.times_ns, settings.times = times.ctypes.data_as(ctypes.POINTER(ctypes.c_int64)), len(times)

@@ -121,6 +121,59 @@ class Refusals(unittest.TestCase):
             self.refuses(touchable.UsageError, "preset has", touchable.open, globe(), preset="tum" + wrong)
             self.refuses(touchable.UsageError, "the text", touchable.Scene.from_text, wrong)
 
+    def test_NamesThatAreNone(self):
+        depth, camera = hill()
+        touched = touchable.Surface(depth, camera).touch(stroke(camera, 3))
+        for called in (touchable.open, lambda path: touchable.touch(path, stroke(camera)),
+                       lambda path: touchable.write(path, [depth], camera=camera), lambda path: touchable.plot(touched, path)):
+            for empty in "", b"":
+                self.refuses(touchable.UsageError, "^the path .* is empty; must be the name of a file", called, empty)
+            for wrong in 5, float("nan"), ["a.mkv"]:
+                self.refuses(TypeError, "^the path .* is (int|float|list); must be the name .*PathLike", called, wrong)
+        for name in "scene_file", "preset":
+            self.refuses(touchable.UsageError, f"^{name} is empty", touchable.open, globe(), **{name: ""})
+            self.refuses(TypeError, f"^{name} is int; must be the name of a", touchable.open, globe(), **{name: 5})
+        self.refuses(touchable.UsageError, "^the text of the scene is empty", touchable.Scene.from_text, "")
+        self.refuses(TypeError, "^the text of the scene is NoneType", touchable.Scene.from_text, None)
+
+    def test_ArgumentsOfAnotherType(self):
+        depth, camera = hill()
+        surface, scene = touchable.Surface(depth, camera), touchable.Scene.from_camera(camera)
+        at = camera.points(32, 24, 0.48)
+        for called, right in {
+            lambda wrong: touchable.plot(wrong, self.folder.name + "/a.png"): "touched is .*a touchable.Touched",
+            touchable.Solver: "surface is .*a touchable.Surface", touchable.Scene: "handle is .*use Scene.from_camera",
+            touchable.Scene.from_camera: "camera is .*a touchable.Camera",
+            lambda wrong: touchable.write(self.file, [depth], camera=wrong): "camera is .*a touchable.Camera or a touch",
+            lambda wrong: touchable.write(self.file, [depth], scene=wrong): "scene is .*a touchable.Camera or a touch",
+            lambda wrong: touchable.Frame(wrong, scene): "handle is .*touchable.open gives frames",
+            lambda wrong: touchable.Clip(globe(), wrong): "settings is .*use touchable.open",
+        }.items():
+            for wrong in 5, "x", [depth], touchable.ForcesAt:
+                self.refuses(TypeError, f"^{right}", called, wrong)
+        self.refuses(TypeError, "touched is ForcesAt; must be", touchable.plot, surface.forces_at(at))
+        for called in lambda wrong: touchable.write(self.file, wrong, camera=camera), scene.with_filters:
+            self.refuses(TypeError, "'int' object is not iterable", called, 5)
+        with touchable.open(globe()) as clip:
+            for wrong in 1.0, "0", None:
+                self.refuses(TypeError, "^index is .*; must be a whole number or a slice", lambda: clip[wrong])
+        for wrong in 0, 257, 2.0, "1":
+            self.refuses(touchable.UsageError, f"^fingers is {wrong!r}; must be (1 to 256|a whole)", touchable.Solver, surface,
+                         wrong)
+
+    def test_Flags(self):
+        depth, camera = hill()
+        surface, at = touchable.Surface(depth, camera), camera.points(32, 24, 0.48)
+        write = lambda **flag: touchable.write(self.file, [depth], camera=camera, **flag)
+        for name, called in {"colour": lambda **flag: touchable.open(globe(), **flag).close(),
+                             "friction": lambda **flag: surface.forces_at(at, **flag), "small": write, "exact_colour": write,
+                             "overwrite": write, "waits_to_be_free": lambda **flag: touchable.Solver(surface, **flag).close(),
+                             }.items():
+            for wrong in "yes", None, 0.5, float("nan"), []:
+                self.refuses(TypeError, f"^{name} is .*; must be True or False", called, **{name: wrong})
+            if called is not write:
+                called(**{name: numpy.bool_(True)})
+
     def test_Paths(self):
         depth, camera = hill()
         surface = touchable.Surface(depth, camera)

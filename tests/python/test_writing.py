@@ -45,6 +45,13 @@ class Writing(unittest.TestCase):
                 self.assertTrue(numpy.array_equal(self.read(name), ramp(3)))
         self.assertTrue(numpy.array_equal(png(self.path("folder/depth_000001.png")), ramp(3)[1]))
 
+    def test_SceneAsCameraIsTheScene(self):
+        scene = touchable.Scene.from_camera(self.camera)
+        touchable.write(self.path(), ramp(3), camera=scene, fps=25)
+        self.assertTrue(numpy.array_equal(self.read(), ramp(3)))
+        with touchable.open(self.path()) as clip:
+            self.assertEqual((clip.scene.camera.far_m, clip.frames_per_second), (66, 25))
+
     def test_ReadsAllStrides(self):
         wide = numpy.arange(48 * 64, dtype=numpy.uint16).reshape(48, 64)
         for way, array in {
