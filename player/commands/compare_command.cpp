@@ -91,7 +91,7 @@ void print_table(const ForceComparison& c) {
     for (const ForceComparison::WorstTick& one : c.worst)
         std::cout << formatted("  %s tick %lld, finger %d: %.4f N\n",
                                &one == &c.worst.front() ? "worst       " : "            ",
-                               static_cast<long long>(one.tick), one.finger, one.newtons);
+                               static_cast<long long>(one.tick), one.finger + 1, one.newtons);
     if (c.worst.empty()) std::cout << "  every force is the same\n";
 }
 

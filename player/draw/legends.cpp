@@ -128,7 +128,7 @@ void finger_dots(cairo_t* c, double x, double y, int fingers) {
         const double at = x + first_dot + dot_distance * k;
         colour_ink(c, finger_colour(static_cast<std::size_t>(k)));
         disc(c, at, y, 6);
-        draw_words(c, at + 10, y + 5, std::to_string(k));
+        draw_words(c, at + 10, y + 5, std::to_string(k + 1));
     }
 }
 

@@ -54,7 +54,7 @@ def magnitude(finger):
 
 
 def name(finger):
-    return f"finger {int(finger['finger'][0])}"
+    return f"finger {int(finger['finger'][0]) + 1}"
 
 
 def colour_of(finger):

@@ -199,9 +199,9 @@ Result<ForceTable> read_force_table(const std::string& file) {
         const auto wanted_tick = static_cast<double>(row / fingers),
                    wanted_finger = static_cast<double>(row % fingers);
         if (c[Column::tick][row] != wanted_tick || c[Column::finger][row] != wanted_finger)
-            return input_error(table.place(row) + ": is not finger " + std::to_string(row % fingers) +
-                               " of tick " + std::to_string(row / fingers) +
-                               "; expected every finger of every tick, in order");
+            return input_error(table.place(row) + ": must have tick " + std::to_string(row / fingers) +
+                               " and finger " + std::to_string(row % fingers) +
+                               ": every finger of every tick, in order");
         out.samples.push_back({{c[Column::goal_x][row], c[Column::goal_y][row], c[Column::goal_z][row]},
                                {c[Column::force_x][row], c[Column::force_y][row], c[Column::force_z][row]},
                                c[Column::contact][row] != 0});

@@ -340,7 +340,7 @@ Result<void> ReplayCheck::take(const TouchTick& tick) {
         if (same_bits(recorded.forces[k], tick.forces[k].force) &&
             recorded.guards[k] == tick.forces[k].reasons)
             continue;
-        difference_ = where + ", finger " + std::to_string(k) + ": force " +
+        difference_ = where + ", finger " + std::to_string(k + 1) + ": force " +
                       to_text(tick.forces[k].force, tick.forces[k].reasons) + ", recorded " +
                       to_text(recorded.forces[k], recorded.guards[k]);
         return {};

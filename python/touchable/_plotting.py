@@ -101,7 +101,7 @@ def _draw_forces(axes: Any, touched: Touched) -> None:
     else:
         for finger, colour in enumerate(_colours(fingers)):
             axes.plot(time, numpy.linalg.norm(force[:, finger], axis=-1), color=colour, linewidth=1.1,
-                      label=f"finger {finger}")
+                      label=f"finger {finger + 1}")
     axes.set(xlabel="time [s]", ylabel="force [N]",
              title="force on the finger" if fingers == 1 else "magnitude of the force on each finger")
     if len(time) > 1:

@@ -259,8 +259,8 @@ TEST(DeviceLogs, AreReadByDocumentedScript) {
     told << in.rdbuf();
     ASSERT_EQ(status, 0) << told.str();
     EXPECT_EQ(told.str(),
-              "finger 0: 4 ticks, 1 without a place, path 3.0 mm, largest force 5.00 N\n"
-              "finger 1: 4 ticks, 0 without a place, path 0.0 mm, largest force 0.00 N\n");
+              "finger 1: 4 ticks, 1 without a place, path 3.0 mm, largest force 5.00 N\n"
+              "finger 2: 4 ticks, 0 without a place, path 0.0 mm, largest force 0.00 N\n");
 }
 
 }  // namespace

@@ -344,7 +344,8 @@ TEST(CompareCommand, RejectsInvalidForcesFile) {
     std::ofstream(good) << header << "0,0,1,2,3,0,0,1,1\n1,0,1,2,3,0,0,1,1\n";
     for (const auto& [rows, word] :
          {std::pair<std::string, const char*>{"tick,finger\n0,0\n", "goal_x"},
-          {header + "0,0,1,2,3,0,0,1,1\n2,0,1,2,3,0,0,1,1\n", "line 3"},
+          {header + "0,0,1,2,3,0,0,1,1\n2,0,1,2,3,0,0,1,1\n",
+           "line 3: must have tick 1 and finger 0: every finger"},
           {header + "0,0,1,2,3,0,0,x,1\n", "line 2"},
           {header + "0,0,1,2,3,0,0,1,1\n0,1,1,2,3,0,0,1,1\n1,0,1,2,3,0,0,1,1\n", "lacks"}}) {
         std::ofstream(bad) << rows;
@@ -383,6 +384,10 @@ TEST(CompareCommand, ComparesFiltersOnRecordedGoals) {
     const Outcome table = run_touchable({"compare", a, b});
     for (const char* word : {"contact ", "difference ", "direction ", "noise ", "worst "})
         EXPECT_NE(table.out.find(word), std::string::npos) << table.out;
+    const auto& worst = report["worst"][0];  // data count fingers from 0, people from 1
+    const std::string number = std::to_string(worst["finger"].get<int>() + 1);
+    const std::string told = "tick " + worst["tick"].dump() + ", finger " + number + ":";
+    EXPECT_NE(table.out.find(told), std::string::npos) << told << '\n' << table.out;
 }
 
 TEST(CompareCommand, RejectsInvalidRecordedHand) {
@@ -470,6 +475,18 @@ TEST_F(Plot, LeavesOutIdleFingers) {
     const auto one = read_image(folder / "one.png"), five = read_image(folder / "five.png");
     ASSERT_TRUE(one && five);
     EXPECT_EQ(one->samples, five->samples);
+}
+
+TEST_F(Plot, CountsFingersFromOne) {
+    const std::string script =
+        "import sys; sys.path.insert(0, sys.argv[1]); import touch\n"
+        "strips = touch.draw_forces(sys.argv[2]).axes\n"
+        "assert [strip.texts[0].get_text().splitlines()[0] for strip in strips] == "
+        "['finger 1', 'finger 2', 'finger 3']\n";
+    const TemporaryFile file("names.py", script);
+    const std::string run = "PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 '" + file.path() + "' '" +
+                            std::string(TOUCHABLE_SOURCE_DIR) + "/player/plot' '" + forces() + "'";
+    EXPECT_EQ(std::system(run.c_str()), 0);
 }
 
 TEST_F(Plot, KeepsExistingFile) {

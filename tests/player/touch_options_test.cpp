@@ -634,7 +634,7 @@ TEST_F(Replay, RepeatsNonFiniteGoals) {
     raw.set_real(raw.goal_at(450, 0) + 8, std::numeric_limits<double>::quiet_NaN());
     write(raw);
     const std::string csv = folder / "again.csv";
-    expect_ends_with(6, "first at tick 450, finger 0:", {"--forces", csv});
+    expect_ends_with(6, "first at tick 450, finger 1:", {"--forces", csv});
     const auto rows = read_forces(csv);
     ASSERT_EQ(rows.size(), 600U);
     EXPECT_EQ(rows[449]["guard"], 0);
@@ -734,7 +734,7 @@ TEST_F(Replay, RejectsOtherForceRules) {
     facts["rules"] = force_rules;
     raw.set_facts(facts.dump());
     write(raw);
-    expect_ends_with(6, "first at tick 290, finger 0:");
+    expect_ends_with(6, "first at tick 290, finger 1:");
 }
 
 TEST_F(Replay, OpensFolderWithRecordedScene) {

@@ -183,6 +183,8 @@ class Plots(unittest.TestCase):
                 over_depth, over_time = figure.axes[:2]
                 self.assertEqual(over_time.get_xlabel(), "time [s]")
                 self.assertEqual(len([line for line in over_time.lines]), 4 if fingers == 1 else fingers)
+                if fingers == 5:  # counted as in the window
+                    self.assertEqual([line.get_label() for line in over_time.lines], [f"finger {k}" for k in range(1, 6)])
                 self.assertGreater(os.path.getsize(f"{folder}/{fingers}.svg"), 5000)
             with self.assertRaises(OSError):
                 touchable.plot(touched, folder + "/nowhere/x.png")

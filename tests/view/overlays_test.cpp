@@ -510,6 +510,19 @@ TEST(Legend, NamesPresentFingers) {
     }
 }
 
+/// The tenth finger's number has two digits, of which each is 9 pixels wide.
+TEST(Legend, CountsFingersFromOne) {
+    Image nine = grey(900, 720), ten = nine;
+    ASSERT_TRUE(draw_legend({9, 60}, nine) && draw_legend({10, 60}, ten));
+    int first = 900, last = 0;
+    for (int y = 0; y < 720; ++y)
+        for (int x = 0; x < 900; ++x)
+            if (nine.view().sample(x, y, 1) != ten.view().sample(x, y, 1))
+                first = std::min(first, x), last = std::max(last, x);
+    EXPECT_GT(last - first, 30) << "dot, and 10";
+    EXPECT_LT(last - first, 40);
+}
+
 TEST(Legend, StaysInItsCorner) {
     for (const auto& [width, height] : sizes) {
         Image image = grey(width, height);
