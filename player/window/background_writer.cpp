@@ -66,8 +66,8 @@ void BackgroundWriter::give(Job job) {
             return;
         }
     if (queue.waiting.size() + (queue.at_work ? 1 : 0) >= queue.most_waiting)
-        return queue.refuse(job, "not written: its disk has yet to take " +
-                                     std::to_string(queue.most_waiting) + " " + queue.what);
+        return queue.refuse(job, "not written: " + std::to_string(queue.most_waiting) + " " + queue.what +
+                                     " are still being written");
     queue.waiting.push_back(std::move(job));
     (void)Queue::start(queue_);
 }
@@ -142,7 +142,7 @@ bool BackgroundWriter::finish(std::chrono::milliseconds longest, Late late) {
     if (!std::exchange(queue.is_abandoned, true)) ++abandoned_threads;
     if (late == Late::done) return false;
     if (queue.at_work) queue.waiting.push_front(*std::exchange(queue.at_work, {}));
-    for (const Job& job : queue.waiting) queue.refuse(job, "not finished: its disk does not answer");
+    for (const Job& job : queue.waiting) queue.refuse(job, not_in_time);
     queue.waiting.clear();
     return false;
 }

@@ -14,7 +14,7 @@
 //
 // If a disk hangs, only `finish` waits for it, at the end and for two seconds. Then the thread is abandoned
 // and counts in abandoned_threads, so that the program ends with std::_Exit. Jobs that have not begun are
-// dropped, and `take` returns an error for each ("FILE: not finished: its disk does not answer"); or, for
+// dropped, and `take` returns an error for each ("FILE: " + not_in_time); or, for
 // rows of tables, which may come late, they are run once the disk answers, if the program still lives.
 
 #include <chrono>
@@ -27,6 +27,9 @@
 #include "engine/base/result.hpp"
 
 namespace touchable {
+
+/// Why a writer gave up; it does not know whether its thread waits for the disk or for the CPU.
+inline constexpr const char* not_in_time = "not written in time: the disk hangs, or this machine is busy";
 
 class BackgroundWriter : NonCopyable {
 public:
@@ -62,7 +65,7 @@ public:
     std::function<bool()> waits_for(const std::filesystem::path& file) const;
     /// Waits for `longest` at most; returns whether all jobs are done.
     bool wait(std::chrono::milliseconds longest) const;
-    /// Waits like `wait`; if the disk does not answer in time, abandons the thread.
+    /// Waits like `wait`; if the jobs are not done in time, abandons the thread.
     bool finish(std::chrono::milliseconds longest = std::chrono::seconds(2), Late late = Late::dropped);
 
 private:

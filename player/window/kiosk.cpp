@@ -363,8 +363,8 @@ void UseLog::fault(Time now, const std::string& words) {
 
 Result<void> UseLog::finish(std::chrono::milliseconds longest) {
     if (!writer_.finish(longest, BackgroundWriter::Late::done))
-        return input_error(file_.string() +
-                           ": its disk does not answer; the last rows of the log of use may be lost");
+        return input_error(file_.string() + ": " + not_in_time +
+                           "; the last rows of the log of use may be lost");
     const auto lost = missing();
     return lost ? Result<void>(*lost) : Result<void>();
 }

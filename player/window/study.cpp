@@ -593,8 +593,7 @@ Result<void> StudyRun::end(double now_s, Time time, std::chrono::milliseconds lo
 }
 
 Error StudyRun::no_answer() const {
-    return input_error(tables_->folder().string() +
-                       ": its disk does not answer; the last answers may be lost");
+    return input_error(tables_->folder().string() + ": " + not_in_time + "; the last answers may be lost");
 }
 
 }  // namespace touchable

@@ -157,8 +157,7 @@ TEST_F(DiskWriter, KeepsOrderAndLimit) {
     const auto refused = writer_.take();
     ASSERT_EQ(refused.size(), 1u);
     EXPECT_EQ(refused[0].file, "e");
-    EXPECT_EQ(refused[0].result.error().message,
-              "e: not written: its disk has yet to take 4 files of a test");
+    EXPECT_EQ(refused[0].result.error().message, "e: not written: 4 files of a test are still being written");
 
     disk_->answer.set_value();
     EXPECT_TRUE(writer_.finish(60s));
@@ -186,10 +185,13 @@ TEST_F(DiskWriter, DropsJobsOnHungDisk) {
     const auto left = writer_.take();
     ASSERT_EQ(left.size(), 3u);
     ASSERT_FALSE(left[0].result || left[1].result || left[2].result);
-    EXPECT_EQ(left[0].result.error().message, "free.png: not finished: its disk does not answer");
-    EXPECT_EQ(left[1].result.error().message, "b: not finished: its disk does not answer");
+    EXPECT_EQ(left[0].result.error().message,
+              "free.png: not written in time: the disk hangs, or this machine is busy");
+    EXPECT_EQ(left[1].result.error().message,
+              "b: not written in time: the disk hangs, or this machine is busy");
     EXPECT_EQ(left[1].tag, "clip.mkv");
-    EXPECT_EQ(left[2].result.error().message, "files of a test: not finished: its disk does not answer");
+    EXPECT_EQ(left[2].result.error().message,
+              "files of a test: not written in time: the disk hangs, or this machine is busy");
     EXPECT_EQ(abandoned_threads, 1);
     disk_->answer.set_value();
     wait_for_abandoned();
@@ -483,8 +485,10 @@ TEST_F(HungDiskWindow, ClosesAndNamesUnfinishedPictures) {
     asked.hand = std::make_shared<PersistentDevice>(fake_);
     const auto played = play(asked);
     EXPECT_TRUE(played) << played.error().message;
-    EXPECT_EQ(told_, "touchable: warning: " + a + ": not finished: its disk does not answer\n" +
-                         "touchable: warning: " + b + ": not finished: its disk does not answer\n");
+    EXPECT_EQ(told_, "touchable: warning: " + a +
+                         ": not written in time: the disk hangs, or this machine is busy\n" +
+                         "touchable: warning: " + b +
+                         ": not written in time: the disk hangs, or this machine is busy\n");
     EXPECT_GT(fake_->most_newtons, 0.1);
     EXPECT_GT(gone_ - felt_, std::chrono::milliseconds(1500)) << "there was force while the window waited";
     EXPECT_EQ(asked_, 1) << "one picture after the other";
@@ -497,8 +501,8 @@ TEST_F(HungDiskWindow, ClosesWithUnfinishedScreenshot) {
     asked.seconds = 0.5;
     const auto played = play(asked);
     ASSERT_FALSE(played);
-    EXPECT_EQ(played.error().message,
-              (folder_ / "a.png").string() + ": not finished: its disk does not answer");
+    EXPECT_EQ(played.error().message, (folder_ / "a.png").string() +
+                                          ": not written in time: the disk hangs, or this machine is busy");
     EXPECT_EQ(told_, "");
 }
 
@@ -510,7 +514,8 @@ TEST_F(HungDiskWindow, ClosesAndNamesBrushFiles) {
     asked.settings_file = folder_ / "play.json";
     const auto played = play(asked);
     ASSERT_FALSE(played);
-    EXPECT_EQ(played.error().message, saved + ": not finished: its disk does not answer");
+    EXPECT_EQ(played.error().message,
+              saved + ": not written in time: the disk hangs, or this machine is busy");
     EXPECT_EQ(told((folder_ / "state").string()), 1) << told_;
     EXPECT_EQ(told("settings are not kept: " + (folder_ / "play.json").string()), 1) << told_;
     EXPECT_EQ(told("not finished"), 2) << told_;
@@ -527,7 +532,7 @@ TEST_F(HungDiskWindow, ClosesAndReportsLostPaint) {
     EXPECT_EQ(played->materials.rfind("what was painted is not saved; not all of it is in ", 0), 0U)
         << played->materials;
     EXPECT_EQ(told("touchable: warning: settings are not kept: " + (folder_ / "play.json").string() +
-                   ": not finished: its disk does not answer\n"),
+                   ": not written in time: the disk hangs, or this machine is busy\n"),
               1)
         << told_;
 }
