@@ -52,7 +52,7 @@ std::string filter_that_reaches_far(const Scene& scene) {
 
 BuilderChoice pick_on_cpu(const BuilderChoice::Load& load, double whole_ms) {
     if (!load.moves) return {"cpu", "the clip is a single frame"};
-    if (load.live) return {"cpu", "in real time no touch may wait for a filter"};
+    if (load.live) return {"cpu", "live touch never waits for a filter, as whole frames are filtered ahead"};
     if (load.scene.filter.temporal) return {"cpu", "the temporal filter needs whole frames"};
     if (const std::string filter = filter_that_reaches_far(load.scene); !filter.empty())
         return {"cpu", filter + " takes much of the picture around a finger"};

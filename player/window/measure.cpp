@@ -33,7 +33,12 @@ std::string length_in_words(double length, const Scene& scene) {
 }
 
 std::string pressed_in_words(double millimetres) {
-    return formatted("%.1f %s", std::abs(millimetres), millimetres < 0 ? "above" : "in");
+    return formatted("%.1f %s", std::abs(millimetres), millimetres < 0 ? "above" : "deep");
+}
+
+std::string frame_in_words(std::int64_t frame, std::int64_t frames) {
+    const std::string number = "frame " + std::to_string(frame);
+    return frames > 0 ? number + " (first 0, last " + std::to_string(frames - 1) + ")" : number;
 }
 
 void MeasureTool::hold(bool held) {

@@ -26,8 +26,11 @@ std::string metres_in_words(double depth, const Scene& scene);
 std::string stored_in_words(const PlaneView& depth, const Scene& scene, int x, int y);
 /// A length, from scene units, as text: "12.34 mm", from 10 m on "12.340 m".
 std::string length_in_words(double length, const Scene& scene);
-/// The depth of a finger's goal, from millimetres, as text: "4.0 in" the surface, or "4.0 above" if negative.
+/// The depth of a finger's goal, from millimetres, as text: "4.0 deep" in the surface, or "4.0 above" if
+/// negative.
 std::string pressed_in_words(double millimetres);
+/// A frame, numbered as `--frame` does, of `frames` frames (-1: not known).
+std::string frame_in_words(std::int64_t frame, std::int64_t frames);
 
 /// A measurement as shown in the picture and the panel.
 struct MeasureFacts {

@@ -66,9 +66,7 @@ PlaceFacts place_facts(const OpenedClip& clip, const WatchedMoment& moment, cons
 std::vector<std::string> figure_words(const OpenedClip& clip, const ClipPicture& picture,
                                       const WatchedMoment& moment) {
     const WatchedFigures figures = clip.session().figures();
-    const auto frame = static_cast<long long>(moment.held.pair.prev.number);
-    return {clip.frames() > 0 ? formatted("frame %lld of %lld", frame, static_cast<long long>(clip.frames()))
-                              : formatted("frame %lld", frame),
+    return {frame_in_words(moment.held.pair.prev.number, clip.frames()),
             formatted("%lld frames late, %lld left out", static_cast<long long>(figures.late_frames),
                       static_cast<long long>(figures.feed.dropped)),
             formatted("read %.1f ms, built %.1f ms", figures.feed.read_ms, figures.feed.build_ms),

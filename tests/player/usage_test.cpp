@@ -309,6 +309,14 @@ TEST(BuilderPick, ManyFingersUseCpuBuilder) {
     }
 }
 
+TEST(BuilderPick, LiveTouchFiltersAhead) {
+    BuilderChoice::Load load = full_hd(5, 1);
+    load.live = true;
+    const BuilderChoice choice = pick_builder(load, [] { return false; });
+    EXPECT_EQ(choice.name, "cpu");
+    EXPECT_EQ(choice.why, "live touch never waits for a filter, as whole frames are filtered ahead");
+}
+
 TEST(BuilderPick, HighRateFavoursLazyBuilder) {
     BuilderChoice::Load load = full_hd(5, 30);
     EXPECT_EQ(pick_builder(load, never_asked).name, "cpu");

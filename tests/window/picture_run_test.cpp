@@ -326,10 +326,16 @@ TEST(MeasureTool, PreviewsClickedPixel) {
     EXPECT_FALSE(frames.facts(tool).next);
 }
 
+TEST(FrameWords, CountAsOptionsDo) {
+    EXPECT_EQ(frame_in_words(0, 90), "frame 0 (first 0, last 89)");
+    EXPECT_EQ(frame_in_words(89, 90), "frame 89 (first 0, last 89)") << "the end";
+    EXPECT_EQ(frame_in_words(7, -1), "frame 7") << "a stream";
+}
+
 TEST(PixelWords, TellDepthAndHeight) {
-    EXPECT_EQ(pressed_in_words(4), "4.0 in");
+    EXPECT_EQ(pressed_in_words(4), "4.0 deep");
     EXPECT_EQ(pressed_in_words(-4), "4.0 above");
-    EXPECT_EQ(pressed_in_words(0), "0.0 in");
+    EXPECT_EQ(pressed_in_words(0), "0.0 deep");
 }
 
 TEST(MeasureTool, ThirdClickStartsNewLine) {
