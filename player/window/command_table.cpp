@@ -18,7 +18,7 @@ void turn_sound(Window window, Command) {
 }
 void take_recentre(Window window, Command) {
     window.clip()->control()->recentre();
-    window.say("the middle is where the hand is");
+    window.say("the middle is now where the hand is");
 }
 void set_volume(Window window, double volume) {
     WindowSound& sound = window.sound();
@@ -81,18 +81,19 @@ std::vector<CommandRow> all_rows() {
     };
     add(home, "home", begin, {}, for_participants, {{"home"}}, "back to the clip's own view",
         [](Window w, Command) { w.view().go_home(); });
-    add(previous, "previous", begin, {}, without_clip, {{"pageup"}, {"<"}},
-        "the clip before, or the next one", [](Window w, Command) { w.playlist().go(-1); });
+    add(previous, "previous", begin, {}, without_clip, {{"pageup"}, {"<"}}, "previous or next clip",
+        [](Window w, Command) { w.playlist().go(-1); });
     add(next, "next", begin, {}, without_clip | alternates, {{"pagedown"}, {">"}}, nullptr,
         [](Window w, Command) { w.playlist().go(1); });
-    add(measure, "measure", begin, {word}, 0, {{"t"}}, "measure between two places, or not", take_measure,
-        "two pixels of the depth, X,Y each, such as 120,80 200,90; nothing takes the tool or puts it away, "
-        "and off takes the line away");
+    add(measure, "measure", begin, {word}, 0, {{"t"}}, "measure between two places; again: stop",
+        take_measure,
+        "two pixels of the depth, X,Y each, such as 120,80 200,90; or nothing, to pick the tool up or put it "
+        "away; or off, to remove the line");
     add(fingers, "fingers", touch, {whole_number, 1, 5}, for_visitors | of_pointer,
-        {{"1", 1}, {"2", 2}, {"3", 3}, {"4", 4}, {"5", 5}}, "so many fingers",
+        {{"1", 1}, {"2", 2}, {"3", 3}, {"4", 4}, {"5", 5}}, "number of fingers",
         [](Window w, Command c) { w.clip()->fingers().set_count(static_cast<int>(c.number)); });
     add(deeper, "deeper", touch, {number, -20, 20}, by_steps | for_participants | of_pointer,
-        {{"e", 0.5}, {"x", -0.5}}, "press deeper, or less",
+        {{"e", 0.5}, {"x", -0.5}}, "press deeper or less deep",
         [](Window w, Command c) { w.clip()->fingers().deepen(c.number / 1000); });
     add(point_down, "point-down", touch, {number, -far_px, far_px}, by_steps | for_participants | of_pointer,
         {{"w", -8}, {"s", 8}}, "move the finger",
@@ -103,14 +104,14 @@ std::vector<CommandRow> all_rows() {
     add(force, "force", touch, {}, for_visitors, {{"f"}}, "force off at once, or on again",
         [](Window w, Command c) { w.hand().turn_force(c.number == 0); });
     add(clutch, "clutch", touch, {on_or_off}, for_participants | of_hand, {{"c", 1}},
-        "held down: the hand moves, and no finger",
+        "held down: the hand moves, the fingers stay",
         [](Window w, Command c) { w.clip()->control()->hold(c.number != 0); });
     add(recentre, "recentre", touch, {}, for_participants | of_hand, {{"r"}},
-        "the middle is where the hand is", take_recentre);
+        "make the hand's present place the middle", take_recentre);
     add(coarser, nullptr, touch, {}, of_hand, {{"j", 0.8}, {"k", 1.25}},
-        "fingers go less far with the hand, or farther",
+        "fingers go less far or farther with the hand",
         [](Window w, Command c) { w.hand().change_scale(c.number); });
-    add(turning, "turning", view, {}, 0, {{"v"}}, "dragging turns the view, or presses again",
+    add(turning, "turning", view, {}, 0, {{"v"}}, "dragging turns the view; again: presses",
         [](Window w, Command) { w.view().turn_or_touch(); });
     add(turn, "turn", view, {number, -180, 180}, by_steps | for_participants,
         {{"left", -5, true}, {"right", 5, true}}, "turn the view",
@@ -119,41 +120,42 @@ std::vector<CommandRow> all_rows() {
         {{"up", 5, true}, {"down", -5, true}}, nullptr,
         [](Window w, Command c) { w.clip()->view().turn(0, c.number); });
     add(nearer, "nearer", view, {number, 0.1, 10}, by_steps | for_participants,
-        {{"+", 1.25}, {"=", 1.25}, {"-", 0.8}}, "nearer, or farther; so does Ctrl and the wheel",
+        {{"+", 1.25}, {"=", 1.25}, {"-", 0.8}}, "nearer or farther; also Ctrl and the wheel",
         [](Window w, Command c) { w.clip()->view().near_by(c.number); });
-    add(play_pause, "play-pause", play, {}, for_visitors, {{"space"}}, "play, or pause; touch goes on",
+    add(play_pause, "play-pause", play, {}, for_visitors, {{"space"}}, "play or pause; touch goes on",
         [](Window w, Command) { w.clips().play_or_pause(); });
     add(seek_to, "seek", play, {number, 0, long_s}, 0, {}, nullptr,
         [](Window w, Command c) { w.playback().seek_to(c.number); });
     add(seek_by, "seek-by", play, {number, -long_s, long_s}, by_steps | for_visitors,
         {{"left", -1}, {"right", 1}, {"left", -10, false, true}, {"right", 10, false, true}},
-        "a second back, or on; with Shift ten", [](Window w, Command c) { w.playback().seek_by(c.number); });
+        "a second back or forward; with Shift ten",
+        [](Window w, Command c) { w.playback().seek_by(c.number); });
     add(step, "step", play, {whole_number, -1, 1}, by_steps | for_visitors, {{",", -1}, {".", 1}},
-        "a frame back, or on", [](Window w, Command c) { w.say(w.playback().step(c.number)); });
-    add(faster, nullptr, play, {}, for_visitors, {{"[", 0.5}, {"]", 2}}, "half as fast, or twice",
+        "a frame back or forward", [](Window w, Command c) { w.say(w.playback().step(c.number)); });
+    add(faster, nullptr, play, {}, for_visitors, {{"[", 0.5}, {"]", 2}}, "half or twice the speed",
         [](Window w, Command c) { w.say(w.playback().change_speed(c.number)); });
     add(speed, "speed", play, {number, 0.1, 4}, 0, {}, nullptr,
         [](Window w, Command c) { w.say(w.playback().set_speed(c.number)); });
-    add(loop, "loop", play, {}, 0, {{"l"}}, "again from the beginning at the end, or not",
+    add(loop, "loop", play, {}, 0, {{"l"}}, "loop on or off",
         [](Window w, Command) { w.say(w.playback().toggle_loop()); });
-    add(mute, "mute", play, {}, without_clip | for_visitors, {{"m"}}, "sound off, or on again", turn_sound);
+    add(mute, "mute", play, {}, without_clip | for_visitors, {{"m"}}, "sound off or on", turn_sound);
     add(louder, "louder", play, {number, -100, 100}, without_clip | by_steps,
-        {{"9", -5}, {"0", 5}, {"/", -5}, {"*", 5}}, "less loud, or louder",
+        {{"9", -5}, {"0", 5}, {"/", -5}, {"*", 5}}, "quieter or louder",
         [](Window w, Command c) { set_volume(w, w.sound().volume() + c.number); });
     add(volume, "volume", play, {number, 0, 100}, without_clip, {}, nullptr,
         [](Window w, Command c) { set_volume(w, c.number); });
-    add(overlay, "overlay", data, {word}, for_visitors, {{"o"}}, "what the surface is coloured by",
-        set_overlay);
-    add(settings, "settings", data, {word}, 0, {{"b"}}, "the other settings of what is felt, A or B",
-        take_setting, "one of a and b, or nothing for the other of them");
+    add(overlay, "overlay", data, {word}, for_visitors, {{"o"}},
+        "colour the surface by depth, stiffness, ...", set_overlay);
+    add(settings, "settings", data, {word}, 0, {{"b"}}, "switch between the settings A and B", take_setting,
+        "a or b, or nothing for the other one");
     add(feel, nullptr, data, {}, 0, {}, nullptr, take_setting);
     add(dent, "dent", data, {on_or_off}, 0, {}, nullptr,
         [](Window w, Command c) { w.picture().set_dented(c.number > 0); });
-    add(tool, "tool", data, {word}, 0, {{"p"}}, "the brush of materials, in the hand or away", take_brush,
-        "touch, paint, join or cut; nothing puts it away, or takes the last one again");
-    add(undo, "undo", data, {}, by_steps, {{"z", 0, true}}, "undo what was painted, or redo it", take_brush);
+    add(tool, "tool", data, {word}, 0, {{"p"}}, "pick up or put away the brush", take_brush,
+        "touch, paint, join or cut; or nothing, to put it away or pick up the last one");
+    add(undo, "undo", data, {}, by_steps, {{"z", 0, true}}, "undo or redo a change of the brush", take_brush);
     add(redo, "redo", data, {}, by_steps, {{"y", 0, true}, {"z", 0, true, true}}, nullptr, take_brush);
-    add(save_materials, "save-materials", data, {word}, 0, {{"s", 0, true}}, "save what was painted",
+    add(save_materials, "save-materials", data, {word}, 0, {{"s", 0, true}}, "save the painted materials",
         take_brush, "a name that ends in .json, or nothing for the clip's own file");
     add(material, "material", data, {word}, 0, {}, nullptr, take_brush);
     add(otherwise, "otherwise", data, {word}, 0, {}, nullptr, take_brush);
@@ -165,24 +167,23 @@ std::vector<CommandRow> all_rows() {
         "pixels of a stroke over one frame, X,Y or X,Y,FRAME each, such as 120,80 160,85 200,90");
     add(go_on, "continue", data, {}, 0, {}, nullptr, refuse_study);
     add(answer, "answer", data, {whole_number, 1, 11}, 0, {}, nullptr, refuse_study);
-    add(panel, "panel", window, {}, 0, {{"tab"}}, "the panel of settings",
+    add(panel, "panel", window, {}, 0, {{"tab"}}, "show or hide the panel of settings",
         [](Window w, Command) { turn_over(w.picture().panel().shown); });
-    add(help, "help", window, {}, without_clip, {{"?"}, {"f1"}}, "these keys, or away with them",
+    add(help, "help", window, {}, without_clip, {{"?"}, {"f1"}}, "show or hide this list",
         [](Window w, Command) { turn_over(w.picture().panel().help_shown); });
     add(dismiss, "dismiss", window, {}, without_clip, {}, nullptr,
         [](Window w, Command) { w.notices.dismiss(); });
     add(fullscreen, "fullscreen", window, {}, without_clip, {{"f11"}},
-        "full screen, or a window; so does a double click",
-        [](Window w, Command) { w.input().turn_fullscreen(); });
+        "full screen on or off; also a double click", [](Window w, Command) { w.input().turn_fullscreen(); });
     add(size, "size", window, {width_and_height}, without_clip, {}, nullptr,
         [](Window w, Command c) { w.screen().set_size(c.width, c.height); });
-    add(screenshot, "screenshot", window, {word}, without_clip, {{"f12"}}, "keep a picture of the window",
+    add(screenshot, "screenshot", window, {word}, without_clip, {{"f12"}}, "save a picture of the window",
         keep_screenshot, "a name that ends in .png, or nothing for a new one");
     add(open, "open", window, {word}, without_clip, {}, nullptr, open_named, "a name");
-    add(reset, "reset", window, {}, 0, {{"backspace", 0, false, true}}, "forget all settings that are kept",
+    add(reset, "reset", window, {}, 0, {{"backspace", 0, false, true}}, "forget all kept settings",
         reset_all);
-    add(leave, nullptr, window, {}, without_clip, {{"escape"}},
-        "close what is in front, and at last the window", [](Window w, Command) { w.leave(); });
+    add(leave, nullptr, window, {}, without_clip, {{"escape"}}, "close what is in front, at last the window",
+        [](Window w, Command) { w.leave(); });
     add(quit, "quit", window, {}, without_clip, {{"q"}}, "close the window",
         [](Window w, Command) { w.quit(); });
     return rows;

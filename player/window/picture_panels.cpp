@@ -98,25 +98,25 @@ std::string printed(std::string key) {
 std::vector<HelpRow> gestures(CommandRow::Topic topic, const PanelFacts& facts) {
     std::vector<HelpRow> rows;
     if (topic == CommandRow::Topic::begin && facts.hand) {
-        rows = {{"Drag", "turns the view; with the right button: moves it"}, {"Wheel", "nearer, or farther"}};
+        rows = {{"Drag", "turns the view; with the right button: moves it"}, {"Wheel", "nearer or farther"}};
     } else if (topic == CommandRow::Topic::begin) {
         rows = {{"Left button", "hold it down: the finger presses"},
                 {"Right button", "drag down: presses deeper, and stays so; up: less"},
-                {"Ctrl and drag", "turns the view; so does the middle button"}};
+                {"Ctrl and drag", "turns the view; also the middle button"}};
         if (facts.has_touch_screen)
             rows.push_back({"Touch screen", "each finger touches; two at once turn the view and zoom"});
     } else if (topic == CommandRow::Topic::touch && facts.hand) {
         rows = {{"Forces", facts.hand->state.words}};
         if (facts.hand->buttons > 0)
-            rows.push_back({"Its buttons", "the first: forces on; then, held down, as C"});
+            rows.push_back({"Its buttons", "the first: forces on; then held down: as C"});
         if (facts.hand->buttons > 1) rows.push_back({"", "the second: forces off"});
     } else if (topic == CommandRow::Topic::touch) {
-        rows = {{"Wheel", "presses deeper, or less, and stays so"}};
+        rows = {{"Wheel", "presses deeper or less deep, and stays so"}};
     } else if (topic == CommandRow::Topic::view) {
-        if (!facts.hand) rows = {{"Ctrl Shift drag", "moves the view; so does Shift and the middle button"}};
-        rows.push_back({"Middle button", "double click: turn round that place from now on"});
+        if (!facts.hand) rows = {{"Ctrl Shift drag", "moves the view; also Shift and the middle button"}};
+        rows.push_back({"Middle button", "double click: the view turns round that place"});
     } else if (topic == CommandRow::Topic::window) {
-        rows = {{"Drop", "a file, a folder, or several: shows them"}};
+        rows = {{"Drop", "a file or folder, or several: opens them"}};
     }
     return rows;
 }

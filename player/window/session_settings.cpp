@@ -7,7 +7,7 @@ namespace touchable {
 Result<void> SessionSettings::set(const std::string& name, const std::string& value) {
     const SessionSetting* const setting = session_setting(name);
     if (!setting)
-        return usage_error("'" + name + "' is no setting of what is felt; there are " +
+        return usage_error("unknown setting '" + name + "'; must be one of " +
                            listed(session_settings(), &SessionSetting::name));
     const auto legal = setting->range.value_of(value);
     if (!legal)

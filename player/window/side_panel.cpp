@@ -35,32 +35,34 @@ void draw_pointer(const PanelFacts& facts, float scale, std::vector<WindowComman
     const std::vector<const char*> counts{"1", "2", "3", "4", "5"};
     const int count = draw_words("fingers", counts, static_cast<int>(facts.forces.size()) - 1, true);
     if (count >= 0) asked.push_back({WindowVerb::fingers, static_cast<double>(count + 1)});
-    explain_row("How many fingers there are round the pointer.");
+    explain_row("Number of fingers round the pointer.");
     draw_label("depth, mm", scale);
     auto depth = static_cast<float>(facts.pressed_mm);
     const std::string depth_words = pressed_in_words(facts.pressed_mm);
     if (draw_slider("##depth", depth, -6, 12, depth_words, scale))
         asked.push_back({WindowVerb::deeper, static_cast<double>(depth) - facts.pressed_mm});
     explain_row(
-        "How deep a finger is meant to be in the surface, or how far above it, millimetres of the hand. So "
-        "does the wheel.");
+        "How deep a finger presses into the surface, or how far above it stays, in millimetres of the hand. "
+        "The wheel does the same.");
 }
 
 void draw_hand(const HandFacts& hand, float scale) {
     draw_label("device", scale);
     ImGui::TextUnformatted(hand.device.c_str());
-    explain_row("What leads the fingers. C, held down, repositions the hand; R puts its middle where it is.");
+    explain_row(
+        "What moves the fingers. C held down: the hand moves, the fingers stay. R: its present place becomes "
+        "the middle.");
     draw_label("forces", scale);
     ImGui::TextUnformatted(hand.state.mood == HandState::Mood::on    ? "on"
                            : hand.state.mood == HandState::Mood::off ? "off"
-                                                                     : "off: it is away");
-    explain_row("Whether the hand feels what the fingers meet. F asks for it, and stops it.");
+                                                                     : "off: no device");
+    explain_row("Whether the device pushes back. F turns forces on or off.");
     draw_label("position", scale);
     if (std::isfinite(hand.age_s))
         ImGui::Text("%.1f ms old", 1000 * hand.age_s);
     else
         ImGui::TextUnformatted("none");
-    explain_row("How long ago the device said where the hand is. What is older than 20 ms counts as none.");
+    explain_row("Age of the device's newest position. One older than 20 ms counts as none.");
     draw_label("scale", scale);
     ImGui::Text("1 m is %.3g m", hand.scene_per_metre);
     explain_row("How far a finger goes in the scene for 1 m of the hand. J: finer; K: coarser.");
@@ -83,8 +85,7 @@ void draw_view(float scale, std::vector<WindowCommand>& asked) {
     ImGui::SameLine(0, gap);
     if (ImGui::Button("-##farther", ImVec2(side, 0))) asked.push_back({WindowVerb::nearer, 0.8});
     ImGui::PopButtonRepeat();
-    explain_row(
-        "Turns the view, nearer, farther. So do Ctrl and the arrows, + and -, or dragging with Ctrl held.");
+    explain_row("Turns and zooms the view. So do Ctrl and the arrows, + and -, and dragging with Ctrl held.");
 }
 
 void draw_measure(const MeasureFacts& facts, float scale, std::vector<WindowCommand>& asked) {
@@ -93,8 +94,8 @@ void draw_measure(const MeasureFacts& facts, float scale, std::vector<WindowComm
     if (clicked == 0) asked.push_back({.verb = WindowVerb::measure, .word = "off"});
     if (clicked == 1 && !facts.is_held) asked.push_back({.verb = WindowVerb::measure});
     explain_row(
-        "How far two places of the surface are apart in the scene: click both, or drag from one to the "
-        "other. T does the same, and leaves the line when it puts the tool away; off takes it away.");
+        "The distance of two places of the surface, in the scene: click both, or drag from one to the "
+        "other. T puts the tool away and leaves the line; off removes it.");
 }
 
 /// The state of the finger and the clip.
@@ -113,11 +114,11 @@ void draw_finger(const PanelFacts& facts, float scale, std::vector<WindowCommand
     auto volume = static_cast<float>(facts.volume);
     if (draw_slider("##volume", volume, 0, 100, formatted("%d %%", facts.volume), scale))
         asked.push_back({WindowVerb::volume, static_cast<double>(volume)});
-    explain_row("How loud the clip and what is touched are. So do 9 and 0; M: silence.");
+    explain_row("How loud the clip and touch are. So do 9 and 0; M: sound off or on.");
     draw_label("colours", scale);
     if (ImGui::Button((facts.overlay + "##colours").c_str(), ImVec2(-1, 0)))
         asked.push_back({WindowVerb::overlay});
-    explain_row("What the surface is coloured by. A click, or O: the next.");
+    explain_row("Colours the surface by depth, stiffness and others. A click, or O: the next.");
     draw_label("dents", scale);
     const int dents = draw_words("dents", {"off", "on"}, facts.is_dented ? 1 : 0, true);
     if (dents >= 0) asked.push_back({WindowVerb::dent, static_cast<double>(dents)});
@@ -184,8 +185,8 @@ void draw_materials(const BrushFacts& facts, float scale, std::vector<WindowComm
     const int tool = draw_words("tool", names, static_cast<int>(held), true);
     if (tool >= 0) asked.push_back({.verb = WindowVerb::tool, .word = names[static_cast<std::size_t>(tool)]});
     explain_row(
-        "What the left button does: touches; paints the segment that is clicked; makes one of two that are "
-        "clicked; or cuts one by a stroke that is dragged over it.");
+        "What the left button does: touch; paint the clicked segment; join two clicked segments to one; or "
+        "cut a segment by a stroke across it.");
     draw_palette(facts, scale, asked);
     if (facts.is_there) {
         draw_label("all others", scale);
@@ -200,7 +201,7 @@ void draw_materials(const BrushFacts& facts, float scale, std::vector<WindowComm
         const int felt = draw_words("felt", {"before", "as painted"}, facts.materials_are_on ? 1 : 0, true);
         if (felt >= 0)
             asked.push_back({.verb = WindowVerb::feel, .word = felt == 1 ? "materials on" : "materials off"});
-        explain_row("As the clip is by itself, or as it is painted. The key B changes between both.");
+        explain_row("Without the painted materials, or with them. B switches.");
     }
     const float gap = ImGui::GetStyle().ItemInnerSpacing.x,
                 wide = std::floor((ImGui::GetContentRegionAvail().x - 2 * gap) / 3);
@@ -348,8 +349,8 @@ void SettingsPanel::draw(SettingOf of, const SettingsFacts& facts, float scale,
         if (const int set = draw_words("settings", {"A", "B"}, facts.b_is_on ? 1 : 0, true); set >= 0)
             asked.push_back({WindowVerb::settings, 0, set == 0 ? "a" : "b"});
         explain_row(
-            "Two sets of settings, to feel the difference. The key B switches; B begins without filters, or "
-            "where materials are painted, without those.");
+            "Two sets of settings, to feel the difference. The key B switches. Set B begins without filters, "
+            "or, where materials are painted, without those.");
     }
     for (const SessionSetting& setting : session_settings())
         if (setting.of == of ||

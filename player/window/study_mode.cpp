@@ -42,7 +42,7 @@ public:
                 go_to_next();
                 return true;
             case WindowVerb::open:
-                core_.say("a study has clips of its own; no other is opened", Tone::refusal);
+                core_.say("a study shows only its own clips", Tone::refusal);
                 return true;
             default:
                 return false;

@@ -50,12 +50,10 @@ std::int64_t shown_frame(const WatchedMoment& moment) {
 
 /// Why painting is not possible; empty: it is.
 std::string WindowBrush::why_none() const {
-    if (clip_->is_camera())
-        return "materials are painted on clips, whose segments can be found beforehand; this is a camera";
+    if (clip_->is_camera()) return "a camera has no brush: segments are found in a whole clip";
     if (options_.record)
-        return "materials that are tried are not recorded; paint and save them in a window that records "
-               "nothing";
-    if (options_.kiosk) return "a kiosk's visitors paint nothing";
+        return "a window with --record has no brush; paint and save materials in one without";
+    if (options_.kiosk) return "a kiosk has no brush";
     return "";
 }
 
@@ -66,7 +64,7 @@ void WindowBrush::take(WindowCommand command) {
     if (const std::string why = why_none(); !why.empty() && !puts_away) return refuse(command, why);
     if (command.verb == WindowVerb::tool || command.verb == WindowVerb::material) return take_tool(command);
     if (asked_.size() == most_for_brush)
-        return refuse(command, "the brush is still at work on what it was asked for before");
+        return refuse(command, "the brush is busy with the command before; try again in a moment");
     if (command.verb == WindowVerb::paint) command.word = tool_.material();
     const std::int64_t frames = painted_ ? painted_->segments->frames() : clip_->frames(),
                        last = frames > 0 ? frames - 1 : std::numeric_limits<std::int64_t>::max(),
@@ -247,7 +245,7 @@ void WindowBrush::do_with_tool(const ScreenSize& size) {
         if (kind == Kind::left_window && was_drawn) tool_.let_go();
         if (kind == Kind::pressed && !place.pixel && !tool_.is_drawing()) say("there is no surface here");
         if (kind == Kind::released && was_drawn && !asked) say("a cut is a stroke: drag it across a segment");
-        if (kind == Kind::pressed && tool_.has_first()) say("now click the segment that is one with it");
+        if (kind == Kind::pressed && tool_.has_first()) say("now click the segment to join with it");
         if (asked) take(std::move(*asked));
         hold_still(tool_.is_drawing());
     }
@@ -307,7 +305,8 @@ std::string WindowBrush::words() const {
     if (!work_.is_busy() || work_.seconds() < brush_is_quick_s) return "";
     if (!frames_read_) return work_.words() + " ...";
     const std::int64_t frames = clip_->frames(), frame = frames_read_->load(std::memory_order_relaxed);
-    return "segments: frame " + std::to_string(frame) + (frames > 0 ? " of " + std::to_string(frames) : "");
+    return "finding segments: " + std::to_string(frame) +
+           (frames > 0 ? " of " + std::to_string(frames) : std::string()) + " frames";
 }
 
 BrushFacts WindowBrush::facts() const {

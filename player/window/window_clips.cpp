@@ -363,7 +363,7 @@ bool WindowClips::note_failure() {
 
 void WindowClips::open_others(std::vector<std::string> named) {
     if (core_.options.record)
-        return core_.say("a recording is of one clip; another can be opened where none is made",
+        return core_.say("the recording is of this clip: another opens in a window without --record",
                          Tone::refusal);
     core_.notices.clear_passing();
     ask_for_named(std::move(named));
@@ -394,10 +394,11 @@ void WindowClips::feel(const WindowCommand& command) {
     const std::size_t space = command.word.find(' ');
     const SessionSetting* const setting = session_setting(command.word.substr(0, space));
     if (setting && setting->of == SettingOf::device && !core_.options.hand)
-        return core_.say(setting->name + " is of a device that is held; there is none", Tone::refusal);
+        return core_.say(setting->name + " applies to a haptic device; none is connected (--device)",
+                         Tone::refusal);
     const bool is_of_brush = setting && setting->of == SettingOf::brush;
     if (is_of_brush && !wanted.painted)
-        return core_.say("nothing is painted yet; P takes the brush of materials", Tone::refusal);
+        return core_.say("nothing is painted yet; P picks up the brush", Tone::refusal);
     const bool to_b = command.word.empty() ? !wanted.in_effect.b_is_on : command.word == "b";
     for (TwoSettings* const settings : {&wanted.kept, &wanted.in_effect}) {
         if (is_of_brush && settings == &wanted.kept) continue;

@@ -142,7 +142,7 @@ Result<void> check_key(const std::string& name) {
         if (name == key) return {};
         known += std::string(" ") + key;
     }
-    return usage_error("no key " + name + " does anything; there are " + known);
+    return usage_error("unknown key '" + name + "'; must be one of " + known);
 }
 
 /// Parses inputs such as "move 10 20"; nullopt if it is no input.
@@ -246,7 +246,7 @@ Result<WindowCommand> parse_window_command(const std::string& words) {
         for (const CommandRow& any : command_rows())
             if (any.name) known += (known.empty() ? "" : ", ") + std::string(any.name);
         for (const SessionSetting& setting : session_settings()) known += ", " + setting.name;
-        return usage_error("'" + name + "' is no command of the window; there are " + known);
+        return usage_error("unknown command '" + name + "'; must be one of " + known);
     }
     WindowCommand command{.verb = row->verb};
     TRY_ASSIGN(const bool fits, read_rest(*row, rest, command));

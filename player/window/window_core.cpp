@@ -97,9 +97,9 @@ void WindowCore::take(const WindowCommand& command) {
             clips_.is_opening() ? "there is no clip yet" : "there is no clip yet: drop one on the window",
             Tone::refusal);
     if (options.hand && row.has(CommandRow::of_pointer))
-        return say("the fingers are those of the " + options.hand->name());
+        return say("this is for the mouse; the " + options.hand->name() + " moves the fingers");
     if (!options.hand && row.has(CommandRow::of_hand))
-        return say("the finger is the mouse's; a device that is held can do that");
+        return say("this is for a haptic device (--device); the mouse moves the finger");
     row.handler(*this, command);
 }
 

@@ -106,9 +106,7 @@ private:
         if (core_.leaves_at_once() || !core_.brush().brush().is_changing()) return false;
         if (!std::exchange(is_leaving_, true)) {
             core_.hand().power_off();
-            core_.say(
-                "the window closes once the brush has done what it was asked for; close it again to leave "
-                "now");
+            core_.say("the window closes when the brush has finished; close it again to quit at once");
         }
         return true;
     }
@@ -131,7 +129,7 @@ private:
         for (const Error& fault : faults)
             if (core_.is_new_fault(fault)) core_.say(fault.message, Tone::fault);
         for (const auto& written : core_.screenshots().take())
-            written.result ? core_.say("kept as " + std::filesystem::absolute(written.file).string())
+            written.result ? core_.say("saved as " + std::filesystem::absolute(written.file).string())
                            : core_.say(written.result.error().message, Tone::fault);
     }
 

@@ -21,7 +21,7 @@ void ViewMode::turn_or_touch() {
         core_.clip()->fingers().lift();
         core_.take_button(*this);
     }
-    core_.say(is_turning_ ? "drag: the view turns; with the right button it moves; the wheel comes nearer"
+    core_.say(is_turning_ ? "drag: the view turns; with the right button it moves; the wheel zooms"
                           : "the left button presses the finger again");
 }
 
@@ -138,7 +138,7 @@ BrushMode::BrushMode(WindowCore& core) : WindowMode(core), brush_(core.options) 
 /// Refuses commands when the clip is about to go: they are not meant for the next one.
 void BrushMode::take(const WindowCommand& command) {
     if (core_.quits() || core_.clips().has_next())
-        return core_.say("the clip is about to go; nothing is painted any more", Tone::refusal);
+        return core_.say("painting is off while the next clip opens", Tone::refusal);
     brush_.take(command);
     if (brush_.is_held()) {
         core_.take_button(*this);

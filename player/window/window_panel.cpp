@@ -57,7 +57,7 @@ bool draw_bar_button(const BarButton& button, float side, std::vector<WindowComm
 BarButton play_button(const PanelFacts& facts) {
     const bool plays = facts.playing && !facts.at_end;
     return {.words = "##play",
-            .what = "play, or pause (Space)",
+            .what = "play or pause (Space)",
             .need = Need::always,
             .command = {WindowVerb::play_pause},
             .sign = plays ? ButtonSign::pause : ButtonSign::play};
@@ -71,18 +71,18 @@ std::vector<BarButton> buttons_of(const PanelFacts& facts, float scale, bool pan
                                     .command = {WindowVerb::speed, facts.speed >= 4 ? 0.25 : facts.speed * 2},
                                     .width = 46 * scale},
                                    {.words = "loop",
-                                    .what = "again from the beginning at the end, or not (L)",
+                                    .what = "loop on or off (L)",
                                     .need = Need::loop,
                                     .command = {WindowVerb::loop},
                                     .is_lit = facts.looping},
                                    {.words = facts.overlay + "##overlay",
-                                    .what = "what the surface is coloured by (O)",
+                                    .what = "colour the surface by depth, stiffness, ... (O)",
                                     .need = Need::colours,
                                     .command = {WindowVerb::overlay},
                                     .width = 132 * scale}};
     if (!facts.hand)  // with a device, dragging always turns
         buttons.push_back({.words = "turn",
-                           .what = "dragging turns the view, or presses again (V)",
+                           .what = "dragging turns the view; again: presses (V)",
                            .need = Need::turn,
                            .command = {WindowVerb::turning},
                            .is_lit = facts.is_turning});
@@ -92,12 +92,12 @@ std::vector<BarButton> buttons_of(const PanelFacts& facts, float scale, bool pan
                                     .command = {WindowVerb::home},
                                     .sign = ButtonSign::home},
                                    {.words = "measure",
-                                    .what = "how far two places are apart: click both (T)",
+                                    .what = "measure between two places: click both (T)",
                                     .need = Need::measure,
                                     .command = {WindowVerb::measure},
                                     .is_lit = facts.measure.is_held},
                                    {.words = "settings",
-                                    .what = "fingers, filters, colours, and how it goes (Tab)",
+                                    .what = "fingers, filters, colours and how it goes (Tab)",
                                     .need = Need::settings,
                                     .command = {WindowVerb::panel},
                                     .is_lit = panel_shown},
@@ -113,12 +113,12 @@ std::vector<BarButton> buttons_of(const PanelFacts& facts, float scale, bool pan
 std::vector<BarButton> buttons_of_list(const PanelFacts& facts) {
     if (facts.clips < 2) return {};
     return {{.words = "##previous",
-             .what = "the clip before (PageUp)",
+             .what = "previous clip (PageUp)",
              .need = Need::other_clip,
              .command = {WindowVerb::previous},
              .sign = ButtonSign::previous},
             {.words = "##next",
-             .what = "the next clip (PageDown)",
+             .what = "next clip (PageDown)",
              .need = Need::other_clip,
              .command = {WindowVerb::next},
              .sign = ButtonSign::next}};

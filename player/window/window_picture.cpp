@@ -26,7 +26,7 @@ constexpr const char* first_words =
     "hold the left button over the picture to touch it; ? below shows all keys";
 constexpr const char* first_touch_words =
     "put a finger on the picture to touch it; two fingers turn it, the house turns it back";
-constexpr const char* end_words = "the end: Space plays it again, L repeats it";
+constexpr const char* end_words = "the end: Space plays it again, L loops it";
 constexpr const char* end_first_words =
     "the end: Space plays it again; hold the left button over the picture to touch it";
 

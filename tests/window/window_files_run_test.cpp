@@ -372,11 +372,11 @@ TEST_F(BrushScript, RejectsInvalidInOneLine) {
          {"beyond the clip", "both places are on segment", "nothing is painted", "nothing to do again"})
         EXPECT_TRUE(contains(done.err, words));
     const Outcome recorded = run("0 paint 20,32\n" + quit_, {"--record", (folder_ / "hand.touch").string()});
-    EXPECT_TRUE(contains(recorded.err, "not recorded"));
+    EXPECT_TRUE(contains(recorded.err, "--record has no brush"));
     const Outcome camera = run_touchable({"play", "--camera", "replay:" + clip_.string(), "--headless",
                                           "--script", (folder_ / "script").string()});
     EXPECT_EQ(camera.code, 0);
-    EXPECT_TRUE(contains(camera.err, "this is a camera"));
+    EXPECT_TRUE(contains(camera.err, "a camera has no brush"));
     std::ofstream(folder_ / "bad.json") << R"({"touchable_segments": 1, "segments": [{}]})";
     const Outcome bad = run(quit_, {"--segments", (folder_ / "bad.json").string()});
     EXPECT_EQ(bad.code, 3);
