@@ -554,13 +554,35 @@ TEST(RunScript, PrintsRootCommandWithoutSudo) {
         fs::create_symlink(fs::path("/usr/bin") / name, path / name);
     put_script(path / "id", "echo 1000");
     put_script(path / "dpkg-query", "exit 1");  // nothing is installed
-    put_script(path / "sudo", "echo asked; exit 1");
     // The tests may themselves have been asked for by `./run test --no-install`.
-    const Answer answer = run_script("build", path.path(), "/usr/bin/env -u TOUCHABLE_INSTALL");
+    const std::string through = "/usr/bin/env -u TOUCHABLE_INSTALL";
+    const Answer alone = run_script("demo", path.path(), through);
+    EXPECT_EQ(alone.code, 2) << alone.text;
+    EXPECT_EQ(std::count(alone.text.begin(), alone.text.end(), '\n'), 1) << alone.text;
+    EXPECT_NE(alone.text.find(" packages are missing, and there is no sudo; as root: ./run install plots\n"),
+              std::string::npos)
+        << alone.text;
+    put_script(path / "sudo", "echo asked; exit 1");
+    const Answer answer = run_script("build", path.path(), through);
     EXPECT_EQ(answer.code, 2) << answer.text;
     EXPECT_EQ(answer.text.find("asked"), answer.text.rfind("asked")) << answer.text;
-    EXPECT_NE(answer.text.find("as root: apt-get install --no-install-recommends g++ "), std::string::npos)
+    EXPECT_EQ(answer.text.find(" g++ "), answer.text.rfind(" g++ ")) << answer.text;
+    EXPECT_NE(answer.text.find("\nrun: sudo failed; as root: ./run install tests\n"), std::string::npos)
         << answer.text;
+}
+
+TEST(RunScript, NamesGroupsAndUnknownCommands) {
+    const std::string groups = "addon blender deb everything plots program proof sanitizers tests wheel\n";
+    EXPECT_EQ(run_script("install", "/usr/bin").text,
+              "run: install needs one group of packages or more: " + groups);
+    EXPECT_EQ(run_script("install plot", "/usr/bin").text,
+              "run: 'plot' is not a group of packages; the groups are: " + groups);
+    const Answer help = run_script("help", "/usr/bin"), answer = run_script("demo --windo", "/usr/bin");
+    EXPECT_EQ(answer.code, 2);
+    EXPECT_EQ(answer.text, help.text + "\nrun: unknown command 'demo --windo'\n");
+    std::istringstream names(groups);
+    for (std::string name; names >> name;)
+        EXPECT_TRUE(std::regex_search(help.text, std::regex("install GROUP .*\\b" + name + "\\b"))) << name;
 }
 
 // The globe fills 80 % of the picture's height; what is behind it pushes back, too.
