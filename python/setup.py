@@ -84,6 +84,9 @@ class SdistWithSources(sdist):
             else:
                 into.parent.mkdir(exist_ok=True)
                 shutil.copyfile(top / name, into)
+        licence = pathlib.Path(base_dir) / "LICENSE"  # in the repository a link
+        licence.unlink()
+        shutil.copyfile(top / "LICENSE", licence)
 
 
 class WheelOfThisPlatform(bdist_wheel):

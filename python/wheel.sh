@@ -12,7 +12,7 @@ export SOURCE_DATE_EPOCH
 at=out/wheel
 rm -rf "$at" out/touchable-*.whl
 mkdir -p "$at"
-cp -r python CMakeLists.txt "$at"
+cp -rL python CMakeLists.txt "$at"  # with the licence, which is a link
 TOUCHABLE_LIBRARIES=$PWD/build/release/capi /usr/bin/python3 -m build --wheel --no-isolation --outdir out "$at/python" >"$at/log" 2>&1 ||
     { cat "$at/log" >&2; exit 1; }
 rm -rf "$at"

@@ -16,7 +16,7 @@ for needed in build setuptools wheel pip venv numpy matplotlib PIL; do
 done
 
 # In a copy, so that two builds do not meet and nothing is left in the source.
-cp -r "$source/python" "$source/CMakeLists.txt" "$work"
+cp -rL "$source/python" "$source/CMakeLists.txt" "$work"
 TOUCHABLE_LIBRARIES=$build/capi "$python" -m build --wheel --no-isolation --outdir "$work/wheel" "$work/python" \
     >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; }
 "$python" -m venv --system-site-packages --without-pip "$work/venv"

@@ -123,6 +123,23 @@ class Wheel(unittest.TestCase):
         self.assertEqual({pathlib.Path(name).name for name in names if ".so" in name}, expected)
         self.assertIn("touchable/py.typed", names)
 
+    def test_HasLicenceAndMetadata(self):
+        with zipfile.ZipFile(os.environ["TOUCHABLE_WHEEL"]) as file:
+            licences = [name for name in file.namelist() if name.endswith("/LICENSE")]
+            self.assertEqual(len(licences), 1)
+            self.assertEqual(file.read(licences[0]), (source / "LICENSE").read_bytes())
+        metadata = importlib.metadata.metadata("touchable")
+        self.assertEqual(metadata["License-File"], "LICENSE")
+        self.assertEqual(metadata["License"], "Apache-2.0")
+        self.assertEqual(metadata["Requires-Python"], ">=3.11")
+        self.assertEqual(metadata["Description-Content-Type"], "text/markdown")
+        kinds = {each.split(" :: ")[0] for each in metadata.get_all("Classifier")}
+        self.assertLessEqual({"Development Status", "License", "Operating System", "Topic"}, kinds)
+        description = metadata.get_payload() or metadata["Description"]
+        program = re.search(r"(?:^    .*\n|^\n(?=    ))+", description, re.M)[0]
+        self.assertIn("forces_at", program)
+        self.assertIn(program.strip("\n"), (source / "docs/python.md").read_text(), "where it is tried")
+
     def test_IsWhatIsTested(self):
         version = importlib.metadata.version("touchable")
         self.assertEqual(touchable.__version__, version)
