@@ -32,7 +32,7 @@ uint[10] chosen(bool which, uint yes[10], uint no[10]) {
     return v;
 }
 
-/// Adds a least code and drops the greatest.
+/// Shifts a 0 in at the low end; the greatest code drops out.
 uint[5] shifted(uint v[5]) {
     return uint[5](0u, v[0], v[1], v[2], v[3]);
 }
