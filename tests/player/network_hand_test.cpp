@@ -28,6 +28,7 @@
 #include <fstream>
 #include <memory>
 #include <optional>
+#include <regex>
 #include <span>
 #include <sstream>
 #include <thread>
@@ -291,6 +292,26 @@ TEST_F(NetworkTouch, DocumentedHandFeelsGlobe) {
     EXPECT_NE(said.find(" answers, largest force "), std::string::npos) << said;
     EXPECT_GT(felt_force(said), 0) << said;
     EXPECT_NE(said.find("exit 0"), std::string::npos) << said;
+}
+
+TEST_F(NetworkTouch, SerialBoardFeelsGlobe) {
+    std::string said;
+    for (int seconds = 3; seconds == 3 || (felt_force(said) == 0 && seconds < 200); seconds *= 2) {
+        const Outcome live = touch_with(
+            "/usr/bin/python3 " TOUCHABLE_SOURCE_DIR "/tests/player/serial_board.py " TOUCHABLE_SOURCE_DIR
+            "/examples/python/serial_hand.py " +
+                std::to_string(port) + " " + std::to_string(seconds),
+            {"touch", clip, "--live", "--device", device(), "--force-on", "--max-force", "1", "--seconds",
+             "600", "--overwrite", "--json", report},
+            said);
+        EXPECT_EQ(live.code, 130) << live.err;
+    }
+    EXPECT_GT(felt_force(said), 0) << said;
+    EXPECT_LE(felt_force(said), 1) << said;
+    EXPECT_TRUE(
+        std::regex_search(said, std::regex("the bridge: /dev/pts/[0-9]+: .*; [1-9][0-9]* places sent, "
+                                           "[0-9]+ lines damaged\\nexit 0")))
+        << said;
 }
 
 TEST_F(NetworkTouch, ExampleReportsMissingAnswer) {
