@@ -160,7 +160,11 @@ std::string what_is_missing(const ConnectedSystem& system, const KnownDevice& kn
         return known.through == Through::hidraw
                    ? "sudo modprobe usbhid   (it has no hidraw node; then plug it in again)"
                    : "plug it in again (it has no node in /dev/bus/usb)";
-    if (!device.may_use) return std::string(udev_rules_command) + "   (then plug it in again)";
+    if (!device.may_use) {
+        const std::string rules = installed_udev_rules(system);
+        return rules.empty() ? std::string(udev_rules_command) + "   (then plug it in again)"
+                             : "plug it in again (its udev rules are installed; over ssh see " + rules + ")";
+    }
     if (!known.is_shared && !device.held_by.empty())
         return "close " + listed(device.held_by) + ", which has it open";
     return {};
@@ -182,7 +186,8 @@ void judge(const ConnectedSystem& system, const KnownDevice& known, ConnectedDev
         std::ranges::find_if(device.nodes, [&](const std::string& each) { return each.starts_with(prefix); });
     if (known.through != Through::service && node != device.nodes.end()) device.node = *node;
     device.may_use = !device.node.empty() && system.may_use(device.node);
-    if (known.through != Through::service && !device.may_use) device.rules = udev_rules_of(device.vendor);
+    if (known.through != Through::service && !device.may_use && installed_udev_rules(system).empty())
+        device.rules = udev_rules_of(device.vendor);
     device.next = what_is_missing(system, known, device);
     device.ready = device.next.empty();
 }
@@ -256,6 +261,26 @@ std::vector<std::string> udev_rules_of(std::uint16_t vendor) {
             }))
             rules.push_back(line);
     return rules;
+}
+
+std::string installed_udev_rules(const ConnectedSystem& system) {
+    for (const std::string folder : {"/etc", "/run", "/usr/local/lib", "/usr/lib"})
+        if (const std::string file = folder + "/udev/rules.d/70-touchable.rules"; system.has(file))
+            return file;
+    return {};
+}
+
+std::string installed_udev_rules() {
+    return installed_udev_rules(ConnectedSystem());
+}
+
+Error not_permitted(const std::string& node, const ConnectedSystem& system) {
+    const std::string what = node + ": may not be opened by this user; ",
+                      rules = installed_udev_rules(system);
+    if (rules.empty())
+        return device_error(what + "install the program's udev rules, then plug it in again",
+                            {{Setting::device_rules}});
+    return device_error(what + "its udev rules are installed: plug it in again; over ssh see " + rules);
 }
 
 // ---- What Linux shows

@@ -110,12 +110,13 @@ Result<std::unique_ptr<HapticDevice>> make_device(const std::string& description
 
 // ---- In words
 
-std::string devices_in_words(const std::vector<ConnectedDevice>& devices, const std::string& naming) {
+std::string devices_in_words(const std::vector<ConnectedDevice>& devices, const std::string& naming,
+                             bool has_rules) {
+    const std::string permit =
+        std::string(" Most have to be permitted, once for all of them:\n    ") + udev_rules_command;
     if (devices.empty())
-        return std::string(
-                   "No device that is known here is connected: plug one in and switch it on. Most have to be "
-                   "permitted, once for all of them:\n    ") +
-               udev_rules_command + "\nNone is needed: any program can be the hand (" + naming +
+        return "No device that is known here is connected: plug one in and switch it on." +
+               (has_rules ? "" : permit) + "\nNone is needed: any program can be the hand (" + naming +
                "network), and in the window the mouse is (touchable play).\n";
     std::string words;
     for (const ConnectedDevice& device : devices) words += device_lines(device, naming);

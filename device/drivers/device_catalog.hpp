@@ -64,8 +64,10 @@ struct ConnectedDevice {
 /// Known devices that are connected by USB or Bluetooth; opens none of them.
 std::vector<ConnectedDevice> connected_devices();
 
-/// Lines for people; if none is connected, what to do. `naming` precedes arguments, such as "--device ".
-std::string devices_in_words(const std::vector<ConnectedDevice>& devices, const std::string& naming = "");
+/// Lines for people; if none is connected, what to do. `naming` precedes arguments, such as "--device ";
+/// `has_rules`: the udev rules are installed.
+std::string devices_in_words(const std::vector<ConnectedDevice>& devices, const std::string& naming = "",
+                             bool has_rules = false);
 /// The arguments of --device, one line each; `with_simulated`: the command that tries a simulated device.
 std::string device_words_in_words(const std::string& with_simulated = "");
 /// The same as JSON: members named as in ConnectedDevice, ids as "046d:c626", and `words`.
@@ -73,6 +75,8 @@ std::string devices_in_json(const std::vector<ConnectedDevice>& devices);
 
 /// The file share/udev/70-touchable.rules as it was when the program was built.
 const char* udev_rules();
+/// That file where udev reads it; empty: neither the package nor a person has installed it.
+std::string installed_udev_rules();
 /// The shell line that permits devices to this machine's user and needs only this program. It is the only
 /// text outside player/commands that names an option.
 inline constexpr const char* udev_rules_command =

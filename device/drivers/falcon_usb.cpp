@@ -11,6 +11,7 @@
 #include <fstream>
 
 #include "device/drivers/falcon_device.hpp"
+#include "device/drivers/known_devices.hpp"
 #include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -170,10 +171,7 @@ private:
 Result<std::unique_ptr<UsbPort>> open_usb_port(const fs::path& node, const std::string& name) {
     const std::string named = name + " at " + node.string();
     const int descriptor = ::open(node.c_str(), O_RDWR | O_CLOEXEC);
-    if (descriptor < 0 && (errno == EACCES || errno == EPERM))
-        return device_error(
-            named + ": no permission; install the program's udev rules, then plug it in again",
-            {{Setting::device_rules}});
+    if (descriptor < 0 && (errno == EACCES || errno == EPERM)) return not_permitted(named);
     if (descriptor < 0) return device_error(named + ": " + std::strerror(errno));
     auto port = std::make_unique<LibusbPort>(named, descriptor);
     TRY(port->hold());

@@ -12,6 +12,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "device/drivers/known_devices.hpp"
 #include "engine/base/try.hpp"
 
 namespace touchable {
@@ -53,15 +54,14 @@ std::string in_plain_letters(const wchar_t* words) {
 }
 
 Error hid_not_opened(const std::string& node, int failure) {
-    const bool is_forbidden = failure == EACCES || failure == EPERM, is_missing = failure == ENOENT;
+    if (failure == EACCES || failure == EPERM) return not_permitted(node);
+    const bool is_missing = failure == ENOENT;
     std::string words =
-        node + (is_missing     ? ": is not there"
-                : is_forbidden ? ": may not be opened by this user"
-                               : std::string(": cannot be opened (") + std::strerror(failure) + ")");
-    if (is_forbidden) words += "; install the program's udev rules, then plug it in again";
+        node +
+        (is_missing ? ": is not there" : std::string(": cannot be opened (") + std::strerror(failure) + ")");
     if (is_missing || failure == ENODEV || failure == ENXIO)
         words += "; must be the node of a device that is plugged in, as 'ls /dev/hidraw*' shows";
-    return device_error(std::move(words), is_forbidden ? Hints{{Setting::device_rules}} : Hints());
+    return device_error(std::move(words));
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ Result<void> run_devices(const DevicesOptions& options) {
     if (options.json)
         std::cout << devices_in_json(devices);
     else
-        std::cout << devices_in_words(devices, "--device ")
+        std::cout << devices_in_words(devices, "--device ", !installed_udev_rules().empty())
                   << "\nWhat --device takes (docs/devices.md has each one's keys):\n"
                   << device_words_in_words("touchable touch CLIP --live --device simulated --hand stroke")
                   << "See whether it works:  touchable check --device NAME\n"

@@ -114,6 +114,35 @@ TEST_F(DeviceList, ForbiddenDeviceNeedsUdevRule) {
                                                       R"(ATTRS{idProduct}=="c6*", TAG+="uaccess")"}));
     EXPECT_NE(devices_in_words({device}).find("may not be used by you"), std::string::npos);
     EXPECT_NE(devices_in_words({device}).find("rule: KERNEL==\"hidraw*\""), std::string::npos);
+    EXPECT_NE(devices_in_words({}).find("| sudo tee /etc/udev/rules.d/"), std::string::npos);
+    const Error error = not_permitted("/dev/hidraw4", system_);
+    EXPECT_EQ(error.message,
+              "/dev/hidraw4: may not be opened by this user; install the program's udev rules, then plug it "
+              "in again");
+    ASSERT_EQ(error.hints.size(), 1u);
+    EXPECT_EQ(error.hints[0].setting, Setting::device_rules);
+}
+
+TEST_F(DeviceList, InstalledRulesAreNotAskedFor) {
+    plug_spacemouse();
+    for (const std::string folder : {"usr/lib", "usr/local/lib", "run", "etc"}) {
+        lay(folder + "/udev/rules.d/70-touchable.rules", udev_rules());
+        const std::string file = '/' + folder + "/udev/rules.d/70-touchable.rules";
+        EXPECT_EQ(installed_udev_rules(system_), file) << "udev prefers it to those before";
+        const auto device = only();
+        EXPECT_FALSE(device.ready);
+        EXPECT_TRUE(device.rules.empty());
+        EXPECT_EQ(device.next, "plug it in again (its udev rules are installed; over ssh see " + file + ")");
+        const Error error = not_permitted("/dev/hidraw4", system_);
+        EXPECT_EQ(error.message,
+                  "/dev/hidraw4: may not be opened by this user; its udev rules are installed: "
+                  "plug it in again; over ssh see " +
+                      file);
+        EXPECT_TRUE(error.hints.empty());
+    }
+    const std::string words = devices_in_words({}, "--device ", true);
+    EXPECT_NE(words.find("plug one in"), std::string::npos);
+    EXPECT_EQ(words.find("sudo"), std::string::npos) << words;
 }
 
 TEST_F(DeviceList, DeviceWithoutNodeNeedsDriver) {
