@@ -17,6 +17,8 @@ namespace touchable {
 namespace {
 
 constexpr std::chrono::milliseconds child_step(10);
+// From SIGTERM to SIGKILL; once this program is asked to stop it has to end within 0.2 s itself.
+constexpr std::chrono::milliseconds child_grace(2000), child_grace_at_stop(100);
 
 std::string failure_words(int failure) {
     return std::generic_category().message(failure);
@@ -110,8 +112,10 @@ ChildProcess::~ChildProcess() {
     ::kill(-process_, SIGTERM);
     siginfo_t how;
     // A process of the group that still writes holds the output open.
-    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(2);
-    while (!(has_ended(how) && output_.get() < 0) && std::chrono::steady_clock::now() < until) {
+    const auto since = std::chrono::steady_clock::now();
+    while (!(has_ended(how) && output_.get() < 0) &&
+           std::chrono::steady_clock::now() - since <
+               (stop_requested() ? child_grace_at_stop : child_grace)) {
         std::array<std::uint8_t, 65536> unread;
         if (read(unread).value_or(0) == 0) std::this_thread::sleep_for(child_step);
     }

@@ -5,8 +5,9 @@
 // A ChildProcess has its own process group, no standard input and none of this program's open files. Its
 // standard output is read piece by piece without waiting (`read`, `waits`), or as a whole within limits of
 // bytes and time (`all_output`). `how_it_ended` gives the reason for a message, with the last line of its
-// standard error. The destructor sends SIGTERM to the whole group, and SIGKILL after at most 2 s; no zombie
-// is left. A child that reads files from strangers gets limits of memory and processor time.
+// standard error. The destructor sends SIGTERM to the whole group, and SIGKILL after 2 s, or 0.1 s if a stop
+// is requested; no zombie is left. A child that reads files from strangers gets limits of memory and
+// processor time.
 //
 // An object is used by one thread at a time.
 

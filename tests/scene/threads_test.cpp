@@ -22,6 +22,7 @@
 #include "engine/base/child_process.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/scene/plane_memory.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 namespace {
@@ -278,6 +279,35 @@ TEST(ChildProcess, AStopEndsItsOutput) {
                                    [&] { return (*child)->all_output(100, ample); });
     ASSERT_FALSE(output);
     EXPECT_EQ(output.error().kind, ErrorKind::interrupted);
+}
+
+/// Starts a shell that has said something once it is returned: its traps are set.
+std::unique_ptr<ChildProcess> shell(const std::string& lines) {
+    auto child = ChildProcess::start({"sh", "-c", lines});
+    if (!child || !*child) return nullptr;
+    std::array<std::uint8_t, 16> said;
+    while ((*child)->read(said).value_or(1) == 0) std::this_thread::sleep_for(milliseconds(1));
+    return std::move(*child);
+}
+
+TEST(ChildProcess, HasTimeToEnd) {
+    const TemporaryFolder folder;
+    const std::string file = folder / "ended";
+    auto child = shell("trap 'touch " + file + "; exit' TERM; echo; while :; do sleep 0.01; done");
+    ASSERT_TRUE(child);
+    child.reset();
+    EXPECT_TRUE(std::filesystem::exists(file));
+}
+
+TEST(ChildProcess, HasLittleTimeAtStop) {
+    const TemporaryFolder folder;
+    const std::string file = folder / "a-second-later";
+    auto child = shell("trap '' TERM; echo; sleep 1; touch " + file + "; sleep 1000");
+    ASSERT_TRUE(child);
+    std::stop_source stop;
+    stop.request_stop();
+    work_until(stop.get_token(), [&] { child.reset(); });
+    EXPECT_FALSE(std::filesystem::exists(file));
 }
 
 TEST(StartThread, NamesAndRunsThread) {
