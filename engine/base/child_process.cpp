@@ -80,9 +80,9 @@ int spawn(std::vector<std::string>& words, std::vector<std::string>& environment
     return failure;
 }
 
-void set_limit(::pid_t process, __rlimit_resource what, std::uint64_t most) {
-    if (most == 0) return;
-    const ::rlimit limit{most, most};
+void set_limit(::pid_t process, __rlimit_resource what, std::uint64_t soft, std::uint64_t hard) {
+    if (soft == 0) return;
+    const ::rlimit limit{soft, hard};
     // Failure is harmless: the child has ended, or it inherits a lower limit of this program.
     (void)::prlimit(process, what, &limit, nullptr);
 }
@@ -101,8 +101,8 @@ Result<std::unique_ptr<ChildProcess>> ChildProcess::start(std::vector<std::strin
     const int failure = spawn(words, environment, output.in.get(), errors.in.get(), process);
     if (failure == ENOENT) return std::unique_ptr<ChildProcess>();
     if (failure != 0) return input_error("cannot be started: " + failure_words(failure));
-    set_limit(process, RLIMIT_AS, limits.memory_bytes);
-    set_limit(process, RLIMIT_CPU, limits.processor_seconds);
+    set_limit(process, RLIMIT_AS, limits.memory_bytes, limits.memory_bytes);
+    set_limit(process, RLIMIT_CPU, limits.processor_seconds, limits.processor_seconds + 1);  // first SIGXCPU
     return std::unique_ptr<ChildProcess>(
         new ChildProcess(process, std::move(output.out), std::move(errors.out)));
 }
@@ -139,25 +139,19 @@ std::array<::pollfd, 2> ChildProcess::waits() const {
     return {::pollfd{output_.get(), POLLIN, 0}, {errors_.get(), POLLIN, 0}};
 }
 
-Result<std::string> ChildProcess::all_output(std::size_t most, std::chrono::milliseconds longest) {
-    const auto until = std::chrono::steady_clock::now() + longest;
-    const auto given_up = [&]() -> Result<void> {
-        if (stop_requested()) return interrupted_error();
-        if (std::chrono::steady_clock::now() < until) return {};
-        return input_error("has not ended after " +
-                           short_number(std::chrono::duration<double>(longest).count()) + " s");
-    };
+Result<std::string> ChildProcess::all_output(std::size_t most) {
     std::string all;
     std::array<std::uint8_t, 65536> piece;
     while (const auto got = read(piece)) {
-        TRY(given_up());
+        if (stop_requested()) return interrupted_error();
         if (*got > most - all.size()) return input_error("gives more than " + in_bytes(most));
         all.append(reinterpret_cast<const char*>(piece.data()), *got);
         if (*got > 0) continue;
         auto sources = waits();
         (void)::poll(sources.data(), sources.size(), static_cast<int>(stop_look.count()));
     }
-    for (siginfo_t how; !has_ended(how); std::this_thread::sleep_for(child_step)) TRY(given_up());
+    siginfo_t end;
+    if (!wait_unless_stopped([&] { return has_ended(end); }, child_step)) return interrupted_error();
     const std::string how = how_it_ended();
     return how == "ended" ? Result<std::string>(std::move(all)) : input_error(how);
 }
@@ -172,6 +166,7 @@ std::string ChildProcess::how_it_ended() {
     }
     hear_errors();
     if (!ended) return "closed its standard output" + last_words();
+    if (how.si_code != CLD_EXITED && how.si_status == SIGXCPU) return out_of_time;
     if (how.si_code != CLD_EXITED) return "ended by signal " + std::to_string(how.si_status) + last_words();
     if (how.si_status == 0) return "ended";
     return "ended with status " + std::to_string(how.si_status) + last_words();

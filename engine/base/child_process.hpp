@@ -3,11 +3,11 @@
 // Another program that runs beside this one and ends with its owner.
 //
 // A ChildProcess has its own process group, no standard input and none of this program's open files. Its
-// standard output is read piece by piece without waiting (`read`, `waits`), or as a whole within limits of
-// bytes and time (`all_output`). `how_it_ended` gives the reason for a message, with the last line of its
-// standard error. The destructor sends SIGTERM to the whole group, and SIGKILL after 2 s, or 0.1 s if a stop
-// is requested; no zombie is left. A child that reads files from strangers gets limits of memory and
-// processor time.
+// standard output is read piece by piece without waiting (`read`, `waits`), or as a whole within a limit of
+// bytes (`all_output`). `how_it_ended` gives the reason for a message, with the last line of its standard
+// error. The destructor sends SIGTERM to the whole group, and SIGKILL after 2 s, or 0.1 s if a stop is
+// requested; no zombie is left. A child that reads files from strangers gets limits of memory and processor
+// time.
 //
 // An object is used by one thread at a time.
 
@@ -15,7 +15,6 @@
 #include <sys/types.h>
 
 #include <array>
-#include <chrono>
 #include <csignal>
 #include <cstddef>
 #include <cstdint>
@@ -52,12 +51,13 @@ public:
     /// Descriptors to poll for more output; poll ignores a descriptor of -1.
     std::array<::pollfd, 2> waits() const;
     /// Returns the whole standard output once the child has ended well. An error says how it ended, or that
-    /// it wrote more than `most` bytes, ran for longer than `longest`, or that the program is asked to stop
-    /// (ErrorKind::interrupted).
-    Result<std::string> all_output(std::size_t most, std::chrono::milliseconds longest);
+    /// it wrote more than `most` bytes, or that the program is asked to stop (ErrorKind::interrupted).
+    Result<std::string> all_output(std::size_t most);
     /// Says how the child ended, such as "ended" or "ended with status 1: no such file", once its output has
     /// ended. Waits for its exit for at most 0.2 s.
     std::string how_it_ended();
+    /// How a child ended that ran for longer than its ChildLimits.
+    static constexpr const char* out_of_time = "used up its processor time";
 
 private:
     ChildProcess(::pid_t process, Descriptor output, Descriptor errors)

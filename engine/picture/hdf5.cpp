@@ -22,7 +22,8 @@ constexpr std::string_view hdf5_magic = "\x89HDF\r\n\x1a\n", matlab_magic = "MAT
 constexpr std::size_t largest_listing = std::size_t{64} << 20;
 constexpr std::uint64_t largest_hdf5_picture = std::uint64_t{257} << 20;  // as read_picture_bytes has it
 constexpr std::uint64_t bytes_at_once = std::uint64_t{8} << 20;
-constexpr std::chrono::seconds longest_child(60);
+/// Of a larger chunk h5dump keeps nothing: it unpacks the whole chunk again for each row.
+constexpr std::uint64_t largest_kept_chunk = std::uint64_t{1} << 20;
 
 // --- The tools
 
@@ -35,9 +36,10 @@ Result<std::string> ask_tool(std::vector<std::string> words, std::uint64_t most)
     const std::string name = words.front();
     TRY_ASSIGN(const auto tool, ChildProcess::start(std::move(words), limits, settings));
     if (!tool) return input_error("is HDF5, which needs h5dump: install the package hdf5-tools");
-    auto output = tool->all_output(most, longest_child);
+    auto output = tool->all_output(most);
     if (output || output.error().kind != ErrorKind::input) return output;
-    return input_error("is damaged, or more than HDF5's tools can read: " + name + " " +
+    const bool is_slow = output.error().message == ChildProcess::out_of_time;
+    return input_error((is_slow ? "" : "is damaged, or more than HDF5's tools can read: ") + name + " " +
                        output.error().message);
 }
 
@@ -83,6 +85,11 @@ std::optional<std::vector<std::int64_t>> extents_of(std::string_view text) {
         text.remove_prefix(std::min(next, text.size()));
     }
     return extents;
+}
+
+std::string numbers_in_row(const std::vector<std::int64_t>& all, std::string_view between = ",") {
+    return listed(
+        all, [](std::int64_t each) { return std::to_string(each); }, between);
 }
 
 /// The format of a type in h5ls's words, one line or several. Nullopt: it is not numbers of whole bytes.
@@ -267,6 +274,18 @@ private:
         return picture;
     }
 
+    /// The command that writes the file anew with chunks of a picture, or of as many rows as h5dump keeps.
+    std::string repack_words(const Hdf5DataSet& set) const {
+        std::vector<std::int64_t> chunk = set.shape;
+        const auto is_several = [](std::int64_t extent) { return extent > 1; };
+        if (pictures_.count > 1) *std::ranges::find_if(chunk, is_several) = 1;
+        if (const auto rows = std::ranges::find_if(chunk, is_several); rows != chunk.end())
+            *rows = std::clamp<std::int64_t>(
+                largest_kept_chunk * static_cast<std::uint64_t>(*rows) / picture_bytes(), 1, *rows);
+        return "h5repack -l " + shell_word(set.path + ":CHUNK=" + numbers_in_row(chunk, "x")) + ' ' +
+               shell_word(file_.string()) + " repacked.h5";
+    }
+
     /// The stored numbers of `pictures` pictures from `first` on.
     Result<std::string> numbers(std::int64_t first, std::int64_t pictures) const {
         const Hdf5DataSet& set = set_of(first);
@@ -277,18 +296,18 @@ private:
             start[static_cast<std::size_t>(counts - extents.begin())] = first;
             *counts = pictures;
         }
-        const auto in_row = [](const std::vector<std::int64_t>& all) {
-            return listed(
-                all, [](std::int64_t each) { return std::to_string(each); }, ",");
-        };
         const std::uint64_t expected = picture_bytes() * static_cast<std::uint64_t>(pictures);
-        auto output = ask_tool({"h5dump", "--no-compact-subset", "-d", set.path, "-s", in_row(start), "-c",
-                                in_row(extents), "-b", "FILE", "-O", "/dev/null", "-o", "/dev/stdout", path_},
-                               expected);
+        auto output =
+            ask_tool({"h5dump", "--no-compact-subset", "-d", set.path, "-s", numbers_in_row(start), "-c",
+                      numbers_in_row(extents), "-b", "FILE", "-O", "/dev/null", "-o", "/dev/stdout", path_},
+                     expected);
         if (!output) {
             Error failed = error_at(where(first), output.error());
             if (!set.packed_by.empty() && failed.kind == ErrorKind::input)
                 failed.message += " (it is packed by " + printable(set.packed_by) + ")";
+            if (set.chunk_bytes > largest_kept_chunk && failed.kind == ErrorKind::input)
+                failed.message += "; it has chunks of " + std::to_string(set.chunk_bytes) +
+                                  " bytes, and must have smaller ones: " + repack_words(set);
             return failed;
         }
         if (output->size() != expected)
@@ -338,6 +357,9 @@ Result<std::vector<Hdf5DataSet>> hdf5_data_sets(std::string_view listing) {
             set = &sets.emplace_back(Hdf5DataSet{path, std::move(*shape)});
         } else if (set && (line.starts_with("    Extern:") || line.starts_with("    Maps:"))) {
             set->is_elsewhere = true;
+        } else if (set && line.starts_with("    Chunks:")) {
+            const std::string_view bytes = line.substr(std::min(line.find("} "), line.size() - 2) + 2);
+            (void)std::from_chars(bytes.data(), bytes.data() + bytes.size(), set->chunk_bytes);
         } else if (set && line.starts_with("    Filter-")) {
             const std::string_view filter =
                 trimmed(line.substr(std::min(line.find(':'), line.size() - 1) + 1));

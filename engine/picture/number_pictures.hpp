@@ -125,6 +125,7 @@ struct Hdf5DataSet {
     std::string type{};                    ///< h5ls's words for it
     std::string packed_by{};               ///< h5ls's words for its filters
     bool is_elsewhere = false;             ///< its numbers are in other files
+    std::uint64_t chunk_bytes = 0;         ///< of a chunk, unpacked; 0: it has none
 };
 /// All data sets that are arrays, in order. Refuses a listing with a name twice, or in no group.
 Result<std::vector<Hdf5DataSet>> hdf5_data_sets(std::string_view listing);

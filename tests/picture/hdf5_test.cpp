@@ -298,6 +298,29 @@ TEST_F(Hdf5, NamesToolFaults) {
     }
 }
 
+TEST_F(Hdf5, AdvisesSmallerChunks) {
+    const std::string packed = "\nCOMPRESSION-TYPE GZIP\nCOMPRESSION-PARAM 1\n";
+    add({"obs/depth", {3, 480, 640}, "UIN", 16, "LE", "CHUNKED-DIMENSION-SIZES 3 480 640" + packed});
+    add({"depth", {700, 1024}, "FP", 64, "LE", "CHUNKED-DIMENSION-SIZES 700 1024" + packed}, 1, "large.h5");
+    add({"depth", {2, 5, 7}}, 1, "plain.h5");
+    const auto slow = [&](const std::string& name) {
+        write_tool(file("h5dump"), "kill -XCPU $$");  // its limit of processor time
+        const Environment path("PATH", folder_.path().string() + ":" + std::getenv("PATH"));
+        return message(must(open_hdf5_stack(file(name)))->image(0));
+    };
+    const std::string said = slow("f.h5"), at = file().string();
+    const std::string command = "h5repack -l /obs/depth:CHUNK=1x480x640 " + at + " repacked.h5";
+    EXPECT_EQ(said, at +
+                        ": /obs/depth: h5dump used up its processor time (it is packed by deflate-1); it has "
+                        "chunks of 1843200 bytes, and must have smaller ones: " +
+                        command);
+    EXPECT_TRUE(has_words(slow("large.h5"), "h5repack -l /depth:CHUNK=128x1024 "));
+    EXPECT_EQ(slow("plain.h5"), file("plain.h5").string() + ": /depth: h5dump used up its processor time");
+    ASSERT_EQ(std::system(("cd '" + folder_.path().string() + "' && " + command).c_str()), 0);
+    const auto repacked = must(open_hdf5_stack(file("repacked.h5")));
+    EXPECT_EQ(number_of(must(repacked->image(2)), 639, 479), 3 * 480 * 640 % 65536);
+}
+
 TEST_F(Hdf5, NamesDamageInOneLine) {
     add({"depth",
          {2, 5, 7},
