@@ -1,6 +1,9 @@
 #include "engine/formats/zip_folder.hpp"
 
+#include <dirent.h>
 #include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -24,6 +27,14 @@ constexpr std::uint64_t most_members = 100'000, gibibyte = std::uint64_t{1} << 3
 constexpr std::uint64_t largest_unpacked = 16 * gibibyte, left_on_disk = gibibyte;
 /// Bytes of a member that is no picture or video by its name: a camera's file, a list, a scene.
 constexpr std::uint64_t largest_sidecar = std::uint64_t{16} << 20;
+constexpr std::ptrdiff_t most_folders_deep = 64, most_folders = 10'000;
+/// Bytes of disk that a folder takes, a file's entry, and by which a file grows.
+constexpr std::uint64_t disk_block = 4096;
+
+constexpr std::string_view folder_prefix = "touchable-zip-";
+/// An empty file in each folder that archives are unpacked to, made once the folder is locked, removed last.
+constexpr const char* folder_mark = ".touchable";
+constexpr int folder_flags = O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC;
 
 bool is_named_zip(const fs::path& file) {
     const std::string name = small_letters(file.filename().string());
@@ -47,6 +58,8 @@ std::string unsafe_name(const std::string& name) {
     const bool leads_out =
         path.empty() || path.is_absolute() ||
         std::ranges::any_of(path, [](const fs::path& part) { return part == ".." || part == "."; });
+    if (std::distance(path.begin(), path.end()) > most_folders_deep + 1)
+        return "lies more than " + std::to_string(most_folders_deep) + " folders deep";
     return leads_out ? "has a name that leads out of the archive" : "";
 }
 
@@ -70,6 +83,7 @@ Result<OpenedZip> open_archive(const fs::path& file) {
     TRY_ASSIGN(auto archive, open_zip(std::move(bytes), most_members, file.string()));
     OpenedZip opened{std::move(archive)};
     for (ZipMember& member : zip_members(opened.archive)) {
+        if (stop_requested()) break;
         const fs::path name = fs::path(member.name).lexically_normal();
         member.name = name.string();
         const bool is_array = name.extension() == ".npy" || name.extension() == ".npz";
@@ -88,6 +102,7 @@ fs::path folder_of_clip(const std::vector<ZipMember>& members) {
     std::set<fs::path> of_depth, of_pictures;
     fs::path common = fs::path(members.front().name).parent_path();
     for (const ZipMember& member : members) {
+        if (stop_requested()) break;
         const fs::path name(member.name), folder = name.parent_path();
         if (name.filename() == "scene.json") return folder;
         while (!is_below(folder, common)) common = common.parent_path();
@@ -102,11 +117,60 @@ fs::path folder_of_clip(const std::vector<ZipMember>& members) {
     return has_word(common.filename().string(), {"depth"}) ? *telling.begin() : common;
 }
 
+/// Bytes of a folder's disk that may be taken.
+std::uint64_t disk_room(const fs::path& folder) {
+    std::error_code failure;
+    const std::uint64_t free = fs::space(folder, failure).available;
+    return failure || free < left_on_disk ? 0 : free - left_on_disk;
+}
+
+/// Removes all in a folder but `kept`, and follows no link. False: a stop was requested first.
+bool empty_folder(int folder, std::string_view kept) {
+    const auto close_list = [](DIR* list) { closedir(list); };
+    const int own = openat(folder, ".", folder_flags);
+    const std::unique_ptr<DIR, decltype(close_list)> list(own < 0 ? nullptr : fdopendir(own));
+    while (const dirent* const each = list ? readdir(list.get()) : nullptr) {
+        if (stop_requested()) return false;
+        const std::string_view name = each->d_name;
+        if (name == "." || name == ".." || name == kept || unlinkat(folder, each->d_name, 0) == 0) continue;
+        const Descriptor inner(openat(folder, each->d_name, folder_flags));
+        if (inner.get() >= 0 && !empty_folder(inner.get(), {})) return false;
+        unlinkat(folder, each->d_name, AT_REMOVEDIR);
+    }
+    return true;
+}
+
+/// Removes a folder that an archive was unpacked to. False: a stop was requested first.
+bool remove_unpacked(const fs::path& path, int folder) {
+    if (!empty_folder(folder, folder_mark)) return false;
+    unlinkat(folder, folder_mark, 0);
+    rmdir(path.c_str());
+    return true;
+}
+
+/// Removes this user's folders that no process holds any more: their program was killed. In a shared folder
+/// another user could give any folder such a name; only the mark in it, which is this user's, tells.
+void remove_abandoned(const fs::path& parent) {
+    std::error_code failure;
+    for (fs::directory_iterator each(parent, failure), end; !failure && each != end;
+         each.increment(failure)) {
+        if (stop_requested()) return;
+        if (!each->path().filename().string().starts_with(folder_prefix)) continue;
+        const Descriptor folder(open(each->path().c_str(), folder_flags));
+        struct stat mark {};
+        if (fstatat(folder.get(), folder_mark, &mark, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(mark.st_mode) &&
+            mark.st_uid == geteuid() && flock(folder.get(), LOCK_EX | LOCK_NB) == 0)
+            remove_unpacked(each->path(), folder.get());
+    }
+}
+
 /// Refuses members that would take too much of the disk, or cannot be unpacked safely.
 Result<void> check_sizes(const std::vector<ZipMember>& members, const fs::path& archive,
                          const fs::path& folder) {
-    std::uint64_t size = 0;
+    std::uint64_t size = 0, on_disk = 0;
+    std::set<std::string> folders;
     for (const ZipMember& member : members) {
+        if (stop_requested()) return error_at(archive.string(), interrupted_error());
         const std::string where = archive.string() + '/' + printable(member.name, 200);
         if (member.is_encrypted)
             return input_error(where + ": is encrypted: unpack it with its password, then open the folder");
@@ -117,16 +181,22 @@ Result<void> check_sizes(const std::vector<ZipMember>& members, const fs::path& 
             return input_error(where + ": is damaged: " + std::to_string(member.packed) +
                                " bytes are said to unpack to " + std::to_string(member.size));
         size += std::min(member.size, 2 * largest_unpacked);
+        on_disk += (std::min(member.size, 2 * largest_unpacked) / disk_block + 2) * disk_block;
+        fs::path above = fs::path(member.name).parent_path();
+        for (; !above.empty() && folders.insert(above.string()).second; above = above.parent_path())
+            on_disk += disk_block;
+        if (std::ssize(folders) > most_folders)
+            return input_error(archive.string() + ": has more than " + std::to_string(most_folders) +
+                               " folders: " + unzip_words(archive));
     }
     std::error_code failure;
-    const std::uint64_t free = fs::space(folder, failure).available;
-    const std::uint64_t room = failure || free < left_on_disk ? 0 : free - left_on_disk;
+    const std::uint64_t room = disk_room(folder);
     const std::uint64_t packed = fs::file_size(archive, failure);
     constexpr std::uint64_t most_for_a_byte = 1032, few = std::uint64_t{64} << 20;
     if (!failure && size > few && size / most_for_a_byte > packed)
         return input_error(archive.string() + ": is damaged: its " + std::to_string(packed) +
                            " bytes are said to unpack to " + std::to_string(size));
-    if (size <= std::min(largest_unpacked, room)) return {};
+    if (on_disk <= std::min(largest_unpacked, room)) return {};
     const auto in_gib = [](std::uint64_t bytes) {
         return short_number(static_cast<double>(bytes) / static_cast<double>(gibibyte), 3) + " GiB";
     };
@@ -134,7 +204,7 @@ Result<void> check_sizes(const std::vector<ZipMember>& members, const fs::path& 
                                  ? in_gib(room) + " of the disk may be taken in " +
                                        folder.parent_path().string() + " (TMPDIR names another place)"
                                  : "at most " + in_gib(largest_unpacked) + " are unpacked";
-    return input_error(archive.string() + ": unpacks to " + in_gib(size) + ", and " + most + ": " +
+    return input_error(archive.string() + ": unpacks to " + in_gib(on_disk) + ", and " + most + ": " +
                        unzip_words(archive));
 }
 
@@ -223,15 +293,21 @@ Result<std::shared_ptr<ZipFolder>> ZipFolder::unpack(const fs::path& archive, co
     std::shared_ptr<ZipFolder> folder(new ZipFolder(archive));
     std::error_code failure;
     const fs::path parent = fs::canonical(fs::temp_directory_path(failure), failure);
-    std::string name = (parent / "touchable-XXXXXX").string();
+    if (!failure) remove_abandoned(parent);
+    std::string name = (parent / folder_prefix).string() + "XXXXXX";
     if (failure || mkdtemp(name.data()) == nullptr)
         return input_error(archive.string() +
                            ": cannot be unpacked: no folder of temporary files can be made in " +
                            in_quotes(parent.string()) + "; TMPDIR may name another place");
     folder->temporary_ = name;
     folder->owner_ = getpid();
+    folder->held_ = Descriptor(open(name.c_str(), folder_flags));
+    // Where no lock can be had the folder gets no mark, so that no other process removes it.
+    if (flock(folder->held_.get(), LOCK_EX | LOCK_NB) == 0)
+        Descriptor(openat(folder->held_.get(), folder_mark, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
     const fs::path stem = archive.stem();
-    folder->root_ = folder->temporary_ / (stem == "." || stem == ".." ? "archive" : stem);
+    folder->root_ =
+        folder->temporary_ / (stem == "." || stem == ".." || stem == folder_mark ? "archive" : stem);
     TRY(folder->fill(inner));
     return folder;
 }
@@ -246,6 +322,9 @@ Result<void> ZipFolder::fill(const fs::path& inner) {
     TRY(check_sizes(opened.wanted, archive_, temporary_));
     for (const ZipMember& member : opened.wanted) {
         if (stop_requested()) return error_at(archive_.string(), interrupted_error());
+        if (disk_room(temporary_) == 0)
+            return input_error(archive_.string() + ": less than 1 GiB of the disk would stay free in " +
+                               temporary_.parent_path().string() + " (TMPDIR names another place)");
         TRY(unpack_member(opened.archive, member, root_ / member.name,
                           archive_.string() + '/' + printable(member.name, 200)));
     }
@@ -255,8 +334,13 @@ Result<void> ZipFolder::fill(const fs::path& inner) {
 }
 
 ZipFolder::~ZipFolder() {
-    std::error_code ignored;
-    if (!temporary_.empty() && owner_ == getpid()) fs::remove_all(temporary_, ignored);
+    if (temporary_.empty() || owner_ != getpid()) return;
+    const StopScope for_all = StopScope::for_all();  // the clip of an opening that is given up goes, too
+    if (remove_unpacked(temporary_, held_.get())) return;
+    // A program that is to stop has no time: the next one that unpacks removes the rest.
+    const StopScope after_stop = StopScope::after_stop();
+    work_until(std::chrono::steady_clock::now() + std::chrono::milliseconds(80),
+               [&] { return remove_unpacked(temporary_, held_.get()); });
 }
 
 bool ZipFolder::has(const fs::path& file) const {

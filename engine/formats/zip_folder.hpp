@@ -1,13 +1,15 @@
 #pragma once
 
 // A ZIP archive of pictures is unpacked into a private temporary folder, which is opened as a clip and
-// removed with it. Messages name the archive instead of that folder.
+// removed with it. The folder of a program that was killed is removed by the next one that unpacks: it is
+// this user's, and no process holds its lock. Messages name the archive instead of that folder.
 
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 
+#include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/clip/readers.hpp"
@@ -18,8 +20,9 @@ namespace touchable {
 class ZipFolder : NonCopyable {
 public:
     /// Unpacks the members that a clip may need: pictures, videos, and files that may describe them. An error
-    /// if the archive is damaged or encrypted, a member's name leads out of it, or the members take more than
-    /// 16 GiB or leave less than 1 GiB free on the temporary disk. `inner`: the folder to unpack; empty: all.
+    /// if the archive is damaged or encrypted, a member's name leads out of it or 64 folders deep, or the
+    /// members take more than 10,000 folders or 16 GiB, or leave less than 1 GiB free on the temporary disk.
+    /// `inner`: the folder to unpack; empty: all.
     static Result<std::shared_ptr<ZipFolder>> unpack(const std::filesystem::path& archive,
                                                      const std::filesystem::path& inner);
     ~ZipFolder();
@@ -44,7 +47,8 @@ private:
     std::filesystem::path temporary_{};  ///< empty: not made
     std::filesystem::path root_{};       ///< in temporary_, named as the archive
     std::filesystem::path opened_{};
-    int owner_ = 0;  ///< process that unpacked the archive
+    int owner_ = 0;      ///< process that unpacked the archive
+    Descriptor held_{};  ///< the temporary folder, locked
 };
 
 /// The archive of pictures that a path names, and the folder in it that the rest of the path names, if any.

@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 #include <zip.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <stop_token>
 
@@ -612,6 +615,21 @@ TEST_F(ZipFolders, RefuseNamesThatLeadOut) {
     EXPECT_EQ(refusal({}, "...zip"), "");
 }
 
+TEST_F(ZipFolders, RefuseDeepAndManyFolders) {
+    const auto below = [](std::string top, int folders) {
+        for (; folders > 0; --folders) top += "/a";
+        return top + "/notes.txt";
+    };
+    EXPECT_EQ(refusal({{below("a", 63), "64 folders"}}), "");
+    const std::string deep = refusal({{below("a", 64), "65 folders"}});
+    EXPECT_TRUE(has_words(deep, "a.zip: its member \"a/a/a/"));
+    EXPECT_TRUE(has_words(deep, " lies more than 64 folders deep: it is not unpacked"));
+    std::vector<Packed> many;
+    for (int k = 0; k < 156; ++k) many.push_back({below(std::to_string(k), 63), "64 folders"});
+    many.push_back({below("156", 63), "with set/depth more than 10000 folders"});
+    EXPECT_TRUE(has_words(refusal(many), "a.zip: has more than 10000 folders: unzip "));
+}
+
 TEST_F(ZipFolders, SkipLinksAndDevices) {
     write_zip(folder / "a.zip", {{"set/depth/0.png", depth},
                                  {"set/depth/1.png", "/etc/passwd", S_IFLNK | 0777},
@@ -724,6 +742,58 @@ TEST_F(ZipFolders, StopUnpackingWhenCancelled) {
     ASSERT_FALSE(folder_of_it);
     EXPECT_EQ(folder_of_it.error().kind, ErrorKind::interrupted);
     EXPECT_EQ(temporary.file_count(), 0U);
+}
+
+TEST_F(ZipFolders, AreRemovedAfterKilledProcess) {
+    write_zip(folder / ".touchable.zip", {{"depth/0.png", depth}, {"notes/a.txt", "text"}});
+    const std::filesystem::path archive = folder / ".touchable.zip";
+    const pid_t child = fork();
+    if (child == 0) {
+        const auto unpacked = ZipFolder::unpack(archive, {});
+        raise(unpacked ? SIGKILL : SIGTERM);
+    }
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    ASSERT_EQ(WTERMSIG(status), SIGKILL);
+    const auto left = std::filesystem::directory_iterator(temporary.path())->path();
+    std::stop_source stop;
+    stop.request_stop();
+    work_until(stop.get_token(), [&] { return ZipFolder::unpack(archive, {}); });
+    EXPECT_TRUE(std::filesystem::exists(left / "archive/notes/a.txt")) << "the removal hears a stop";
+    const auto unpacked = must(ZipFolder::unpack(archive, {}));
+    EXPECT_FALSE(std::filesystem::exists(left));
+    EXPECT_EQ(temporary.file_count(), 1U);
+    const auto second = must(ZipFolder::unpack(archive, {}));
+    EXPECT_EQ(temporary.file_count(), 2U) << "a folder in use stays";
+}
+
+/// In a folder that others may write to, too.
+TEST_F(ZipFolders, LeaveFoldersOfOthersAlone) {
+    write_zip(folder / "a.zip", {{"depth/0.png", depth}});
+    const auto place = [&](const std::filesystem::path& at, bool has_mark) {
+        std::filesystem::create_directory(at);
+        write_bytes(at / "precious", "a text");
+        if (has_mark) write_bytes(at / ".touchable", "");
+    };
+    place(temporary / "touchable-zip-unmarked", false);
+    place(folder / "elsewhere", true);
+    std::filesystem::create_directory_symlink(folder / "elsewhere", temporary / "touchable-zip-link");
+    place(temporary / "touchable-zip-moved", false);
+    std::filesystem::create_symlink(folder / "elsewhere/.touchable",
+                                    temporary / "touchable-zip-moved/.touchable");
+    place(temporary / "touchable-zip-foreign", true);
+    const bool can_give_away = chown((temporary / "touchable-zip-foreign/.touchable").c_str(), 1, 1) == 0;
+    place(temporary / "touchable-other", true);
+    place(temporary / "touchable-zip-own", true);  // as if its program had been killed
+    EXPECT_EQ(message(open_clip(folder / "a.zip")), "");
+    EXPECT_FALSE(std::filesystem::exists(temporary / "touchable-zip-own"));
+    EXPECT_TRUE(std::filesystem::exists(folder / "elsewhere/precious"));
+    for (const char* kept : {"touchable-zip-unmarked", "touchable-zip-link", "touchable-zip-moved",
+                             "touchable-zip-foreign", "touchable-other"}) {
+        if (can_give_away || kept != std::string("touchable-zip-foreign"))
+            EXPECT_TRUE(std::filesystem::exists(temporary / kept / "precious")) << kept;
+        std::filesystem::remove_all(temporary / kept);
+    }
 }
 
 TEST_F(ZipFolders, NameMissingTemporaryFolder) {
