@@ -15,21 +15,44 @@ bool is_continuation(char byte) {
     return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U;
 }
 
-/// Control characters: those below space, delete, and U+0080 to U+009F, which are two bytes in UTF-8.
-bool is_control(std::string_view text) {
-    const auto byte = static_cast<unsigned char>(text[0]);
-    if (byte < 0x20 || byte == 0x7F) return true;
-    return byte == 0xC2 && text.size() > 1 && static_cast<unsigned char>(text[1]) < 0xA0;
+constexpr char32_t no_character = 0x110000;
+struct Character {
+    std::size_t bytes = 1;
+    char32_t code = no_character;
+};
+
+/// The character that `text` begins with; a byte and no_character if it is no UTF-8.
+Character first_character(std::string_view text) {
+    constexpr std::array<char32_t, 5> least{0, 0, 0x80, 0x800, 0x10000};
+    const auto lead = static_cast<unsigned char>(text[0]);
+    if (lead < 0x80) return {1, lead};
+    const std::size_t bytes = lead < 0xC0 ? 0 : lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : lead < 0xF8 ? 4 : 0;
+    char32_t code = lead & (0x7FU >> bytes);
+    for (std::size_t k = 1; k < bytes; ++k) {
+        if (k >= text.size() || !is_continuation(text[k])) return {};
+        code = code << 6U | (static_cast<unsigned char>(text[k]) & 0x3FU);
+    }
+    const bool is_surrogate = code >= 0xD800 && code < 0xE000;
+    if (bytes == 0 || code < least[bytes] || code >= no_character || is_surrogate) return {};
+    return {bytes, code};
 }
 
-std::string escaped(char control) {
-    if (control == '\n') return "\\n";
-    if (control == '\r') return "\\r";
-    if (control == '\t') return "\\t";
-    constexpr std::array digits{'0', '1', '2', '3', '4', '5', '6', '7',
-                                '8', '9', 'a', 'b', 'c', 'd', 'e', 'f'};
-    const auto byte = static_cast<unsigned char>(control);
-    return {'\\', 'x', digits[byte >> 4U], digits[byte & 15U]};
+/// Whether a terminal acts on the character, or turns the direction of others by it: control characters,
+/// marks, embeddings, overrides and isolates of direction, separators of lines; and bytes that are no UTF-8.
+bool is_control(char32_t code) {
+    return code < 0x20 || (code >= 0x7F && code < 0xA0) || code == 0x61C || code == 0x200E ||
+           code == 0x200F || (code >= 0x2028 && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069) ||
+           code == no_character;
+}
+
+/// A control character as JSON could have it, except \xff for a byte.
+std::string escaped(Character control, char byte) {
+    if (control.code == '\n') return "\\n";
+    if (control.code == '\r') return "\\r";
+    if (control.code == '\t') return "\\t";
+    const bool is_byte = control.bytes == 1;
+    return formatted(is_byte ? "\\x%02x" : "\\u%04x",
+                     is_byte ? static_cast<unsigned char>(byte) : static_cast<unsigned>(control.code));
 }
 
 std::size_t letters_between(std::string_view a, std::string_view b) {
@@ -96,19 +119,16 @@ std::optional<double> parsed_number(std::string_view text) {
     return std::nullopt;
 }
 
-std::string printable(std::string_view foreign, std::size_t most) {
+std::string printable(std::string_view foreign, std::size_t most, std::string_view kept) {
     std::string text;
     while (!foreign.empty()) {
-        std::size_t length = 1;  // bytes of the character, which is never cut
-        while (length < 4 && length < foreign.size() && is_continuation(foreign[length])) ++length;
-        std::string character(foreign.substr(0, length));
-        if (is_control(foreign)) {
-            length = foreign[0] == '\xC2' ? 2 : 1;
-            character = escaped(foreign[0]) + (length == 2 ? escaped(foreign[1]) : "");
-        }
-        if (text.size() + character.size() > most) return text + "...";
-        text += character;
-        foreign.remove_prefix(length);
+        const Character first = first_character(foreign);
+        const bool is_shown = !is_control(first.code) || kept.find(foreign[0]) != std::string_view::npos;
+        const std::string shown =
+            is_shown ? std::string(foreign.substr(0, first.bytes)) : escaped(first, foreign[0]);
+        if (shown.size() > most - text.size()) return text + "...";
+        text += shown;
+        foreign.remove_prefix(first.bytes);
     }
     return text;
 }
@@ -125,9 +145,11 @@ std::string shell_word(std::string_view file) {
     };
     bool is_odd = file.empty(), has_control = false;
     std::string inside = file.starts_with('-') ? "./" : "";
-    for (std::size_t n = 0; n < file.size(); ++n) {
-        is_odd |= !is_plain(file[n]);
-        has_control |= is_control(file.substr(n));
+    for (std::string_view rest = file; !rest.empty();) {
+        const Character first = first_character(rest);
+        is_odd |= !is_plain(rest[0]);
+        has_control |= is_control(first.code);
+        rest.remove_prefix(first.bytes);
     }
     if (!is_odd && !has_control) return inside.append(file);
     // Only $'...' can express a control character.
@@ -137,9 +159,8 @@ std::string shell_word(std::string_view file) {
         else if (c == '\'')
             inside += "'\\''";
         else
-            inside += has_control && (is_control({&c, 1}) || static_cast<unsigned char>(c) >= 0x80)
-                          ? escaped(c)
-                          : std::string(1, c);
+            inside += has_control && (c < ' ' || c > '~') ? escaped(first_character({&c, 1}), c)
+                                                          : std::string(1, c);
     }
     return (has_control ? "$'" : "'") + inside + '\'';
 }

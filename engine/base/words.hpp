@@ -50,9 +50,14 @@ std::string_view trimmed(std::string_view text, std::string_view blanks = " \t\r
 /// The finite number that the whole text is; nullopt: it is none.
 std::optional<double> parsed_number(std::string_view text);
 
-/// Text from outside as a message quotes it: on one line, control characters escaped (\n, \x1b), cut after
-/// `most` bytes, then marked with "...".
-std::string printable(std::string_view foreign, std::size_t most = 80);
+/// Text from outside as a message quotes it: on one line; control characters, those that turn the direction
+/// of text, and bytes that are no UTF-8 escaped (\n, \x1b, \u202e), except those in `kept`; cut after `most`
+/// bytes, then marked with "...".
+std::string printable(std::string_view foreign, std::size_t most = 80, std::string_view kept = {});
+/// The same, never cut.
+inline std::string one_line(std::string_view foreign) {
+    return printable(foreign, std::string_view::npos);
+}
 /// The same between double quotes.
 std::string in_quotes(std::string_view foreign);
 /// A file's name for a command in a message: a shell reads it as one whole word, and the command does not

@@ -100,7 +100,8 @@ Result<void> compare(const CompareOptions& options) {
     TRY_ASSIGN(const auto b, read_force_table(options.b));
     TRY_ASSIGN(const auto compared, compare_forces(a, b));
     if (options.json)
-        std::cout << to_json(compared).dump(2) << '\n';
+        std::cout << to_json(compared).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
+                  << '\n';
     else
         print_table(compared);
     return {};

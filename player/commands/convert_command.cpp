@@ -6,6 +6,7 @@
 #include "engine/base/words.hpp"
 #include "player/commands/clip_options.hpp"
 #include "player/commands/commands.hpp"
+#include "player/run/terminal.hpp"
 
 namespace touchable {
 namespace {
@@ -189,18 +190,18 @@ Result<void> ManyClips::for_each(const fs::path& first, Existing existing, const
     for (std::size_t k = 0; k < clips.size(); ++k) {
         const fs::path& place = outs[k];
         if (existing == Existing::keep && is_there(place)) {
-            std::cout << printable(place.string()) << ": is there already\n";
+            std::cout << one_line(place.string()) << ": is there already\n";
             continue;
         }
         auto done = one(clips[k], place);
         if (done) continue;
         if (done.error().kind == ErrorKind::interrupted) return done;
         if (existing == Existing::keep && is_there(place)) {
-            std::cout << printable(place.string()) << ": another program has made it meanwhile\n";
+            std::cout << one_line(place.string()) << ": another program has made it meanwhile\n";
             continue;
         }
         std::cout.flush();
-        std::cerr << "touchable: " << done.error().message << '\n';
+        say_on_stderr(done.error().message);
         if (!failed) failed = done.error();
         ++failures;
     }

@@ -390,7 +390,7 @@ private:
         const bool is_still = is_mpeg4_still(options_.form);
         if (!is_still && !(options_.form == ClipForm::archive && is_mp4_name(options_.out))) return;
         if (options_.storage.fragmented) {
-            std::cout << options_.out.string()
+            std::cout << one_line(options_.out.string())
                       << ": has no MPEG-4 scene in fragments. touchable reads it from the file's tags; other "
                          "programs do not."
                       << std::endl;
@@ -402,7 +402,7 @@ private:
         const auto textures = is_still ? mpeg4::Textures::pictures : mpeg4::Textures::tracks;
         const std::string all = listed(mpeg4::unsaid_by_nodes(scene, streams, textures), {}, "; ");
         if (!all.empty())
-            std::cout << options_.out.string() << ": its MPEG-4 scene cannot say: " << all
+            std::cout << one_line(options_.out.string()) << ": its MPEG-4 scene cannot say: " << all
                       << ". touchable reads that from "
                       << (is_still ? "a WorldInfo in the scene" : "the file's tags")
                       << "; other programs do not." << std::endl;
@@ -573,7 +573,7 @@ void add_loss(const RawFrame& before, const RawFrame& now, const Scene& scene, P
 std::string report_to_text(const ConvertOptions& options, const Converted& done) {
     const Scene& scene = done.scene;
     const bool resized = options.size.has_value();
-    std::string text = options.out.string() + ": " + std::to_string(done.frames) +
+    std::string text = one_line(options.out.string()) + ": " + std::to_string(done.frames) +
                        (done.frames == 1 ? " frame, " : " frames, ") + std::to_string(scene.width) + "x" +
                        std::to_string(scene.height);
     if (!is_one_frame(options.form))

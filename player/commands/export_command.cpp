@@ -404,8 +404,8 @@ Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
     if (auto done = export_frames(*reader, scene, options, *builder, picture, exported); !done)
         return with_what_stays(done.error(), options, number);
     if (number <= wanted) return with_what_stays(beyond_the_end(options, wanted, number), options, number);
-    if (clip.chosen) std::cerr << "touchable: filters: " << filters_in_words(scene, clip.chosen) << '\n';
-    std::cout << in_words(options, exported) << '\n';
+    if (clip.chosen) say_on_stderr("filters: " + filters_in_words(scene, clip.chosen));
+    std::cout << one_line(in_words(options, exported)) << '\n';
     return {};
 }
 

@@ -297,12 +297,12 @@ Json to_json(const ClipFacts& facts) {
 /// The same as text, one fact per line.
 std::string to_text(const ClipFacts& facts) {
     Lines lines;
-    lines.plain() << facts.clip << (facts.scene.name.empty() ? "" : ": ") << printable(facts.scene.name)
-                  << '\n';
+    lines.plain() << one_line(facts.clip) << (facts.scene.name.empty() ? "" : ": ")
+                  << printable(facts.scene.name) << '\n';
     tell_picture(facts, lines);
     tell_depth(facts, lines);
     tell_touch(facts, lines);
-    for (const std::string& note : facts.notes) lines.line("note") << note << '\n';
+    for (const std::string& note : facts.notes) lines.line("note") << one_line(note) << '\n';
     return lines.text();
 }
 

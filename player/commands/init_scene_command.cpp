@@ -57,7 +57,7 @@ Result<void> run_init_scene(const InitSceneOptions& options) {
     if (std::filesystem::exists(target, ignored) && !read_scene_file(target))
         return usage_error(target.string() + ": is there, and no scene file: it is not replaced");
     TRY(write_text(target, scene_to_json(guessed), options.existing));
-    std::cout << target.string() << " is written; "
+    std::cout << one_line(target.string()) << " is written; "
               << opening(target, options.pictures, is_folder, guessed.scene) << " opens the pictures so\n";
     for (const Remark& remark : guessed.scene.remarks)  // without hints: corrected in this scene file
         std::cout << "  " << (remark.hints.empty() ? remark_in_words(remark) : remark_with_options(remark))

@@ -23,8 +23,7 @@ int fail(const CLI::App& app, const Error& error) {
     const auto knows = [&](const std::string& option) {
         return chosen.empty() || chosen[0]->get_option_no_throw(option) != nullptr;
     };
-    constexpr std::size_t longest = 2000;  // characters of a line; names in it may be anything
-    std::cerr << "touchable: " << printable(message_with_options(error, knows), longest) << '\n';
+    say_on_stderr(message_with_options(error, knows));
     return exit_code(error.kind);
 }
 
@@ -35,9 +34,9 @@ Result<void> print_overview(const CLI::App& app) {
     for (const CLI::App* command : app.get_subcommands({})) {
         const std::string& name = command->get_name();
         if (name == "cameras")  // a line for both
-            std::printf("  cameras, devices  list those that are plugged in, ready or not, and why\n");
+            std::cout << "  cameras, devices  list those that are plugged in, ready or not, and why\n";
         else if (name != "devices")
-            std::printf("  %-12s%s\n", name.c_str(), command->get_description().c_str());
+            std::cout << formatted("  %-12s%s\n", name.c_str(), command->get_description().c_str());
     }
     return {};
 }
@@ -127,8 +126,6 @@ Error bad_usage(const CLI::App& app, const CLI::ParseError& error) {
     for (const std::string& word : app.remaining(true))
         if (word.starts_with('-') && std::filesystem::exists(word, ignored))
             message += "; for the file " + word + " type ./" + word;
-    for (char& c : message)
-        if (c == '\n') c = ' ';
     return usage_error(message + "; see touchable " +
                        (chosen.empty() ? "-h" : chosen[0]->get_name() + " -h"));
 }
@@ -199,7 +196,7 @@ int run_or_tell(int argc, char** argv) {
     try {
         return run(argc, argv);
     } catch (const std::exception& fault) {
-        std::cerr << "touchable: internal fault: " << fault.what() << '\n';
+        say_on_stderr(std::string("internal fault: ") + fault.what());
         return exit_code(ErrorKind::internal);
     }
 }
@@ -209,6 +206,7 @@ int run_or_tell(int argc, char** argv) {
 
 int main(int argc, char** argv) {
     std::signal(SIGPIPE, SIG_IGN);  // a reader that closes the pipe must not stop files from being completed
+    touchable::escape_for_terminal();
     const int code = touchable::run_or_tell(argc, argv);
     touchable::wait_for_given_up_gpus();
     if (touchable::abandoned_threads > 0) {

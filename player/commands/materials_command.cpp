@@ -191,7 +191,7 @@ private:
             TRY(file.check());
             TRY(write_png(file, haptic.view(), PngColours::indexed_if_few));
             TRY(file.commit());
-            std::cout << options_.out.string() << ": what frame " << options_.frame.value_or(0)
+            std::cout << one_line(options_.out.string()) << ": what frame " << options_.frame.value_or(0)
                       << " feels like, for touchable play " << shell_word(options_.clip.file.string())
                       << " --haptic " << shell_word(options_.out.string()) << '\n';
             say_what_is_cut(*report_, scene_.haptic);
@@ -225,7 +225,7 @@ private:
         const auto text = segment_names_to_json(used_names(*report_, options_.materials.names));
         TRY(saved_->write(text));
         TRY(saved_->commit());
-        std::cout << "  saved    " << options_.save.string() << ", for --segments\n";
+        std::cout << "  saved    " << one_line(options_.save.string()) << ", for --segments\n";
         return {};
     }
 

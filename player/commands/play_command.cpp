@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <iostream>
 #include <map>
 #include <system_error>
 
@@ -21,6 +20,7 @@
 #include "player/commands/option_types.hpp"
 #include "player/commands/run_options.hpp"
 #include "player/commands/setting_words.hpp"
+#include "player/run/terminal.hpp"
 #include "player/session/run_record.hpp"
 #include "player/window/play_window.hpp"
 
@@ -361,8 +361,9 @@ void print(const PlayFigures& figures) {
         std::printf("%-24s%lld, %lld late, %lld left out, by the %s builder\n", "frames",
                     static_cast<long long>(figures.frames), static_cast<long long>(figures.late_frames),
                     static_cast<long long>(figures.dropped_frames), figures.builder.c_str());
-    if (!figures.relief.empty()) std::printf("%-24s%s\n", "relief", figures.relief.c_str());
-    if (!figures.materials.empty()) std::printf("%-24s%s\n", "materials", figures.materials.c_str());
+    if (!figures.relief.empty()) std::printf("%-24s%s\n", "relief", one_line(figures.relief).c_str());
+    if (!figures.materials.empty())
+        std::printf("%-24s%s\n", "materials", one_line(figures.materials).c_str());
 }
 
 /// Figures of the film, if any.
@@ -381,7 +382,7 @@ void find_own_files(PlayOptions& options) {
         if (own)
             place = std::move(*own);
         else
-            std::cerr << "touchable: warning: " << what << " are not kept: " << own.error().message << '\n';
+            say_on_stderr(std::string("warning: ") + what + " are not kept: " + own.error().message);
     };
     if (!options.settings_file) find(options.settings_file, own_settings_file(), "settings");
     if (!options.brush_history)
@@ -419,10 +420,8 @@ Result<void> run_play(PlayOptions options) {
     print(figures);
     print_film(figures);
     // Otherwise it was printed when it occurred.
-    if (!figures.sound_fault.empty() && !is_told_at_once)
-        std::cerr << "touchable: warning: " << printable(figures.sound_fault, 500) << '\n';
-    if (!figures.slow_reading.empty())
-        std::cerr << "touchable: warning: " << printable(figures.slow_reading, 500) << '\n';
+    if (!figures.sound_fault.empty() && !is_told_at_once) say_on_stderr("warning: " + figures.sound_fault);
+    if (!figures.slow_reading.empty()) say_on_stderr("warning: " + figures.slow_reading);
     return {};
 }
 

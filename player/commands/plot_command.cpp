@@ -14,6 +14,7 @@
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "player/commands/option_types.hpp"
 
 namespace touchable {
@@ -130,7 +131,7 @@ Result<void> plot(const PlotOptions& options) {
     TRY(file.check());
     TRY(run_plot_script(words, file.path()));
     TRY(file.commit());
-    std::cout << "plot: " << file.target().string() << '\n';
+    std::cout << "plot: " << one_line(file.target().string()) << '\n';
     return {};
 }
 

@@ -1,7 +1,6 @@
 #include "player/commands/run_options.hpp"
 
 #include <glm/matrix.hpp>
-#include <iostream>
 #include <sstream>
 
 #include "device/drivers/device_catalog.hpp"
@@ -341,7 +340,7 @@ Result<void> PictureOrder::deliver(const HeightField& field, const FramePair& pa
                                    std::span<const FingerMark> fingers) {
     auto image = draw(field, pair, colour, fingers);
     if (!image && image.error().kind == ErrorKind::gpu && any_painter) {
-        std::cerr << "touchable: warning: " << image.error().message << "; the cpu painter draws instead\n";
+        say_on_stderr("warning: " + image.error().message + "; the cpu painter draws instead");
         painter = make_cpu_painter();
         image = draw(field, pair, colour, fingers);
     }

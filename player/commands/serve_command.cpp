@@ -319,7 +319,7 @@ private:
         const auto report = report_as_json();
         const StreamSender::Figures& sent = sender_->figures();
         std::string text;
-        for (const std::string& note : notes_) text += "note: " + note + '\n';
+        for (const std::string& note : notes_) text += "note: " + one_line(note) + '\n';
         text += "sent " + std::to_string(sent.framesets) + " framesets in " +
                 formatted("%.1f s, ", report["seconds"].get<double>()) +
                 formatted("%.1f KB", report["bytes_per_frameset"].get<double>() / 1000) +
@@ -330,7 +330,8 @@ private:
                     " later than they were to: this machine encodes them too slowly, or stood still\n";
         if (hls_)
             text +=
-                "  " + options_.hls->folder.string() + ": " + std::to_string(hls_->figures().segments) +
+                "  " + one_line(options_.hls->folder.string()) + ": " +
+                std::to_string(hls_->figures().segments) +
                 formatted(" segments; a viewer fetches %.1f KB/s",
                           (report["hls"]["colour_bytes_per_second"].get<double>() +
                            report["hls"]["touch_bytes_per_second"].get<double>() +
@@ -348,7 +349,8 @@ private:
         const bool is_standard = options_.json && is_standard_output(*options_.json);
         (is_standard ? std::cerr : std::cout) << report_in_words() << std::flush;
         if (!json_) return {};
-        TRY(json_->write(report_as_json().dump(2) + '\n'));
+        TRY(json_->write(
+            report_as_json().dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n'));
         return json_->finish();
     }
 

@@ -213,7 +213,7 @@ bool was_never_there(const Json& report) {
 std::string labelled(const char* name, const std::string& value) {
     std::string label = name;
     label.resize(22, ' ');
-    return "  " + label + value + '\n';
+    return "  " + label + one_line(value) + '\n';
 }
 
 std::string force_words(const Json& report) {

@@ -161,7 +161,7 @@ Result<LiveFacts> run_live(TouchSetup& s, std::span<TouchSink* const> sinks, con
             settings.hand_is_over = [&s] { return s.held_device->is_over(); };
         }
         keys.emplace(*s.control);
-        std::cerr << how_to_begin(*s.held_device, *s.control, keys->listens()) << '\n';
+        std::cerr << one_line(how_to_begin(*s.held_device, *s.control, keys->listens())) << '\n';
         device = [&s] { return state_of(*s.held_device, *s.control); };
     }
     LiveLine line(s.exerting_control(), std::move(device));
@@ -204,7 +204,7 @@ public:
         }
         if (outputs_)
             for (const std::string& fault : outputs_->new_faults())
-                std::cerr << "touchable: warning: " << printable(fault, 500) << "; the run goes on\n";
+                say_on_stderr("warning: " + fault + "; the run goes on");
         return {};
     }
     const TouchSink* slowest() const {
@@ -403,8 +403,8 @@ Result<void> TouchPicture::finish(const TouchSetup& setup, bool cut_short) {
     const RawFrame& nearer = field.blend() >= 0.5 ? next.raw : prev.raw;
     TRY(order_.deliver(field, pair, nearer.colour, fingers_on(field)));
     const std::string gpu = order_.painter->gpu_name();
-    line_ = "picture: " + order_.file->target().string() + " by the " + std::string(order_.painter->name()) +
-            " painter" + (gpu.empty() ? "" : " on " + gpu) +
+    line_ = "picture: " + one_line(order_.file->target().string()) + " by the " +
+            std::string(order_.painter->name()) + " painter" + (gpu.empty() ? "" : " on " + gpu) +
             formatted("; 1 N is %g units long\n",
                       mark_sizes(setup.scene, subject_of(field).middle).length_per_newton);
     return {};

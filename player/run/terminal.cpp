@@ -25,6 +25,30 @@ std::int64_t now_ns() {
     return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
 }
 
+/// Passes on what a stream is given, one piece of whole characters after the other.
+class EscapedOutput final : public std::streambuf {
+public:
+    explicit EscapedOutput(std::ostream& stream) : stream_(stream), to_(stream.rdbuf(this)) {}
+    ~EscapedOutput() override { stream_.rdbuf(to_); }
+
+private:
+    std::streamsize xsputn(const char* piece, std::streamsize count) override {
+        const std::string text =
+            printable({piece, static_cast<std::size_t>(count)}, std::string::npos, "\n\t");
+        return to_->sputn(text.data(), std::ssize(text)) == std::ssize(text) ? count : 0;
+    }
+    int_type overflow(int_type byte) override {
+        const char piece = traits_type::to_char_type(byte);
+        return traits_type::eq_int_type(byte, traits_type::eof()) || xsputn(&piece, 1) == 1
+                   ? traits_type::not_eof(byte)
+                   : traits_type::eof();
+    }
+    int sync() override { return to_->pubsync(); }
+
+    std::ostream& stream_;
+    std::streambuf* const to_;
+};
+
 /// A second request by the user comes later than same_wish. An immediate repetition is the same request: a
 /// terminal and the parent process may both send the signal, and exiting now would leave half-written files.
 void take_signal(int signal) {
@@ -73,6 +97,15 @@ bool is_standard_output(const std::filesystem::path& name) {
     return name == "-";
 }
 
+void escape_for_terminal() {
+    static EscapedOutput words(std::cout), errors(std::cerr);
+}
+
+void say_on_stderr(std::string_view words) {
+    constexpr std::size_t longest = 2000;
+    std::cerr << "touchable: " + printable(words, longest) + '\n';
+}
+
 Result<void> flush_standard_output() {
     std::cout.flush();
     if (std::cout || reader_is_gone()) return {};
@@ -93,7 +126,8 @@ bool StatusLine::is_due() const {
 void StatusLine::show(const std::string& text) {
     last_ = std::chrono::steady_clock::now();
     drawn_ = true;
-    std::fprintf(stderr, "\r%s\033[K", text.c_str());
+    constexpr std::size_t longest = 500;
+    std::fprintf(stderr, "\r%s\033[K", printable(text, longest).c_str());
 }
 
 void Progress::at(std::int64_t done) {
@@ -106,7 +140,7 @@ void Progress::at(std::int64_t done) {
                               pace_in_words(done, total_, elapsed.count());
     if (line_.is_on_terminal()) return line_.show(words);
     logged_ = now;
-    std::fprintf(stderr, "touchable: %s\n", words.c_str());
+    say_on_stderr(words);
 }
 
 Result<void> Progress::take(const TouchTick& tick) {

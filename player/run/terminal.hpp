@@ -1,6 +1,7 @@
 #pragma once
 
-// The terminal: Ctrl-C, standard output that may be closed, progress, and a status line of a live run.
+// The terminal: Ctrl-C, standard output that may be closed, text from outside, progress, and a status line of
+// a live run.
 //
 // catch_interrupts turns SIGINT, SIGTERM and SIGHUP into a stop request (engine/base/threads.hpp); another
 // signal later than `same_wish` ends the program. Progress, of any work or of a run whose ticks it takes, and
@@ -31,6 +32,14 @@ void ignore_stop_keys();
 
 /// Whether an output's name, "-", means standard output ("./-" is a file of that name).
 bool is_standard_output(const std::filesystem::path& name);
+
+/// From now on std::cout and std::cerr escape what a terminal would act on (words.hpp: printable), but line
+/// breaks and tabs. So do words with names of files in them, and JSON stays valid: it has \u202e for such a
+/// character.
+void escape_for_terminal();
+
+/// Writes "touchable: " and the words to stderr, on one line.
+void say_on_stderr(std::string_view words);
 
 /// Flushes std::cout. Error (ErrorKind::input): it cannot be written; a reader that has closed the pipe (`|
 /// head`) is no error.

@@ -1,11 +1,10 @@
-#include <iostream>
-
 #include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/gpu/vulkan_builder.hpp"
 #include "engine/scene/filter_codes.hpp"
 #include "engine/surface/surface_builder.hpp"
+#include "player/run/terminal.hpp"
 #include "player/session/touch_setup.hpp"
 
 namespace touchable {
@@ -13,7 +12,7 @@ namespace touchable {
 namespace {
 
 void warn(const std::string& line) {
-    std::cerr << "touchable: warning: " << line << std::endl;
+    say_on_stderr("warning: " + line);
 }
 
 Result<std::unique_ptr<SurfaceBuilder>> make_vulkan(const Scene& scene, RunGpu& gpu) {

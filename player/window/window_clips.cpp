@@ -1,13 +1,13 @@
 #include "player/window/window_clips.hpp"
 
 #include <filesystem>
-#include <iostream>
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/scene/scene.hpp"
+#include "player/run/terminal.hpp"
 #include "player/window/window_core.hpp"
 
 namespace touchable {
@@ -38,7 +38,7 @@ void tell_guesses(WindowCore& core) {
     for (const Remark& remark : core.clip()->scene().remarks) {
         const bool is_doubt = doubts_unit(remark);
         if (!remark.is_guess && !is_doubt && remark.hints.empty()) continue;
-        std::cerr << "touchable: " << core.options.names.remark(remark) << '\n';
+        say_on_stderr(core.options.names.remark(remark));
         if (is_doubt) doubt = remark.what;
         if (!remark.is_guess) continue;
         const bool is_unit =

@@ -1,16 +1,14 @@
 #include "player/window/window_core.hpp"
 
-#include <iostream>
-
 #include "engine/base/try.hpp"
-#include "engine/base/words.hpp"
+#include "player/run/terminal.hpp"
 #include "player/window/command_table.hpp"
 #include "player/window/kiosk_mode.hpp"
 
 namespace touchable {
 
 void warn_on_terminal(const std::string& words) {
-    std::cerr << "touchable: warning: " << printable(words, 500) << '\n';
+    say_on_stderr("warning: " + words);
 }
 
 Result<void> WindowCore::open() {

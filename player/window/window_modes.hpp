@@ -7,6 +7,7 @@
 
 #include <cstdio>
 
+#include "engine/base/words.hpp"
 #include "player/window/measure.hpp"
 #include "player/window/user_files.hpp"
 #include "player/window/window_brush.hpp"
@@ -81,7 +82,7 @@ public:
     void begin_anew() override { let_go(); }
     /// Prints all lines.
     Result<void> finish() override {
-        for (const std::string& line : lines_) std::printf("%-24s%s\n", "measured", line.c_str());
+        for (const std::string& line : lines_) std::printf("%-24s%s\n", "measured", one_line(line).c_str());
         return {};
     }
     LeftButton left_button() const override {

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <initializer_list>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 #include <thread>
@@ -239,6 +240,74 @@ TEST(Usage, NamesMissingFile) {
         EXPECT_EQ(run.code, 3);
         EXPECT_TRUE(run.one_line_of_error()) << run.err;
         EXPECT_NE(run.err.find("no-such-clip.mkv"), std::string::npos) << run.err;
+    }
+}
+
+/// Whether text has nothing that a terminal acts on: control characters, overrides of direction, other bytes
+/// than UTF-8's; and no line that a name has begun.
+bool is_clean(const std::string& text) {
+    if (std::ranges::any_of(
+            text, [](unsigned char c) { return (c < 0x20 && c != '\n') || c == 0x7f || c >= 0xf8; }))
+        return false;
+    for (const char* bad : {"\u009b", "\u202e", "\nfaked"})
+        if (text.find(bad) != std::string::npos) return false;
+    return true;
+}
+
+TEST(Usage, EscapesNamesForTerminal) {
+    const TemporaryFolder folder;
+    const std::string odd = "a\x1b[31m\u009b2J\u202e\nfaked \xff";
+    const std::string clip = odd + ".mkv", forces = odd + ".csv", web = odd + ".web", pictures = odd + ".png";
+    const auto run = [&](const std::vector<std::string>& words, int code, bool names = true) {
+        const Outcome outcome = run_in_folder(words, folder.path());
+        EXPECT_EQ(outcome.code, code) << words[0] << ": " << outcome.err;
+        const std::string said = outcome.out + outcome.err;
+        EXPECT_TRUE(is_clean(outcome.out) && is_clean(outcome.err)) << words[0] << ": " << said;
+        EXPECT_EQ(said.find("a\\x1b[31m\\u009b2J\\u202e\\nfaked \\xff") != std::string::npos, names)
+            << words[0] << ": " << said;
+        return outcome.out;
+    };
+    run({"make", "globe", clip, "--size", "32x24", "--frames", "3"}, 0);
+    run({"info", clip}, 0);
+    run({"info", clip, "--verify"}, 0);
+    run({"touch", clip, "--seconds", "0.01", "--forces", forces}, 0);
+    run({"touch", clip, "--seconds", "0.01", "--verbose", "--picture", odd + ".p.png", "--overwrite"}, 0);
+    run({"export", clip, "--frame", "0", "--out", odd}, 0);
+    run({"convert", clip, odd + ".mp4"}, 0);
+    for (int again = 0; again < 2; ++again)  // then they are there
+        run({"relief", clip, odd + ".out/"}, 0);
+    run({"convert", clip, pictures}, 3);
+    run({"init-scene", odd + "/codes.png", "--out", odd + ".json", "--fov", "60"}, 0);
+    run({"serve", clip, "--hls", web}, 0);
+    run({"compare", forces, forces}, 0, false);
+    run({"play", clip, "--headless", "--seconds", "0.1", "--size", "160x120", "--screenshot", pictures}, 0,
+        false);
+    const auto json = nlohmann::json::parse(run({"info", clip, "--json"}, 0, false));
+    EXPECT_EQ(json["clip"], "a\x1b[31m\u009b2J\u202e\nfaked \ufffd.mkv");
+    EXPECT_TRUE(nlohmann::json::accept(run({"compare", forces, forces, "--json"}, 0, false)));
+    const std::string missing = odd + ".missing";
+    for (const std::vector<std::string>& words :
+         std::vector<std::vector<std::string>>{{"play", missing},
+                                               {missing + "/"},
+                                               {"touch", missing},
+                                               {"info", missing},
+                                               {"export", missing},
+                                               {"convert", missing, "out.mkv"},
+                                               {"relief", missing, "out.mkv"},
+                                               {"materials", missing},
+                                               {"serve", missing, "tcp://127.0.0.1:0"},
+                                               {"init-scene", missing},
+                                               {"compare", missing, forces},
+                                               {"plot", missing, "out.png"},
+                                               {"info", clip, "--scene", missing},
+                                               {odd + "/x"},
+                                               {"touch", clip, odd},
+                                               {"touch", clip, "--" + odd},
+                                               {"help", odd}}) {
+        const Outcome outcome = run_in_folder(words, folder.path());
+        EXPECT_TRUE(outcome.code == 2 || outcome.code == 3) << words[0] << ": " << outcome.err;
+        EXPECT_TRUE(is_clean(outcome.out) && is_clean(outcome.err)) << words[0] << ": " << outcome.err;
+        EXPECT_TRUE(outcome.one_line_of_error()) << words[0] << ": " << outcome.err;
     }
 }
 

@@ -267,7 +267,6 @@ TEST(TrimmedNumber, EndsInNoZeros) {
 TEST(Printable, KeepsOrdinaryText) {
     EXPECT_EQ(printable("depth_%04d.png"), "depth_%04d.png");
     EXPECT_EQ(printable("Größe 3 µm"), "Größe 3 µm");
-    EXPECT_EQ(printable("\xff\xfe"), "\xff\xfe");  // names of files need not be UTF-8
     EXPECT_EQ(printable(std::string(80, 'x')), std::string(80, 'x'));
     EXPECT_EQ(in_quotes("a"), "\"a\"");
 }
@@ -277,11 +276,9 @@ TEST(Printable, QuotesFilesForShell) {
     EXPECT_EQ(shell_word("Größe.json"), "Größe.json");
     EXPECT_EQ(shell_word("-clip.mkv"), "./-clip.mkv");
     EXPECT_EQ(shell_word("my clip.mkv"), "'my clip.mkv'");
-    for (const std::string name : {"my clip.mkv", "it's.mkv", "$HOME;`ls` \"x\" *?[a]~#&|<>()!.mkv", "~",
-                                   "a\\b", "Büro Köln ä/redwood", "two\nlines's\\.mkv", "\x1b[0m",
-                                   "\xc2\x9b"
-                                   "5",
-                                   ""}) {
+    for (const std::string name :
+         {"my clip.mkv", "it's.mkv", "$HOME;`ls` \"x\" *?[a]~#&|<>()!.mkv", "~", "a\\b",
+          "Büro Köln ä/redwood", "two\nlines's\\.mkv", "\x1b[0m", "\u009b5", "a\u202e b", "\xff.mkv", ""}) {
         const std::string command = "bash -c " + shell_word("printf %s " + shell_word(name));
         FILE* const pipe = popen(command.c_str(), "r");
         ASSERT_NE(pipe, nullptr);
@@ -294,9 +291,29 @@ TEST(Printable, QuotesFilesForShell) {
 
 TEST(Printable, EscapesControlCharacters) {
     EXPECT_EQ(printable(std::string("a\nb\r\t\0\x1b[0m\x7f", 11)), "a\\nb\\r\\t\\x00\\x1b[0m\\x7f");
-    EXPECT_EQ(printable("\xc2\x9b"
-                        "31m"),
-              "\\xc2\\x9b31m");  // an escape sequence begins so, too
+    EXPECT_EQ(printable("\u009b31m"), "\\u009b31m");  // an escape sequence begins so, too
+    EXPECT_EQ(printable("a\nb\tc\x1b", 80, "\n\t"), "a\nb\tc\\x1b");
+}
+
+TEST(Printable, EscapesDirectionsOfText) {
+    EXPECT_EQ(printable("a\u202egpj.exe"), "a\\u202egpj.exe");
+    EXPECT_EQ(printable("\u2066\u2069\u200f\u061c\u2028"), "\\u2066\\u2069\\u200f\\u061c\\u2028");
+    const std::string ordinary = "שלום عربي 漢字 ‘…’ \U0001f600 \u2065\u206a\u2027\u202f";
+    EXPECT_EQ(printable(ordinary), ordinary);
+}
+
+/// Names of files need not be UTF-8.
+TEST(Printable, EscapesBytesOutsideUtf8) {
+    EXPECT_EQ(printable("\xff\xfe\x80 \xc3"), "\\xff\\xfe\\x80 \\xc3");
+    EXPECT_EQ(printable("\xc3\x28\xe2\x82"
+                        "a"),
+              "\\xc3(\\xe2\\x82a");
+    // Longer than they have to be, a half of a pair, beyond Unicode.
+    EXPECT_EQ(printable("\xc0\x9b"), "\\xc0\\x9b");
+    EXPECT_EQ(printable("\xe0\x82\x9b"), "\\xe0\\x82\\x9b");
+    EXPECT_EQ(printable("\xed\xa0\x80"), "\\xed\\xa0\\x80");
+    EXPECT_EQ(printable("\xf4\x90\x80\x80"), "\\xf4\\x90\\x80\\x80");
+    EXPECT_EQ(printable("\xf4\x8f\xbf\xbf"), "\xf4\x8f\xbf\xbf");
 }
 
 TEST(Printable, CutsLongTextBetweenCharacters) {
