@@ -159,7 +159,7 @@ void HandControl::to_device(std::span<const glm::dvec3> guarded, int ticks, std:
     for (std::size_t finger = 0; finger < count_; ++finger) {
         Finger& one = fingers_[finger];
         one.placeless = one.known ? 0 : std::min(away_ticks, one.placeless + ticks);
-        if (one.free) one.risen = std::min(rise_ticks, one.risen + ticks);
+        if (one.free) one.risen = std::min(rise_ticks, one.risen + 1);
         one.free = passes_ && (one.free || glm::dot(guarded[finger], guarded[finger]) == 0);
         waits = waits || (passes_ && one.known && !one.free);
         const double share = one.risen / double{rise_ticks};
