@@ -279,7 +279,8 @@ typedef struct touch_vec3 {
 typedef struct touch_tick {
     uint32_t struct_size; /**< sizeof this struct in your program; you set it */
     int32_t reserved;       /**< 0 */
-    int64_t tick;           /**< milliseconds of the hand's time; must increase: ticks between are missed */
+    int64_t tick;           /**< milliseconds of the hand's time; must increase: ticks between are missed, and more than
+                               50 ms are a gap (touch_solver_come_back) */
     int64_t time_ns;        /**< moment of the frames' clock; must not decrease within an epoch */
     uint64_t epoch;         /**< epoch of this time; 0 unless touch_surface_begin_epoch was called */
     int64_t epoch_start_ns; /**< start of that epoch */
@@ -323,16 +324,18 @@ TOUCH_API touch_status touch_solver_create(touch_surface surface, const touch_so
                                            touch_solver *solver, touch_error *error);
 /** Solves one tick. `goals` and `contacts` have one element per finger; `contact_stride_bytes`: sizeof(touch_contact)
  * in your program. A goal that is not a number, or far outside the scene, counts as missing: its force ramps to zero.
- * Before the first frame all forces are zero. TOUCH_USAGE: NULL, an invalid stride, or a tick not larger than the
- * previous one; nothing has changed then. Real-time. Threads: one may tick while another pushes frames. */
+ * Before the first frame all forces are zero. A hand that stands still gets no force back in one step, however many
+ * ticks were missed: it rises by ramps of 100 ticks. TOUCH_USAGE: NULL, an invalid stride, or a tick not larger than
+ * the previous one; nothing has changed then. Real-time. Threads: one may tick while another pushes frames. */
 TOUCH_API touch_status touch_solver_tick(touch_solver solver, const touch_tick *tick, const touch_vec3 *goals,
                                          touch_contact *contacts, size_t contact_stride_bytes);
 /** Solves `count` ticks in one call, each with the frames published by then: tick k is `first` plus k ticks and k
  * milliseconds. `goals` and `contacts`: fingers of tick 0, fingers of tick 1, ... Real-time except for its length. */
 TOUCH_API touch_status touch_solver_run(touch_solver solver, const touch_tick *first, size_t count,
                                         const touch_vec3 *goals, touch_contact *contacts, size_t contact_stride_bytes);
-/** Call if the hand was away before the next tick, for more than 50 ms or with its clutch held: force returns by its
- * ramp, and with waits_to_be_free only to fingers that have been free. Real-time. */
+/** The hand was away before the next tick: force returns by its ramp, and with waits_to_be_free only to fingers that
+ * have been free. A tick more than 50 ms after the previous one does this itself; call it where the ticks do not tell,
+ * as after a clutch. Real-time. */
 TOUCH_API touch_status touch_solver_come_back(touch_solver solver);
 /** XXH64 of all forces since the solver was made, printed by the program as "force hash": equal hashes mean equal
  * forces to the last bit. Real-time. */

@@ -63,6 +63,9 @@ dvec3 within(const dvec3& force, const dvec3& out) {
 /// computed again, brings it above: a device's limit holds to the last bit.
 constexpr double hair = 0x1p-49;
 
+/// Share of the device's force that may come back in a tick in which the hand stands still.
+constexpr double largest_return = 0.01;
+
 /// For squares: values between this share of the limit and the limit are checked exactly. Saves two roots.
 constexpr double closely = 1 - 0x1p-40;
 
@@ -285,8 +288,13 @@ void JumpCancellation::meet_new(const dvec3& force) {
 void JumpCancellation::begin(const dvec3& jumped_force) {
     const bool was_buried = buried_;
     buried_ = dot(jumped_force, jumped_force) > device_.max_force * device_.max_force;
+    const double before = rested_ ? fade(ticks_) : fade(ticks_ - 1);
     if (buried_) {
-        if (!was_buried) fall_silent();
+        const double left = std::min(before * std::sqrt(dot(jump_, jump_)), device_.max_force);
+        if (!was_buried)
+            fall_silent();
+        else if (left - std::sqrt(dot(given_, given_)) > largest_return * device_.max_force)
+            jump_ = -given_ / before;  // what the hand lost of it does not come back with the surface
         return;
     }
     if (was_buried) {
@@ -297,7 +305,6 @@ void JumpCancellation::begin(const dvec3& jumped_force) {
     // The rest of an earlier jump fades on, from where it is. Both share one clock, set to the mean of
     // theirs, so that a series of small jumps is followed and not held back for ever.
     const dvec3 added = jumped_force - wanted_;
-    const double before = rested_ ? fade(ticks_) : fade(ticks_ - 1);
     const double left = fade(ticks_) > 0 ? fade(ticks_) / before : 0.0;
     const dvec3 rest = (wanted_ - given_) * left;
     const double rest_n = std::sqrt(dot(rest, rest)), added_n = std::sqrt(dot(added, added));
@@ -381,6 +388,7 @@ void ForceGuard::let_go() {
     ticks_in_ = 0;
     ticks_held_ = std::max(ticks_held_, settled_ticks);  // no high velocity, however far away the hand is now
     last_force_ = dvec3(0.0);
+    added_ = 0;
     account_.lose_goal();
     stiffness_.lift();
 }
@@ -431,6 +439,23 @@ void ForceGuard::brake(const Contact& contact, const BlendedForce& blended, doub
     limit(out);
 }
 
+/// Bounds how fast damper and controller lengthen the spring's force, or give back what they took off it: by
+/// a ramp's step a tick and what the hand's own motion explains. So a hand that stops, or ticks that were
+/// left out, end neither of them in one step.
+void ForceGuard::add_slowly(const dvec3& spring, int ticks, GuardedForce& out) {
+    const double whole = std::min(std::sqrt(dot(spring, spring)), settings_.max_force),
+                 speed = std::sqrt(dot(account_.step(), account_.step())) / (ticks * tick_seconds),
+                 by_the_hand = (settings_.damping + settings_.passivity) * velocity_share * speed,
+                 most = std::max(0.0, whole + added_ + settings_.max_force * largest_return + by_the_hand);
+    double length = std::sqrt(dot(out.force, out.force));
+    if (length > most) {
+        out.force *= most / length;
+        out.reasons |= settings_.damping > 0 ? guard_damping : guard_passivity;
+        length = most;
+    }
+    added_ = length - whole;
+}
+
 /// The final check. Written so that NaN does not pass.
 bool ForceGuard::can_go_out(const GuardedForce& out) const {
     const double squared = dot(out.force, out.force);
@@ -461,6 +486,7 @@ GuardedForce ForceGuard::guard(const Contact& contact, const BlendedForce& blend
     out.force = spring(contact, blended.force, stiffness, out.reasons);
     GuardedForce alone = out;  // without damper and brake
     brake(contact, blended, stiffness, ticks, out);
+    if (settings_.damping > 0 || settings_.passivity > 0) add_slowly(alone.force, ticks, out);
     if (ramping) {
         out.force *= ramp_;
         out.reasons |= guard_ramp;

@@ -330,6 +330,7 @@ private:
     void brake(const Contact& contact, const BlendedForce& blended, double stiffness, int ticks,
                GuardedForce& out);
     void limit(GuardedForce& out) const;
+    void add_slowly(const glm::dvec3& spring, int ticks, GuardedForce& out);
     bool can_go_out(const GuardedForce& out) const;
     GuardedForce begin_anew();
 
@@ -347,6 +348,7 @@ private:
     ContactDamping damping_;
     PassivityController passivity_;
     glm::dvec3 velocity_{0.0};  // of the goal, m/s, filtered; for damper and controller
+    double added_ = 0;          // N by which these lengthened the spring's force in the last tick
 };
 
 /// Everything between a finger's contact and its device: jump cancellation, then the force guard. For any
@@ -380,12 +382,12 @@ public:
           falls_(1.0 / std::max(1, settings.ramp_out_ticks)),
           rises_(1.0 / std::max(1, settings.ramp_in_ticks)) {}
 
-    /// To be called every tick: `age_ns` of the newest frame, `ticks` since the last call. True if the
-    /// surface comes back after nothing of it was felt.
+    /// To be called every tick: `age_ns` of the newest frame, `ticks` since the last call, in which the share
+    /// may fall; it rises as in one. True if the surface comes back after nothing of it was felt.
     bool look(std::int64_t age_ns, int ticks) {
         if (after_ns_ == 0) return false;
         const bool was_gone = share_ == 0, is_stale = age_ns > after_ns_;
-        share_ = std::clamp(is_stale ? share_ - ticks * falls_ : share_ + ticks * rises_, 0.0, 1.0);
+        share_ = std::clamp(is_stale ? share_ - ticks * falls_ : share_ + rises_, 0.0, 1.0);
         return was_gone && !is_stale;
     }
     /// 0 to 1.

@@ -153,9 +153,9 @@ public:
     /// The moment of the clip for a tick; called by the haptic thread in each tick, so it must not wait.
     /// Empty: the tick's own time, of epoch 0.
     using MomentOfTick = std::function<MediaMoment(std::int64_t)>;
-    /// A hand without a tick for longer than this was left alone: the program was stopped, or the machine was
-    /// suspended or busy. It has no force any more by then; the next tick begins with TouchStep::come_back.
-    static constexpr std::int64_t longest_gap_ns = 50'000'000;
+    /// TouchStep's longest gap. After a longer one, because the program was stopped, or the machine was
+    /// suspended or busy, the next tick begins with TouchStep::come_back.
+    static constexpr std::int64_t longest_gap_ns = TouchStep::longest_gap_ticks * std::int64_t{1'000'000};
     /// All arguments outlive the loop; it is the only reader of `timeline` and the only writer of `log`.
     HapticLoop(const Scene& scene, SurfaceTimeline& timeline, TouchStep& step, HapticPort& port, TickLog& log,
                MomentOfTick moment_of_tick = {});

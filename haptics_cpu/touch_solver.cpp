@@ -104,8 +104,8 @@ bool is_other_stuff(const auto& space, const TouchSettings& settings, const dvec
 }
 
 /// Brings a proxy to the surface of this tick, and finds the force of a surface that jumped at `goal`, the
-/// previous tick's.
-void bring(const auto& space, const TouchSettings& settings, double sudden, const dvec3& goal,
+/// previous tick's. `felt`: how far the surface may carry it before its force counts as a jump's.
+void bring(const auto& space, const TouchSettings& settings, double sudden, double felt, const dvec3& goal,
            const Slip& slip, FingerState& finger, Contact& contact) {
     Proxy& proxy = finger.proxy;
     const dvec3 before = proxy.point;
@@ -114,7 +114,7 @@ void bring(const auto& space, const TouchSettings& settings, double sudden, cons
     book_carried(space, proxy, contact);
     const bool other_stuff = was_touching && is_other_stuff(space, settings, goal, finger, proxy, contact);
     const bool left_behind = contact.off_its_ray && !proxy.on_surface();
-    const bool far_along = sudden != never && glm::distance(before, proxy.point) > sudden;
+    const bool far_along = sudden != never && glm::distance(before, proxy.point) > felt;
     const bool cut = is_in_new_epoch(space.field(), finger) && (was_touching || proxy.on_surface());
     if (!other_stuff && !left_behind && !far_along && !cut) return;
     const auto there = space.from_world(goal);
@@ -191,7 +191,9 @@ void tick_in(const auto& space, const TouchSettings& settings, double goal_limit
         if (!usable) there = space.from_world(finger.goal);
         const dvec3 goal = *there;
         if (!finger.started) proxy.point = goal;
-        const double sudden = sudden_distance(field, settings, finger, ticks);
+        // However many ticks were left out, the hand feels at once what the surface may do in one.
+        const double sudden = sudden_distance(field, settings, finger, ticks),
+                     felt = ticks == 1 ? sudden : sudden_distance(field, settings, finger, 1);
         if (!finger.started) finger.epoch = field.epoch();
         finger.started = true;
         finger.moment_ns = field.moment_ns();
@@ -199,7 +201,7 @@ void tick_in(const auto& space, const TouchSettings& settings, double goal_limit
             proxy.point = goal;
         } else {
             const Slip slip = slip_of(settings, finger);
-            bring(space, settings, sudden, goal_before, slip, finger, contact);
+            bring(space, settings, sudden, felt, goal_before, slip, finger, contact);
             solve(space, proxy, goal, limits_of(settings), slip, contact.counts);
         }
         if (proxy.on_surface() || contact.counts.capped) contact.proxy = space.to_world(proxy.point);

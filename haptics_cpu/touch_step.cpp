@@ -87,6 +87,7 @@ TouchTick TouchStep::run(std::int64_t tick, std::int64_t time_ns, const Scene& s
     using std::chrono::steady_clock;
     const auto start = steady_clock::now();
     const int ticks = ticks_until(tick);
+    if (ticks > longest_gap_ticks) come_back();
     TouchTick done;
     if (fits(pair.prev.frame, scene) && fits(pair.next.frame, scene)) {
         const HeightField field(scene, pair);

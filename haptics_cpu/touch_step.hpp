@@ -76,9 +76,12 @@ public:
     /// Each finger begins anew where its goal is; inside a surface it then waits to be free (GuardSettings),
     /// or feels it come on as after a jump. Time goes on.
     void meet_new_surface();
-    /// The hand was left alone before the next `run`, for so long that it may be anywhere and has no force
-    /// any more (HapticLoop), like a device that comes back after missing goals. A finger inside a surface
-    /// then waits to be free (GuardSettings), or feels it ramp in. The forces of that tick have `guard_gap`.
+    /// A hand without a tick for longer than this was left alone.
+    static constexpr int longest_gap_ticks = 50;
+    /// The hand was left alone before the next `run`, so it may be anywhere and has no force any more, like a
+    /// device that comes back after missing goals. A finger inside a surface then waits to be free
+    /// (GuardSettings), or feels it ramp in. The forces of that tick have `guard_gap`. `run` calls it after
+    /// `longest_gap_ticks`; a caller, if its ticks do not tell.
     void come_back();
     /// No allocation, lock or I/O. The spans are valid until the next call. `tick` counts time: if it is more
     /// than 1 after the last one, that long has passed. Missing frames, or frames without the scene's size,
@@ -129,6 +132,9 @@ private:
 ///    time that has passed, no force on a goal that is buried when its surface is new, ramps that resume,
 ///    normals made of the sides that meet at a face's nearest corner, what is sudden by the hand's own time,
 ///    a jump's fade that rests while a goal is missing.
-inline constexpr int force_rules = 2;
+/// 3: no force comes back in one step: what damper and controller took off the spring returns by a ramp;
+///    after ticks that were left out a surface's motion is felt as a jump, and a stale surface returns, as
+///    far as in one tick; more than 50 of them are a gap.
+inline constexpr int force_rules = 3;
 
 }  // namespace touchable

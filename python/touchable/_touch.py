@@ -358,7 +358,8 @@ class Solver:
         raise error_of(status, _library.line_of(status, "solver"))
 
     def come_back(self) -> None:
-        """The hand was away before the next tick: its force comes back by a ramp. Raises ClosedError."""
+        """The hand was away before the next tick, whose number does not tell (more than 50 ms after the previous one):
+        its force comes back by a ramp. Raises ClosedError."""
         self._check_open()
         call("solver_come_back", self._handle.number)
 

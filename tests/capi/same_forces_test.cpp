@@ -22,6 +22,7 @@
 #include "haptics_cpu/touch_step.hpp"
 #include "tests/capi/hill.hpp"
 #include "tests/limits.hpp"
+#include "tests/sweep.hpp"
 #include "tests/temporary_files.hpp"
 
 namespace touchable::test {
@@ -418,24 +419,26 @@ public:
         settings.metres_per_scene_unit = 1;
         return settings;
     }
-    /// From the coming tick on.
-    void push(double depth_m) {
+    /// From the coming tick on, or from `later` milliseconds on.
+    void push(double depth_m, std::int64_t later = 0) {
         std::vector<float> metres(static_cast<std::size_t>(Hill::width) * Hill::height,
                                   static_cast<float>(depth_m));
         touch_frame frame = touch::frame();
         frame.number = frames_;
-        frame.time_ns = frames_ == 0 ? 0 : (tick_ - 1) * 1'000'000;
+        frame.time_ns = frames_ == 0 ? 0 : (tick_ - 1 + later) * 1'000'000;
         frame.depth = Hill::plane_of(metres);
         ++frames_;
         EXPECT_TRUE(surface_.push(frame));
     }
-    /// Newtons towards the eye.
-    double tick(const touch_vec3& goal) {
-        touch_contact contact;
+    /// Newtons towards the eye. `passed`: milliseconds since the tick before.
+    double tick(const touch_vec3& goal, std::int64_t passed = 1) {
+        tick_ += passed - 1;
         EXPECT_EQ(solver_.tick(touch::tick_at(tick_++), &goal, &contact), TOUCH_OK);
         return contact.force_n.z;
     }
     void come_back() { solver_.come_back(); }
+
+    touch_contact contact{};  ///< of the last tick
 
 private:
     static touch_camera camera() {
@@ -493,6 +496,187 @@ TEST(ForceSafety, LongestRampIsGradual) {
         const double now = wall.tick(goal);
         EXPECT_LE(now - before, 0.2);
         before = now;
+    }
+}
+
+// However many ticks were left out, the force rises in a tick that is run by no more than in one, and after
+// more than 50 ms it returns only to a finger that was free.
+
+/// 1.4 m in one tick, to 15 mm under the wall: the damper takes the spring's 9 N away.
+double damped_away(PressedWall& wall) {
+    for (int k = 0; k < 300; ++k) wall.tick({0, 0, -1.915});
+    return wall.tick({0, 0, -0.515});
+}
+
+TEST(LeftOutTicks, DamperGivesForceBackByRamp) {
+    touch_solver_settings settings = PressedWall::settings();
+    settings.damping_n_s_per_m = 5;
+    for (const std::int64_t passed : {1, 2, 10, 50}) {
+        PressedWall wall(settings);
+        double before = damped_away(wall);
+        EXPECT_LT(before, 0.1);
+        for (int k = 0; k < 110; ++k) {
+            const double now = wall.tick({0, 0, -0.515}, passed);
+            ASSERT_LE(now - before, 0.1 * (1 + 1e-9)) << passed << " ms, tick " << k;
+            before = now;
+        }
+        EXPECT_NEAR(before, 600 * 0.015, 1e-6) << passed;
+    }
+}
+
+TEST(LeftOutTicks, LongGapWaitsForFreeFinger) {
+    touch_solver_settings settings = PressedWall::settings();
+    settings.damping_n_s_per_m = 5;
+    for (const bool waits : {false, true}) {
+        settings.waits_to_be_free = waits;
+        for (const std::int64_t passed : {51, 103, 100'000}) {
+            PressedWall wall(settings);
+            wall.tick({0, 0, -0.4});
+            damped_away(wall);
+            for (int k = 0; k <= 300; ++k) {
+                const double expected = waits ? 0 : 600 * 0.015 * std::min(1.0, k / 100.0);
+                ASSERT_NEAR(wall.tick({0, 0, -0.515}, k == 0 ? passed : 1), expected, 1e-9) << k;
+                ASSERT_EQ((wall.contact.guard & TOUCH_GUARD_GAP) != 0, k == 0);
+            }
+            wall.tick({0, 0, -0.4});
+            EXPECT_GT(wall.tick({0, 0, -0.505}), 2.9);
+        }
+    }
+}
+
+/// The wall comes nearer by 2.9 mm in 30 ms without a tick: 1.74 N.
+TEST(LeftOutTicks, MovedSurfaceIsFeltByFade) {
+    PressedWall wall(PressedWall::settings());
+    const touch_vec3 goal{0, 0, -0.505};
+    for (int k = 0; k < 300; ++k) wall.tick(goal);
+    wall.push(0.5);
+    wall.push(0.4971, 30);
+    double before = 600 * 0.005;
+    for (int k = 0; k < 120; ++k) {
+        const double now = wall.tick(goal, k == 0 ? 30 : 1);
+        ASSERT_LE(now - before, 1.5 * 1.74 / 100 * (1 + 1e-9)) << k;
+        before = now;
+    }
+    EXPECT_NEAR(before, 600 * 0.0079, 1e-6);
+}
+
+TEST(LeftOutTicks, StaleSurfaceReturnsByRamp) {
+    touch_solver_settings settings = PressedWall::settings();
+    settings.stale_after_ns = 100'000'000;
+    PressedWall wall(settings);
+    const touch_vec3 goal{0, 0, -0.505};
+    for (int k = 0; k < 300; ++k) {
+        if (k % 50 == 49) wall.push(0.5);
+        wall.tick(goal);
+    }
+    double before = 3;
+    while (before > 1.5) before = wall.tick(goal);
+    wall.push(0.5);
+    EXPECT_NEAR(wall.tick(goal, 40) - before, 3 * 0.01, 1e-9);
+}
+
+/// A hill that moves, and a finger that leaps about and gets ticks as they come.
+class LeapingFinger {
+public:
+    static constexpr double most = 10, stiffness = 600;
+
+    LeapingFinger(const touch_solver_settings& settings, std::uint64_t seed)
+        : settings_(settings), random_(seed), surface_(touch::Scene(Hill::camera())) {
+        for (int lifted = 0; lifted <= 60; ++lifted) hills_.emplace_back(lifted);
+        push(0);
+        solver_ = touch::Solver(surface_, settings);
+    }
+    /// A tick, and the checks of what is promised of its force.
+    void tick() {
+        const std::int64_t passed = tick_ == 0 ? 1 : draw_passed();
+        tick_ += passed;
+        time_ns_ += (passed + (random_.below(300) == 0 ? random_.below(300) : 0)) * 1'000'000;
+        outage_ = settings_.stale_after_ns > 0 && random_.below(200) < (outage_ ? 198 : 1);
+        if (surface_.newest_ns() <= time_ns_ && !outage_) push(time_ns_ + 33'000'000);
+        const touch_vec3 before = goal_;
+        const bool is_missing = random_.below(40) == 0;
+        move();
+        const touch_tick at{sizeof(touch_tick), 0, tick_, time_ns_, 0, 0};
+        const touch_vec3 given = is_missing ? missing : goal_;
+        if (is_missing) goal_ = before;
+        touch_contact contact;
+        ASSERT_EQ(solver_.tick(at, &given, &contact), TOUCH_OK);
+        check(contact, passed, off(goal_, before));
+        if (waits_ && !is_missing && !contact.touching) waits_ = false;
+    }
+
+    int gaps = 0, pressed = 0;
+
+private:
+    void check(const touch_contact& contact, std::int64_t passed, double moved) {
+        const double force = off(contact.force_n, {}), rise = force - force_;
+        force_ = force;
+        ASSERT_LE(force, most);
+        pressed += force > 1;
+        if (passed > 50) {
+            ++gaps;
+            waits_ = settings_.waits_to_be_free == 1;
+            ASSERT_EQ(force, 0);
+            ASSERT_NE(contact.guard & TOUCH_GUARD_GAP, 0U);
+        }
+        ASSERT_TRUE(force == 0 || !waits_ || !contact.touching);
+        // By a jump's fade at its steepest, by the ramps of guard and stale surface, by what the damper gives
+        // back, and by 0.1 mm of the surface; by the hand's own motion against spring and damper.
+        const double ramps = (1.5 + 1 + 1 + 1) / 100 * most + stiffness * 0.0001,
+                     damper = (settings_.damping_n_s_per_m + settings_.passivity_n_s_per_m) * 0.395 /
+                              (0.001 * static_cast<double>(passed));
+        ASSERT_LE(rise, ramps + (stiffness + damper) * moved) << tick_ << " after " << passed;
+    }
+    std::int64_t draw_passed() {
+        const int drawn = random_.below(100);
+        return drawn < 80 ? 1 : drawn < 97 ? 2 + random_.below(49) : 51 + random_.below(200);
+    }
+    void move() {
+        const int drawn = random_.below(100);
+        const auto by = [&](double far) { return random_.within(-far, far); };
+        if (drawn < 60) return;
+        if (drawn < 90)
+            goal_ = {goal_.x + by(2e-4), goal_.y + by(2e-4), goal_.z + by(2e-4)};
+        else
+            goal_ = {by(0.2), by(0.15),
+                     drawn < 97 ? random_.within(-0.52, -0.38) : random_.within(-1.9, -0.1)};
+    }
+    /// Mostly at up to 0.1 m/s; sometimes a leap, or none for a while.
+    void push(std::int64_t time_ns) {
+        lifted_ =
+            random_.below(20) == 0 ? random_.below(60) : std::clamp(lifted_ + random_.below(7) - 3, 0, 60);
+        touch_frame frame = hills_[static_cast<std::size_t>(lifted_)].frame(frames_++);
+        frame.time_ns = time_ns;
+        ASSERT_TRUE(surface_.push(frame));
+    }
+
+    touch_solver_settings settings_;
+    Random random_;
+    std::vector<Hill> hills_;
+    touch::Surface surface_;
+    touch::Solver solver_;
+    touch_vec3 goal_{0, 0, -0.3};
+    std::int64_t tick_ = 0, time_ns_ = 0, frames_ = 0;
+    int lifted_ = 0;
+    double force_ = 0;
+    bool outage_ = false, waits_ = false;
+};
+
+TEST(LeftOutTicks, RandomLeapsNeverBringForceBackAtOnce) {
+    const std::int64_t each = 1'000'000 / 16 / static_cast<std::int64_t>(sweep_step());
+    for (unsigned options = 0; options < 16; ++options) {
+        touch_solver_settings settings = PressedWall::settings();
+        settings.damping_n_s_per_m = options & 1 ? 5 : 0;
+        settings.passivity_n_s_per_m = options & 2 ? 20 : 0;
+        settings.waits_to_be_free = options & 4 ? 1 : 0;
+        settings.stale_after_ns = options & 8 ? 40'000'000 : 0;
+        settings.stribeck_m_per_s = options & 8 ? 0.1 : 0;
+        SCOPED_TRACE(options);
+        LeapingFinger finger(settings, options);
+        for (std::int64_t k = 0; k < each && !testing::Test::HasFailure(); ++k) finger.tick();
+        if (HasFailure()) return;
+        EXPECT_GT(finger.gaps, each / 50);
+        EXPECT_GT(finger.pressed, each / 50);
     }
 }
 
