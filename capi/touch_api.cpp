@@ -142,6 +142,7 @@ Result<Scene> scene_of(const touch_camera& camera) {
     scene.depth.far = far_plane(camera);
     scene.depth_bits = 16;
     scene.default_properties = {camera.stiffness_n_per_m, camera.static_friction, camera.dynamic_friction};
+    scene.hole_stiffness = Scene::soft_holes;
     derive_valid_range(scene.depth);
     if (auto valid = validate(scene); !valid) return usage_error(valid.error().message);
     return scene;

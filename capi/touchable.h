@@ -114,8 +114,9 @@ typedef struct touch_camera {
 /** Fills in 640x480 pixels, 60 degrees wide, planar depth in millimetres up to 10 m, 30 frames/s, 600 N/m, friction
  * 0.4 and 0.3. `struct_size`: sizeof(touch_camera) in your program. TOUCH_USAGE: NULL, or an unknown size. */
 TOUCH_API touch_status touch_camera_defaults(touch_camera *camera, uint32_t struct_size);
-/** Makes a scene from a camera; its scene unit is a metre, and no filter is on (see touch_scene_with_filters).
- * TOUCH_USAGE: a member is out of range; the error names it. */
+/** Makes a scene from a camera; its scene unit is a metre, and no filter is on (see touch_scene_with_filters). Holes
+ * and the picture's edge have 100 N/m (`hole_stiffness`), as in pictures that the program opens: so the force of a
+ * surface that vanishes falls by a ramp. TOUCH_USAGE: a member is out of range; the error names it. */
 TOUCH_API touch_status touch_scene_from_camera(const touch_camera *camera, touch_scene *scene, touch_error *error);
 /** Makes a scene from the text of a scene file (docs/scene_file.md), JSON of `length` bytes in UTF-8. TOUCH_INPUT: the
  * error names the member. Filters that the text does not state are off (see touch_scene_with_filters). */

@@ -36,8 +36,6 @@ constexpr std::string_view doubt_mark = "the median depth is ", no_scale_mark = 
                            colour_guess_mark = "colour lies on depth's pixels";
 /// Begins what a remark on a unit says of other units that fit.
 constexpr std::string_view other_units_mark = "that is ";
-/// N/mm. A hole's wall, which no camera saw, must not push with full force (docs/scene_file.md, Holes).
-constexpr double soft_holes = 0.1;
 constexpr double most_of_lengths = 1.05;                 // lower third of a picture over the upper
 constexpr double assumed_near = 0.5, assumed_far = 1.5;  // metres, of depth without a scale
 
@@ -136,7 +134,7 @@ public:
         scene_.depth.semantics = DepthSemantics::planar;
         scene_.depth.near_is_high = true;
         described_.unstated.filters = all_unstated;
-        scene_.hole_stiffness = soft_holes;
+        scene_.hole_stiffness = Scene::soft_holes;
         TRY(find_camera(folder));
         if (coding) {
             scene_.depth = *coding;

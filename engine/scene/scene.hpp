@@ -436,6 +436,9 @@ struct Scene {
     /// Stiffness of holes in the depth and of their walls, N/mm, whatever the haptic image says there; 0 or
     /// above. Without it a hole has the stiffness of its pixels.
     std::optional<double> hole_stiffness;
+    /// Of a camera's pictures without a scene file: a wall that no camera saw must not push with full force
+    /// (docs/scene_file.md, Holes).
+    static constexpr double soft_holes = 0.1;
     FilterSettings filter;
     FrameInterpolation interpolation = FrameInterpolation::linear;
     /// Device metres per scene unit (S of F = k S (P - G)); without it the Workspace's default.

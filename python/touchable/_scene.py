@@ -34,7 +34,8 @@ def _points(x_px: ArrayLike, y_px: ArrayLike, depth: ArrayLike, facts: Any) -> N
 
 @dataclasses.dataclass(frozen=True)
 class Camera:
-    """A pinhole camera, what its depth codes mean, and what its surface feels like. Its scene unit is a metre.
+    """A pinhole camera, what its depth codes mean, and what its surface feels like. Its scene unit is a metre. Holes
+    and the picture's edge have 100 N/m (`hole_stiffness` of a scene file).
 
     Every member is one number; what is left out is as stated here.
 

@@ -499,6 +499,18 @@ TEST(ForceSafety, LongestRampIsGradual) {
     }
 }
 
+/// As of a picture that the program opens: 600 N/m become 100 while the depth goes, which is half a frame's
+/// time.
+TEST(ForceSafety, VanishingDepthTakesForceByRamp) {
+    PressedWall wall(PressedWall::settings());
+    const touch_vec3 goal{0, 0, -0.512};
+    for (int k = 0; k < 300; ++k) wall.tick(goal);
+    wall.push(0.5);
+    wall.push(0, 33);
+    for (int k = 1; k <= 16; ++k) ASSERT_NEAR(wall.tick(goal), 0.012 * (600 - 500 * k / 16.5), 1e-9) << k;
+    EXPECT_EQ(wall.tick(goal), 0) << "there is no surface";
+}
+
 // However many ticks were left out, the force rises in a tick that is run by no more than in one, and after
 // more than 50 ms it returns only to a finger that was free.
 

@@ -74,11 +74,11 @@ class ForcesAt(unittest.TestCase):
     def test_WallPushesAlongNormal(self):
         camera = touchable.Camera(64, 48, fx_px=64, stiffness_n_per_m=400)
         surface = touchable.Surface(numpy.full((48, 64), 500, numpy.uint16), camera)
-        x, y = numpy.meshgrid(numpy.arange(2, 62), numpy.arange(2, 46))
+        x, y = numpy.meshgrid(numpy.arange(3, 61), numpy.arange(3, 45))  # all but the edge, which is soft
         for depth_m in 0.501, 0.52:
             points = camera.points(x, y, depth_m)
             found = surface.forces_at(points, metres_per_scene_unit=1)
-            self.assertEqual(found.force_n.shape, (44, 60, 3))
+            self.assertEqual(found.force_n.shape, (42, 58, 3))
             expected = [0, 0, 400 * (depth_m - 0.5)]
             self.assertLess(numpy.abs(found.force_n - expected).max(), 1e-9)
             self.assertTrue(found.touching.all() and found.steady.all() and (found.guard == 0).all())
@@ -165,6 +165,17 @@ class Surfaces(unittest.TestCase):
         self.assertEqual(touchable.Guard(int(touched.guard[0, 0])), touchable.Guard.RAMP)
         self.assertEqual(touched.guard[-1, 0], 0)
         self.assertEqual(touched.time_s[-1], 0.199)
+
+    def test_VanishingDepthTakesForceByRamp(self):
+        camera = touchable.Camera(64, 48, fx_px=64)
+        surface = touchable.Surface(numpy.full((48, 64), 500, numpy.uint16), camera)
+        surface.push(numpy.zeros((48, 64), numpy.uint16), 40_000_000)
+        touched = touchable.Solver(surface, metres_per_scene_unit=1, ramp_in_ticks=0).run(
+            numpy.tile(camera.points(32, 24, 0.512), (60, 1)))
+        ticks = numpy.arange(20)  # to the middle between two frames 600 N/m become 100
+        numpy.testing.assert_allclose(numpy.linalg.norm(touched.force_n[:20, 0], axis=-1),
+                                      numpy.linalg.norm(camera.points(32, 24, 0.012)) * (600 - 25 * ticks), atol=1e-3)
+        self.assertFalse(touched.force_n[20:].any())
 
     def test_BatchesEqualTicks(self):
         depth, camera = hill()
