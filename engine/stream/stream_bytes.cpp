@@ -56,6 +56,8 @@ private:
         return is_end ? 0 : got;
     }
 
+    bool ends_in_silence() const override { return transport_ == StreamTransport::udp; }
+
     const IoPtr io_;
     const StreamTransport transport_;
 };
@@ -258,11 +260,14 @@ Result<std::size_t> StreamBytes::read(std::uint8_t* to, std::size_t count) {
         return static_cast<std::size_t>(got);
     }
     if (stop_requested()) return interrupted_error();
-    if (wait_->is_too_long()) return input_error("sent no whole frameset in time");
+    const bool is_silent = wait_->is_too_long();
+    if (is_silent && (!ends_in_silence() || wait_->is_together()))
+        return input_error("sent no whole frameset in time");
     has_ended_ = true;
     was_lost_ = got < 0;
-    how_it_ended_ =
-        got < 0 ? "was lost (" + ffmpeg_text(static_cast<int>(got)) + ")" : "closed the connection";
+    how_it_ended_ = is_silent ? "sent no further whole frameset in time"
+                    : got < 0 ? "was lost (" + ffmpeg_text(static_cast<int>(got)) + ")"
+                              : "closed the connection";
     return std::size_t{0};
 }
 

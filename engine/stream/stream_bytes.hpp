@@ -67,7 +67,7 @@ public:
 
     /// The next byte, without taking it; 0 at the end.
     Result<std::uint8_t> peek();
-    /// 0 after the sender's end or a lost connection. Errors are without the stream's name.
+    /// 0 after the sender's end, a lost connection, or UDP's silence. Errors are without the stream's name.
     Result<std::size_t> read(std::uint8_t* to, std::size_t count) final;
     /// Allows this many more bytes to be read from now on; reading beyond them is an error.
     void allow(std::uint64_t bytes) { left_ = bytes; }
@@ -89,6 +89,9 @@ protected:
     explicit StreamBytes(std::shared_ptr<StreamWait> wait) : wait_(std::move(wait)) {}
     /// Like `read`, or FFmpeg's error number.
     virtual std::int64_t some(std::uint8_t* to, std::size_t count) = 0;
+    /// Whether the transport tells of no end, so that a sender that falls silent after the first frameset
+    /// has ended.
+    virtual bool ends_in_silence() const { return false; }
 
 private:
     const std::shared_ptr<StreamWait> wait_;

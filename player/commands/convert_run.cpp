@@ -298,6 +298,8 @@ public:
             copied_ = tracks_to_copy(*clip, options_);
             TRY_ASSIGN(clip, options_.content(std::move(clip)));
         }
+        std::error_code ignored;
+        is_stream_ = !clip->frame_count() && !fs::is_regular_file(options_.clip.file, ignored);
         part_ = part_of(options_, *clip);
         from_ns_ = clip->scene().rate.time_ns(part_.first);
         TRY_ASSIGN(source_, part_of_clip(std::move(clip), part_));
@@ -309,6 +311,14 @@ public:
         TRY(check_loss());
         TRY(open_writer());
         TRY(write());
+        TRY(finish());
+        return broke_off_ ? *broke_off_ : Result<void>();
+    }
+
+private:
+    Result<void> finish() {
+        // A stream cannot be received again: a stop does not end its completion.
+        const StopScope keeps = is_stream_ ? StopScope::after_stop() : StopScope(StopScope::never);
         // Complete only after the whole clip was read.
         done_.notes = remarks_with_options(remarks_of(*source_));
         TRY_ASSIGN(const auto written, writer_->complete());
@@ -318,7 +328,6 @@ public:
         return {};
     }
 
-private:
     /// The source for a consumer that must see all frames (a stroke): each frame read is also written, so
     /// that the source is read once.
     class Source final : public ClipReader {
@@ -481,10 +490,21 @@ private:
         return codes_ ? codes_->of(sized) : sized;
     }
 
-    /// The source's next frame; writes it if not yet written.
+    /// The source's next frame; writes it if not yet written. A stream that breaks off, or that a person
+    /// stops, ends there.
     Result<std::optional<RawFrame>> next() {
-        if (stop_requested()) return interrupted_error();
-        auto frame = source_->next();
+        if (broke_off_) return std::optional<RawFrame>();
+        auto frame =
+            stop_requested() ? Result<std::optional<RawFrame>>(interrupted_error()) : source_->next();
+        const bool is_kept = is_stream_ && done_.frames > 0;
+        if (const auto kind = frame ? ErrorKind::internal : frame.error().kind;
+            is_kept && (kind == ErrorKind::interrupted || kind == ErrorKind::input)) {
+            broke_off_ = frame.error();
+            if (kind == ErrorKind::interrupted) broke_off_->message = "interrupted";
+            broke_off_->message += "; " + options_.out.string() + " has what came, " +
+                                   std::to_string(done_.frames) + (done_.frames == 1 ? " frame" : " frames");
+            return std::optional<RawFrame>();
+        }
         if (!frame || !*frame) return frame;
         if ((*frame)->number == done_.frames) TRY(write_frame(**frame));
         return frame;
@@ -492,6 +512,7 @@ private:
 
     /// Marks the frame as readers will get it: colour as coded, all other planes unchanged.
     Result<void> write_frame(const RawFrame& frame) {
+        const StopScope whole = is_stream_ ? StopScope::after_stop() : StopScope(StopScope::never);
         progress_->at(++done_.frames);
         RawFrame stored = as_written(frame);
         TRY(writer_->write(stored));
@@ -548,6 +569,8 @@ private:
     const ConvertOptions& options_;
     ClipPart part_;
     std::int64_t from_ns_ = 0;  // start of the part in the clip
+    bool is_stream_ = false;
+    std::optional<Error> broke_off_;  // why a stream of which frames are kept ended early
     std::unique_ptr<ClipReader> source_;
     std::unique_ptr<ClipWriter> writer_;
     std::optional<ClipStorage::Copied> copied_;  // for a clip whose content is changed

@@ -19,6 +19,7 @@
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
+#include "tests/stream/labelled_stream.hpp"
 #include "tests/stream/peers.hpp"
 #include "tests/stream/relay.hpp"
 #include "tests/stream/served_clip.hpp"
@@ -301,6 +302,48 @@ TEST_F(ServeCommand, RejectsInvalidOptions) {
     refused({clip, "tcp://127.0.0.1:0", "--hls-low", "on"}, "are for --hls DIR");
     refused({clip, "--hls", folder / "web", "--hls-segment", "0.1"}, "0.5 to 10");
     EXPECT_EQ(run_touchable({"serve", folder / "none.mkv", "tcp://127.0.0.1:0"}).code, 3);
+}
+
+/// What came of a stream cannot be had again.
+class SavedStream : public ::testing::Test {
+protected:
+    void expect_saved(const Outcome& run, std::size_t least) const {
+        const auto frames = must(read_clip(out));
+        EXPECT_GE(frames.size(), least);
+        for (std::size_t n = 0; n < frames.size(); ++n)
+            EXPECT_TRUE(same_touch_planes(frames[n], sent.frames[n])) << n;
+        EXPECT_NE(run.err.find("; " + out + " has what came, " + std::to_string(frames.size()) + " frame"),
+                  std::string::npos)
+            << run.err;
+    }
+
+    const StreamOfFrames sent = make_stream(quick_scene(), 8, served_planes);
+    const TemporaryFolder folder;
+    const std::string out = folder / "out.mkv";
+};
+
+TEST_F(SavedStream, IsKeptWhenInterrupted) {
+    const LoopbackSender sender([&](const LoopbackSender::Listener& to, int) {
+        (void)to.send(sent.bytes());
+        to.stay();
+    });
+    const Outcome run = run_on_terminal({"convert", sender.url(), out}, [](const std::string& said) {
+        return said.find("converting frame") != std::string::npos;
+    });
+    EXPECT_EQ(run.code, 130);
+    EXPECT_NE(run.err.find("interrupted; "), std::string::npos) << run.err;
+    expect_saved(run, 1);
+}
+
+TEST_F(SavedStream, IsKeptWhenConnectionBreaks) {
+    const std::string whole = sent.bytes();
+    const LoopbackSender sender(whole.substr(0, whole.size() - sent.blocks.back().size() / 2));
+    const Outcome run = run_touchable({"convert", sender.url(), out});
+    EXPECT_EQ(run.code, 3);
+    EXPECT_NE(run.err.find("frame 7: the sender closed the connection in the middle of it; "),
+              std::string::npos)
+        << run.err;
+    expect_saved(run, 7);
 }
 
 TEST_F(ServeCommand, WarnsAboutOpenAddress) {

@@ -676,6 +676,24 @@ TEST(TransportClip, ReadsSrtAndUdp) {
     }
 }
 
+/// UDP tells of no other end: what came is a clip.
+TEST(TransportClip, EndsWhenUdpFallsSilent) {
+    const auto sent = std::make_shared<const StreamOfFrames>(
+        make_transport_stream(small_scene(64, 48, 16), 300, {true, true, false, false}));
+    const int port = unused_port();
+    auto sender = std::make_unique<NetworkSender>(false, port, sent, 10);
+    StreamSource source = source_of("udp://127.0.0.1:" + std::to_string(port));
+    source.patience.frameset = milliseconds(3'000);
+    const auto clip = must(open_stream_clip(source));
+    for (int n = 0; n < 20; ++n) (void)next_of(*clip);
+    sender.reset();
+    const auto rest = must(read_all(*clip));
+    const std::size_t last = rest.empty() ? 19 : static_cast<std::size_t>(rest.back().number);
+    EXPECT_EQ(clip->remarks().back(), "the sender sent no further whole frameset in time after frame " +
+                                          std::to_string(last) + ", so the clip ends there");
+    EXPECT_FALSE(must(clip->next())) << "and it stays so";
+}
+
 TEST(TransportClip, ReadsMatroskaBySrt) {
     auto made = make_stream(small_scene(64, 48, 16), 60, all_planes);
     made.blocks.insert(made.blocks.begin(), made.header);
