@@ -295,7 +295,7 @@ public:
         TRY(check_frames(options_, *clip));
         TRY(check_places(options_, *clip));
         if (options_.content) {
-            copied_ = tracks_to_copy(*clip, options_);
+            if (!clip->inputs().empty()) copied_ = tracks_to_copy(*clip, options_);  // a stream has no file
             TRY_ASSIGN(clip, options_.content(std::move(clip)));
         }
         std::error_code ignored;

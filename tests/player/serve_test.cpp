@@ -335,6 +335,13 @@ TEST_F(SavedStream, IsKeptWhenInterrupted) {
     expect_saved(run, 1);
 }
 
+TEST_F(SavedStream, CanGetRelief) {
+    const LoopbackSender sender(sent.bytes());
+    const Outcome run = run_touchable({"relief", sender.url(), out});
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_FALSE(must(read_clip(out)).at(0).height.empty());
+}
+
 TEST_F(SavedStream, IsKeptWhenConnectionBreaks) {
     const std::string whole = sent.bytes();
     const LoopbackSender sender(whole.substr(0, whole.size() - sent.blocks.back().size() / 2));
