@@ -84,8 +84,8 @@ Result<std::unique_ptr<ClipReader>> open_stream(const StreamSource& source,
 std::string cameras_in_words(VideoSystem& system, const HowToTouch& how) {
     const std::vector<std::string> nodes = system.nodes();
     if (nodes.empty())
-        return "No camera is there (no /dev/video*): plug one in. Where one is plugged in, its driver is "
-               "missing: sudo modprobe uvcvideo is that of USB cameras.\n";
+        return "No camera is there (no /dev/video*): plug one in. If one is plugged in, load its driver: "
+               "sudo modprobe uvcvideo (USB cameras)\n";
     std::vector<NodeFacts> all;
     std::string closed, words;
     for (const std::string& node : nodes) {

@@ -569,9 +569,11 @@ Result<GuessedScene> guess_file(const fs::path& file, const SourceDescription& k
 }
 
 Result<GuessedScene> guess_path(const fs::path& path, const SourceDescription& known) {
-    if (is_stream_url(path.string()))
+    if (is_stream_url(path.string())) {
+        TRY(read_stream_url(path.string()));
         return usage_error(in_quotes(path.string()) + " is no file here; save it first: touchable convert " +
                            shell_word(path.string()) + " clip.mkv");
+    }
     TRY_ASSIGN(const auto is_folder, leads_to_folder(path));
     if (!is_folder) return guess_file(path, known);
     TRY_ASSIGN(const auto lerobot, lerobot_video_in(path));

@@ -12,6 +12,7 @@
 #include "engine/formats/stored_clip.hpp"
 #include "engine/formats/video_picture.hpp"
 #include "engine/picture/ffmpeg.hpp"
+#include "engine/stream/stream_url.hpp"
 
 namespace touchable {
 namespace {
@@ -23,20 +24,6 @@ std::string scheme_of(std::string_view url) {
         url.substr(0, colon).find_first_of("/\\?#") != std::string_view::npos)
         return "";
     return small_letters(std::string(url.substr(0, colon)));
-}
-
-/// "my map.png" of "my%20map.png".
-std::string without_percents(std::string_view url) {
-    std::string text;
-    for (std::size_t k = 0; k < url.size(); ++k) {
-        unsigned char byte = 0;
-        const char* const digits = url.data() + k + 1;
-        const bool is_coded = url[k] == '%' && k + 2 < url.size() &&
-                              std::from_chars(digits, digits + 2, byte, 16).ptr == digits + 2;
-        text += is_coded ? static_cast<char>(byte) : url[k];
-        if (is_coded) k += 2;
-    }
-    return text;
 }
 
 Result<LinkedFile> data_of(std::string_view url, const std::filesystem::path& holder) {

@@ -407,7 +407,7 @@ Result<std::shared_ptr<StreamBytes>> connect_by_srt(const StreamUrl& url, std::s
     TRY_ASSIGN(const auto settings, read_srt_settings(url));
     const auto find = [url, listens = settings.listens] { return listens ? own_address(url) : look_up(url); };
     const auto found = unless_stopped(find);
-    if (!found || !*found) return input_error("no connection: there is no such host");
+    if (!found || !*found) return input_error("no connection: no host of that name");
     if (settings.listens) {
         auto bytes = std::make_shared<SrtBytes>(wait, SrtSocket());
         TRY(bytes->wait_for_caller(settings, **found));

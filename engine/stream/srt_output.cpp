@@ -297,7 +297,7 @@ private:
         // Looking up the host may take long.
         const auto address = unless_stopped([url = url_] { return look_up(url); });
         if (stop_requested()) return;
-        if (!address || !*address) return call_failed("there is no such host", now_ns);
+        if (!address || !*address) return call_failed("no host of that name", now_ns);
         auto socket = SrtSocket::create(settings_, SrtSocket::Direction::sends);
         if (!socket) return call_failed(socket.error().message, now_ns);
         calling_ = std::move(*socket);

@@ -65,7 +65,7 @@ private:
 Error no_connection(const StreamUrl& url, const std::string& why, int status = 0) {
     const char* hint = status == AVERROR_HTTP_SERVER_ERROR
                            ? "; its listeners may be too many, try again later"
-                       : url.transport == StreamTransport::http ? "; is it there, and not elsewhere?"
+                       : url.transport == StreamTransport::http ? "; is the server running at that address?"
                        : url.transport == StreamTransport::udp  ? ""
                                                                 : "; does the sender listen there?";
     return input_error("no connection: " + why + hint);
@@ -76,6 +76,7 @@ Result<IoPtr> open_network(const StreamUrl& url) {
     struct Opened {
         int status = 0;
         IoPtr io;
+        bool has_no_host = false;
     };
     auto opened = unless_stopped([url] {
         // FFmpeg would read UDP's settings in other units.
@@ -85,9 +86,10 @@ Result<IoPtr> open_network(const StreamUrl& url) {
         AVIOContext* io = nullptr;
         const int status = avio_open2(&io, address.c_str(), AVIO_FLAG_READ, &stops_with_thread, &options);
         av_dict_free(&options);
-        return Opened{status, IoPtr(io)};
+        return Opened{status, IoPtr(io), status == AVERROR(EIO) && !look_up(url)};
     });
     if (!opened || opened->status == AVERROR_EXIT) return no_connection(url, "it did not answer in time");
+    if (opened->has_no_host) return input_error("no connection: no host of that name");
     if (opened->status < 0) return no_connection(url, ffmpeg_text(opened->status), opened->status);
     return std::move(opened->io);
 }

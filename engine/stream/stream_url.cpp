@@ -3,6 +3,7 @@
 #include <netdb.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstring>
 #include <memory>
 #include <system_error>
@@ -15,21 +16,33 @@ namespace {
 struct Scheme {
     std::string_view words;
     StreamTransport transport;
-    std::string_view keys;  // allowed in its query
+    std::vector<std::string> keys{};  // allowed in its query
 };
-constexpr std::array schemes{
-    Scheme{"tcp://", StreamTransport::tcp, ""},
-    Scheme{"http://", StreamTransport::http, "*"},  // the server's own
-    Scheme{"https://", StreamTransport::http, "*"},
-    Scheme{"srt://", StreamTransport::srt, " mode latency passphrase pbkeylen streamid "},
-    Scheme{"udp://", StreamTransport::udp, " localaddr "},
-    Scheme{"pipe:", StreamTransport::pipe, ""},
+const std::array schemes{
+    Scheme{"tcp://", StreamTransport::tcp},
+    Scheme{"http://", StreamTransport::http},  // its keys are the server's own
+    Scheme{"https://", StreamTransport::http},
+    Scheme{"srt://", StreamTransport::srt, {"mode", "latency", "passphrase", "pbkeylen", "streamid"}},
+    Scheme{"udp://", StreamTransport::udp, {"localaddr"}},
+    Scheme{"pipe:", StreamTransport::pipe},
 };
 
 const Scheme* scheme_of(std::string_view words) {
     for (const Scheme& scheme : schemes)
         if (words.starts_with(scheme.words)) return &scheme;
     return nullptr;
+}
+
+/// "ftp:// is not read; " of "ftp://host/a.mkv", also of "tcp:/host:1"; empty: words of another kind.
+std::string unread_scheme(std::string_view words) {
+    const std::size_t colon = words.find(":/");
+    if (colon == std::string_view::npos || scheme_of(words)) return "";
+    const std::string_view name = words.substr(0, colon);
+    const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+    if (name.size() < 2 || name == "file" || !std::ranges::all_of(name, is_letter)) return "";
+    const bool has_both = words.substr(colon).starts_with("://");
+    if (!has_both && !scheme_of(std::string(name) + "://")) return "";
+    return std::string(name) + (has_both ? "://" : ":/") + " is not read; ";
 }
 
 std::optional<int> port_of(std::string_view digits) {
@@ -133,18 +146,38 @@ StreamUrl playlist_in_folder(const std::string& file) {
 }
 
 bool is_stream_url(std::string_view words) {
-    return words == "-" || scheme_of(words) != nullptr;
+    return words == "-" || scheme_of(words) != nullptr || !unread_scheme(words).empty();
 }
 
 std::string without_passphrase(const std::string& words) {
     return is_stream_url(words) ? without_secrets(words) : words;
 }
 
+std::string without_percents(std::string_view url) {
+    std::string text;
+    for (std::size_t k = 0; k < url.size(); ++k) {
+        unsigned char byte = 0;
+        const char* const digits = url.data() + k + 1;
+        const bool is_coded = url[k] == '%' && k + 2 < url.size() &&
+                              std::from_chars(digits, digits + 2, byte, 16).ptr == digits + 2;
+        text += is_coded ? static_cast<char>(byte) : url[k];
+        if (is_coded) k += 2;
+    }
+    return text;
+}
+
+std::string typed_path(const std::string& words) {
+    for (const std::string_view begin : {"file:///", "file://localhost/"})
+        if (words.starts_with(begin)) return without_percents(words.substr(begin.size() - 1));
+    return words;
+}
+
 Result<StreamUrl> read_stream_url(std::string_view words) {
     const Scheme* const scheme = scheme_of(words);
     if (words == "-" || (scheme && scheme->transport == StreamTransport::pipe)) return read_pipe(words);
     if (!scheme)
-        return unusable(words, "streams begin with tcp://, http://, https://, srt://, udp:// or pipe:");
+        return unusable(words, unread_scheme(words) + "streams begin with " +
+                                   listed(schemes, [](const Scheme& each) { return each.words; }));
     constexpr std::size_t longest = 4096;
     if (words.size() > longest) return unusable(words.substr(0, 80), "it is longer than 4096 bytes");
     StreamUrl url;
@@ -165,13 +198,16 @@ Result<StreamUrl> read_stream_url(std::string_view words) {
     if (is_http && url.host.empty()) return unusable(words, "it names no host");
     if (is_http && url.path.empty()) url.path = "/";
     const auto is_foreign = [&](std::string_view key) {
-        return scheme->keys.find(std::string(1, ' ').append(key).append(1, ' ')) == std::string_view::npos;
+        return std::ranges::find(scheme->keys, key) == scheme->keys.end();
     };
     if (const std::size_t secret = url.value("passphrase").size(); secret > 0 && (secret < 10 || secret > 79))
         return unusable(words, "a passphrase has 10 to 79 characters");
-    if (const auto foreign = is_http ? std::nullopt : find_pair(url.query, is_foreign))
+    if (const auto foreign = is_http ? std::nullopt : find_pair(url.query, is_foreign)) {
+        const std::string meant = nearest_word(foreign->substr(0, foreign->find('=')), scheme->keys);
         return unusable(words, "it has no setting " + in_quotes(without_secrets(*foreign)) +
-                                   (scheme->keys.empty() ? "" : "; there are" + std::string(scheme->keys)));
+                                   (meant.empty() ? "" : " (did you mean " + meant + "?)") +
+                                   (scheme->keys.empty() ? "" : "; there are " + listed(scheme->keys)));
+    }
     return url;
 }
 

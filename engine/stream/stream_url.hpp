@@ -60,6 +60,12 @@ bool is_stream_url(std::string_view words);
 /// A clip's name for reports: a stream's URL without its passphrase, any other name unchanged.
 std::string without_passphrase(const std::string& words);
 
+/// The path of a file:// URL of this machine, as file managers copy it; any other words as they are.
+std::string typed_path(const std::string& words);
+
+/// "my map.png" of "my%20map.png".
+std::string without_percents(std::string_view url);
+
 /// Refuses (ErrorKind::usage) another form, a port out of range, and a key that the transport does not have;
 /// the message says what would be right.
 Result<StreamUrl> read_stream_url(std::string_view words);

@@ -16,15 +16,19 @@
 #include "engine/base/words.hpp"
 #include "engine/clip/clip_file.hpp"
 #include "engine/scene/scene.hpp"
+#include "engine/stream/stream_url.hpp"
 
 namespace touchable {
 
-/// Adds an option (or a word, if `name` has no dashes) that names a file or a folder. An empty name, usually
-/// an unset shell variable, is refused.
+/// Adds an option (or a word, if `name` has no dashes) that names a file or a folder, by its path or a
+/// file:// URL. An empty name, usually an unset shell variable, is refused.
 template <class Path>
 CLI::Option* add_file_option(CLI::App& sub, const std::string& name, Path& file, const std::string& what) {
-    const CLI::Validator named([](std::string& text) { return text.empty() ? "names no file" : ""; }, "");
-    return sub.add_option(name, file, what)->check(named)->type_name("FILE");
+    const auto read = [](std::string& text) {
+        text = typed_path(text);
+        return text.empty() ? "names no file" : "";
+    };
+    return sub.add_option(name, file, what)->transform(CLI::Validator(read, ""))->type_name("FILE");
 }
 
 /// Refuses file names without one of these endings, because other programs use them to recognise `what`.

@@ -444,7 +444,7 @@ Result<ServeOptions> read_options(const ServeTyped& typed) {
     TRY_ASSIGN(const auto words, read_words(typed, options));
     if (words.empty() && !typed.hls)
         return usage_error(
-            "where is it to be sent? use, for one, tcp://0.0.0.0:7000 behind CLIP, or --hls DIR");
+            "no destination: add a URL after CLIP, such as tcp://0.0.0.0:7000, or --hls FOLDER");
     TRY(read_hls(typed, options));
     bool has_srt = false;
     for (const std::string& each : words) {

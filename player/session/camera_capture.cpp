@@ -105,7 +105,7 @@ Result<ClipChoice::LiveCamera> read_replay(const std::string& words) {
         return usage_error("camera 'replay' needs a recording: replay:PATH, with a clip or folder of images");
     const auto given = HandOptions::parse("camera 'replay'", keys, replay_keys);
     if (!given) return given.error();
-    ClipChoice::LiveCamera camera{{}, recording, {}};
+    ClipChoice::LiveCamera camera{{}, typed_path(recording), {}};
     CameraDelivery& delivery = camera.delivery;
     if (given->given("fps")) delivery.rate = rate_of(given->number("fps"));
     delivery.jitter_ns = nanoseconds_of(given->number("jitter") * 1e-3);
@@ -190,6 +190,10 @@ Result<ClipChoice::LiveCamera> read_live_camera(const std::string& words) {
     if (words.starts_with(replay_kind)) return read_replay(words);
     if (words.starts_with(pipe_kind) || words.starts_with(tcp_kind)) return read_sender(words);
     if (words.starts_with(stream_kind)) return read_stream(words);
+    const bool is_number = !words.empty() && words.find_first_not_of("0123456789") == std::string::npos;
+    if (is_number || words.starts_with("/dev/video"))
+        return usage_error("unknown camera '" + printable(words) + "': did you mean v4l2:" +
+                           (is_number ? "/dev/video" : "") + printable(words) + "?");
     return usage_error("unknown camera '" + printable(words) +
                        "'; there are v4l2:/dev/videoN, one that is plugged in (touchable cameras lists "
                        "them), pipe:CMD and tcp://HOST:PORT, programs that send framesets, stream:ADDRESS, "

@@ -547,6 +547,17 @@ TEST_F(ConvertCommand, ConvertsRequestedPart) {
               }()));
 }
 
+/// As a file manager copies it.
+TEST_F(ConvertCommand, TakesFileUrls) {
+    make("globe");
+    fs::rename(at("clip.mkv"), at("my clip.mkv"));
+    const std::string url = "file://" + at("my%20clip.mkv");
+    convert({url, "file://localhost" + at("out/a%20b.mkv")});
+    EXPECT_TRUE(fs::exists(at("out/a b.mkv")));
+    EXPECT_EQ(run_touchable({"info", url}).code, 0);
+    EXPECT_EQ(run_touchable({"init-scene", url, "--out", at("out/s.json")}).code, 0);
+}
+
 TEST_F(ConvertCommand, RejectsInvalidOptions) {
     make("globe");
     const std::string clip = at("clip.mkv");

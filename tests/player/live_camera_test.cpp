@@ -97,12 +97,16 @@ TEST(LiveCameraWords, ParseOrNameTheFault) {
     EXPECT_EQ(delivery.drop, 0.1);
     EXPECT_EQ(delivery.stall_ns, 2'000'000'000);
     EXPECT_EQ(delivery.resume_ns, 3'500'000'000);
+    EXPECT_EQ(read_live_camera("replay:file:///a%20b.mkv,fps=3")->recording, "/a b.mkv");
     EXPECT_FALSE(read_live_camera("replay:a.mkv")->delivery.rate.has_value()) << "the recording's own";
     for (const auto& [words, fragment] : std::vector<std::pair<const char*, const char*>>{
              {"webcam",
               "unknown camera 'webcam'; there are v4l2:/dev/videoN, one that is plugged in (touchable "
               "cameras lists them), pipe:CMD and tcp://HOST:PORT, programs that send framesets, "
               "stream:ADDRESS, what touchable serve sends, and replay:PATH"},
+             {"/dev/video0,fps=30",
+              "unknown camera '/dev/video0,fps=30': did you mean v4l2:/dev/video0,fps=30?"},
+             {"2", "unknown camera '2': did you mean v4l2:/dev/video2?"},
              {"replay:,fps=3", "needs a recording"},
              {"replay:a,fps=0", "fps takes 0.1 to 1000 frames/s"},
              {"replay:a,drop=1", "drop takes 0 to 0.99 of the frames"},

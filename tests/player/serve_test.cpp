@@ -284,7 +284,7 @@ TEST_F(ServeCommand, RejectsInvalidOptions) {
         EXPECT_NE(run.err.find(why), std::string::npos) << run.err;
     };
     refused({}, "what is to be sent?");
-    refused({clip}, "where is it to be sent?");
+    refused({clip}, "no destination: add a URL after CLIP, such as tcp://0.0.0.0:7000, or --hls FOLDER");
     refused({clip, "--camera", "replay:" + clip, "tcp://127.0.0.1:0"}, "leave one of them out");
     refused({"--camera", "replay:" + clip, "tcp://127.0.0.1:0", "--loop"}, "--loop is for clips");
     refused({clip, "tcp://127.0.0.1"}, "with a port");

@@ -261,6 +261,13 @@ TEST(StreamClip, ReportsMissingSender) {
     EXPECT_TRUE(is_refused(open("tcp://127.0.0.1:" + std::to_string(port)), "does the sender listen there?"));
 }
 
+TEST(StreamClip, ReportsUnknownHost) {
+    const std::string host(70, 'x');  // longer than any: no name server is asked
+    for (const std::string& url :
+         {"tcp://" + host + ":7000", "http://" + host + "/a", "srt://" + host + ":1"})
+        EXPECT_TRUE(message(open_clip(url)).ends_with(": no connection: no host of that name")) << url;
+}
+
 TEST(StreamClip, FollowsNoRedirect) {
     for (const char* to : {"file:///etc/passwd", "http://127.0.0.2:1/", "tcp://127.0.0.1:1"}) {
         const LoopbackSender sender([&](const LoopbackSender::Listener& listener, int) {

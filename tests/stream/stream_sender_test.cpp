@@ -578,6 +578,13 @@ TEST(StreamUrl, HidesPassphraseInName) {
     EXPECT_EQ(without_passphrase("clip.mkv"), "clip.mkv");
 }
 
+TEST(TypedPath, IsThatOfFileUrl) {
+    EXPECT_EQ(typed_path("file:///a/my%20clip%25.mkv"), "/a/my clip%.mkv");
+    EXPECT_EQ(typed_path("file://localhost/a.mkv"), "/a.mkv");
+    for (const char* const other : {"file://host/a%20b", "file:a%20b", "a%20b.mkv", "tcp://h:1?a=%20", ""})
+        EXPECT_EQ(typed_path(other), other);
+}
+
 TEST(StreamUrl, RejectsInvalid) {
     for (const char* const words :
          {"tcp://host", "tcp://host:", "tcp://host:65536", "tcp://host:-1", "tcp://host:1x", "tcp://host:1/a",
@@ -586,6 +593,19 @@ TEST(StreamUrl, RejectsInvalid) {
           "rtmp://h/a"}) {
         EXPECT_TRUE(is_refused(read_stream_url(words), "", ErrorKind::usage)) << words;
     }
+    const std::string read = "; streams begin with tcp://, http://, https://, srt://, udp://, pipe:";
+    for (const std::string begin : {"rtsp://", "rtmp://", "ws://", "ftp://", "tcp:/"}) {
+        EXPECT_TRUE(is_stream_url(begin + "h:1/x")) << begin;
+        EXPECT_TRUE(is_refused(read_stream_url(begin + "h:1/x"), ": " + begin + " is not read" + read,
+                               ErrorKind::usage));
+    }
+    EXPECT_TRUE(is_refused(read_stream_url("srt://h:1?latncy=1"),
+                           "no setting \"latncy=1\" (did you mean latency?); there are mode, latency, "
+                           "passphrase, pbkeylen, streamid",
+                           ErrorKind::usage));
+    EXPECT_TRUE(test::message(read_stream_url("srt://h:1?latncy=1")).ends_with("streamid"));
+    for (const char* const path : {"file:///a/clip.mkv", "C:/clip.mkv", "notes:/clip.mkv", "a/b://c"})
+        EXPECT_FALSE(is_stream_url(path)) << path;
     EXPECT_FALSE(is_stream_url("clip.mkv"));
     EXPECT_FALSE(is_stream_url("folder/tcp"));
     EXPECT_TRUE(is_stream_url("tcp://anything"));
