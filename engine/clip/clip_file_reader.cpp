@@ -302,7 +302,7 @@ private:
         first_.reset();
         TRY(open_tracks());
         TRY_ASSIGN(auto frame, read());
-        if (!frame) return refuse("has no frames");
+        if (!frame) return refuse(why_without_frames(whole_ && whole_->is_cut));
         first_ = std::move(*frame);
         return {};
     }

@@ -36,6 +36,11 @@ inline constexpr const char* mp4_times_tag = "T3D_TIMES";  ///< frame_times_text
 /// version 2.
 inline constexpr int mp4_format_version = 3;
 
+/// The error of a file without a frame, behind its name.
+inline std::string why_without_frames(bool is_cut) {
+    return is_cut ? "is truncated: it ends before its first whole frame" : "has no frames";
+}
+
 /// `told`: the tracks of each plane, instead of the file's own statement.
 std::unique_ptr<ClipContainer> mp4_container(const SourceFile& file,
                                              const std::optional<PlaneTracks>& told = {});

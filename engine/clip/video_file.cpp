@@ -6,6 +6,7 @@
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "engine/clip/containers.hpp"
 #include "engine/clip/track_codecs.hpp"
 #include "engine/clip/tracks.hpp"
 
@@ -192,7 +193,7 @@ Result<void> VideoFile::read_times() {
                                ": has no time: must have one in the container");
         frames.emplace_back(time, (read.flags & AV_PKT_FLAG_KEY) != 0);
     }
-    if (frames.empty()) return input_error(file_.string() + ": has no frames");
+    if (frames.empty()) return input_error(file_.string() + ": " + why_without_frames(demuxer_->is_cut()));
     std::ranges::sort(frames);
     for (const auto& [time, is_key] : frames) {
         if (is_key) keys_.push_back(count());

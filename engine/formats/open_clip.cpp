@@ -13,6 +13,10 @@
 // frames are brought onto one pinhole camera. guess_clip goes as far as `describe`.
 
 #include "engine/formats/open_clip.hpp"
+
+#include <unistd.h>
+#include <cerrno>
+
 #include "engine/picture/image.hpp"
 
 #include "engine/base/threads.hpp"
@@ -55,10 +59,16 @@ Hints of_bare_pictures() {
 Result<bool> leads_to_folder(const fs::path& path) {
     std::error_code failure;
     const auto status = fs::status(path, failure);
-    if (!fs::exists(status)) return input_error(path.string() + ": does not exist");
-    if (fs::is_directory(status)) return true;
-    if (fs::is_regular_file(status)) return false;
-    return input_error(path.string() + ": is neither a file nor a folder");
+    if (status.type() == fs::file_type::not_found) return input_error(path.string() + ": does not exist");
+    const bool is_folder = fs::is_directory(status);
+    if (!failure && ::euidaccess(path.c_str(), is_folder ? R_OK | X_OK : R_OK) != 0)
+        failure = {errno, std::generic_category()};
+    if (failure) return input_error(path.string() + ": " + failure.message());
+    if (is_folder || fs::is_regular_file(status)) return is_folder;
+    return input_error(path.string() + ": is neither a file nor a folder" +
+                       (fs::is_fifo(status)
+                            ? ", but a pipe: read it as -, touchable play - < " + shell_word(path.string())
+                            : ""));
 }
 
 bool is_scene_file(const fs::path& path) {
@@ -497,8 +507,14 @@ Opened open_zip_folder(const ZipPlace& place, const std::optional<fs::path>& sce
 
 Opened open_path(const fs::path& path, const std::optional<fs::path>& scene_file,
                  const OpenSettings& wanted) {
-    if (is_stream_url(path.string())) {
-        TRY_ASSIGN(const auto url, read_stream_url(path.string()));
+    std::string name = path.string();
+    std::error_code ignored;
+    // What a shell makes of <(COMMAND).
+    if (constexpr std::string_view descriptors = "/dev/fd/";
+        name.starts_with(descriptors) && fs::is_fifo(path, ignored))
+        name.replace(0, descriptors.size(), "pipe:");
+    if (is_stream_url(name)) {
+        TRY_ASSIGN(const auto url, read_stream_url(name));
         std::optional<GuessedScene> scene;
         if (scene_file) {
             TRY_ASSIGN(auto described, read_scene_file(*scene_file));

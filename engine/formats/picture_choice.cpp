@@ -1,5 +1,8 @@
 // Chooses which pictures are depth, and which are colour, by their names and by what they hold.
 
+#include <unistd.h>
+#include <cerrno>
+
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -201,6 +204,10 @@ Result<void> find_left_out(std::vector<const PictureGroup*> depths, const std::v
 
 /// The error for a folder without depth: what it has, and what to do.
 Error without_depth(const fs::path& folder, const std::vector<PictureGroup>& groups) {
+    std::error_code failure;
+    for (const auto& entry : fs::directory_iterator(folder, failure))
+        if (entry.is_directory(failure) && ::euidaccess(entry.path().c_str(), R_OK | X_OK) != 0)
+            return input_error(entry.path().string() + ": " + std::generic_category().message(errno));
     std::string message =
         folder.string() + ": no pictures of depth were found (there are " + found_there(groups);
     const std::string elsewhere = found_elsewhere(folder);

@@ -256,9 +256,7 @@ Result<MatroskaEnd> check_segment(ElementReader& reader, const Element& segment,
     bool has_cluster = false;
     const auto cut_here = [&](std::uint64_t at) -> Result<MatroskaEnd> {
         if (!is_stated || has_cluster) return MatroskaEnd{at, is_stated, true};
-        return input_error(file + ": is truncated: it has " +
-                           std::to_string(reader.length() - segment.content) + " of " +
-                           std::to_string(segment.size) + " bytes, and no whole cluster of frames");
+        return input_error(file + ": is truncated: it ends before its first whole frame");
     };
     while (position < end) {
         const auto damaged = [&file, position] {

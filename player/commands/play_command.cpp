@@ -112,10 +112,10 @@ Result<void> read_list(const PlayWords& words, PlayOptions& options) {
     std::vector<fs::path> files = clips_of(options.session.clip.file);
     for (const auto& word : words.more_clips)
         for (auto& file : clips_of(word)) files.push_back(std::move(file));
-    std::error_code ignored;
+    std::error_code failure;
     for (const auto& file : files)
-        if (!is_stream_url(file.string()) && !fs::exists(file, ignored))
-            return input_error(file.string() + ": does not exist");
+        if (!is_stream_url(file.string()) && !fs::exists(file, failure))
+            return input_error(file.string() + ": " + (failure ? failure.message() : "does not exist"));
     options.session.clip.file = files.front();
     for (std::size_t k = 1; k < files.size(); ++k)
         options.next_clips.emplace_back(options.session.clip).file = files[k];

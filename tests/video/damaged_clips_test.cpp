@@ -97,6 +97,35 @@ TEST(ClipDamage, CutEndsWithLastCluster) {
     }
 }
 
+/// As a copy that is still under way leaves it.
+TEST(ClipDamage, NamesTruncationAtEveryPercentage) {
+    const TemporaryFolder folder;
+    const ClipStorage in_fragments{.archive = Archive::fast, .exact_colour = true, .fragmented = true};
+    for (const auto& [name, storage] :
+         {std::pair{"a.mkv", exact_clip}, {"a.mp4", exact_clip}, {"b.mp4", in_fragments}})
+        for (const Planes& planes : {Planes{}, Planes{true, true, false, false}}) {
+            const std::string file = folder / name;
+            ASSERT_EQ(message(write_all(
+                          create_named_clip(file, small_scene(64, 48, 16), storage, Existing::replace),
+                          test_frames(small_scene(64, 48, 16), 12, planes))),
+                      "");
+            const std::string bytes = read_bytes(file);
+            const bool is_mkv = file.ends_with("mkv");
+            int refused = 0;
+            for (std::size_t share = 1; share < 100; ++share) {
+                write_anew(file, bytes.substr(0, bytes.size() * share / 100));
+                const auto frames = read_clip(file);
+                if (frames) continue;
+                ++refused;
+                const std::string said = message(frames);
+                EXPECT_TRUE(said.ends_with("is truncated: it ends before its first whole frame") ||
+                            (!is_mkv && said.ends_with("is truncated, or no QuickTime or MP4 file")))
+                    << share << " %: " << said;
+            }
+            EXPECT_GT(refused, 0);
+        }
+}
+
 /// As a writer that was stopped leaves it: the segment's size and the duration not filled in.
 TEST(ClipDamage, NamesIncompleteClip) {
     const Subject subject(8, 3, 16);
@@ -207,6 +236,40 @@ TEST(ClipDamage, RejectsOtherFiles) {
     EXPECT_TRUE(is_refused(open_clip(folder / "noise.mkv"), "is not a Matroska file"));
     EXPECT_TRUE(is_refused(open_clip(folder / "none.mkv"), "does not exist"));
     EXPECT_TRUE(is_refused(open_clip("/dev/null"), "is neither a file nor a folder"));
+    ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+    EXPECT_TRUE(is_refused(open_clip(folder / "pipe"), "but a pipe: read it as -, touchable play - < "));
+}
+
+/// Any user but root, for whom no file is closed.
+class PlainUser {
+public:
+    PlainUser() { is_plain = geteuid() != 0 || seteuid(65534) == 0; }
+    ~PlainUser() {
+        EXPECT_TRUE(getuid() != 0 || seteuid(0) == 0);
+    }
+    bool is_plain = false;
+};
+
+TEST(OpenClip, NamesMissingPermission) {
+    namespace fs = std::filesystem;
+    const TemporaryFolder folder;
+    const std::string secret = folder / "secret", outer = folder / "outer", file = folder / "file.mkv";
+    const std::string inner = outer + "/depth", inside = secret + "/clip.mkv";
+    fs::create_directories(secret);
+    fs::create_directories(inner);
+    write_bytes(file, "");
+    write_bytes(inside, "");
+    fs::permissions(folder.path(), fs::perms::all);
+    const std::vector<std::string> closed{secret, inner, file};
+    for (const std::string& each : closed) fs::permissions(each, fs::perms::none);
+    {
+        const PlainUser user;
+        if (!user.is_plain) GTEST_SKIP() << "the system gives no other user";
+        for (const std::string& each : {inside, secret, file})
+            EXPECT_EQ(message(open_clip(each)), each + ": Permission denied");
+        EXPECT_EQ(message(open_clip(outer)), inner + ": Permission denied");
+    }
+    for (const std::string& each : closed) fs::permissions(each, fs::perms::owner_all);
 }
 
 struct ClipWriting : ::testing::Test {
