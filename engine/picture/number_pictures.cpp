@@ -745,6 +745,12 @@ Result<ArrayPictures> pictures_of_array(const std::vector<std::int64_t>& extents
     if (shape[2] <= 4 && shape[1] > 4 && shape[0] > 4)
         return input_error(where + ": is an array of " + shape_text(extents) + ", with " +
                            std::to_string(shape[2]) + " numbers a pixel: must have one");
+    // Pictures are not so tall, and none would be seen as wrong: they would be slices across all frames.
+    constexpr std::int64_t tallest = 3;
+    if (extents.size() == 3 && tallest * shape[2] <= std::min(shape[0], shape[1]))
+        return input_error(where + ": is an array of " + shape_text(extents) +
+                           ", whose last axis seems to count its pictures: must be count x height x width, "
+                           "numpy.moveaxis(array, -1, 0)");
     TRY(check_picture_size(shape[2], shape[1], where));
     return ArrayPictures{shape[0], static_cast<int>(shape[2]), static_cast<int>(shape[1])};
 }

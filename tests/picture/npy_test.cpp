@@ -190,6 +190,20 @@ TEST_F(Npy, FindsDepthAmongArrays) {
     for (const auto& [name, words] : cases) EXPECT_TRUE(has_words(refusal(name), words));
 }
 
+/// Such an array would be slices across all frames, in which nothing looks wrong.
+TEST(NpyShape, RefusesFramesAsLastAxis) {
+    const auto refusal = [](const std::string& shape) {
+        return message(decode_stored_image(npy_header("<u2", shape), "picture"));
+    };
+    for (const char* shape : {"480, 640, 6", "240, 320, 80", "48, 64, 16"})
+        EXPECT_TRUE(has_words(refusal(shape),
+                              ", whose last axis seems to count its pictures: must be count x "
+                              "height x width, numpy.moveaxis(array, -1, 0)"))
+            << shape;
+    for (const char* shape : {"6, 480, 640", "300, 480, 640", "480, 64, 48", "300, 1280, 590", "1, 480, 100"})
+        EXPECT_TRUE(has_words(refusal(shape), "is cut short")) << shape;
+}
+
 TEST(NpyDamage, IsFoundBeforeAllocating) {
     const LimitedMemory little(64);
     const auto refusal = [](const std::string& shape) {
