@@ -351,6 +351,7 @@ private:
         if (known_.intrinsics) {
             TRY_ASSIGN(const Intrinsics named, named_intrinsics());
             take(named, "the camera that was said");
+            if (!known_.file.empty()) say_middle(named, printable(known_.file.filename().string()));
             const Camera& camera = scene_.camera;
             const auto is_far = [](double at, int side) { return at < -0.5 * side || at > 1.5 * side; };
             if (is_far(camera.cx, scene_.width) || is_far(camera.cy, scene_.height))
@@ -365,6 +366,7 @@ private:
         } else if (beside_.camera) {
             const std::string name = printable(beside_.file.filename().string());
             take(file_.intrinsics, name);
+            say_middle(file_.intrinsics, name);
             std::error_code ignored;
             const fs::path here = fs::weakly_canonical(folder.empty() ? fs::path(".") : folder, ignored);
             fs::path from_here = beside_.file.lexically_relative(here);
@@ -388,6 +390,14 @@ private:
         }
         tell_of_unused();
         return {};
+    }
+
+    /// Of a camera's file that states focal lengths alone.
+    void say_middle(const Intrinsics& camera, const std::string& file) {
+        if (camera.cx && camera.cy) return;
+        say("the principal point is the middle of the picture, " + short_number(scene_.camera.cx) + ", " +
+                short_number(scene_.camera.cy) + ", as " + file + " states none",
+            Hints{{Setting::intrinsics, "FX,FY,CX,CY"}});
     }
 
     void tell_of_unused() {

@@ -62,6 +62,25 @@ protected:
 /// Half a code, at most twice as far away as it is deep.
 constexpr double half_a_code = 0.001;
 
+TEST_F(CameraSidecar, TellsGuessedPrincipalPoint) {
+    const std::string file = folder / "camera.json";
+    const std::string words =
+        "the principal point is the middle of the picture, 31.5, 23.5, as camera.json "
+        "states none";
+    write_bytes(file, R"({"fx": 50, "fy": 52})");
+    SourceDescription known;
+    known.file = file;
+    known.intrinsics = must(read_intrinsics(file));
+    for (const Scene& scene : {guess().scene, must(guess_folder(folder.path(), known)).scene}) {
+        const auto said = std::ranges::find(scene.remarks, words, &Remark::what);
+        ASSERT_NE(said, scene.remarks.end());
+        EXPECT_TRUE(said->is_guess);
+        EXPECT_EQ(said->hints.at(0).value, "FX,FY,CX,CY");
+    }
+    write_bytes(file, R"({"fx": 50, "fy": 52, "cx": 31.5, "cy": 23.5})");
+    EXPECT_FALSE(has_remark(guess().scene, "the middle of the picture"));
+}
+
 TEST_F(CameraSidecar, ReadsEveryProgram) {
     const std::pair<const char*, const char*> files[] = {
         // librealsense's and Open3D's JSON; Open3D's matrix goes column by column.
