@@ -28,14 +28,15 @@ namespace fs = std::filesystem;
 // Beginnings of remarks, by which guessed_in and doubts_unit recognise them.
 constexpr std::string_view doubt_mark = "the median depth is ", no_scale_mark = "depth has no scale",
                            direction_guess_mark = "values are lengths, though they are larger",
-                           code_guess_mark = "a code is ", value_guess_mark = "values are ",
+                           code_guess_mark = "a code is ", median_guess_mark = "depth codes are ",
+                           value_guess_mark = "values are ",
                            axis_guess_mark = "depth goes along the camera's axis",
                            range_guess_mark = "depth goes along each pixel's ray",
                            preset_guess_mark = "depth is as preset ",
                            disparity_guess_mark = "depth is disparities, as the name says",
                            colour_guess_mark = "colour lies on depth's pixels";
-/// Begins what a remark on a unit says of other units that fit.
-constexpr std::string_view other_units_mark = "that is ";
+/// In what a remark on a unit says of other units that fit.
+constexpr std::string_view other_units_mark = " m if ";
 constexpr double most_of_lengths = 1.05;                 // lower third of a picture over the upper
 constexpr double assumed_near = 0.5, assumed_far = 1.5;  // metres, of depth without a scale
 
@@ -574,11 +575,9 @@ private:
             const bool may_be_centimetres = !metres && values.median < least_millimetres;
             set_metric(metres ? 1 : 0.001);
             say(std::string(value_guess_mark) + (metres ? "metres" : "millimetres") +
-                    ", as their median is " + short_number(values.median),
-                may_be_centimetres
-                    ? std::string(other_units_mark) + short_number(0.001 * values.median, 3) + " m; " +
-                          short_number(0.01 * values.median, 3) + " m if they are centimetres"
-                    : "",
+                    median_in_words(values, metres ? 1 : 0.001),
+                may_be_centimetres ? short_number(0.01 * values.median, 3) + " m if they are centimetres"
+                                   : "",
                 may_be_centimetres ? Hints{{Setting::depth_unit, "0.01"}} : otherwise);
             // The lower part of a picture is mostly nearer.
             if (values.lower > most_of_lengths * values.upper && !are_points_)
@@ -593,11 +592,18 @@ private:
         }
     }
 
+    static std::string median_in_words(const EstimatedValues& values, double unit) {
+        return ": their median, " + short_number(values.median) + ", would be " +
+               short_number(values.median * unit, 3) + " m";
+    }
+
     /// Tells the guessed unit of 16-bit values and others that fit, with the scene's size in each.
     void say_unit(const EstimatedValues& values, double unit) {
-        const std::string guess = std::string(code_guess_mark) + short_number(1000 * unit) + " mm, as ";
+        const std::string millimetres = short_number(1000 * unit) + " mm";
         if (!list_.empty()) {
-            say(guess + "recordings with a " + list_ + " have it (TUM RGB-D)", Hints{{Setting::depth_unit}});
+            say(std::string(code_guess_mark) + millimetres + ", as recordings with a " + list_ +
+                    " have it (TUM RGB-D)",
+                Hints{{Setting::depth_unit}});
             return;
         }
         constexpr double near_for_a_camera = 1000, far_for_a_room = 3000;  // of a median, millimetres
@@ -627,7 +633,7 @@ private:
         Hints hints;
         for (const auto& [is_possible, other, when] : readings) {
             if (!is_possible) continue;
-            others += "; " + size(*parsed_number(other)) + ' ' + when;
+            others += (others.empty() ? "" : "; ") + size(*parsed_number(other)) + ' ' + when;
             // The preset knows that the sky is no depth.
             if (std::string_view(other) == "0.01")
                 hints.push_back({Setting::preset, "vkitti"});
@@ -640,8 +646,9 @@ private:
             hints.push_back({Setting::preset, "depth16"});
         }
         if (hints.empty()) hints = {{Setting::depth_unit}};
-        say(guess + "their median is " + short_number(values.median),
-            others.empty() ? "" : std::string(other_units_mark) + size(unit) + others, std::move(hints));
+        say(std::string(median_guess_mark) + (is_millimetre ? "millimetres" : millimetres) +
+                median_in_words(values, unit),
+            std::move(others), std::move(hints));
     }
 
     /// Guesses the unit by the values' divisor: cameras measure whole millimetres, and files may have these
@@ -970,8 +977,9 @@ Guessed guessed_in(const Remark& remark) {
     if (begins(direction_guess_mark)) return Guessed::direction;
     if (begins(no_scale_mark) || begins(hue_guess_mark)) return Guessed::scale;
     if (begins(preset_guess_mark) || begins(disparity_guess_mark)) return Guessed::storage;
-    if (begins(code_guess_mark) || begins(value_guess_mark))
-        return remark.otherwise.starts_with(other_units_mark) ? Guessed::unclear_unit : Guessed::unit;
+    if (begins(code_guess_mark) || begins(median_guess_mark) || begins(value_guess_mark))
+        return remark.otherwise.find(other_units_mark) != std::string::npos ? Guessed::unclear_unit
+                                                                            : Guessed::unit;
     if (begins(camera_guess_mark) || begins(camera_choice_mark)) return Guessed::camera;
     if (begins(axis_guess_mark) || begins(range_guess_mark)) return Guessed::axis;
     return begins(colour_guess_mark) ? Guessed::colour_place : Guessed::little;

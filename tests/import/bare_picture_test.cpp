@@ -181,7 +181,7 @@ TEST_F(BarePicture, MakesRendererBackgroundAHole) {
         write_bytes(own / name, ball_file(std::string(name).ends_with("pfm"), background));
         auto reader = must(open_clip(own / name));
         const Scene& scene = reader->scene();
-        EXPECT_TRUE(is_noted(*reader, "values are metres, as their median is 6"));
+        EXPECT_TRUE(is_noted(*reader, "values are metres: their median, 6"));
         EXPECT_TRUE(is_noted(*reader, "% of the pixels are background"));
         EXPECT_NEAR(scene.depth.far, 6.3, 1e-6);
         const auto frames = must(read_all(*reader));
@@ -219,6 +219,21 @@ TEST_F(BarePicture, ReadsGreyJpegWithNote) {
         }
 }
 
+/// Scene files keep remarks in the words of the release that wrote them.
+TEST(Guesses, AreRecognisedInOldWords) {
+    const auto of = [](const char* what, const char* otherwise) {
+        return guessed_in({what, true, otherwise, {}});
+    };
+    EXPECT_EQ(
+        of("a code is 1 mm, as their median is 418", "that is 0.418 m; 1.63 m if 256 codes are a metre"),
+        Guessed::unclear_unit);
+    EXPECT_EQ(of("depth codes are millimetres: their median, 418, would be 0.418 m",
+                 "1.63 m if 256 codes are a metre"),
+              Guessed::unclear_unit);
+    EXPECT_EQ(of("a code is 1 mm, as their median is 2000", ""), Guessed::unit);
+    EXPECT_EQ(of("depth codes are millimetres: their median, 2000, would be 2 m", ""), Guessed::unit);
+}
+
 TEST_F(BarePicture, GuessesCameraAndUnit) {
     Samples memory;
     const PlaneView plane = write_picture(folder / "my.png", memory);
@@ -227,7 +242,7 @@ TEST_F(BarePicture, GuessesCameraAndUnit) {
     EXPECT_NEAR(scene.camera.fx, 10 / std::tan(M_PI / 6), 1e-12);
     EXPECT_EQ(scene.depth.depth(1000), 1);
     EXPECT_TRUE(is_noted(*reader, "sees 60 degrees from left to right"));
-    EXPECT_TRUE(is_noted(*reader, "a code is 1 mm"));
+    EXPECT_TRUE(is_noted(*reader, "depth codes are millimetres: their median, "));
     EXPECT_TRUE(is_noted(*reader, "0 and 65535 are no depth"));
     EXPECT_TRUE(same_plane(read_all(*reader)->at(0).depth, plane));
     SourceDescription wide;

@@ -500,7 +500,7 @@ TEST_F(ValueEvidence, KeepsSmallMillimetres) {
     write_words(folder / "a.png", [&](int x, int y) { return millimetres_of(room(x, y) / 2.5); });
     const std::string notes = expect_depths(
         folder / "a.png", [](int x, int y) { return millimetres_of(room(x, y) / 2.5) / 1e3; }, 1e-6);
-    EXPECT_TRUE(has_words(notes, "a code is 1 mm"));
+    EXPECT_TRUE(has_words(notes, "depth codes are millimetres"));
     write_words(folder / "b.png",
                 [&](int x, int y) { return x < 8 ? 2047U : 1000U + static_cast<unsigned>(10 * x + 7 * y); });
     expect_depths(
@@ -657,7 +657,7 @@ TEST_F(ValueEvidence, PrefersStatedUnit) {
         std::filesystem::create_directories((folder.path() / name).parent_path());
         write_words(folder / name, millimetres);
     }
-    EXPECT_DOUBLE_EQ(scale_of("disp/depth_1.png", "a code is 1 mm"), 0.001);
+    EXPECT_DOUBLE_EQ(scale_of("disp/depth_1.png", "depth codes are millimetres"), 0.001);
     EXPECT_DOUBLE_EQ(scale_of("range/kinect.png", "if it goes along each pixel's ray"), 0.001);
     EXPECT_DOUBLE_EQ(scale_of("range/1.png", "each pixel's ray, as the name says"), 0.001);
     EXPECT_DOUBLE_EQ(scale_of("depth_cm.png", "values are centimetres, as the name says"), 0.01);

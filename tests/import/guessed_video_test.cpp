@@ -67,7 +67,7 @@ TEST_F(GuessedVideo, TakesSixteenBitsAsMillimetres) {
     write_grey(folder / "d.mkv", "ffv1", AV_PIX_FMT_GRAY16LE, 3000);
     auto clip = must(open_clip(folder / "d.mkv"));
     EXPECT_EQ(clip->scene().depth.depth(1000), 1);
-    EXPECT_TRUE(is_noted(*clip, "a code is 1 mm"));
+    EXPECT_TRUE(is_noted(*clip, "depth codes are millimetres"));
     SourceDescription known;
     known.intrinsics = Intrinsics{.fx = 30, .fy = 31};
     known.metres_per_code = 0.0005;

@@ -557,7 +557,7 @@ TEST_F(LeRobot, OpensByVideoAndFolder) {
         EXPECT_TRUE(is_noted(*clip, "depth is LeRobot's, as info.json says"));
         EXPECT_TRUE(is_noted(*clip, "colour is ../../observation.images.wrist/chunk-000/file-000.mp4"));
         EXPECT_FALSE(is_noted(*clip, "changes values"));
-        EXPECT_FALSE(is_noted(*clip, "a code is"));
+        EXPECT_FALSE(is_noted(*clip, "codes are"));
         const auto first = must(clip->next());
         EXPECT_FALSE(first->colour.empty());
         ASSERT_EQ(message(clip->rewind()), "");

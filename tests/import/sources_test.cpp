@@ -42,6 +42,7 @@ std::string guessed_of(const std::vector<Remark>& remarks) {
     const std::pair<const char*, const char*> beginnings[] = {
         {"the camera sees ", "camera"},
         {"a code is ", "unit"},
+        {"depth codes are ", "unit"},
         {"values are ", "unit"},
         {"lengths are metres", "unit"},
         {"depth has no scale", "scale"},

@@ -249,7 +249,7 @@ TEST_F(ConvertCommand, KeepsGuessesMarked) {
         is_guessed(
             "the camera sees 60 degrees from left to right; if it sees 70, all shapes are 18 % too narrow"),
         1);
-    EXPECT_EQ(is_guessed("a code is 1 mm, as their median is 720"), 1);
+    EXPECT_EQ(is_guessed("depth codes are millimetres: their median, 720, would be 0.72 m"), 1);
     EXPECT_EQ(is_guessed("30 frames a second"), 1);
     convert({at("bare"), at("a.mkv")});
     convert({at("a.mkv"), at("b")});

@@ -302,7 +302,7 @@ TEST_F(BarePicture, CameraFileReplacesGuess) {
     const Outcome told = run_touchable({"info", picture()});
     EXPECT_NE(told.out.find("  note         " + own), std::string::npos) << told.out;
     EXPECT_NE(told.out.find("  note         " + scaled), std::string::npos) << told.out;
-    EXPECT_NE(told.out.find("verdict      good to touch if the unit is right (a code is 1 mm, "),
+    EXPECT_NE(told.out.find("verdict      good to touch if the unit is right (depth codes are millimetres: "),
               std::string::npos)
         << told.out;
     EXPECT_NE(run({"info", picture()}, {"--depth-unit", "0.001"})
@@ -330,8 +330,8 @@ TEST_F(BarePicture, VerdictWeighsEveryGuess) {
     };
     // 0.418 m, and 1.6 m if 256 codes are a metre.
     begins(verdict(picture(), {}),
-           "good to touch if the unit is right (a code is 1 mm, as their median is 418; that "
-           "is 0.418 m; 1.63 m if 256 codes");
+           "good to touch if the unit is right (depth codes are millimetres: their median, "
+           "418, would be 0.418 m; 1.63 m if 256 codes");
     ends(verdict(picture(), {}), " --depth-unit METRES; guessed too: the camera, range or planar");
     ends(verdict(picture(), {"--depth-unit", "0.001"}), " --fov DEGREES");
     begins(verdict(picture(), camera), "good to touch: ");
@@ -349,7 +349,7 @@ TEST_F(BarePicture, VerdictWeighsEveryGuess) {
     const std::string floats = folder / "floats.pfm";
     write_floats(floats, -0.4, 1);
     const std::string plain = verdict(floats, {"--intrinsics", "50,50"});
-    begins(plain, "good to touch if the unit is right (values are metres, ");
+    begins(plain, "good to touch if the unit is right (values are metres: ");
     ends(plain, "; guessed too: range or planar");
     ends(verdict(floats, {"--intrinsics", "50,50", "--depth-unit", "1"}),
          " --depth planar, or --depth range");
@@ -458,7 +458,8 @@ TEST_F(BarePicture, InitSceneWritesSceneFile) {
     const Outcome written = run_touchable({"init-scene", picture(), "--fov", "70"});
     ASSERT_EQ(written.code, 0) << written.err;
     EXPECT_NE(written.out.find("my.json"), std::string::npos);
-    EXPECT_NE(file_contents(folder / "my.json").find("guessed: a code is 1 mm"), std::string::npos);
+    EXPECT_NE(file_contents(folder / "my.json").find("guessed: depth codes are millimetres"),
+              std::string::npos);
     EXPECT_EQ(run_touchable({"info", folder / "my.json"}).code, 0);
     EXPECT_EQ(run_touchable({"init-scene", picture()}).code, 2) << "it is there already";
     EXPECT_EQ(run_touchable({"init-scene", picture(), "--overwrite"}).code, 0);
@@ -486,7 +487,7 @@ TEST_F(BarePicture, InitSceneDescribesPackedClip) {
     const std::string file = folder / "my clip.json";
     EXPECT_NE(written.out.find("touchable play " + as_typed + " --scene '" + file + "'"), std::string::npos)
         << written.out;
-    EXPECT_NE(written.out.find("guessed: a code is 1 mm"), std::string::npos) << written.out;
+    EXPECT_NE(written.out.find("guessed: depth codes are millimetres"), std::string::npos) << written.out;
     auto scene = nlohmann::json::parse(file_contents(file));
     EXPECT_FALSE(scene.contains("folder"));
     const auto forces = [&](const std::vector<std::string>& more) {

@@ -466,7 +466,7 @@ TEST_F(ClipVerification, OpensClipStartingBlank) {
     const auto json = verified({clip, "--fov", "60"});
     EXPECT_EQ(names(json), std::set<std::string>{"blank"});
     EXPECT_NE(json["findings"][0]["what"].get<std::string>().find("4 frames have"), std::string::npos);
-    EXPECT_NE(json["notes"].dump().find("a code is 1 mm"), std::string::npos) << json["notes"];
+    EXPECT_NE(json["notes"].dump().find("depth codes are millimetres"), std::string::npos) << json["notes"];
     EXPECT_EQ(run_touchable({"relief", clip, at("relief.mkv"), "--fov", "60"}).code, 0);
     const Outcome none = run_touchable({"info", recording({.from = 6}), "--fov", "60"});
     EXPECT_EQ(none.code, 3);
