@@ -32,9 +32,9 @@ bool is_too_fast(const FrameRate& rate);
 inline constexpr const char* mp4_scene_tag = "T3D_SCENE";  ///< the scene file's text
 inline constexpr const char* mp4_poses_tag = "T3D_POSES";  ///< timed_poses_text (engine/scene/scene.hpp)
 inline constexpr const char* mp4_times_tag = "T3D_TIMES";  ///< frame_times_text, of a variable rate
-/// From version 3 on, the scene has `hapticSurface` in Depth. Fragments, which have no scene, are still of
-/// version 2.
-inline constexpr int mp4_format_version = 3;
+/// From version 3 on, the scene has `hapticSurface` in Depth; from 4 on, its root is an OrderedGroup.
+/// Fragments, which have no scene, are still of version 2.
+inline constexpr int mp4_format_version = 4;
 
 /// The error of a file without a frame, behind its name.
 inline std::string why_without_frames(bool is_cut) {

@@ -139,7 +139,8 @@ private:
 
 bool is_scene_text(const Candidate& file) {
     constexpr std::size_t looked_at = 4096;
-    constexpr std::array<std::string_view, 5> words{"PROTO", "EXTERNPROTO", "DEF", "Group", "Shape"};
+    constexpr std::array<std::string_view, 6> words{"PROTO", "EXTERNPROTO",  "DEF",
+                                                    "Group", "OrderedGroup", "Shape"};
     const std::string bytes = first_bytes(file.source, looked_at);
     const std::string_view begin = without_mark(bytes);
     std::size_t at = 0;

@@ -65,9 +65,13 @@ private:
     const Node& node_;
 };
 
+bool is_group(const Node& node) {
+    return node.type == "Group" || node.type == "OrderedGroup";
+}
+
 /// The scene file that touchable wrote beside the Shape, a line each; empty if no WorldInfo is its own.
 std::string scene_file_in(const SceneTree& scene) {
-    const Field* children = scene.root->type == "Group" ? scene.root->field("children") : nullptr;
+    const Field* children = is_group(*scene.root) ? scene.root->field("children") : nullptr;
     for (const FieldValue& each : children ? children->values : std::vector<FieldValue>()) {
         const NodePtr* const child = std::get_if<NodePtr>(&each);
         if (!child || !*child || (*child)->type != "WorldInfo") continue;
@@ -102,23 +106,24 @@ NodePtr scene_file_node(const std::string& text) {
 /// The only Shape of a scene, or DepthImage; WorldInfo may stand beside it.
 Result<NodeView> only_shape(const SceneTree& scene) {
     const Node& root = *scene.root;
-    if (root.type != "Group") return NodeView(scene, root);
+    if (!is_group(root)) return NodeView(scene, root);
+    const std::string& name = root.type;
     const Node* shape = nullptr;
     const Field* children = root.field("children");
     for (const FieldValue& each : children ? children->values : std::vector<FieldValue>()) {
         const NodePtr* const held = std::get_if<NodePtr>(&each);
-        if (!held) return input_error("Group: is a PROTO whose children are no nodes");
+        if (!held) return input_error(name + ": is a PROTO whose children are no nodes");
         const NodePtr& child = *held;
         if (!child || child->type == "WorldInfo") continue;
         if (shape)
-            return input_error("Group: has a " + printable(shape->type) + " and a " + printable(child->type) +
-                               ": a touchable clip is one Shape");
+            return input_error(name + ": has a " + printable(shape->type) + " and a " +
+                               printable(child->type) + ": a touchable clip is one Shape");
         shape = child.get();
     }
-    if (!shape) return input_error("Group: has no Shape");
-    return shape->type == "Group"
-               ? Result<NodeView>(input_error("Group: stands in a Group: must have the Shape itself"))
-               : NodeView(scene, *shape);
+    if (!shape) return input_error(name + ": has no Shape");
+    if (is_group(*shape))
+        return input_error(shape->type + ": stands in a group: the root must have the Shape itself");
+    return NodeView(scene, *shape);
 }
 
 Result<void> read_depth(const NodeView& depth, ClipNodes& made) {
@@ -317,7 +322,7 @@ SceneTree scene_of(const ClipNodes& nodes, int width, int height) {
              {std::make_shared<Node>(
                  Node{.type = "Appearance", .fields = {{"texture", {texture_node(nodes.colour)}}}})}});
     shape.fields.push_back({"geometry", {std::make_shared<Node>(depth)}});
-    Node root{.type = "Group", .fields = {{"children", {std::make_shared<Node>(shape)}}}};
+    Node root{.type = "OrderedGroup", .fields = {{"children", {std::make_shared<Node>(shape)}}}};
     if (!nodes.scene_file.empty()) root.fields[0].values.emplace_back(scene_file_node(nodes.scene_file));
     return {clip_prototypes(width, height), std::make_shared<Node>(root)};
 }

@@ -63,8 +63,9 @@ Result<ClipNodes> clip_nodes_of(const SceneTree& scene);
 
 /// The same by prototypes, so that every reader of MPEG-4 accepts it: one without touch shows a rectangle
 /// with the clip's colour. The Appearance is MPEG-4's own: GPAC takes any node there for one, and a prototype
-/// crashes it. So `hapticSurface` is a field of the prototype Depth. Prototypes have the paper's initial
-/// values; all values are stated. `width`, `height`: of the picture, pixels.
+/// crashes it. So `hapticSurface` is a field of the prototype Depth. The root is an OrderedGroup: of a Group,
+/// GPAC's player with OpenGL shows an empty outline. Prototypes have the paper's initial values; all values
+/// are stated. `width`, `height`: of the picture, pixels.
 SceneTree scene_of(const ClipNodes& nodes, int width, int height);
 
 /// Object descriptors in scenes written here: the streams of colour, depth, haptic and height.

@@ -347,6 +347,23 @@ TEST(ClipNodes, WritePlainAppearance) {
     EXPECT_EQ(in_shape(scene_of(nodes, 64, 48), "appearance"), nullptr);
 }
 
+/// GPAC's player with OpenGL shows an empty outline of a Shape in a Group.
+TEST(ClipNodes, WriteOrderedGroup) {
+    EXPECT_EQ(scene_of(nodes_from(papers_scene), 64, 48).root->type, "OrderedGroup");
+}
+
+TEST(ClipNodes, ReadOrderedGroup) {
+    ClipNodes nodes = nodes_from(prototype_scene);
+    nodes.scene_file = "{\n}";
+    SceneTree scene = scene_of(nodes, 64, 48);
+    for (const char* root : {"OrderedGroup", "Group"}) {
+        scene.root->type = root;
+        const ClipNodes read = must(clip_nodes_of(scene_from(scene_text(scene))));
+        EXPECT_EQ(read.depth, nodes.depth) << root;
+        EXPECT_EQ(read.scene_file, nodes.scene_file) << root;
+    }
+}
+
 TEST(ClipNodes, RejectUnknownNamelessPrototypes) {
     SceneTree scene =
         scene_from("PROTO Proto1 [ field SFFloat field0 1 ] { Rectangle {} } Shape { geometry Proto1 {} }");
@@ -386,6 +403,9 @@ TEST(ClipNodes, RejectOtherLayouts) {
     EXPECT_EQ(layout_refusal("Group {}"), "Group: has no Shape");
     EXPECT_EQ(layout_refusal("Group { children [ Shape {} Shape {} ] }"),
               "Group: has a Shape and a Shape: a touchable clip is one Shape");
+    EXPECT_EQ(layout_refusal("OrderedGroup {}"), "OrderedGroup: has no Shape");
+    EXPECT_EQ(layout_refusal("OrderedGroup { children [ Group {} ] }"),
+              "Group: stands in a group: the root must have the Shape itself");
     EXPECT_EQ(layout_refusal("Shape { geometry Rectangle {} }"), "Shape: its geometry must be a Depth");
     EXPECT_EQ(layout_refusal(
                   "PROTO Depth [ field SFFloat focalLength 1 field SFFloat pixelWidth 1 field SFFloat "

@@ -219,6 +219,23 @@ TEST(Bifs, EncodesDepthImageAsGpac) {
     EXPECT_EQ(hex(encode_config(config_for(scene, 64, 48))), "083802000180");
 }
 
+/// Of the node's fields, children and order, the second is left out: a mask of 1, the children, 0.
+TEST(Bifs, EncodesOrderedGroup) {
+    std::string text(depth_image_scene), bytes(depth_image_bytes);
+    text.replace(text.find("Group"), 5, "OrderedGroup");
+    ASSERT_EQ(bytes.substr(0, 6), "c085a0");  // Group: number 1 of 3 bits
+    bytes.replace(0, 6, "c091a0");            // OrderedGroup: number 4
+    const SceneTree scene = scene_from(text);
+    EXPECT_EQ(hex(encoded(scene)), bytes);
+    const auto decoded = [&](std::string_view from) {
+        return must(decode_scene(bytes_of_hex(from), config_for(scene, 64, 48)));
+    };
+    SceneTree read = decoded(bytes);
+    EXPECT_EQ(read.root->type, "OrderedGroup");
+    read.root->type = "Group";
+    EXPECT_EQ(scene_text(read), scene_text(decoded(depth_image_bytes)));
+}
+
 TEST(Bifs, EncodesStillsAsGpac) {
     const SceneTree still = scene_from(still_scene), image = scene_from(depth_image_still_scene);
     EXPECT_EQ(hex(encoded(still)), still_bytes);
@@ -253,6 +270,8 @@ TEST(Bifs, RoundTripsScenes) {
             // a node that is used again, and lists long enough to be counted
             R"(Group { children [ Shape { appearance DEF look Appearance { texture DEF movie MovieTexture { url [1 2 3 4 5 6 7 8 9 10 11 12] } } }
                   Shape { appearance USE look } Shape { appearance Appearance { texture USE movie } } ] })",
+            // a root that draws in an order, and one below it
+            R"(OrderedGroup { children [ OrderedGroup { children [ WorldInfo {} ] } Shape {} ] order [2 1] })",
             // one of each type of field, in a prototype
             R"(PROTO All [ field SFBool a TRUE field SFFloat b 0.25 field SFTime c 1.5 field SFString d "say \"hi\"" field SFInt32 e -3
                   field SFVec3f f 1 2 3 field SFVec2f g 4 5 field SFColor h 0.5 0.25 1 field SFRotation i 0 1 0 2 field SFURL j "x.png"

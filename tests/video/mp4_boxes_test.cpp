@@ -169,7 +169,7 @@ TEST_F(Mp4File, DecodesExactlyByFfmpegAlone) {
     ASSERT_EQ(container->nb_streams, 7U);
     const AVDictionaryEntry* const version = av_dict_get(container->metadata, "T3D_VERSION", nullptr, 0);
     ASSERT_TRUE(version);
-    EXPECT_EQ(std::string(version->value), "3");
+    EXPECT_EQ(std::string(version->value), "4");
     for (int k = 0; k < 5; ++k) {
         const AVStream& stream = *container->streams[k];
         ASSERT_EQ(stream.codecpar->codec_type, AVMEDIA_TYPE_VIDEO) << k;
