@@ -458,7 +458,7 @@ typedef struct touch_writer {
 typedef struct touch_writer_settings {
     uint32_t struct_size; /**< sizeof this struct in your program; you set it */
     int32_t overwrite;       /**< 1: an existing file is replaced once this one is complete; 0, the default */
-    int32_t small;           /**< 1: fewer bytes instead of fast decoding; 0, the default */
+    int32_t small;           /**< 1: fewer bytes, but slow to write; 0, the default */
     int32_t exact_colour;    /**< 1: colour keeps every value; 0, the default: visually lossless */
     const int64_t *times_ns; /**< display times of frames at a variable rate, the first 0, each at least 1 ms after the
                                 previous one; NULL, the default: at the scene's rate */

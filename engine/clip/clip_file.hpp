@@ -54,8 +54,8 @@ Result<std::unique_ptr<ClipReader>> open_mp4_tracks(const SourceFile& file, cons
 
 /// What a clip's tracks are optimised for (docs/codecs.md).
 enum class Archive {
-    fast,   ///< quick to decode
-    small,  ///< few bytes: the smallest coding for each plane
+    fast,   ///< quick to encode and decode
+    small,  ///< few bytes, but slow to encode
 };
 
 /// How a clip's pictures are stored. Depth, haptic and height always keep every value.

@@ -225,7 +225,7 @@ Result<void> add_plane_stream(AVFormatContext& muxer, const TrackEncoder& encode
     av_dict_set(&stream->metadata, clip_tags::role_tag, name.c_str(), 0);
     av_dict_set(&stream->metadata, "title", name.c_str(), 0);
     if (coding != TrackCoding::h264_visual) av_dict_set(&stream->metadata, clip_tags::lossless_tag, "1", 0);
-    if (check.bytes_per_sample(role) == 2 && coding != TrackCoding::ffv1)
+    if (check.bytes_per_sample(role) == 2)
         av_dict_set_int(&stream->metadata, clip_tags::bits_tag,
                         role == PlaneRole::depth ? scene.depth_bits : 16, 0);
     stream->disposition = is_shown_by_players(role, check) ? AV_DISPOSITION_DEFAULT : 0;

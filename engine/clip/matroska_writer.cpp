@@ -31,7 +31,7 @@ std::vector<CodingOffer> offers_for(PlaneRole role, const PlaneView& first, cons
     // H.264's decoding time grows with its bytes: at half the bytes of the other it is as quick.
     if (fast && wide) return {{h264_quick, 2}, {rank_zstd}};
     if (fast) return {{h264_quick}};
-    if (wide) return {{h264_thrifty}, {ffv1}, {rank_zstd}};
+    if (wide) return {{h264_thrifty}, {rank_zstd_thrifty}};
     return {{h264_thrifty}, {ffv1}};
 }
 

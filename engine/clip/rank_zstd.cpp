@@ -180,10 +180,9 @@ bool RankZstdEncoder::pack(RankZstdMode mode) {
     }
     if (!context_) context_.reset(ZSTD_createCCtx());
     if (!context_) return false;
-    constexpr int level = 1;
     const std::size_t size =
         ZSTD_compressCCtx(context_.get(), newest_.memory.data() + head, newest_.memory.size() - head,
-                          bytes_.data(), bytes_.size(), level);
+                          bytes_.data(), bytes_.size(), level_);
     newest_.size = head + size;
     return !ZSTD_isError(size);
 }

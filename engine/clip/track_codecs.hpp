@@ -75,9 +75,12 @@ struct ZstdDeleter {
 /// The modes of the second version, by their numbers.
 enum class RankZstdMode : std::uint8_t { samples_by_gradient, ranks_by_left, ranks_by_gradient };
 
-/// Encodes the second version.
+/// Encodes the second version, at a level of zstd.
 class RankZstdEncoder {
 public:
+    static constexpr int quick = 1, thrifty = 19;
+    explicit RankZstdEncoder(int level = quick) : level_(level) {}
+
     /// The packet of a picture, valid until the next call; empty if memory runs out. With `choose` every mode
     /// is tried and the smallest packet taken, one of ranks, which takes longer to decode, only if it saves a
     /// 64th. Otherwise the last choice stands, unless packets have grown by a 16th since.
@@ -92,6 +95,7 @@ private:
     void find_ranks();
     bool pack(RankZstdMode mode);
 
+    int level_;
     std::unique_ptr<ZSTD_CCtx_s, ZstdDeleter> context_;
     int width_ = 0;
     std::vector<std::uint16_t> samples_, distinct_, ranks_;

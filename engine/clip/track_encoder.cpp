@@ -18,21 +18,15 @@ struct CodedForm {
     bool split;
 };
 
-/// The smallest grey format that holds the values as they are.
-AVPixelFormat grey_of(PlaneRole role, const Scene& scene) {
-    if (role == PlaneRole::height || scene.depth_bits > 12) return AV_PIX_FMT_GRAY16;
-    return scene.depth_bits > 10 ? AV_PIX_FMT_GRAY12 : AV_PIX_FMT_GRAY10;
-}
-
-CodedForm form_of(PlaneRole role, TrackCoding coding, const PlaneView& plane, const Scene& scene) {
-    const bool ffv1 = coding == TrackCoding::ffv1, wide = plane.bytes_per_sample == 2;
+CodedForm form_of(TrackCoding coding, const PlaneView& plane) {
+    const bool wide = plane.bytes_per_sample == 2;
     if (is_visual(coding)) {
         const bool even = plane.width % 2 == 0 && plane.height % 2 == 0;
         return {even ? AV_PIX_FMT_YUV420P : AV_PIX_FMT_YUV444P, plane.width, plane.height, false};
     }
     if (plane.channels == 3)
-        return {ffv1 ? AV_PIX_FMT_BGR0 : AV_PIX_FMT_RGB24, plane.width, plane.height, false};
-    if (ffv1 && wide) return {grey_of(role, scene), plane.width, plane.height, false};
+        return {coding == TrackCoding::ffv1 ? AV_PIX_FMT_BGR0 : AV_PIX_FMT_RGB24, plane.width, plane.height,
+                false};
     return {AV_PIX_FMT_GRAY8, plane.width, plane.height * (wide ? 2 : 1), wide};
 }
 
@@ -91,7 +85,7 @@ class FfmpegEncoder final : public TrackEncoder {
 public:
     explicit FfmpegEncoder(PlaneRole role) : role_(role) {}
     Result<void> open(TrackCoding coding, const PlaneView& first, const Scene& scene) {
-        const CodedForm form = form_of(role_, coding, first, scene);
+        const CodedForm form = form_of(coding, first);
         auto codec = open_encoder(coding, form.format, form.width, form.height, scene.rate);
         if (!codec && codec.error().kind == ErrorKind::usage && form.split)  // with the scene's size
             return unstorable_size(first.width, first.height, "H.264 takes sides of 16384 at most");
@@ -142,8 +136,8 @@ private:
 
 class RankZstdTrack final : public TrackEncoder {
 public:
-    RankZstdTrack(PlaneRole role, const PlaneView& first)
-        : role_(role), width_(first.width), height_(first.height) {}
+    RankZstdTrack(PlaneRole role, const PlaneView& first, int level)
+        : role_(role), width_(first.width), height_(first.height), encoder_(level) {}
     Result<void> describe(AVCodecParameters& stored) const override {
         stored.codec_type = AVMEDIA_TYPE_VIDEO;
         stored.codec_id = AV_CODEC_ID_NONE;
@@ -175,7 +169,10 @@ private:
 
 Result<std::unique_ptr<TrackEncoder>> TrackEncoder::open(PlaneRole role, TrackCoding coding,
                                                          const PlaneView& first, const Scene& scene) {
-    if (coding == TrackCoding::rank_zstd) return std::make_unique<RankZstdTrack>(role, first);
+    if (coding == TrackCoding::rank_zstd || coding == TrackCoding::rank_zstd_thrifty)
+        return std::make_unique<RankZstdTrack>(
+            role, first,
+            coding == TrackCoding::rank_zstd ? RankZstdEncoder::quick : RankZstdEncoder::thrifty);
     auto encoder = std::make_unique<FfmpegEncoder>(role);
     TRY(encoder->open(coding, first, scene));
     return encoder;

@@ -100,13 +100,14 @@ std::optional<std::string> lossy_note(PlaneRole role, const std::string& codec);
 
 /// How a track is encoded. All but the last two keep every sample (docs/codecs.md).
 enum class TrackCoding {
-    ffv1,          ///< every picture on its own: smallest for noisy pictures, slow
-    h264_quick,    ///< predicted from the picture before; quickest to encode and decode
-    h264_thrifty,  ///< the same, smaller
-    rank_zstd,     ///< every picture on its own, by a codec of our own: grey of two bytes a sample only,
-                   ///< quick whatever the pictures hold (docs/codecs.md)
-    h264_visual,   ///< as good as the eye can tell; colour only
-    h264_reduced,  ///< the same, of about half the bytes
+    ffv1,               ///< every picture on its own, slow to decode
+    h264_quick,         ///< predicted from the picture before; quickest to encode and decode
+    h264_thrifty,       ///< the same, smaller
+    rank_zstd,          ///< every picture on its own, by a codec of our own: grey of two bytes a sample only,
+                        ///< quick whatever the pictures hold (docs/codecs.md)
+    rank_zstd_thrifty,  ///< the same, smaller; as quick to decode, but 30 times slower to encode
+    h264_visual,        ///< as good as the eye can tell; colour only
+    h264_reduced,       ///< the same, of about half the bytes
 };
 
 /// Encodes one track of a clip, a packet for each picture.

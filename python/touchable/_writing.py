@@ -40,7 +40,7 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
         after the one before. None: at the rate, or as a Clip that is given has them; other Frames
         that were shown at other times give a warning.
     overwrite: a file that is there already is replaced once this one is whole.
-    small: few bytes rather than quick to decode. exact_colour: colour keeps every value too.
+    small: few bytes, but slow to write. exact_colour: colour keeps every value too.
 
     Depths as floats that the scene has not, such as beyond far_m, have no surface; a warning says how many. Where they are
     most of a picture, it is refused.

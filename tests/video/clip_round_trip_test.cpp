@@ -508,7 +508,7 @@ const CodingCase coding_cases[] = {
      [](int x, int y, int n) { return random_below(512, x, y, y < 2 ? n : 0); }},
     {"h264", "16 bits in two halves", Archive::small,
      [](int x, int y, int n) { return random_below(512, x, y, y < 2 ? n : 0); }},
-    {"ffv1", "gray16le", Archive::small,
+    {"t3d2", "16 bits", Archive::small,
      [](int x, int y, int n) { return 100 + 3 * x + random_below(4, x, y, n) + random_below(4, x, y, -n); }},
 };
 
@@ -531,6 +531,44 @@ TEST(CodingChoice, IsSmallestAndExact) {
                 EXPECT_EQ(track.height, 43);
             }
             for (const int n : {16, 3, 15}) expect_seek_to(*reader, n, frames);
+        }
+}
+
+/// As a camera that measures disparities sees a slope.
+int sloping_disparity(int x, int y, int n) {
+    return 90'000 / (100 + x / 20 + y / 13 + random_below(2, x, y, n));
+}
+
+TEST(CodingChoice, SmallPacksDepthHarder) {
+    const TemporaryFolder folder;
+    Scene scene = small_scene(160, 120, 16);
+    scene.height_coding.code_max = 1023;
+    std::size_t bytes[2] = {};
+    for (const Archive archive : {Archive::fast, Archive::small}) {
+        std::vector<RawFrame> frames;
+        for (int n = 0; n < 16; ++n) frames.push_back(frame_of(scene, n, sloping_disparity));
+        const auto file = folder / "clip.mkv";
+        ASSERT_EQ(message(write_all(create_clip(file, scene, {archive}, Existing::replace), frames)), "");
+        expect_clip(file, scene, frames);
+        for (const std::string& packet : packets(file)) bytes[static_cast<int>(archive)] += packet.size();
+    }
+    EXPECT_LT(bytes[1], bytes[0] * 9 / 10) << bytes[0];
+}
+
+/// As version 0.2.0 wrote `small`: FFV1 of 16 bits.
+TEST(CodingChoice, ReadsSmallOfEarlierVersions) {
+    auto reader = must(open_clip(TOUCHABLE_SOURCE_DIR "/tests/data/clip_ffv1.mkv"));
+    EXPECT_EQ(reader->tracks().at(0).codec, "ffv1");
+    EXPECT_EQ(reader->tracks().at(0).pixel_format, "gray16le");
+    const auto frame = must(reader->next());
+    ASSERT_TRUE(frame);
+    ASSERT_EQ(frame->depth.height, 30);
+    std::uint32_t noise = 1;
+    for (int y = 0; y < 30; ++y)
+        for (int x = 0; x < 40; ++x) {
+            noise = noise * 1'664'525 + 1'013'904'223;
+            const std::uint32_t bell = (noise >> 30) + (noise >> 28 & 3) + (noise >> 26 & 3);
+            ASSERT_EQ(frame->depth.sample(x, y), 1000 + 3 * x + static_cast<int>(bell)) << x << ", " << y;
         }
 }
 
