@@ -200,6 +200,9 @@ bool is_mpeg4(const Candidate& candidate) {
     return candidate.begin.size() >= 8 && candidate.begin.substr(4, 4) == "ftyp" && !is_heif(candidate) &&
            is_mp4_clip(candidate.source, candidate.scene || candidate.wanted.is_known());
 }
+bool is_stream_file(const Candidate& candidate) {
+    return is_saved_stream(candidate.source);
+}
 bool is_picture(const Candidate& candidate) {
     return !picture_kind(candidate.begin).empty();
 }
@@ -318,6 +321,10 @@ Opened open_mpeg4(const Candidate& candidate) {
     return open_mp4_clip(candidate.source, candidate.described(), candidate.wanted.colour);
 }
 
+Opened open_stream_file(const Candidate& candidate) {
+    return open_saved_stream(candidate.source, candidate.described(), candidate.wanted.colour);
+}
+
 /// How much files say of their own depth. From `described` on, a person's camera, unit or preset is refused.
 enum class FileKind {
     folder,
@@ -341,6 +348,8 @@ const Format formats[] = {
      "a touchable clip (Matroska with its scene attached)", "touchable play clip.mkv"},
     {FileKind::clip, is_mpeg4, nullptr, open_mpeg4,
      "a touchable clip in MP4, as its MPEG-4 scene describes it", "touchable play clip.mp4"},
+    {FileKind::clip, is_stream_file, nullptr, open_stream_file,
+     "a stream of touchable serve that was saved to a file (MPEG-TS)", "touchable play stream.ts"},
     {FileKind::text, is_scene_text, nullptr, open_scene_text,
      "the text of an MPEG-4 scene, beside the pictures that it names", "touchable play scene.bt"},
     {FileKind::clip, is_gltf, nullptr, open_gltf_clip,

@@ -109,7 +109,7 @@ public:
         }
         if (described_ && !infos_.empty() && infos_.front().role == "depth") return {};
         return input_error(name_ + ": " +
-                           (has_ended_ ? packets_->how_it_ended() + " before it sent" : "sends no") +
+                           (has_ended_ ? packets_->how_it_ended() + " before it sent a" : "sends no") +
                            " picture of depth that says what it is");
     }
 

@@ -71,6 +71,13 @@ Result<std::unique_ptr<ClipReader>> open_stream_clip(const StreamSource& source,
                                                      const std::optional<SceneDescription>& described = {},
                                                      Colour colour = Colour::wanted);
 
+/// Whether a file holds a stream in MPEG-TS.
+bool is_saved_stream(const SourceFile& file);
+/// A stream in MPEG-TS that was saved to a file, as `open_stream_clip`, up to its last whole frameset.
+Result<std::unique_ptr<ClipReader>> open_saved_stream(const SourceFile& file,
+                                                      const std::optional<SceneDescription>& described = {},
+                                                      Colour colour = Colour::wanted);
+
 /// A live stream, whose framesets are shown when JitterBuffer says. Its own thread receives them. If the
 /// sender goes, or is silent, the stream reconnects, at first after `patience.back_off`, then less and less
 /// often; meanwhile the last frameset stays. The stream ends if the sender then has another scene, or other

@@ -1,5 +1,5 @@
-// Sources of a received stream's bytes: FFmpeg's protocols and pipes (StreamBytes; SRT: srt.cpp), and files
-// on a server that are read part by part (open_http).
+// Sources of a received stream's bytes: FFmpeg's protocols, pipes and files (StreamBytes; SRT: srt.cpp), and
+// files on a server that are read part by part (open_http).
 
 #include <fcntl.h>
 #include <poll.h>
@@ -123,6 +123,26 @@ Result<std::shared_ptr<StreamBytes>> open_pipe(const StreamUrl& url, std::shared
     return std::shared_ptr<StreamBytes>(std::make_shared<PipeBytes>(std::move(wait), descriptor));
 }
 
+// --- Files
+
+class FileBytes final : public StreamBytes {
+public:
+    explicit FileBytes(GivenFile file)
+        : StreamBytes(std::make_shared<StreamWait>()), file_(std::move(file)) {}
+
+private:
+    std::int64_t some(std::uint8_t* to, std::size_t count) override {
+        const auto some = static_cast<std::size_t>(std::min<std::uint64_t>(count, file_.size() - at_));
+        if (!file_.read(at_, reinterpret_cast<char*>(to), some)) return AVERROR(EIO);
+        at_ += some;
+        return static_cast<std::int64_t>(some);
+    }
+    const char* usual_end() const override { return "ends"; }
+
+    GivenFile file_;
+    std::uint64_t at_ = 0;
+};
+
 // --- Files on a server
 
 /// A file on a server, shared by all its readers. Holds the part that was read last.
@@ -240,6 +260,11 @@ Result<std::shared_ptr<StreamBytes>> StreamBytes::connect(const StreamUrl& url,
     });
 }
 
+Result<std::shared_ptr<StreamBytes>> StreamBytes::of_file(const SourceFile& file) {
+    TRY_ASSIGN(auto opened, file.open("must be a stream in MPEG-TS"));
+    return std::shared_ptr<StreamBytes>(std::make_shared<FileBytes>(std::move(opened)));
+}
+
 Result<std::uint8_t> StreamBytes::peek() {
     std::uint8_t byte = 0;
     TRY_ASSIGN(const auto got, peeked_ ? Result<std::size_t>(1) : read(&byte, 1));
@@ -269,7 +294,7 @@ Result<std::size_t> StreamBytes::read(std::uint8_t* to, std::size_t count) {
     was_lost_ = got < 0;
     how_it_ended_ = is_silent ? "sent no further whole frameset in time"
                     : got < 0 ? "was lost (" + ffmpeg_text(static_cast<int>(got)) + ")"
-                              : "closed the connection";
+                              : usual_end();
     return std::size_t{0};
 }
 

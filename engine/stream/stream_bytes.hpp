@@ -64,6 +64,8 @@ public:
     static Result<std::shared_ptr<StreamBytes>> connect(const StreamUrl& url,
                                                         std::shared_ptr<StreamWait> wait,
                                                         const StreamSource::Patience& patience);
+    /// The bytes of a file, from its first on.
+    static Result<std::shared_ptr<StreamBytes>> of_file(const SourceFile& file);
 
     /// The next byte, without taking it; 0 at the end.
     Result<std::uint8_t> peek();
@@ -92,6 +94,8 @@ protected:
     /// Whether the transport tells of no end, so that a sender that falls silent after the first frameset
     /// has ended.
     virtual bool ends_in_silence() const { return false; }
+    /// How it ends if it is not lost.
+    virtual const char* usual_end() const { return "closed the connection"; }
 
 private:
     const std::shared_ptr<StreamWait> wait_;

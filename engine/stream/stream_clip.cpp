@@ -109,7 +109,8 @@ private:
     }
 
     bool ends_by_itself() const {
-        return url_.transport == StreamTransport::srt || url_.transport == StreamTransport::udp;
+        return url_.transport == StreamTransport::srt || url_.transport == StreamTransport::udp ||
+               url_.transport == StreamTransport::file;
     }
 
     const StreamUrl url_;
@@ -138,6 +139,26 @@ Result<std::unique_ptr<ClipReader>> open_stream_clip(const StreamSource& source,
     auto clip = std::make_unique<StreamClip>(source, std::move(receiver));
     if (colour == Colour::left_out) clip->leave_out_colour();
     return std::unique_ptr<ClipReader>(std::move(clip));
+}
+
+bool is_saved_stream(const SourceFile& file) {
+    constexpr std::size_t packet_bytes = 188, packets = 3;
+    const std::string begin = first_bytes(file, packets * packet_bytes);
+    bool is_one = begin.size() == packets * packet_bytes;
+    for (std::size_t at = 0; at < begin.size(); at += packet_bytes) is_one = is_one && begin[at] == 0x47;
+    return is_one;
+}
+
+Result<std::unique_ptr<ClipReader>> open_saved_stream(const SourceFile& file,
+                                                      const std::optional<SceneDescription>& described,
+                                                      Colour colour) {
+    StreamSource source;
+    source.url.transport = StreamTransport::file;
+    source.url.text = file.string();
+    TRY_ASSIGN(source.connection, StreamBytes::of_file(file));
+    TRY_ASSIGN(auto clip, open_stream_clip(source, described, colour));
+    clip->add_input(file.path());
+    return clip;
 }
 
 }  // namespace touchable

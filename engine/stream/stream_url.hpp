@@ -22,8 +22,8 @@
 
 namespace touchable {
 
-/// The transport of a stream's bytes.
-enum class StreamTransport { tcp, http, srt, udp, pipe };
+/// The transport of a stream's bytes; `file`: saved ones, which no URL names (open_saved_stream).
+enum class StreamTransport { tcp, http, srt, udp, pipe, file };
 
 /// A parsed name of a stream: "tcp://HOST:PORT", "http://HOST[:PORT]/PATH", "https://...",
 /// "srt://HOST:PORT[?key=value&...]", "udp://HOST:PORT", "pipe:" or "pipe:N" (a descriptor), "-".

@@ -471,11 +471,11 @@ Ending open_on(const std::filesystem::path& clip, int answers) {
 }
 
 /// A clip of each kind of file, among the seeds of the fuzzer.
-const std::array<std::string, 15> kept_clips{
+const std::array<std::string, 16> kept_clips{
     "clip/small.mkv",         "bag/realsense_lz4.bag", "bag/tum_bz2.bag",       "bag/depth_plain.bag",
     "k4a/with_colour.mkv",    "video/v.mp4",           "video/v.webm",          "video/v.avi",
     "depthkit_video/png.mov", "heic/portrait.heic",    "jpeg_depth/gdepth.jpg", "npy_stack/stack.npy",
-    "npy_stack/stack.npz",    "png/grey16.png",        "tiff/float.tif"};
+    "npy_stack/stack.npz",    "png/grey16.png",        "tiff/float.tif",        "stream/depth.ts"};
 
 /// Copies one to `folder`, with the files that it needs beside it.
 std::filesystem::path copied_clip(const std::string& kept, const std::filesystem::path& folder) {

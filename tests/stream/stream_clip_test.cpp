@@ -3,6 +3,7 @@
 #include <fcntl.h>
 
 #include "engine/base/threads.hpp"
+#include "engine/formats/open_clip.hpp"
 #include "engine/stream/receiving.hpp"
 #include "engine/stream/stream_bytes.hpp"
 #include "tests/stream/labelled_stream.hpp"
@@ -624,6 +625,28 @@ TEST(TransportClip, ReceivesExactFrames) {
         for (std::size_t n = 0; n < frames.size(); ++n)
             EXPECT_TRUE(is_as_sent(frames[n], sent.frames[n])) << n;
     }
+}
+
+/// Received bytes that were saved end anywhere.
+TEST(TransportClip, OpensSavedFile) {
+    const TemporaryFolder folder;
+    const auto file = folder / "saved.ts";
+    const auto sent = make_transport_stream(small_scene(64, 48, 16), 17, all_planes);
+    const std::string whole = sent.bytes();
+    for (const bool is_cut : {false, true}) {
+        write_bytes(file, whole.substr(0, whole.size() - (is_cut ? sent.blocks.back().size() / 2 : 0)));
+        const auto clip = must(open_clip(file));
+        EXPECT_EQ(clip->scene().name, "small");
+        EXPECT_EQ(clip->inputs(), std::vector{file});
+        const auto frames = must(read_all(*clip));
+        ASSERT_EQ(frames.size(), is_cut ? 16U : 17U);
+        for (std::size_t n = 0; n < frames.size(); ++n)
+            EXPECT_TRUE(is_as_sent(frames[n], sent.frames[n])) << n;
+    }
+    write_bytes(file, sent.blocks[0].substr(0, 4 * 188));
+    const auto none = open_clip(file);
+    ASSERT_FALSE(none);
+    EXPECT_EQ(message(none), file.string() + ": ends before it sent a picture of depth that says what it is");
 }
 
 /// Its table of tracks names colour, and what waits for that must not fill the memory.
