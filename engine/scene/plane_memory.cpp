@@ -32,6 +32,9 @@ constexpr std::size_t most_free_bytes = std::size_t{256} << 20;
 /// Free blocks of a size are unmapped after so many leases of other sizes. A frame takes a lease for each
 /// plane and for each step of its decoding, so this is a few frames of the richest clip.
 constexpr std::uint64_t recent_leases = 64;
+/// A free block of a size in use is unmapped after so many leases without it, a few seconds of a clip: it is
+/// left over from a moment when more frames than usual waited, such as after a stall of a stream.
+constexpr std::uint64_t surplus_leases = 1024;
 
 class MappedBlock final : public PlaneBlock {
 public:
@@ -77,7 +80,7 @@ public:
         const auto shelf = shelves_.find(block->bytes());
         if (shelf == shelves_.end() || free_bytes_ + block->bytes() > most_free_bytes) return;
         try {
-            shelf->second.free.push_back(block);
+            shelf->second.free.push_back({block, leases_});
         } catch (const std::bad_alloc&) {
             return;  // the block is unmapped, which frees memory
         }
@@ -95,26 +98,37 @@ public:
     }
 
 private:
+    struct FreeBlock {
+        BlockPtr block;
+        std::uint64_t since;  ///< leases taken before
+    };
     struct Shelf {
-        std::vector<BlockPtr> free;  ///< the newest last: its samples may be in a cache
+        std::vector<FreeBlock> free;  ///< the newest last: its samples may be in a cache
         std::uint64_t newest_lease = 0;
     };
 
     /// Null if no block of this size is free.
     BlockPtr free_block(std::size_t size) {
-        std::vector<BlockPtr> old;  // declared first, so that they are unmapped after the lock
+        std::vector<FreeBlock> old;  // declared first, so that they are unmapped after the lock
         const std::lock_guard lock(mutex_);
         Shelf& shelf = shelves_[size];
         shelf.newest_lease = ++leases_;
-        std::erase_if(shelves_, [&](auto& entry) {
+        const auto is_forgotten = [this](const auto& entry) {
+            return leases_ - entry.second.newest_lease > recent_leases;
+        };
+        for (auto& entry : shelves_) {
             auto& [bytes, other] = entry;
-            if (leases_ - other.newest_lease <= recent_leases) return false;
-            free_bytes_ -= bytes * other.free.size();
-            std::ranges::move(other.free, std::back_inserter(old));
-            return true;
-        });
+            const auto is_kept = [&](const FreeBlock& each) {
+                return !is_forgotten(entry) && leases_ - each.since <= surplus_leases;
+            };
+            const auto begin = other.free.begin(), kept = std::ranges::find_if(other.free, is_kept);
+            free_bytes_ -= bytes * static_cast<std::size_t>(kept - begin);
+            std::move(begin, kept, std::back_inserter(old));
+            other.free.erase(begin, kept);
+        }
+        std::erase_if(shelves_, is_forgotten);
         if (shelf.free.empty()) return nullptr;
-        BlockPtr block = std::move(shelf.free.back());
+        BlockPtr block = std::move(shelf.free.back().block);
         shelf.free.pop_back();
         free_bytes_ -= size;
         return block;

@@ -480,6 +480,20 @@ TEST(PlaneMemory, ForgetsSizesNotAskedFor) {
     EXPECT_GT(id_of(take_plane_memory(9 * page)), late);
 }
 
+/// What a stall of a stream made wait at once is given back when the stream flows again.
+TEST(PlaneMemory, ForgetsSurplus) {
+    constexpr std::size_t bytes = 11 * page;
+    std::vector<Lease> leases;
+    std::set<std::uint64_t> before;
+    for (int n = 0; n < 6; ++n) before.insert(id_of(leases.emplace_back(take_plane_memory(bytes))));
+    leases.clear();
+    for (int n = 0; n < 2000; ++n) leases = {take_plane_memory(bytes), take_plane_memory(bytes)};
+    for (int n = 0; n < 4; ++n) leases.push_back(take_plane_memory(bytes));
+    EXPECT_EQ(
+        std::ranges::count_if(leases, [&](const Lease& lease) { return before.contains(id_of(lease)); }),
+        4);  // two in use, while the next two are taken
+}
+
 TEST(PlaneMemory, KeepsABoundedAmountFree) {
     forget_other_sizes();
     constexpr std::size_t bytes = bound / 4;
