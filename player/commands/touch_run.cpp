@@ -190,9 +190,14 @@ Result<LiveFacts> run_session(TouchSetup& s, bool live, std::span<TouchSink* con
 /// Passes a later part's ticks on as if they continued the previous parts; finds the slowest sink.
 class ConcatenatingSink final : public TouchSink {
 public:
-    /// `outputs`: their faults are printed at once; nullptr: at the end.
-    ConcatenatingSink(std::int64_t ticks_before, std::vector<TouchSink*> sinks, TouchOutputs* outputs)
-        : before_(ticks_before), sinks_(std::move(sinks)), took_(sinks_.size()), outputs_(outputs) {}
+    /// `live`: faults of the outputs are printed at once; otherwise at the end.
+    ConcatenatingSink(std::int64_t ticks_before, std::vector<TouchSink*> sinks, TouchOutputs& outputs,
+                      bool live)
+        : before_(ticks_before),
+          sinks_(std::move(sinks)),
+          took_(sinks_.size()),
+          outputs_(outputs),
+          live_(live) {}
     Result<void> take(const TouchTick& tick) override {
         TouchTick later = tick;
         later.tick += before_;
@@ -202,10 +207,10 @@ public:
             TRY(sinks_[k]->take(later));
             took_[k] += std::chrono::steady_clock::now() - begun;
         }
-        if (outputs_)
-            for (const std::string& fault : outputs_->new_faults())
+        if (live_)
+            for (const std::string& fault : outputs_.new_faults())
                 say_on_stderr("warning: " + fault + "; the run goes on");
-        return {};
+        return outputs_.are_unread() ? Result<void>(interrupted_error()) : Result<void>();
     }
     const TouchSink* slowest() const {
         return sinks_[static_cast<std::size_t>(std::ranges::max_element(took_) - took_.begin())];
@@ -215,7 +220,8 @@ private:
     std::int64_t before_;
     std::vector<TouchSink*> sinks_;
     std::vector<std::chrono::steady_clock::duration> took_;
-    TouchOutputs* outputs_;
+    TouchOutputs& outputs_;
+    bool live_;
 };
 
 std::int64_t ticks_of(const RecordedPart& part) {
@@ -259,7 +265,7 @@ Result<void> run_part(const TouchOptions& options, const RecordedPart* part, Tou
     std::vector<TouchSink*> of_all = outputs.sinks();
     of_all.push_back(&told.all);
     const bool live = s.live && !options.replay;  // on the wall clock; a replay never is
-    ConcatenatingSink one_run(told.ticks, std::move(of_all), live ? &outputs : nullptr);
+    ConcatenatingSink one_run(told.ticks, std::move(of_all), outputs, live);
     std::vector<TouchSink*> sinks{&one_run};
     std::optional<ReplayCheck> check;
     if (part) sinks.push_back(&check.emplace(*part));
@@ -312,7 +318,8 @@ Result<void> touch(const TouchOptions& options, std::string& at_work) {
     TRY_ASSIGN(auto outputs, TouchOutputs::open(options, *setup, ticks));
 
     Told told;
-    TRY(run_parts(options, recording, setup, *outputs, told));
+    if (auto ran = run_parts(options, recording, setup, *outputs, told); !ran)
+        return outputs->are_unread() ? Result<void>() : ran;
     const auto report = told.reports.size() > 1 ? join_reports(told.reports, told.all) : told.reports.front();
     // Files first: the reader of the table may close its pipe.
     const auto done = outputs->finish(report, told.all.force_hash(), *setup);
@@ -422,6 +429,8 @@ Result<std::unique_ptr<TouchOutputs>> TouchOutputs::open(const TouchOptions& opt
         return TickTable::create_forces(path, options.existing, pace, "--forces");
     };
     TRY(open_if(options.forces, out->forces_, forces));
+    out->only_forces_ = options.forces && !options.device_log && !options.record && !options.json &&
+                        !options.picture.file && !options.replay && !options.strict && !setup.control;
     if (options.device_log && !setup.device_log)
         return usage_error("--device-log is of a --device that you hold; --forces has what a hand does");
     const auto log = [&](const auto& path) {

@@ -101,6 +101,8 @@ public:
     const SurfacePainter* painter() const;
     /// After a part that is not the last: draws the picture if its moment was in the part.
     Result<void> end_part(const TouchSetup& setup);
+    /// Whether the run has no more use: its only output is a pipe that its reader has closed.
+    bool are_unread() const { return only_forces_ && forces_->is_unread(); }
     /// Faults of outputs since the last call; each is reported once.
     std::vector<std::string> new_faults();
     /// After the run's last part, that of `setup`: completes every file even if others fail. An error names
@@ -123,6 +125,7 @@ private:
     std::unique_ptr<RecordingFile> record_;
     std::unique_ptr<OutputFile> json_;
     std::optional<TouchPicture> picture_;
+    bool only_forces_ = false;             // nothing else is written, checked or felt
     bool is_drawn_ = false;                // the picture is drawn
     std::shared_ptr<CameraCapture> film_;  // beside the recording
     std::set<const void*> told_;           // outputs whose fault was reported

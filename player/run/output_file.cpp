@@ -230,6 +230,10 @@ bool OutputFile::reader_lags() const {
     return standard_ && standard_->reader_lags();
 }
 
+bool OutputFile::is_unread() const {
+    return standard_ && standard_->is_unread();
+}
+
 Error OutputFile::failed(int why) const {
     return input_error(name() + ": cannot be written: " + std::generic_category().message(why));
 }

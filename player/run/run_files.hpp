@@ -63,6 +63,8 @@ public:
     Result<void> finish();
     /// Whether the error is that standard output is not read fast enough.
     bool reader_lags() const;
+    /// Whether standard output's reader has closed the pipe, which is no error.
+    bool is_unread() const;
 
     // For a format that can end its file early.
     /// Writes the buffered pieces.
@@ -118,6 +120,7 @@ public:
         return fault_;
     }
     std::string name() const { return file_->name(); }  ///< OutputFile::name
+    bool is_unread() const { return file_->is_unread(); }
 
 protected:
     explicit OutputSink(std::unique_ptr<OutputFile> file) : file_(std::move(file)) {}

@@ -36,6 +36,8 @@ public:
     Result<void> write(std::string_view piece);
     /// Waits until everything is read.
     Result<void> finish();
+    /// Whether its reader has closed the pipe.
+    bool is_unread() const { return gone_; }
     /// Whether the error was a lagging reader.
     bool reader_lags() const { return lags_; }
 

@@ -130,6 +130,23 @@ TEST_F(Outputs, SurviveClosedStandardOutput) {
         EXPECT_EQ(run_unheard(words).code, 0);
 }
 
+TEST_F(Outputs, ClosedPipeEndsRunWithoutOtherUse) {
+    const Words forces{"touch", clip(), "--seconds", "20", "--forces", "-"};
+    const auto unheard_with = [&](const Words& more) {
+        Words words = forces;
+        words.insert(words.end(), more.begin(), more.end());
+        return run_unheard(words);
+    };
+    const Outcome alone = run_unheard(forces);
+    EXPECT_EQ(alone.code, 0);
+    EXPECT_EQ(alone.err, "") << "a run to its end tells what was touched";
+    const Outcome live = run_unheard({"touch", clip(), "--live", "--seconds", "1000", "--forces", "-"});
+    EXPECT_EQ(live.code, 0) << live.err;
+    EXPECT_EQ(unheard_with({"--json", out("r.json")}).code, 0);
+    EXPECT_EQ(nlohmann::json::parse(file_contents(out("r.json")))["ticks"], 20'000);
+    EXPECT_NE(unheard_with({"--strict"}).err, "") << "its warnings are asked for";
+}
+
 TEST_F(Outputs, MatchFilesOnStandardOutput) {
     const Words run{"touch", clip(), "--seconds", "0.1", "--fingers", "2"};
     const auto with = [&](const Words& more) {
