@@ -40,8 +40,10 @@ void set_help(CLI::App& app);
 Result<std::string> help_on(const CLI::App& command, const std::string& topic);
 /// An option's value as shown in help: "FILE", "on|off".
 std::string value_in_words(const CLI::Option& option);
-/// `text` wrapped at `columns`, each line indented by `spaces`.
-std::string paragraph(const std::string& text, std::size_t spaces, std::size_t columns = 80);
+/// `text` wrapped at the terminal's width (80 without one), each line indented by `spaces`.
+std::string paragraph(const std::string& text, std::size_t spaces);
+/// A report, whose lines are wrapped if standard output is a terminal and stay whole elsewhere, for grep.
+std::string on_terminal(const std::string& text);
 /// Every command, option and example of the help, one per line with tab-separated fields:
 /// "command NAME WHAT USAGE", "option COMMAND TOPIC NAMES VALUE WORDS TEXT", "example COMMAND LINE".
 std::string option_table(const CLI::App& app);

@@ -2,10 +2,13 @@
 // with many options shows the common ones, two examples and the names of its topics; `--help TOPIC` and
 // `--help-all` show the rest. Manual pages and completion are made from the same options (`option_table`).
 
+#include <sys/ioctl.h>
+#include <unistd.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstdlib>
 
 #include "engine/base/words.hpp"
 #include "player/commands/commands.hpp"
@@ -14,7 +17,6 @@
 namespace touchable {
 namespace {
 
-constexpr std::size_t line_width = 100;
 constexpr const char* arguments_topic = "Arguments";
 
 /// Short help of a command with many options.
@@ -33,7 +35,7 @@ const ShortHelp* short_help_of(std::string_view command) {
         ShortHelp{"play",
                   {"CLIP", "--camera", "--device", "--max-force", "--preset", "--filters", "--start",
                    "--rate", "--fullscreen", "--record", "--video"},
-                  {"touchable play globe.mkv                   # the left mouse button presses a finger in",
+                  {"touchable play globe.mkv      # the left mouse button presses a finger in",
                    "touchable play --camera v4l2:/dev/video2 --device inverse3"}},
         ShortHelp{"touch",
                   {"CLIP", "--hand", "--fingers", "--seconds", "--live", "--device", "--preset", "--filters",
@@ -42,8 +44,8 @@ const ShortHelp* short_help_of(std::string_view command) {
                    "touchable touch globe.mkv --live --device inverse3 --max-force 5"}},
         ShortHelp{"info",
                   {"CLIP", "--verify", "--json", "--scene", "--preset", "--filters"},
-                  {"touchable info portrait.heic               # what it is, and what was guessed",
-                   "touchable info clip.mkv --verify           # read all of it and look for faults"}},
+                  {"touchable info portrait.heic              # what it is, and what was guessed",
+                   "touchable info clip.mkv --verify          # read all of it and look for faults"}},
         ShortHelp{"init-scene",
                   {"PICTURES", "--out", "--preset", "--intrinsics", "--fov", "--depth-unit", "--depth",
                    "--overwrite"},
@@ -67,7 +69,7 @@ const ShortHelp* short_help_of(std::string_view command) {
         ShortHelp{"materials",
                   {"CLIP", "OUT", "--list", "--segments", "--material", "--at", "--otherwise", "--save",
                    "--overwrite"},
-                  {"touchable materials clip.mkv out.mkv       # guesses a material for each segment",
+                  {"touchable materials clip.mkv out.mkv    # guesses a material for each segment",
                    "touchable materials clip.mkv out.mkv --material table=wood --at 20,40"}},
         ShortHelp{
             "serve",
@@ -187,9 +189,30 @@ std::string topics_in_words(const CLI::App& app) {
 
 /// Two columns; the text begins on the next line if the head is too long.
 std::string entry(const std::string& head, const std::string& text, std::size_t column) {
-    const std::string lines = paragraph(text, column, line_width);
+    const std::string lines = paragraph(text, column);
     if (head.size() + 4 > column) return "  " + head + "\n" + lines;
     return "  " + head + lines.substr(head.size() + 2);
+}
+
+/// Columns of a line of help: COLUMNS, the terminal's, or 80.
+std::size_t help_columns() {
+    const char* const typed = std::getenv("COLUMNS");
+    winsize size{};
+    double columns = typed ? parsed_number(typed).value_or(0) : 0;
+    if (columns < 1 && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0) columns = size.ws_col;
+    return columns < 1 ? 80 : static_cast<std::size_t>(std::clamp(columns, 40.0, 1000.0));
+}
+
+/// Wraps lines; the rest of "  label  text" begins below its text.
+std::string wrapped(const std::string& text) {
+    std::string all;
+    for (const std::string& line : CLI::detail::split(text, '\n')) {
+        const std::size_t label = std::min(line.find_first_not_of(' '), line.size());
+        const std::size_t value = line.find_first_not_of(' ', line.find("  ", label));
+        const std::size_t column = value <= help_columns() / 2 ? value : label;
+        all += line.substr(0, column) + paragraph(line.substr(column), column).substr(column);
+    }
+    return all;
 }
 
 std::string head_of(const CLI::Option& option) {
@@ -208,7 +231,7 @@ std::string usage_of(const CLI::App& command) {
 std::string beginning_of(const CLI::App& command) {
     std::string what = command.get_description();
     what[0] = static_cast<char>(std::toupper(what[0]));
-    return what + ".\nUsage: " + usage_of(command) + "\n";
+    return wrapped(what + ".\nUsage: " + usage_of(command));
 }
 
 // ---- Helps
@@ -235,12 +258,13 @@ std::string short_help(const CLI::App& command, const ShortHelp& about) {
         column = std::max(column, head_of(*command.get_option(name)).size() + 4);
     for (const std::string& name : about.options) {
         const CLI::Option& option = *command.get_option(name);
-        help += entry(head_of(option), short_text_of(option, line_width - column), column);
+        const std::size_t room = std::max(help_columns(), column + 20) - column;
+        help += entry(head_of(option), short_text_of(option, room), column);
     }
     help += "\nExamples:\n";
     for (const char* example : about.examples) help += std::string("  ") + example + "\n";
-    return help + "\nMore: touchable " + command.get_name() + " --help TOPIC, or --help-all. Topics:\n  " +
-           topics_in_words(command) + "\n";
+    return help + "\nMore: touchable " + command.get_name() + " --help TOPIC, or --help-all. Topics:\n" +
+           paragraph(topics_in_words(command), 2);
 }
 
 std::string help_of_program(const CLI::App& app, bool with_commands) {
@@ -296,7 +320,12 @@ std::string value_in_words(const CLI::Option& option) {
     return shows_words_as_value(option) ? listed(words_of(option), {}, "|") : type_of(option);
 }
 
-std::string paragraph(const std::string& text, std::size_t spaces, std::size_t columns) {
+std::string on_terminal(const std::string& text) {
+    return isatty(STDOUT_FILENO) == 1 ? wrapped(text) : text;
+}
+
+std::string paragraph(const std::string& text, std::size_t spaces) {
+    const std::size_t columns = help_columns();
     std::string all, line;
     for (const std::string& word : CLI::detail::split(text, ' ')) {
         if (!line.empty() && spaces + line.size() + 1 + word.size() > columns) {

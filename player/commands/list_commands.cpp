@@ -46,7 +46,7 @@ void add_cameras_command(CLI::App& app, Command& command) {
     app.add_subcommand("cameras", "list the cameras that are plugged in, and how to touch them")
         ->callback([&command] {
             command = []() -> Result<void> {
-                std::cout << cameras_in_words(*system_video(), how_to_touch);
+                std::cout << on_terminal(cameras_in_words(*system_video(), how_to_touch));
                 return {};
             };
         });

@@ -29,15 +29,17 @@ int fail(const CLI::App& app, const Error& error) {
 
 /// Lists all commands on one screen.
 Result<void> print_overview(const CLI::App& app) {
-    std::cout << "touchable " << TOUCHABLE_VERSION
-              << ". touchable FILE opens a window in which it is touched. More: touchable help COMMAND\n";
+    std::string lines =
+        "touchable " TOUCHABLE_VERSION
+        ". touchable FILE opens a window in which it is touched. More: touchable help COMMAND\n";
     for (const CLI::App* command : app.get_subcommands({})) {
         const std::string& name = command->get_name();
         if (name == "cameras")  // a line for both
-            std::cout << "  cameras, devices  list those that are plugged in, ready or not, and why\n";
+            lines += "  cameras, devices  list those that are plugged in, ready or not, and why\n";
         else if (name != "devices")
-            std::cout << formatted("  %-12s%s\n", name.c_str(), command->get_description().c_str());
+            lines += formatted("  %-12s%s\n", name.c_str(), command->get_description().c_str());
     }
+    std::cout << on_terminal(lines);
     return {};
 }
 

@@ -347,7 +347,7 @@ private:
     Result<void> report() {
         if (hls_) notes_.insert(notes_.end(), hls_->notes().begin(), hls_->notes().end());
         const bool is_standard = options_.json && is_standard_output(*options_.json);
-        (is_standard ? std::cerr : std::cout) << report_in_words() << std::flush;
+        (is_standard ? std::cerr : std::cout) << on_terminal(report_in_words()) << std::flush;
         if (!json_) return {};
         TRY(json_->write(
             report_as_json().dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n'));

@@ -6,6 +6,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "player/commands/commands.hpp"
 #include "player/commands/option_types.hpp"
 #include "player/run/terminal.hpp"
 
@@ -325,9 +326,9 @@ Result<void> touch(const TouchOptions& options, std::string& at_work) {
     const auto done = outputs->finish(report, told.all.force_hash(), *setup);
     std::ostream& words = stream_of_words(options);
     if (options.verbose)
-        words << report_to_text(report) << outputs->remark();
+        words << on_terminal(report_to_text(report) + outputs->remark());
     else
-        words << report_in_short(report, outputs->written());
+        words << on_terminal(report_in_short(report, outputs->written()));
     if (!done) return done;
     TRY(ended_early(told.live));
     if (!replays) return strictly(options, report);

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <glm/geometric.hpp>
 #include <iostream>
@@ -112,7 +113,10 @@ Result<void> flush_standard_output() {
     return input_error("standard output cannot be written");
 }
 
-StatusLine::StatusLine() : terminal_(isatty(STDERR_FILENO) == 1) {}
+StatusLine::StatusLine() {
+    const char* const kind = std::getenv("TERM");
+    terminal_ = isatty(STDERR_FILENO) == 1 && !(kind && std::string_view(kind) == "dumb");
+}
 
 StatusLine::~StatusLine() {
     if (drawn_) std::fputs("\r\033[K", stderr);

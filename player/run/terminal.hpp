@@ -45,7 +45,8 @@ void say_on_stderr(std::string_view words);
 /// head`) is no error.
 Result<void> flush_standard_output();
 
-/// One line on stderr that is redrawn in place; silent if stderr is no terminal.
+/// One line on stderr that is redrawn in place; silent if stderr is no terminal, or one
+/// that cannot redraw (TERM=dumb).
 class StatusLine : NonCopyable {
 public:
     StatusLine();

@@ -4,6 +4,7 @@
 #include <linux/filter.h>
 #include <linux/seccomp.h>
 #include <poll.h>
+#include <sys/ioctl.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
@@ -93,7 +94,7 @@ struct Hooks {
     Hook prepare = [] {};
     std::function<void(pid_t)> meanwhile = [](pid_t) {};
     std::function<bool(const Outcome&)> is_enough = [](const Outcome&) { return false; };
-    Pipe::Kind err = Pipe::Kind::pipe;
+    Pipe::Kind err = Pipe::Kind::pipe, out = Pipe::Kind::pipe;
 };
 
 /// Libraries that are loaded before the program, so that a busy machine is waited for: a GPU has the time
@@ -120,7 +121,7 @@ Outcome run(const std::vector<std::string>& arguments, const Hooks& hooks) {
     argv.push_back(nullptr);
     const std::string libraries = loaded_before(arguments);
 
-    Pipe out, err(hooks.err);
+    Pipe out(hooks.out), err(hooks.err);
     const pid_t child = fork();
     if (child == 0) {
         out.take_over(STDOUT_FILENO);
@@ -357,6 +358,18 @@ Outcome run_on_terminal(const std::vector<std::string>& arguments,
     hooks.err = Pipe::Kind::terminal;
     hooks.is_enough = [&](const Outcome& outcome) { return has_shown_enough(outcome.err); };
     return run(arguments, hooks);
+}
+
+Outcome run_on_screen(const std::vector<std::string>& arguments, int columns) {
+    Hooks hooks;
+    hooks.err = hooks.out = Pipe::Kind::terminal;
+    hooks.prepare = [columns] {
+        const winsize size{24, static_cast<unsigned short>(columns), 0, 0};
+        if (ioctl(STDOUT_FILENO, TIOCSWINSZ, &size) != 0 || unsetenv("COLUMNS") != 0) _exit(126);
+    };
+    Outcome outcome = run(arguments, hooks);
+    std::erase(outcome.out, '\r');
+    return outcome;
 }
 
 std::size_t moments_shown(const std::string& terminal) {

@@ -77,6 +77,8 @@ Outcome run_interrupted_while_live(const std::vector<std::string>& arguments);
 /// which it ends with exit code 130.
 Outcome run_on_terminal(const std::vector<std::string>& arguments,
                         const std::function<bool(const std::string&)>& has_shown_enough);
+/// Runs it with both streams on terminals of so many columns.
+Outcome run_on_screen(const std::vector<std::string>& arguments, int columns);
 /// How many moments the line of a live run has shown there.
 std::size_t moments_shown(const std::string& terminal);
 

@@ -204,6 +204,17 @@ TEST(Usage, NamesMissingValuesAndPartners) {
     expect({"info", "clip.mkv", "--fov", "60", "--intrinsics", "500,500"}, "does not go with");
 }
 
+TEST(Usage, DumbTerminalIsNotRedrawn) {
+    const TemporaryFolder folder;
+    make_clip("plane", folder / "a.mkv", {"--size", "16x12", "--frames", "1"});
+    for (const char* kind : {"xterm", "dumb"}) {
+        setenv("TERM", kind, 1);
+        const Outcome run = run_on_screen({"touch", folder / "a.mkv", "--live", "--seconds", "0.3"}, 80);
+        EXPECT_EQ(run.err.find("\033[K") == std::string::npos, kind == std::string("dumb")) << run.err;
+    }
+    unsetenv("TERM");
+}
+
 TEST(Usage, FormatsDescribesEverySource) {
     const Outcome all = run_touchable({"formats"});
     EXPECT_EQ(all.code, 0);
@@ -874,7 +885,7 @@ TEST(Help, IsShort) {
     for (const auto& [command, options] : table().options) {
         const auto lines = lines_of({command, "--help"});
         EXPECT_LE(lines.size(), 25U) << command;
-        for (const std::string& line : lines) EXPECT_LE(line.size(), 100U) << command << ": " << line;
+        for (const std::string& line : lines) EXPECT_LE(line.size(), 80U) << command << ": " << line;
         EXPECT_EQ(lines, lines_of({"help", command}));
     }
 }
@@ -916,13 +927,30 @@ TEST(Help, AllListsEveryOptionOnce) {
             found += heads_of(lines_of({command, "--help", topic})).size();
         EXPECT_EQ(found, options.size()) << command;
         for (const std::string& line : lines) {
-            EXPECT_LE(line.size(), 100U) << command << ": " << line;
+            EXPECT_LE(line.size(), 80U) << command << ": " << line;
             for (const char* noise : {"Excludes:", "Needs:", "TEXT", "FLOAT", "REQUIRED", "{"})
                 EXPECT_EQ(line.find(noise), std::string::npos) << command << ": " << line;
         }
     }
     EXPECT_GT(table().options.at("play").size(), 50U);
     EXPECT_GT(table().options.at("touch").size(), 50U);
+}
+
+TEST(Help, FitsTerminal) {
+    const auto widest = [](const std::string& text) {
+        std::size_t most = 0;
+        for (const std::string& line : split(text, '\n')) most = std::max(most, line.size());
+        return most;
+    };
+    const std::string wide = run_on_screen({"touch", "--help-all"}, 120).out;
+    EXPECT_GT(widest(wide), 100U);
+    EXPECT_LE(widest(wide), 120U);
+    EXPECT_LE(widest(run_on_screen({"touch", "-h"}, 70).out), 70U);
+    setenv("COLUMNS", "100", 1);
+    const std::string heard = run_touchable({"touch", "--help-all"}).out;
+    unsetenv("COLUMNS");
+    EXPECT_GT(widest(heard), 80U);
+    EXPECT_LE(widest(heard), 100U);
 }
 
 TEST(Help, FilesAreATopic) {
