@@ -96,7 +96,7 @@ Result<BuilderFacts> builder_facts(const char* name) {
 }
 
 struct CheckOptions {
-    bool json = false;
+    JsonOutput json;
     std::optional<TouchDemand> demand;
     std::optional<DeviceCheckOptions> device;
 };
@@ -169,7 +169,7 @@ nlohmann::ordered_json timer_json(const TimerFacts& timer) {
     return out;
 }
 
-void print_json(const MachineReport& report, const std::vector<std::string>& faults) {
+nlohmann::ordered_json to_json(const MachineReport& report, const std::vector<std::string>& faults) {
     using nlohmann::ordered_json;
     ordered_json out;
     out["cpu"] = {{"model", report.cpu.model}, {"cores", report.cpu.cores}};
@@ -190,7 +190,7 @@ void print_json(const MachineReport& report, const std::vector<std::string>& fau
              {"identical", facts.identical}});
     out["ready"] = faults.empty();
     out["faults"] = faults;
-    std::cout << out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+    return out;
 }
 
 /// Gathers the facts one by one; if `tell`, prints each as soon as it is known.
@@ -208,20 +208,19 @@ Result<MachineReport> look_around(bool tell) {
     return report;
 }
 
-Result<void> answer(const TouchDemand& demand, bool json) {
+Result<void> answer(const TouchDemand& demand, const JsonOutput& json) {
     TRY_ASSIGN(const auto figures, try_touch(demand));
     const CpuFacts cpu = cpu_facts();
     const TimerFacts timer = timer_facts();
     const TrialVerdict verdict = judge(demand, figures, cpu.cores);
-    if (json) {
-        auto out = trial_json(demand, figures, verdict, cpu.cores);
-        out["timer"] = timer_json(timer);
-        std::cout << out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
-    } else {
+    auto out = trial_json(demand, figures, verdict, cpu.cores);
+    out["timer"] = timer_json(timer);
+    if (!json.replaces_words()) {
         std::cout << trial_to_text(demand, figures, verdict, cpu.cores);
         print_cpu(cpu);
         print_realtime(timer);
     }
+    TRY(json.write(out));
     if (verdict.can) return {};
     return Error{ErrorKind::check, demand.in_words() + " is too much for this machine: " + verdict.why};
 }
@@ -272,8 +271,6 @@ void add_device_options(CLI::App& check, DeviceCheckOptions& options) {
     add_file_option(check, "--out", options.out,
                     "write the report on --device to a file, to attach to a bug report")
         ->needs(device);
-    add_overwrite_option(check, options.existing);
-    check.get_option("--overwrite")->needs(device);
 }
 
 /// Prints the facts of this machine and whether it suffices: CPU, timers, codecs, Vulkan, and the builders
@@ -281,12 +278,14 @@ void add_device_options(CLI::App& check, DeviceCheckOptions& options) {
 /// computes wrongly (no device is no fault), or if builders differ. With a demand: a short trial, which fails
 /// if this machine is too slow. With a device: run_device_check.
 Result<void> run_check(const CheckOptions& options) {
+    TRY(options.json.check());
     if (options.device) return run_device_check(*options.device);
     if (options.demand)
         return within_memory("frames of that size", [&] { return answer(*options.demand, options.json); });
-    TRY_ASSIGN(const auto report, look_around(!options.json));
+    TRY_ASSIGN(const auto report, look_around(!options.json.replaces_words()));
     const std::vector<std::string> faults = report.faults();
-    options.json ? print_json(report, faults) : print_verdict(report, faults);
+    if (!options.json.replaces_words()) print_verdict(report, faults);
+    TRY(options.json.write(to_json(report, faults)));
     if (faults.empty()) return {};
     return Error{ErrorKind::check, faults.front() + (faults.size() > 1 ? "; and more, listed above" : "")};
 }
@@ -298,7 +297,8 @@ void add_check_command(CLI::App& app, Command& command) {
         app.add_subcommand("check", "say what this machine can do, or measure what a haptic device does");
     auto words = std::make_shared<CheckWords>();
     begin_topic(*check, "Machine");
-    check->add_flag("--json", words->options.json, "print the same as JSON");
+    add_json_option(*check, words->options.json.file, "print the same as JSON");
+    add_overwrite_option(*check, words->options.json.existing);
     const std::vector<CLI::Option*> question{
         check->add_option("--size", words->size, "can it touch a clip of this size in pixels?")
             ->type_name("WxH")

@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 
 struct CompareOptions {
     std::string a, b;
-    bool json = false;
+    JsonOutput json;
 };
 
 Json to_json(const ForceComparison::Deviation& d) {
@@ -96,15 +96,12 @@ void print_table(const ForceComparison& c) {
 }
 
 Result<void> compare(const CompareOptions& options) {
+    TRY(options.json.check({{"A", options.a}, {"B", options.b}}));
     TRY_ASSIGN(const auto a, read_force_table(options.a));
     TRY_ASSIGN(const auto b, read_force_table(options.b));
     TRY_ASSIGN(const auto compared, compare_forces(a, b));
-    if (options.json)
-        std::cout << to_json(compared).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
-                  << '\n';
-    else
-        print_table(compared);
-    return {};
+    if (!options.json.replaces_words()) print_table(compared);
+    return options.json.write(to_json(compared));
 }
 
 }  // namespace
@@ -115,7 +112,8 @@ void add_compare_command(CLI::App& app, Command& command) {
     add_file_option(*sub, "A", options->a, "forces file of the first run (touchable touch --forces)")
         ->required();
     add_file_option(*sub, "B", options->b, "forces file of the second run")->required();
-    sub->add_flag("--json", options->json, "print the same figures as JSON");
+    add_json_option(*sub, options->json.file, "print the same figures as JSON");
+    add_overwrite_option(*sub, options->json.existing);
     sub->callback([options, &command] {
         command = [options] {
             return within_memory("the forces of both runs", [&] { return compare(*options); });

@@ -12,6 +12,7 @@
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "haptics_cpu/haptic_loop.hpp"
+#include "player/commands/commands.hpp"
 #include "player/commands/option_types.hpp"
 #include "player/commands/run_options.hpp"
 #include "player/run/run_files.hpp"
@@ -328,10 +329,8 @@ DeviceReport describe(const HapticDevice& device, const std::string& words) {
 }
 
 Result<void> report_to(const DeviceReport& report, const DeviceCheckOptions& options, OutputFile* file) {
-    if (options.json)
-        std::cout << to_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
-    else
-        std::cout << to_text(report);
+    if (!options.json.replaces_words()) std::cout << on_terminal(to_text(report));
+    TRY(options.json.write(to_json(report)));
     if (!file) return {};
     TRY(file->write(to_text(report)));
     return file->finish();
@@ -394,8 +393,8 @@ nlohmann::ordered_json to_json(const DeviceReport& report) {
 Result<void> run_device_check(const DeviceCheckOptions& options) {
     std::unique_ptr<OutputFile> file;
     if (options.out) {
-        if (auto free = check_outputs({{{"--out", *options.out}}, options.existing}, {}); !free) return free;
-        TRY_ASSIGN(file, OutputFile::create("--out", *options.out, options.existing));
+        TRY(check_outputs({{{"--out", *options.out}}, options.json.existing}, {}));
+        TRY_ASSIGN(file, OutputFile::create("--out", *options.out, options.json.existing));
     }
     TRY_ASSIGN(auto measured, take_device(options.device));
     HapticDevice& device = *measured.device;

@@ -3,8 +3,8 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "device/drivers/device_catalog.hpp"
-#include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
+#include "player/commands/option_types.hpp"
 
 namespace touchable {
 
@@ -38,9 +38,8 @@ struct DeviceCheckOptions {
     int seconds = 5;         ///< duration of watching its reports
     int wait = 30;           ///< seconds to wait for its first position
     bool hands_off = false;  ///< no hand is on it: try springs without asking
-    bool json = false;
+    JsonOutput json;
     std::optional<std::filesystem::path> out;  ///< the report in words
-    Existing existing = Existing::keep;
 };
 
 /// Opens the device and prints its measurements; the largest stiffness only if the user confirms that no hand

@@ -319,12 +319,15 @@ std::string mpeg4_text(const ClipFacts& facts) {
 
 struct InfoOptions {
     ClipChoice clip;
-    bool json = false, scene_text = false, verify = false;
+    JsonOutput json;
+    bool scene_text = false, verify = false;
     VerifyPicture picture;
 };
 
 /// Prints a clip's facts, as text or as one JSON object.
 Result<void> print_facts(const InfoOptions& options) {
+    TRY(options.json.check(
+        {{"the clip", options.clip.file}, {"--scene", options.clip.scene_file.value_or("")}}));
     TRY_ASSIGN(const auto facts, clip_facts(options.clip));
     std::optional<Verified> verified;
     if (options.verify) {
@@ -333,17 +336,14 @@ Result<void> print_facts(const InfoOptions& options) {
     const std::string verdict = verdict_on(facts, verified ? &verified->findings : nullptr);
     if (options.scene_text) {
         std::cout << mpeg4_text(facts);
-    } else if (options.json) {  // file names need not be UTF-8
-        Json json = to_json(facts);
-        if (verified) add_verified(*verified, json);
-        json["verdict"] = verdict;
-        std::cout << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
-    } else {
-        std::cout << to_text(facts);
-        if (verified) std::cout << verified_in_words(*verified);
-        std::cout << "  verdict      " << verdict << '\n';
+    } else if (!options.json.replaces_words()) {
+        std::cout << on_terminal(to_text(facts) + (verified ? verified_in_words(*verified) : "") +
+                                 "  verdict      " + verdict + '\n');
     }
-    return {};
+    Json json = to_json(facts);
+    if (verified) add_verified(*verified, json);
+    json["verdict"] = verdict;
+    return options.json.write(json);
 }
 
 }  // namespace
@@ -358,7 +358,7 @@ void add_info_command(CLI::App& app, Command& command) {
     InfoOptions& options = typed->options;
     add_clip_options(*info, typed->clip)->required();
     begin_topic(*info, "Facts");
-    auto* as_json = info->add_flag("--json", options.json, "print the same facts as JSON");
+    auto* as_json = add_json_option(*info, options.json.file, "print the same facts as JSON");
     auto* as_text = info->add_flag("--scene-text", options.scene_text,
                                    "print only the text of its MPEG-4 scene (docs/codecs.md)");
     as_text->excludes(as_json);
@@ -375,6 +375,7 @@ void add_info_command(CLI::App& app, Command& command) {
     info->callback([typed, &command] {
         command = [typed]() -> Result<void> {
             TRY_ASSIGN(typed->options.clip, read_clip(typed->clip));
+            typed->options.json.existing = typed->options.picture.existing;
             return within_memory("the frames of " + typed->options.clip.file.string(),
                                  [&] { return print_facts(typed->options); });
         };

@@ -4,10 +4,13 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "device/drivers/device_catalog.hpp"
+#include "engine/base/try.hpp"
 #include "engine/camera/camera.hpp"
+#include "player/commands/option_types.hpp"
 
 namespace touchable {
 namespace {
@@ -20,7 +23,8 @@ std::string how_to_touch(const std::string& camera, const std::string& with_colo
 }
 
 struct DevicesOptions {
-    bool json = false, rules = false;
+    JsonOutput json;
+    bool rules = false;
 };
 
 Result<void> run_devices(const DevicesOptions& options) {
@@ -28,16 +32,16 @@ Result<void> run_devices(const DevicesOptions& options) {
         std::cout << udev_rules();
         return {};
     }
+    TRY(options.json.check());
     const auto devices = connected_devices();
-    if (options.json)
-        std::cout << devices_in_json(devices);
-    else
-        std::cout << devices_in_words(devices, "--device ", !installed_udev_rules().empty())
-                  << "\nWhat --device takes (docs/devices.md has each one's keys):\n"
-                  << device_words_in_words("touchable touch CLIP --live --device simulated --hand stroke")
-                  << "See whether it works:  touchable check --device NAME\n"
-                     "Touch with it:         touchable touch CLIP --live --device NAME\n";
-    return {};
+    if (!options.json.replaces_words())
+        std::cout << on_terminal(
+            devices_in_words(devices, "--device ", !installed_udev_rules().empty()) +
+            "\nWhat --device takes (docs/devices.md has each one's keys):\n" +
+            device_words_in_words("touchable touch CLIP --live --device simulated --hand stroke") +
+            "See whether it works:  touchable check --device NAME\n"
+            "Touch with it:         touchable touch CLIP --live --device NAME\n");
+    return options.json.write(nlohmann::ordered_json::parse(devices_in_json(devices)));
 }
 
 }  // namespace
@@ -56,7 +60,8 @@ void add_devices_command(CLI::App& app, Command& command) {
     auto* sub =
         app.add_subcommand("devices", "list the haptic devices that are plugged in, ready or not, and why");
     auto options = std::make_shared<DevicesOptions>();
-    auto* json = sub->add_flag("--json", options->json, "print the same as JSON");
+    auto* json = add_json_option(*sub, options->json.file, "print the same as JSON");
+    add_overwrite_option(*sub, options->json.existing);
     sub->add_flag("--udev-rules", options->rules,
                   "print the file for /etc/udev/rules.d that permits them to the person at the machine")
         ->excludes(json);

@@ -2,9 +2,12 @@
 
 #include <sys/stat.h>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "player/run/run_files.hpp"
 #include "player/run/terminal.hpp"
 
 namespace touchable {
@@ -145,6 +148,37 @@ void add_overwrite_option(CLI::App& sub, Existing& existing) {
 void add_inputs(std::vector<NamedFile>& inputs, const fs::path& clip, const ClipReader& reader) {
     inputs.push_back({"the clip", clip});
     for (const fs::path& file : reader.inputs()) inputs.push_back({"a file of the clip", file});
+}
+
+CLI::Option* add_json_option(CLI::App& sub, std::optional<fs::path>& file, const std::string& what,
+                             bool takes_word) {
+    const auto keep = [&file](std::string& name) {
+        file = name;
+        return std::string();
+    };
+    const std::string text =
+        what + (takes_word ? "; without FILE to standard output" : "; =FILE: into a file, beside the words");
+    return sub.add_flag("--json{-}", text)
+        ->expected(0, takes_word ? 1 : 0)
+        ->multi_option_policy(CLI::MultiOptionPolicy::Throw)
+        ->check(CLI::Validator(keep, ""))
+        ->type_name(takes_word ? "[FILE]" : "[=FILE]");
+}
+
+bool JsonOutput::replaces_words() const {
+    return file && is_standard_output(*file);
+}
+
+Result<void> JsonOutput::check(const std::vector<NamedFile>& inputs) const {
+    return file ? check_outputs({{{"--json", *file}}, existing}, inputs) : Result<void>();
+}
+
+Result<void> JsonOutput::write(const nlohmann::ordered_json& json) const {
+    if (!file) return {};
+    TRY_ASSIGN(const auto out, OutputFile::create("--json", *file, existing));
+    const auto replace = nlohmann::json::error_handler_t::replace;  // file names need not be UTF-8
+    TRY(out->write(json.dump(2, ' ', false, replace) + '\n'));
+    return out->finish();
 }
 
 Result<void> check_outputs(const Outputs& outputs, const std::vector<NamedFile>& inputs) {

@@ -9,6 +9,7 @@
 #include <charconv>
 #include <functional>
 #include <limits>
+#include <nlohmann/json_fwd.hpp>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
@@ -193,6 +194,22 @@ void add_overwrite_option(CLI::App& sub, Existing& existing);
 
 /// Adds every file from which a clip is read; `clip` as typed.
 void add_inputs(std::vector<NamedFile>& inputs, const std::filesystem::path& clip, const ClipReader& reader);
+
+/// --json: alone it prints to standard output, in place of the words; --json=FILE writes beside them.
+struct JsonOutput {
+    std::optional<std::filesystem::path> file;
+    Existing existing = Existing::keep;
+
+    bool replaces_words() const;
+    /// Call before the work; see check_outputs.
+    Result<void> check(const std::vector<NamedFile>& inputs = {}) const;
+    /// Does nothing without --json.
+    Result<void> write(const nlohmann::ordered_json& json) const;
+};
+
+/// Adds --json. `takes_word`: a word behind it that is no option is its FILE.
+CLI::Option* add_json_option(CLI::App& sub, std::optional<std::filesystem::path>& file,
+                             const std::string& what, bool takes_word = false);
 
 /// Refuses (ErrorKind::usage) an output that is also an input or another output, under any name and even with
 /// --overwrite, and an existing file unless it may be replaced. Standard output is no file, but may be used

@@ -506,7 +506,7 @@ void add_serve_command(CLI::App& app, Command& command) {
                     "second frame; off by default",
                     {"on", "off"});
     begin_topic(*sub, files_topic);
-    add_file_option(*sub, "--json", typed->options.json, "write the report as JSON. -: to standard output");
+    add_json_option(*sub, typed->options.json, "write the report as JSON", true);
     add_overwrite_option(*sub, typed->options.existing);
     sub->callback([typed, &command] {
         command = [typed]() -> Result<void> {

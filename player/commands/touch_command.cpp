@@ -75,7 +75,7 @@ Result<TouchOptions> read_words(const TouchWords& words) {
 /// Adds the options of output files.
 void add_file_options(CLI::App& sub, TouchOptions& o) {
     begin_topic(sub, files_topic);
-    add_file_option(sub, "--json", o.json, "write the figures as JSON. -: to standard output");
+    add_json_option(sub, o.json, "write the figures as JSON", true);
     add_file_option(sub, "--forces", o.forces,
                     "write goal, proxy and force of every tick and finger as CSV. -: to standard output");
     add_file_option(sub, "--device-log", o.device_log,

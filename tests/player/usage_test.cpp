@@ -143,7 +143,6 @@ TEST(Usage, RejectsEmptyNames) {
                                                       {"info", "clip.mkv", "--scene", ""},
                                                       {"make", "plane", ""},
                                                       {"touch", ""},
-                                                      {"touch", "clip.mkv", "--json", ""},
                                                       {"touch", "clip.mkv", "--forces", ""},
                                                       {"touch", "clip.mkv", "--record", ""},
                                                       {"touch", "clip.mkv", "--picture", ""},
@@ -202,6 +201,62 @@ TEST(Usage, NamesMissingValuesAndPartners) {
     expect({"info", "clip.mkv", "--preset", "tun"}, "tun is not allowed: did you mean tum?");
     expect({"play", "clip.mkv", "--at", "5"}, "--at needs --screenshot");
     expect({"info", "clip.mkv", "--fov", "60", "--intrinsics", "500,500"}, "does not go with");
+}
+
+TEST(Usage, JsonAloneOrIntoFile) {
+    const TemporaryFolder folder;
+    const std::string clip = folder / "a.mkv", file = folder / "a.json", forces = folder / "a.csv";
+    make_clip("plane", clip, {"--size", "16x12", "--frames", "1"});
+    ASSERT_EQ(run_touchable({"touch", clip, "--seconds", "0.1", "--forces", forces}).code, 0);
+    const std::pair<Words, const char*> commands[] = {{{"info", clip}, "  verdict  "},
+                                                      {{"compare", forces, forces}, "  compared  "},
+                                                      {{"devices"}, "What --device takes"},
+                                                      {{"touch", clip, "--seconds", "0.1"}, "verdict"}};
+    for (const auto& [command, human] : commands) {
+        const auto with = [&words = command](const Words& more) {
+            Words all = words;
+            all.insert(all.end(), more.begin(), more.end());
+            return run_touchable(all);
+        };
+        const Outcome alone = with({"--json"}), both = with({"--json=" + file});
+        EXPECT_EQ(alone.code, 0) << alone.err;
+        EXPECT_TRUE(nlohmann::json::accept(alone.out)) << alone.out;
+        EXPECT_EQ(both.code, 0) << both.err;
+        EXPECT_NE(both.out.find(human), std::string::npos) << both.out;
+        EXPECT_TRUE(nlohmann::json::accept(file_contents(file)));
+        EXPECT_EQ(with({"--json=" + file}).code, 2) << "it is there";
+        EXPECT_EQ(with({"--json=" + file, "--overwrite"}).code, 0);
+        EXPECT_NE(with({"--json="}).err.find("--json needs a value"), std::string::npos);
+        std::filesystem::remove(file);
+    }
+    EXPECT_EQ(run_touchable({"touch", clip, "--seconds", "0.1", "--json", file}).code, 0);
+    EXPECT_TRUE(nlohmann::json::accept(file_contents(file))) << "the word behind it is its file";
+    const Outcome option = run_touchable({"touch", clip, "--seconds", "0.1", "--json", "--overwrite"});
+    EXPECT_TRUE(nlohmann::json::accept(option.out)) << option.out;
+    EXPECT_NE(run_touchable({"info", clip, "--json=" + clip, "--overwrite"}).err.find("also the clip"),
+              std::string::npos);
+}
+
+TEST(Usage, WrapsReportOnTerminal) {
+    const TemporaryFolder folder;
+    const std::string clip = folder / "a.mkv";
+    make_clip("plane", clip, {"--size", "16x12", "--frames", "1"});
+    const std::string whole = run_touchable({"info", clip}).out;
+    const std::string shown = run_on_screen({"info", clip}, 70).out;
+    const auto words_of = [](const std::string& text) {
+        std::istringstream in(text);
+        return Words{std::istream_iterator<std::string>(in), {}};
+    };
+    EXPECT_EQ(words_of(shown), words_of(whole)) << "no word is broken";
+    EXPECT_NE(whole.find("  camera       fx "), std::string::npos);
+    std::size_t longest = 0, below = 0;
+    std::istringstream lines(shown);
+    for (std::string line; std::getline(lines, line);) {
+        if (line.starts_with("  ")) longest = std::max(longest, line.size());
+        below += line.starts_with("               ") && line[15] != ' ' ? 1 : 0;
+    }
+    EXPECT_LE(longest, 70U);
+    EXPECT_GT(below, 3U) << "lines that go on do so below their value";
 }
 
 TEST(Usage, DumbTerminalIsNotRedrawn) {
