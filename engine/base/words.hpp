@@ -74,7 +74,7 @@ std::string listed(const All& all, Name name = {}, std::string_view between = ",
 }
 
 /// The word that a person who typed `typed` may have meant: the fewest letters inserted, left out or changed
-/// (Levenshtein's distance), at most three and at most half as many as were typed. Empty: none.
+/// (Levenshtein's distance), at most three and about a third of those typed. Empty: none.
 std::string nearest_word(std::string_view typed, std::span<const std::string> words);
 
 }  // namespace touchable

@@ -248,10 +248,10 @@ Result<void> export_frame(const RawFrame& raw, const Scene& scene, const Surface
     return folder.commit(frame_file_names);
 }
 
-Error beyond_the_end(const ExportOptions& options, std::int64_t wanted, std::int64_t frames) {
-    return usage_error("frame " + std::to_string(wanted) + " is beyond the end of " +
-                       options.clip.file.string() + ": it has " + std::to_string(frames) + " frames, 0 to " +
-                       std::to_string(frames - 1));
+Error no_such_frame(const ExportOptions& options, std::int64_t wanted, std::int64_t frames) {
+    return not_allowed(options.folder_per_frame ? "--frames" : "--frame", std::to_string(wanted),
+                       "0 to " + std::to_string(frames - 1) + "; " + options.clip.file.string() + " has " +
+                           counted(frames, "frame"));
 }
 
 // Beyond any clip's last frame, and small enough to be incremented.
@@ -283,7 +283,9 @@ Result<void> read_words(const FramesTyped& typed, ExportOptions& out) {
     if (typed.many && out.picture.file)
         return usage_error("--picture draws a single frame; use --frame N instead of --frames");
     if (typed.one) {
-        const auto number = read_whole_number<std::int64_t>("--frame", *typed.one, 0, last_number);
+        // The clip's length tells which of them are right.
+        using Limits = std::numeric_limits<std::int64_t>;
+        const auto number = read_whole_number("--frame", *typed.one, Limits::min(), Limits::max());
         if (!number && typed.one->find('-', 1) != std::string::npos)
             return not_allowed("--frame", *typed.one, "one frame's number; several are --frames A-B");
         if (!number) return number.error();
@@ -353,7 +355,7 @@ std::string in_words(const ExportOptions& options, const Exported& done) {
            (last > first ? "s " + std::to_string(first) + " to " + std::to_string(last)
                          : ' ' + std::to_string(first)) +
            (options.folder_per_frame && last > first ? ", a folder each, " : ", ") +
-           std::to_string(done.files) + " files" + (picture.empty() ? "" : "; and " + picture);
+           counted(done.files, "file") + (picture.empty() ? "" : "; and " + picture);
 }
 
 /// Reads, builds and writes from `options.first` on. A temporal filter begins empty some frames before the
@@ -389,7 +391,9 @@ Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
     at_work = frames_in_words(scene);
     const auto frames = reader->frame_count();
     const std::int64_t wanted = options.last.value_or(options.first);
-    if (frames && wanted >= *frames) return beyond_the_end(options, wanted, *frames);
+    if (frames && (wanted < 0 || wanted >= *frames)) return no_such_frame(options, wanted, *frames);
+    if (wanted < 0 || wanted > last_number)
+        return not_allowed("--frame", std::to_string(wanted), "0 or more");
     std::vector<NamedFile> inputs;
     if (options.clip.scene_file) inputs.push_back({"--scene", *options.clip.scene_file});
     add_inputs(inputs, options.clip.file, *reader);
@@ -403,7 +407,7 @@ Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
     const std::int64_t& number = exported.number;
     if (auto done = export_frames(*reader, scene, options, *builder, picture, exported); !done)
         return with_what_stays(done.error(), options, number);
-    if (number <= wanted) return with_what_stays(beyond_the_end(options, wanted, number), options, number);
+    if (number <= wanted) return with_what_stays(no_such_frame(options, wanted, number), options, number);
     if (clip.chosen) say_on_stderr("filters: " + filters_in_words(scene, clip.chosen));
     std::cout << one_line(in_words(options, exported)) << '\n';
     return {};

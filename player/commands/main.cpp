@@ -43,19 +43,25 @@ Result<void> print_overview(const CLI::App& app) {
     return {};
 }
 
+/// The command of that name; null: none.
+const CLI::App* command_named(const CLI::App& app, std::string_view name) {
+    const auto commands = app.get_subcommands({});
+    const auto found = std::ranges::find(commands, name, &CLI::App::get_name);
+    return found == commands.end() ? nullptr : *found;
+}
+
 /// help COMMAND [TOPIC]
 Result<void> print_help(const CLI::App& app, std::span<const std::string> words) {
-    const auto commands = app.get_subcommands({});
-    const auto command = std::ranges::find(commands, words[0], &CLI::App::get_name);
+    const CLI::App* const command = command_named(app, words[0]);
     if (words.size() > 2) return usage_error("help takes a command and a topic, no more words");
-    if (command == commands.end())
+    if (!command)
         return usage_error("unknown command " + refused_value(words[0]) + "; must be one of " +
-                           listed(commands, &CLI::App::get_name));
+                           listed(app.get_subcommands({}), &CLI::App::get_name));
     if (words.size() == 1) {
-        std::cout << (*command)->help();
+        std::cout << command->help();
         return {};
     }
-    TRY_ASSIGN(const auto help, help_on(**command, words[1]));
+    TRY_ASSIGN(const auto help, help_on(*command, words[1]));
     std::cout << help;
     return {};
 }
@@ -70,14 +76,11 @@ std::vector<std::string> words_of_help(std::vector<std::string> words) {
 }
 
 /// A file or folder in place of a command is a clip to play.
-bool is_clip(const CLI::App& app, int argc, char** argv) {
-    if (argc < 2) return false;
-    for (const CLI::App* command : app.get_subcommands({}))
-        if (command->get_name() == argv[1]) return false;
-    const std::string_view word = argv[1];
+bool is_clip(const CLI::App& app, const std::string& word) {
     std::error_code ignored;
-    const bool looks_like_a_file = word.find_first_of("./") != std::string_view::npos && word[0] != '-';
-    return word != "help" && (looks_like_a_file || std::filesystem::exists(word, ignored));
+    const bool looks_like_a_file = word.find_first_of("./") != std::string::npos && word[0] != '-';
+    return word != "help" && !command_named(app, word) &&
+           (looks_like_a_file || std::filesystem::exists(word, ignored));
 }
 
 /// The chosen command's options, or all commands if none is chosen.
@@ -92,21 +95,52 @@ std::vector<std::string> known_words(const CLI::App& app) {
     return words;
 }
 
-/// CLI11's message on one line, with a hint to the correct usage.
-Error bad_usage(const CLI::App& app, const CLI::ParseError& error) {
+/// Throws if an option's value is missing, for which CLI11 would take the next option, or has blanks in place
+/// of its commas.
+void check_values(const CLI::App& command, std::span<const std::string> words) {
+    const auto option_in = [&command](const std::string& word) -> const CLI::Option* {
+        const bool is_option = word.size() > 1 && word[0] == '-' && word != "--";
+        return is_option ? command.get_option_no_throw(word.substr(0, word.find('='))) : nullptr;
+    };
+    const auto ends_values = [&](const std::string& word) { return word == "--" || option_in(word); };
+    const auto is_number = [](const std::string& word) { return parsed_number(word).has_value(); };
+    for (; !words.empty() && words[0] != "--"; words = words.subspan(1)) {
+        const CLI::Option* const option = option_in(words[0]);
+        const std::string value = option ? value_in_words(*option) : "", name = words[0];
+        if (value.empty() || (name.find('=') != std::string::npos && !name.ends_with('='))) continue;
+        const auto next = words.begin() + 1, end = std::ranges::find_if(next, words.end(), ends_values);
+        const std::vector<std::string> numbers(next, std::ranges::find_if_not(next, end, is_number));
+        const int needed = option->get_items_expected_min();
+        const bool is_empty = needed == 0 && next != end && next->empty();
+        if (name.ends_with('=') || is_empty || end - next < needed)
+            throw CLI::ValidationError(option->get_name() + " needs " +
+                                       (needed > 1 ? std::to_string(needed) + " values: " : "a value: ") +
+                                       value);
+        if (numbers.size() > 1 && value.find(',') != std::string::npos)
+            throw CLI::ValidationError(option->get_name() + " takes " + value +
+                                       " with commas: " + listed(numbers, {}, ","));
+    }
+}
+
+/// CLI11's message on one line, with a hint to the correct usage. `typed`: all words.
+Error bad_usage(const CLI::App& app, const CLI::ParseError& error, std::span<const std::string> typed) {
     std::string message = error.what();
     const auto chosen = app.get_subcommands();
     if (dynamic_cast<const CLI::ExtrasError*>(&error)) {  // its own message names them in reverse order
-        const auto words = app.remaining(true);
+        auto words = app.remaining(true);
+        const bool are_words = !words.empty() && words.front() == "--";  // none behind it is an option
+        if (are_words) words.erase(words.begin());
         const std::string first = words.empty() ? "" : words.front();
-        const std::string meant = nearest_word(first, known_words(app));
-        if (chosen.empty() && !first.starts_with('-')) {
-            message = "unknown command or file '" + first + '\'';
-            if (!meant.empty()) message += " (did you mean " + meant + "?)";
-        } else {
-            message = (first.starts_with('-') ? "unknown option '" : "unexpected word '") + first + '\'';
-            if (!meant.empty()) message += " (did you mean " + meant + "?)";
-        }
+        const bool is_option = first.starts_with('-') && !are_words;
+        const std::string meant = are_words ? "" : nearest_word(first, known_words(app));
+        message = is_option        ? "unknown option '"
+                  : chosen.empty() ? "unknown command or file '"
+                                   : "unexpected word '";
+        message += first + '\'';
+        if (!meant.empty()) message += " (did you mean " + meant + "?)";
+        const auto at = std::ranges::find(typed, first);
+        if (at != typed.begin() && at != typed.end() && *(at - 1) == "--json")
+            message += "; for a file type --json=" + first;
     }
     const auto reword = [&](const std::string& from, const std::string& to, const char* behind) {
         const auto at = message.find(from);
@@ -117,19 +151,15 @@ Error bad_usage(const CLI::App& app, const CLI::ParseError& error) {
     if (dynamic_cast<const CLI::RequiresError*>(&error)) reword(" requires ", " needs ", "");
     if (dynamic_cast<const CLI::ExcludesError*>(&error))
         reword(" excludes ", " does not go with ", "; leave one of them out");
-    const std::string named = message.substr(0, message.find(": "));
-    const CLI::Option* const option = chosen.empty() ? nullptr : chosen[0]->get_option_no_throw(named);
-    if (option && dynamic_cast<const CLI::ArgumentMismatch*>(&error)) {
-        const bool is_again = message.find(": At Most ") != std::string::npos;
-        message =
-            named + (is_again ? " is given more than once" : " needs a value: " + value_in_words(*option));
-    }
+    if (const auto at = message.find(": At Most ");
+        dynamic_cast<const CLI::ArgumentMismatch*>(&error) && at != std::string::npos)
+        message = message.substr(0, at) + " is given more than once";
     std::error_code ignored;
     for (const std::string& word : app.remaining(true))
         if (word.starts_with('-') && std::filesystem::exists(word, ignored))
             message += "; for the file " + word + " type ./" + word;
-    return usage_error(message + "; see touchable " +
-                       (chosen.empty() ? "-h" : chosen[0]->get_name() + " -h"));
+    const bool is_command = !typed.empty() && command_named(app, typed[0]);
+    return usage_error(message + "; see touchable " + (is_command ? typed[0] + " -h" : "-h"));
 }
 
 int run(int argc, char** argv) {
@@ -161,21 +191,20 @@ int run(int argc, char** argv) {
     bool is_table = false;
     app.add_flag("--list-options", is_table)->group("");
 
+    std::vector<std::string> words(argv + 1, argv + argc);
+    if (!words.empty() && is_clip(app, words[0])) words.insert(words.begin(), "play");
     try {
-        if (is_clip(app, argc, argv)) {
-            std::vector<std::string> words(argv + 1, argv + argc);
-            words.insert(words.begin(), "play");
-            std::ranges::reverse(words);  // as CLI11 takes them
-            app.parse(std::move(words));
-        } else if (const auto asked = words_of_help({argv + 1, argv + argc}); !asked.empty()) {
+        if (const auto asked = words_of_help(words); !asked.empty()) {
             command = [&app, asked] { return print_help(app, asked); };
-        } else if (argc != 2 || std::string_view(argv[1]) != "help") {
-            app.parse(argc, argv);
+        } else if (words != std::vector<std::string>{"help"}) {
+            if (const CLI::App* const named = words.empty() ? nullptr : command_named(app, words[0]))
+                check_values(*named, std::span(words).subspan(1));
+            app.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // as CLI11 takes them
         }
     } catch (const CLI::Success& success) {
         return app.exit(success);
     } catch (const CLI::ParseError& error) {
-        return fail(app, bad_usage(app, error));
+        return fail(app, bad_usage(app, error, words));
     }
     if (is_table)
         command = [&app]() -> Result<void> {

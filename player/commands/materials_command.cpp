@@ -210,7 +210,7 @@ private:
             TRY_ASSIGN(const auto frame, clip.next());
             if (!frame)
                 return usage_error("--frame " + std::to_string(wanted) + " is beyond the clip, which has " +
-                                   std::to_string(number) + " frames");
+                                   counted(number, "frame"));
             if (number < wanted) continue;
             const PlaneView& haptic = frame->haptic;
             Image image{haptic.width, haptic.height, 1, 3, {}};
@@ -286,14 +286,15 @@ Result<SegmentNames> read_names(const MaterialsTyped& typed) {
                                    largest_segment_names));
         TRY_ASSIGN(names, parse_segment_names(text, where));
     }
-    if (typed.materials.size() != typed.places.size())
-        return usage_error("--material is given " + std::to_string(typed.materials.size()) +
-                           " times and --at " + std::to_string(typed.places.size()) +
-                           "; each --material needs its --at, X,Y of a pixel of the segment");
     for (std::size_t k = 0; k < typed.materials.size(); ++k) {
-        TRY_ASSIGN(auto named, read_named(typed.materials[k], typed.places[k]));
+        TRY_ASSIGN(auto named,
+                   read_named(typed.materials[k], k < typed.places.size() ? typed.places[k] : "0,0"));
         names.segments.push_back(std::move(named));
     }
+    if (typed.materials.size() != typed.places.size())
+        return usage_error("each --material needs its --at, X,Y of a pixel of the segment; given: " +
+                           counted(std::ssize(typed.materials), "material") + ", " +
+                           counted(std::ssize(typed.places), "place"));
     if (!typed.otherwise.empty()) names.otherwise = typed.otherwise;
     if (!names.otherwise.empty() && find_material(names.otherwise) == nullptr)
         return usage_error("--otherwise: " + no_such_material(names.otherwise));

@@ -102,15 +102,17 @@ Result<FrameRate> read_frame_rate(const std::string& option, std::string_view te
     return not_allowed(option, text, "frames per second, 0.001 to 1000, such as 30, 29.97 or 30000/1001");
 }
 
-Result<double> read_number(const std::string& option, std::string_view text, double least, double most) {
-    double value = 0;
-    const std::string_view unsigned_text = text.starts_with('+') ? text.substr(1) : text;
-    const auto [end, failure] =
-        std::from_chars(unsigned_text.data(), unsigned_text.data() + unsigned_text.size(), value);
-    if (failure == std::errc() && end == text.data() + text.size() && std::isfinite(value) &&
-        value >= least && value <= most)
-        return value;
-    std::string right = "a number";
+Result<double> read_number(const std::string& option, std::string_view text, double least, double most,
+                           std::string_view unit) {
+    const auto value = parsed_number(text.starts_with('+') ? text.substr(1) : text);
+    const auto is_right = [&](double number) { return number >= least && number <= most; };
+    if (value && is_right(*value)) return *value;
+    std::string right = "a number", example;
+    if (unit == "METRES") example = ", such as 0.001 for mm";
+    if (unit == "N/mm") example = ", such as 0.6 for 600 N/m";
+    const bool is_unit = unit.find(' ') == std::string_view::npos || unit.find('/') != std::string_view::npos;
+    if (is_unit && unit != "NUMBER" && !unit.empty())  // "FROM TO" is none
+        right += " of " + (unit[0] == 'N' ? std::string(unit) : small_letters(std::string(unit)));
     const bool has_least = least != std::numeric_limits<double>::lowest(),
                has_most = most != std::numeric_limits<double>::max();
     if (has_least && has_most)
@@ -118,7 +120,7 @@ Result<double> read_number(const std::string& option, std::string_view text, dou
     else if (has_least)
         right += formatted(", %g or more", least);
     if (has_decimal_comma(text)) right += ", with a decimal point in place of the comma";
-    return not_allowed(option, text, right);
+    return not_allowed(option, text, right + example);
 }
 
 Result<double> read_word(const SettingRange& range, const std::string& word) {

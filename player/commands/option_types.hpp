@@ -51,6 +51,11 @@ std::string type_with_words(const std::string& name, const Words& words) {
     return name + ":{" + listed(words, {}, ",") + "}";
 }
 
+/// "1 tick", "2 ticks".
+inline std::string counted(std::int64_t count, const std::string& one) {
+    return std::to_string(count) + ' ' + one + (count == 1 ? "" : "s");
+}
+
 /// A refused value for a message: as it is, or in quotes if it would not read as one word.
 inline std::string refused_value(std::string_view value) {
     const bool is_plain = !value.empty() && value.find_first_of(" \t\n;:,'\"") == std::string_view::npos;
@@ -86,8 +91,10 @@ Result<Whole> read_whole_number(const std::string& option, std::string_view text
     return not_allowed(option, text, right);
 }
 
-/// A finite number as typed after `option`; refused (ErrorKind::usage) if invalid or out of range.
-Result<double> read_number(const std::string& option, std::string_view text, double least, double most);
+/// A finite number as typed after `option`; refused (ErrorKind::usage) if invalid or out of range. `unit` is
+/// named by the message, as in the help ("METRES", "N/mm").
+Result<double> read_number(const std::string& option, std::string_view text, double least, double most,
+                           std::string_view unit = "");
 
 /// Frames per second as typed after `option`, exactly: "25", "29.97" (2997/100), "30000/1001"; 0.001 to 1000.
 Result<FrameRate> read_frame_rate(const std::string& option, std::string_view text);
@@ -104,13 +111,14 @@ template <class Option>
 CLI::Option* add_number_option(CLI::App& sub, const std::string& name, Option& number,
                                const std::string& what, double least = std::numeric_limits<double>::lowest(),
                                double most = std::numeric_limits<double>::max()) {
+    CLI::Option* const option = sub.add_option(name, number, what)->type_name("NUMBER");
     const CLI::Validator finite(
         [=](std::string& text) {
-            const auto read = read_number("", text, least, most);
+            const auto read = read_number("", text, least, most, option->get_type_name());
             return read ? std::string() : read.error().message;
         },
         "");
-    return sub.add_option(name, number, what)->check(finite)->type_name("NUMBER");
+    return option->check(finite);
 }
 
 /// An option that takes a whole number, `least` to `most`, always decimal: 010 is ten.

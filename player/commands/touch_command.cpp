@@ -1,7 +1,6 @@
 #include "player/commands/commands.hpp"
 
 #include <CLI/CLI.hpp>
-#include <limits>
 #include <memory>
 #include <set>
 #include <string>
@@ -108,14 +107,14 @@ void add_hand_options(CLI::App& sub, TouchWords& words) {
         ->type_name("SECONDS");
 }
 
-/// Adds a run's setting. Takes any number; the run refuses invalid ones.
+/// Adds a run's setting. The run refuses what is in the option's range and still invalid.
 CLI::Option* add_setting_option(CLI::App& sub, const SessionSetting& setting, SessionOptions& session) {
     const SettingRange& range = setting.range;
     const bool is_number = range.words.empty();
     const auto read = [&setting, &range, is_number, &session](const std::string& word) -> Result<void> {
-        using Limits = std::numeric_limits<double>;
-        const auto number =
-            is_number ? read_number("", word, Limits::lowest(), Limits::max()) : read_word(range, word);
+        const auto number = is_number
+                                ? read_number("", word, setting.typed.least, setting.typed.most, range.unit)
+                                : read_word(range, word);
         if (!number) return number.error();
         setting.set(*number, session);
         return {};

@@ -150,6 +150,11 @@ std::vector<SessionSetting> all_settings() {
                     "The most damping that may take back energy created by the controller. 0: off.",
                     {.unit = "N s/m"}, in_guard(&GuardSettings::passivity))};
     all.insert(all.end(), rest.begin(), rest.end());
+    // Beyond what a hand takes: a robot that is driven over the network.
+    for (SessionSetting& setting : all) {
+        if (setting.name == "max-force") setting.typed = {0.001, 1000};
+        if (setting.name == "max-stiffness") setting.typed = {0.001, 50};
+    }
     return all;
 }
 

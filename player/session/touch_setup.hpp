@@ -22,6 +22,7 @@
 #include <filesystem>
 #include <functional>
 #include <glm/mat4x4.hpp>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -223,12 +224,16 @@ struct SessionSetting {
     std::string name;       ///< in commands and saved settings; with "--" as an option
     const char* what = "";  ///< description for a first-time user
     SettingOf of = SettingOf::felt;
-    SettingRange range{};  ///< in a window. An option takes any number that `validate` allows
+    SettingRange range{};  ///< in a window
     /// Sets a legal value (SettingRange::value_of) in the options of a run.
     std::function<void(double value, SessionOptions& options)> set{};
     /// The run's value; null: the setting has no value of its own, like "filters".
     std::function<std::string(const TouchSetup& setup)> get{};
     std::string usual{};  ///< a number's default; empty: see `what`
+    /// Range of an option's number; by default any that `validate` allows.
+    struct {
+        double least = std::numeric_limits<double>::lowest(), most = std::numeric_limits<double>::max();
+    } typed{};
 };
 std::span<const SessionSetting> run_settings();
 /// The settings in a window: all but SettingOf::expert.

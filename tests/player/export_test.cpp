@@ -158,9 +158,16 @@ TEST_F(Export, RejectsFrameBeyondEnd) {
           std::vector<std::string>{"export", clip(), "--frames", "1-3", "--out", out()}}) {
         const Outcome run = run_touchable(words);
         EXPECT_EQ(run.code, 2);
-        EXPECT_NE(run.err.find("3 frames"), std::string::npos) << run.err;
+        EXPECT_NE(run.err.find(": 3 is not allowed; must be 0 to 2; " + clip() + " has 3 frames\n"),
+                  std::string::npos)
+            << run.err;
         EXPECT_FALSE(std::filesystem::exists(out()));
     }
+    const Outcome before = run_touchable({"export", clip(), "--frame", "-1", "--out", out()});
+    EXPECT_EQ(before.code, 2);
+    EXPECT_NE(before.err.find("--frame: -1 is not allowed; must be 0 to 2; " + clip() + " has 3 frames\n"),
+              std::string::npos)
+        << before.err;
 }
 
 TEST_F(Export, RejectsInvalidSettings) {

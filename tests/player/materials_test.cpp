@@ -329,7 +329,9 @@ TEST_F(Materials, RejectInvalidOptions) {
     expect(named("table=wood", "5,5"), 2, "no surface at pixel 5,5 of frame 0");
     expect(named("table=wood", "96,5"), 2, "outside of the picture, which has 96x64");
     expect(named("table=wood", "20,40,12"), 2, "frame 12 is beyond the clip, whose last one is 11");
-    expect({"--material", "table=wood"}, 2, "each --material needs its --at");
+    expect({"--material", "table=wood"}, 2,
+           "each --material needs its --at, X,Y of a pixel of the segment; given: 1 material, 0 places");
+    expect({"--material", "wood"}, 2, "--material \"wood\" is not allowed; must be NAME=MATERIAL");
     expect({"--material", "a=wood", "--at", "20,40", "--material", "b=foam", "--at", "21,41"}, 2,
            "a segment is of one material");
     expect({"--otherwise", "gold"}, 2, "\"gold\" is no material");

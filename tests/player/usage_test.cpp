@@ -164,7 +164,7 @@ TEST(Usage, RejectsUnknownWords) {
                                                       {"make", "globe"},
                                                       {"make", "globe", "out.mkv", "--frames", "many"},
                                                       {"export", "clip.mkv", "--out", "out"},
-                                                      {"export", "clip.mkv", "--frame", "-1", "--out", "out"},
+                                                      {"export", "clip.mkv", "--frame", "1x", "--out", "out"},
                                                       {"--nothing"}};
     for (const auto& words : wrong) {
         const Outcome run = run_touchable(words);
@@ -196,11 +196,75 @@ TEST(Usage, NamesMissingValuesAndPartners) {
         EXPECT_NE(run.err.find(message), std::string::npos) << run.err;
     };
     expect({"touch", "clip.mkv", "--median"}, "--median needs a value: 0|3|5");
-    expect({"touch", "clip.mkv", "--loop", "1"}, "--loop needs a value: FROM TO");
+    expect({"touch", "clip.mkv", "--loop", "1"}, "--loop needs 2 values: FROM TO");
+    expect({"touch", "clip.mkv", "--loop", "1", "--live"}, "--loop needs 2 values: FROM TO");
     expect({"make", "globe", "g.mkv", "--size", "8x8", "--size", "9x9"}, "--size is given more than once;");
     expect({"info", "clip.mkv", "--preset", "tun"}, "tun is not allowed: did you mean tum?");
     expect({"play", "clip.mkv", "--at", "5"}, "--at needs --screenshot");
     expect({"info", "clip.mkv", "--fov", "60", "--intrinsics", "500,500"}, "does not go with");
+}
+
+TEST(Usage, OptionIsNoValue) {
+    const TemporaryFolder folder;
+    const std::pair<Words, const char*> missing[] = {
+        {{"touch", "a.mkv", "--record", "--live"}, "--record needs a value: FILE; see touchable touch -h"},
+        {{"touch", "a.mkv", "--record", "--seconds=1"}, "--record needs a value: FILE"},
+        {{"touch", "a.mkv", "--record", "-h"}, "--record needs a value: FILE"},
+        {{"touch", "--record", "--", "a.mkv"}, "--record needs a value: FILE"},
+        {{"touch", "a.mkv", "--record=", "--live"}, "--record needs a value: FILE"},
+        {{"touch", "a.mkv", "--json", ""}, "--json needs a value: [FILE]"},
+        {{"a.mkv", "--script", "--headless"}, "--script needs a value: FILE; see touchable play -h"},
+        {{"info", "a.mkv", "--fov", "--verify"}, "--fov needs a value: DEGREES"},
+        {{"make", "globe", "--seed", "--overwrite", "a.mkv"}, "--seed needs a value: N"}};
+    for (const auto& [words, message] : missing) {
+        const Outcome run = run_in_folder(words, folder.path());
+        EXPECT_EQ(run.code, 2) << run.err;
+        EXPECT_TRUE(run.one_line_of_error()) << run.err;
+        EXPECT_NE(run.err.find(message), std::string::npos) << run.err;
+        EXPECT_EQ(names_in(folder.path()), Words{});
+    }
+    const std::string clip = folder / "a.mkv";
+    make_clip("plane", clip, {"--size", "16x12", "--frames", "1"});
+    for (const char* named : {"--record=--live", "--record=-x"})
+        EXPECT_EQ(run_in_folder({"touch", clip, "--seconds", "0.01", named}, folder.path()).code, 0);
+    EXPECT_EQ(names_in(folder.path()), (Words{"--live", "-x", "a.mkv"}));
+    EXPECT_NE(run_touchable({"info", clip, "--fov", "-5"}).err.find("-5 is not allowed"), std::string::npos);
+}
+
+TEST(Usage, NamesUnexpectedWord) {
+    const std::pair<Words, const char*> wrong[] = {
+        {{"touch", "--", "a.mkv", "--seconds", "1"}, "unexpected word '--seconds'; see"},
+        {{"info", "--", "a", "b"}, "unexpected word 'b'; see"},
+        {{"info", "a.mkv", "--json", "out.json"},
+         "unexpected word 'out.json'; for a file type --json=out.json"},
+        {{"touch", "a.mkv", "--intrinsics", "525", "525", "320", "240"},
+         "--intrinsics takes FX,FY[,CX,CY]|FILE with commas: 525,525,320,240"},
+        {{"materials", "a.mkv", "--at", "20", "40"}, "--at takes X,Y[,FRAME] with commas: 20,40"}};
+    for (const auto& [words, message] : wrong) {
+        const Outcome run = run_touchable(words);
+        EXPECT_EQ(run.code, 2);
+        EXPECT_TRUE(run.one_line_of_error()) << run.err;
+        EXPECT_NE(run.err.find(message), std::string::npos) << run.err;
+    }
+    for (const Words& words : {Words{"make", "--quiet"}, {"formats", "nope"}, {"formats", "--json"}})
+        EXPECT_EQ(run_touchable(words).err.find("did you mean"), std::string::npos) << words[1];
+}
+
+TEST(Usage, NamesRangeAndUnit) {
+    const std::tuple<const char*, const char*, const char*> wrong[] = {
+        {"--max-force", "5N", "5N is not allowed; must be a number of N, 0.001 to 1000;"},
+        {"--max-force", "1e9", "1e9 is not allowed; must be a number of N, 0.001 to 1000;"},
+        {"--max-stiffness", "600N/m", "must be a number of N/mm, 0.001 to 50, such as 0.6 for 600 N/m;"},
+        {"--max-stiffness", "600", "must be a number of N/mm, 0.001 to 50, such as 0.6 for 600 N/m;"},
+        {"--depth-unit", "1mm", "must be a number of metres, 1e-09 to 1e+06, such as 0.001 for mm;"},
+        {"--depth-unit", "mm", "such as 0.001 for mm;"},
+        {"--seconds", "5s", "must be a number of seconds, 0.001 to 1e+06;"},
+        {"--passivity", "much", "must be a number of N s/m;"}};
+    for (const auto& [option, value, message] : wrong) {
+        const Outcome run = run_touchable({"touch", "a.mkv", option, value});
+        EXPECT_EQ(run.code, 2);
+        EXPECT_NE(run.err.find(message), std::string::npos) << run.err;
+    }
 }
 
 TEST(Usage, JsonAloneOrIntoFile) {

@@ -224,6 +224,8 @@ TEST(NearestWord, HasFewestEdits) {
 TEST(NearestWord, NeedsAWordNearby) {
     const std::vector<std::string> words{"touch", "play"};
     EXPECT_EQ(nearest_word("convert", words), "");
+    EXPECT_EQ(nearest_word("nope", std::array<std::string, 1>{"moge"}), "") << "half of it differs";
+    EXPECT_EQ(nearest_word("--json", std::array<std::string, 1>{"--fov"}), "") << "dashes do not count";
     EXPECT_EQ(nearest_word("", words), "");
     EXPECT_EQ(nearest_word("p", words), "");
     EXPECT_EQ(nearest_word(std::string(1'000'000, 'x'), words), "");
