@@ -22,7 +22,7 @@ constexpr DeviceKind kinds_of_devices[] = {
     {"spacemouse", "a 3Dconnexion SpaceMouse (HID) moves the finger; it exerts no force", "",
      make_spacemouse_driver},
     {"network", "any program that sends UDP datagrams (docs/devices.md)", "", make_network_driver},
-    {"recorded", "a log of any device, told again", ":FILE", make_recorded_driver},
+    {"recorded", "replays a device log", ":FILE", make_recorded_driver},
 };
 
 /// An unusable file and missing hardware are reported together, not one after the other.
@@ -116,8 +116,10 @@ std::string devices_in_words(const std::vector<ConnectedDevice>& devices, const 
         std::string(" Most have to be permitted, once for all of them:\n    ") + udev_rules_command;
     if (devices.empty())
         return "No device that is known here is connected: plug one in and switch it on." +
-               (has_rules ? "" : permit) + "\nNone is needed: any program can be the hand (" + naming +
-               "network), and in the window the mouse is (touchable play).\n";
+               (has_rules ? "" : permit) +
+               "\nYou need no device: the mouse works in the window (touchable play), and any program can "
+               "drive the finger (" +
+               naming + "network).\n";
     std::string words;
     for (const ConnectedDevice& device : devices) words += device_lines(device, naming);
     return words;

@@ -279,9 +279,10 @@ Error NewFile::failed(int why) const {
 Result<void> NewFile::check() const {
     std::error_code failure;
     const auto status = fs::status(target_, failure);
-    if (!target_.has_filename() || (fs::exists(status) && !is_regular_file(status)))
-        return input_error(target_.string() +
-                           ": is not the name of a file; must be one, new or to be replaced");
+    if (!target_.has_filename() || fs::is_directory(status))
+        return input_error(target_.string() + ": is a folder; name a file");
+    if (fs::exists(status) && !is_regular_file(status))
+        return input_error(target_.string() + ": is no regular file; name a new file, or one to replace");
     if (failure_ != 0) return failed(failure_);
     return {};
 }

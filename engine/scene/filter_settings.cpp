@@ -55,11 +55,9 @@ std::vector<FilterSetting> all_filter_settings() {
         "terrace_reach", {.words = {"16", "32", "64", "128"}, .whole = true, .unit = "pixels"},
         &Open::terrace_reach);
     reach.opens = removal_is_open;
-    FilterSetting temporal =
-        filter_row<&Filter::temporal>("temporal", {.words = {"off", "on"}}, &Open::temporal,
-                                      "Calms depth that trembles from frame to frame where nothing moves. "
-                                      "Its noise is given, or as the clip has it.",
-                                      "temporal[=C[+Q]]", "on");
+    FilterSetting temporal = filter_row<&Filter::temporal>(
+        "temporal", {.words = {"off", "on"}}, &Open::temporal,
+        "Reduces noise from frame to frame. Give the noise, or it is measured.", "temporal[=C[+Q]]", "on");
     temporal.length = &Filter::temporal_noise;
     return {
         filter_row<&Filter::median>(

@@ -56,8 +56,8 @@ void tell_device(std::ostream& out, const DeviceReport& report) {
             << (each.firmware.empty() ? "" : ", " + printable(each.firmware))
             << (each.node.empty() ? "" : ", " + each.node + (each.may_use ? "" : " (not permitted)")) << '\n';
     out << "program   touchable " << report.version << ", " << report.kernel << '\n'
-        << "thread    " << report.thread << "; " << report.late_ticks
-        << " ticks late by a millisecond or more\n";
+        << "thread    " << report.thread << "; " << counted(report.late_ticks, "tick")
+        << " late by a millisecond or more\n";
 }
 
 void tell_times(std::ostream& out, const DeviceReport& report) {

@@ -263,8 +263,8 @@ void tell_touch(const ClipFacts& facts, Lines& lines) {
         lines.line("holes") << "walls of missing depth have " << *scene.hole_stiffness << " N/mm\n";
     if (facts.has_track("height"))
         lines.line("height") << "up to " << scene.height_coding.max_height
-                             << (scene.height_coding.units == HeightUnits::levels ? " levels = "
-                                                                                  : " scene units = ")
+                             << (scene.height_coding.units == HeightUnits::levels ? " level" : " scene unit")
+                             << (scene.height_coding.max_height == 1 ? " = " : "s = ")
                              << largest_height(scene.height_coding, scene.depth) * mm_per_unit(scene)
                              << " mm of the scene\n";
 }

@@ -260,8 +260,9 @@ Result<void> run_make(const MakeOptions& options) {
     TRY(writer->finish());
 
     const Scene& made = source.scene();
-    std::cout << one_line(options.out.string()) << ": " << options.frames << " frames of " << options.scene
-              << ", " << made.width << 'x' << made.height << ", " << made.depth_bits << " bits\n";
+    std::cout << one_line(options.out.string()) << ": " << counted(options.frames, "frame") << " of "
+              << options.scene << ", " << made.width << 'x' << made.height << ", " << made.depth_bits
+              << " bits\n";
     if (!remark.empty()) std::cout << remark << '\n';
     return {};
 }

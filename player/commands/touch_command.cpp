@@ -86,7 +86,7 @@ void add_file_options(CLI::App& sub, TouchOptions& o) {
     record->excludes(replay);
     add_overwrite_option(sub, o.existing);
     sub.add_flag("--verbose", o.verbose, "print all figures, not only the first four lines");
-    sub.add_flag("--strict", o.strict, "exit with code 6 if the first line is a warning");
+    sub.add_flag("--strict", o.strict, "exit with code 6 on any warning");
 }
 
 /// Adds the options of the hand and the run's length.

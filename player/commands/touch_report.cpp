@@ -10,6 +10,7 @@
 #include "engine/stream/stream_url.hpp"
 #include "player/commands/clip_facts.hpp"
 #include "player/commands/machine_check.hpp"
+#include "player/commands/option_types.hpp"
 #include "player/commands/setting_words.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/touch_setup.hpp"
@@ -234,8 +235,8 @@ std::string held_back_words(const Json& report) {
 /// Empty: no finger waited.
 std::string waiting_words(const Json& report) {
     if (report["waiting_ticks"] == 0) return "";
-    return std::to_string(report["waiting_ticks"].get<std::int64_t>()) +
-           " ticks without force, for a finger that had not been free of the surface; --start-buried pushes "
+    return counted(report["waiting_ticks"].get<std::int64_t>(), "tick") +
+           " without force, for a finger that had not been free of the surface; --start-buried pushes "
            "it out";
 }
 
@@ -268,12 +269,12 @@ std::string verdict_words(const Json& report) {
     std::string faults;
     const auto count = [&](const char* name, const char* words) {
         if (report[name] == 0) return;
-        faults += (faults.empty() ? "" : "; ") + std::to_string(report[name].get<std::int64_t>()) + words;
+        faults += (faults.empty() ? "" : "; ") + counted(report[name].get<std::int64_t>(), "tick") + words;
     };
-    count("nonfinite_ticks", " ticks without a finite force");
-    count("proxy_behind_mesh_ticks", " ticks with a finger behind the surface");
-    count("capped_ticks", " ticks that met more edges than a tick can follow");
-    count("late_ticks", " ticks late by 1 ms or more");
+    count("nonfinite_ticks", " without a finite force");
+    count("proxy_behind_mesh_ticks", " with a finger behind the surface");
+    count("capped_ticks", " that met more edges than a tick can follow");
+    count("late_ticks", " late by 1 ms or more");
     const std::string forceless =
         report.value("device_exerts_force", true) ? "" : "the device exerts no force";
     for (const std::string& words :
@@ -378,14 +379,17 @@ std::string report_to_text(const Json& r) {
     }
     auto line = [&text](const char* name, const std::string& value) { text += labelled(name, value); };
     auto number = [](double value, const char* format) { return formatted(format, value); };
-    auto count = [&r](const char* name) { return std::to_string(r[name].get<std::int64_t>()); };
+    auto count = [&r](const char* name, const char* one = nullptr) {
+        const auto number = r[name].get<std::int64_t>();
+        return one ? counted(number, one) : std::to_string(number);
+    };
     auto spread = [&](const Json& s) {
         return number(s["mean"], "%.3g mean") + number(s["p50"], ", %.3g median") +
                number(s["p99"], ", %.3g p99") + number(s["max"], ", %.3g max");
     };
     for (const auto& warning : r["warnings"]) line("warning", warning.get<std::string>());
     line("clip", r["clip"].get<std::string>() + ", " + count("width") + "x" + count("height") + ", " +
-                     count("frames") + " frames");
+                     count("frames", "frame"));
     for (const auto& note : r["notes"]) line("note", note.get<std::string>());
     if (r.contains("camera")) line("camera", r["camera"].get<std::string>());
     if (r.contains("playback")) line("playback", r["playback"].get<std::string>() + " (seconds, command)");
@@ -411,23 +415,23 @@ std::string report_to_text(const Json& r) {
     line("force", force_words(r));
     if (r["hole_contact"]["finger_ticks"] > 0) line("caught in holes", hole_words(r["hole_contact"]));
     if (!was_never_there(r))
-        line("guard", count("guarded_ticks") + " ticks changed by it" +
+        line("guard", count("guarded_ticks", "tick") + " changed by it" +
                           (r.value("placeless_ticks", 0) > 0 ? ", those without a position among them" : ""));
     if (const auto words = held_back_words(r); !words.empty()) line("held back", words);
     if (const auto words = waiting_words(r); !words.empty()) line("began inside", words);
     if (const auto words = stale_words(r); !words.empty()) line("old surface", words);
     const auto& limited = r["stiffness_limited"];
     line("stiffness", number(limited["largest_n_mm"], "%.3g N/mm at most in the clip; limited in ") +
-                          std::to_string(limited["ticks"].get<std::int64_t>()) + " ticks");
+                          counted(limited["ticks"].get<std::int64_t>(), "tick"));
     line("energy from nowhere", energy_words(r));
-    line("behind the surface", count("proxy_behind_mesh_ticks") + " ticks");
-    line("not finite", count("nonfinite_ticks") + " ticks");
-    line("event limit reached", count("capped_ticks") + " ticks");
+    line("behind the surface", count("proxy_behind_mesh_ticks", "tick"));
+    line("not finite", count("nonfinite_ticks", "tick"));
+    line("event limit reached", count("capped_ticks", "tick"));
     line("time per tick", spread(r["tick_us"]) + " us, all fingers");
     if (r["clock"] == "wall") {
         line("on the wall clock",
-             count("late_ticks") + " ticks late by 1 ms or more, " + count("skipped_ticks") + " skipped" +
-                 (r["gaps"] == 0 ? "" : ", with " + count("gaps") + " gaps of over 50 ms") + "; began " +
+             count("late_ticks", "tick") + " late by 1 ms or more, " + count("skipped_ticks") + " skipped" +
+                 (r["gaps"] == 0 ? "" : ", with " + count("gaps", "gap") + " of over 50 ms") + "; began " +
                  spread(r["late_us"]) + " us after their time; " + r["scheduling"].get<std::string>());
     }
     if (r.contains("late_frames"))

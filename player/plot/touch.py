@@ -27,7 +27,7 @@ def read_forces(file):
             rows = csv.DictReader(stream)
             missing = [name for name in NUMBERS + FLAGS if name not in (rows.fieldnames or [])]
             if missing:
-                raise BadInput(f"{file}: there is no column {missing[0]}: must be written by touch --forces")
+                raise BadInput(f"{file}: is not a forces file (touchable touch --forces): no column {missing[0]}")
             for row in rows:
                 try:
                     values = [float(row[name]) for name in NUMBERS] + [int(row[name]) for name in FLAGS]

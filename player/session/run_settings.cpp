@@ -147,7 +147,8 @@ std::vector<SessionSetting> all_settings() {
         setting_row(expert, "damping", "Damping of the hand's motion, beside the spring.", {.unit = "N s/m"},
                     in_guard(&GuardSettings::damping)),
         setting_row(expert, "passivity",
-                    "The most damping that may take back energy created by the controller. 0: off.",
+                    "Largest damping with which the passivity controller removes energy that the contact "
+                    "created. 0: off.",
                     {.unit = "N s/m"}, in_guard(&GuardSettings::passivity))};
     all.insert(all.end(), rest.begin(), rest.end());
     // Beyond what a hand takes: a robot that is driven over the network.

@@ -77,6 +77,8 @@ TEST_F(DeviceList, EmptyListSuggestsPluggingIn) {
     plug_usb("1-1", "046d", "c077", "Logitech", "USB Optical Mouse");
     EXPECT_TRUE(connected_devices(system_).empty());
     EXPECT_NE(devices_in_words({}).find("plug one in"), std::string::npos);
+    EXPECT_NE(devices_in_words({}, "--device ").find("any program can drive the finger (--device network)"),
+              std::string::npos);
     const test::TemporaryFolder bare;
     EXPECT_TRUE(connected_devices(FakeSystem(bare.path())).empty());
 }
@@ -293,6 +295,7 @@ TEST(UdevRules, EmbeddedRulesMatchFile) {
 TEST(DeviceWords, NameEveryDeviceKind) {
     EXPECT_NE(device_words_in_words("do so").find("without a window: do so\n"), std::string::npos);
     const std::string words = device_words_in_words();
+    EXPECT_NE(words.find("replays a device log\n"), std::string::npos);
     for (const DeviceKind& kind : device_kinds())
         EXPECT_NE(("\n" + words).find("\n    " + std::string(kind.name) + std::string(kind.keys) + " "),
                   std::string::npos)

@@ -516,6 +516,9 @@ TEST_F(Plot, KeepsExistingFile) {
 TEST_F(Plot, ReportsInvalidInput) {
     expect_refused({"plot", folder / "none.csv", picture()}, 3, "none.csv");
     expect_refused({"plot", clip(), picture()}, 3, "clip.mkv: holds bytes that are no text");
+    std::ofstream(folder / "other.csv") << "t,force_x\n0,1\n";
+    expect_refused({"plot", folder / "other.csv", picture()}, 3,
+                   "other.csv: is not a forces file (touchable touch --forces): no column time_s");
     std::ofstream(folder / "half.csv") << file_contents(forces()).substr(0, 700);
     expect_refused({"plot", folder / "half.csv", picture()}, 3, "half.csv: line");
     expect_refused({"plot", forces(), picture(), "--over", folder / "nothing"}, 3, "scene.json");

@@ -334,6 +334,16 @@ TEST(Usage, DumbTerminalIsNotRedrawn) {
     unsetenv("TERM");
 }
 
+TEST(Usage, CountsHavePlural) {
+    const TemporaryFolder folder;
+    for (const auto& [frames, words] :
+         {std::pair("1", ": 1 frame of plane, "), std::pair("2", ": 2 frames of plane, ")}) {
+        const Outcome run = run_touchable({"make", "plane", folder / (std::string(frames) + ".mkv"), "--size",
+                                           "16x12", "--frames", frames});
+        EXPECT_NE(run.out.find(words), std::string::npos) << run.out;
+    }
+}
+
 TEST(Usage, FormatsDescribesEverySource) {
     const Outcome all = run_touchable({"formats"});
     EXPECT_EQ(all.code, 0);
@@ -1053,6 +1063,15 @@ TEST(Help, AllListsEveryOptionOnce) {
     }
     EXPECT_GT(table().options.at("play").size(), 50U);
     EXPECT_GT(table().options.at("touch").size(), 50U);
+}
+
+TEST(Help, SaysWhatOptionsDo) {
+    const std::string all = run_touchable({"--list-options"}).out;
+    for (const char* words : {"exit with code 6 on any warning", "reduces noise from frame to frame",
+                              "removes energy that the contact created",
+                              "print the same facts as JSON; =FILE: into a file, beside the words",
+                              "write the figures as JSON; without FILE to standard output"})
+        EXPECT_NE(all.find(words), std::string::npos) << words;
 }
 
 TEST(Help, FitsTerminal) {

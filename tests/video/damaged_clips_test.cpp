@@ -311,9 +311,10 @@ TEST_F(ClipWriting, NamesUnwritablePlaces) {
                                path.string() + ": cannot be written: ", ErrorKind::input));
     }
     std::filesystem::create_directory(folder / "taken.mkv");
-    for (const auto& path : {folder / "taken.mkv", std::filesystem::path("/dev/null")})  // before any frame
-        EXPECT_TRUE(
-            is_refused(create_clip(path, small_scene(8, 8)), path.string() + ": is not the name of a file"));
+    for (const auto& [path, why] : {std::pair(folder / "taken.mkv", ": is a folder; name a file"),
+                                    std::pair(std::filesystem::path("/dev/null"), ": is no regular file")})
+        EXPECT_TRUE(is_refused(create_clip(path, small_scene(8, 8)), path.string() + why))
+            << "before any frame";
     EXPECT_EQ(folder.file_count(), 2U);
 }
 
