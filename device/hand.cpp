@@ -12,6 +12,9 @@ namespace {
 // ---- Scripts
 
 constexpr double tick_s = 0.001;  // seconds from one tick to the next
+/// A goal is the mean of a finger's last wishes, so that it moves as a hand does: wishes that keep a speed v
+/// give goals with an acceleration of 2 v / 51 ms at most. Odd: the mean of a wave is in step with it.
+constexpr int mean_ticks = 51;
 
 /// The ground under the hand's centre at the previous tick.
 struct Ground {
@@ -53,6 +56,15 @@ double finger_phase(int finger, int fingers) {
     return 2 * pi * finger / fingers;
 }
 
+/// What the mean of `mean_ticks` leaves of a wave's amplitude.
+double left_of_wave(double hertz) {
+    const double half_turn = pi * hertz * tick_s;
+    return sine(mean_ticks * half_turn) / (mean_ticks * sine(half_turn));
+}
+
+/// A wave twice as long as the mean is the shortest that a hand follows: a shorter period becomes this one.
+constexpr double shortest_period = 0.1;  // seconds
+
 /// The pixel step of `metres` of device space in direction (x right, y up).
 glm::dvec2 pixel_step(const glm::dvec2& direction, double metres, const Ground& ground) {
     return glm::dvec2(direction.x, -direction.y) * metres / ground.metres_per_pixel;
@@ -65,9 +77,7 @@ public:
     glm::dvec2 pixel() const final { return pixel_; }
     bool moves() const final { return true; }
     double penetration(int finger) const final {
-        constexpr double hertz = 0.9;
-        constexpr double share = 3.0 / 7.0;
-        return depth_ * (1 + share * sine(2 * pi * hertz * seconds_ + finger_phase(finger, fingers_)));
+        return depth_ * (1 + swing_ * sine(2 * pi * hertz * seconds_ + finger_phase(finger, fingers_)));
     }
 
 protected:
@@ -85,7 +95,10 @@ protected:
     double seconds_ = 0;
 
 private:
+    static constexpr double hertz = 0.9;
+
     const double depth_;  // mean, device metres
+    const double swing_ = 3.0 / 7.0 / left_of_wave(hertz);
     const int fingers_;
     std::int64_t tick_ = 0;
 };
@@ -179,7 +192,11 @@ struct PressSettings {
 /// Stays over one pixel, swinging between `lift` above and `depth` under the surface.
 class Press final : public HandScript {
 public:
-    Press(const PressSettings& settings, int fingers) : settings_(settings), fingers_(fingers) {}
+    Press(const PressSettings& settings, int fingers)
+        : settings_(settings),
+          period_(std::max(settings.period, shortest_period)),
+          swing_(0.5 * (settings.depth + settings.lift) / left_of_wave(1 / period_)),
+          fingers_(fingers) {}
 
     glm::dvec2 pixel() const override { return settings_.pixel; }
     bool moves() const override { return false; }
@@ -188,12 +205,13 @@ public:
 
     double penetration(int finger) const override {
         const double seconds = static_cast<double>(tick_) * tick_s;
-        const double swing = cosine(2 * pi * seconds / settings_.period + finger_phase(finger, fingers_));
-        return 0.5 * (settings_.depth - settings_.lift) - 0.5 * (settings_.depth + settings_.lift) * swing;
+        const double wave = cosine(2 * pi * seconds / period_ + finger_phase(finger, fingers_));
+        return 0.5 * (settings_.depth - settings_.lift) - swing_ * wave;
     }
 
 private:
     PressSettings settings_;
+    double period_, swing_;
     int fingers_;
     std::int64_t tick_ = 0;
 };
@@ -206,31 +224,34 @@ struct PokeSettings {
     std::uint64_t seed;
 };
 /// Pokes at random pixels of the box that have a surface, the fingers shortly after one another, and travels
-/// straight from one to the next above the surface.
+/// straight from one to the next above the surface. It rests before and after a poke until the goals have
+/// come after, so that no finger slides inside.
 class Poke final : public HandScript {
 public:
     Poke(const PokeSettings& settings, int fingers, const HandArea& box, const SurfaceProbe& probe)
         : settings_(settings), fingers_(fingers), box_(box), random_(settings.seed) {
+        settings_.period = std::max(settings.period, shortest_period);
+        stroke_ = (settings.depth + settings.lift) / (1 + left_of_wave(1 / settings_.period));
         pixel_ = next_target(probe);
         target_ = pixel_;
     }
 
     glm::dvec2 pixel() const override { return pixel_; }
-    bool moves() const override { return pixel_ != target_; }
+    bool moves() const override { return pixel_ != target_ || there_ <= mean_ticks; }
 
     void advance(const Ground& ground, const SurfaceProbe& probe) override {
         if (pixel_ != target_) {
             travel(ground);
-        } else if (++poking_ > poke_ticks()) {
+        } else if (++there_ > 2 * mean_ticks + poke_ticks()) {
             target_ = next_target(probe);
-            poking_ = 0;
+            there_ = 0;
         }
     }
 
     double penetration(int finger) const override {
-        const double begun = static_cast<double>(poking_) * tick_s - delay(finger);
+        const double begun = static_cast<double>(there_ - mean_ticks) * tick_s - delay(finger);
         const double share = std::clamp(begun / settings_.period, 0.0, 1.0);
-        return (settings_.depth + settings_.lift) * 0.5 * (1 - cosine(2 * pi * share)) - settings_.lift;
+        return stroke_ * (1 - cosine(2 * pi * share)) - settings_.lift;
     }
 
 private:
@@ -261,12 +282,13 @@ private:
     }
 
     PokeSettings settings_;
+    double stroke_;  // half of the way in, device metres
     int fingers_;
     HandArea box_;
     Random random_;
     glm::dvec2 pixel_{0, 0};
     glm::dvec2 target_{0, 0};
-    std::int64_t poking_ = 0;  // ticks into the present poke; 0 while travelling
+    std::int64_t there_ = 0;  // ticks at the target; 0 while travelling
 };
 
 // ---- Fingers that follow a script
@@ -274,6 +296,9 @@ private:
 /// Fingers that follow a script over any surface: on a circle about the script's pixel, each with its own
 /// penetration along -Z behind the surface under it. A finger rises over broken ground before it crosses it,
 /// and the script waits for it; on rough ground it hops now and then, so that its proxy does not stay behind.
+///
+/// Each finger has a wish, which goes there at `max_speed` at most and may stop dead; its goal is the mean of
+/// the wish's last `mean_ticks`. A mean cuts corners: so a wish rests at the corners of a wall.
 class ScriptedHand final : public Hand {
 public:
     struct Settings {
@@ -291,63 +316,78 @@ public:
           local_relief_(reach + settings.speed * tick_s, settings.workspace.metres_per_scene_unit,
                         settings.box),
           script_(std::move(script)) {
+        // From a stop, a mean of n ticks has gone v t^2 / (2 n) in t ticks: `look` in the rest of the n.
+        const double look = reach + settings.speed * tick_s, step = settings.speed * tick_s + 1e-9;
+        pause_ = std::max(0, mean_ticks - static_cast<int>(std::sqrt(2 * mean_ticks * look / step)));
         centre_depth_ = start_depth(probe, script_->pixel(), settings.box, settings.workspace);
         look_at_ground(probe);
         for (int k = 0; k < settings.fingers; ++k) {
-            Finger finger{finger_offset(k, settings.fingers, settings.spread), 0, glm::dvec3(0), {}};
+            Finger finger;
+            finger.offset = finger_offset(k, settings.fingers, settings.spread);
             finger.depth = start_depth(probe, finger_pixel(finger), settings.box, settings.workspace);
-            finger.goal = aim(finger, script_->penetration(k), entry_height, probe);
+            finger.wish = aim(finger, script_->penetration(k), entry_height, probe);
+            finger.wishes.fill(finger.wish);
             fingers_.push_back(finger);
         }
     }
 
     int fingers() const override { return settings_.fingers; }
+    bool hops(std::size_t finger) const override { return fingers_[finger].hopping > 0; }
     void goals_at(std::int64_t tick, const SurfaceProbe& probe, std::span<glm::dvec3> goals) override {
         assert(goals.size() == fingers_.size());
         const bool moves = tick > 0 && !waits_;
         if (moves) script_->advance(ground_, probe);
         if (!waits_) look_at_ground(probe);
         waits_ = false;
+        oldest_ = (oldest_ + 1) % mean_ticks;
         const double to_come = std::max(0.0, 1 - static_cast<double>(tick) * tick_s / entry_s);
         for (std::size_t k = 0; k < fingers_.size(); ++k) {
             Finger& finger = fingers_[k];
             if (moves) finger.glided += settings_.speed * tick_s;
             const double penetration = script_->penetration(static_cast<int>(k));
             const bool there = move(finger, aim(finger, penetration, entry_height * to_come, probe));
-            if (!hops(finger)) {
-                waits_ = waits_ || !there;
-            } else if (there) {
-                finger.ridge.reset();
-            }
-            goals[k] = finger.goal;
+            waits_ = rest(finger, there) || waits_;
+            finger.hopping = finger.lift == Lift::none ? std::max(finger.hopping - 1, 0) : mean_ticks;
+            finger.wishes[oldest_] = finger.wish;
+            glm::dvec3 sum(0.0);
+            for (const glm::dvec3& wish : finger.wishes) sum += wish;
+            goals[k] = sum / static_cast<double>(mean_ticks);
         }
     }
 
 private:
-    static constexpr double entry_s = 0.25;       // a hand comes down in this time ...
+    static constexpr double entry_s = 0.199;      // a wish comes down in this time, its goal in 0.25 s ...
     static constexpr double entry_height = 0.05;  // ... from this far above, device metres
     static constexpr double settling_s = 0.1;     // time constant of the depth at which pixels are measured
     static constexpr double reach = 0.0006;       // how far around itself a finger looks, device metres
     static constexpr double clearance = 0.001;    // height of a finger over broken ground, device metres
+    static constexpr double sinking = 0.02;       // m/s, of a finger over broken ground that falls away
+    static constexpr int hop_ticks =
+        mean_ticks + 40;  // that a wish stays up over rough ground, and so a goal 40
     static constexpr double greatest_lag =
         0.00025;  // the script waits for a finger that is farther from its target, device metres
     static constexpr double nearest_goal =
         0.1;  // a goal stays this share of the surface's depth in front of the camera
 
+    enum class Lift { none, over_broken, over_rough };
     struct Finger {
-        glm::dvec2 offset;            // from the hand's centre, device metres, x right, y up
-        double depth;                 // planar, scene units: of the surface under it, or the last known
-        glm::dvec3 goal;              // at the previous tick
-        std::optional<double> ridge;  // least planar depth near its path since it reached rough ground
-        double glided = 0;            // since then, device metres
+        glm::dvec2 offset{0.0};  // from the hand's centre, device metres, x right, y up
+        double depth = 0;        // planar, scene units: of the surface under it, or the last known
+        glm::dvec3 wish{0.0};    // at the previous tick
+        std::array<glm::dvec3, mean_ticks> wishes{};  // the last ones
+        Lift lift = Lift::none;
+        std::optional<double>
+            ridge;           // least planar depth near its path since it was lifted or reached rough ground
+        double glided = 0;   // since then, device metres
+        bool lands = false;  // over firm ground again, but still lifted
+        int resting = 0;     // ticks to come, in which the wish stays at its height
+        int hopping = 0;     // ticks to come, in which the goal still has a part of the lift
     };
     /// Reference depth of a finger.
     struct Stance {
         double depth;  // planar, scene units
         bool firm;     // whether it may go behind `depth`
     };
-
-    bool hops(const Finger& finger) const { return finger.ridge && finger.glided > settings_.glide; }
 
     /// The depth at which pixels are measured follows the surface slowly, or all fingers would jerk sideways
     /// whenever the centre crosses a silhouette.
@@ -370,18 +410,53 @@ private:
     Stance stance(Finger& finger, const glm::dvec2& pixel, const SurfaceProbe& probe) const {
         const std::optional<double> under = probe.depth_under(pixel.x, pixel.y);
         finger.depth = under.value_or(finger.depth);
-        if (!script_->moves()) return {finger.depth, under.has_value()};
+        if (!script_->moves()) {
+            put_down(finger);
+            return {finger.depth, under.has_value()};
+        }
         const LocalRelief local_relief = local_relief_.about(pixel, finger.depth, probe);
         if (!under || local_relief.kind == LocalRelief::Kind::broken) {
-            finger.ridge.reset();
-            return {local_relief.highest, false};
+            const double sunk = sinking * tick_s / settings_.workspace.metres_per_scene_unit;
+            finger.ridge = std::min(finger.ridge.value_or(local_relief.highest) + sunk, local_relief.highest);
+            finger.lift = Lift::over_broken;
+            finger.lands = false;
+        } else if (finger.lift == Lift::over_broken && !std::exchange(finger.lands, true)) {
+            finger.resting = pause_;
+        } else if (finger.lift != Lift::none && finger.resting == 0) {
+            put_down(finger);
+        } else {
+            glide(finger, local_relief);
         }
+        return finger.lift == Lift::none ? Stance{finger.depth, true} : Stance{*finger.ridge, false};
+    }
+
+    static void put_down(Finger& finger) {
+        finger.lift = Lift::none;
+        finger.ridge.reset();
+    }
+
+    void glide(Finger& finger, const LocalRelief& local_relief) const {
         if (local_relief.kind == LocalRelief::Kind::rough && !finger.ridge) {
             finger.ridge = local_relief.highest;
             finger.glided = 0;
         }
-        if (finger.ridge) finger.ridge = std::min(*finger.ridge, local_relief.highest);
-        return hops(finger) ? Stance{*finger.ridge, false} : Stance{finger.depth, true};
+        if (!finger.ridge) return;
+        finger.ridge = std::min(*finger.ridge, local_relief.highest);
+        if (finger.lift != Lift::none || finger.glided <= settings_.glide) return;
+        finger.lift = Lift::over_rough;
+        finger.resting = hop_ticks;
+    }
+
+    /// Counts the ticks that a lifted finger stays at its height; returns whether the script waits for the
+    /// finger. Over broken ground it waits until the goal has risen before the wall, and again until the goal
+    /// has left the wall, before it comes down.
+    bool rest(Finger& finger, bool there) const {
+        if (finger.lift == Lift::none) return !there;
+        if (finger.lift == Lift::over_broken && !there)
+            finger.resting = pause_;
+        else if (there && finger.resting > 0)
+            --finger.resting;
+        return finger.lift == Lift::over_broken && (!there || finger.resting > 0);
     }
 
     /// `penetration` along -Z over firm ground. Over other ground, or with `height` still to come down, the
@@ -398,12 +473,13 @@ private:
         return goal;
     }
 
-    /// Moves the finger's goal to `target`, at most a tick's distance; returns whether it is nearly there.
+    /// Moves the finger's wish to `target`, by less than a tick's distance; returns whether it is nearly
+    /// there.
     bool move(Finger& finger, const glm::dvec3& target) const {
-        const glm::dvec3 way = target - finger.goal;
+        const glm::dvec3 way = target - finger.wish;
         const double length = glm::length(way) * settings_.workspace.metres_per_scene_unit;
-        const double longest = settings_.max_speed * tick_s;
-        finger.goal = length > longest ? finger.goal + way * (longest / length) : target;
+        const double longest = settings_.max_speed * tick_s * (1 - 1e-6);  // below it, rounded or not
+        finger.wish = length > longest ? finger.wish + way * (longest / length) : target;
         return length - longest <= greatest_lag;
     }
 
@@ -411,9 +487,11 @@ private:
     LocalReliefSearch local_relief_;
     std::unique_ptr<HandScript> script_;
     Ground ground_{};
+    int pause_;            // ticks that a wish rests at a wall's corner, so that its goal does not cut it
     double centre_depth_;  // planar, scene units: depth at which pixels are measured
     std::vector<Finger> fingers_;
-    bool waits_ = false;  // the script waits for a finger that lags behind its target
+    std::size_t oldest_ = 0;  // of the wishes
+    bool waits_ = false;      // the script waits for a finger that lags behind its target
 };
 
 using Key = HandOptions::Key;
@@ -426,8 +504,8 @@ constexpr Key lift{"lift", "mm", 0, 50, 2};
 constexpr Key seed{"seed", "", 0, 0x1p53, 1, Key::Kind::whole};
 constexpr Key spread{"spread", "m", 0, 0.2, 0.02};
 constexpr Key extent{"extent", "of the picture", 0.05, 1, 0.8};
-constexpr Key max_speed{"max_speed", "m/s", 0.01, 10, 2};
-constexpr Key glide{"glide", "mm", 0, 1e6, 1};
+constexpr Key max_speed{"max_speed", "m/s", 0.01, 10, 0.5};
+constexpr Key glide{"glide", "mm", 0, 1e6, 5};
 constexpr Key angle{"angle", "degrees", -360, 360, 0};
 constexpr Key x{"x", "of the picture's width", 0, 1, 0.5};
 constexpr Key y{"y", "of the picture's height", 0, 1, 0.5};
@@ -482,7 +560,9 @@ Result<std::unique_ptr<Hand>> make_scripted_hand(const std::string& name, std::s
     TRY_ASSIGN(const auto given, HandOptions::parse("hand '" + name + "'", options, keys));
     const bool presses = name == "press";
     if (!presses && given.number(max_speed.name) < given.number(speed.name))
-        return usage_error("hand '" + name + "': max_speed is below speed; raise it to at least speed");
+        return usage_error("hand '" + name + "': max_speed=" + exact_number(given.number(max_speed.name)) +
+                           " is below speed; give max_speed=" + exact_number(given.number(speed.name)) +
+                           " or more");
     const HandArea box = middle_of(probe, presses ? 1 : given.number(extent.name));
     const ScriptedHand::Settings settings{fingers,
                                           workspace,

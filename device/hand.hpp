@@ -55,6 +55,8 @@ public:
     virtual int fingers() const = 0;
     /// Goals of tick `tick` (at `tick` ms), world, scene units. Called with consecutive ticks from 0.
     virtual void goals_at(std::int64_t tick, const SurfaceProbe& probe, std::span<glm::dvec3> goals) = 0;
+    /// Whether the goal of the last tick lifted the finger over broken or rough ground, wholly or in part.
+    virtual bool hops(std::size_t) const { return false; }
     /// Length of the motion in ticks, if it ends; afterwards the hand rests at its last goals.
     virtual std::optional<std::int64_t> ticks() const { return std::nullopt; }
     /// The file that its motion was read from, if any.

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <filesystem>
+#include <span>
 #include <vector>
 
 #include "device/hand.hpp"
@@ -524,10 +525,10 @@ TEST(ScriptedHand, SeedChangesPath) {
 }
 
 TEST(ScriptedHand, EveryCompilerGivesSamePath) {
-    EXPECT_EQ(hash_of(run("wander", broken_view(), 5)), 8440626929759240434u);
-    EXPECT_EQ(hash_of(run("stroke:angle=30", broken_view(), 5)), 4102860940078882624u);
-    EXPECT_EQ(hash_of(run("press", broken_view(), 5)), 11301433043578395642u);
-    EXPECT_EQ(hash_of(run("poke", broken_view(), 5)), 2180521275585820885u);
+    EXPECT_EQ(hash_of(run("wander", broken_view(), 5)), 10178614045688231193u);
+    EXPECT_EQ(hash_of(run("stroke:angle=30", broken_view(), 5)), 11716403843416955393u);
+    EXPECT_EQ(hash_of(run("press", broken_view(), 5)), 12348998252595274956u);
+    EXPECT_EQ(hash_of(run("poke", broken_view(), 5)), 4808618358777041697u);
 }
 
 TEST(ScriptedHand, KeepsSpeedOnFlatSurface) {
@@ -535,11 +536,14 @@ TEST(ScriptedHand, KeepsSpeedOnFlatSurface) {
         for (const std::string script : {"wander", "stroke:angle=65"}) {
             const std::string key = script == "wander" ? ":speed=" : ",speed=";
             const Path path = run(script + key + std::to_string(wanted), flat_view(650));
-            std::size_t off = 0;  // a turn at the edge shortens one step
+            std::size_t off = 0, turns = 0;  // a turn at the edge takes 51 ticks, at a corner two
             for (std::size_t tick = 300; tick < path.size(); ++tick) {
-                if (std::fabs(speed(path[tick - 1], path[tick]) - wanted) > 0.05 * wanted) ++off;
+                const bool is_off = std::fabs(speed(path[tick - 1], path[tick]) - wanted) > 0.05 * wanted;
+                turns += is_off && off == 0;
+                off = is_off ? off + 1 : 0;
+                EXPECT_LE(off, 104u) << script << " at " << wanted;
             }
-            EXPECT_LE(off, 20u) << script << " at " << wanted;
+            EXPECT_LE(turns, 20u) << script << " at " << wanted;
         }
     }
 }
@@ -570,8 +574,8 @@ TEST(ScriptedHand, DescendsInQuarterSecond) {
 }
 
 TEST(ScriptedHand, GoalsStayWithinExtent) {
-    for (const std::string script :
-         {"wander:speed=1,extent=0.5", "stroke:angle=80,speed=1,extent=0.5", "poke:speed=1,extent=0.5"}) {
+    for (const std::string script : {"wander:speed=1,max_speed=2,extent=0.5",
+                                     "stroke:angle=80,speed=0.5,extent=0.5", "poke:speed=0.5,extent=0.5"}) {
         const FakeProbe probe = flat_view();
         for (const glm::dvec3& goal : run(script, probe, 4)) {
             // Along -Z a goal leaves its pixel: look where it meets the surface's depth.
@@ -602,7 +606,7 @@ TEST(ScriptedHand, KeepsMaxSpeedAtCliff) {
             EXPECT_LE(fastest(run(script + std::to_string(most), cliff, 5), 5), most * (1 + 1e-9)) << script;
         }
     }
-    EXPECT_GT(fastest(run("stroke:speed=0.3,max_speed=10", cliff), 1), 2.0)
+    EXPECT_GT(fastest(run("stroke:speed=0.3,max_speed=10", cliff), 1), 1.0)
         << "the cliff is no trial of the cap";
 }
 
@@ -611,12 +615,12 @@ TEST(ScriptedHand, KeepsRimDepthOverHole) {
         if (x > 380 && x < 460) return std::nullopt;
         return 700 + 0.25 * x;
     });
-    const Path path = run("stroke:depth=0,speed=0.2", slope_with_hole, 1, 1500);
+    const Path path = run("stroke:depth=0,speed=0.2", slope_with_hole, 1, 4000);
     const double clearance = 0.001 / workspace.metres_per_scene_unit;
     int over_hole = 0;
-    for (const glm::dvec3& goal : path) {
+    for (const glm::dvec3& goal : std::span(path).subspan(250)) {  // it has come down
         const double x = slope_with_hole.project(goal).x;
-        if (x < 385 || x > 455 || goal.z > -780) continue;  // not there, or still coming down
+        if (x < 405 || x > 435) continue;  // the mean of 10 mm
         ++over_hole;
         const double above = -goal.z + clearance;
         EXPECT_TRUE(std::fabs(above - (700 + 0.25 * 380)) < 0.5 ||
@@ -657,7 +661,7 @@ TEST(ScriptedHand, WanderFindsMovedSurface) {
         (*hand)->goals_at(tick, now, {&goal, 1});
         if (tick >= 20000 && is_under(goal, now)) ++under;
     }
-    EXPECT_GT(under, 10000);
+    EXPECT_GT(under, 9000) << "a hop out of the patch and back takes a tenth of the time";
 }
 
 TEST(ScriptedHand, SurvivesViewWithoutSurface) {
@@ -749,7 +753,7 @@ TEST(ScriptedHand, PokeNeverSlidesInside) {
 TEST(ScriptedHand, PokeAimsAtSurfacePixels) {
     const FakeProbe probe = holed_view();
     int inside = 0, over_surface = 0;
-    for (const glm::dvec3& goal : run("poke:depth=3,speed=1", probe, 1, 20000)) {
+    for (const glm::dvec3& goal : run("poke:depth=3,speed=0.5", probe, 1, 20000)) {
         if (-goal.z < 700) continue;
         const glm::dvec3 seen = probe.project(goal);
         ++inside;
@@ -831,7 +835,9 @@ TEST(HandFactory, RejectsInvalidDescriptions) {
               "unknown hand ''; must be one of wander, stroke, press, poke, csv:FILE, rec:FILE");
     EXPECT_EQ(refusal("wander", 0), "a hand has 1 to 256 fingers, not 0");
     EXPECT_EQ(refusal("wander:speed=1.5,max_speed=1", 1),
-              "hand 'wander': max_speed is below speed; raise it to at least speed");
+              "hand 'wander': max_speed=1 is below speed; give max_speed=1.5 or more");
+    EXPECT_EQ(refusal("stroke:speed=0.6", 1),
+              "hand 'stroke': max_speed=0.5 is below speed; give max_speed=0.6 or more");
     for (const std::string description :
          {"wander:angle=3", "stroke:seed=3", "press:speed=0.1", "press:extent=0.5", "poke:angle=3",
           "wander:depth=51", "press:x=1.01", "csv", "csv:", "csv::columns=a", "csv:f.csv:colums=a",
