@@ -259,6 +259,7 @@ bool HapticLoop::tick(std::int64_t tick, double late_us) {
     const auto asked = steady_clock::now();
     if (!answer_of([&] { return port_.read_goals(tick, field, step_.goals()); })) return false;
     const auto read = steady_clock::now();
+    for (std::size_t k = 0; k < newtons_.size(); ++k) step_.hops()[k] = port_.hops(k);
     TouchTick done = step_.run(tick, time_ns, scene_, pair);
     done.late_us = late_us;
     for (std::size_t k = 0; k < newtons_.size(); ++k) newtons_[k] = done.forces[k].force;

@@ -93,6 +93,8 @@ public:
     virtual ~HapticPort() = default;
     /// Goals of a tick, world, scene units, one per finger. False: the device is gone, and the loop ends.
     virtual bool read_goals(std::int64_t tick, const HeightField& field, std::span<glm::dvec3> goals) = 0;
+    /// Whether the hand lifted that goal over broken or rough ground (TouchStep::hops).
+    virtual bool hops(std::size_t) const { return false; }
     /// Called before the goals of a tick after a gap of so many ms without ticks (longer than
     /// HapticLoop::longest_gap_ns). The hand may be anywhere by then, and another person's.
     virtual void come_back(std::int64_t) {}

@@ -51,6 +51,7 @@ struct Contact {
     /// The goal was NaN, beyond `largest_goal`, or (metrics of pixels) seen by no pixel: the last one was
     /// used.
     bool goal_held = false;
+    bool hops = false;                ///< TouchStep: the hand lifts the finger over broken or rough ground
     double pixel_x = 0, pixel_y = 0;  ///< of the proxy; NaN if no pixel sees it
     HapticProperties properties;      ///< at the proxy; zero out of contact
     bool in_hole = false;             ///< the proxy rests on a hole's wall or ground: `is_in_hole`

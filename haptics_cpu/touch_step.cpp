@@ -26,6 +26,7 @@ TouchStep::TouchStep(const TouchSolver& solver, const GuardSettings& guard, int 
     : solver_(solver), waits_to_be_free_(guard.waits_to_be_free), stale_(guard) {
     const auto count = static_cast<std::size_t>(fingers);
     goals_.resize(count);
+    hops_.resize(count);
     fingers_.resize(count);
     contacts_.resize(count);
     guards_.assign(count, FingerGuard(guard, solver.settings().metres_per_scene_unit));
@@ -102,6 +103,7 @@ TouchTick TouchStep::run(std::int64_t tick, std::int64_t time_ns, const Scene& s
     } else {
         meet_nothing();
     }
+    for (std::size_t k = 0; k < hops_.size(); ++k) contacts_[k].hops = hops_[k] != 0;
     if (std::exchange(came_back_, false))
         for (GuardedForce& force : forces_) force.reasons |= guard_gap;
     done.tick = tick;

@@ -69,6 +69,9 @@ public:
     int fingers() const { return static_cast<int>(goals_.size()); }
     /// Memory for the goals of the next `run`.
     std::span<glm::dvec3> goals() { return goals_; }
+    /// Memory for what the hand says of them, not 0: it lifts the finger over broken or rough ground. It is
+    /// passed on, and changes no force.
+    std::span<std::uint8_t> hops() { return hops_; }
     /// State of the fingers for the next tick.
     std::span<const FingerState> states() const { return fingers_; }
     /// The surface of the next `run` is new to all fingers, like another clip's. The first one is. (Another
@@ -102,6 +105,7 @@ private:
     bool came_back_ = false;  // before the next tick
     std::optional<std::int64_t> last_tick_;
     std::vector<glm::dvec3> goals_;
+    std::vector<std::uint8_t> hops_;
     std::vector<FingerState> fingers_;
     std::vector<Contact> contacts_;
     StaleSurface stale_;

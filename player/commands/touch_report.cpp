@@ -258,6 +258,13 @@ std::string guesses_in_words(const Json& report) {
            " guessed of the clip (touchable info says which)";
 }
 
+/// Empty: a scripted hand never lifted a finger.
+std::string hops_in_words(const Json& report) {
+    if (report["hops"] == 0) return "";
+    return formatted(report["hops"] == 1 ? ", %d hop" : ", %d hops", report["hops"].get<int>()) +
+           " over edges and rough ground";
+}
+
 /// A window may have more fingers than are moved: "led of all".
 std::string fingers_in_words(const Json& report) {
     const auto fingers = report["fingers"].get<int>(), led = report["fingers_led"].get<int>();
@@ -356,7 +363,7 @@ std::string report_in_short(const Json& report, const std::optional<std::vector<
                                     formatted(" for %.3f s, %.1f %% of it in contact",
                                               1e-3 * report["ticks"].get<double>(),
                                               report["finger_contact_pct"].get<double>()) +
-                                    guesses_in_words(report));
+                                    hops_in_words(report) + guesses_in_words(report));
     for (const auto& note : report.value("run_notes", std::vector<std::string>()))
         text += labelled("note", note);
     text += labelled("force", force_words(report));
@@ -411,7 +418,7 @@ std::string report_to_text(const Json& r) {
     line("scale", number(1 / r["device_metres_per_metre"].get<double>(),
                          "the hand moves 1 m over %.3g m of the scene"));
     line("ticks", count("ticks") + " at 1 kHz, " + count("contact_ticks") + " with contact (" +
-                      number(r["finger_contact_pct"], "%.1f %% of each finger's)"));
+                      number(r["finger_contact_pct"], "%.1f %% of each finger's)") + hops_in_words(r));
     line("force", force_words(r));
     if (r["hole_contact"]["finger_ticks"] > 0) line("caught in holes", hole_words(r["hole_contact"]));
     if (!was_never_there(r))

@@ -14,8 +14,10 @@ from matplotlib.patches import Patch
 from style import COLOURS, BadInput, colour
 
 GOAL = ["goal_x", "goal_y", "goal_z"]
+HOP = "hop"  # files of older versions have none
 NUMBERS = ["time_s", *GOAL, "force_x", "force_y", "force_z", "pixel_x", "pixel_y"]
 FLAGS = ["finger", "contact", "guard"]
+SHADES = {"guard": ("#999999", "changed by the guard"), HOP: ("#8fb8de", "the hand hops")}
 STRIPS_AT_MOST = len(COLOURS)
 
 
@@ -30,7 +32,8 @@ def read_forces(file):
                 raise BadInput(f"{file}: is not a forces file (touchable touch --forces): no column {missing[0]}")
             for row in rows:
                 try:
-                    values = [float(row[name]) for name in NUMBERS] + [int(row[name]) for name in FLAGS]
+                    values = [float(row[name]) for name in NUMBERS] + [int(row[name]) for name in FLAGS] + [
+                        int(row.get(HOP, 0))]
                 except (TypeError, ValueError):
                     raise BadInput(f"{file}: line {rows.line_num}: must be numbers in every column") from None
                 fingers.setdefault(values[len(NUMBERS)], []).append(values)
@@ -40,7 +43,7 @@ def read_forces(file):
         raise BadInput(f"{file}: cannot be read: {fault}") from None
     if not fingers:
         raise BadInput(f"{file}: has no rows")
-    read = [dict(zip(NUMBERS + FLAGS, np.array(fingers[finger]).T)) for finger in sorted(fingers)]
+    read = [dict(zip([*NUMBERS, *FLAGS, HOP], np.array(fingers[finger]).T)) for finger in sorted(fingers)]
     return [finger for finger in read if was_led(finger)] or read
 
 
@@ -69,8 +72,8 @@ def draw_strip(axes, finger, top):
     time, force = finger["time_s"], magnitude(finger)
     axes.fill_between(time, force, color=colour_of(finger), alpha=0.25, linewidth=0)
     axes.plot(time, force, color=colour_of(finger), linewidth=0.9)
-    axes.fill_between(time, top, where=finger["guard"] != 0, step="mid", color="#999999", alpha=0.35,
-                      linewidth=0)
+    for column, (shade, _) in SHADES.items():
+        axes.fill_between(time, top, where=finger[column] != 0, step="mid", color=shade, alpha=0.35, linewidth=0)
     axes.set_ylim(0, top)
     axes.margins(x=0)
     axes.locator_params(axis="y", nbins=4)
@@ -100,8 +103,11 @@ def draw_forces(file):
     what = "finger" if len(fingers) == 1 else "fingers"
     strips[0, 0].set_title(f"Force on {len(fingers)} {what}{some} over {seconds:.2f} s, "
                            f"{contact_share(fingers):.0f} % of ticks in contact", loc="left")
-    if any(np.any(finger["guard"] != 0) for finger in shown):
-        strips[0, 0].set_title("grey: changed by the guard", loc="right", fontsize=9, color="#666666")
+    handles = [Patch(facecolor=shade, alpha=0.35, label=words) for column, (shade, words) in SHADES.items()
+               if any(np.any(finger[column] != 0) for finger in shown)]
+    if handles:
+        strips[0, 0].legend(handles=handles, loc="lower right", bbox_to_anchor=(1, 1), ncols=2, frameon=False,
+                            fontsize=9, borderaxespad=0.2)
     return figure
 
 

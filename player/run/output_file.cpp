@@ -64,7 +64,7 @@ private:
                 << contact.properties.static_friction << contact.properties.dynamic_friction
                 << tick.pair.prev.number << tick.pair.next.number << tick.blend
                 << std::int64_t{tick.forces[k].reasons} << tick.metres_per_scene_unit
-                << std::int64_t{contact.counts.capped} << tick.share(k);
+                << std::int64_t{contact.counts.capped} << tick.share(k) << std::int64_t{contact.hops};
             row.end();
         }
         return file_->write(rows_);
@@ -266,7 +266,8 @@ Result<std::unique_ptr<TickTable>> TickTable::create_forces(const std::filesyste
     TRY_ASSIGN(auto out, OutputFile::create(std::move(name), file, existing, pace));
     constexpr std::string_view header =
         "tick,time_s,finger,goal_x,goal_y,goal_z,proxy_x,proxy_y,proxy_z,force_x,force_y,force_z,contact,"
-        "pixel_x,pixel_y,stiffness,mu_static,mu_dynamic,frame_prev,frame_next,blend,guard,S,capped,share\n";
+        "pixel_x,pixel_y,stiffness,mu_static,mu_dynamic,frame_prev,frame_next,blend,guard,S,capped,share,"
+        "hop\n";
     TRY(out->write(header));
     return std::make_unique<ForcesTable>(std::move(out));
 }

@@ -28,6 +28,7 @@ public:
         hand_.goals_at(tick, FieldProbe(field), goals);
         return true;
     }
+    bool hops(std::size_t finger) const override { return hand_.hops(finger); }
     bool write_forces(std::span<const glm::dvec3>) override { return true; }
 
 private:
@@ -69,6 +70,7 @@ public:
         for (; ticks_passed_ < tick; ++ticks_passed_) device_.pass_tick();
         return DevicePort::read_goals(tick, field, goals);
     }
+    bool hops(std::size_t finger) const override { return hand_.hops(finger); }
 
 private:
     Hand& hand_;
@@ -162,6 +164,7 @@ Result<void> TouchSession::tick(std::int64_t tick, std::span<TouchSink* const> s
     if (is_over(tick)) return {};
     const HeightField field(scene_, pair);
     hand_.goals_at(tick, FieldProbe(field), step_.goals());
+    for (std::size_t k = 0; k < step_.hops().size(); ++k) step_.hops()[k] = hand_.hops(k);
     if (settings_.is_after_gap && settings_.is_after_gap(tick)) step_.come_back();
     const TouchTick done = step_.run(time_ns / tick_ns, time_ns, scene_, pair);
     for (TouchSink* sink : sinks) TRY(sink->take(done));

@@ -73,8 +73,10 @@ private:
     std::int64_t fingers_led() const;
 
     std::int64_t ticks_ = 0;
-    std::vector<glm::dvec3> first_goals_;                        // per finger, in this part
-    std::vector<bool> led_;                                      // per finger, in any part
+    std::vector<glm::dvec3> first_goals_;  // per finger, in this part
+    std::vector<bool> led_;                // per finger, in any part
+    std::int64_t hops_ = 0;
+    std::vector<bool> hopping_;                                  // per finger, in the newest tick
     std::int64_t contact_ticks_ = 0, finger_contact_ticks_ = 0;  // ticks, finger ticks in contact
     std::int64_t behind_ticks_ = 0, nonfinite_ticks_ = 0, capped_ticks_ = 0, guarded_ticks_ = 0;
     std::int64_t stiffness_limited_ticks_ = 0, waiting_ticks_ = 0, stale_ticks_ = 0;

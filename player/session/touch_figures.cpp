@@ -44,6 +44,7 @@ Result<void> TouchFigures::take(const TouchTick& tick) {
     limited_.resize(tick.contacts.size());
     in_hole_.resize(tick.contacts.size());
     led_.resize(tick.contacts.size());
+    hopping_.resize(tick.contacts.size());
     if (first_goals_.empty())
         for (const Contact& c : tick.contacts) first_goals_.push_back(c.goal);
     for (std::size_t k = 0; k < tick.contacts.size(); ++k) {
@@ -54,6 +55,8 @@ Result<void> TouchFigures::take(const TouchTick& tick) {
         contact |= c.touching;
         led_[k] = led_[k] || c.touching || c.goal != first_goals_[k];
         finger_contact_ticks_ += c.touching;
+        hops_ += c.hops && !hopping_[k];
+        hopping_[k] = c.hops;
         nonfinite |= !is_finite(c.proxy) || !is_finite(force);
         capped |= c.counts.capped;
         guarded |= tick.forces[k].reasons != guard_none;
@@ -119,6 +122,7 @@ void TouchFigures::end_part() {
     energy_.clear();
     limited_.clear();
     in_hole_.clear();
+    hopping_.clear();
     first_goals_.clear();
 }
 
@@ -147,6 +151,7 @@ nlohmann::ordered_json TouchFigures::to_json() const {
             {"fingers_led", fingers_led()},
             {"finger_contact_pct",
              100.0 * share(static_cast<double>(finger_contact_ticks_), ticks_ * fingers_led())},
+            {"hops", hops_},
             {"proxy_behind_mesh_ticks", behind_ticks_},
             {"nonfinite_ticks", nonfinite_ticks_},
             {"capped_ticks", capped_ticks_},

@@ -52,7 +52,7 @@ TEST_F(Touch, ReportHasEveryFigure) {
     for (const char* name : {"clip", "hand", "builder", "device_name", "force_hash"})
         EXPECT_TRUE(report[name].is_string()) << name;
     for (const char* name :
-         {"format", "width", "height", "frames", "fingers", "ticks", "contact_ticks",
+         {"format", "width", "height", "frames", "fingers", "ticks", "contact_ticks", "hops",
           "proxy_behind_mesh_ticks", "nonfinite_ticks", "capped_ticks", "guarded_ticks", "late_ticks"})
         EXPECT_TRUE(report[name].is_number_integer()) << name;
     for (const char* name : {"skipped_tiles_pct", "finger_contact_pct", "events_mean"})
@@ -133,6 +133,24 @@ TEST_F(Touch, ForcesFileHasEveryRow) {
         ASSERT_NEAR(rows[k]["blend"], last < 5 ? frame - last : 0, 1e-6);
     }
     EXPECT_GT(rows[0]["S"], 0);
+}
+
+TEST_F(Touch, CountsAndMarksHops) {
+    make("globe");
+    const auto [report, rows] = run({"--fingers", "2", "--seconds", "2", "--hand", "wander:glide=1"});
+    int hops = 0;
+    for (std::size_t finger = 0; finger < 2; ++finger)
+        for (std::size_t at = finger, length = 0; at < rows.size(); at += 2) {
+            const bool hop = rows[at]["hop"] == 1;
+            if (!hop && length > 0) {
+                EXPECT_GE(length, 40U) << "before tick " << rows[at]["tick"];
+            }
+            hops += hop && length == 0;
+            length = hop ? length + 1 : 0;
+        }
+    EXPECT_GT(hops, 0);
+    EXPECT_EQ(report["hops"], hops);
+    EXPECT_EQ(touch(with({"--hand", "press", "--seconds", "0.5"}))["hops"], 0);
 }
 
 // The report and the forces file come from one run; each can be computed from the other.

@@ -68,7 +68,7 @@ const std::vector<std::string>& forces_columns() {
         "tick",    "time_s",    "finger",    "goal_x",     "goal_y",     "goal_z",     "proxy_x",
         "proxy_y", "proxy_z",   "force_x",   "force_y",    "force_z",    "contact",    "pixel_x",
         "pixel_y", "stiffness", "mu_static", "mu_dynamic", "frame_prev", "frame_next", "blend",
-        "guard",   "S",         "capped",    "share"};
+        "guard",   "S",         "capped",    "share",      "hop"};
     return columns;
 }
 
