@@ -165,7 +165,9 @@ Result<LiveFacts> run_live(TouchSetup& s, std::span<TouchSink* const> sinks, con
         std::cerr << one_line(how_to_begin(*s.held_device, *s.control, keys->listens())) << '\n';
         device = [&s] { return state_of(*s.held_device, *s.control); };
     }
-    LiveLine line(s.exerting_control(), std::move(device));
+    LiveLine line(s.exerting_control(), std::move(device), [&s](std::int64_t silent_ns) {
+        return silence_in_words(silent_ns, s.settings.guard.stale_after_ns, s.feed->reader());
+    });
     settings.on_status = [&line](const TouchSessionSettings::LiveStatus& status) { line.show(status); };
     std::vector<TouchSink*> all(sinks.begin(), sinks.end());
     all.push_back(&line);

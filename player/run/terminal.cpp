@@ -167,11 +167,10 @@ Result<void> LiveLine::take(const TouchTick& tick) {
     ++ticks_;
     next_ = tick.tick + 1;
     newtons_ = 0;
-    is_stale_ = false;
+    age_ns_ = tick.time_ns - std::max(tick.pair.prev.time_ns, tick.pair.next.time_ns);
     is_kept_back_ = control_ && control_->waits_to_be_free();
     for (std::size_t finger = 0; finger < tick.forces.size(); ++finger) {
         const GuardedForce& guarded = tick.forces[finger];
-        is_stale_ = is_stale_ || (guarded.reasons & guard_stale) != 0;
         newtons_ = std::max(newtons_, glm::length(tick.sent(finger)));
         is_kept_back_ = is_kept_back_ ||
                         (control_ && control_->force_is_asked() && (guarded.reasons & guard_waiting) != 0);
@@ -180,6 +179,11 @@ Result<void> LiveLine::take(const TouchTick& tick) {
 }
 
 void LiveLine::show(const TouchSessionSettings::LiveStatus& status) {
+    const std::string silence = silence_ ? silence_(age_ns_) : "";
+    if (!line_.is_on_terminal() && is_silent_ == silence.empty()) {
+        is_silent_ = !is_silent_;
+        std::fprintf(stderr, "touchable: %s\n", is_silent_ ? silence.c_str() : "frames come again");
+    }
     if (!line_.is_due()) return;
     const char* const what = !status.is_camera  ? "frames late"
                              : status.has_ended ? "frames felt, and no more come"
@@ -188,7 +192,7 @@ void LiveLine::show(const TouchSessionSettings::LiveStatus& status) {
                                   static_cast<double>(next_) / 1000, static_cast<long long>(next_ - ticks_),
                                   static_cast<long long>(status.frames), what, newtons_);
     if (device_) words += "; " + device_();
-    if (is_stale_) words += "; no new frame comes: the surface is not felt until one does";
+    if (!silence.empty()) words += "; " + silence;
     if (is_kept_back_) words += "; lift the finger off the surface: then it is felt";
     line_.show(words);
 }

@@ -91,20 +91,25 @@ std::string pace_in_words(std::int64_t done, std::int64_t total, double seconds)
 class LiveLine final : public TouchSink {
 public:
     /// `control`: of a device that exerts forces on the user, must outlive this; nullptr: none. `device`:
-    /// text about that device; null: no text.
-    explicit LiveLine(const HandControl* control = nullptr, std::function<std::string()> device = {})
-        : control_(control), device_(std::move(device)) {}
+    /// text about that device; null: no text. `silence`: text about a source whose newest frame is so many
+    /// ns old (silence_in_words); null: none. Without a terminal only that is written, when it begins or
+    /// ends.
+    explicit LiveLine(const HandControl* control = nullptr, std::function<std::string()> device = {},
+                      std::function<std::string(std::int64_t)> silence = {})
+        : control_(control), device_(std::move(device)), silence_(std::move(silence)) {}
     Result<void> take(const TouchTick& tick) override;
     void show(const TouchSessionSettings::LiveStatus& status);
 
 private:
     const HandControl* const control_;
     const std::function<std::string()> device_;
+    const std::function<std::string(std::int64_t)> silence_;
     StatusLine line_;
     std::int64_t ticks_ = 0, next_ = 0;  // ticks taken; the tick after the newest
     double newtons_ = 0;
     bool is_kept_back_ = false;  // a finger's force is held back until the finger has been free
-    bool is_stale_ = false;      // the surface is stale
+    std::int64_t age_ns_ = 0;    // of the newest frame
+    bool is_silent_ = false;     // the log says so
 };
 
 }  // namespace touchable

@@ -1,6 +1,7 @@
 #include "player/run/touch_session.hpp"
 
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
@@ -169,6 +170,15 @@ Result<void> TouchSession::tick(std::int64_t tick, std::span<TouchSink* const> s
     const TouchTick done = step_.run(time_ns / tick_ns, time_ns, scene_, pair);
     for (TouchSink* sink : sinks) TRY(sink->take(done));
     return {};
+}
+
+std::string silence_in_words(std::int64_t silent_ns, std::int64_t stale_after_ns, const ClipReader& source) {
+    std::string why;
+    for (const std::string& remark : source.remarks())
+        if (why.empty() && remark.ends_with("connecting again")) why = "the stream has ended: " + remark;
+    if (stale_after_ns <= 0 || silent_ns <= stale_after_ns) return why;
+    return formatted("no frame for %.1f s: the surface goes soft", 1e-9 * static_cast<double>(silent_ns)) +
+           (why.empty() ? "" : "; " + why);
 }
 
 std::unique_ptr<HapticPort> make_port(Hand& hand) {

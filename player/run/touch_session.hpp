@@ -131,6 +131,10 @@ private:
     TouchStep step_;
 };
 
+/// For people: no frame has come from a live source for `silent_ns`, and why; empty: frames come. They do
+/// while none is older than `stale_after_ns` (GuardSettings; 0: any age), and the stream has not ended.
+std::string silence_in_words(std::int64_t silent_ns, std::int64_t stale_after_ns, const ClipReader& source);
+
 // Sources of a run's goals and targets of its forces. Their arguments must outlive them.
 
 /// A scripted or recorded hand in place of a device; its forces are discarded.

@@ -327,6 +327,8 @@ public:
     std::optional<Error> clip_failure() const { return live_->clip_failure(); }
     /// As ClipReader::remarks.
     std::vector<std::string> remarks() const { return setup_->feed->reader().remarks(); }
+    /// silence_in_words, of the source at that moment.
+    std::string silence(const WatchedMoment& moment) const;
     /// First frames after a cut, among the frames read so far.
     std::set<std::int64_t> cuts() const { return setup_->feed->cuts(); }
 

@@ -233,6 +233,12 @@ PlaybackState WatchedSession::playback() const {
     return now;
 }
 
+std::string WatchedSession::silence(const WatchedMoment& moment) const {
+    const FramePair& pair = moment.held.pair;
+    return silence_in_words(moment.felt.tick * tick_ns - std::max(pair.prev.time_ns, pair.next.time_ns),
+                            setup_->settings.guard.stale_after_ns, setup_->feed->reader());
+}
+
 WatchedFigures WatchedSession::figures() const {
     return {setup_->feed->figures(), ticks_->figures(), live_->late_frames()};
 }

@@ -149,6 +149,8 @@ struct PanelFacts {
         cuts;  ///< seconds; moments at which the picture's depth changes suddenly, as found so far
     std::int64_t frame = 0;
     bool playing = true, looping = false, at_end = false;
+    bool is_live = false;     ///< a camera or a stream, whose time only goes on
+    std::string silence{};    ///< of its source: no frame comes, and why; empty: frames come
     std::size_t clips = 1;    ///< of the playlist
     bool is_turning = false;  ///< dragging turns the view
     bool has_touch_screen = false;

@@ -88,8 +88,8 @@ private:
         bool is_there = true;         ///< false: no effect now
         const std::string& or_words;  ///< its text in the other state
     };
-    /// Leaves out buttons without effect: a still does not pause, and with a haptic device dragging always
-    /// turns.
+    /// Leaves out buttons without effect: a still or a camera does not pause, and with a haptic device
+    /// dragging always turns.
     static std::vector<Button> buttons_of(const PanelFacts& facts) {
         const KioskTexts& texts = facts.kiosk->texts;
         const bool turns = facts.is_turning,
@@ -102,7 +102,7 @@ private:
                                .command = {WindowVerb::turning},
                                .is_lit = turns,
                                .or_words = turns ? texts.turn : texts.touch});
-        if (!facts.kiosk->is_still)
+        if (!facts.kiosk->is_still && !facts.is_live)
             buttons.push_back({.id = "pause",
                                .words = plays ? texts.pause : texts.play,
                                .sign = plays ? ButtonSign::pause : ButtonSign::play,

@@ -298,7 +298,7 @@ void PlaybackBar::draw(const PanelFacts& facts, float width, float height, float
         explains_ = draw_bar_button(button, side, asked) || explains_;
     };
     if (!left.empty()) draw_one(left.front());
-    draw_one(play_button(facts));
+    if (!facts.is_live) draw_one(play_button(facts));  // a live source takes no commands to its clock
     if (!left.empty()) draw_one(left.back());
     ImGui::AlignTextToFramePadding();
     const float time_left = ImGui::GetCursorPosX();

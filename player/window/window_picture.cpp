@@ -106,6 +106,8 @@ PanelFacts panel_facts(const OpenedClip& clip, const ClipPicture& picture, const
     facts.playing = state.playing;
     facts.looping = state.loops;
     facts.at_end = state.at_end;
+    facts.is_live = clip.is_camera();
+    facts.silence = clip.session().silence(moment);
     facts.speed = static_cast<double>(state.rate) / 1000;
     facts.overlay = name_of(picture.overlay());
     facts.scale = picture.scale();
@@ -421,11 +423,13 @@ void WindowPicture::add_message(PanelFacts& facts) const {
     const auto failure = fault_of(clip);
     const std::vector<std::string> remarks = clip.remarks();
     const bool is_gone = facts.at_end && !remarks.empty();  // a camera
-    facts.message_is_bad = failure || is_gone;
+    facts.message_is_bad = failure || is_gone || !facts.silence.empty();
     if (failure)
         facts.message = failure->message;
     else if (is_gone)
         facts.message = remarks.back();
+    else if (!facts.silence.empty())
+        facts.message = facts.silence;
     else if (!core_.options.hand && !clip.fingers().was_pressed())
         facts.message = facts.has_touch_screen             ? first_touch_words
                         : facts.at_end && !clip.is_still() ? end_first_words

@@ -484,9 +484,14 @@ TEST_F(ServedTouch, NetworkFailureReleasesHand) {
     EXPECT_TRUE(comes([&] { return watch.is_felt.load(); }));
     (*relay)->stall(true);
     EXPECT_TRUE(comes([&] { return watch.is_gone.load(); }));
+    EXPECT_EQ(silence_in_words(2'100'000'000, 250'000'000, reader),
+              "no frame for 2.1 s: the surface goes soft");
+    EXPECT_EQ(silence_in_words(200'000'000, 250'000'000, reader), "");
     (*relay)->stall(false);
     EXPECT_TRUE(comes([&] { return watch.is_felt.load(); })) << "after a network that stood still";
     (*relay)->cut();
+    EXPECT_TRUE(comes(
+        [&] { return silence_in_words(0, 0, reader).starts_with("the stream has ended: the sender "); }));
     EXPECT_TRUE(comes([&] { return reader.stream_figures()->connections > 1; }));
     const std::int64_t frame = watch.frame;
     EXPECT_TRUE(comes([&] { return watch.frame > frame && watch.is_felt; }))

@@ -476,5 +476,24 @@ TEST(StandardOutput, InterruptedRunDeliversOutput) {
         ::testing::ExitedWithCode(0), "");
 }
 
+TEST(LiveLine, WritesSilenceOnceWithoutTerminal) {
+    ::testing::internal::CaptureStderr();
+    {
+        LiveLine line(nullptr, {}, [](std::int64_t silent_ns) {
+            return std::string(silent_ns > 250 * ms ? "no frame" : "");
+        });
+        TouchTick tick;
+        for (const int at_ms : {100, 200, 300, 400, 500}) {
+            tick.tick = at_ms;
+            tick.time_ns = at_ms * ms;
+            tick.pair.next.time_ns = at_ms == 500 ? 490 * ms : 0;
+            EXPECT_TRUE(line.take(tick));
+            line.show({.is_camera = true});
+        }
+    }
+    EXPECT_EQ(::testing::internal::GetCapturedStderr(),
+              "touchable: no frame\ntouchable: frames come again\n");
+}
+
 }  // namespace
 }  // namespace touchable::test

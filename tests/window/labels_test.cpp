@@ -293,6 +293,28 @@ TEST(CurvesPanel, ShowsLateTicksAtOnce) {
     EXPECT_EQ(drawn(), without);
 }
 
+TEST(PlaybackBar, LiveSourceHasNoPlayButton) {
+    ImGuiLayer layer(1);
+    WindowPanel panel(1);
+    PanelFacts facts;
+    for (const bool is_live : {false, true}) {
+        facts.is_live = is_live;
+        std::vector<WindowCommand> asked;
+        InputEvent event{.word = "left"};
+        for (event.y = 430; event.y < 480; event.y += 6)
+            for (event.x = 6; event.x < 120; event.x += 6)
+                for (const auto kind :
+                     {InputEvent::Kind::moved, InputEvent::Kind::pressed, InputEvent::Kind::released}) {
+                    event.kind = kind;
+                    layer.begin(640, 480, 0.02, {&event, 1});
+                    panel.draw(facts, 640, 480, asked);
+                    layer.end();
+                }
+        const auto plays = [](const WindowCommand& c) { return c.verb == WindowVerb::play_pause; };
+        EXPECT_EQ(std::ranges::any_of(asked, plays), !is_live);
+    }
+}
+
 TEST(StudyPage, FittingAnswersAreSideBySide) {
     ImGuiLayer layer(1);
     WindowPanel panel(1);
