@@ -393,9 +393,9 @@ private:
         return {};
     }
 
-    /// Of a camera's file that states focal lengths alone.
+    /// Of a camera's file that states focal lengths alone. A field of view is that of a whole picture.
     void say_middle(const Intrinsics& camera, const std::string& file) {
-        if (camera.cx && camera.cy) return;
+        if (camera.fx == 0 || (camera.cx && camera.cy)) return;
         say("the principal point is the middle of the picture, " + short_number(scene_.camera.cx) + ", " +
                 short_number(scene_.camera.cy) + ", as " + file + " states none",
             Hints{{Setting::intrinsics, "FX,FY,CX,CY"}});

@@ -252,8 +252,8 @@ void add_live_camera_option(CLI::App& sub, SessionOptions& session) {
 
 void add_stale_after_option(CLI::App& sub, std::optional<double>& milliseconds) {
     add_number_option(sub, "--stale-after", milliseconds,
-                      "stop feeling a live surface after so long without a new frame. 0: keep it; default "
-                      "250 for a stream, 0 for a camera",
+                      "stop feeling a live surface after so long without a new frame. 0: keep it; default: "
+                      "of a stream 250 or three frames, whichever is longer; of a camera 0",
                       0, 3'600'000)
         ->type_name("MS");
 }

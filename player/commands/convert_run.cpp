@@ -321,6 +321,7 @@ private:
         const StopScope keeps = is_stream_ ? StopScope::after_stop() : StopScope(StopScope::never);
         // Complete only after the whole clip was read.
         done_.notes = remarks_with_options(remarks_of(*source_));
+        std::ranges::copy(source_->remarks(), std::back_inserter(done_.notes));  // on how it came
         TRY_ASSIGN(const auto written, writer_->complete());
         if (auto checked = check(written); !checked) return as_named(checked.error(), options_, written);
         TRY(writer_->finish());

@@ -179,7 +179,7 @@ Result<void> hold_devices(const HeldDeviceWords& words, SessionOptions& session)
     }
     TRY_ASSIGN(session.held_device, make_held(words));
     if (session.held_device->fingers() > HandControl::most_fingers)
-        return usage_error("--device: that are more than " + std::to_string(HandControl::most_fingers) +
+        return usage_error("--device: must have at most " + std::to_string(HandControl::most_fingers) +
                            " fingers");
     session.control = std::make_shared<HandControl>(session.held_device->fingers(), HandMapping{});
     session.control->ask_force(words.force_on);

@@ -320,7 +320,7 @@ private:
         const StreamSender::Figures& sent = sender_->figures();
         std::string text;
         for (const std::string& note : notes_) text += "note: " + one_line(note) + '\n';
-        text += "sent " + std::to_string(sent.framesets) + " framesets in " +
+        text += "sent " + counted(sent.framesets, "frameset") + " in " +
                 formatted("%.1f s, ", report["seconds"].get<double>()) +
                 formatted("%.1f KB", report["bytes_per_frameset"].get<double>() / 1000) +
                 formatted(" and %.2f ms of CPU each; ", report["cpu_ms_per_frameset"].get<double>()) +

@@ -52,7 +52,7 @@ std::int64_t shown_frame(const WatchedMoment& moment) {
 std::string WindowBrush::why_none() const {
     if (clip_->is_camera()) return "a camera has no brush: segments are found in a whole clip";
     if (options_.record)
-        return "a window with --record has no brush; paint and save materials in one without";
+        return "a window that records has no brush; paint and save materials in one that does not";
     if (options_.kiosk) return "a kiosk has no brush";
     return "";
 }

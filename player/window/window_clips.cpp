@@ -363,7 +363,7 @@ bool WindowClips::note_failure() {
 
 void WindowClips::open_others(std::vector<std::string> named) {
     if (core_.options.record)
-        return core_.say("the recording is of this clip: another opens in a window without --record",
+        return core_.say("the recording is of this clip; another opens in a window that does not record",
                          Tone::refusal);
     core_.notices.clear_passing();
     ask_for_named(std::move(named));
@@ -394,8 +394,7 @@ void WindowClips::feel(const WindowCommand& command) {
     const std::size_t space = command.word.find(' ');
     const SessionSetting* const setting = session_setting(command.word.substr(0, space));
     if (setting && setting->of == SettingOf::device && !core_.options.hand)
-        return core_.say(setting->name + " applies to a haptic device; none is connected (--device)",
-                         Tone::refusal);
+        return core_.say(setting->name + " applies to a haptic device; none is connected", Tone::refusal);
     const bool is_of_brush = setting && setting->of == SettingOf::brush;
     if (is_of_brush && !wanted.painted)
         return core_.say("nothing is painted yet; P picks up the brush", Tone::refusal);

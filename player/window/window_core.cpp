@@ -97,7 +97,7 @@ void WindowCore::take(const WindowCommand& command) {
     if (options.hand && row.has(CommandRow::of_pointer))
         return say("this is for the mouse; the " + options.hand->name() + " moves the fingers");
     if (!options.hand && row.has(CommandRow::of_hand))
-        return say("this is for a haptic device (--device); the mouse moves the finger");
+        return say("this is for a haptic device; the mouse moves the finger");
     row.handler(*this, command);
 }
 

@@ -612,7 +612,7 @@ TEST(CameraList, AdvisesWithoutCamera) {
     const std::string words = cameras_in_words(video, how_to_touch);
     EXPECT_EQ(words,
               "No camera is there (no /dev/video*): plug one in. If one is plugged in, load its driver: "
-              "missing: sudo modprobe uvcvideo is that of USB cameras.\n");
+              "sudo modprobe uvcvideo (USB cameras)\n");
 }
 
 TEST(CameraList, DescribesEachNode) {

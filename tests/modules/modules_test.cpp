@@ -162,10 +162,10 @@ std::string library_of_header(const std::string& header) {
 /// A header of the language, the compiler, the system, X11 (which two optional libraries bring), or xxhash,
 /// which base alone has.
 bool is_of_the_machine(const std::string& header) {
-    static const Names files{"dlfcn.h", "fcntl.h",  "grp.h",       "link.h",    "malloc.h",
-                             "math.h",  "netdb.h",  "poll.h",      "pthread.h", "pwd.h",
-                             "sched.h", "stddef.h", "stdint.h",    "spawn.h",   "termios.h",
-                             "time.h",  "unistd.h", "emmintrin.h", "xxhash.h"};
+    static const Names files{"dirent.h",  "dlfcn.h", "fcntl.h",  "grp.h",       "link.h",
+                             "malloc.h",  "math.h",  "netdb.h",  "poll.h",      "pthread.h",
+                             "pwd.h",     "sched.h", "stddef.h", "stdint.h",    "spawn.h",
+                             "termios.h", "time.h",  "unistd.h", "emmintrin.h", "xxhash.h"};
     const bool is_standard = header.find_first_of("./") == std::string::npos;
     return is_standard || files.contains(header) || header.starts_with("sys/") ||
            header.starts_with("X11/") || header.starts_with("linux/") || header.starts_with("arpa/") ||

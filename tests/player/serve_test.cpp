@@ -335,6 +335,17 @@ TEST_F(SavedStream, IsKeptWhenInterrupted) {
     expect_saved(run, 1);
 }
 
+TEST_F(SavedStream, SaysWhatWasLost) {
+    StreamMaking gap;
+    gap.label = [](std::int64_t number) { return stream_label(number < 4 ? number : number + 1); };
+    const LoopbackSender sender(make_stream(quick_scene(), 8, served_planes, gap).bytes());
+    const Outcome run = run_touchable({"convert", sender.url(), out});
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_EQ(must(read_clip(out)).size(), 9U);
+    EXPECT_NE(run.out.find("  note    1 of the stream's framesets were lost on the way"), std::string::npos)
+        << run.out;
+}
+
 TEST_F(SavedStream, CanGetRelief) {
     const LoopbackSender sender(sent.bytes());
     const Outcome run = run_touchable({"relief", sender.url(), out});

@@ -518,7 +518,7 @@ TEST_F(HungDiskWindow, ClosesAndNamesBrushFiles) {
               saved + ": not written in time: the disk hangs, or this machine is busy");
     EXPECT_EQ(told((folder_ / "state").string()), 1) << told_;
     EXPECT_EQ(told("settings are not kept: " + (folder_ / "play.json").string()), 1) << told_;
-    EXPECT_EQ(told("not finished"), 2) << told_;
+    EXPECT_EQ(told("not written in time"), 2) << told_;
     EXPECT_EQ(asked_, 2) << "the history's disk, and that of settings";
 }
 
@@ -528,7 +528,7 @@ TEST_F(HungDiskWindow, ClosesAndReportsLostPaint) {
     asked.settings_file = folder_ / "play.json";
     const auto played = play(asked);
     ASSERT_TRUE(played) << played.error().message;
-    EXPECT_EQ(told("not finished"), 2) << told_;
+    EXPECT_EQ(told("not written in time"), 2) << told_;
     EXPECT_EQ(played->materials.rfind("what was painted is not saved; not all of it is in ", 0), 0U)
         << played->materials;
     EXPECT_EQ(told("touchable: warning: settings are not kept: " + (folder_ / "play.json").string() +

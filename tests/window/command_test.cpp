@@ -165,7 +165,7 @@ TEST(WindowCommand, ParsesTouchSettings) {
                   {"fill-holes 1.5", "whole"},
                   {"temporal 5", "off or on"},
                   {"hand-scale 0", "0.01 to 100"},
-                  {"settings c", "a and b"},
+                  {"settings c", "a or b"},
                   {"reset 1", "nothing"}};
     for (const auto& fault : faults) {
         const auto read = parse_window_command(fault.words);
@@ -232,11 +232,11 @@ TEST(WindowScript, NamesLineOfFault) {
                   {"2 key a\n1 key b\n", "line 2", "before that of the line above"},
                   {"0 press up\n", "line 1", "left, right or middle"},
                   {"0 wheel\n", "line 1", "notches"},
-                  {"0 dance\n", "line 1", "no command"},
+                  {"0 dance\n", "line 1", "unknown command"},
                   {"nan key a\n", "line 1", "a time"},
                   {"-1 key a\n", "line 1", "a time"},
                   {"0 key esc\n", "line 1", "escape"},
-                  {"0 key up\n", "line 1", "no key up"},  // without Ctrl
+                  {"0 key up\n", "line 1", "unknown key 'up'"},  // without Ctrl
                   {"0 overlay heat\n", "line 1", "stiffness"},
                   {"0 speed fast\n", "line 1", "needs a number"},
                   {"0 touch 1 20\n", "line 1", "the number of a finger"},
@@ -253,7 +253,7 @@ TEST(WindowScript, NamesLineOfFault) {
         EXPECT_TRUE(contains(read.error().message, fault.where));
         EXPECT_TRUE(contains(read.error().message, fault.what));
         EXPECT_EQ(read.error().message.find("or an input:") != std::string::npos,
-                  std::string_view(fault.what) == "no command")
+                  std::string_view(fault.what) == "unknown command")
             << read.error().message;
     }
     EXPECT_FALSE(read_window_script("nowhere/at/all"));
