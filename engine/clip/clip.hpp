@@ -69,6 +69,7 @@ struct StreamFigures {
     double longest_gap_ms = 0;       ///< between two whole framesets
     std::optional<Link> link{};      ///< newest connection, if its transport counts (SRT)
     std::optional<Levels> levels{};  ///< if the stream has two
+    std::string reconnects{};        ///< why it is connecting again, as a remark; empty: it is connected
 };
 
 /// Reads a touchable clip frame by frame.

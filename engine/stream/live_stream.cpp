@@ -76,8 +76,8 @@ public:
     std::vector<std::string> remarks() const override {
         std::vector<std::string> all = LiveReader::remarks();
         const std::lock_guard lock(mutex_);
-        if (!why_again_.empty())
-            all.push_back("the sender " + why_again_ + "; connecting again");
+        if (!figures_.reconnects.empty())
+            all.push_back(figures_.reconnects);
         else if (const std::int64_t silent = steady_now_ns() - newest_ns_;
                  over_.empty() && silent > is_silent_ns)
             all.push_back(formatted("the sender has sent no whole frameset for %.0f s; it is waited for",
@@ -184,7 +184,7 @@ private:
         for (int attempt = 0;; ++attempt) {
             {
                 std::unique_lock lock(mutex_);
-                why_again_ = why;
+                figures_.reconnects = "the sender " + why + "; connecting again";
                 const auto pause = back_off(source_.patience.back_off, attempt);
                 if (changed_.wait_for(lock, pause, stop_requested)) return false;
             }
@@ -202,7 +202,7 @@ private:
             buffer_.restart();
             const std::lock_guard lock(mutex_);
             ++figures_.connections;
-            why_again_.clear();
+            figures_.reconnects.clear();
             return true;
         }
     }
@@ -251,14 +251,15 @@ private:
     void is_over(const std::string& why) {
         const std::lock_guard lock(mutex_);
         over_ = why;
-        why_again_.clear();
+        figures_.reconnects.clear();
         changed_.notify_all();
     }
     /// Framesets that the clip's rate says were sent while no whole one came; the next whole one shows how
     /// many were lost. Guarded by mutex_.
     std::int64_t overdue(std::int64_t now_ns) const {
         const std::int64_t period_ns = scene_.rate.time_ns(1), silent_ns = now_ns - newest_ns_;
-        if (!over_.empty() || !why_again_.empty() || period_ns <= 0 || silent_ns < is_silent_ns) return 0;
+        if (!over_.empty() || !figures_.reconnects.empty() || period_ns <= 0 || silent_ns < is_silent_ns)
+            return 0;
         return silent_ns / period_ns - 1;
     }
     Waiting take_front() {
@@ -290,7 +291,6 @@ private:
     std::int64_t without_colour_ = 0;  // otherwise whole framesets
     std::int64_t newest_ns_ = 0;       // time of the last frameset
     std::int64_t given_up_ = 0;        // framesets overdue when a connection was given up
-    std::string why_again_;            // why it is reconnecting; empty: it is connected
     std::string over_;                 // why no more will come; empty: more may
     std::thread thread_;
 };

@@ -182,7 +182,7 @@ void LiveLine::show(const TouchSessionSettings::LiveStatus& status) {
     const std::string silence = silence_ ? silence_(age_ns_) : "";
     if (!line_.is_on_terminal() && is_silent_ == silence.empty()) {
         is_silent_ = !is_silent_;
-        std::fprintf(stderr, "touchable: %s\n", is_silent_ ? silence.c_str() : "frames come again");
+        say_on_stderr(is_silent_ ? silence : "frames come again");
     }
     if (!line_.is_due()) return;
     const char* const what = !status.is_camera  ? "frames late"

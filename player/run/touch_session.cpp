@@ -173,9 +173,8 @@ Result<void> TouchSession::tick(std::int64_t tick, std::span<TouchSink* const> s
 }
 
 std::string silence_in_words(std::int64_t silent_ns, std::int64_t stale_after_ns, const ClipReader& source) {
-    std::string why;
-    for (const std::string& remark : source.remarks())
-        if (why.empty() && remark.ends_with("connecting again")) why = "the stream has ended: " + remark;
+    const std::string again = source.stream_figures().value_or(StreamFigures()).reconnects,
+                      why = again.empty() ? "" : "the stream has ended: " + again;
     if (stale_after_ns <= 0 || silent_ns <= stale_after_ns) return why;
     return formatted("no frame for %.1f s: the surface goes soft", 1e-9 * static_cast<double>(silent_ns)) +
            (why.empty() ? "" : "; " + why);
