@@ -1,6 +1,7 @@
 #include "device/hand.hpp"
 
 #include <glm/geometric.hpp>
+#include <numeric>
 
 #include "device/hand_parts.hpp"
 #include "engine/base/try.hpp"
@@ -192,11 +193,7 @@ struct PressSettings {
 /// Stays over one pixel, swinging between `lift` above and `depth` under the surface.
 class Press final : public HandScript {
 public:
-    Press(const PressSettings& settings, int fingers)
-        : settings_(settings),
-          period_(std::max(settings.period, shortest_period)),
-          swing_(0.5 * (settings.depth + settings.lift) / left_of_wave(1 / period_)),
-          fingers_(fingers) {}
+    Press(const PressSettings& settings, int fingers) : settings_(settings), fingers_(fingers) {}
 
     glm::dvec2 pixel() const override { return settings_.pixel; }
     bool moves() const override { return false; }
@@ -205,13 +202,13 @@ public:
 
     double penetration(int finger) const override {
         const double seconds = static_cast<double>(tick_) * tick_s;
-        const double wave = cosine(2 * pi * seconds / period_ + finger_phase(finger, fingers_));
+        const double wave = cosine(2 * pi * seconds / settings_.period + finger_phase(finger, fingers_));
         return 0.5 * (settings_.depth - settings_.lift) - swing_ * wave;
     }
 
 private:
-    PressSettings settings_;
-    double period_, swing_;
+    const PressSettings settings_;
+    const double swing_ = 0.5 * (settings_.depth + settings_.lift) / left_of_wave(1 / settings_.period);
     int fingers_;
     std::int64_t tick_ = 0;
 };
@@ -230,8 +227,6 @@ class Poke final : public HandScript {
 public:
     Poke(const PokeSettings& settings, int fingers, const HandArea& box, const SurfaceProbe& probe)
         : settings_(settings), fingers_(fingers), box_(box), random_(settings.seed) {
-        settings_.period = std::max(settings.period, shortest_period);
-        stroke_ = (settings.depth + settings.lift) / (1 + left_of_wave(1 / settings_.period));
         pixel_ = next_target(probe);
         target_ = pixel_;
     }
@@ -281,8 +276,9 @@ private:
         return pixel;
     }
 
-    PokeSettings settings_;
-    double stroke_;  // half of the way in, device metres
+    const PokeSettings settings_;
+    // Half of the way in, device metres.
+    const double stroke_ = (settings_.depth + settings_.lift) / (1 + left_of_wave(1 / settings_.period));
     int fingers_;
     HandArea box_;
     Random random_;
@@ -322,8 +318,7 @@ public:
         centre_depth_ = start_depth(probe, script_->pixel(), settings.box, settings.workspace);
         look_at_ground(probe);
         for (int k = 0; k < settings.fingers; ++k) {
-            Finger finger;
-            finger.offset = finger_offset(k, settings.fingers, settings.spread);
+            Finger finger{.offset = finger_offset(k, settings.fingers, settings.spread)};
             finger.depth = start_depth(probe, finger_pixel(finger), settings.box, settings.workspace);
             finger.wish = aim(finger, script_->penetration(k), entry_height, probe);
             finger.wishes.fill(finger.wish);
@@ -349,9 +344,8 @@ public:
             waits_ = rest(finger, there) || waits_;
             finger.hopping = finger.lift == Lift::none ? std::max(finger.hopping - 1, 0) : mean_ticks;
             finger.wishes[oldest_] = finger.wish;
-            glm::dvec3 sum(0.0);
-            for (const glm::dvec3& wish : finger.wishes) sum += wish;
-            goals[k] = sum / static_cast<double>(mean_ticks);
+            const auto& wishes = finger.wishes;
+            goals[k] = std::accumulate(wishes.begin(), wishes.end(), glm::dvec3(0.0)) / double{mean_ticks};
         }
     }
 
@@ -362,26 +356,26 @@ private:
     static constexpr double reach = 0.0006;       // how far around itself a finger looks, device metres
     static constexpr double clearance = 0.001;    // height of a finger over broken ground, device metres
     static constexpr double sinking = 0.02;       // m/s, of a finger over broken ground that falls away
-    static constexpr int hop_ticks =
-        mean_ticks + 40;  // that a wish stays up over rough ground, and so a goal 40
+    // A wish stays up over rough ground for so many ticks, and so a goal for 40.
+    static constexpr int hop_ticks = mean_ticks + 40;
     static constexpr double greatest_lag =
         0.00025;  // the script waits for a finger that is farther from its target, device metres
     static constexpr double nearest_goal =
         0.1;  // a goal stays this share of the surface's depth in front of the camera
 
-    enum class Lift { none, over_broken, over_rough };
+    /// `landing`: over firm ground again, but still lifted.
+    enum class Lift { none, over_rough, over_broken, landing };
     struct Finger {
         glm::dvec2 offset{0.0};  // from the hand's centre, device metres, x right, y up
         double depth = 0;        // planar, scene units: of the surface under it, or the last known
         glm::dvec3 wish{0.0};    // at the previous tick
         std::array<glm::dvec3, mean_ticks> wishes{};  // the last ones
         Lift lift = Lift::none;
-        std::optional<double>
-            ridge;           // least planar depth near its path since it was lifted or reached rough ground
-        double glided = 0;   // since then, device metres
-        bool lands = false;  // over firm ground again, but still lifted
-        int resting = 0;     // ticks to come, in which the wish stays at its height
-        int hopping = 0;     // ticks to come, in which the goal still has a part of the lift
+        // Least planar depth near its path since it was lifted or reached rough ground.
+        std::optional<double> ridge{};
+        double glided = 0;  // since then, device metres
+        int resting = 0;    // ticks to come, in which the wish stays at its height
+        int hopping = 0;    // ticks to come, in which the goal still has a part of the lift
     };
     /// Reference depth of a finger.
     struct Stance {
@@ -419,8 +413,8 @@ private:
             const double sunk = sinking * tick_s / settings_.workspace.metres_per_scene_unit;
             finger.ridge = std::min(finger.ridge.value_or(local_relief.highest) + sunk, local_relief.highest);
             finger.lift = Lift::over_broken;
-            finger.lands = false;
-        } else if (finger.lift == Lift::over_broken && !std::exchange(finger.lands, true)) {
+        } else if (finger.lift == Lift::over_broken) {
+            finger.lift = Lift::landing;
             finger.resting = pause_;
         } else if (finger.lift != Lift::none && finger.resting == 0) {
             put_down(finger);
@@ -452,11 +446,10 @@ private:
     /// has left the wall, before it comes down.
     bool rest(Finger& finger, bool there) const {
         if (finger.lift == Lift::none) return !there;
-        if (finger.lift == Lift::over_broken && !there)
-            finger.resting = pause_;
-        else if (there && finger.resting > 0)
-            --finger.resting;
-        return finger.lift == Lift::over_broken && (!there || finger.resting > 0);
+        if (there) finger.resting = std::max(0, finger.resting - 1);
+        if (finger.lift == Lift::over_rough) return false;
+        if (!there) finger.resting = pause_;
+        return !there || finger.resting > 0;
     }
 
     /// `penetration` along -Z over firm ground. Over other ground, or with `height` still to come down, the
@@ -541,7 +534,7 @@ std::unique_ptr<HandScript> make_script(std::string_view name, const HandOptions
         return std::make_unique<Wander>(number(speed), metres(depth), whole(seed), fingers, box, probe);
     if (name == "stroke")
         return std::make_unique<Stroke>(number(speed), metres(depth), number(angle) * pi / 180, fingers, box);
-    const double period = given.number("period");
+    const double period = std::max(given.number("period"), shortest_period);
     if (name == "press") {
         const glm::dvec2 last(probe.width() - 1, probe.height() - 1);
         return std::make_unique<Press>(
