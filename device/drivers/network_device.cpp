@@ -12,6 +12,7 @@
 
 #include "device/hand.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
@@ -342,7 +343,7 @@ std::string NetworkDriver::why_not(const NetworkPacket& packet, const UdpAddress
         return "packets with forces came and places are expected: kind 1";
     if (packet.fingers != settings_.fingers)
         return "packets with " + std::to_string(packet.fingers) + " fingers came and " +
-               std::to_string(settings_.fingers) + (settings_.fingers == 1 ? " is" : " are") +
+               counted(settings_.fingers, "is", "are") +
                " expected: network:fingers=" + std::to_string(packet.fingers);
     if (!peer_) return {};
     if (peer_->address != from) return "a second hand came while another was there";
@@ -397,8 +398,7 @@ std::string NetworkDriver::why_no_position() const {
     if (any_peer_) return {};
     std::string words = "no hand ever came to " + listens_at_;
     for (const LeftOut& each : left_out_why_)
-        words += "; " + each.why + " (" + std::to_string(each.packets) +
-                 (each.packets == 1 ? " packet)" : " packets)");
+        words += "; " + each.why + " (" + counted(each.packets, "packet") + ')';
     return words;
 }
 

@@ -676,9 +676,7 @@ private:
 
     std::string in_words() const {
         const std::string why = "no hole is filled from motion, because ";
-        const auto frames = [](std::int64_t count) {
-            return std::to_string(count) + (count == 1 ? " frame" : " frames");
-        };
+        const auto frames = [](std::int64_t count) { return counted(count, "frame"); };
         if (known_.frames < least_frames)
             return why + "it takes " + frames(least_frames) + " to tell that a camera stands still";
         if (known_.moving == known_.frames) return why + "the camera moves: the clip is left as it is";

@@ -4,16 +4,17 @@
 //
 // formatted is printf into a string. exact_number writes the fewest digits that are read as the same number,
 // for files; short_number and trimmed_number are for people; decimal_of is the decimal number that a float
-// came from; parsed_number reads a text that is a number and nothing else. small_letters and trimmed prepare
-// a text for comparison. printable, in_quotes and shell_word make text from outside safe to show: on one
-// line, without control characters, and, except shell_word, cut if it is too long. nearest_word finds the
-// word that a mistyped one may have meant; listed joins several names.
+// came from; counted puts a number before a noun; parsed_number reads a text that is a number and nothing
+// else. small_letters and trimmed prepare a text for comparison. printable, in_quotes and shell_word make
+// text from outside safe to show: on one line, without control characters, and, except shell_word, cut if it
+// is too long. nearest_word finds the word that a mistyped one may have meant; listed joins several names.
 //
 // All are pure functions, independent of the locale, for any thread.
 
 #include <array>
 #include <charconv>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
@@ -46,6 +47,11 @@ std::string short_number(double number, int count = 4);
 std::string small_letters(std::string text);
 /// Removes these letters from both ends.
 std::string_view trimmed(std::string_view text, std::string_view blanks = " \t\r");
+
+/// "1 tick", "2 ticks"; "1 page is", "2 pages are".
+inline std::string counted(std::int64_t count, const std::string& one, const std::string& several = "") {
+    return std::to_string(count) + ' ' + (count == 1 ? one : several.empty() ? one + 's' : several);
+}
 
 /// The finite number that the whole text is; nullopt: it is none.
 std::optional<double> parsed_number(std::string_view text);

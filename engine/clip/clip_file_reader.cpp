@@ -7,6 +7,7 @@
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "engine/clip/containers.hpp"
 #include "engine/clip/readers.hpp"
 #include "engine/picture/decoding.hpp"
@@ -367,11 +368,11 @@ private:
             if (recorded_rate_.own_times && std::ssize(*recorded_rate_.own_times) < promised_)
                 return refuse_times();
             if (whole_->is_cut)
-                notes_.push_back("the file is cut: its first " + std::to_string(promised_) +
-                                 (promised_ == 1 ? " frame is" : " frames are") + " whole");
+                notes_.push_back("the file is cut: its first " +
+                                 counted(promised_, "frame is", "frames are") + " whole");
             else if (whole_->is_uneven)
                 notes_.push_back("its tracks end at different frames: the first " +
-                                 std::to_string(promised_) + (promised_ == 1 ? " has all" : " have all"));
+                                 counted(promised_, "has all", "have all"));
             return describe_tracks();
         }
         // A Matroska file gets its duration when it is completed, so one that ends sooner is not whole.

@@ -216,7 +216,7 @@ Result<void> VideoFile::read_times() {
                                              : ", as the first is grey of more than 8 bits");
     if (demuxer_->is_cut())
         note_ = (note_ ? *note_ + "; it" : file_.string() + ":") + " is cut: its first " +
-                std::to_string(count()) + (count() == 1 ? " frame is" : " frames are") + " whole";
+                counted(count(), "frame is", "frames are") + " whole";
     return {};
 }
 

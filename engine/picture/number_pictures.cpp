@@ -910,9 +910,9 @@ Result<std::shared_ptr<ImageStack>> open_tiff_stack(const SourceFile& file) {
     std::string told;
     if (place > 0)
         told = "depth is page " + std::to_string(place) + ", as page 0 is in colour; " +
-               std::to_string(left_out) + (left_out == 1 ? " page is" : " pages are") + " left out";
+               counted(left_out, "page is", "pages are") + " left out";
     else if (left_out > 0)
-        told = std::to_string(left_out) + (left_out == 1 ? " page is" : " pages are") +
+        told = counted(left_out, "page is", "pages are") +
                " of another size or kind than the first, and left out";
     auto stack =
         std::make_shared<TiffStack>(std::move(bytes), std::move(where), std::move(pages), std::move(told));

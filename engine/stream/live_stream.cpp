@@ -83,8 +83,7 @@ public:
             all.push_back(formatted("the sender has sent no whole frameset for %.0f s; it is waited for",
                                     1e-9 * static_cast<double>(silent)));
         if (figures_.connections > 1)
-            all.push_back("the sender was connected to again, " + std::to_string(figures_.connections - 1) +
-                          (figures_.connections == 2 ? " time" : " times"));
+            all.push_back("the sender was connected to again, " + counted(figures_.connections - 1, "time"));
         if (const auto& levels = figures_.levels; levels && levels->is_low)
             all.push_back(
                 "the link is too slow for the full level: the low one is read, every second frameset "

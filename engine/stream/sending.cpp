@@ -12,10 +12,6 @@ constexpr std::int64_t longest_between_keys_ns = 500'000'000, most_between_keys 
 /// A clip that is later than this goes on from where it is, instead of catching up.
 constexpr std::int64_t longest_hurry_ns = 500'000'000;
 
-std::string listeners(int count) {
-    return count == 1 ? "1 listener" : std::to_string(count) + " listeners";
-}
-
 }  // namespace
 
 // --- StreamRing
@@ -52,7 +48,7 @@ void StreamRing::add(StreamMuxer::Block block) {
 void StreamAudience::came(const std::string& name) {
     const std::lock_guard lock(mutex_);
     ++all_;
-    say_(name + " listens; " + listeners(there_ + 1));
+    say_(name + " listens; " + counted(there_ + 1, "listener"));
     ++there_;
 }
 
@@ -62,7 +58,7 @@ void StreamAudience::went(Listener figures) {
          std::to_string(figures.sent) + " framesets sent, " +
          (figures.without_colour > 0 ? std::to_string(figures.without_colour) + " of them without colour, "
                                      : "") +
-         std::to_string(figures.dropped) + " left out; " + listeners(there_ - 1));
+         std::to_string(figures.dropped) + " left out; " + counted(there_ - 1, "listener"));
     if (gone_.size() == most_remembered) gone_.erase(gone_.begin());
     gone_.push_back(std::move(figures));
     --there_;

@@ -321,9 +321,8 @@ private:
         if (refused_ == 0 || now_ns < next_refusal_said_ns_) return;
         next_refusal_said_ns_ = now_ns + silence_ns;
         const std::int64_t refused = refused_.exchange(0);
-        audience_.remark(url_.name() + ": " + std::to_string(refused) +
-                         (refused == 1 ? " caller is" : " callers are") + " refused: there are " +
-                         std::to_string(StreamAudience::most_listeners) +
+        audience_.remark(url_.name() + ": " + counted(refused, "caller is", "callers are") +
+                         " refused: there are " + std::to_string(StreamAudience::most_listeners) +
                          " listeners, which is as many as there may be");
     }
 

@@ -115,11 +115,6 @@ std::string per_cent(double share) {
     return number(100 * share) + " %";
 }
 
-/// "1 frame is", "2 frames are".
-std::string frames(std::int64_t count, const char* one, const char* several) {
-    return std::to_string(count) + (count == 1 ? " frame " : " frames ") + (count == 1 ? one : several);
-}
-
 /// All findings, the most important for the hand first. Finding::where points into `quality`.
 class Findings {
 public:
@@ -147,15 +142,16 @@ private:
         const ClipQuality::FrameTimes& times = quality_.times;
         if (times.jumps > 0)
             add("times",
-                frames(times.jumps, "is", "are") +
+                counted(times.jumps, "frame is", "frames are") +
                     " dated before the one before, at once with it, or within a quarter of the usual time "
                     "after it: the surface jumps there",
                 "times that ascend evenly: those of a folder are in its list of times (docs/scene_file.md)");
         if (times.missing > 0)
             add("missing",
-                frames(times.missing, "is", "are") + " missing: the surface stands still for up to " +
-                    number(times.longest_ms) + " ms (before frame " + std::to_string(times.longest_at) +
-                    "), usual are " + number(times.usual_ms),
+                counted(times.missing, "frame is", "frames are") +
+                    " missing: the surface stands still for up to " + number(times.longest_ms) +
+                    " ms (before frame " + std::to_string(times.longest_at) + "), usual are " +
+                    number(times.usual_ms),
                 "touchable convert " + clip() + " OUT.mkv --from ... --to ... leaves them out");
         if (times.repeated == 0) return;
         const double every =
@@ -174,7 +170,7 @@ private:
     void look_at_pumping() {
         if (quality_.blank > 0)
             add("blank",
-                frames(quality_.blank, "has", "have") + " no depth at all, the first is " +
+                counted(quality_.blank, "frame has", "frames have") + " no depth at all, the first is " +
                     std::to_string(quality_.first_blank) + ": a finger falls through there",
                 "touchable convert " + clip() + " OUT.mkv --from ... --to ... leaves them out");
         const double share = quality_.pumping.value_or(0);
@@ -346,8 +342,7 @@ nlohmann::ordered_json measures_json(const ClipQuality& quality) {
 
 std::string measures_in_words(const ClipQuality& quality, bool has_colour) {
     const auto number = [](double value) { return short_number(value, 3); };
-    std::string words =
-        std::to_string(quality.times.frames) + (quality.times.frames == 1 ? " frame" : " frames");
+    std::string words = counted(quality.times.frames, "frame");
     if (quality.pumping) words += "; depth goes to and fro by " + number(100 * *quality.pumping) + " %";
     if (!has_colour) return words + "; no colour, which could be beside depth";
     if (!quality.colour) return words + "; too few edges to tell whether colour is where depth is";

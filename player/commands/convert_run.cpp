@@ -502,8 +502,8 @@ private:
             is_kept && (kind == ErrorKind::interrupted || kind == ErrorKind::input)) {
             broke_off_ = frame.error();
             if (kind == ErrorKind::interrupted) broke_off_->message = "interrupted";
-            broke_off_->message += "; " + options_.out.string() + " has what came, " +
-                                   std::to_string(done_.frames) + (done_.frames == 1 ? " frame" : " frames");
+            broke_off_->message +=
+                "; " + options_.out.string() + " has what came, " + counted(done_.frames, "frame");
             return std::optional<RawFrame>();
         }
         if (!frame || !*frame) return frame;
@@ -597,9 +597,8 @@ void add_loss(const RawFrame& before, const RawFrame& now, const Scene& scene, P
 std::string report_to_text(const ConvertOptions& options, const Converted& done) {
     const Scene& scene = done.scene;
     const bool resized = options.size.has_value();
-    std::string text = one_line(options.out.string()) + ": " + std::to_string(done.frames) +
-                       (done.frames == 1 ? " frame, " : " frames, ") + std::to_string(scene.width) + "x" +
-                       std::to_string(scene.height);
+    std::string text = one_line(options.out.string()) + ": " + counted(done.frames, "frame") + ", " +
+                       std::to_string(scene.width) + "x" + std::to_string(scene.height);
     if (!is_one_frame(options.form))
         text += formatted(
             scene.rate.own_times ? ", each at its own time, %.6g frames/s on average" : ", %.6g frames/s",

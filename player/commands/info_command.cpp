@@ -205,7 +205,7 @@ std::optional<GapsMs> gaps_ms(const FrameRate& rate) {
 void tell_picture(const ClipFacts& facts, Lines& lines) {
     const Scene& scene = facts.scene;
     std::ostream& out = lines.line("picture") << scene.width << "x" << scene.height << " pixels, ";
-    if (facts.frames) out << *facts.frames << (*facts.frames == 1 ? " frame, " : " frames, ");
+    if (facts.frames) out << counted(*facts.frames, "frame") << ", ";
     out << scene.rate.per_second() << " frames/s";
     if (const auto gaps = gaps_ms(scene.rate))
         out << " on average, each at its own time (" << gaps->least << " to " << gaps->most

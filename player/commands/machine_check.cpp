@@ -479,7 +479,7 @@ std::string trial_to_text(const TouchDemand& demand, const TrialFigures& figures
     text += "tick      " + spread(figures.tick_us, "us") + " of " + std::to_string(figures.ticks) +
             ", all fingers; the next one is due after 1000\n";
     text += "cpu time  " + formatted("%.0f ms a second, of ", figures.cpu_ms_per_second(demand)) +
-            std::to_string(cores) + (cores == 1 ? " core\n" : " cores\n");
+            counted(cores, "core") + '\n';
     if (figures.is_crowded())
         text += "note      other programs kept the cores busy; ask again when they rest\n";
     text += "at most   " + formatted("%.0f frames/s", verdict.most_rate) + " with as many fingers\n";

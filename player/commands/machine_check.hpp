@@ -12,6 +12,7 @@
 #include <span>
 
 #include "engine/base/result.hpp"
+#include "engine/base/words.hpp"
 #include "engine/gpu/gpu_device.hpp"
 #include "player/session/run_record.hpp"
 
@@ -91,7 +92,7 @@ struct TouchDemand {
     /// "720x480 at 30 frames/s with 1 finger"
     std::string in_words() const {
         return std::to_string(width) + "x" + std::to_string(height) + " at " + std::to_string(rate) +
-               " frames/s with " + std::to_string(fingers) + (fingers == 1 ? " finger" : " fingers");
+               " frames/s with " + counted(fingers, "finger");
     }
 };
 

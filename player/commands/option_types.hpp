@@ -51,11 +51,6 @@ std::string type_with_words(const std::string& name, const Words& words) {
     return name + ":{" + listed(words, {}, ",") + "}";
 }
 
-/// "1 tick", "2 ticks".
-inline std::string counted(std::int64_t count, const std::string& one) {
-    return std::to_string(count) + ' ' + one + (count == 1 ? "" : "s");
-}
-
 /// A refused value for a message: as it is, or in quotes if it would not read as one word.
 inline std::string refused_value(std::string_view value) {
     const bool is_plain = !value.empty() && value.find_first_of(" \t\n;:,'\"") == std::string_view::npos;

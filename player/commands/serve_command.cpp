@@ -324,7 +324,7 @@ private:
                 formatted("%.1f s, ", report["seconds"].get<double>()) +
                 formatted("%.1f KB", report["bytes_per_frameset"].get<double>() / 1000) +
                 formatted(" and %.2f ms of CPU each; ", report["cpu_ms_per_frameset"].get<double>()) +
-                std::to_string(audience_.all()) + (audience_.all() == 1 ? " listener" : " listeners") + '\n';
+                counted(audience_.all(), "listener") + '\n';
         if (sent.held_up_ns > 0)
             text += "warning: they went " + formatted("%.1f s", report["held_up_ms"].get<double>() / 1000) +
                     " later than they were to: this machine encodes them too slowly, or stood still\n";

@@ -254,15 +254,14 @@ std::string guesses_in_words(const Json& report) {
     const auto guesses =
         std::ranges::count_if(notes, [](const std::string& note) { return note.starts_with("guessed: "); });
     if (guesses == 0) return "";
-    return "; " + std::to_string(guesses) + (guesses == 1 ? " thing is" : " things are") +
+    return "; " + counted(guesses, "thing is", "things are") +
            " guessed of the clip (touchable info says which)";
 }
 
 /// Empty: a scripted hand never lifted a finger.
 std::string hops_in_words(const Json& report) {
-    if (report["hops"] == 0) return "";
-    return formatted(report["hops"] == 1 ? ", %d hop" : ", %d hops", report["hops"].get<int>()) +
-           " over edges and rough ground";
+    const auto hops = report["hops"].get<std::int64_t>();
+    return hops == 0 ? "" : ", " + counted(hops, "hop") + " over edges and rough ground";
 }
 
 /// A window may have more fingers than are moved: "led of all".

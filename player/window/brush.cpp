@@ -10,6 +10,7 @@
 
 #include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "player/window/user_files.hpp"
 
 namespace touchable {
@@ -239,8 +240,8 @@ Result<bool> KeptBrush::find_history(const std::optional<std::string>& saved) {
         return false;
     }
     if (const std::size_t count = brush_.done(); count > 0)
-        say((count == 1 ? "1 change" : std::to_string(count) + " changes") + " of last time " +
-            (count == 1 ? "is" : "are") + " here again; undo goes back over " + (count == 1 ? "it" : "them"));
+        say(counted(count, "change of last time is", "changes of last time are") +
+            " here again; undo goes back over " + (count == 1 ? "it" : "them"));
     return true;
 }
 
