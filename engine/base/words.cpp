@@ -143,15 +143,9 @@ std::string shell_word(std::string_view file) {
     const auto is_plain = [&](char c) {
         return plain.find(c) != std::string_view::npos || static_cast<unsigned char>(c) >= 0x80;
     };
-    bool is_odd = file.empty(), has_control = false;
+    const bool has_control = one_line(file) != file;
     std::string inside = file.starts_with('-') ? "./" : "";
-    for (std::string_view rest = file; !rest.empty();) {
-        const Character first = first_character(rest);
-        is_odd |= !is_plain(rest[0]);
-        has_control |= is_control(first.code);
-        rest.remove_prefix(first.bytes);
-    }
-    if (!is_odd && !has_control) return inside.append(file);
+    if (!file.empty() && std::ranges::all_of(file, is_plain) && !has_control) return inside.append(file);
     // Only $'...' can express a control character.
     for (const char c : file) {
         if (has_control && (c == '\\' || c == '\''))

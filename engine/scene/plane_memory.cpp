@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <deque>
 #include <iterator>
 #include <map>
 #include <mutex>
@@ -103,7 +104,7 @@ private:
         std::uint64_t since;  ///< leases taken before
     };
     struct Shelf {
-        std::vector<FreeBlock> free;  ///< the newest last: its samples may be in a cache
+        std::deque<FreeBlock> free;  ///< the newest last: its samples may be in a cache
         std::uint64_t newest_lease = 0;
     };
 
@@ -113,20 +114,16 @@ private:
         const std::lock_guard lock(mutex_);
         Shelf& shelf = shelves_[size];
         shelf.newest_lease = ++leases_;
-        const auto is_forgotten = [this](const auto& entry) {
-            return leases_ - entry.second.newest_lease > recent_leases;
-        };
-        for (auto& entry : shelves_) {
-            auto& [bytes, other] = entry;
-            const auto is_kept = [&](const FreeBlock& each) {
-                return !is_forgotten(entry) && leases_ - each.since <= surplus_leases;
-            };
-            const auto begin = other.free.begin(), kept = std::ranges::find_if(other.free, is_kept);
-            free_bytes_ -= bytes * static_cast<std::size_t>(kept - begin);
-            std::move(begin, kept, std::back_inserter(old));
-            other.free.erase(begin, kept);
+        const auto is_old = [this](const Shelf& each) { return leases_ - each.newest_lease > recent_leases; };
+        for (auto& [bytes, other] : shelves_) {
+            const std::uint64_t longest = is_old(other) ? 0 : surplus_leases;
+            for (auto& free = other.free; !free.empty() && leases_ - free.front().since > longest;) {
+                old.push_back(std::move(free.front()));
+                free.pop_front();
+                free_bytes_ -= bytes;
+            }
         }
-        std::erase_if(shelves_, is_forgotten);
+        std::erase_if(shelves_, [&](const auto& entry) { return is_old(entry.second); });
         if (shelf.free.empty()) return nullptr;
         BlockPtr block = std::move(shelf.free.back().block);
         shelf.free.pop_back();

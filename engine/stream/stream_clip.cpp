@@ -142,11 +142,9 @@ Result<std::unique_ptr<ClipReader>> open_stream_clip(const StreamSource& source,
 }
 
 bool is_saved_stream(const SourceFile& file) {
-    constexpr std::size_t packet_bytes = 188, packets = 3;
-    const std::string begin = first_bytes(file, packets * packet_bytes);
-    bool is_one = begin.size() == packets * packet_bytes;
-    for (std::size_t at = 0; at < begin.size(); at += packet_bytes) is_one = is_one && begin[at] == 0x47;
-    return is_one;
+    constexpr std::size_t packet = 188;
+    const std::string begin = first_bytes(file, 3 * packet);
+    return begin.size() == 3 * packet && begin[0] == 'G' && begin[packet] == 'G' && begin[2 * packet] == 'G';
 }
 
 Result<std::unique_ptr<ClipReader>> open_saved_stream(const SourceFile& file,

@@ -497,9 +497,8 @@ private:
         if (broke_off_) return std::optional<RawFrame>();
         auto frame =
             stop_requested() ? Result<std::optional<RawFrame>>(interrupted_error()) : source_->next();
-        const bool is_kept = is_stream_ && done_.frames > 0;
         if (const auto kind = frame ? ErrorKind::internal : frame.error().kind;
-            is_kept && (kind == ErrorKind::interrupted || kind == ErrorKind::input)) {
+            is_stream_ && done_.frames > 0 && (kind == ErrorKind::interrupted || kind == ErrorKind::input)) {
             broke_off_ = frame.error();
             if (kind == ErrorKind::interrupted) broke_off_->message = "interrupted";
             broke_off_->message +=

@@ -98,9 +98,8 @@ std::vector<std::string> known_words(const CLI::App& app) {
 /// Throws if an option's value is missing, for which CLI11 would take the next option, or has blanks in place
 /// of its commas.
 void check_values(const CLI::App& command, std::span<const std::string> words) {
-    const auto option_in = [&command](const std::string& word) -> const CLI::Option* {
-        const bool is_option = word.size() > 1 && word[0] == '-' && word != "--";
-        return is_option ? command.get_option_no_throw(word.substr(0, word.find('='))) : nullptr;
+    const auto option_in = [&command](const std::string& word) {
+        return word.starts_with('-') ? command.get_option_no_throw(word.substr(0, word.find('='))) : nullptr;
     };
     const auto ends_values = [&](const std::string& word) { return word == "--" || option_in(word); };
     const auto is_number = [](const std::string& word) { return parsed_number(word).has_value(); };
@@ -133,10 +132,8 @@ Error bad_usage(const CLI::App& app, const CLI::ParseError& error, std::span<con
         const std::string first = words.empty() ? "" : words.front();
         const bool is_option = first.starts_with('-') && !are_words;
         const std::string meant = are_words ? "" : nearest_word(first, known_words(app));
-        message = is_option        ? "unknown option '"
-                  : chosen.empty() ? "unknown command or file '"
-                                   : "unexpected word '";
-        message += first + '\'';
+        const char* const unknown = chosen.empty() ? "unknown command or file '" : "unexpected word '";
+        message = (is_option ? "unknown option '" : unknown) + first + '\'';
         if (!meant.empty()) message += " (did you mean " + meant + "?)";
         const auto at = std::ranges::find(typed, first);
         if (at != typed.begin() && at != typed.end() && *(at - 1) == "--json")

@@ -105,8 +105,7 @@ Result<FrameRate> read_frame_rate(const std::string& option, std::string_view te
 Result<double> read_number(const std::string& option, std::string_view text, double least, double most,
                            std::string_view unit) {
     const auto value = parsed_number(text.starts_with('+') ? text.substr(1) : text);
-    const auto is_right = [&](double number) { return number >= least && number <= most; };
-    if (value && is_right(*value)) return *value;
+    if (value && *value >= least && *value <= most) return *value;
     std::string right = "a number", example;
     if (unit == "METRES") example = ", such as 0.001 for mm";
     if (unit == "N/mm") example = ", such as 0.6 for 600 N/m";

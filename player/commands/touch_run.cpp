@@ -196,11 +196,7 @@ public:
     /// `live`: faults of the outputs are printed at once; otherwise at the end.
     ConcatenatingSink(std::int64_t ticks_before, std::vector<TouchSink*> sinks, TouchOutputs& outputs,
                       bool live)
-        : before_(ticks_before),
-          sinks_(std::move(sinks)),
-          took_(sinks_.size()),
-          outputs_(outputs),
-          live_(live) {}
+        : before_(ticks_before), sinks_(std::move(sinks)), outputs_(outputs), live_(live) {}
     Result<void> take(const TouchTick& tick) override {
         TouchTick later = tick;
         later.tick += before_;
@@ -222,7 +218,7 @@ public:
 private:
     std::int64_t before_;
     std::vector<TouchSink*> sinks_;
-    std::vector<std::chrono::steady_clock::duration> took_;
+    std::vector<std::chrono::steady_clock::duration> took_ = decltype(took_)(sinks_.size());
     TouchOutputs& outputs_;
     bool live_;
 };

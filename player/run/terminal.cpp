@@ -40,9 +40,7 @@ private:
     }
     int_type overflow(int_type byte) override {
         const char piece = traits_type::to_char_type(byte);
-        return traits_type::eq_int_type(byte, traits_type::eof()) || xsputn(&piece, 1) == 1
-                   ? traits_type::not_eof(byte)
-                   : traits_type::eof();
+        return xsputn(&piece, 1) == 1 ? byte : traits_type::eof();
     }
     int sync() override { return to_->pubsync(); }
 
