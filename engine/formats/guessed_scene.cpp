@@ -787,9 +787,7 @@ std::string length_in_words(double metres) {
 Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescription& known) {
     TRY_ASSIGN(const auto preset, known_preset(known));
     if (const auto foreign = foreign_folder(folder)) return input_error(folder.string() + ": " + *foreign);
-    const auto pictures = std::make_shared<ReadPictures>();
-    pictures->take_channel(known.channel);
-    pictures->take_dataset(known.dataset);
+    const auto pictures = std::make_shared<ReadPictures>(known);
     const bool is_relative = preset != nullptr && preset->stored.kind == StoredDepth::Kind::relative;
     TRY_ASSIGN(const auto chosen, choose_pictures(folder, known, is_relative, *pictures));
     const PictureGroup& depth = chosen.depth;
@@ -904,10 +902,7 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
     const fs::path& file = source.path();
     TRY_ASSIGN(const auto preset, known_preset(known));
     const std::string name = file.filename().string();
-    const auto pictures = std::make_shared<ReadPictures>(source);
-    pictures->trust_from(known.least_confidence);
-    pictures->take_channel(known.channel);
-    pictures->take_dataset(known.dataset);
+    const auto pictures = std::make_shared<ReadPictures>(known, source);
     TRY_ASSIGN(const auto told, telling_depth({file}, *pictures, preset));
     const StoredImage& stored = *told;
     const bool is_open = preset == nullptr && !known.metres_per_code;

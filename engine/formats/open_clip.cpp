@@ -200,30 +200,15 @@ bool is_mpeg4(const Candidate& candidate) {
     return candidate.begin.size() >= 8 && candidate.begin.substr(4, 4) == "ftyp" && !is_heif(candidate) &&
            is_mp4_clip(candidate.source, candidate.scene || candidate.wanted.is_known());
 }
-bool is_stream_file(const Candidate& candidate) {
-    return is_saved_stream(candidate.source);
-}
-bool is_picture(const Candidate& candidate) {
-    return !picture_kind(candidate.begin).empty();
-}
-bool is_cloud(const Candidate& candidate) {
-    return is_organised_cloud(candidate.source);
-}
-bool is_realsense_raw(const Candidate& candidate) {
-    return realsense_metadata_of(candidate.source.path()).has_value();
-}
-bool is_ros_recording(const Candidate& candidate) {
-    return is_recording_of_ros(candidate.begin);
-}
-bool is_depthkit(const Candidate& candidate) {
-    return depthkit_metadata_of(candidate.source.path()).has_value();
-}
-bool is_bare(const Candidate& candidate) {
-    return !candidate.scene;
-}
-bool is_described(const Candidate& candidate) {
-    return candidate.scene.has_value();
-}
+constexpr auto is_stream_file = [](const Candidate& one) { return is_saved_stream(one.source); };
+constexpr auto is_any_picture = [](const Candidate& one) { return !picture_kind(one.begin).empty(); };
+constexpr auto is_cloud_file = [](const Candidate& one) { return is_organised_cloud(one.source); };
+constexpr auto is_ros_recording = [](const Candidate& one) { return is_recording_of_ros(one.begin); };
+constexpr auto has_no_scene = [](const Candidate& one) { return !one.scene; };
+constexpr auto has_scene = [](const Candidate& one) { return one.scene.has_value(); };
+/// With a file of metadata beside it.
+template <auto metadata_of>
+constexpr auto has_metadata = [](const Candidate& one) { return metadata_of(one.source.path()).has_value(); };
 /// Any JPEG but one that is a depth picture itself: without depth in its metadata, and grey all over or
 /// described by a person.
 bool is_jpeg_photo(const Candidate& candidate) {
@@ -252,10 +237,7 @@ Result<GuessedScene> describe_picture(const Candidate& candidate) {
                            ": has a % or * in its name, which stand for numbers: rename it");
     if (!candidate.scene) return guess_picture(candidate.source, candidate.wanted.known);
     GuessedScene made = *candidate.scene;
-    made.pictures = std::make_shared<ReadPictures>(candidate.source);
-    made.pictures->trust_from(candidate.wanted.known.least_confidence);
-    made.pictures->take_channel(candidate.wanted.known.channel);
-    made.pictures->take_dataset(candidate.wanted.known.dataset);
+    made.pictures = std::make_shared<ReadPictures>(candidate.wanted.known, candidate.source);
     made.scene.video.reset();
     const FolderSource of = made.scene.folder.value_or(FolderSource());
     if (of.depth == name) return made;
@@ -294,10 +276,7 @@ Result<GuessedScene> describe_bag(const Candidate& candidate) {
 Result<GuessedScene> describe_folder(const Candidate& candidate) {
     if (!candidate.scene) return guess_folder(*candidate.folder, candidate.wanted.known);
     GuessedScene made = *candidate.scene;
-    made.pictures = std::make_shared<ReadPictures>();
-    made.pictures->trust_from(candidate.wanted.known.least_confidence);
-    made.pictures->take_channel(candidate.wanted.known.channel);
-    made.pictures->take_dataset(candidate.wanted.known.dataset);
+    made.pictures = std::make_shared<ReadPictures>(candidate.wanted.known);
     if (made.scene.video) {
         TRY_ASSIGN(made.video, VideoFile::open(candidate.source, PlaneRole::depth));
     }
@@ -312,17 +291,15 @@ Opened open_named(const Candidate& candidate) {
     return open(candidate.home(), *candidate.scene, candidate.wanted.colour, candidate.wanted.alignment);
 }
 
-Opened open_matroska(const Candidate& candidate) {
-    return open_matroska_clip(candidate.source, candidate.described(), candidate.wanted.colour);
+/// A clip that has its scene.
+template <auto open_clip>
+Opened open_whole(const Candidate& candidate) {
+    return open_clip(candidate.source, candidate.described(), candidate.wanted.colour);
 }
 
 Opened open_mpeg4(const Candidate& candidate) {
     if (is_mp4_stills(candidate.source)) return open_mp4_stills(candidate);
     return open_mp4_clip(candidate.source, candidate.described(), candidate.wanted.colour);
-}
-
-Opened open_stream_file(const Candidate& candidate) {
-    return open_saved_stream(candidate.source, candidate.described(), candidate.wanted.colour);
 }
 
 /// How much files say of their own depth. From `described` on, a person's camera, unit or preset is refused.
@@ -344,11 +321,11 @@ struct Format {
     Hints settings{};
 };
 const Format formats[] = {
-    {FileKind::clip, is_matroska, nullptr, open_matroska,
+    {FileKind::clip, is_matroska, nullptr, open_whole<open_matroska_clip>,
      "a touchable clip (Matroska with its scene attached)", "touchable play clip.mkv"},
     {FileKind::clip, is_mpeg4, nullptr, open_mpeg4,
      "a touchable clip in MP4, as its MPEG-4 scene describes it", "touchable play clip.mp4"},
-    {FileKind::clip, is_stream_file, nullptr, open_stream_file,
+    {FileKind::clip, is_stream_file, nullptr, open_whole<open_saved_stream>,
      "a stream of touchable serve that was saved to a file (MPEG-TS)", "touchable play stream.ts"},
     {FileKind::text, is_scene_text, nullptr, open_scene_text,
      "the text of an MPEG-4 scene, beside the pictures that it names", "touchable play scene.bt"},
@@ -358,20 +335,20 @@ const Format formats[] = {
      "a phone's JPEG with depth (GDepth, Dynamic Depth)", "touchable play portrait.jpg"},
     {FileKind::photo, is_heif, nullptr, open_heic_image,
      "a phone's HEIC, HEIF or AVIF with depth (portraits)", "touchable play portrait.heic"},
-    {FileKind::bare, is_picture, describe_picture, open_named,
+    {FileKind::bare, is_any_picture, describe_picture, open_named,
      "a picture of depth: PNG, PGM, TIFF, PFM, OpenEXR (a rendering with its colour, too), NumPy (.npy, "
      ".npz), HDF5 (.h5, .hdf5, MATLAB's 7.3)",
      "touchable play depth.png", Hints{{Setting::intrinsics, "525,525"}, {Setting::depth_unit, "0.001"}}},
-    {FileKind::bare, is_cloud, describe_picture, open_named,
+    {FileKind::bare, is_cloud_file, describe_picture, open_named,
      "a cloud of points with rows and columns (.pcd, .ply): its z is depth, and its points tell the camera",
      "touchable play cloud.pcd"},
-    {FileKind::bare, is_realsense_raw, describe_picture, open_named,
+    {FileKind::bare, has_metadata<realsense_metadata_of>, describe_picture, open_named,
      "a snapshot of the RealSense Viewer: NAME_Depth.raw with its NAME_Depth_metadata.csv beside it",
      "touchable play snap_Depth.raw"},
     {FileKind::bare, is_ros_recording, describe_bag, open_bag_clip,
      "a recording of a RealSense or of ROS 1 (.bag), or of ROS 2 (.mcap, .db3 or their folder)",
      "touchable play recording.bag"},
-    {FileKind::described, is_depthkit, nullptr, open_depthkit_clip,
+    {FileKind::described, has_metadata<depthkit_metadata_of>, nullptr, open_depthkit_clip,
      "a Depthkit video with its metadata beside it", "touchable play Take.mp4"},
     {FileKind::bare, is_k4a_recording, describe_k4a, open_named,
      "a recording of an Azure Kinect or an Orbbec Femto (Matroska, calibration.json attached)",
@@ -380,11 +357,11 @@ const Format formats[] = {
      "a video of depth, alone or beside its colour: grey, LeRobot's, or hue as of Record3D (.mp4, .mov, "
      ".webm, .mkv, .avi)",
      "touchable play depth.webm"},
-    {FileKind::folder, is_bare, describe_folder, open_named,
+    {FileKind::folder, has_no_scene, describe_folder, open_named,
      "a folder of pictures, as cameras and data sets have them (TUM, Redwood, 7-Scenes, ...), also in a ZIP "
      "archive",
      "touchable play FOLDER"},
-    {FileKind::folder, is_described, describe_folder, open_named,
+    {FileKind::folder, has_scene, describe_folder, open_named,
      "a folder, a picture, a video or two with a scene file (docs/scene_file.md)", "touchable play FOLDER",
      Hints{{Setting::scene_file, "scene.json"}}},
 };

@@ -64,8 +64,8 @@ Result<std::shared_ptr<ImageStack>> ReadPictures::stack_in(const std::filesystem
     const bool is_tiff = picture_kind(first_bytes(opened, 8)) == "TIFF", is_hdf5 = is_hdf5_file(opened);
     if (!is_tiff && !is_hdf5 && !is_npy_file(opened)) return std::shared_ptr<ImageStack>();
     TRY_ASSIGN(auto stack, is_tiff   ? open_tiff_stack(opened)
-                           : is_hdf5 ? open_hdf5_stack(opened, dataset_)
-                                     : open_npy_stack(opened, least_confidence_, dataset_));
+                           : is_hdf5 ? open_hdf5_stack(opened, known_.dataset)
+                                     : open_npy_stack(opened, known_.least_confidence, known_.dataset));
     if (stack) stacks_[name] = stack;
     return stack;
 }
@@ -105,16 +105,17 @@ Result<StoredImage> ReadPictures::read(const std::filesystem::path& file, Pictur
     const SourceFile opened = taken_source(file);
     const std::string where = file.string();
     const bool is_hdf5 = is_hdf5_file(opened);
-    if (is_hdf5 || (!dataset_.empty() && has_named_arrays(opened))) {
-        TRY_ASSIGN(const auto stack, is_hdf5 ? open_hdf5_stack(opened, dataset_)
-                                             : open_npy_stack(opened, least_confidence_, dataset_));
+    if (is_hdf5 || (!known_.dataset.empty() && has_named_arrays(opened))) {
+        TRY_ASSIGN(const auto stack, is_hdf5
+                                         ? open_hdf5_stack(opened, known_.dataset)
+                                         : open_npy_stack(opened, known_.least_confidence, known_.dataset));
         return stack->image(0);  // each file of several is one frame
     }
     TRY_ASSIGN(auto bytes, read_picture_bytes(opened));
     if (begins_organised_cloud(bytes)) return read_cloud(std::move(bytes), file, layer);
     if (!is_exr(bytes)) return decode_stored_image(std::move(bytes), where);
-    const auto decode = [layer, wanted = wanted_, channel = channel_](std::string_view exr,
-                                                                      const std::string& name) {
+    const auto decode = [layer, wanted = wanted_, channel = known_.channel](std::string_view exr,
+                                                                            const std::string& name) {
         if (layer == PictureLayer::own) return decode_exr(exr, name, wanted, channel);
         return layer == PictureLayer::colour ? decode_exr_colour(exr, name) : decode_exr_materials(exr, name);
     };

@@ -22,9 +22,9 @@ enum class PictureLayer { own, colour, materials };
 /// MiB of them, or one; others are read again.
 class ReadPictures {
 public:
-    ReadPictures() = default;
-    /// `opened`: a file that is open already.
-    explicit ReadPictures(SourceFile opened) : newest_(std::move(opened)) {}
+    /// `known`: what a person says of stacks and renderings. `opened`: a file that is open already.
+    explicit ReadPictures(SourceDescription known = {}, std::optional<SourceFile> opened = {})
+        : newest_(std::move(opened)), known_(std::move(known)) {}
 
     /// Reads a file's picture (a stack's first) and keeps it.
     Result<std::shared_ptr<const StoredImage>> look(const std::filesystem::path& file);
@@ -37,15 +37,7 @@ public:
     /// A file's stack of pictures (.npy, .npz, HDF5, TIFF of several pages), which stays open; null for
     /// others.
     Result<std::shared_ptr<ImageStack>> stack_in(const std::filesystem::path& file);
-    /// Sets the least confidence of stacks that are opened from now on (open_npy_stack).
-    void trust_from(std::optional<double> least_confidence) { least_confidence_ = least_confidence; }
-    std::optional<double> least_confidence() const { return least_confidence_; }
-    /// Names depth's channel in renderings that are read from now on; empty: it is found.
-    void take_channel(const std::string& channel) { channel_ = channel; }
-    const std::string& channel() const { return channel_; }
-    /// Names depth's data set in HDF5 and .npz in the same way.
-    void take_dataset(const std::string& dataset) { dataset_ = dataset; }
-    const std::string& dataset() const { return dataset_; }
+    const SourceDescription& known() const { return known_; }
     /// Keeps a picture for `take`, with its layers.
     void keep(const std::filesystem::path& file, StoredImage picture) {
         if (rendering_ == file.lexically_normal()) picture.beside = std::move(beside_);
@@ -83,10 +75,8 @@ private:
     std::map<std::filesystem::path, std::shared_ptr<ImageStack>> stacks_;
     std::optional<SourceFile> newest_;  // stays open until another file is wanted, or it was read
     std::size_t bytes_ = 0;             // of the pictures
-    std::optional<double> least_confidence_;
+    const SourceDescription known_;
     BesideDepth::Wanted wanted_{true, true};
-    std::string channel_;                                  // depth's in renderings
-    std::string dataset_;                                  // depth's in HDF5
     std::filesystem::path rendering_;                      // the newest whose own picture was taken
     std::shared_ptr<BesideDepth> beside_;                  // its layers; null: none
     std::map<std::filesystem::path, Intrinsics> cameras_;  // of the first clouds that were read
