@@ -160,11 +160,9 @@ std::string what_is_missing(const ConnectedSystem& system, const KnownDevice& kn
         return known.through == Through::hidraw
                    ? "sudo modprobe usbhid   (it has no hidraw node; then plug it in again)"
                    : "plug it in again (it has no node in /dev/bus/usb)";
-    if (!device.may_use) {
-        const std::string rules = installed_udev_rules(system);
+    if (const std::string rules = installed_udev_rules(system); !device.may_use)
         return rules.empty() ? std::string(udev_rules_command) + "   (then plug it in again)"
                              : "plug it in again (its udev rules are installed; over ssh see " + rules + ")";
-    }
     if (!known.is_shared && !device.held_by.empty())
         return "close " + listed(device.held_by) + ", which has it open";
     return {};
@@ -270,13 +268,9 @@ std::string installed_udev_rules(const ConnectedSystem& system) {
     return {};
 }
 
-std::string installed_udev_rules() {
-    return installed_udev_rules(ConnectedSystem());
-}
-
 Error not_permitted(const std::string& node, const ConnectedSystem& system) {
-    const std::string what = node + ": may not be opened by this user; ",
-                      rules = installed_udev_rules(system);
+    const std::string what = node + ": may not be opened by this user; ";
+    const std::string rules = installed_udev_rules(system);
     if (rules.empty())
         return device_error(what + "install the program's udev rules, then plug it in again",
                             {{Setting::device_rules}});

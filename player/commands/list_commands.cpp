@@ -8,6 +8,7 @@
 #include <string>
 
 #include "device/drivers/device_catalog.hpp"
+#include "device/drivers/known_devices.hpp"
 #include "engine/base/try.hpp"
 #include "engine/camera/camera.hpp"
 #include "player/commands/option_types.hpp"

@@ -166,22 +166,11 @@ int run(int argc, char** argv) {
         "touchable"};
     app.require_subcommand(0, 1);
     Command command;
-    add_make_command(app, command);
-    add_play_command(app, command);
-    add_touch_command(app, command);
-    add_cameras_command(app, command);
-    add_devices_command(app, command);
-    add_info_command(app, command);
-    add_formats_command(app, command);
-    add_init_scene_command(app, command);
-    add_export_command(app, command);
-    add_convert_command(app, command);
-    add_relief_command(app, command);
-    add_materials_command(app, command);
-    add_serve_command(app, command);
-    add_compare_command(app, command);
-    add_plot_command(app, command);
-    add_check_command(app, command);
+    for (const auto add : {add_make_command, add_play_command, add_touch_command, add_cameras_command,
+                           add_devices_command, add_info_command, add_formats_command, add_init_scene_command,
+                           add_export_command, add_convert_command, add_relief_command, add_materials_command,
+                           add_serve_command, add_compare_command, add_plot_command, add_check_command})
+        add(app, command);
     set_help(app);
     app.set_version_flag("-V,--version", "touchable " TOUCHABLE_VERSION, "print the version")
         ->group(help_topic);
