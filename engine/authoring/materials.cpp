@@ -75,12 +75,6 @@ void widen_to(PropertyRange& range, double value) {
     range.max = std::max(range.max, value);
 }
 
-std::uint8_t nearest_code(double value, const PropertyRange& range) {
-    if (!(range.max > range.min)) return 0;
-    const double share = (value - range.min) / (range.max - range.min);
-    return static_cast<std::uint8_t>(std::clamp(share, 0.0, 1.0) * 255 + 0.5);
-}
-
 /// Paints each pixel as its segment feels. Pixels without a segment, which are holes, get the nearest one's
 /// values: a hole's rim is as hard as its surroundings, and so is depth that filters put there.
 class HapticPainter {
@@ -371,9 +365,9 @@ HapticRanges ranges_of_palette(const Scene& scene, const std::vector<Feel>& othe
 }
 
 std::array<std::uint8_t, 3> haptic_code(const HapticProperties& properties, const HapticRanges& ranges) {
-    return {nearest_code(properties.stiffness / 1000, ranges.stiffness),
-            nearest_code(properties.static_friction, ranges.static_friction),
-            nearest_code(properties.dynamic_friction, ranges.dynamic_friction)};
+    return {ranges.stiffness.nearest(properties.stiffness / 1000),
+            ranges.static_friction.nearest(properties.static_friction),
+            ranges.dynamic_friction.nearest(properties.dynamic_friction)};
 }
 
 Result<std::unique_ptr<ClipReader>> with_painted_segments(std::unique_ptr<ClipReader> clip,

@@ -597,11 +597,8 @@ private:
                 "a "
                 "scene file"};
         constexpr double near = 0.5, far = 1.5;  // metres
-        DepthCoding coding;
-        coding.semantics = DepthSemantics::planar;
-        coding.near_is_high = false;
-        coding.near = near;
-        coding.far = far;
+        const DepthCoding coding{
+            .semantics = DepthSemantics::planar, .near_is_high = false, .near = near, .far = far};
         StoredImage size;
         size.image = {video->width, video->height, 1, 1, {}};
         auto guessed = guess_scene(gltf_.file(), size, {}, &coding);

@@ -32,15 +32,14 @@ constexpr std::uint16_t largest_lerobot_code = 4095;
 /// LeRobot's codes of depth (lerobot 0.6, datasets/depth_utils.py), lengths in metres: 4095 even steps of
 /// ln(depth + shift). Code 0 stands for pixels without depth; LeRobot reads it as its nearest depth.
 DepthCoding lerobot_coding(double near = 0.01, double far = 10, double shift = 3.5) {
-    DepthCoding coding;
-    coding.kind = DepthCodingKind::log;
-    coding.semantics = DepthSemantics::planar;
-    coding.near_is_high = false;
-    coding.near = near;
-    coding.far = far;
-    coding.shift = shift;
-    coding.code_max = largest_lerobot_code;
-    coding.invalid_code_count = 1;  // 0
+    DepthCoding coding{.kind = DepthCodingKind::log,
+                       .semantics = DepthSemantics::planar,
+                       .near_is_high = false,
+                       .near = near,
+                       .far = far,
+                       .shift = shift,
+                       .code_max = largest_lerobot_code,
+                       .invalid_code_count = 1};
     derive_valid_range(coding);
     return coding;
 }

@@ -28,13 +28,6 @@ std::size_t index_at(const StoredImage& picture, std::size_t k) {
     return is_index ? static_cast<std::size_t>(value) : no_index;
 }
 
-/// The sample that stands for `value` in a range, rounded to the nearest.
-std::uint8_t sample_of(double value, const PropertyRange& range) {
-    if (!(range.max > range.min)) return 0;
-    const double share = (value - range.min) / (range.max - range.min);
-    return static_cast<std::uint8_t>(std::clamp(share, 0.0, 1.0) * 255 + 0.5);
-}
-
 }  // namespace
 
 Result<std::shared_ptr<const StoredImage>> ReadPictures::look(const std::filesystem::path& file) {
@@ -171,9 +164,9 @@ std::vector<int> indices_in(const StoredImage& picture) {
 MaterialPictures::MaterialPictures(const SceneDescription& described) : samples_(3 * (no_index + 1)) {
     const Scene& scene = described.scene;
     const auto set = [&](std::size_t index, const HapticProperties& properties) {
-        samples_[3 * index] = sample_of(properties.stiffness / 1000, scene.haptic.stiffness);
-        samples_[3 * index + 1] = sample_of(properties.static_friction, scene.haptic.static_friction);
-        samples_[3 * index + 2] = sample_of(properties.dynamic_friction, scene.haptic.dynamic_friction);
+        samples_[3 * index] = scene.haptic.stiffness.nearest(properties.stiffness / 1000);
+        samples_[3 * index + 1] = scene.haptic.static_friction.nearest(properties.static_friction);
+        samples_[3 * index + 2] = scene.haptic.dynamic_friction.nearest(properties.dynamic_friction);
     };
     for (std::size_t index = 0; index <= no_index; ++index) set(index, scene.default_properties);
     for (const SceneDescription::Material& material : described.materials)

@@ -40,15 +40,13 @@ std::optional<Intrinsics> record3d_camera(const SourceFile& file) {
 
 DepthCoding hue_coding(double near, double far) {
     constexpr int dark = 77;  // sum of three: three tenths of one channel
-    DepthCoding coding;
-    coding.kind = DepthCodingKind::hue;
-    coding.semantics = DepthSemantics::planar;
-    coding.near_is_high = false;
-    coding.near = near;
-    coding.far = far;
-    coding.code_max = DepthCoding::hue_circle;
-    coding.least_sum = dark;
-    return coding;
+    return {.kind = DepthCodingKind::hue,
+            .semantics = DepthSemantics::planar,
+            .near_is_high = false,
+            .near = near,
+            .far = far,
+            .code_max = DepthCoding::hue_circle,
+            .least_sum = dark};
 }
 
 /// z = 3 m x hue. Red, 0, is no depth.

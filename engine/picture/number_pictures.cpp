@@ -334,11 +334,7 @@ public:
     bool has_codes() const { return !grey_ || grey_->has_codes(); }
     StoredImage finish(bool floats_anyway = false) && {
         if (grey_) return std::move(*grey_).finish("tiff", floats_anyway);
-        StoredImage stored;
-        stored.image = std::move(rgb_);
-        stored.codec = "tiff";
-        stored.pixel_format = "rgb24";
-        return stored;
+        return {std::move(rgb_), "tiff", "rgb24"};
     }
 
 private:

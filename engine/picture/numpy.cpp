@@ -126,12 +126,7 @@ Result<NpyHeader> header_of_text(std::string_view dictionary, const std::string&
             "numpy.load(FILE, allow_pickle=True).item() opens it; numpy.save its array of depth");
     const auto format = number_format_of(*type);
     if (!format) return unknown_type(*type, where);
-    NpyHeader header;
-    header.format = *format;
-    header.is_boolean = *type == "|b1";
-    header.columns_first = *columns_first;
-    header.shape = std::move(*shape);
-    return header;
+    return NpyHeader{*format, *columns_first, *type == "|b1", std::move(*shape)};
 }
 
 /// Every extent of the header's shape is at most 2^31.

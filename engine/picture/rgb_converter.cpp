@@ -133,14 +133,12 @@ RgbConverter::YuvFactors RgbConverter::yuv_factors(const int* table, bool full) 
         return static_cast<int>((of_range + 4) >> 3);
     };
     constexpr int one = 1 << 16;
-    YuvFactors factors;
-    factors.black = full ? 0 : 16;
-    factors.y = ((full ? one : static_cast<int>(std::int64_t{one} * 255 / 219)) + 4) >> 3;
-    factors.red_of_v = chroma(table[0]);
-    factors.blue_of_u = chroma(table[1]);
-    factors.green_of_u = chroma(-table[2]);
-    factors.green_of_v = chroma(-table[3]);
-    return factors;
+    return {.black = full ? 0 : 16,
+            .y = ((full ? one : static_cast<int>(std::int64_t{one} * 255 / 219)) + 4) >> 3,
+            .red_of_v = chroma(table[0]),
+            .green_of_u = chroma(-table[2]),
+            .green_of_v = chroma(-table[3]),
+            .blue_of_u = chroma(table[1])};
 }
 
 void RgbConverter::convert_yuv420(VectorUnit unit, const AVFrame& frame, const YuvFactors& factors,

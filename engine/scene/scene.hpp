@@ -289,6 +289,11 @@ struct HapticProperties {
 struct PropertyRange {
     double min = 0, max = 0;
     double at(std::uint8_t p) const { return min + (max - min) * p / 255.0; }
+    /// The code that stands for `value`, rounded to the nearest.
+    std::uint8_t nearest(double value) const {
+        const double share = max > min ? (value - min) / (max - min) : 0;
+        return static_cast<std::uint8_t>(std::clamp(share, 0.0, 1.0) * 255 + 0.5);
+    }
 };
 
 /// The haptic image's three channels; stiffness in N/mm as the paper's metadata has it.

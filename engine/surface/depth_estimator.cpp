@@ -180,25 +180,24 @@ std::optional<MeasuredDepth> DepthEstimator::measured_without_trying() const {
     Scene scene = scene_;
     if (scene.filter.levels == DepthLength{}) scene.filter.levels = levels_.levels();
     using Place = NoiseEstimator::Place;
-    MeasuredDepth measured;
-    measured.frames = added_;
-    measured.median = *median;
-    measured.alternates_by = alternation(first_few_);
-    measured.pixel = *median / scene.camera.fx;
-    measured.levels = scene.filter.levels;
-    measured.distance = level_distance(scene, *median);
-    measured.kappa = kappa_of_depth(scene, *median);
-    measured.contours = contours_.contours();
-    measured.noise = noise_.noise(Place::flat);
-    measured.noise_at_edges = noise_.noise(Place::edge).at(*median);
-    measured.noise_at_rims = noise_.noise(Place::rim).at(*median);
-    measured.roughness = noise_.roughness().at(*median);
-    measured.dropouts = noise_.dropouts();
-    measured.tiny_holes = noise_.tiny_holes();
-    measured.flying = noise_.flying();
-    measured.midway = noise_.midway();
-    measured.clean_edges = noise_.clean_edges();
-    return measured;
+    return MeasuredDepth{.frames = added_,
+                         .median = *median,
+                         .pixel = *median / scene.camera.fx,
+                         .levels = scene.filter.levels,
+                         .distance = level_distance(scene, *median),
+                         .kappa = kappa_of_depth(scene, *median),
+                         .contours = contours_.contours(),
+                         .noise = noise_.noise(Place::flat),
+                         .noise_at_edges = noise_.noise(Place::edge).at(*median),
+                         .noise_at_rims = noise_.noise(Place::rim).at(*median),
+                         .roughness = noise_.roughness().at(*median),
+                         .dropouts = noise_.dropouts(),
+                         .tiny_holes = noise_.tiny_holes(),
+                         .flying = noise_.flying(),
+                         .midway = noise_.midway(),
+                         .clean_edges = noise_.clean_edges(),
+                         .alternates_by = alternation(first_few_),
+                         .tried = {}};
 }
 
 bool removal_advised(const MeasuredDepth& measured, const Scene& scene) {

@@ -69,12 +69,10 @@ RecordedPart::Tick read_tick(Bytes& bytes, std::uint64_t version, std::size_t fi
 }
 
 PlaybackCommand read_command(Bytes& bytes) {
-    PlaybackCommand command;
-    command.tick = static_cast<std::int64_t>(bytes.integer(8));
-    command.verb = static_cast<PlaybackVerb>(bytes.integer(4));
-    command.first = static_cast<std::int64_t>(bytes.integer(8));
-    command.second = static_cast<std::int64_t>(bytes.integer(8));
-    return command;
+    return {.tick = static_cast<std::int64_t>(bytes.integer(8)),
+            .verb = static_cast<PlaybackVerb>(bytes.integer(4)),
+            .first = static_cast<std::int64_t>(bytes.integer(8)),
+            .second = static_cast<std::int64_t>(bytes.integer(8))};
 }
 
 /// Why well-formed ticks are impossible; empty: they are valid.
