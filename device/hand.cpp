@@ -358,10 +358,10 @@ private:
     static constexpr double sinking = 0.02;       // m/s, of a finger over broken ground that falls away
     // A wish stays up over rough ground for so many ticks, and so a goal for 40.
     static constexpr int hop_ticks = mean_ticks + 40;
-    static constexpr double greatest_lag =
-        0.00025;  // the script waits for a finger that is farther from its target, device metres
-    static constexpr double nearest_goal =
-        0.1;  // a goal stays this share of the surface's depth in front of the camera
+    // The script waits for a finger that is farther from its target, device metres.
+    static constexpr double greatest_lag = 0.00025;
+    // A goal stays this share of the surface's depth in front of the camera.
+    static constexpr double nearest_goal = 0.1;
 
     /// `landing`: over firm ground again, but still lifted.
     enum class Lift { none, over_rough, over_broken, landing };

@@ -50,9 +50,8 @@ std::string escaped(Character control, char byte) {
     if (control.code == '\n') return "\\n";
     if (control.code == '\r') return "\\r";
     if (control.code == '\t') return "\\t";
-    const bool is_byte = control.bytes == 1;
-    return formatted(is_byte ? "\\x%02x" : "\\u%04x",
-                     is_byte ? static_cast<unsigned char>(byte) : static_cast<unsigned>(control.code));
+    if (control.bytes == 1) return formatted("\\x%02x", static_cast<unsigned char>(byte));
+    return formatted("\\u%04x", static_cast<unsigned>(control.code));
 }
 
 std::size_t letters_between(std::string_view a, std::string_view b) {

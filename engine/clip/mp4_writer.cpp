@@ -83,7 +83,7 @@ private:
         if (!stream) return refuse("out of memory");
         TRY(track.encoder->describe(*stream->codecpar));
         stream->id = static_cast<int>(tracks_.size()) + 1;
-        stream->time_base = time_base();
+        stream->time_base = time_base_of(scene_.rate);
         stream->avg_frame_rate = {static_cast<int>(scene_.rate.num), static_cast<int>(scene_.rate.den)};
         av_dict_set(&stream->metadata, "handler_name", track.name().c_str(), 0);
         stream->disposition = tracks_.empty() ? AV_DISPOSITION_DEFAULT : 0;
@@ -157,9 +157,9 @@ private:
         const std::int64_t frame = check_.frames() - 1;
         TRY_ASSIGN(auto packet, tracks_[track].encoder->encode(plane, frame == access_point_));
         if (reader_ && tracks_[track].role == PlaneRole::colour) TRY(reader_->add(*packet));
-        packet->pts = packet->dts = tick_of(frame);
-        packet->duration = tick_of(frame + 1) - tick_of(frame);
-        return write_picture(*packet, track, time_base());
+        packet->pts = packet->dts = tick_of(scene_.rate, frame);
+        packet->duration = tick_of(scene_.rate, frame + 1) - tick_of(scene_.rate, frame);
+        return write_picture(*packet, track, time_base_of(scene_.rate));
     }
 
     /// FFmpeg cannot write tracks of MPEG-4 Systems: they are added to its movie box, the file's last box.
@@ -198,15 +198,6 @@ private:
         if (!bytes) return refuse("MPEG-4 has no such scene: " + bytes.error().message);
         stream.scene = std::move(*bytes);
         return {};
-    }
-
-    /// Exact at a constant rate: 30000/1001 frames/s have a time base of 1001/30000 s.
-    AVRational time_base() const {
-        if (scene_.rate.own_times) return {1, 1'000'000};
-        return {static_cast<int>(scene_.rate.den), static_cast<int>(scene_.rate.num)};
-    }
-    std::int64_t tick_of(std::int64_t frame) const {
-        return scene_.rate.own_times ? scene_.rate.time_ns(frame) / 1000 : frame;
     }
 
     std::vector<Mp4Track> tracks_;   // track k is stream k, and has number k + 1

@@ -98,6 +98,16 @@ std::optional<int> rank_zstd_version(const AVCodecParameters& stored);
 /// The note if a plane of touch was stored by a lossy codec (its `codec_name`); otherwise nullopt.
 std::optional<std::string> lossy_note(PlaneRole role, const std::string& codec);
 
+/// A track's time base, exact at a constant rate: 30000/1001 frames/s have one of 1001/30000 s.
+inline AVRational time_base_of(const FrameRate& rate) {
+    if (rate.own_times) return {1, 1'000'000};
+    return {static_cast<int>(rate.den), static_cast<int>(rate.num)};
+}
+/// When a frame is shown, in this time base.
+inline std::int64_t tick_of(const FrameRate& rate, std::int64_t frame) {
+    return rate.own_times ? rate.time_ns(frame) / 1000 : frame;
+}
+
 /// How a track is encoded. All but the last two keep every sample (docs/codecs.md).
 enum class TrackCoding {
     ffv1,               ///< every picture on its own, slow to decode

@@ -211,7 +211,7 @@ private:
         for (int y = 0; y < scene_.height; ++y)
             std::memcpy(picture->data[0] + std::ptrdiff_t{picture->linesize[0]} * y, frame.depth.row(y),
                         2 * static_cast<std::size_t>(scene_.width));
-        picture->pts = tick_of(frame.number);
+        picture->pts = tick_of(scene_.rate, frame.number);
         return send(picture.get());
     }
 
@@ -230,7 +230,7 @@ private:
         encoder_->height = scene_.height;
         encoder_->pix_fmt = AV_PIX_FMT_GRAY12;
         encoder_->color_range = AVCOL_RANGE_JPEG;
-        encoder_->time_base = tick();
+        encoder_->time_base = time_base_of(scene_.rate);
         encoder_->framerate = {static_cast<int>(scene_.rate.num), static_cast<int>(scene_.rate.den)};
         encoder_->flags |= AV_CODEC_FLAG_BITEXACT | AV_CODEC_FLAG_GLOBAL_HEADER;
         AVDictionary* options = nullptr;
@@ -243,7 +243,7 @@ private:
         if (avcodec_parameters_from_context(stream->codecpar, encoder_.get()) < 0) return memory_error();
         stream->codecpar->codec_tag = MKTAG('h', 'v', 'c', '1');
         stream->id = 1;
-        stream->time_base = tick();
+        stream->time_base = time_base_of(scene_.rate);
         stream->avg_frame_rate = encoder_->framerate;
         return write_header();
     }
@@ -256,7 +256,7 @@ private:
             status = avcodec_receive_packet(encoder_.get(), packet.get());
             if (status == AVERROR(EAGAIN) || status == AVERROR_EOF) return {};
             if (status < 0) break;
-            TRY(write_picture(*packet, 0, tick()));
+            TRY(write_picture(*packet, 0, time_base_of(scene_.rate)));
         }
         return failed(ffmpeg_text(status));
     }
@@ -292,14 +292,6 @@ private:
 
     Error failed(const std::string& why) const {
         return internal_error(output_.target().string() + ": the encoder of HEVC: " + why);
-    }
-    /// The time base; exact if frames come evenly.
-    AVRational tick() const {
-        if (scene_.rate.own_times) return {1, 1'000'000};
-        return {static_cast<int>(scene_.rate.den), static_cast<int>(scene_.rate.num)};
-    }
-    std::int64_t tick_of(std::int64_t frame) const {
-        return scene_.rate.own_times ? scene_.rate.time_ns(frame) / 1000 : frame;
     }
 
     NewFile info_;

@@ -496,9 +496,7 @@ Opened open_path(const fs::path& path, const std::optional<fs::path>& scene_file
     std::string name = path.string();
     std::error_code ignored;
     // What a shell makes of <(COMMAND).
-    if (constexpr std::string_view descriptors = "/dev/fd/";
-        name.starts_with(descriptors) && fs::is_fifo(path, ignored))
-        name.replace(0, descriptors.size(), "pipe:");
+    if (name.starts_with("/dev/fd/") && fs::is_fifo(path, ignored)) name.replace(0, 8, "pipe:");
     if (is_stream_url(name)) {
         TRY_ASSIGN(const auto url, read_stream_url(name));
         std::optional<GuessedScene> scene;

@@ -38,9 +38,9 @@ Result<std::string> ask_tool(std::vector<std::string> words, std::uint64_t most)
     if (!tool) return input_error("is HDF5, which needs h5dump: install the package hdf5-tools");
     auto output = tool->all_output(most);
     if (output || output.error().kind != ErrorKind::input) return output;
-    const bool is_slow = output.error().message == ChildProcess::out_of_time;
-    return input_error((is_slow ? "" : "is damaged, or more than HDF5's tools can read: ") + name + " " +
-                       output.error().message);
+    const std::string how = name + " " + output.error().message;
+    if (output.error().message == ChildProcess::out_of_time) return input_error(how);
+    return input_error("is damaged, or more than HDF5's tools can read: " + how);
 }
 
 // --- The listing

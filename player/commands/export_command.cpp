@@ -284,8 +284,7 @@ Result<void> read_words(const FramesTyped& typed, ExportOptions& out) {
         return usage_error("--picture draws a single frame; use --frame N instead of --frames");
     if (typed.one) {
         // The clip's length tells which of them are right.
-        using Limits = std::numeric_limits<std::int64_t>;
-        const auto number = read_whole_number("--frame", *typed.one, Limits::min(), Limits::max());
+        const auto number = read_whole_number<std::int64_t>("--frame", *typed.one, INT64_MIN, INT64_MAX);
         if (!number && typed.one->find('-', 1) != std::string::npos)
             return not_allowed("--frame", *typed.one, "one frame's number; several are --frames A-B");
         if (!number) return number.error();

@@ -57,11 +57,7 @@ Result<void> print_help(const CLI::App& app, std::span<const std::string> words)
     if (!command)
         return usage_error("unknown command " + refused_value(words[0]) + "; must be one of " +
                            listed(app.get_subcommands({}), &CLI::App::get_name));
-    if (words.size() == 1) {
-        std::cout << command->help();
-        return {};
-    }
-    TRY_ASSIGN(const auto help, help_on(*command, words[1]));
+    TRY_ASSIGN(const auto help, words.size() > 1 ? help_on(*command, words[1]) : command->help());
     std::cout << help;
     return {};
 }

@@ -101,8 +101,7 @@ void escape_for_terminal() {
 }
 
 void say_on_stderr(std::string_view words) {
-    constexpr std::size_t longest = 2000;
-    std::cerr << "touchable: " + printable(words, longest) + '\n';
+    std::cerr << "touchable: " + printable(words, 2000) + '\n';
 }
 
 Result<void> flush_standard_output() {
@@ -128,8 +127,7 @@ bool StatusLine::is_due() const {
 void StatusLine::show(const std::string& text) {
     last_ = std::chrono::steady_clock::now();
     drawn_ = true;
-    constexpr std::size_t longest = 500;
-    std::fprintf(stderr, "\r%s\033[K", printable(text, longest).c_str());
+    std::fprintf(stderr, "\r%s\033[K", printable(text, 500).c_str());
 }
 
 void Progress::at(std::int64_t done) {
