@@ -1,7 +1,6 @@
 // The surface under a hand: its nearest point, its relief, and goals that do not fit it.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "device/hand_parts.hpp"
 #include "engine/base/same_bits.hpp"
@@ -12,10 +11,9 @@ namespace {
 
 // Limits of smooth, rough and broken ground.
 constexpr int relief_rings = 4;
-constexpr double least_cliff = 0.006;  // device metres: a lower step is rough ground, however steep
-constexpr double steepest = 2.14;      // rise per length, as the camera sees it: 65 degrees
-constexpr double least_bend = 0.0001;  // device metres: deviation of rough ground from the straight ...
-constexpr double sharpest = 1.0 / 6;   // ... or, per length, if that is more: 9.5 degrees
+constexpr double least_cliff = 0.006;  // device metres: a lower step up is rough ground, however steep
+// Rise per length, as the camera sees it: 65 degrees. Usual friction (0.4) holds a proxy at a wall of 68.
+constexpr double steepest = 2.14;
 
 /// Finds the nearest surface among the pixels at Chebyshev distance `radius` from the start, in the box.
 class RingSearch {
@@ -94,20 +92,14 @@ LocalRelief LocalReliefSearch::about(const glm::dvec2& pixel, double depth, cons
     double highest = depth;
     for (int ring = 1; ring <= relief_rings; ++ring) {
         const double radius = reach_ * ring / relief_rings;
-        std::array<double, directions> rise;  // towards the camera, device metres; NaN: not sampled
-        rise.fill(std::numeric_limits<double>::quiet_NaN());
         for (std::size_t k = 0; k < directions; ++k) {
             const glm::dvec2 place = pixel + radius * directions_[k] / size;
             if (!box_.contains(place)) continue;
             const std::optional<double> there = probe.depth_under(place.x, place.y);
-            if (there) rise[k] = (depth - *there) * metres_per_scene_unit_;
-            broken = broken || !there || std::fabs(rise[k]) > std::max(least_cliff, steepest * radius);
+            const double rise = there ? (depth - *there) * metres_per_scene_unit_ : 0;  // towards the camera
+            broken = broken || !there || std::fabs(rise) > std::max(least_cliff, steepest * radius);
+            rough = rough || rise > steepest * radius;
             highest = std::min(highest, there.value_or(depth));
-        }
-        // On a slope, the rises of opposite sides cancel; at a bend a sum is left.
-        for (std::size_t k = 0; k < directions / 2; ++k) {
-            rough = rough ||
-                    std::fabs(rise[k] + rise[k + directions / 2]) > std::max(least_bend, sharpest * radius);
         }
     }
     return {broken  ? LocalRelief::Kind::broken

@@ -54,7 +54,7 @@ double start_depth(const SurfaceProbe& probe, const glm::dvec2& pixel, const Han
 struct LocalRelief {
     enum class Kind {
         smooth,
-        rough,  ///< it bends sharply within reach, as at a step: a proxy there may be held
+        rough,  ///< it rises steeply within reach, as at a step: a proxy there may be held
         broken  ///< the surface ends within reach, at a cliff up or down or at a hole
     };
     Kind kind;
@@ -77,7 +77,7 @@ public:
     LocalRelief about(const glm::dvec2& pixel, double depth, const SurfaceProbe& probe) const;
 
 private:
-    static constexpr int directions = 12;  // even: they pair up
+    static constexpr int directions = 12;
 
     std::array<glm::dvec2, directions> directions_;  // unit length, x right, y down
     double reach_;

@@ -60,7 +60,7 @@ const KnownRun known_runs[] = {
     {"5f9f4bbf0c944866", "HolesFilled", "cliffs --frames 2", "--fill-holes 2 --median 3", 0},
     {"b62c6b5682516172", "TerracesRemoved", "globe --frames 2 --bits 8", "--terraces on --fingers 3"},
     {"08efd1ba909ea1f2", "BumpsInPixels", "bumps --frames 2", "--metric pixel"},
-    {"8ceec71cd9d73915", "Wander", "globe --frames 15", "--hand wander --fingers 5 --seconds 0.8"},
+    {"29ae1a51cd556469", "Wander", "globe --frames 15", "--hand wander --fingers 5 --seconds 0.8"},
     {"28648993aeccfd85", "Stroke", "bumps --frames 2", "--hand stroke:angle=30,speed=0.3 --seconds 1"},
     {"c9ec4247c3a3c24f", "Press", "moving --frames 15", "--hand press:x=0.4,depth=5 --seconds 1"},
     {"7ed08df3824eadf2", "Poke", "spheres --frames 2", "--hand poke:speed=0.5,period=0.6 --seconds 2"}};

@@ -53,7 +53,7 @@ class ProgramForces(unittest.TestCase):
         self.compare(globe(), "--seconds", "0.7")  # longer than the clip
 
     def test_SeveralFingersAndScale(self):
-        self.compare(globe(), "--seconds", "0.4", "--fingers", "3", "--hand", "stroke")
+        self.compare(globe(), "--seconds", "0.6", "--fingers", "3", "--hand", "stroke")
 
     def test_FastClip(self):
         self.compare(made("moving", "--frames", "60", "--rate", "240", "--size", "96x64"), "--seconds", "0.5")
