@@ -71,6 +71,10 @@ const ShortHelp* short_help_of(std::string_view command) {
                    "--overwrite"},
                   {"touchable materials clip.mkv out.mkv    # guesses a material for each segment",
                    "touchable materials clip.mkv out.mkv --material table=wood --at 20,40"}},
+        ShortHelp{"check",
+                  {"--size", "--fingers", "--rate", "--device", "--json"},
+                  {"touchable check                              # the machine, its GPU, its timer",
+                   "touchable check --size 1920x1080 --fingers 5 # is it fast enough for that?"}},
         ShortHelp{
             "serve",
             {"CLIP", "URL", "--camera", "--loop", "--listeners", "--seconds", "--hls", "--preset", "--json"},

@@ -178,7 +178,7 @@ Result<void> JsonOutput::write(const nlohmann::ordered_json& json) const {
     if (!file) return {};
     TRY_ASSIGN(const auto out, OutputFile::create("--json", *file, existing));
     const auto replace = nlohmann::json::error_handler_t::replace;  // file names need not be UTF-8
-    TRY(out->write(json.dump(2, ' ', false, replace) + '\n'));
+    TRY(out->write(json.dump(2, ' ', true, replace) + '\n'));       // ASCII: also for a terminal
     return out->finish();
 }
 

@@ -350,7 +350,7 @@ private:
         (is_standard ? std::cerr : std::cout) << on_terminal(report_in_words()) << std::flush;
         if (!json_) return {};
         TRY(json_->write(
-            report_as_json().dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n'));
+            report_as_json().dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace) + '\n'));
         return json_->finish();
     }
 

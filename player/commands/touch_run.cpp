@@ -503,7 +503,7 @@ Result<void> TouchOutputs::finish_record(const std::string& force_hash, const To
 
 Result<void> TouchOutputs::finish_json(const nlohmann::ordered_json& report) {
     const auto replace = nlohmann::ordered_json::error_handler_t::replace;  // file names need not be UTF-8
-    TRY(json_->write(report.dump(2, ' ', false, replace) + '\n'));
+    TRY(json_->write(report.dump(2, ' ', true, replace) + '\n'));
     return json_->finish();
 }
 
