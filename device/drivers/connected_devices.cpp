@@ -268,6 +268,10 @@ std::string installed_udev_rules(const ConnectedSystem& system) {
     return {};
 }
 
+bool has_udev_rules() {
+    return !installed_udev_rules(ConnectedSystem()).empty();
+}
+
 Error not_permitted(const std::string& node, const ConnectedSystem& system) {
     const std::string what = node + ": may not be opened by this user; ";
     const std::string rules = installed_udev_rules(system);

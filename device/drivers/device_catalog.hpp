@@ -75,6 +75,8 @@ std::string devices_in_json(const std::vector<ConnectedDevice>& devices);
 
 /// The file share/udev/70-touchable.rules as it was when the program was built.
 const char* udev_rules();
+/// Whether this machine has that file where udev reads it.
+bool has_udev_rules();
 /// The shell line that permits devices to this machine's user and needs only this program. It is the only
 /// text outside player/commands that names an option.
 inline constexpr const char* udev_rules_command =

@@ -57,8 +57,8 @@ Error hid_not_opened(const std::string& node, int failure) {
     if (failure == EACCES || failure == EPERM) return not_permitted(node);
     const bool is_missing = failure == ENOENT;
     std::string words =
-        node +
-        (is_missing ? ": is not there" : std::string(": cannot be opened (") + std::strerror(failure) + ")");
+        node + (is_missing ? ": does not exist"
+                           : std::string(": cannot be opened (") + std::strerror(failure) + ")");
     if (is_missing || failure == ENODEV || failure == ENXIO)
         words += "; must be the node of a device that is plugged in, as 'ls /dev/hidraw*' shows";
     return device_error(std::move(words));

@@ -96,7 +96,7 @@ bool has_listener(const ConnectedSystem& system, std::uint16_t port);
 /// Lines of `udev_rules` for devices of a vendor.
 std::vector<std::string> udev_rules_of(std::uint16_t vendor);
 /// The file of `udev_rules` where udev reads it; empty: neither the package nor a person has installed it.
-std::string installed_udev_rules(const ConnectedSystem& system = ConnectedSystem());
+std::string installed_udev_rules(const ConnectedSystem& system);
 /// This user may not open a device's node; the message says what permits it.
 Error not_permitted(const std::string& node, const ConnectedSystem& system = ConnectedSystem());
 

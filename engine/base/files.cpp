@@ -32,7 +32,7 @@ const char* other_kind(mode_t mode) {
 }
 
 std::string words_of(int error) {
-    return error == ENOENT ? "is not there"
+    return error == ENOENT ? "does not exist"
                            : "cannot be read (" + std::generic_category().message(error) + ")";
 }
 

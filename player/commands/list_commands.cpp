@@ -8,7 +8,6 @@
 #include <string>
 
 #include "device/drivers/device_catalog.hpp"
-#include "device/drivers/known_devices.hpp"
 #include "engine/base/try.hpp"
 #include "engine/camera/camera.hpp"
 #include "player/commands/option_types.hpp"
@@ -37,7 +36,7 @@ Result<void> run_devices(const DevicesOptions& options) {
     const auto devices = connected_devices();
     if (!options.json.replaces_words())
         std::cout << on_terminal(
-            devices_in_words(devices, "--device ", !installed_udev_rules().empty()) +
+            devices_in_words(devices, "--device ", has_udev_rules()) +
             "\nWhat --device takes (docs/devices.md has each one's keys):\n" +
             device_words_in_words("touchable touch CLIP --live --device simulated --hand stroke") +
             "See whether it works:  touchable check --device NAME\n"

@@ -75,7 +75,7 @@ Result<void> run_plot_script(const std::vector<std::string>& words, const fs::pa
     const fs::path script = plot_script();
     if (access(script.c_str(), R_OK) != 0)
         return input_error(script.string() +
-                           " is not there; `plot` needs it where touchable is installed or was built");
+                           " does not exist; `plot` needs it where touchable is installed or was built");
     std::vector<std::string> command{python(), "-B", script.string()};  // -B: writes no cache files
     command.insert(command.end(), words.begin(), words.end());
     std::array<int, 2> errors;

@@ -224,7 +224,7 @@ TEST(HidNode, IsAbsentWithoutHid) {
 
 TEST(HidTransport, RejectsNonHidFiles) {
     const TemporaryFile file("plain", "text");
-    for (const auto& [node, why] : {std::pair(std::string("/dev/hidraw-none"), "is not there"),
+    for (const auto& [node, why] : {std::pair(std::string("/dev/hidraw-none"), "does not exist"),
                                     {file.path(), "is no HID device"},
                                     {"/dev/null", "is no HID device"}}) {
         const auto opened = HidTransport::open(node);

@@ -258,7 +258,7 @@ TEST_F(StillMaps, RefuseInvalidInOneLine) {
     x3d("minStiffness='0.5' maxStiffness='0.2'", stiff, "at least minStiffness");
     x3d("useRelativeValues='perhaps'", stiff, "true or false");
     x3d("", map("stiffness", "http://a.example/a.png"), "must be a picture in a file");
-    x3d("", map("stiffness", "gone.png"), "gone.png: is not there");
+    x3d("", map("stiffness", "gone.png"), "gone.png: does not exist");
     x3d("", map("stiffness", "a&#10;b.png"), "control characters");
     x3d("", map("stiffness", "data:image/png;base64,@@@@"), "base64");
     x3d("", map("stiffness", "data:image/png;base64,AAAAA"), "base64");

@@ -270,7 +270,7 @@ TEST(ImageDamage, NamesOtherFiles) {
     EXPECT_TRUE(is_refused(read_bytes_as_image(""), "image: is empty"));
     EXPECT_TRUE(is_refused(read_bytes_as_image("GIF89a"), "image: is no picture that is read: PNG, JPEG"));
     EXPECT_TRUE(
-        is_refused(read_image(folder / "absent.png"), "absent.png: is not there; expected a picture"));
+        is_refused(read_image(folder / "absent.png"), "absent.png: does not exist; expected a picture"));
     EXPECT_TRUE(is_refused(read_image(folder.path()), "is a folder"));
 }
 

@@ -45,8 +45,7 @@ TEST(Devices, ListEveryKind) {
                              "\n    recorded:FILE ", "\n    simulated "})
         EXPECT_NE(run.out.find(part), std::string::npos) << part << run.out;
     if (run.out.starts_with("No device")) {
-        EXPECT_EQ(run.out.find("sudo udevadm control --reload") == std::string::npos,
-                  !installed_udev_rules().empty())
+        EXPECT_EQ(run.out.find("sudo udevadm control --reload") == std::string::npos, has_udev_rules())
             << run.out;
     }
     for (const char* part : {"\nWhat --device takes (docs/devices.md has each one's keys):\n    ",
@@ -114,7 +113,7 @@ TEST(DeviceCheck, ReportsDeviceThatCannotOpen) {
     EXPECT_EQ(run.code, 5);
     EXPECT_TRUE(run.one_line_of_error()) << run.err;
     EXPECT_TRUE(run.out.empty()) << run.out;
-    EXPECT_NE(run.err.find("/dev/nonexistent-hidraw: is not there; must be"), std::string::npos) << run.err;
+    EXPECT_NE(run.err.find("/dev/nonexistent-hidraw: does not exist; must be"), std::string::npos) << run.err;
 }
 
 TEST(DeviceCheck, ReportsMissingFileAndDevice) {
@@ -125,13 +124,13 @@ TEST(DeviceCheck, ReportsMissingFileAndDevice) {
         const Outcome run = run_touchable({"check", "--device", device + (folder / "none.bin").string()});
         EXPECT_EQ(run.code, 3) << device;
         EXPECT_TRUE(run.one_line_of_error()) << run.err;
-        EXPECT_NE(run.err.find("none.bin: is not there; expected "), std::string::npos) << run.err;
+        EXPECT_NE(run.err.find("none.bin: does not exist; expected "), std::string::npos) << run.err;
         EXPECT_NE(run.err.find("; and no " + name + " is connected"), std::string::npos) << run.err;
         const Outcome on_folder = run_touchable({"check", "--device", device + folder.path().string()});
         EXPECT_NE(on_folder.err.find(": is a folder; expected "), std::string::npos) << on_folder.err;
     }
     const Outcome log = run_touchable({"check", "--device", "recorded:" + (folder / "none.csv").string()});
-    EXPECT_NE(log.err.find("none.csv: is not there; expected a CSV file\n"), std::string::npos) << log.err;
+    EXPECT_NE(log.err.find("none.csv: does not exist; expected a CSV file\n"), std::string::npos) << log.err;
 }
 
 TEST(DeviceCheck, SuggestsNearestDeviceName) {

@@ -294,7 +294,7 @@ TEST_F(PlayedClip, RejectsInvalidOptions) {
         {{"--loop", "1"}, "--loop"},
         {{"--loop", "1", "1.05"}, "--loop must end 0.1 s"},
         {{"--loop", "0", "1"}, "how long to touch must be said (--seconds)"},
-        {{"--play", folder / "none.txt"}, "none.txt: is not there; expected a file of playback commands"},
+        {{"--play", folder / "none.txt"}, "none.txt: does not exist; expected a file of playback commands"},
         {{"--play", script("0.5 play\n0.4 pause\n")}, "line 2: tick 400 is before 500"}};
     for (const auto& [words, fragment] : wrong) {
         Words all{"touch", clip};

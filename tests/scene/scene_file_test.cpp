@@ -269,8 +269,8 @@ TEST_F(SceneFileOnDisk, IsReadByPath) {
 }
 
 TEST_F(SceneFileOnDisk, IsNamedIfUnreadable) {
-    const std::pair<std::filesystem::path, std::string> files[] = {{folder_ / "absent.json", "is not there"},
-                                                                   {folder_.path(), "is a folder"}};
+    const std::pair<std::filesystem::path, std::string> files[] = {
+        {folder_ / "absent.json", "does not exist"}, {folder_.path(), "is a folder"}};
     for (const auto& [file, why] : files) {
         const auto scene = read_scene_file(file);
         ASSERT_FALSE(scene);

@@ -52,8 +52,8 @@ TEST(GivenFile, RejectsSpecialFilesAtOnce) {
         {folder / "pipe", "is a pipe, no ordinary file"},
         {folder / "socket", "is a socket, no ordinary file"},
         {"/dev/zero", "is a device, no ordinary file"},
-        {folder / "absent", "is not there"},
-        {folder / "absent" / "file", "is not there"}};
+        {folder / "absent", "does not exist"},
+        {folder / "absent" / "file", "does not exist"}};
     for (const auto& [file, why] : kinds)
         EXPECT_EQ(refusal_of(file), "--list NAME: " + why + "; expected a list");
     alarm(0);
