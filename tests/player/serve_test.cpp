@@ -336,9 +336,10 @@ TEST_F(SavedStream, IsKeptWhenInterrupted) {
 }
 
 TEST_F(SavedStream, SaysWhatWasLost) {
-    StreamMaking gap;
-    gap.label = [](std::int64_t number) { return stream_label(number < 4 ? number : number + 1); };
-    const LoopbackSender sender(make_stream(quick_scene(), 8, served_planes, gap).bytes());
+    const auto label = [](std::int64_t number) { return stream_label(number < 4 ? number : number + 1); };
+    const LoopbackSender sender(
+        stream_by(open_matroska_stream(quick_scene()), quick_scene(), 8, served_planes, {.label = label})
+            .bytes());
     const Outcome run = run_touchable({"convert", sender.url(), out});
     EXPECT_EQ(run.code, 0) << run.err;
     EXPECT_EQ(must(read_clip(out)).size(), 9U);
