@@ -167,8 +167,11 @@ std::string without_percents(std::string_view url) {
 }
 
 std::string typed_path(const std::string& words) {
-    for (const std::string_view begin : {"file:///", "file://localhost/"})
-        if (words.starts_with(begin)) return without_percents(words.substr(begin.size() - 1));
+    for (const std::string_view begin : {"file:///", "file://localhost/"}) {
+        if (!words.starts_with(begin)) continue;
+        const std::string path = without_percents(words.substr(begin.size() - 1));
+        if (path.find('\0') == std::string::npos) return path;  // else it would be another, shorter one
+    }
     return words;
 }
 

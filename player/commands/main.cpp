@@ -97,7 +97,9 @@ void check_values(const CLI::App& command, std::span<const std::string> words) {
     const auto option_in = [&command](const std::string& word) {
         return word.starts_with('-') ? command.get_option_no_throw(word.substr(0, word.find('='))) : nullptr;
     };
-    const auto ends_values = [&](const std::string& word) { return word == "--" || option_in(word); };
+    const auto ends_values = [&](const std::string& word) {
+        return word.starts_with("--") || option_in(word);
+    };
     const auto is_number = [](const std::string& word) { return parsed_number(word).has_value(); };
     for (; !words.empty() && words[0] != "--"; words = words.subspan(1)) {
         const CLI::Option* const option = option_in(words[0]);

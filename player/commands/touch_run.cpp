@@ -317,8 +317,9 @@ Result<void> touch(const TouchOptions& options, std::string& at_work) {
     TRY_ASSIGN(auto outputs, TouchOutputs::open(options, *setup, ticks));
 
     Told told;
-    if (auto ran = run_parts(options, recording, setup, *outputs, told); !ran)
-        return outputs->are_unread() ? Result<void>() : ran;
+    const auto ran = run_parts(options, recording, setup, *outputs, told);
+    if (outputs->are_unread()) return {};
+    if (!ran) return ran;
     const auto report = told.reports.size() > 1 ? join_reports(told.reports, told.all) : told.reports.front();
     // Files first: the reader of the table may close its pipe.
     const auto done = outputs->finish(report, told.all.force_hash(), *setup);

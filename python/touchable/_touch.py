@@ -340,8 +340,8 @@ class Solver:
         now = self._tick
         now.tick = number = self.next_tick if tick is None else whole("tick", tick)
         now.time_ns = whole("time_ns", number * _tick_ns if time_ns is None else time_ns)
-        now.epoch = whole("epoch", epoch, 0, 2**64 - 1) if epoch else 0
-        now.epoch_start_ns = whole("epoch_start_ns", epoch_start_ns) if epoch_start_ns else 0
+        now.epoch = whole("epoch", epoch, 0, 2**64 - 1)
+        now.epoch_start_ns = whole("epoch_start_ns", epoch_start_ns)
 
     def _free(self) -> threading.Lock:
         """The lock, to be taken without waiting: where another thread has it, raises Error with Status.BUSY."""

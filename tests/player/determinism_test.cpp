@@ -63,7 +63,7 @@ const KnownRun known_runs[] = {
     {"29ae1a51cd556469", "Wander", "globe --frames 15", "--hand wander --fingers 5 --seconds 0.8"},
     {"28648993aeccfd85", "Stroke", "bumps --frames 2", "--hand stroke:angle=30,speed=0.3 --seconds 1"},
     {"c9ec4247c3a3c24f", "Press", "moving --frames 15", "--hand press:x=0.4,depth=5 --seconds 1"},
-    {"7ed08df3824eadf2", "Poke", "spheres --frames 2", "--hand poke:speed=0.5,period=0.6 --seconds 2"}};
+    {"9cd66b8cc70bdfa3", "Poke", "spheres --frames 2", "--hand poke:speed=0.5,period=0.6 --seconds 2"}};
 
 std::vector<std::string> split(const std::string& text) {
     std::istringstream in(text);

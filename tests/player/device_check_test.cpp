@@ -289,7 +289,6 @@ TEST(DeviceCheck, RejectsInvalidOptions) {
                                {"--device", "network", "--size", "64x48"},
                                {"--device", "network", "--seconds", "0"},
                                {"--hands-off"},
-                               {"--overwrite"},
                                {"--seconds", "3"}}) {
         Words all{"check"};
         all.insert(all.end(), words.begin(), words.end());

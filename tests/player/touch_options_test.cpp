@@ -565,7 +565,7 @@ TEST_F(Replay, NamesFirstDifferingFinger) {
         ++first;
     ASSERT_LT(first, felt.size());
     const std::string where =
-        "tick " + std::to_string(first / 2) + ", finger " + std::to_string(first % 2) + ":";
+        "tick " + std::to_string(first / 2) + ", finger " + std::to_string(first % 2 + 1) + ":";
     EXPECT_NE(run.err.find(where), std::string::npos) << where << " is missing in: " << run.err;
 
     make_clip("globe", other, {"--size", "64x48", "--frames", "12"});
@@ -606,11 +606,11 @@ TEST_F(Replay, NamesLeastDifference) {
     RecordingBytes raw = original;
     raw.set_integer(raw.force_at(317, 2) + 16, 8, raw.integer(raw.force_at(317, 2) + 16, 8) ^ 1);
     write(raw);
-    expect_ends_with(6, "first at tick 317, finger 2:");
+    expect_ends_with(6, "first at tick 317, finger 3:");
     raw = original;
     raw.set_integer(raw.guard_at(215, 1), 4, 2);
     write(raw);
-    expect_ends_with(6, "first at tick 215, finger 1:");
+    expect_ends_with(6, "first at tick 215, finger 2:");
     raw = original;
     raw.set_real(raw.blend_at(123), 0.123);
     write(raw);

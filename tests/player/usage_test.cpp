@@ -210,6 +210,8 @@ TEST(Usage, OptionIsNoValue) {
         {{"touch", "a.mkv", "--record", "--live"}, "--record needs a value: FILE; see touchable touch -h"},
         {{"touch", "a.mkv", "--record", "--seconds=1"}, "--record needs a value: FILE"},
         {{"touch", "a.mkv", "--record", "-h"}, "--record needs a value: FILE"},
+        {{"play", "a.mkv", "--record", "--live"}, "--record needs a value: FILE"},
+        {{"touch", "a.mkv", "--forces", "--typo"}, "--forces needs a value: FILE"},
         {{"touch", "--record", "--", "a.mkv"}, "--record needs a value: FILE"},
         {{"touch", "a.mkv", "--record=", "--live"}, "--record needs a value: FILE"},
         {{"touch", "a.mkv", "--json", ""}, "--json needs a value: [FILE]"},

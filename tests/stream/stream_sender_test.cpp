@@ -581,7 +581,8 @@ TEST(StreamUrl, HidesPassphraseInName) {
 TEST(TypedPath, IsThatOfFileUrl) {
     EXPECT_EQ(typed_path("file:///a/my%20clip%25.mkv"), "/a/my clip%.mkv");
     EXPECT_EQ(typed_path("file://localhost/a.mkv"), "/a.mkv");
-    for (const char* const other : {"file://host/a%20b", "file:a%20b", "a%20b.mkv", "tcp://h:1?a=%20", ""})
+    for (const char* const other :
+         {"file://host/a%20b", "file:a%20b", "a%20b.mkv", "tcp://h:1?a=%20", "file:///a%00.mkv", ""})
         EXPECT_EQ(typed_path(other), other);
 }
 

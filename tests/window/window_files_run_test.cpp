@@ -372,7 +372,7 @@ TEST_F(BrushScript, RejectsInvalidInOneLine) {
          {"beyond the clip", "both places are on segment", "nothing is painted", "nothing to do again"})
         EXPECT_TRUE(contains(done.err, words));
     const Outcome recorded = run("0 paint 20,32\n" + quit_, {"--record", (folder_ / "hand.touch").string()});
-    EXPECT_TRUE(contains(recorded.err, "--record has no brush"));
+    EXPECT_TRUE(contains(recorded.err, "a window that records has no brush"));
     const Outcome camera = run_touchable({"play", "--camera", "replay:" + clip_.string(), "--headless",
                                           "--script", (folder_ / "script").string()});
     EXPECT_EQ(camera.code, 0);
