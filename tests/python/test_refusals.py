@@ -224,8 +224,8 @@ class Refusals(unittest.TestCase):
                         self.refuses(touchable.UsageError, f"^{name} is {far}; must be", solver.run, numpy.zeros((1, 3)),
                                      **{name: far})
             self.refuses(ValueError, "epoch is -1", solver.tick, None, epoch=-1)
-            for empty in [], "", None:
-                self.refuses(ValueError, f"epoch is {empty!r}", solver.tick, None, epoch=empty)
+            for empty in {}, "", None:
+                self.refuses(ValueError, f"epoch is {empty!r}; must be a whole number", solver.tick, None, epoch=empty)
             self.refuses(ValueError, "time_ns is 1100000000000000000000", solver.tick, None, tick=11 * 10**14)
             self.assertEqual(solver.next_tick, 0)
             solver.tick(None, tick=numpy.int64(5), time_ns=2**60)
