@@ -300,6 +300,10 @@ TEST(LostGpu, IsReplacedOnNextOpen) {
 }
 
 TEST(LostGpu, IsNotMeasuredAgain) {
+    const TemporaryFolder cache;  // the mark of a lost GPU is kept there for later runs
+    const char* const usual = std::getenv("XDG_CACHE_HOME");
+    const std::string before = usual ? usual : "";
+    setenv("XDG_CACHE_HOME", cache.path().c_str(), 1);
     RunGpu gpu("auto");
     int measured = 0;
     const auto measure = [&](const std::shared_ptr<GpuDevice>& device) {
@@ -316,6 +320,7 @@ TEST(LostGpu, IsNotMeasuredAgain) {
         EXPECT_EQ((*device)->facts().measured.over_bus_ms, HUGE_VAL);
         (*device)->lose();
     }
+    setenv("XDG_CACHE_HOME", before.c_str(), 1);  // empty: as if it were not set
     EXPECT_EQ(measured, 1);
 }
 
