@@ -723,7 +723,7 @@ private:
 
 Result<std::unique_ptr<ClipReader>> with_filled_holes(std::unique_ptr<ClipReader> clip) {
     if (clip->is_live())
-        return usage_error(clip->inputs().front().string() +
+        return usage_error(clip->name() +
                            ": is a live camera, of which no later frame can tell what is behind a hole");
     Known known(clip->scene().depth, true);
     TRY(learn(*clip, known));

@@ -151,7 +151,7 @@ public:
         RawFrame& raw = **frame;
         const SegmentStore& segments = *painted_->segments;
         if (raw.number >= segments.frames())
-            return input_error(inner().inputs().front().string() + ": frame " + std::to_string(raw.number) +
+            return input_error(inner().name() + ": frame " + std::to_string(raw.number) +
                                " was not there when the clip's " + std::to_string(segments.frames()) +
                                " frames were divided into segments");
         segments.read_labels(raw.number, labels_);
@@ -171,7 +171,7 @@ constexpr std::size_t most_segment_bytes = std::size_t{1} << 30;
 /// Guesses need colour.
 Result<void> check_colour(const RawFrame& frame, const ClipReader& clip) {
     if (!frame.colour.empty()) return {};
-    return input_error(clip.inputs().front().string() + ": frame " + std::to_string(frame.number) +
+    return input_error(clip.name() + ": frame " + std::to_string(frame.number) +
                        " has no colour, by which materials are guessed; say what all segments are that are "
                        "not named");
 }
@@ -179,7 +179,7 @@ Result<void> check_colour(const RawFrame& frame, const ClipReader& clip) {
 /// Heights can be scaled if they have 8 bits.
 Result<void> check_heights(const RawFrame& frame, const ClipReader& clip) {
     const auto refuse = [&](const char* why) {
-        return input_error(clip.inputs().front().string() + ": frame " + std::to_string(frame.number) + why);
+        return input_error(clip.name() + ": frame " + std::to_string(frame.number) + why);
     };
     if (frame.height.empty()) return refuse(" has no heights to be scaled; touchable relief makes some");
     if (frame.height.bytes_per_sample != 1 || clip.scene().height_coding.code_max != 255)
@@ -397,17 +397,17 @@ Result<SegmentStore> read_segments(ClipReader& clip, const BeginSegments& begin,
         TRY_ASSIGN(const auto frame, clip.next());
         if (!frame) break;
         if (frame->number != segments.frames())
-            return input_error(clip.inputs().front().string() + ": frame " + std::to_string(frame->number) +
+            return input_error(clip.name() + ": frame " + std::to_string(frame->number) +
                                " comes after frame " + std::to_string(segments.frames() - 1) +
                                "; must be the next one");
         if (progress) progress(frame->number);
         segments.add(segments_of(*frame, segments.frames() > 0));
         if (segments.bytes() > most_segment_bytes)
             return input_error(
-                clip.inputs().front().string() + ": its first " + std::to_string(segments.frames()) +
+                clip.name() + ": its first " + std::to_string(segments.frames()) +
                 " frames have segments of 1 GiB, as many as are kept; a shorter clip would do");
     }
-    if (segments.frames() == 0) return input_error(clip.inputs().front().string() + ": has no frames");
+    if (segments.frames() == 0) return input_error(clip.name() + ": has no frames");
     return segments;
 }
 

@@ -88,7 +88,7 @@ constexpr std::int32_t stays_within = 3 * per_code / 4;
 
 Result<void> check_relief_colour(const RawFrame& frame, const ClipReader& clip) {
     if (!frame.colour.empty()) return {};
-    return input_error(clip.inputs().front().string() + ": frame " + std::to_string(frame.number) +
+    return input_error(clip.name() + ": frame " + std::to_string(frame.number) +
                        " has no colour, which relief is made of");
 }
 

@@ -338,7 +338,7 @@ Result<LabelNames> find_named_segments(Prefetch& ahead, const SegmentNames& name
             return search.next() ? refuse_name(*search.next()->name,
                                                "frame " + std::to_string(search.next()->at.frame) +
                                                    " is beyond the clip, which has " + std::to_string(number))
-                                 : input_error(ahead.clip().inputs().front().string() + ": has no frames");
+                                 : input_error(ahead.clip().name() + ": has no frames");
         TRY(search.look(segments_of(*frame, number > 0), number));
     }
     return search.take_found();

@@ -221,7 +221,7 @@ Result<std::unique_ptr<ClipReader>> with_aligned_depth(std::unique_ptr<ClipReade
     const bool is_even = depth.kind == DepthCodingKind::linear || depth.kind == DepthCodingKind::inverse;
     if (wanted == DepthAlignment::on && !is_even)
         return usage_error(
-            clip->inputs().front().string() +
+            clip->name() +
             ": has depth with a scale, metric, log or hue: only depth without one can be aligned");
     const auto count = clip->frame_count();
     if (wanted == DepthAlignment::off || !is_even || clip->is_live() || !count || *count < 2) return clip;

@@ -130,6 +130,8 @@ public:
     /// Every file that this clip is read from: first its picture file or files, then those beside them, such
     /// as the scene file. None of them may be written to.
     const std::vector<std::filesystem::path>& inputs() const { return inputs_; }
+    /// For messages: the first of these; a stream has none.
+    std::string name() const { return inputs_.empty() ? "the stream" : inputs_.front().string(); }
     /// Adds a file that was read to open the clip.
     void add_input(std::filesystem::path file) { inputs_.push_back(std::move(file)); }
     /// The clip is read from no file on this machine.

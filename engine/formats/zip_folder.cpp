@@ -293,12 +293,13 @@ Result<std::shared_ptr<ZipFolder>> ZipFolder::unpack(const fs::path& archive, co
     std::shared_ptr<ZipFolder> folder(new ZipFolder(archive));
     std::error_code failure;
     const fs::path parent = fs::canonical(fs::temp_directory_path(failure), failure);
+    const char* const typed = std::getenv("TMPDIR");
     if (!failure) remove_abandoned(parent);
     std::string name = (parent / folder_prefix).string() + "XXXXXX";
     if (failure || mkdtemp(name.data()) == nullptr)
-        return input_error(archive.string() +
-                           ": cannot be unpacked: no folder of temporary files can be made in " +
-                           in_quotes(parent.string()) + "; TMPDIR may name another place");
+        return input_error(
+            archive.string() + ": cannot be unpacked: no folder of temporary files can be made in " +
+            in_quotes(failure && typed ? typed : parent.string()) + "; TMPDIR may name another place");
     folder->temporary_ = name;
     folder->owner_ = getpid();
     folder->held_ = Descriptor(open(name.c_str(), folder_flags));

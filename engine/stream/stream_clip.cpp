@@ -78,7 +78,8 @@ private:
             if (!*received && receiver_->was_broken_off() && !ends_by_itself())
                 return input_error(url_.name() + ": frame " + std::to_string(read_) + ": the sender " +
                                    receiver_->how_it_ended() + " in the middle of it");
-            if (!*received && url_.transport == StreamTransport::udp)
+            if (!*received &&
+                (url_.transport == StreamTransport::udp || url_.transport == StreamTransport::srt))
                 end_ = "the sender " + receiver_->how_it_ended() + " after frame " +
                        std::to_string(read_ - 1) + ", so the clip ends there";
             if (!*received) return std::optional<RawFrame>();
@@ -123,7 +124,7 @@ private:
     std::int64_t read_ = 0;          // frames
     std::int64_t position_ = 0;      // of the frame that `next` returns
     std::int64_t held_ = 0;
-    std::string end_;              // a remark on an end that UDP does not tell of
+    std::string end_;              // a remark on an end that may be the sender's or the network's
     std::vector<RawFrame> first_;  // all frames that were read, as long as they are few
     std::size_t first_bytes_ = 0;
     bool keeps_ = true;

@@ -19,7 +19,7 @@ struct InTheHand {
 
 Result<InTheHand> in_the_hand(ClipReader& clip) {
     TRY_ASSIGN(const auto first, clip.next());
-    if (!first) return input_error(clip.inputs().front().string() + ": has no frames");
+    if (!first) return input_error(clip.name() + ": has no frames");
     const Scene& scene = clip.scene();
     InTheHand hand;
     if (scene.device_metres_per_unit) {
@@ -129,27 +129,21 @@ Result<std::unique_ptr<ClipReader>> with_chosen_relief(std::unique_ptr<ClipReade
 }
 
 /// The clip's description is constant once the clip is open, so reading it takes no lock.
-class SharedClip::Reader final : public ClipReader {
+class SharedClip::Reader final : public ReaderAround {
 public:
-    explicit Reader(std::shared_ptr<SharedClip> shared) : shared_(std::move(shared)) {
+    explicit Reader(std::shared_ptr<SharedClip> shared)
+        : ReaderAround(std::shared_ptr<ClipReader>(shared, shared->clip_.get())), shared_(std::move(shared)) {
         ++shared_->readers_;
-        for (const auto& input : clip().inputs()) add_input(input);
     }
     ~Reader() override { --shared_->readers_; }
     Reader(const Reader&) = delete;
     Reader& operator=(const Reader&) = delete;
-    const Scene& scene() const override { return clip().scene(); }
-    UnstatedFilters unstated_filters() const override { return clip().unstated_filters(); }
-    const std::vector<TrackInfo>& tracks() const override { return clip().tracks(); }
-    std::optional<std::int64_t> frame_count() const override { return clip().frame_count(); }
-    const std::vector<std::string>& notes() const override { return clip().notes(); }
-    std::span<const Camera> frame_cameras() const override { return clip().frame_cameras(); }
+    void leave_out_colour() override {}  // another reader may want it
     Result<std::optional<RawFrame>> next() override {
         auto frame = shared_->frame(next_number_, is_from_the_beginning_);
         if (frame && *frame) next_number_ = (*frame)->number + 1;
         return frame;
     }
-    Result<void> rewind() override { return seek(0); }
     /// Sets the next frame only. The shared clip seeks when a frame is read that is not cached.
     Result<void> seek(std::int64_t frame) override {
         const auto count = frame_count();
@@ -162,12 +156,10 @@ public:
     }
     std::int64_t access_point(std::int64_t frame) const override {
         const std::lock_guard lock(shared_->mutex_);
-        return clip().access_point(frame);
+        return inner().access_point(frame);
     }
 
 private:
-    ClipReader& clip() const { return *shared_->clip_; }
-
     std::shared_ptr<SharedClip> shared_;
     std::int64_t next_number_ = 0;
     bool is_from_the_beginning_ = true;

@@ -802,6 +802,7 @@ TEST_F(ZipFolders, NameMissingTemporaryFolder) {
     setenv("TMPDIR", (folder / "missing").c_str(), 1);
     EXPECT_TRUE(
         is_refused(open_clip(folder / "a.zip"), "a.zip: cannot be unpacked: no folder of temporary files"));
+    EXPECT_TRUE(is_refused(open_clip(folder / "a.zip"), "can be made in \"" + (folder / "missing").string()));
 }
 
 // HDF5 files and folders of them, opened as clips.

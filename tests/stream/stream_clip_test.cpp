@@ -737,6 +737,8 @@ TEST(TransportClip, ReadsMatroskaBySrt) {
     const auto frames = must(read_all(*clip));
     EXPECT_GE(frames.size(), 50U);
     for (std::size_t n = 0; n < frames.size(); ++n) EXPECT_TRUE(is_as_sent(frames[n], sent->frames[n])) << n;
+    // SRT does not tell a sender that was killed from one that ended.
+    EXPECT_TRUE(clip->remarks().back().ends_with("so the clip ends there")) << clip->remarks().back();
 }
 
 TEST(TransportClip, PlaysLive) {
