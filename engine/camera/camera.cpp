@@ -1,6 +1,8 @@
 // Names, lists and opens cameras; one camera for several runs.
 #include "engine/camera/camera.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -100,6 +102,27 @@ std::string cameras_in_words(VideoSystem& system, const HowToTouch& how) {
     if (closed.empty() && std::none_of(all.begin(), all.end(), has_depth))
         words += "None of them gives depth (Z16, or Y16) that can be touched.\n";
     return words;
+}
+
+std::string cameras_in_json(VideoSystem& system) {
+    auto cameras = nlohmann::ordered_json::array();
+    for (const std::string& node : system.nodes()) {
+        const auto facts = look_at_node(system, node);
+        auto& camera = cameras.emplace_back(nlohmann::ordered_json{{"node", node}});
+        if (!facts) camera["why_not"] = facts.error().message;
+        if (!facts) continue;
+        camera.update({{"card", facts->card}, {"driver", facts->driver}, {"bus", facts->bus}});
+        auto& formats = camera["formats"] = nlohmann::ordered_json::array();
+        for (const NodeFormat& format : facts->formats) {
+            auto modes = nlohmann::ordered_json::array();
+            for (const NodeMode& mode : format.modes) modes.push_back(mode_text(mode));
+            formats.push_back({{"code", format_text(format.code)},
+                               {"is_depth", is_depth_format(format.code)},
+                               {"modes", std::move(modes)}});
+        }
+    }
+    return nlohmann::ordered_json{{"touchable_cameras", 1}, {"cameras", std::move(cameras)}}.dump(
+        2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 std::string name_of(const PluggedChoice& choice) {

@@ -34,6 +34,11 @@ using HowToTouch = std::function<std::string(const std::string& camera, const st
 /// if that is impossible. Without a camera, one line says what to do.
 std::string cameras_in_words(VideoSystem& system, const HowToTouch& how);
 
+/// The same for programs: {"touchable_cameras": 1, "cameras": [{"node", "card", "driver", "bus", "formats":
+/// [{"code", "is_depth", "modes": ["640x480 at 30 frames/s", ...]}, ...]}, ...]}; a node that cannot be
+/// opened has "why_not" beside "node".
+std::string cameras_in_json(VideoSystem& system);
+
 /// A camera or a stream, by the origin of its frames.
 using PluggedChoice = std::variant<V4l2Choice, FramesetChoice, StreamSource>;
 

@@ -297,8 +297,7 @@ void add_check_command(CLI::App& app, Command& command) {
         app.add_subcommand("check", "say what this machine can do, or measure what a haptic device does");
     auto words = std::make_shared<CheckWords>();
     begin_topic(*check, "Machine");
-    add_json_option(*check, words->options.json.file, "print the same as JSON");
-    add_overwrite_option(*check, words->options.json.existing);
+    add_json_option(*check, words->options.json, "print the same as JSON");
     const std::vector<CLI::Option*> question{
         check->add_option("--size", words->size, "can it touch a clip of this size in pixels?")
             ->type_name("WxH")

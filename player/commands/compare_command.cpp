@@ -112,8 +112,7 @@ void add_compare_command(CLI::App& app, Command& command) {
     add_file_option(*sub, "A", options->a, "forces file of the first run (touchable touch --forces)")
         ->required();
     add_file_option(*sub, "B", options->b, "forces file of the second run")->required();
-    add_json_option(*sub, options->json.file, "print the same figures as JSON");
-    add_overwrite_option(*sub, options->json.existing);
+    add_json_option(*sub, options->json, "print the same figures as JSON");
     sub->callback([options, &command] {
         command = [options] {
             return within_memory("the forces of both runs", [&] { return compare(*options); });

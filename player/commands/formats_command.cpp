@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -168,7 +169,28 @@ bool is_in_rows(const ClipFormat& format) {
     return std::ranges::any_of(rows, [&](const DepthSource& row) { return row.command == command; });
 }
 
-Result<void> print_formats() {
+nlohmann::ordered_json in_json(const DepthSource& row) {
+    return {{"name", row.name},       {"what", row.what}, {"files", row.files},
+            {"command", row.command}, {"read", row.read}, {"guessed", row.guessed}};
+}
+
+nlohmann::ordered_json in_json(const SourceDescription::Preset& preset) {
+    return {{"name", preset.name}, {"what", preset.what}};
+}
+
+nlohmann::ordered_json all_in_json() {
+    nlohmann::ordered_json sources, others, presets;
+    for (const DepthSource& row : rows) sources.push_back(in_json(row));
+    for (const ClipFormat& format : clip_formats())
+        if (!is_in_rows(format))
+            others.push_back(
+                {{"what", format.what}, {"command", format.command + typed_options(format.settings)}});
+    for (const auto& preset : all_presets()) presets.push_back(in_json(preset));
+    return {{"touchable_formats", 1}, {"sources", sources}, {"other_files", others}, {"presets", presets}};
+}
+
+Result<void> print_formats(const JsonOutput& json) {
+    if (json.replaces_words()) return json.write(all_in_json());
     std::cout << "I have ..., what do I type? More of one: touchable formats NAME, such as bop.\n";
     for (const DepthSource& row : rows) {
         if (row.heading) std::cout << '\n' << row.heading << '\n';
@@ -186,10 +208,10 @@ Result<void> print_formats() {
               << paragraph(listed(all_presets(), &SourceDescription::Preset::name), 6)
               << "  of videos\n"
                  "      hue (depth is hue), mean (depth is the mean of red, green and blue)\n";
-    return {};
+    return json.write(all_in_json());
 }
 
-Result<void> print_source(const std::string& name) {
+Result<void> print_source(const std::string& name, const JsonOutput& json) {
     const auto* const row = std::ranges::find(rows, name, &DepthSource::name);
     const auto* const preset = preset_named(name);
     const bool is_row = row != std::end(rows);
@@ -201,6 +223,8 @@ Result<void> print_source(const std::string& name) {
             "formats: no source is called " + in_quotes(name) +
             (meant.empty() ? "; touchable formats lists them" : "; did you mean " + meant + '?'));
     }
+    const auto json_of_it = is_row ? in_json(*row) : in_json(*preset);
+    if (json.replaces_words()) return json.write(json_of_it);
     const auto print = [](const std::string& title, const std::string& text) {
         std::cout << "  " << title << '\n' << paragraph(text, 6);
     };
@@ -216,7 +240,7 @@ Result<void> print_source(const std::string& name) {
             if (guessed.find(word) != std::string::npos) std::cout << paragraph(std::string(meaning), 6);
     }
     if (preset) print("--preset " + name, preset->what);
-    return {};
+    return json.write(json_of_it);
 }
 
 }  // namespace
@@ -232,8 +256,13 @@ void add_formats_command(CLI::App& app, Command& command) {
     for (const DepthSource& row : rows) names.push_back(row.name);
     sub->add_option("NAME", *name, "print all about this one, or about a preset")
         ->type_name(type_with_words("NAME", names));
-    sub->callback([name, &command] {
-        command = [name] { return name->empty() ? print_formats() : print_source(*name); };
+    auto json = std::make_shared<JsonOutput>();
+    add_json_option(*sub, *json, "print the same as JSON");
+    sub->callback([name, json, &command] {
+        command = [name, json]() -> Result<void> {
+            TRY(json->check());
+            return name->empty() ? print_formats(*json) : print_source(*name, *json);
+        };
     });
 }
 

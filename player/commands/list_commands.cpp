@@ -22,6 +22,13 @@ std::string how_to_touch(const std::string& camera, const std::string& with_colo
     return lines;
 }
 
+Result<void> run_cameras(const JsonOutput& json) {
+    TRY(json.check());
+    const auto system = system_video();
+    if (!json.replaces_words()) std::cout << on_terminal(cameras_in_words(*system, how_to_touch));
+    return json.write(nlohmann::ordered_json::parse(cameras_in_json(*system)));
+}
+
 struct DevicesOptions {
     JsonOutput json;
     bool rules = false;
@@ -47,21 +54,17 @@ Result<void> run_devices(const DevicesOptions& options) {
 }  // namespace
 
 void add_cameras_command(CLI::App& app, Command& command) {
-    app.add_subcommand("cameras", "list the cameras that are plugged in, and how to touch them")
-        ->callback([&command] {
-            command = []() -> Result<void> {
-                std::cout << on_terminal(cameras_in_words(*system_video(), how_to_touch));
-                return {};
-            };
-        });
+    auto* sub = app.add_subcommand("cameras", "list the cameras that are plugged in, and how to touch them");
+    auto json = std::make_shared<JsonOutput>();
+    add_json_option(*sub, *json, "print the same as JSON");
+    sub->callback([json, &command] { command = [json] { return run_cameras(*json); }; });
 }
 
 void add_devices_command(CLI::App& app, Command& command) {
     auto* sub =
         app.add_subcommand("devices", "list the haptic devices that are plugged in, ready or not, and why");
     auto options = std::make_shared<DevicesOptions>();
-    auto* json = add_json_option(*sub, options->json.file, "print the same as JSON");
-    add_overwrite_option(*sub, options->json.existing);
+    auto* json = add_json_option(*sub, options->json, "print the same as JSON");
     sub->add_flag("--udev-rules", options->rules,
                   "print the file for /etc/udev/rules.d that permits them to the person at the machine")
         ->excludes(json);

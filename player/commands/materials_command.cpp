@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
+#include <nlohmann/json.hpp>
 
 #include "engine/authoring/materials.hpp"
 #include "engine/base/files.hpp"
@@ -246,6 +247,7 @@ struct MaterialsTyped {
     std::vector<std::string> materials, places;  // places[k] belongs to materials[k]
     std::filesystem::path segments, map;
     std::string otherwise, frame;
+    std::optional<std::filesystem::path> json;
 };
 
 /// "X,Y" or "X,Y,FRAME"; without FRAME the first frame.
@@ -326,7 +328,19 @@ Result<void> check_words(const MaterialsTyped& typed, const MaterialsOptions& op
 }
 
 /// Prints the palette, a line per material.
-Result<void> print_palette() {
+Result<void> print_palette(const JsonOutput& json) {
+    TRY(json.check());
+    nlohmann::ordered_json materials;
+    for (const PaletteMaterial& material : palette())
+        materials.push_back({{"name", material.name},
+                             {"stiffness", material.stiffness},
+                             {"static_friction", material.static_friction},
+                             {"dynamic_friction", material.dynamic_friction},
+                             {"relief_percent", material.relief},
+                             {"stiffness_from", material.stiffness_source},
+                             {"friction_from", material.friction_source}});
+    const nlohmann::ordered_json whole{{"touchable_materials", 1}, {"materials", std::move(materials)}};
+    if (json.replaces_words()) return json.write(whole);
     std::cout << "material    stiffness  static, dynamic friction  relief  from\n";
     for (const PaletteMaterial& material : palette())
         std::cout << formatted("%-10s  %4.2f N/mm             %4.2f, %5.3f    %3d %%  ",
@@ -340,7 +354,7 @@ Result<void> print_palette() {
                  "Kuchenbecker, IEEE Haptics Symposium 2014. Zhang and Mak: In vivo friction properties of "
                  "human skin, Prosthetics and Orthotics International 23, 1999.\n"
                  "Static friction, four thirds of the dynamic one, and relief are estimates.\n";
-    return {};
+    return json.write(whole);
 }
 
 /// Runs the command on one clip; `out` may be empty.
@@ -368,7 +382,7 @@ Result<void> run_typed(const MaterialsTyped& typed) {
     const auto& first = typed.clip.choice.file;
     if (typed.list && !first.empty())
         return usage_error("--list prints the materials, and takes no CLIP; leave out one of both");
-    if (typed.list) return print_palette();
+    if (typed.list) return print_palette({typed.json, typed.options.existing});
     if (first.empty())
         return usage_error("CLIP is missing: whose segments; --list needs none, and prints the materials");
     if (typed.many.rest.empty()) return run_one(typed, first, {});
@@ -394,7 +408,9 @@ void add_materials_command(CLI::App& app, Command& command) {
     begin_topic(*sub, "Materials");
     std::vector<std::string> materials;
     for (const PaletteMaterial& material : palette()) materials.emplace_back(material.name);
-    sub->add_flag("--list", typed->list, "print all materials, their values and where these are from");
+    auto* const list =
+        sub->add_flag("--list", typed->list, "print all materials, their values and where these are from");
+    add_json_option(*sub, typed->json, "with --list: print the same as JSON")->needs(list);
     sub->add_option("--material", typed->materials,
                     "material of the segment at the --at behind it. Give it as often as needed")
         ->allow_extra_args(false)

@@ -139,10 +139,11 @@ Result<PixelSize> read_pixel_size(const std::string& option, std::string_view te
                            std::to_string(most) + ", such as 720x480");
 }
 
-void add_overwrite_option(CLI::App& sub, Existing& existing) {
-    sub.add_flag_callback(
-           "--overwrite", [&existing] { existing = Existing::replace; },
-           "replace files that exist, instead of refusing to")
+CLI::Option* add_overwrite_option(CLI::App& sub, Existing& existing) {
+    return sub
+        .add_flag_callback(
+            "--overwrite", [&existing] { existing = Existing::replace; },
+            "replace files that exist, instead of refusing to")
         ->group(files_topic);
 }
 
@@ -158,12 +159,17 @@ CLI::Option* add_json_option(CLI::App& sub, std::optional<fs::path>& file, const
         return std::string();
     };
     const std::string text =
-        what + (takes_word ? "; without FILE to standard output" : "; =FILE: into a file, beside the words");
+        what + (takes_word ? "; without FILE to standard output" : "; =FILE: to a file, too");
     return sub.add_flag("--json{-}", text)
         ->expected(0, takes_word ? 1 : 0)
         ->multi_option_policy(CLI::MultiOptionPolicy::Throw)
         ->check(CLI::Validator(keep, ""))
         ->type_name(takes_word ? "[FILE]" : "[=FILE]");
+}
+
+CLI::Option* add_json_option(CLI::App& sub, JsonOutput& json, const std::string& what) {
+    add_overwrite_option(sub, json.existing)->group(sub.option_defaults()->get_group());
+    return add_json_option(sub, json.file, what);
 }
 
 bool JsonOutput::replaces_words() const {

@@ -193,7 +193,7 @@ struct Outputs {
 };
 
 /// Adds --overwrite.
-void add_overwrite_option(CLI::App& sub, Existing& existing);
+CLI::Option* add_overwrite_option(CLI::App& sub, Existing& existing);
 
 /// Adds every file from which a clip is read; `clip` as typed.
 void add_inputs(std::vector<NamedFile>& inputs, const std::filesystem::path& clip, const ClipReader& reader);
@@ -210,6 +210,8 @@ struct JsonOutput {
     Result<void> write(const nlohmann::ordered_json& json) const;
 };
 
+/// Adds --json and --overwrite.
+CLI::Option* add_json_option(CLI::App& sub, JsonOutput& json, const std::string& what);
 /// Adds --json. `takes_word`: a word behind it that is no option is its FILE.
 CLI::Option* add_json_option(CLI::App& sub, std::optional<std::filesystem::path>& file,
                              const std::string& what, bool takes_word = false);

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "engine/base/threads.hpp"
@@ -637,6 +638,16 @@ TEST(CameraList, DescribesEachNode) {
               "    colour alone: there is nothing to touch\n"
               "/dev/video3: may not be opened by this user; use sudo usermod -aG video $USER, then "
               "log in again\n");
+    const auto json = nlohmann::json::parse(cameras_in_json(video), nullptr, false);
+    ASSERT_EQ(json["cameras"].size(), 4U) << json;
+    const auto &depth_node = json["cameras"][0], &metadata_node = json["cameras"][1],
+               &colour_node = json["cameras"][2], &closed_node = json["cameras"][3];
+    EXPECT_EQ(depth_node["formats"], nlohmann::json::parse(R"([{"code": "Z16", "is_depth": true,
+                  "modes": ["640x480 at 60, 30 frames/s", "848x480 at 30 frames/s"]}])"));
+    EXPECT_TRUE(metadata_node["formats"].is_array() && metadata_node["formats"].empty()) << metadata_node;
+    EXPECT_EQ(colour_node["formats"][1],
+              nlohmann::json::parse(R"({"code": "MJPG", "is_depth": false, "modes": []})"));
+    EXPECT_TRUE(has_words(closed_node["why_not"].get<std::string>(), "may not be opened")) << closed_node;
     EXPECT_EQ(video.misuse(), std::vector<std::string>());
     EXPECT_EQ(video.left_over(), std::vector<std::string>()) << "it only looks";
 }

@@ -246,6 +246,12 @@ TEST_F(Materials, ListWithoutWriting) {
     EXPECT_EQ(list.code, 0) << list.err;
     for (const char* said : {"wood ", "water ", "as stiff as the device can", "HaTT", "estimate"})
         EXPECT_NE(list.out.find(said), std::string::npos) << said;
+    const auto json =
+        nlohmann::json::parse(run_touchable({"materials", "--list", "--json"}).out, nullptr, false);
+    for (const auto& material : json["materials"])
+        EXPECT_NE(list.out.find(material["name"].get<std::string>() + ' '), std::string::npos) << material;
+    EXPECT_EQ(std::ranges::count(list.out, '\n'), std::ssize(json["materials"]) + 4) << list.out;
+    EXPECT_EQ(run_touchable({"materials", at("wall.mkv"), "--json"}).code, 2) << "--save writes the segments";
     EXPECT_EQ(names_in(at("")), before);
 }
 

@@ -248,7 +248,7 @@ TEST(Usage, NamesUnexpectedWord) {
         EXPECT_TRUE(run.one_line_of_error()) << run.err;
         EXPECT_NE(run.err.find(message), std::string::npos) << run.err;
     }
-    for (const Words& words : {Words{"make", "--quiet"}, {"formats", "nope"}, {"formats", "--json"}})
+    for (const Words& words : {Words{"make", "--quiet"}, {"formats", "nope"}})
         EXPECT_EQ(run_touchable(words).err.find("did you mean"), std::string::npos) << words[1];
 }
 
@@ -277,6 +277,10 @@ TEST(Usage, JsonAloneOrIntoFile) {
     const std::pair<Words, const char*> commands[] = {{{"info", clip}, "  verdict  "},
                                                       {{"compare", forces, forces}, "  compared  "},
                                                       {{"devices"}, "What --device takes"},
+                                                      {{"cameras"}, "amera"},
+                                                      {{"formats"}, "  bop\n"},
+                                                      {{"formats", "tum"}, "tum: "},
+                                                      {{"materials", "--list"}, "wood "},
                                                       {{"touch", clip, "--seconds", "0.1"}, "verdict"}};
     for (const auto& [command, human] : commands) {
         const auto with = [&words = command](const Words& more) {
@@ -366,6 +370,13 @@ TEST(Usage, FormatsDescribesEverySource) {
         run_touchable({"formats", "relative-inverse"}).out,
         "  --preset relative-inverse\n      guessed from one picture (MiDaS and the like): 1/depth without a "
         "scale\n");
+    const auto json = [](const Words& words) {
+        return nlohmann::json::parse(run_touchable(words).out, nullptr, false);
+    };
+    const auto listed = json({"formats", "--json"}), bop = json({"formats", "bop", "--json"});
+    EXPECT_EQ(bop["files"], "depth/000000.png, rgb/, scene_camera.json");
+    EXPECT_TRUE(std::ranges::count(listed["sources"], bop)) << listed;
+    EXPECT_EQ(json({"formats", "relative-inverse", "--json"})["name"], "relative-inverse");
     const Outcome near = run_touchable({"formats", "tun"});
     EXPECT_EQ(near.code, 2);
     EXPECT_EQ(near.err, "touchable: formats: no source is called \"tun\"; did you mean tum?\n");
@@ -1069,10 +1080,10 @@ TEST(Help, AllListsEveryOptionOnce) {
 
 TEST(Help, SaysWhatOptionsDo) {
     const std::string all = run_touchable({"--list-options"}).out;
-    for (const char* words : {"exit with code 6 on any warning", "reduces noise from frame to frame",
-                              "removes energy that the contact created",
-                              "print the same facts as JSON; =FILE: into a file, beside the words",
-                              "write the figures as JSON; without FILE to standard output"})
+    for (const char* words :
+         {"exit with code 6 on any warning", "reduces noise from frame to frame",
+          "removes energy that the contact created", "print the same facts as JSON; =FILE: to a file, too",
+          "write the figures as JSON; without FILE to standard output"})
         EXPECT_NE(all.find(words), std::string::npos) << words;
 }
 
@@ -1108,7 +1119,7 @@ TEST(Help, UnknownTopicListsTopics) {
             EXPECT_NE(run.err.find(right), std::string::npos) << run.err;
     }
     EXPECT_EQ(run_touchable({"play", "--help", "Camera"}).out, run_touchable({"help", "play", "camera"}).out);
-    EXPECT_NE(run_touchable({"cameras", "--help", "x"}).err.find("must be all\n"), std::string::npos);
+    EXPECT_NE(run_touchable({"cameras", "--help", "x"}).err.find("must be one of options, all\n"), std::string::npos);
     EXPECT_EQ(run_touchable({"touch", "--help", "--live"}).out, run_touchable({"touch", "--help"}).out);
 }
 
