@@ -95,14 +95,18 @@ SourceDescription with_card(const NodeFacts& facts, std::uint32_t format, Source
         add_remark(remarks, {"it is as preset realsense has it, of 1 mm a code",
                              true,
                              "a code is 0.0001 m of a D405, 0.00025 m of an L515",
-                             {{Setting::depth_unit}}});
+                             {{Setting::depth_unit}},
+                             RemarkKind::unit});
     }
     const SourceDescription::Preset* preset = known.preset.empty() ? nullptr : preset_named(known.preset);
     const bool has_unit = known.metres_per_code || preset != nullptr;
     if (format == V4L2_PIX_FMT_Z16 && !has_unit) {
         known.metres_per_code = 0.001;
-        add_remark(remarks,
-                   {"a code is 1 mm, as most cameras of Z16 have it", true, {}, {{Setting::depth_unit}}});
+        add_remark(remarks, {"a code is 1 mm, as most cameras of Z16 have it",
+                             true,
+                             {},
+                             {{Setting::depth_unit}},
+                             RemarkKind::unit});
     }
     if (format != V4L2_PIX_FMT_Z16)
         add_remark(remarks,

@@ -520,13 +520,12 @@ void look_in(const fs::path& folder, const Sought& pictures, bool tells, CameraB
     }
     std::string which = printable(beside.file.filename().string());
     if (is_any_angle)
-        beside.guesses.push_back(std::string(camera_choice_mark) + "an angle in " + which +
+        beside.guesses.push_back("the camera is an angle in " + which +
                                  ", which may be that of another view");
     constexpr double most_alike = 1.03;
     if (best.most <= most_alike * best.least) return;
     if (!beside.camera->name.empty()) which += " (" + printable(beside.camera->name, 60) + ')';
-    beside.guesses.push_back(std::string(camera_choice_mark) + "one of " + std::to_string(best.count) +
-                             " that differ, " + which);
+    beside.guesses.push_back("the camera is one of " + std::to_string(best.count) + " that differ, " + which);
 }
 
 /// Whether a folder is named as a part of a recording, to which the folder above then belongs as well.
@@ -695,8 +694,8 @@ std::string guessed_field_of_view(double degrees) {
     constexpr double more = 10;  // degrees
     const auto width = [](double whole) { return sine(whole * pi / 360) / cosine(whole * pi / 360); };
     const double other = std::min(degrees + more, 175.0);
-    return std::string(camera_guess_mark) + short_number(degrees) +
-           " degrees from left to right; if it sees " + short_number(other) + ", all shapes are " +
+    return "the camera sees " + short_number(degrees) + " degrees from left to right; if it sees " +
+           short_number(other) + ", all shapes are " +
            short_number(100 * (1 - width(degrees) / width(other)), 2) + " % too narrow";
 }
 
@@ -752,8 +751,8 @@ CameraBeside camera_beside(const PicturesOfCamera& pictures_of) {
     Intrinsics& camera = beside.camera->intrinsics;
     camera = trusted_intrinsics(camera, pictures.width, pictures.height, beside.doubt);
     if (auto guess = guess_shape(camera, pictures.width, pictures.height); !guess.empty())
-        beside.guesses.push_back(std::string(camera_choice_mark) + "that of " +
-                                 printable(beside.file.filename().string()) + ' ' + guess);
+        beside.guesses.push_back("the camera is that of " + printable(beside.file.filename().string()) + ' ' +
+                                 guess);
     return beside;
 }
 

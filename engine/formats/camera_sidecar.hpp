@@ -19,18 +19,12 @@
 namespace touchable {
 
 inline constexpr double usual_fov = 60;  ///< degrees; used if nothing states it
-/// Begins a remark that guesses the field of view (guessed_in).
-inline constexpr std::string_view camera_guess_mark = "the camera sees ";
-/// Begins a remark that guesses what hues stand for (guessed_in).
-inline constexpr std::string_view hue_guess_mark = "red is ";
-/// Begins a remark that guesses which camera it is, or how its pictures were cut or turned (guessed_in).
-inline constexpr std::string_view camera_choice_mark = "the camera is ";
 
 /// A camera with square pixels and its axis through the middle; `degrees` from left edge to right edge.
 Camera camera_of_fov(double degrees, int width, int height);
 
-/// A remark on a guessed field of view: its width, and how much too narrow all shapes are if the camera sees
-/// 10 degrees more. Their depth is right in any case.
+/// The words of a remark on a guessed field of view (RemarkKind::camera): its width, and how much too narrow
+/// all shapes are if the camera sees 10 degrees more. Their depth is right in any case.
 std::string guessed_field_of_view(double degrees);
 
 /// A camera as a file states it.
@@ -103,7 +97,7 @@ struct CameraBeside {
     std::optional<CameraFile> camera;    ///< for pictures of this size, or of any
     std::filesystem::path file{};        ///< the camera's file
     std::string doubt{};                 ///< how it differs from what the file says; empty: it does not
-    std::vector<std::string> guesses{};  ///< remarks on uncertain choices (camera_choice_mark)
+    std::vector<std::string> guesses{};  ///< which camera it is, or how its pictures were cut or turned
     double frames_per_second = 0;        ///< 0: no file states it
     std::filesystem::path rate_file{};
     double codes_per_metre = 0;  ///< of depth; 0: no file states it

@@ -82,8 +82,8 @@ private:
     DepthPhoto photo_;
 };
 
-void add_guess(Scene& scene, std::string what, Hints otherwise) {
-    add_remark(scene.remarks, {std::move(what), true, {}, std::move(otherwise)});
+void add_guess(Scene& scene, std::string what, Hints otherwise, RemarkKind kind) {
+    add_remark(scene.remarks, {std::move(what), true, {}, std::move(otherwise), kind});
 }
 
 /// Sets the camera: as stated, the file's, from its focal length, or a guess.
@@ -111,14 +111,13 @@ void find_camera(const DepthPhoto& photo, const SourceDescription& known, Scene&
             {focal_length, focal_length, std::nullopt, std::nullopt, colour.width, colour.height}, width,
             height);
         add_guess(scene,
-                  std::string(camera_guess_mark) +
-                      short_number(360 / pi * arctangent(0.5 * width / scene.camera.fx)) +
+                  "the camera sees " + short_number(360 / pi * arctangent(0.5 * width / scene.camera.fx)) +
                       " degrees from left to right, by its focal length, " +
                       short_number(photo.film_focal_length) + " mm in terms of 35 mm film",
-                  otherwise);
+                  otherwise, RemarkKind::camera);
     } else {
         scene.camera = camera_of_fov(usual_fov, width, height);
-        add_guess(scene, guessed_field_of_view(usual_fov), otherwise);
+        add_guess(scene, guessed_field_of_view(usual_fov), otherwise, RemarkKind::camera);
     }
 }
 
@@ -143,7 +142,7 @@ Result<SceneDescription> described_photo(const std::filesystem::path& file, cons
         add_guess(scene,
                   "depth has no scale: its nearest is taken for " + short_number(unscaled_near) +
                       " m and its farthest for " + short_number(unscaled_far) + " m",
-                  {});
+                  {}, RemarkKind::scale);
     }
     find_camera(photo, known, scene);
     derive_valid_range(scene.depth);

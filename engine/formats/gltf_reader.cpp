@@ -609,7 +609,8 @@ private:
         add_remark(scene.remarks, {"depth goes from 0.5 m, black, to 1.5 m, white",
                                    true,
                                    "a scene file's depth.near and far say otherwise",
-                                   {{Setting::scene_file, "FILE"}}});
+                                   {{Setting::scene_file, "FILE"}},
+                                   RemarkKind::scale});
         return std::move(*guessed);
     }
 

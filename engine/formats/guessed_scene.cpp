@@ -25,18 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Beginnings of remarks, by which guessed_in and doubts_unit recognise them.
-constexpr std::string_view doubt_mark = "the median depth is ", no_scale_mark = "depth has no scale",
-                           direction_guess_mark = "values are lengths, though they are larger",
-                           code_guess_mark = "a code is ", median_guess_mark = "depth codes are ",
-                           value_guess_mark = "values are ",
-                           axis_guess_mark = "depth goes along the camera's axis",
-                           range_guess_mark = "depth goes along each pixel's ray",
-                           preset_guess_mark = "depth is as preset ",
-                           disparity_guess_mark = "depth is disparities, as the name says",
-                           colour_guess_mark = "colour lies on depth's pixels";
-/// In what a remark on a unit says of other units that fit.
-constexpr std::string_view other_units_mark = " m if ";
 constexpr double most_of_lengths = 1.05;                 // lower third of a picture over the upper
 constexpr double assumed_near = 0.5, assumed_far = 1.5;  // metres, of depth without a scale
 
@@ -165,10 +153,13 @@ public:
 
     GuessedScene made() { return {std::move(described_), std::move(inputs_)}; }
     Scene& scene() { return scene_; }
-    void say(std::string guess, std::string otherwise = {}, Hints hints = {}) {
-        add_remark(scene_.remarks, {std::move(guess), true, std::move(otherwise), std::move(hints)});
+    void say(std::string guess, std::string otherwise = {}, Hints hints = {},
+             RemarkKind kind = RemarkKind::other) {
+        add_remark(scene_.remarks, {std::move(guess), true, std::move(otherwise), std::move(hints), kind});
     }
-    void say(std::string guess, Hints hints) { say(std::move(guess), {}, std::move(hints)); }
+    void say(std::string guess, Hints hints, RemarkKind kind = RemarkKind::other) {
+        say(std::move(guess), {}, std::move(hints), kind);
+    }
     /// Adds what a file or a person stated, with the settings that override it.
     void tell(std::string fact, std::string otherwise = {}, Hints hints = {}) {
         add_remark(scene_.remarks, {std::move(fact), false, std::move(otherwise), std::move(hints)});
@@ -189,9 +180,9 @@ public:
 
     void tell_of_preset() {
         if (evident_.preset == nullptr) return;
-        say(std::string(preset_guess_mark) + std::string(evident_.preset->name) + " has it (" +
-                evident_.preset->what + "), as " + evident_.why,
-            Hints{{Setting::preset}, {Setting::depth_unit}});
+        say("depth is as preset " + std::string(evident_.preset->name) + " has it (" + evident_.preset->what +
+                "), as " + evident_.why,
+            Hints{{Setting::preset}, {Setting::depth_unit}}, RemarkKind::storage);
     }
 
     /// Tells what a JPEG has lost, which cannot be restored.
@@ -292,8 +283,8 @@ public:
         } else {
             return;
         }
-        say(std::string(colour_guess_mark) + ", though " + why,
-            "a scene file's colour_camera says otherwise");
+        say("colour lies on depth's pixels, though " + why, "a scene file's colour_camera says otherwise", {},
+            RemarkKind::colour_place);
     }
 
 private:
@@ -380,14 +371,15 @@ private:
             if (!beside_.doubt.empty()) whose += ", " + beside_.doubt;
             if (file_.has_distortion) whose += "; its lens's distortion is not undone";
             tell(whose + not_understood(), {}, {{Setting::intrinsics}});
-            for (const std::string& guess : beside_.guesses) say(guess, Hints{{Setting::intrinsics}});
+            for (const std::string& guess : beside_.guesses)
+                say(guess, Hints{{Setting::intrinsics}}, RemarkKind::camera);
         } else if (preset_ && preset_->intrinsics.fx > 0) {
             take(preset_->intrinsics, "the camera of preset " + std::string(preset_->name));
         } else {
             const double fov = preset_ && preset_->fov > 0 ? preset_->fov : usual_fov;
             scene_.camera = camera_of_fov(fov, scene_.width, scene_.height);
             say(guessed_field_of_view(fov) + not_understood(),
-                Hints{{Setting::field_of_view}, {Setting::intrinsics}});
+                Hints{{Setting::field_of_view}, {Setting::intrinsics}}, RemarkKind::camera);
         }
         tell_of_unused();
         return {};
@@ -438,15 +430,16 @@ private:
             return {};
         }
         if (!preset_ && says_disparity_ && beside_.codes_per_metre == 0) {
+            const std::string guess = "depth is disparities, as the name says";
             if (file_.baseline > 0) {
                 preset_ = preset_named("middlebury");
-                say(std::string(disparity_guess_mark) + "; baseline and focal length are those of " +
+                say(guess + "; baseline and focal length are those of " +
                         printable(beside_.file.filename().string()),
-                    Hints{{Setting::preset}, {Setting::depth_unit}});
+                    Hints{{Setting::preset}, {Setting::depth_unit}}, RemarkKind::storage);
             } else {
-                say(std::string(disparity_guess_mark) + ", and no calib.txt beside it has their baseline",
+                say(guess + ", and no calib.txt beside it has their baseline",
                     "with a calib.txt that has it they have a scale",
-                    {{Setting::preset, "middlebury"}, {Setting::depth_unit}});
+                    {{Setting::preset, "middlebury"}, {Setting::depth_unit}}, RemarkKind::storage);
                 set_relative(true, true);
                 scene_.depth.invalid_code_count = 1;  // 0 is infinitely far
                 return {};
@@ -520,7 +513,8 @@ private:
         if (known_.semantics || scene_.depth.kind != DepthCodingKind::metric) return;
         if (says_range_) {
             scene_.depth.semantics = DepthSemantics::range;
-            say(std::string(range_guess_mark) + ", as the name says", Hints{{Setting::depth_kind, "planar"}});
+            say("depth goes along each pixel's ray, as the name says", Hints{{Setting::depth_kind, "planar"}},
+                RemarkKind::axis);
             return;
         }
         if (!is_named_ || preset_ != nullptr || (!is_float && (!is_unit_guessed_ || has_camera_of_depth_)))
@@ -528,9 +522,10 @@ private:
         const double nearer = 100 * (1 - 1 / scene_.camera.longest_ray(scene_.width, scene_.height));
         constexpr double least_felt = 5;  // per cent
         if (nearer < least_felt) return;
-        say(std::string(axis_guess_mark) + " (planar); if it goes along each pixel's ray, the corners are " +
+        say("depth goes along the camera's axis (planar); if it goes along each pixel's ray, the corners "
+            "are " +
                 short_number(nearer, 2) + " % nearer",
-            "", Hints{{Setting::depth_kind, "range"}});
+            Hints{{Setting::depth_kind, "range"}}, RemarkKind::axis);
     }
 
     void set_metric(double metres_per_code) {
@@ -550,12 +545,12 @@ private:
         depth.near = assumed_near;
         depth.far = assumed_far;
         depth.code_max = largest_code();
-        say(std::string(no_scale_mark) + ": its nearest is taken for " + short_number(assumed_near) +
+        say("depth has no scale: its nearest is taken for " + short_number(assumed_near) +
                 " m and its farthest for " + short_number(assumed_far) + " m, " +
                 (near_is_high ? "large" : "small") + " values near",
             "a scene file says otherwise, touchable init-scene writes one to begin with; where values are "
             "lengths, their unit",
-            {{Setting::depth_unit}});
+            {{Setting::depth_unit}}, RemarkKind::scale);
     }
 
     void guess_unit(const EstimatedValues& values) {
@@ -563,7 +558,7 @@ private:
         const bool is_signed = values.negative > 0.01;
         if (values.is_of_bytes())
             say("values are 8 bits stored as 16, as all are multiples of " + std::to_string(values.divisor),
-                otherwise);
+                otherwise, RemarkKind::unit);
         if (values.bits == 8 || values.is_of_bytes() || values.is_normalised || is_signed) {
             // Values that are larger for near pixels are 1/depth, as most networks guess it; others are
             // depth.
@@ -574,16 +569,17 @@ private:
             const bool metres = values.median < most_metres;
             const bool may_be_centimetres = !metres && values.median < least_millimetres;
             set_metric(metres ? 1 : 0.001);
-            say(std::string(value_guess_mark) + (metres ? "metres" : "millimetres") +
+            say(std::string("values are ") + (metres ? "metres" : "millimetres") +
                     median_in_words(values, metres ? 1 : 0.001),
                 may_be_centimetres ? short_number(0.01 * values.median, 3) + " m if they are centimetres"
                                    : "",
-                may_be_centimetres ? Hints{{Setting::depth_unit, "0.01"}} : otherwise);
+                may_be_centimetres ? Hints{{Setting::depth_unit, "0.01"}} : otherwise,
+                may_be_centimetres ? RemarkKind::unclear_unit : RemarkKind::unit);
             // The lower part of a picture is mostly nearer.
             if (values.lower > most_of_lengths * values.upper && !are_points_)
-                say(std::string(direction_guess_mark) +
-                        " in the lower third of the picture, as 1/depth of networks is",
-                    "", {{Setting::preset, "relative-inverse"}});
+                say("values are lengths, though they are larger in the lower third of the picture, as "
+                    "1/depth of networks is",
+                    Hints{{Setting::preset, "relative-inverse"}}, RemarkKind::direction);
         } else if (!list_.empty() || !guess_unit_of_multiples(values)) {
             const bool fine = values.median > 12000, coarse = values.median < 100;
             const double unit = fine || !list_.empty() ? 1.0 / 5000 : coarse ? 0.01 : 0.001;
@@ -601,9 +597,8 @@ private:
     void say_unit(const EstimatedValues& values, double unit) {
         const std::string millimetres = short_number(1000 * unit) + " mm";
         if (!list_.empty()) {
-            say(std::string(code_guess_mark) + millimetres + ", as recordings with a " + list_ +
-                    " have it (TUM RGB-D)",
-                Hints{{Setting::depth_unit}});
+            say("a code is " + millimetres + ", as recordings with a " + list_ + " have it (TUM RGB-D)",
+                Hints{{Setting::depth_unit}}, RemarkKind::unit);
             return;
         }
         constexpr double near_for_a_camera = 1000, far_for_a_room = 3000;  // of a median, millimetres
@@ -646,9 +641,10 @@ private:
             hints.push_back({Setting::preset, "depth16"});
         }
         if (hints.empty()) hints = {{Setting::depth_unit}};
-        say(std::string(median_guess_mark) + (is_millimetre ? "millimetres" : millimetres) +
+        const RemarkKind kind = others.empty() ? RemarkKind::unit : RemarkKind::unclear_unit;
+        say("depth codes are " + (is_millimetre ? "millimetres" : millimetres) +
                 median_in_words(values, unit),
-            std::move(others), std::move(hints));
+            std::move(others), std::move(hints), kind);
     }
 
     /// Guesses the unit by the values' divisor: cameras measure whole millimetres, and files may have these
@@ -665,9 +661,9 @@ private:
             return false;
         }
         set_metric(0.001 / divisor);
-        say(std::string(code_guess_mark) + short_number(1.0 / divisor) + " mm, as " + multiples +
+        say("a code is " + short_number(1.0 / divisor) + " mm, as " + multiples +
                 " and their median is then " + short_number(median) + " mm",
-            Hints{{Setting::depth_unit, values.median <= deepest ? "0.001" : ""}});
+            Hints{{Setting::depth_unit, values.median <= deepest ? "0.001" : ""}}, RemarkKind::unit);
         return true;
     }
 
@@ -962,26 +958,8 @@ std::optional<Remark> unit_doubt(double median_m, std::string otherwise, Hints h
     // From an endoscope's depths to a lidar's. A unit wrong by a thousand moves a hand's reach out of this.
     constexpr double nearest = 0.01, farthest = 300;  // metres
     if (median_m >= nearest && median_m <= farthest) return std::nullopt;
-    return Remark{std::string(doubt_mark) + length_in_words(median_m) + ": the unit may be wrong", false,
-                  std::move(otherwise), std::move(hints)};
-}
-
-Guessed guessed_in(const Remark& remark) {
-    if (!remark.is_guess) return Guessed::little;
-    const auto begins = [&](std::string_view mark) { return remark.what.starts_with(mark); };
-    if (begins(direction_guess_mark)) return Guessed::direction;
-    if (begins(no_scale_mark) || begins(hue_guess_mark)) return Guessed::scale;
-    if (begins(preset_guess_mark) || begins(disparity_guess_mark)) return Guessed::storage;
-    if (begins(code_guess_mark) || begins(median_guess_mark) || begins(value_guess_mark))
-        return remark.otherwise.find(other_units_mark) != std::string::npos ? Guessed::unclear_unit
-                                                                            : Guessed::unit;
-    if (begins(camera_guess_mark) || begins(camera_choice_mark)) return Guessed::camera;
-    if (begins(axis_guess_mark) || begins(range_guess_mark)) return Guessed::axis;
-    return begins(colour_guess_mark) ? Guessed::colour_place : Guessed::little;
-}
-
-bool doubts_unit(const Remark& remark) {
-    return remark.what.starts_with(doubt_mark);
+    return Remark{"the median depth is " + length_in_words(median_m) + ": the unit may be wrong", false,
+                  std::move(otherwise), std::move(hints), RemarkKind::unit_doubt};
 }
 
 }  // namespace touchable

@@ -227,11 +227,15 @@ bool describe_by_codec(const heif_depth_representation_info& info, heif_depth_re
         add_remark(photo.remarks,
                    {std::string("lengths are metres") +
                         (is_linear ? " and small values are near, as values grow evenly with depth" : ""),
-                    true});
+                    true,
+                    {},
+                    {},
+                    RemarkKind::unit});
         return true;
     }
     if (!info.has_d_min || !info.has_d_max || !take_disparities(photo, info.d_min, info.d_max)) return false;
-    add_remark(photo.remarks, {"its disparities are 1/metres, as Apple writes them", true});
+    add_remark(photo.remarks,
+               {"its disparities are 1/metres, as Apple writes them", true, {}, {}, RemarkKind::unit});
     return true;
 }
 

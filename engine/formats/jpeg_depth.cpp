@@ -241,7 +241,7 @@ private:
         if (unit == "mm" || unit == "millimeters") {
             photo_.metres_per_unit = 0.001;
         } else if (unit == "none") {
-            add_remark(photo_.remarks, {"lengths are metres", true});
+            add_remark(photo_.remarks, {"lengths are metres", true, {}, {}, RemarkKind::unit});
         } else if (unit != "m" && unit != "meters") {
             return refuse("its " + std::string(prefix_) + "Units is " + in_quotes(*written) +
                           ": must be m (Meters) or mm");

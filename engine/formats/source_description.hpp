@@ -89,24 +89,6 @@ Result<SceneDescription> guess_camera(const StoredImage& first, const SourceDesc
 /// if the unit may be right. `otherwise` and `hints` are the remark's.
 std::optional<Remark> unit_doubt(double median_m, std::string otherwise, Hints hints);
 
-/// What a remark guesses, in order of how much a wrong guess changes what is felt and how often it is wrong.
-/// The place of colour changes only what is seen.
-enum class Guessed {
-    direction,     ///< that values are lengths, though they look like 1/depth: the scene may be inside out
-    scale,         ///< depth has none
-    unclear_unit,  ///< other units fit as well
-    camera,
-    unit,
-    storage,  ///< the preset by which depth is stored, by its values or its name
-    axis,     ///< that depth is along the camera's axis, not along each pixel's ray
-    colour_place,
-    little
-};
-/// For a guess just made, or read from a scene file; `little` for all other remarks.
-Guessed guessed_in(const Remark& remark);
-/// Whether a remark doubts the unit (unit_doubt); also one that was read from a scene file.
-bool doubts_unit(const Remark& remark);
-
 /// Touch pictures that serve a whole clip, in place of its own.
 struct StillMaps {
     /// A picture (RGB: stiffness, static and dynamic friction; grey: stiffness), X3D with a

@@ -82,7 +82,7 @@ std::string words_of(const DepthInVideo& found) {
         if (layout == found.layout)
             return std::string("depth is the ") + depth + " half, which is " + kind + ", colour the " +
                    colour + " one" + what;
-    return "depth is " + kind + what + " and has no colour beside it";
+    return "depth is " + kind + what;
 }
 
 class VideoGuess {
@@ -147,22 +147,26 @@ public:
             what += ", colour is its other track";
         } else if (found->layout == VideoLayout::alone && has_colour_track(*video)) {
             scene.video->colour = scene.video->depth;
-            what = "colour is another track of the file, " + what.substr(0, what.find(" and has no colour"));
+            what = "colour is another track of the file, " + what;
         } else if (found->layout == VideoLayout::alone) {
             if (auto colour = colour_video_beside(file_.path())) {
                 scene.video->colour = colour->name;
-                what = "colour is " + colour->name + ", " + what.substr(0, what.find(" and has no colour"));
+                what = "colour is " + colour->name + ", " + what;
+            } else if (!is_disparity) {
+                what += " and has no colour beside it";
             }
         }
         const Hints values{{Setting::preset, "hue"}, {Setting::preset, "mean"}};
         scene.remarks = joined_remarks({{what, true, otherwise, picture.has_colours() ? values : Hints{}}},
                                        scene.remarks);
         if (is_hue && !camera)
-            add_remark(
-                scene.remarks,
-                {std::string(hue_guess_mark) + "0.5 m and the whole circle of hues goes to 1.5 m", true,
-                 "a scene file's depth.near and far say otherwise, touchable init-scene "
-                 "writes one to begin with"});
+            add_remark(scene.remarks,
+                       {"red is 0.5 m and the whole circle of hues goes to 1.5 m",
+                        true,
+                        "a scene file's depth.near and far say otherwise, touchable init-scene "
+                        "writes one to begin with",
+                        {},
+                        RemarkKind::scale});
         guessed.video = std::move(video);
         return guessed;
     }
@@ -237,7 +241,8 @@ private:
                          true,
                          "its data set's meta/info.json, beside the video or above it, says otherwise; where "
                          "codes are lengths, their unit",
-                         {{Setting::depth_unit}}};
+                         {{Setting::depth_unit}},
+                         RemarkKind::scale};
         scene.remarks = joined_remarks({remark}, scene.remarks);
         add_lerobot_colour(depth, *video, scene);
         guessed.video = std::move(video);

@@ -35,7 +35,6 @@ bool has_depths(const DepthCoding& coding) {
     return coding.kind != DepthCodingKind::inverse || (has_inverse(coding.near) && has_inverse(coding.far));
 }
 
-constexpr std::string_view guess_mark = "guessed: ";
 // A byte that is no UTF-8 becomes three in JSON; the text can still be read again.
 constexpr std::size_t longest_made = longest_remark / 4;
 
@@ -425,16 +424,6 @@ void add_remark(std::vector<Remark>& remarks, Remark remark) {
 std::vector<Remark> joined_remarks(std::vector<Remark> first, const std::vector<Remark>& rest) {
     for (const Remark& remark : rest) add_remark(first, remark);
     return first;
-}
-
-std::string remark_text(const Remark& remark) {
-    return (remark.is_guess ? std::string(guess_mark) : std::string()) + remark.what;
-}
-
-Remark remark_of_text(std::string_view text) {
-    const bool is_guess = text.starts_with(guess_mark);
-    if (is_guess) text.remove_prefix(guess_mark.size());
-    return {std::string(text), is_guess};
 }
 
 std::string remark_in_words(const Remark& remark) {

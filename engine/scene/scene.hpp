@@ -251,6 +251,21 @@ struct DepthLength {
     bool operator==(const DepthLength&) const = default;
 };
 
+/// What a remark guesses, in order of how much a wrong guess changes what is felt and how often it is wrong;
+/// all but the place of colour change metres.
+enum class RemarkKind {
+    unit_doubt,    ///< no guess: the unit may be wrong, as no depth camera measures the median depth
+    direction,     ///< that values are lengths, though they look like 1/depth: the scene may be inside out
+    scale,         ///< depth has none, or its ends are assumed
+    unclear_unit,  ///< other units fit as well
+    camera,
+    unit,
+    storage,       ///< the preset by which depth is stored, by its values or its name
+    axis,          ///< whether depth is along the camera's axis or along each pixel's ray
+    colour_place,  ///< changes only what is seen
+    other          ///< a fact, or a guess that changes little
+};
+
 /// A note to a person about where a scene's values come from.
 struct Remark {
     std::string what;       ///< "the camera sees 60 degrees from left to right"
@@ -258,6 +273,7 @@ struct Remark {
     std::string
         otherwise{};  ///< of a new remark: what states another value: "a scene file's rate says otherwise"
     Hints hints{};    ///< of a new remark: the settings that would change it
+    RemarkKind kind = RemarkKind::other;
 };
 
 /// Limits of a scene file's remarks.
@@ -272,6 +288,7 @@ std::vector<Remark> joined_remarks(std::vector<Remark> first, const std::vector<
 /// The text in a scene file: a guess begins with "guessed: ". `otherwise` is left out, as it may apply only
 /// to the clip that was guessed.
 std::string remark_text(const Remark& remark);
+/// The remark of a text; its kind by how the text begins, and `unit` for an unclear one.
 Remark remark_of_text(std::string_view text);
 
 /// The text for a person: a guess says what would state another value, by default a scene file. Without the

@@ -48,6 +48,30 @@ constexpr std::pair<const char*, VideoLayout> layout_names[] = {{"alone", VideoL
 constexpr std::pair<const char*, VideoValues> value_names[] = {
     {"grey", VideoValues::grey}, {"mean", VideoValues::mean}, {"hue", VideoValues::hue}};
 
+constexpr std::string_view guess_mark = "guessed: ";
+/// Kinds of remarks by how their texts begin, of this and all earlier releases; the first that fits counts.
+/// The only place where words of remarks mean something: a scene file holds nothing else of a remark, so that
+/// earlier releases can read it. A remark in new words of its own kind needs a new row.
+constexpr std::pair<std::string_view, RemarkKind> remark_beginnings[] = {
+    {"the median depth is ", RemarkKind::unit_doubt},
+    {"guessed: values are lengths, though they are larger", RemarkKind::direction},
+    {"guessed: depth has no scale", RemarkKind::scale},
+    {"guessed: red is ", RemarkKind::scale},
+    {"guessed: depth goes from ", RemarkKind::scale},
+    {"guessed: depth is as LeRobot usually stores it", RemarkKind::scale},
+    {"guessed: the camera sees ", RemarkKind::camera},
+    {"guessed: the camera is ", RemarkKind::camera},
+    {"guessed: a code is ", RemarkKind::unit},
+    {"guessed: depth codes are ", RemarkKind::unit},
+    {"guessed: values are ", RemarkKind::unit},
+    {"guessed: lengths are metres", RemarkKind::unit},
+    {"guessed: its disparities are 1/metres", RemarkKind::unit},
+    {"guessed: it is as preset ", RemarkKind::unit},
+    {"guessed: depth is as preset ", RemarkKind::storage},
+    {"guessed: depth is disparities, as the name says", RemarkKind::storage},
+    {"guessed: depth goes along ", RemarkKind::axis},
+    {"guessed: colour lies on depth's pixels", RemarkKind::colour_place}};
+
 std::string read_pictures(const Node& node, PictureNumbers& numbers) {
     if (!node.is_object()) return node.text();
     node.allow_only({"files", "first", "step"});
@@ -558,6 +582,19 @@ OrderedJson write_video(const VideoSource& video) {
 }
 
 }  // namespace
+
+std::string remark_text(const Remark& remark) {
+    return (remark.is_guess ? std::string(guess_mark) : std::string()) + remark.what;
+}
+
+Remark remark_of_text(std::string_view text) {
+    const auto begins = [&](const auto& row) { return text.starts_with(row.first); };
+    const auto row = std::ranges::find_if(remark_beginnings, begins);
+    const RemarkKind kind = row == std::end(remark_beginnings) ? RemarkKind::other : row->second;
+    const bool is_guess = text.starts_with(guess_mark);
+    if (is_guess) text.remove_prefix(guess_mark.size());
+    return {std::string(text), is_guess, {}, {}, kind};
+}
 
 Result<SceneDescription> parse_scene(std::string_view json, std::string_view where) {
     const auto refusal = [&](const std::string& message) {

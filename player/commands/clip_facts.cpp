@@ -365,55 +365,57 @@ constexpr double much_torn = 0.2;
 
 /// Guesses that, if wrong, would change forces by more than a tenth or displace colour; the most important
 /// first.
-std::vector<std::pair<Guessed, const Remark*>> guesses_that_matter(const ClipFacts& facts) {
+std::vector<std::pair<RemarkKind, const Remark*>> guesses_that_matter(const ClipFacts& facts) {
     constexpr double much = 0.1, nearest = 0.1, farthest = 20;  // metres; usual distances of a camera's scene
     const double median = facts.measured ? facts.measured->median * facts.scene.metres_per_unit : 1;
-    std::vector<std::pair<Guessed, const Remark*>> guesses;
+    std::vector<std::pair<RemarkKind, const Remark*>> guesses;
     for (const Remark& remark : facts.scene.remarks) {
-        Guessed guessed = guessed_in(remark);
-        if (guessed == Guessed::little) continue;
+        RemarkKind guessed = remark.kind;
+        if (guessed == RemarkKind::unit_doubt || guessed == RemarkKind::other) continue;
         const Scene& scene = facts.scene;
-        if (guessed == Guessed::axis && scene.camera.longest_ray(scene.width, scene.height) < 1 / (1 - much))
+        if (guessed == RemarkKind::axis &&
+            scene.camera.longest_ray(scene.width, scene.height) < 1 / (1 - much))
             continue;
-        if (guessed == Guessed::unit && (median < nearest || median > farthest))
-            guessed = Guessed::unclear_unit;
+        if (guessed == RemarkKind::unit && (median < nearest || median > farthest))
+            guessed = RemarkKind::unclear_unit;
         guesses.emplace_back(guessed, &remark);
     }
-    std::ranges::stable_sort(guesses, {}, &std::pair<Guessed, const Remark*>::first);
+    std::ranges::stable_sort(guesses, {}, &std::pair<RemarkKind, const Remark*>::first);
     return guesses;
 }
 
-const char* name_of(Guessed guessed) {
+const char* name_of(RemarkKind guessed) {
     switch (guessed) {
-        case Guessed::direction:
+        case RemarkKind::direction:
             return "whether it is inside out";
-        case Guessed::scale:
+        case RemarkKind::scale:
             return "its size";
-        case Guessed::unclear_unit:
-        case Guessed::unit:
+        case RemarkKind::unclear_unit:
+        case RemarkKind::unit:
             return "the unit";
-        case Guessed::camera:
+        case RemarkKind::camera:
             return "the camera";
-        case Guessed::storage:
+        case RemarkKind::storage:
             return "how depth is stored";
-        case Guessed::axis:
+        case RemarkKind::axis:
             return "range or planar";
-        case Guessed::colour_place:
+        case RemarkKind::colour_place:
             return "where colour lies";
-        case Guessed::little:
+        case RemarkKind::unit_doubt:
+        case RemarkKind::other:
             break;
     }
     return "";
 }
 
 /// Names the most important guess and how to correct it.
-std::string verdict_on_guess(Guessed guessed, const Remark& remark, const ClipFacts& facts) {
+std::string verdict_on_guess(RemarkKind guessed, const Remark& remark, const ClipFacts& facts) {
     const std::string play = "touchable play " + shell_word(facts.clip),
-                      why = remark.what + (guessed == Guessed::unclear_unit && !remark.otherwise.empty()
+                      why = remark.what + (guessed == RemarkKind::unclear_unit && !remark.otherwise.empty()
                                                ? "; " + remark.otherwise
                                                : "");
-    // A clip with its own scene takes no such options (SceneDescription).
-    const bool takes_options = !remark.hints.empty();
+    // A clip with its own scene takes no such options (SceneDescription), and some need a scene file.
+    const bool takes_options = !remark.hints.empty() && remark.hints.front().setting != Setting::scene_file;
     const auto cure = [&](const std::string& by_option) {
         return takes_options
                    ? by_option
@@ -423,20 +425,20 @@ std::string verdict_on_guess(Guessed guessed, const Remark& remark, const ClipFa
         return std::string("good to touch if ") + what + " is right (" + why + "): " + cure(by_option);
     };
     switch (guessed) {
-        case Guessed::direction:
+        case RemarkKind::direction:
             return "may be inside out (" + why + "): if what is near looks far, " +
                    cure(play + " --preset relative-inverse");
-        case Guessed::scale:
+        case RemarkKind::scale:
             return if_right("its size", "say the unit if values are lengths, " + play +
                                             " --depth-unit METRES, or near and far in a scene file");
-        case Guessed::unclear_unit:
-        case Guessed::unit:
+        case RemarkKind::unclear_unit:
+        case RemarkKind::unit:
             return if_right("the unit", "say it, " + play + " --depth-unit METRES");
-        case Guessed::storage:
+        case RemarkKind::storage:
             return if_right("the way in which depth is stored", "name it, " + play + " --preset NAME");
-        case Guessed::camera:
+        case RemarkKind::camera:
             return if_right("the camera", "say what it sees, " + play + " --fov DEGREES");
-        case Guessed::axis:
+        case RemarkKind::axis:
             return std::string("good to touch if depth is ") +
                    (facts.scene.depth.semantics == DepthSemantics::range ? "range" : "planar") + " (" + why +
                    "): " + cure("say which, " + play + " --depth planar, or --depth range");
@@ -497,7 +499,7 @@ Result<ClipFacts> clip_facts(const ClipChoice& choice) {
         if (auto doubt = unit_doubt(facts.measured->median * facts.scene.metres_per_unit,
                                     "a scene file's metres_per_unit and depth say otherwise",
                                     {{Setting::scene_file, "FILE"}})) {
-            const auto there = std::ranges::find_if(remarks, doubts_unit);
+            const auto there = std::ranges::find(remarks, RemarkKind::unit_doubt, &Remark::kind);
             facts.unit_doubt = remark_with_options(there == remarks.end() ? *doubt : *there);
             if (there == remarks.end()) remarks.push_back(std::move(*doubt));
         }

@@ -250,9 +250,7 @@ std::string stale_words(const Json& report) {
 
 /// Number of guesses about the clip. Empty: none.
 std::string guesses_in_words(const Json& report) {
-    const auto notes = report.value("notes", std::vector<std::string>());
-    const auto guesses =
-        std::ranges::count_if(notes, [](const std::string& note) { return note.starts_with("guessed: "); });
+    const auto guesses = report.value("guesses", std::int64_t{0});
     if (guesses == 0) return "";
     return "; " + counted(guesses, "thing is", "things are") +
            " guessed of the clip (touchable info says which)";
@@ -300,6 +298,7 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
     Json report{{"format", 1},
                 {"clip", without_passphrase(setup.clip.file.string())},
                 {"notes", notes},
+                {"guesses", std::ranges::count(setup.notes, true, &Remark::is_guess)},
                 {"run_notes", of_run},
                 {"filters", filters_json(setup.scene, setup.filters,
                                          setup.filters ? setup.filters->measured : std::nullopt)},
@@ -338,7 +337,7 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
     report["warnings"] = touch_warnings(report, *setup.feed, live,
                                         is_absent ? setup.held_device->why_no_position() : std::string());
     for (const Remark& remark : setup.notes)
-        if (doubts_unit(remark)) report["warnings"].push_back(remark_with_options(remark));
+        if (remark.kind == RemarkKind::unit_doubt) report["warnings"].push_back(remark_with_options(remark));
     return report;
 }
 

@@ -36,16 +36,16 @@ std::string title_of(const std::filesystem::path& file) {
 void tell_guesses(WindowCore& core) {
     std::string guessed, doubt;
     for (const Remark& remark : core.clip()->scene().remarks) {
-        const bool is_doubt = doubts_unit(remark);
+        const bool is_doubt = remark.kind == RemarkKind::unit_doubt;
         if (!remark.is_guess && !is_doubt && remark.hints.empty()) continue;
         say_on_stderr(core.options.names.remark(remark));
         if (is_doubt) doubt = remark.what;
         if (!remark.is_guess) continue;
         const bool is_unit =
             std::ranges::find(remark.hints, Setting::depth_unit, &Hint::setting) != remark.hints.end();
-        const std::string_view what = guessed_in(remark) == Guessed::camera ? "the camera"
-                                      : is_unit                             ? "the unit"
-                                                                            : "";
+        const std::string_view what = remark.kind == RemarkKind::camera ? "the camera"
+                                      : is_unit                         ? "the unit"
+                                                                        : "";
         if (guessed.find(what) == std::string::npos)
             guessed += std::string(guessed.empty() ? "" : " and ") + std::string(what);
     }

@@ -222,6 +222,17 @@ inline Result<std::vector<RawFrame>> read_clip(const std::filesystem::path& file
     return read_all(**reader);
 }
 
+/// Remarks that have another kind once a scene file has kept their words; an unclear unit is then a unit.
+inline std::string lost_kinds(const std::vector<Remark>& remarks) {
+    std::string lost;
+    for (const Remark& remark : remarks) {
+        const bool is_unclear = remark.kind == RemarkKind::unclear_unit;
+        if (remark_of_text(remark_text(remark)).kind != (is_unclear ? RemarkKind::unit : remark.kind))
+            lost += remark.what + '\n';
+    }
+    return lost;
+}
+
 inline ::testing::AssertionResult has_words(const std::string& text, const std::string& words) {
     const bool has = text.find(words) != std::string::npos;
     return (has ? ::testing::AssertionSuccess() : ::testing::AssertionFailure())
@@ -229,6 +240,7 @@ inline ::testing::AssertionResult has_words(const std::string& text, const std::
 }
 /// Whether something that a person should know of a clip has these words.
 inline ::testing::AssertionResult is_noted(const ClipReader& clip, const std::string& words) {
+    EXPECT_EQ(lost_kinds(clip.scene().remarks), "");
     std::string all;
     for (const std::string& note : clip_notes(clip)) all += note + '\n';
     return has_words(all, words);

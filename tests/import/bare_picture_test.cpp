@@ -219,21 +219,6 @@ TEST_F(BarePicture, ReadsGreyJpegWithNote) {
         }
 }
 
-/// Scene files keep remarks in the words of the release that wrote them.
-TEST(Guesses, AreRecognisedInOldWords) {
-    const auto of = [](const char* what, const char* otherwise) {
-        return guessed_in({what, true, otherwise, {}});
-    };
-    EXPECT_EQ(
-        of("a code is 1 mm, as their median is 418", "that is 0.418 m; 1.63 m if 256 codes are a metre"),
-        Guessed::unclear_unit);
-    EXPECT_EQ(of("depth codes are millimetres: their median, 418, would be 0.418 m",
-                 "1.63 m if 256 codes are a metre"),
-              Guessed::unclear_unit);
-    EXPECT_EQ(of("a code is 1 mm, as their median is 2000", ""), Guessed::unit);
-    EXPECT_EQ(of("depth codes are millimetres: their median, 2000, would be 2 m", ""), Guessed::unit);
-}
-
 TEST_F(BarePicture, GuessesCameraAndUnit) {
     Samples memory;
     const PlaneView plane = write_picture(folder / "my.png", memory);

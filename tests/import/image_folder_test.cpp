@@ -429,7 +429,9 @@ protected:
     GuessedScene guess(const std::string& preset = "") const {
         SourceDescription known;
         known.preset = preset;
-        return must(guess_folder(folder.path(), known));
+        auto guessed = must(guess_folder(folder.path(), known));
+        EXPECT_EQ(lost_kinds(guessed.scene.remarks), "");
+        return guessed;
     }
     std::vector<RawFrame> frames() const { return must(read_clip(folder.path())); }
     TemporaryFolder folder;
@@ -512,7 +514,8 @@ TEST(UnitDoubt, HasBounds) {
         ASSERT_TRUE(doubt) << median;
         EXPECT_EQ(remark_in_words(*doubt),
                   std::string("the median depth is ") + words + ": the unit may be wrong");
-        EXPECT_TRUE(doubts_unit(remark_of_text(remark_text(*doubt)))) << "as a scene file keeps it";
+        EXPECT_EQ(doubt->kind, RemarkKind::unit_doubt);
+        EXPECT_EQ(lost_kinds({*doubt}), "");
     }
 }
 

@@ -135,6 +135,7 @@ protected:
         std::string notes;
         for (const std::string& note : clip_notes(*clip)) notes += "\n  " + note;
         SCOPED_TRACE(notes);
+        EXPECT_EQ(lost_kinds(clip->described().scene.remarks), "");
         EXPECT_EQ(guessed_of(clip->described().scene.remarks), source.guessed);
         expect_opened(*clip, made);
     }

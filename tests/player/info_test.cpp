@@ -12,6 +12,7 @@
 #include "engine/gpu/gpu_device.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
+#include "player/commands/clip_facts.hpp"
 #include "tests/limits.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
@@ -392,6 +393,33 @@ TEST_F(BarePicture, ReportsAlternatingFrames) {
         nlohmann::json::parse(run({"info", folder / "mixed", "--json"}, camera).out, nullptr, false);
     EXPECT_TRUE(told["verdict"].get<std::string>().starts_with("frames of two kinds take turns, one 2."))
         << told["verdict"];
+}
+
+TEST(Verdict, NamesEachKindOfGuess) {
+    ClipFacts facts;
+    facts.clip = "a.mkv";
+    facts.nearest = 1;
+    facts.farthest = 2;
+    facts.scene.width = facts.scene.height = 100;
+    facts.scene.camera = {50, 50, 49.5, 49.5};  // wide: the corners change with range or planar
+    std::set<std::string> verdicts;
+    for (int k = 0; k <= static_cast<int>(RemarkKind::other); ++k) {
+        const auto kind = static_cast<RemarkKind>(k);
+        const bool is_fact = kind == RemarkKind::unit_doubt || kind == RemarkKind::other;
+        facts.scene.remarks = {{"it is so", !is_fact, "", {{Setting::depth_unit}}, kind}};
+        const std::string verdict = verdict_on(facts, nullptr);
+        EXPECT_EQ(verdict.find("(it is so)") != std::string::npos, !is_fact) << k << ": " << verdict;
+        verdicts.insert(verdict);
+        facts.scene.remarks.insert(facts.scene.remarks.begin(),
+                                   {"inside out", true, "", {}, RemarkKind::direction});
+        EXPECT_EQ(verdict_on(facts, nullptr).find("guessed too: ") != std::string::npos, !is_fact) << k;
+    }
+    EXPECT_EQ(verdicts.size(), static_cast<std::size_t>(RemarkKind::other) - 1)
+        << "two facts have one, and a unit one whether it is clear or not";
+    facts.scene.remarks = {{"0.5 m, black", true, "", {{Setting::scene_file, "FILE"}}, RemarkKind::scale}};
+    EXPECT_TRUE(verdict_on(facts, nullptr).ends_with("init-scene a.mkv writes a scene file to say it in"));
+    facts.unit_doubt = "the unit may be wrong";
+    EXPECT_EQ(verdict_on(facts, nullptr), facts.unit_doubt);
 }
 
 TEST_F(BarePicture, ImplausibleUnitIsDoubted) {

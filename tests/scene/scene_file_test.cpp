@@ -210,6 +210,39 @@ TEST(SceneFile, KeepsRemarks) {
     EXPECT_EQ(nlohmann::json::parse(scene_to_json(parsed(recording))).count("remarks"), 0U);
 }
 
+/// In the words of each release, as scene files keep them.
+TEST(SceneFile, KnowsKindsOfRemarks) {
+    const std::pair<const char*, RemarkKind> cases[] = {
+        {"the median depth is 0.2 mm: the unit may be wrong", RemarkKind::unit_doubt},
+        {"guessed: values are lengths, though they are larger in the lower third", RemarkKind::direction},
+        {"guessed: depth has no scale: its nearest is taken for 0.5 m", RemarkKind::scale},
+        {"guessed: red is 0.5 m and the whole circle of hues goes to 1.5 m", RemarkKind::scale},
+        {"guessed: depth goes from 0.5 m, black, to 1.5 m, white", RemarkKind::scale},
+        {"guessed: depth is as LeRobot usually stores it, as it is HEVC of 12 bits", RemarkKind::scale},
+        {"guessed: the camera sees 60 degrees from left to right", RemarkKind::camera},
+        {"guessed: the camera is one of 2 that differ, left.json", RemarkKind::camera},
+        {"guessed: a code is 1 mm, as their median is 418", RemarkKind::unit},
+        {"guessed: depth codes are millimetres: their median, 418, would be 0.418 m", RemarkKind::unit},
+        {"guessed: values are metres: their median, 2, would be 2 m", RemarkKind::unit},
+        {"guessed: lengths are metres", RemarkKind::unit},
+        {"guessed: its disparities are 1/metres, as Apple writes them", RemarkKind::unit},
+        {"guessed: it is as preset realsense has it, of 1 mm a code", RemarkKind::unit},
+        {"guessed: depth is as preset unreal has it", RemarkKind::storage},
+        {"guessed: depth is disparities, as the name says", RemarkKind::storage},
+        {"guessed: depth goes along the camera's axis (planar)", RemarkKind::axis},
+        {"guessed: depth goes along each pixel's ray, as the name says", RemarkKind::axis},
+        {"guessed: colour lies on depth's pixels, though calib.txt is of another camera",
+         RemarkKind::colour_place},
+        {"guessed: depth is depth_%d.png, there is no colour", RemarkKind::other},
+        {"a code is 1 mm, as the RealSense Viewer writes it", RemarkKind::other},
+        {"", RemarkKind::other}};
+    for (const auto& [text, kind] : cases) {
+        const Scene scene = parsed(with_remarks(nlohmann::json{text}.dump()));
+        EXPECT_EQ(scene.remarks.at(0).kind, kind) << text;
+        EXPECT_EQ(remark_text(scene.remarks.at(0)), text);
+    }
+}
+
 TEST(SceneFile, LimitsRemarks) {
     const auto texts = [](std::size_t count, std::size_t length) {
         return nlohmann::json(std::vector<std::string>(count, std::string(length, 'a'))).dump();
