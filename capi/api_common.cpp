@@ -7,10 +7,11 @@
 namespace touchable::capi {
 namespace {
 
-touch_status status_of(ErrorKind kind) {
-    if (kind == ErrorKind::usage) return TOUCH_USAGE;
-    if (kind == ErrorKind::input) return TOUCH_INPUT;
-    return kind == ErrorKind::interrupted ? TOUCH_INTERRUPTED : TOUCH_INTERNAL;
+touch_status status_of(const Error& error) {
+    if (error.cause == ErrorCause::exists) return TOUCH_EXISTS;
+    if (error.kind == ErrorKind::usage) return TOUCH_USAGE;
+    if (error.kind == ErrorKind::input) return TOUCH_INPUT;
+    return error.kind == ErrorKind::interrupted ? TOUCH_INTERRUPTED : TOUCH_INTERNAL;
 }
 
 /// Length of the longest prefix of whole UTF-8 characters that fits into `room`.
@@ -173,7 +174,7 @@ touch_status fail(touch_error* error, touch_status status, std::string_view line
 }
 
 touch_status fail(touch_error* error, const Error& what) noexcept {
-    return fail(error, status_of(what.kind), what.message);
+    return fail(error, status_of(what), what.message);
 }
 
 touch_status fail_stale(touch_error* error, const char* kind) {

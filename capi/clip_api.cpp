@@ -52,9 +52,10 @@ std::string members_of(const Hints& hints) {
 }
 
 /// Adds the helpful members of touch_clip_settings to an error's line.
-Error with_members(const Error& error) {
+Error with_members(Error error) {
     const std::string members = members_of(error.hints);
-    return members.empty() ? error : Error{error.kind, error.message + " (" + members + ')'};
+    if (!members.empty()) error.message += " (" + members + ')';
+    return error;
 }
 
 /// A remark on a clip, with the members that correct it.
@@ -323,13 +324,14 @@ Result<void> check_place(const fs::path& path, bool overwrite) {
     const std::string name = path.string();
     if (is_read_by_an_open_clip(path))
         return usage_error(name + " belongs to a clip that is open; close that first, or give another name");
-    if (!is_folder_name(path) || !fs::is_directory(path, ignored))
-        return overwrite ? Result<void>()
-                         : usage_error(name + " is there already; give another name, or set overwrite");
-    if (!is_image_folder(path))
+    const bool is_folder = is_folder_name(path) && fs::is_directory(path, ignored);
+    if (is_folder && !is_image_folder(path))
         return usage_error(name + " holds other files than a clip's pictures; give another name");
-    if (!overwrite && !fs::is_empty(path, ignored))
-        return usage_error(name + " is there already; give another name, or set overwrite");
+    if (!overwrite && !(is_folder && fs::is_empty(path, ignored)))
+        return Error{ErrorKind::usage,
+                     name + " is there already; give another name, or set overwrite",
+                     {},
+                     ErrorCause::exists};
     return {};
 }
 

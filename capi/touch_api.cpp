@@ -416,18 +416,18 @@ uint32_t touch_version(void) {
 }
 
 const char* touch_status_name(touch_status status) {
-    constexpr std::pair<touch_status, const char*> names[] = {
-        {TOUCH_OK, "done"},
-        {TOUCH_INTERNAL, "internal fault"},
-        {TOUCH_USAGE, "bad argument"},
-        {TOUCH_INPUT, "bad input"},
-        {TOUCH_INTERRUPTED, "interrupted"},
-        {TOUCH_STALE, "stale handle"},
-        {TOUCH_BUSY, "busy"},
-        {TOUCH_FULL, "full"},
-        {TOUCH_END, "no more frames"},
-        {TOUCH_NO_MEMORY, "not enough memory"},
-        {TOUCH_FORKED, "belongs to the parent process"}};
+    constexpr std::pair<touch_status, const char*> names[] = {{TOUCH_OK, "done"},
+                                                              {TOUCH_INTERNAL, "internal fault"},
+                                                              {TOUCH_USAGE, "bad argument"},
+                                                              {TOUCH_INPUT, "bad input"},
+                                                              {TOUCH_INTERRUPTED, "interrupted"},
+                                                              {TOUCH_STALE, "stale handle"},
+                                                              {TOUCH_BUSY, "busy"},
+                                                              {TOUCH_FULL, "full"},
+                                                              {TOUCH_END, "no more frames"},
+                                                              {TOUCH_NO_MEMORY, "not enough memory"},
+                                                              {TOUCH_FORKED, "belongs to the parent process"},
+                                                              {TOUCH_EXISTS, "file exists"}};
     for (const auto& [known, name] : names)
         if (known == status) return name;
     return "unknown status";

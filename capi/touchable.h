@@ -68,6 +68,7 @@ typedef int32_t touch_status;
 #define TOUCH_END 19          /**< there are no more frames */
 #define TOUCH_NO_MEMORY 20    /**< there is not enough memory, or there are too many objects */
 #define TOUCH_FORKED 21       /**< the object was made before fork(), by the parent process */
+#define TOUCH_EXISTS 22       /**< a file of that name exists, and may not be replaced */
 
 /** What went wrong, in one line of UTF-8 without a newline. */
 typedef struct touch_error {
@@ -469,9 +470,9 @@ typedef struct touch_writer_settings {
  * an unknown size. Not yet stable. */
 TOUCH_API touch_status touch_writer_settings_defaults(touch_writer_settings *settings, uint32_t struct_size);
 /** Begins a clip. Its name `path` (UTF-8) selects the form: NAME.mkv, NAME.mp4, or a folder of PNG pictures (a name
- * without a dot). Depth, haptic and height pictures keep every value. `settings` may be NULL: defaults. TOUCH_USAGE:
- * the file exists, an open clip is read from it, or a setting is out of range. TOUCH_INPUT: the place is not
- * writable. Not yet stable. */
+ * without a dot). Depth, haptic and height pictures keep every value. `settings` may be NULL: defaults. TOUCH_EXISTS:
+ * the file exists; `overwrite` replaces it. TOUCH_USAGE: an open clip is read from it, or a setting is out of range.
+ * TOUCH_INPUT: the place is not writable. Not yet stable. */
 TOUCH_API touch_status touch_writer_create(const char *path, touch_scene scene, const touch_writer_settings *settings,
                                            touch_writer *writer, touch_error *error);
 /** Writes a frame, with the same kinds of pictures as the first one and the scene's size. Its number and time are

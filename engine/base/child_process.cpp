@@ -152,8 +152,9 @@ Result<std::string> ChildProcess::all_output(std::size_t most) {
     }
     siginfo_t end;
     if (!wait_unless_stopped([&] { return has_ended(end); }, child_step)) return interrupted_error();
-    const std::string how = how_it_ended();
-    return how == "ended" ? Result<std::string>(std::move(all)) : input_error(how);
+    hear_errors();
+    TRY(outcome(end));
+    return all;
 }
 
 std::string ChildProcess::how_it_ended() {
@@ -166,10 +167,19 @@ std::string ChildProcess::how_it_ended() {
     }
     hear_errors();
     if (!ended) return "closed its standard output" + last_words();
-    if (how.si_code != CLD_EXITED && how.si_status == SIGXCPU) return out_of_time;
-    if (how.si_code != CLD_EXITED) return "ended by signal " + std::to_string(how.si_status) + last_words();
-    if (how.si_status == 0) return "ended";
-    return "ended with status " + std::to_string(how.si_status) + last_words();
+    const auto well = outcome(how);
+    return well ? "ended" : well.error().message;
+}
+
+/// Of a child that has ended; an error unless it ended well.
+Result<void> ChildProcess::outcome(const ::siginfo_t& how) const {
+    const std::string status = std::to_string(how.si_status);
+    if (how.si_code == CLD_EXITED)
+        return how.si_status == 0 ? Result<void>()
+                                  : input_error("ended with status " + status + last_words());
+    if (how.si_status == SIGXCPU)
+        return Error{ErrorKind::input, "used up its processor time", {}, ErrorCause::out_of_time};
+    return input_error("ended by signal " + status + last_words());
 }
 
 void ChildProcess::hear_errors() {

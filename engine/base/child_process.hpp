@@ -51,13 +51,12 @@ public:
     /// Descriptors to poll for more output; poll ignores a descriptor of -1.
     std::array<::pollfd, 2> waits() const;
     /// Returns the whole standard output once the child has ended well. An error says how it ended, or that
-    /// it wrote more than `most` bytes, or that the program is asked to stop (ErrorKind::interrupted).
+    /// it wrote more than `most` bytes, that it ran for longer than its ChildLimits
+    /// (ErrorCause::out_of_time), or that the program is asked to stop (ErrorKind::interrupted).
     Result<std::string> all_output(std::size_t most);
     /// Says how the child ended, such as "ended" or "ended with status 1: no such file", once its output has
     /// ended. Waits for its exit for at most 0.2 s.
     std::string how_it_ended();
-    /// How a child ended that ran for longer than its ChildLimits.
-    static constexpr const char* out_of_time = "used up its processor time";
 
 private:
     ChildProcess(::pid_t process, Descriptor output, Descriptor errors)
@@ -65,6 +64,7 @@ private:
     void hear_errors();
     std::string last_words() const;
     bool has_ended(::siginfo_t& how) const;
+    Result<void> outcome(const ::siginfo_t& how) const;
 
     const ::pid_t process_;  // also the id of its group, which stays taken until it is waited for
     Descriptor output_, errors_;

@@ -53,12 +53,20 @@ using Hints = std::vector<Hint>;
 /// The kind of an error; each kind has its own exit code (see `exit_code`).
 enum class ErrorKind { internal, usage, input, gpu, device, check, interrupted };
 
+/// What a caller may have to tell from other errors of their kind.
+enum class ErrorCause {
+    other,
+    exists,      ///< a file of that name, which may not be replaced
+    out_of_time  ///< a program used up its processor time (ChildLimits)
+};
+
 /// One line for a person: what is wrong, where (file, track, frame, setting, device), and what would be
 /// right.
 struct Error {
     ErrorKind kind = ErrorKind::internal;
     std::string message;
     Hints hints{};  ///< the settings that the message mentions; the program has its own names for them
+    ErrorCause cause = ErrorCause::other;
 };
 
 /// 1 internal fault, 2 bad usage, 3 bad input, 4 no usable GPU, 5 device fault, 6 a check failed, 130

@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _library, _planes
 from ._clip import Clip, Frame
-from ._library import Handle, Struct, WriterSettings, call, encoded, flag, made, status_of
+from ._library import Struct, WriterSettings, call, encoded, flag, made, status_of
 from ._scene import Camera, Scene, most_codes, scene_of, usual_far_m
-from .errors import Error, ExistingFileError, error_of
+from .errors import Error, error_of
 
 
 def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | None = None, scene: Scene | None = None,
@@ -60,7 +60,8 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
         raise _planes.refuse("there are no frames to write")
     meaning = _meaning(first[0], camera, scene, fps)
     times = None if times_ns is None else _checked(times_ns)
-    writer = _create(path, meaning, _settings(overwrite, small, exact_colour, times))
+    writer = made("writer_create", "writer_abandon", encoded(f"the path {path!r}", path), meaning._handle.number,
+                  _settings(overwrite, small, exact_colour, times))
     count = lost = 0
     watch = _Times(meaning.frames_per_second) if times is None else None
     try:
@@ -179,15 +180,6 @@ def _settings(overwrite: bool, small: bool, exact_colour: bool, times: NDArray[n
     settings.times_ns, settings.times = times.ctypes.data_as(ctypes.POINTER(ctypes.c_int64)), len(times)
     settings.array = times
     return settings
-
-
-def _create(path: str | os.PathLike, scene: Scene, settings: Struct) -> Handle:
-    try:
-        return made("writer_create", "writer_abandon", encoded(f"the path {path!r}", path), scene._handle.number, settings)
-    except Error as problem:
-        if " is there already; " in problem.line:  # no status distinguishes it from other usage errors
-            raise ExistingFileError(problem.status, problem.line) from None
-        raise
 
 
 class _Times:

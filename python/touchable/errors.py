@@ -18,6 +18,7 @@ class Status(enum.IntEnum):
     END: there are no more frames; a loop ends then.
     NO_MEMORY: there is not enough memory, or there are too many objects.
     FORKED: the object belongs to the parent process.
+    EXISTS: a file of that name exists, and may not be replaced.
     INTERRUPTED: somebody asked to stop.
     """
 
@@ -31,6 +32,7 @@ class Status(enum.IntEnum):
     END = 19
     NO_MEMORY = 20
     FORKED = 21
+    EXISTS = 22
     INTERRUPTED = 130
 
 
@@ -69,10 +71,11 @@ class MissingFileError(Error, FileNotFoundError):
 
 
 class ExistingFileError(Error, FileExistsError):
-    """The file is there already: Status.USAGE, and a FileExistsError. overwrite=True replaces it."""
+    """The file is there already: Status.EXISTS, and a FileExistsError. overwrite=True replaces it."""
 
 
-_kinds: dict[int, type[Error]] = {Status.USAGE: UsageError, Status.STALE: ClosedError, Status.FORKED: ClosedError}
+_kinds: dict[int, type[Error]] = {Status.USAGE: UsageError, Status.STALE: ClosedError, Status.FORKED: ClosedError,
+                                  Status.EXISTS: ExistingFileError}
 
 
 def error_of(status: int, line: str) -> Error:

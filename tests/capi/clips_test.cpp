@@ -332,12 +332,16 @@ TEST(Writers, ReplaceOnlyOnRequest) {
     const TemporaryFolder folder;
     const fs::path file = make_globe(folder / "globe.mkv");
     const touch::Scene scene(Hill::camera());
-    EXPECT_THROW(touch::Writer(file.string(), scene), touch::Error) << "it is there already";
+    touch_writer refused{};
+    EXPECT_EQ(touch_writer_create(file.c_str(), scene.get(), nullptr, &refused, nullptr), TOUCH_EXISTS);
+    EXPECT_THROW(touch::Writer(file.string(), scene), touch::Error);
     touch_writer_settings replaces = touch::writer_settings();
     replaces.overwrite = 1;
     {
         const touch::Clip open(file.string());
         EXPECT_THROW(touch::Writer(file.string(), scene, replaces), touch::Error);
+        EXPECT_EQ(touch_writer_create(file.c_str(), scene.get(), nullptr, &refused, nullptr), TOUCH_USAGE)
+            << "an open clip is read from it";
         fs::create_symlink(file, folder / "link.mkv");
         EXPECT_THROW(touch::Writer((folder / "link.mkv").string(), scene, replaces), touch::Error)
             << "the same file by another name";

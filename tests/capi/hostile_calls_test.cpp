@@ -234,6 +234,7 @@ TEST(HostileCalls, EachGivesStatus) {
 TEST(Statuses, HaveNames) {
     EXPECT_EQ(touch_version(), static_cast<std::uint32_t>(TOUCH_VERSION));
     EXPECT_STREQ(touch_status_name(TOUCH_STALE), "stale handle");
+    EXPECT_STREQ(touch_status_name(TOUCH_EXISTS), "file exists");
     EXPECT_STREQ(touch_status_name(12345), "unknown status");
 }
 

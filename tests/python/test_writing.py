@@ -212,8 +212,8 @@ class Writing(unittest.TestCase):
         touchable.write(self.path(), ramp(1), camera=self.camera)
         with self.assertRaises(FileExistsError) as refused:
             touchable.write(self.path(), ramp(2), camera=self.camera)
-        self.assertIsInstance(refused.exception, touchable.Error)
-        self.assertEqual(refused.exception.status, touchable.Status.USAGE)
+        self.assertIsInstance(refused.exception, touchable.ExistingFileError)
+        self.assertEqual(refused.exception.status, touchable.Status.EXISTS)
         self.assertEqual(len(self.read()), 1)
         touchable.write(self.path(), ramp(2), camera=self.camera, overwrite=True)
         self.assertEqual(len(self.read()), 2)

@@ -244,8 +244,9 @@ TEST(ChildProcess, IsBoundedInItsResources) {
     EXPECT_NE(failure_of(output).find("ended with status 1: dd: memory exhausted"), std::string::npos)
         << failure_of(output);
     const ChildLimits short_time{.memory_bytes = 0, .processor_seconds = 1};
-    EXPECT_EQ(failure_of(output_of({"sh", "-c", "while :; do :; done"}, 100, short_time)),
-              ChildProcess::out_of_time);
+    const auto endless = output_of({"sh", "-c", "while :; do :; done"}, 100, short_time);
+    ASSERT_EQ(failure_of(endless), "used up its processor time");
+    EXPECT_EQ(endless.error().cause, ErrorCause::out_of_time);
 }
 
 /// As in a program that links this library.
