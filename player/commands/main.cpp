@@ -119,6 +119,28 @@ void check_values(const CLI::App& command, std::span<const std::string> words) {
     }
 }
 
+/// The first option of a command that does not go with what else is given, in the order in which CLI11
+/// checks; empty: the error is of another kind.
+std::string clash_of_options(const CLI::App& command, const CLI::ParseError& error) {
+    const bool lacks_another = dynamic_cast<const CLI::RequiresError*>(&error),
+               excludes_another = dynamic_cast<const CLI::ExcludesError*>(&error),
+               has_wrong_count = dynamic_cast<const CLI::ArgumentMismatch*>(&error);
+    for (const CLI::Option* option : command.get_options()) {
+        const std::string name = option->get_name();
+        const auto count = static_cast<int>(option->count());
+        if (count == 0) continue;
+        for (const CLI::Option* other : option->get_needs())
+            if (lacks_another && other->count() == 0) return name + " needs " + other->get_name();
+        for (const CLI::Option* other : option->get_excludes())
+            if (excludes_another && other->count() > 0)
+                return name + " does not go with " + other->get_name() + "; leave one of them out";
+        if (has_wrong_count && option->get_multi_option_policy() == CLI::MultiOptionPolicy::Throw &&
+            count > std::max(option->get_items_expected_max(), 1))
+            return name + " is given more than once";
+    }
+    return {};
+}
+
 /// CLI11's message on one line, with a hint to the correct usage. `typed`: all words.
 Error bad_usage(const CLI::App& app, const CLI::ParseError& error, std::span<const std::string> typed) {
     std::string message = error.what();
@@ -137,18 +159,8 @@ Error bad_usage(const CLI::App& app, const CLI::ParseError& error, std::span<con
         if (at != typed.begin() && at != typed.end() && *(at - 1) == "--json")
             message += "; for a file type --json=" + first;
     }
-    const auto reword = [&](const std::string& from, const std::string& to, const char* behind) {
-        const auto at = message.find(from);
-        if (at == std::string::npos) return;
-        message.replace(at, from.size(), to);
-        message += behind;
-    };
-    if (dynamic_cast<const CLI::RequiresError*>(&error)) reword(" requires ", " needs ", "");
-    if (dynamic_cast<const CLI::ExcludesError*>(&error))
-        reword(" excludes ", " does not go with ", "; leave one of them out");
-    if (const auto at = message.find(": At Most ");
-        dynamic_cast<const CLI::ArgumentMismatch*>(&error) && at != std::string::npos)
-        message = message.substr(0, at) + " is given more than once";
+    for (const CLI::App* command : chosen)
+        if (const std::string clash = clash_of_options(*command, error); !clash.empty()) message = clash;
     std::error_code ignored;
     for (const std::string& word : app.remaining(true))
         if (word.starts_with('-') && std::filesystem::exists(word, ignored))
