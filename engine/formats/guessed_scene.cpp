@@ -104,6 +104,25 @@ Result<const SourceDescription::Preset*> known_preset(const SourceDescription& k
                        {{Setting::preset}});
 }
 
+/// What arrays beside depth in its own file say of the camera.
+Result<void> add_own_arrays(const fs::path& file, ReadPictures& pictures, PicturesOfCamera& place) {
+    TRY_ASSIGN(const auto stack, pictures.stack_in(file));
+    if (!stack) return {};
+    place.own = cameras_in_arrays(stack->small_arrays());
+    std::error_code ignored;
+    place.own_file = fs::weakly_canonical(file, ignored);
+    for (const SmallArray& array : stack->small_arrays())
+        if (has_word(array.name, {"extrinsic", "pose", "c2w", "w2c"}))
+            place.own_not_used.push_back(array.name + " in " + file.filename().string());
+    return {};
+}
+
+void know_own_camera(const Intrinsics& camera, const fs::path& file, PicturesOfCamera& place) {
+    std::error_code ignored;
+    place.own.cameras = {{.intrinsics = camera}};
+    place.own_file = fs::weakly_canonical(file, ignored);
+}
+
 /// Makes a scene of depth as in one picture: its camera, unit, values and rate. What is not stated is
 /// guessed, and each guess is a remark.
 class SceneGuess {
@@ -151,6 +170,24 @@ public:
             {{Setting::intrinsics}, {Setting::field_of_view}, {Setting::depth_unit}, {Setting::preset}});
     }
 
+    /// Describes depth in files, of which `first` was read: its camera is sought in `place`, and `name` is
+    /// evidence.
+    Result<void> describe_files(const StoredImage& depth, ReadPictures& pictures, const fs::path& first,
+                                const fs::path& name, PicturesOfCamera place) {
+        const auto files = place.frames.empty() ? std::vector{first} : place.frames;
+        if (files.size() == 1) TRY(add_own_arrays(files.front(), pictures, place));
+        if (const auto camera = pictures.camera_in(files)) know_own_camera(*camera, first, place);
+        place_ = std::move(place);
+        are_points_ = is_named_cloud(first);
+        if (!are_points_) know_name(name);
+        if (const auto arrays = pictures.stack_in(first); arrays && *arrays) know_array((*arrays)->array());
+        if (auto described = describe(place_.folder, depth); !described)
+            return error_at((place_.is_whole_folder ? place_.folder : first).string(), described.error());
+        tell_of_preset();
+        tell_of_jpeg(depth);
+        return {};
+    }
+
     GuessedScene made() { return {std::move(described_), std::move(inputs_)}; }
     Scene& scene() { return scene_; }
     void say(std::string guess, std::string otherwise = {}, Hints hints = {},
@@ -175,54 +212,13 @@ public:
         say(std::move(said));
     }
 
-    /// Depth is the z of a cloud's points: lengths, whatever the file's name.
-    void know_points() { are_points_ = true; }
-
-    void tell_of_preset() {
-        if (evident_.preset == nullptr) return;
-        say("depth is as preset " + std::string(evident_.preset->name) + " has it (" + evident_.preset->what +
-                "), as " + evident_.why,
-            Hints{{Setting::preset}, {Setting::depth_unit}}, RemarkKind::storage);
-    }
-
-    /// Tells what a JPEG has lost, which cannot be restored.
-    void tell_of_jpeg(const StoredImage& depth) {
-        if (depth.codec != "mjpeg") return;
-        const DepthCoding& coding = scene_.depth;
-        const double middle = coding.depth(128), step = std::abs(coding.depth(129) - middle);
-        add_remark(
-            scene_.remarks,
-            {"depth is a JPEG, and has lost what is finer than 256 levels (" + short_number(step, 2) +
-             " m at " + short_number(middle, 2) + " m); JPEG moved pixels by some of these, most of all " +
-             "beside edges. Where there is a PNG of 16 bits or an array of the same, take that"});
-    }
-
     void know_cameras(const GuessedCameras& cameras) { frames_ = cameras; }
-    /// Takes evidence from the pictures' name, or their folder's if theirs has no letters (disp/0001.png).
-    void know_name(const fs::path& path) {
-        const std::string own = path.stem().string();
-        const bool has_letters =
-            std::ranges::any_of(own, [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); });
-        const std::string name = has_letters ? own : path.parent_path().filename().string();
-        is_named_ = true;
-        says_disparity_ = is_named_disparity(name);
-        says_range_ = is_named_range(name);
-        unit_in_name_ = unit_in_name(name);
-    }
-    /// Takes evidence from the name of depth's array, which says more than the file's.
-    void know_array(const std::string& name) {
-        says_disparity_ =
-            is_named_disparity(name) || (says_disparity_ && small_letters(name).find("depth") == name.npos);
-        says_range_ = says_range_ || is_named_range(name);
-    }
     void know_list(const std::string& file) { list_ = file; }
     /// Cameras that differ from frame to frame, as FolderSource::cameras.
     const std::string& frame_cameras() const { return beside_.frame_cameras; }
     bool takes_frame_cameras() const {
         return !beside_.frame_cameras.empty() && !known_.intrinsics && !known_.fov && !frames_;
     }
-    /// Sets where a camera's file is sought; `describe` sets the folder.
-    void know_place(PicturesOfCamera place) { place_ = std::move(place); }
     /// Takes the rate of a colour video with as many frames as depth.
     void take_rate(const ColourVideo& video) {
         scene_.rate = video.file->rate();
@@ -235,8 +231,7 @@ public:
         constexpr double slowest = 0.01;
         if (beside_.frames_per_second < slowest) return false;
         scene_.rate = stated_rate(beside_.frames_per_second);
-        const bool is_new = inputs_.empty() || inputs_.back() != beside_.rate_file;
-        if (is_new && beside_.rate_file != place_.own_file) inputs_.push_back(beside_.rate_file);
+        add_input(beside_.rate_file);
         tell(short_number(scene_.rate.per_second()) + " frames a second, as " +
                  printable(beside_.rate_file.filename().string()) + " says",
              "a scene file's rate says otherwise");
@@ -271,7 +266,7 @@ public:
         const auto picture = pictures.look(colour);
         std::string why;
         if (const auto file = colour_movement_in(here)) {
-            inputs_.push_back(*file);
+            add_input(*file);
             if (picture && take_colour_camera(*file, (*picture)->image)) return;
             why = file->filename().string() + " says how its camera stands";
         } else if (picture && has_camera_of_depth_) {
@@ -279,7 +274,7 @@ public:
                 camera_of_colour_in(here, scene_, (*picture)->image.width, (*picture)->image.height);
             if (!other) return;
             why = other->filename().string() + " is of another camera than depth's";
-            inputs_.push_back(*other);
+            add_input(*other);
         } else {
             return;
         }
@@ -288,6 +283,45 @@ public:
     }
 
 private:
+    void tell_of_preset() {
+        if (evident_.preset == nullptr) return;
+        say("depth is as preset " + std::string(evident_.preset->name) + " has it (" + evident_.preset->what +
+                "), as " + evident_.why,
+            Hints{{Setting::preset}, {Setting::depth_unit}}, RemarkKind::storage);
+    }
+
+    /// Tells what a JPEG has lost, which cannot be restored.
+    void tell_of_jpeg(const StoredImage& depth) {
+        if (depth.codec != "mjpeg") return;
+        const DepthCoding& coding = scene_.depth;
+        const double middle = coding.depth(128), step = std::abs(coding.depth(129) - middle);
+        tell("depth is a JPEG, and has lost what is finer than 256 levels (" + short_number(step, 2) +
+             " m at " + short_number(middle, 2) + " m); JPEG moved pixels by some of these, most of all " +
+             "beside edges. Where there is a PNG of 16 bits or an array of the same, take that");
+    }
+
+    /// Takes evidence from the pictures' name, or their folder's if theirs has no letters (disp/0001.png).
+    void know_name(const fs::path& path) {
+        const std::string own = path.stem().string();
+        const bool has_letters =
+            std::ranges::any_of(own, [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); });
+        const std::string name = has_letters ? own : path.parent_path().filename().string();
+        is_named_ = true;
+        says_disparity_ = is_named_disparity(name);
+        says_range_ = is_named_range(name);
+        unit_in_name_ = unit_in_name(name);
+    }
+    /// Takes evidence from the name of depth's array, which says more than the file's.
+    void know_array(const std::string& name) {
+        says_disparity_ =
+            is_named_disparity(name) || (says_disparity_ && small_letters(name).find("depth") == name.npos);
+        says_range_ = says_range_ || is_named_range(name);
+    }
+    /// Counts a file as read for the scene; the pictures' own one is so in any case.
+    void add_input(const fs::path& file) {
+        if (file != place_.own_file && std::ranges::find(inputs_, file) == inputs_.end())
+            inputs_.push_back(file);
+    }
     bool preset_is_packed() const { return preset_ && preset_->stored.packed; }
     std::uint16_t largest_code() const { return scene_.depth_bits == 8 ? 255 : 65535; }
     /// A person's camera file, scaled as one that is found; an error if it is for other pictures.
@@ -336,8 +370,7 @@ private:
         }
         if (beside_.camera) {
             file_ = *beside_.camera;
-            const bool is_used = !known_.intrinsics && !known_.fov && !frames_;
-            if (is_used && beside_.file != place_.own_file) inputs_.push_back(beside_.file);
+            if (!known_.intrinsics && !known_.fov && !frames_) add_input(beside_.file);
         }
         has_camera_of_depth_ = known_.intrinsics || known_.fov || frames_ || beside_.camera;
         if (known_.intrinsics) {
@@ -347,8 +380,8 @@ private:
             const Camera& camera = scene_.camera;
             const auto is_far = [](double at, int side) { return at < -0.5 * side || at > 1.5 * side; };
             if (is_far(camera.cx, scene_.width) || is_far(camera.cy, scene_.height))
-                add_remark(scene_.remarks, {"the principal point that was said, " + short_number(camera.cx) +
-                                            ", " + short_number(camera.cy) + ", is far beside the picture"});
+                tell("the principal point that was said, " + short_number(camera.cx) + ", " +
+                     short_number(camera.cy) + ", is far beside the picture");
         } else if (known_.fov) {
             scene_.camera = camera_of_fov(*known_.fov, scene_.width, scene_.height);
         } else if (frames_) {
@@ -454,9 +487,7 @@ private:
                                        {{Setting::preset}});
                 scene_.stored.baseline = file_.baseline;
                 scene_.stored.offset = file_.offset * scene_.camera.fx / file_.intrinsics.fx;
-                if (beside_.file != place_.own_file &&
-                    std::ranges::find(inputs_, beside_.file) == inputs_.end())
-                    inputs_.push_back(beside_.file);
+                add_input(beside_.file);
             } else if (preset_->intrinsics.fx > 0) {  // baseline x fx is what is known
                 scene_.stored.baseline *= preset_->intrinsics.fx / scene_.camera.fx;
             }
@@ -478,11 +509,9 @@ private:
         // Numbers of 8 bits are hardly ever lengths.
         if (const double codes = beside_.codes_per_metre; codes > 0 && !values.is_float && values.bits > 8) {
             set_metric(1 / codes);
-            const fs::path& file = beside_.scale_file;
-            if (std::ranges::find(inputs_, file) == inputs_.end() && file != place_.own_file)
-                inputs_.push_back(file);
+            add_input(beside_.scale_file);
             tell("a code is " + short_number(1000 / codes) + " mm, as " +
-                     printable(file.filename().string()) + " says",
+                     printable(beside_.scale_file.filename().string()) + " says",
                  {}, {{Setting::depth_unit}});
             return {};
         }
@@ -495,8 +524,7 @@ private:
         }
         if (const double metres = beside_.metres_per_value; metres > 0 && values.is_float) {
             set_metric(metres);
-            if (std::ranges::find(inputs_, beside_.unit_file) == inputs_.end())
-                inputs_.push_back(beside_.unit_file);
+            add_input(beside_.unit_file);
             tell("a value of 1 is " + short_number(1000 * metres) + " mm, as " +
                      printable(beside_.unit_file.filename().string()) + " says",
                  {}, {{Setting::depth_unit}});
@@ -714,7 +742,7 @@ private:
             scene_.colour_camera.reset();
             return false;
         }
-        inputs_.push_back(found->file);
+        add_input(found->file);
         const bool is_unit_told = preset_ != nullptr || known_.metres_per_code.has_value();
         add_remark(scene_.remarks,
                    {"colour is brought onto depth's pixels, as " + printable(movement.filename().string()) +
@@ -742,25 +770,6 @@ private:
     bool has_camera_of_depth_ = false;  // stated, or read
     bool are_points_ = false;           // of a cloud
 };
-
-/// What arrays beside depth in its own file say of the camera.
-Result<void> add_own_arrays(const fs::path& file, ReadPictures& pictures, PicturesOfCamera& place) {
-    TRY_ASSIGN(const auto stack, pictures.stack_in(file));
-    if (!stack) return {};
-    place.own = cameras_in_arrays(stack->small_arrays());
-    std::error_code ignored;
-    place.own_file = fs::weakly_canonical(file, ignored);
-    for (const SmallArray& array : stack->small_arrays())
-        if (has_word(array.name, {"extrinsic", "pose", "c2w", "w2c"}))
-            place.own_not_used.push_back(array.name + " in " + file.filename().string());
-    return {};
-}
-
-void know_own_camera(const Intrinsics& camera, const fs::path& file, PicturesOfCamera& place) {
-    std::error_code ignored;
-    place.own.cameras = {{.intrinsics = camera}};
-    place.own_file = fs::weakly_canonical(file, ignored);
-}
 
 /// The pattern if each frame's camera can be read by it; otherwise empty.
 std::string usable_cameras(const fs::path& folder, FolderSource source, const std::string& pattern,
@@ -808,19 +817,8 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     if (is_list(depth.pattern)) guess.know_list(depth.pattern);
     PicturesOfCamera place{.folder = folder, .within = folder_of(depth), .is_whole_folder = true};
     if (files) place.frames = files->files;
-    if (place.frames.size() == 1) TRY(add_own_arrays(place.frames.front(), *pictures, place));
-    if (const auto camera = pictures->camera_in(place.frames)) know_own_camera(*camera, depth.first, place);
-    guess.know_place(std::move(place));
-    if (is_named_cloud(depth.first))
-        guess.know_points();
-    else
-        guess.know_name(fs::weakly_canonical(folder) / depth.pattern);
-    if (const auto arrays = pictures->stack_in(depth.first); arrays && *arrays)
-        guess.know_array((*arrays)->array());
-    if (auto described = guess.describe(folder, stored); !described)
-        return error_at(folder.string(), described.error());
-    guess.tell_of_preset();
-    guess.tell_of_jpeg(stored);
+    TRY(guess.describe_files(stored, *pictures, depth.first, fs::weakly_canonical(folder) / depth.pattern,
+                             std::move(place)));
     Scene& scene = guess.scene();
     scene.name = fs::weakly_canonical(folder).filename().string();
     scene.folder.emplace();
@@ -909,22 +907,11 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
     if (is_of_viewer)
         guess.tell("a code is 1 mm, as the RealSense Viewer writes it", {}, {{Setting::depth_unit}});
     PicturesOfCamera place{.folder = file.parent_path(), .within = {}, .stem = file.stem().string()};
-    TRY(add_own_arrays(file, *pictures, place));
     if (metadata) {
         TRY_ASSIGN(const auto camera, read_realsense_metadata(*metadata));
         know_own_camera(camera, *metadata, place);
     }
-    if (const auto camera = pictures->camera_in(std::span(&file, 1))) know_own_camera(*camera, file, place);
-    guess.know_place(std::move(place));
-    if (is_named_cloud(file))
-        guess.know_points();
-    else
-        guess.know_name(fs::weakly_canonical(file));
-    if (const auto arrays = pictures->stack_in(file); arrays && *arrays) guess.know_array((*arrays)->array());
-    if (auto described = guess.describe(file.parent_path(), stored); !described)
-        return error_at(file.string(), described.error());
-    guess.tell_of_preset();
-    guess.tell_of_jpeg(stored);
+    TRY(guess.describe_files(stored, *pictures, file, fs::weakly_canonical(file), std::move(place)));
     guess.scene().name = file.stem().string();
     guess.scene().folder.emplace();
     guess.scene().folder->depth = name;
