@@ -508,31 +508,30 @@ private:
         }
         // Numbers of 8 bits are hardly ever lengths.
         if (const double codes = beside_.codes_per_metre; codes > 0 && !values.is_float && values.bits > 8) {
-            set_metric(1 / codes);
-            add_input(beside_.scale_file);
-            tell("a code is " + short_number(1000 / codes) + " mm, as " +
-                     printable(beside_.scale_file.filename().string()) + " says",
-                 {}, {{Setting::depth_unit}});
+            take_unit(1 / codes, "a code is " + short_number(1000 / codes) + " mm", beside_.scale_file);
             return {};
         }
         // Integers are no metres.
         if (unit_in_name_ && values.bits > 8 && (values.is_float || unit_in_name_->metres < 1)) {
-            set_metric(unit_in_name_->metres);
-            tell(std::string("values are ") + unit_in_name_->words + ", as the name says", {},
-                 {{Setting::depth_unit}});
+            take_unit(unit_in_name_->metres, std::string("values are ") + unit_in_name_->words, {});
             return {};
         }
         if (const double metres = beside_.metres_per_value; metres > 0 && values.is_float) {
-            set_metric(metres);
-            add_input(beside_.unit_file);
-            tell("a value of 1 is " + short_number(1000 * metres) + " mm, as " +
-                     printable(beside_.unit_file.filename().string()) + " says",
-                 {}, {{Setting::depth_unit}});
+            take_unit(metres, "a value of 1 is " + short_number(1000 * metres) + " mm", beside_.unit_file);
             return {};
         }
         guess_unit(values);
         is_unit_guessed_ = true;
         return {};
+    }
+
+    /// Takes the unit that a file states, or depth's name if that is empty.
+    void take_unit(double metres, std::string fact, const fs::path& file) {
+        set_metric(metres);
+        if (!file.empty()) add_input(file);
+        tell(std::move(fact) + ", as " + (file.empty() ? "the name" : printable(file.filename().string())) +
+                 " says",
+             {}, {{Setting::depth_unit}});
     }
 
     /// Decides whether lengths go along each pixel's ray, as the name may say, or along the camera's axis, as
@@ -913,22 +912,21 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
     }
     TRY(guess.describe_files(stored, *pictures, file, fs::weakly_canonical(file), std::move(place)));
     guess.scene().name = file.stem().string();
-    guess.scene().folder.emplace();
-    guess.scene().folder->depth = name;
+    FolderSource& folder = guess.scene().folder.emplace();
+    folder.depth = name;
     if (const auto colour = colour_beside(file, *pictures)) {
-        guess.scene().folder->colour = colour->filename().string();
-        guess.say("colour is " + guess.scene().folder->colour);
+        folder.colour = colour->filename().string();
+        guess.say("colour is " + folder.colour);
         guess.place_colour(file.parent_path(), *colour, *pictures);
     } else if (stored.beside && stored.beside->colour) {
-        guess.scene().folder->colour = name;
+        folder.colour = name;
     }
-    if (stored.beside) guess.tell_of_layers(*stored.beside, guess.scene().folder->colour == name);
+    if (stored.beside) guess.tell_of_layers(*stored.beside, folder.colour == name);
     TRY_ASSIGN(const auto stack, pictures->stack_in(file));
     std::optional<ColourVideo> video;
-    if (stack && stack->count() > 1 && guess.scene().folder->colour.empty())
-        video = colour_video_beside(file);
+    if (stack && stack->count() > 1 && folder.colour.empty()) video = colour_video_beside(file);
     if (video) {
-        guess.scene().folder->colour = video->name;
+        folder.colour = video->name;
         guess.say("colour is " + printable(video->name));
         if (video->file->count() == stack->count()) guess.take_rate(*video);
     } else if (stack && stack->count() > 1) {

@@ -363,89 +363,67 @@ constexpr double many_holes_pct = 60, nearly_all_holes_pct = 90;
 /// numbers; below a twentieth for a room's depth.
 constexpr double much_torn = 0.2;
 
+/// What the verdict says of a guess; the most important first.
+struct GuessWords {
+    RemarkKind kind;
+    const char* name;           ///< beside a more important one
+    const char* verdict;        ///< before the remark
+    const char *cure, *option;  ///< around "touchable play CLIP"
+};
+constexpr GuessWords guess_words[] = {
+    {RemarkKind::direction, "whether it is inside out", "may be inside out", "",
+     " --preset relative-inverse"},
+    {RemarkKind::scale, "its size", "good to touch if its size is right",
+     "say the unit if values are lengths, ", " --depth-unit METRES, or near and far in a scene file"},
+    {RemarkKind::unclear_unit, "the unit", "good to touch if the unit is right", "say it, ",
+     " --depth-unit METRES"},
+    {RemarkKind::camera, "the camera", "good to touch if the camera is right", "say what it sees, ",
+     " --fov DEGREES"},
+    {RemarkKind::unit, "the unit", "good to touch if the unit is right", "say it, ", " --depth-unit METRES"},
+    {RemarkKind::storage, "how depth is stored", "good to touch if the way in which depth is stored is right",
+     "name it, ", " --preset NAME"},
+    {RemarkKind::axis, "range or planar", "good to touch if depth is", "say which, ",
+     " --depth planar, or --depth range"},
+    {RemarkKind::colour_place, "where colour lies", "good to touch; colour may be shifted", "", ""}};
+
 /// Guesses that, if wrong, would change forces by more than a tenth or displace colour; the most important
 /// first.
-std::vector<std::pair<RemarkKind, const Remark*>> guesses_that_matter(const ClipFacts& facts) {
+std::vector<std::pair<const GuessWords*, const Remark*>> guesses_that_matter(const ClipFacts& facts) {
     constexpr double much = 0.1, nearest = 0.1, farthest = 20;  // metres; usual distances of a camera's scene
     const double median = facts.measured ? facts.measured->median * facts.scene.metres_per_unit : 1;
-    std::vector<std::pair<RemarkKind, const Remark*>> guesses;
-    for (const Remark& remark : facts.scene.remarks) {
-        RemarkKind guessed = remark.kind;
-        if (guessed == RemarkKind::unit_doubt || guessed == RemarkKind::other) continue;
-        const Scene& scene = facts.scene;
-        if (guessed == RemarkKind::axis &&
-            scene.camera.longest_ray(scene.width, scene.height) < 1 / (1 - much))
+    const Scene& scene = facts.scene;
+    std::vector<std::pair<const GuessWords*, const Remark*>> guesses;
+    for (const Remark& remark : scene.remarks) {
+        const bool is_far = median < nearest || median > farthest;
+        const RemarkKind kind =
+            remark.kind == RemarkKind::unit && is_far ? RemarkKind::unclear_unit : remark.kind;
+        const auto* const words = std::ranges::find(guess_words, kind, &GuessWords::kind);
+        if (words == std::end(guess_words)) continue;
+        if (kind == RemarkKind::axis && scene.camera.longest_ray(scene.width, scene.height) < 1 / (1 - much))
             continue;
-        if (guessed == RemarkKind::unit && (median < nearest || median > farthest))
-            guessed = RemarkKind::unclear_unit;
-        guesses.emplace_back(guessed, &remark);
+        guesses.emplace_back(words, &remark);
     }
-    std::ranges::stable_sort(guesses, {}, &std::pair<RemarkKind, const Remark*>::first);
+    std::ranges::stable_sort(guesses, {}, [](const auto& guess) { return guess.first; });
     return guesses;
 }
 
-const char* name_of(RemarkKind guessed) {
-    switch (guessed) {
-        case RemarkKind::direction:
-            return "whether it is inside out";
-        case RemarkKind::scale:
-            return "its size";
-        case RemarkKind::unclear_unit:
-        case RemarkKind::unit:
-            return "the unit";
-        case RemarkKind::camera:
-            return "the camera";
-        case RemarkKind::storage:
-            return "how depth is stored";
-        case RemarkKind::axis:
-            return "range or planar";
-        case RemarkKind::colour_place:
-            return "where colour lies";
-        case RemarkKind::unit_doubt:
-        case RemarkKind::other:
-            break;
-    }
-    return "";
-}
-
 /// Names the most important guess and how to correct it.
-std::string verdict_on_guess(RemarkKind guessed, const Remark& remark, const ClipFacts& facts) {
-    const std::string play = "touchable play " + shell_word(facts.clip),
-                      why = remark.what + (guessed == RemarkKind::unclear_unit && !remark.otherwise.empty()
-                                               ? "; " + remark.otherwise
-                                               : "");
+std::string verdict_on_guess(const GuessWords& words, const Remark& remark, const ClipFacts& facts) {
+    const std::string clip = shell_word(facts.clip);
+    std::string verdict = words.verdict;
+    if (words.kind == RemarkKind::axis)
+        verdict += facts.scene.depth.semantics == DepthSemantics::range ? " range" : " planar";
+    verdict += " (" + remark.what;
+    if (words.kind == RemarkKind::unclear_unit && !remark.otherwise.empty())
+        verdict += "; " + remark.otherwise;
+    verdict += "): ";
+    if (words.kind == RemarkKind::colour_place)
+        return verdict + "a scene file's colour_camera says where it lies";
+    if (words.kind == RemarkKind::direction) verdict += "if what is near looks far, ";
     // A clip with its own scene takes no such options (SceneDescription), and some need a scene file.
-    const bool takes_options = !remark.hints.empty() && remark.hints.front().setting != Setting::scene_file;
-    const auto cure = [&](const std::string& by_option) {
-        return takes_options
-                   ? by_option
-                   : "touchable init-scene " + shell_word(facts.clip) + " writes a scene file to say it in";
-    };
-    const auto if_right = [&](const char* what, const std::string& by_option) {
-        return std::string("good to touch if ") + what + " is right (" + why + "): " + cure(by_option);
-    };
-    switch (guessed) {
-        case RemarkKind::direction:
-            return "may be inside out (" + why + "): if what is near looks far, " +
-                   cure(play + " --preset relative-inverse");
-        case RemarkKind::scale:
-            return if_right("its size", "say the unit if values are lengths, " + play +
-                                            " --depth-unit METRES, or near and far in a scene file");
-        case RemarkKind::unclear_unit:
-        case RemarkKind::unit:
-            return if_right("the unit", "say it, " + play + " --depth-unit METRES");
-        case RemarkKind::storage:
-            return if_right("the way in which depth is stored", "name it, " + play + " --preset NAME");
-        case RemarkKind::camera:
-            return if_right("the camera", "say what it sees, " + play + " --fov DEGREES");
-        case RemarkKind::axis:
-            return std::string("good to touch if depth is ") +
-                   (facts.scene.depth.semantics == DepthSemantics::range ? "range" : "planar") + " (" + why +
-                   "): " + cure("say which, " + play + " --depth planar, or --depth range");
-        default:
-            return "good to touch; colour may be shifted (" + why +
-                   "): a scene file's colour_camera says where it lies";
-    }
+    const bool takes_option = !remark.hints.empty() && remark.hints.front().setting != Setting::scene_file;
+    return verdict + (takes_option ? words.cure + ("touchable play " + clip) + words.option
+                                   : "touchable init-scene " + clip + " writes a scene file to say it in");
 }
 
 std::string degrees(double value) {
@@ -612,10 +590,10 @@ std::string verdict_on(const ClipFacts& facts, const std::vector<NamedFinding>* 
         "little to touch: " + short_number(facts.invalid_pct, 2) + " % of the first frame has no depth";
     if (facts.invalid_pct > nearly_all_holes_pct) return little;
     if (const auto guesses = guesses_that_matter(facts); !guesses.empty()) {
-        const auto& [guessed, remark] = guesses.front();
+        const auto& [words, remark] = guesses.front();
         std::vector<std::string> others;
-        for (const auto& [other, what] : std::span(guesses).subspan(1)) others.emplace_back(name_of(other));
-        return verdict_on_guess(guessed, *remark, facts) +
+        for (const auto& [other, what] : std::span(guesses).subspan(1)) others.emplace_back(other->name);
+        return verdict_on_guess(*words, *remark, facts) +
                (others.empty() ? "" : "; guessed too: " + listed(others));
     }
     if (facts.invalid_pct > many_holes_pct) return little;
