@@ -34,8 +34,11 @@ inline std::int64_t steady_ns() {
 
 /// What a device can exert and render stably; the force guard is configured with it.
 struct DeviceLimits {
-    double max_force = 0;      ///< newtons, length of one finger's force, > 0
-    double max_stiffness = 0;  ///< newtons per metre of device space, > 0
+    /// Newtons, length of one finger's force, > 0. Too high: motors overheat, and a fault hits the hand
+    /// harder.
+    double max_force = 0;
+    /// Newtons per metre of device space, > 0. Too high: the handle vibrates in contact.
+    double max_stiffness = 0;
 };
 
 /// Properties of a device, for people and for the mapping of its workspace.

@@ -11,8 +11,8 @@ namespace touchable {
 /// depth)/(far - near) by Eq. 3, as if they were one unit. Kept because its error is worth publishing
 /// (docs/solver.md, Why not in pixel space): forces point tens of degrees wrong and create energy. For linear
 /// coding and square pixels. Positions are (x, -y, kappa z_p), so that axes are right-handed; kappa is 1 for
-/// With the kappa of a point (`kappa_at`), the space has there, near the axis, the world's metric but for a
-/// factor: shear and the change of range are left out.
+/// the paper's metric. With the kappa of a point (`kappa_at`), the space has there, near the axis, the
+/// world's metric but for a factor: shear and the change of range are left out.
 class PixelSpace {
 public:
     explicit PixelSpace(const HeightField& field, double kappa = 1.0) : field_(field), kappa_(kappa) {}

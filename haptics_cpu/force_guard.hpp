@@ -1,5 +1,14 @@
 #pragma once
 
+// What lies between the solver's force and a device: the device's limits, ramps, damping, and the account of
+// energy by which they are judged (docs/solver.md, Guard). touch_step.hpp includes it for its users.
+//
+// GuardSettings are the limits; a FingerGuard holds one finger's JumpCancellation and ForceGuard, and makes
+// a GuardedForce of each tick's Contact: finite, no longer than the limit, with the GuardReasons for which it
+// differs and the EnergyFigures so far. StaleSurface fades a surface without new frames, for all fingers.
+//
+// Threads: one at a time uses an object; no member waits or allocates. Settings and results are plain values.
+
 #include <algorithm>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -154,18 +163,31 @@ private:
     double paid_ = 0;  // joules lost in this contact and not spent yet
 };
 
-/// Limits of the device, ramps of forces, and additions to forces.
+/// Limits of the device, ramps of forces, and additions to forces; what a wrong one does to a hand.
 struct GuardSettings {
-    double max_force = 10.0;         ///< N, per finger; 1e-6 to 1e9
-    double max_stiffness = 10000.0;  ///< N/m; 1e-3 to 1e12
-    int ramp_in_ticks = 100;         ///< from the first tick, and again after a fault
-    int ramp_out_ticks = 100;        ///< to zero after goals stop being finite
-    StiffnessRise rise;              ///< how stiffness may rise in contact; by default as the map does
-    double damping = 0;              ///< N s/m
-    double passivity = 0;            ///< largest damping of the passivity controller, N s/m; 0: off
-    /// No force while a finger is inside a surface that is new to it, until it has been free once.
+    /// N, per finger; 1e-6 to 1e9. Too high: a wrong frame or goal hits the hand as hard as the motors can.
+    double max_force = 10.0;
+    /// N/m; 1e-3 to 1e12. Above what the device renders stably: contact vibrates and may throw the hand off.
+    double max_stiffness = 10000.0;
+    /// From the first tick, and again after a fault; 0 or more. Too short: the hand inside a surface is
+    /// kicked.
+    int ramp_in_ticks = 100;
+    /// To zero after goals stop being finite; 0 or more, 0 counts as 1. Too short: a hand that presses falls
+    /// forward. Too long: it is pushed on although its position is unknown.
+    int ramp_out_ticks = 100;
+    /// How stiffness may rise in contact; by default as the map does, and a hand that moves over the map gets
+    /// pushes that it did not pay for.
+    StiffnessRise rise;
+    /// N s/m, 0 or more. Too high: noise of the measured speed becomes force, and the handle vibrates.
+    double damping = 0;
+    /// Largest damping of the passivity controller, N s/m, 0 or more; 0: off. Too high: as for `damping`.
+    double passivity = 0;
+    /// No force while a finger is inside a surface that is new to it, until it has been free once. Without it
+    /// such a surface pushes the hand out, by the ramps.
     bool waits_to_be_free = false;
-    /// A surface whose newest frame is older than this fades by the ramps above (StaleSurface); 0: never.
+    /// A surface whose newest frame is older than this, 0 to an hour, fades by the ramps above
+    /// (StaleSurface); 0: never. Too long: the hand feels a surface that may be gone, and the next frame is a
+    /// jump.
     std::int64_t stale_after_ns = 0;
 };
 

@@ -1,5 +1,16 @@
 #pragma once
 
+// The solver of one tick: a goal in, a proxy on the surface and a force out (docs/solver.md). touch_step.hpp
+// includes it for its users.
+//
+// TouchSolver::create checks TouchSettings against a scene. `tick` moves each finger's proxy over a
+// HeightField, keeps its FingerState for the next tick, and fills in a Contact: proxy, force before any
+// guard, properties at the proxy, and how the surface moved under it. TouchMetric is where distances are
+// measured.
+//
+// Threads: any may call a solver's `tick`, each with a field and fingers of its own; it neither waits nor
+// allocates.
+
 #include <glm/vec3.hpp>
 #include <span>
 #include <string_view>

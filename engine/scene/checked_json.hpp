@@ -6,9 +6,9 @@
 // return the value as the required type, or throw a Refusal, which names the member by its path, its value
 // and what would be right. Node::allow_only refuses unknown members.
 //
-// Only here do exceptions cross functions: read_checked, or the function that reads a text, turns a Refusal,
-// or an exception of the library, into an Error, so that none leaves a module. Include this header only to
-// read JSON: it includes nlohmann/json.
+// Exceptions pass through the functions of a parser: read_checked, or the function that reads the text, turns
+// a Refusal, or an exception of the library, into an Error, so that none leaves a module. Include this header
+// only to read JSON: it includes nlohmann/json.
 //
 // A Node refers to its Json, which must outlive it. Pure functions, for any thread.
 
