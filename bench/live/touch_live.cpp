@@ -15,7 +15,7 @@ namespace {
 class LateTicks final : public TouchSink {
 public:
     static constexpr double late_us = 200;
-    Result<void> take(const TouchTick& tick) override {
+    Result<void> consume(const TouchTick& tick) override {
         late_ += tick.late_us > late_us;
         return {};
     }

@@ -38,7 +38,7 @@ private:
 
 }  // namespace
 
-Result<void> DelayedTouch::take(const TouchTick& tick) {
+Result<void> DelayedTouch::consume(const TouchTick& tick) {
     if (tick.pair.prev.number < 0) return {};
     for (const TimedFrame& frame : {tick.pair.prev, tick.pair.next})
         if (frame.time_ns >= first_in_run_ns && !taken_ns_.contains(frame.number))

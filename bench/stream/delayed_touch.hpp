@@ -20,7 +20,7 @@ class DelayedTouch final : public TouchSink {
 public:
     /// `reader`: the run's, which knows when a frame was taken; must outlive this.
     explicit DelayedTouch(const ClipReader& reader) : reader_(reader) {}
-    Result<void> take(const TouchTick& tick) override;
+    Result<void> consume(const TouchTick& tick) override;
 
     /// Appends undelayed_n, off_n, far_off_n (RMS over ticks and fingers) and without_touch_pct
     /// (bench/README.md). `setup`: the run's. `frames`: the surfaces that were sent, repeated every `period`

@@ -5,7 +5,7 @@
 
 namespace touchable {
 
-Result<void> FeltStream::take(const TouchTick& tick) {
+Result<void> FeltStream::consume(const TouchTick& tick) {
     if (tick.pair.prev.number > newest_) {
         newest_ = tick.pair.prev.number;
         since_tick_ = tick.tick;

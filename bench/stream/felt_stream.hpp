@@ -12,7 +12,7 @@ namespace touchable {
 /// how forces change from tick to tick, before and after the guard.
 class FeltStream final : public TouchSink {
 public:
-    Result<void> take(const TouchTick& tick) override;
+    Result<void> consume(const TouchTick& tick) override;
 
     double longest_hold_ms() const { return longest_hold_ms_; }
     /// N, any finger: step of the solver's force, jumps included; step of the force sent to the hand.

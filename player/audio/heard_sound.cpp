@@ -309,7 +309,7 @@ void FilmedSound::skip_to(std::int64_t now_ms, const HeardTick& tick, ClipSound&
 
 /// Ticks are not placed before their time. A tick that would be placed later than now follows one that came
 /// late: it is dropped, except for its events.
-void FilmedSound::take(const HeardTick& tick, std::int64_t passed, ClipSound& clip, std::int64_t now_ms) {
+void FilmedSound::consume(const HeardTick& tick, std::int64_t passed, ClipSound& clip, std::int64_t now_ms) {
     if (aligns_.exchange(false, std::memory_order_relaxed) || passed > longest_skip_ms)
         skip_to(now_ms, tick, clip);
     else

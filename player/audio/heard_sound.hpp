@@ -159,8 +159,8 @@ public:
 
     /// A new session begins, after a time without ticks. Any thread.
     void align() { aligns_.store(true, std::memory_order_relaxed); }
-    /// Arguments as in WindowSound::take; `now_ms`: time of the film.
-    void take(const HeardTick& tick, std::int64_t passed, ClipSound& clip, std::int64_t now_ms);
+    /// Arguments as in WindowSound::consume; `now_ms`: time of the film.
+    void consume(const HeardTick& tick, std::int64_t passed, ClipSound& clip, std::int64_t now_ms);
 
 private:
     void render(const HeardTick& tick, ClipSound& clip);

@@ -113,7 +113,7 @@ void GamepadRumble::run(Shared& shared, const Open& open) {
     } while (shared.goes_on());
 }
 
-void GamepadRumble::take(const HeardTick& tick) {
+void GamepadRumble::consume(const HeardTick& tick) {
     shared_->newest.store(packed(felt_.next(tick)), std::memory_order_relaxed);
     shared_->ticks.fetch_add(1, std::memory_order_release);
 }

@@ -72,7 +72,7 @@ public:
     ~GamepadRumble();
 
     /// Takes the next tick on a session's thread, one session at a time. Neither waits nor allocates.
-    void take(const HeardTick& tick);
+    void consume(const HeardTick& tick);
     /// In a few words, for the user.
     std::string state() const;
 

@@ -200,7 +200,7 @@ Result<std::unique_ptr<WindowSound>> WindowSound::create(bool loudspeakers,
     return made;
 }
 
-void WindowSound::take(HeardTick tick, std::int64_t passed) {
+void WindowSound::consume(HeardTick tick, std::int64_t passed) {
     tick.muted = is_muted();
     const float share = static_cast<float>(volume()) / 100;
     tick.loudness = share * share * share;
@@ -209,11 +209,11 @@ void WindowSound::take(HeardTick tick, std::int64_t passed) {
         tick.spoken = spoken_[said % most_spoken].get();
         tick.spoken_number = said;
     }
-    if (rumble_) rumble_->take(tick);
+    if (rumble_) rumble_->consume(tick);
     if (output_) ticks_->push(tick);
     if (is_filmed_.load(std::memory_order_acquire)) {
         const auto since = std::chrono::steady_clock::now() - film_begun_;
-        film_->take(tick, passed, *clip_, std::chrono::floor<std::chrono::milliseconds>(since).count());
+        film_->consume(tick, passed, *clip_, std::chrono::floor<std::chrono::milliseconds>(since).count());
     }
     if (!file_) return;
     for (std::int64_t k = std::min(passed, longest_gap); k > 1; --k) {
@@ -294,7 +294,7 @@ HeardClip TouchListener::hear_clip(std::int64_t tick) {
             static_cast<float>(static_cast<double>(state.rate) / 1000)};
 }
 
-Result<void> TouchListener::take(const TouchTick& tick) {
+Result<void> TouchListener::consume(const TouchTick& tick) {
     HeardTick heard;
     const std::size_t fingers = std::min(tick.contacts.size(), heard.fingers.size());
     for (std::size_t k = 0; k < fingers; ++k) heard.fingers[k] = hear(tick, k);
@@ -302,7 +302,7 @@ Result<void> TouchListener::take(const TouchTick& tick) {
     last_tick_ = tick.tick;
     if (!begun_.load(std::memory_order_acquire)) return {};
     heard.clip = hear_clip(tick.tick);
-    sound_.take(heard, passed);
+    sound_.consume(heard, passed);
     return {};
 }
 

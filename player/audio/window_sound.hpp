@@ -47,9 +47,9 @@ public:
                                                        Existing existing, std::string name = "the sound");
     ~WindowSound();
 
-    /// Takes the next known tick, on a session's thread, one session at a time. `passed`: ticks since the
+    /// Consumes the next known tick, on a session's thread, one session at a time. `passed`: ticks since the
     /// previous one; more than 1 if those between are unknown.
-    void take(HeardTick tick, std::int64_t passed);
+    void consume(HeardTick tick, std::int64_t passed);
     /// Another session's ticks follow. Any thread.
     void begin_session() {
         if (is_filmed_.load(std::memory_order_acquire)) film_->align();
@@ -120,7 +120,7 @@ public:
         sound_.begin_session();
         begun_.store(true, std::memory_order_release);
     }
-    Result<void> take(const TouchTick& tick) override;
+    Result<void> consume(const TouchTick& tick) override;
 
 private:
     /// A finger's state in the previous tick.

@@ -197,13 +197,13 @@ public:
     ConcatenatingSink(std::int64_t ticks_before, std::vector<TouchSink*> sinks, TouchOutputs& outputs,
                       bool live)
         : before_(ticks_before), sinks_(std::move(sinks)), outputs_(outputs), live_(live) {}
-    Result<void> take(const TouchTick& tick) override {
+    Result<void> consume(const TouchTick& tick) override {
         TouchTick later = tick;
         later.tick += before_;
         later.time_ns += before_ * tick_ns;
         for (std::size_t k = 0; k < sinks_.size(); ++k) {
             const auto begun = std::chrono::steady_clock::now();
-            TRY(sinks_[k]->take(later));
+            TRY(sinks_[k]->consume(later));
             took_[k] += std::chrono::steady_clock::now() - begun;
         }
         if (live_)
@@ -348,7 +348,7 @@ std::int64_t usual_picture_tick(const TouchSetup& setup, const std::optional<std
 
 }  // namespace
 
-Result<void> TouchPicture::take(const TouchTick& tick) {
+Result<void> TouchPicture::consume(const TouchTick& tick) {
     if (reached_) return {};
     trails_.resize(tick.contacts.size());
     for (std::size_t k = 0; k < trails_.size(); ++k) {

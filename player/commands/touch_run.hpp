@@ -56,7 +56,7 @@ class TouchPicture final : public TouchSink {
 public:
     /// `tick`: the moment; if ticks are skipped, the first tick not before it.
     TouchPicture(PictureOrder order, std::int64_t tick) : order_(std::move(order)), tick_(tick) {}
-    Result<void> take(const TouchTick& tick) override;
+    Result<void> consume(const TouchTick& tick) override;
     bool is_reached() const { return reached_; }  ///< whether the moment was reached
     const SurfacePainter& painter() const { return *order_.painter; }
     /// Draws the moment. If the run ended before it: draws the last tick if `cut_short`,

@@ -14,7 +14,7 @@ public:
     /// start.
     CameraFigures(const ClipReader& source, std::int64_t first) : source_(source), newest_(first - 1) {}
     /// Ticks and frames share one clock; a force exists once its tick is solved.
-    void take(const TouchTick& tick) {
+    void consume(const TouchTick& tick) {
         const TimedFrame& felt = tick.pair.prev;
         if (felt.number <= newest_) return;
         newest_ = felt.number;
@@ -134,8 +134,8 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     auto drain = [&] {
         const auto give = [&](const TouchTick& tick) {
             for (TouchSink* sink : sinks)
-                if (taken) taken = sink->take(tick);
-            if (taken && live_source) camera.take(tick);
+                if (taken) taken = sink->consume(tick);
+            if (taken && live_source) camera.consume(tick);
         };
         while (log.pop(give)) {
         }

@@ -78,7 +78,7 @@ public:
     DeviceTable(std::unique_ptr<OutputFile> file, DeviceTickLog& log)
         : TickTable(std::move(file)), log_(log) {}
     Result<void> finish() override {
-        if (!is_faulty()) TRY(take({}));
+        if (!is_faulty()) TRY(consume({}));
         if (!is_faulty() && log_.lost() > 0) return fell_behind_error(file_->name(), log_.lost());
         return file_->finish();
     }

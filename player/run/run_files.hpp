@@ -105,7 +105,7 @@ Result<void> all_ok(const std::vector<Result<void>>& finished);
 /// ends the run.
 class OutputSink : public TouchSink {
 public:
-    Result<void> take(const TouchTick& tick) final {
+    Result<void> consume(const TouchTick& tick) final {
         if (is_faulty_) return {};
         auto kept = write(tick);
         if (kept) return kept;
@@ -126,7 +126,7 @@ protected:
     explicit OutputSink(std::unique_ptr<OutputFile> file) : file_(std::move(file)) {}
     virtual Result<void> write(const TouchTick& tick) = 0;
     bool is_faulty() const { return is_faulty_; }
-    /// Ignore all later ticks. Called by the thread that calls `take`, or after it has ended.
+    /// Ignore all later ticks. Called by the thread that calls `consume`, or after it has ended.
     void spoil(const Error& why) {
         is_faulty_ = true;
         const std::lock_guard lock(mutex_);
@@ -136,7 +136,7 @@ protected:
     const std::unique_ptr<OutputFile> file_;
 
 private:
-    bool is_faulty_ = false;  // used by the thread that calls `take`
+    bool is_faulty_ = false;  // used by the thread that calls `consume`
     mutable std::mutex mutex_;
     std::optional<Error> fault_;  // guarded by mutex_
 };

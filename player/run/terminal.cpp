@@ -143,7 +143,7 @@ void Progress::at(std::int64_t done) {
     say_on_stderr(words);
 }
 
-Result<void> Progress::take(const TouchTick& tick) {
+Result<void> Progress::consume(const TouchTick& tick) {
     at(tick.tick);
     return {};
 }
@@ -159,7 +159,7 @@ std::string pace_in_words(std::int64_t done, std::int64_t total, double seconds)
     return in_words + ", " + std::to_string((left + 3599) / 3600) + " h left";
 }
 
-Result<void> LiveLine::take(const TouchTick& tick) {
+Result<void> LiveLine::consume(const TouchTick& tick) {
     ++ticks_;
     next_ = tick.tick + 1;
     newtons_ = 0;

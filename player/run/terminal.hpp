@@ -73,7 +73,7 @@ public:
         : what_(std::move(what)), total_(total), in_a_log_(in_a_log) {}
     void at(std::int64_t done);
     /// Counts an offline run's ticks.
-    Result<void> take(const TouchTick& tick) override;
+    Result<void> consume(const TouchTick& tick) override;
 
 private:
     std::string what_;
@@ -97,7 +97,7 @@ public:
     explicit LiveLine(const HandControl* control = nullptr, std::function<std::string()> device = {},
                       std::function<std::string(std::int64_t)> silence = {})
         : control_(control), device_(std::move(device)), silence_(std::move(silence)) {}
-    Result<void> take(const TouchTick& tick) override;
+    Result<void> consume(const TouchTick& tick) override;
     void show(const TouchSessionSettings::LiveStatus& status);
 
 private:

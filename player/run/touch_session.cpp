@@ -168,7 +168,7 @@ Result<void> TouchSession::tick(std::int64_t tick, std::span<TouchSink* const> s
     for (std::size_t k = 0; k < step_.hops().size(); ++k) step_.hops()[k] = hand_.hops(k);
     if (settings_.is_after_gap && settings_.is_after_gap(tick)) step_.come_back();
     const TouchTick done = step_.run(time_ns / tick_ns, time_ns, scene_, pair);
-    for (TouchSink* sink : sinks) TRY(sink->take(done));
+    for (TouchSink* sink : sinks) TRY(sink->consume(done));
     return {};
 }
 

@@ -71,7 +71,7 @@ private:
 class TouchSink {
 public:
     virtual ~TouchSink() = default;
-    virtual Result<void> take(const TouchTick& tick) = 0;
+    virtual Result<void> consume(const TouchTick& tick) = 0;
 };
 
 inline constexpr std::int64_t tick_ns = 1'000'000;

@@ -140,7 +140,7 @@ private:
 
 class ForcesInHand final : public TouchSink {
 public:
-    Result<void> take(const TouchTick& tick) override {
+    Result<void> consume(const TouchTick& tick) override {
         table.samples.push_back({tick.goals[0], tick.forces[0].force, tick.contacts[0].touching});
         return {};
     }

@@ -324,7 +324,7 @@ Result<SceneDescription> read_recorded_facts(const Json& facts, const std::strin
     return parse_scene(scene, name);
 }
 
-Result<void> ReplayCheck::take(const TouchTick& tick) {
+Result<void> ReplayCheck::consume(const TouchTick& tick) {
     if (difference_) return {};
     const RecordedPart::Tick& recorded = recording_.ticks[next_++];
     const std::string where = "tick " + std::to_string(tick.tick);

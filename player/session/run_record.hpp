@@ -47,7 +47,7 @@ public:
         double share_ = 1;                     // share of the force now held
     };
 
-    Result<void> take(const TouchTick& tick) override;
+    Result<void> consume(const TouchTick& tick) override;
     /// Next ticks are of another run with another guard: ends all rows of consecutive ticks.
     void end_part();
 
@@ -124,7 +124,7 @@ public:
     };
 
     explicit ReplayCheck(const RecordedPart& recording) : recording_(recording) {}
-    Result<void> take(const TouchTick& tick) override;
+    Result<void> consume(const TouchTick& tick) override;
     /// After the last tick. `force_hash`: of the part's ticks.
     Outcome outcome(const std::string& force_hash, const TouchSetup& setup) const;
 

@@ -37,7 +37,7 @@ void TouchFigures::SentEnergy::take(const EnergyFigures& guarded, double share) 
     share_ = share;
 }
 
-Result<void> TouchFigures::take(const TouchTick& tick) {
+Result<void> TouchFigures::consume(const TouchTick& tick) {
     bool contact = false, nonfinite = false, capped = false, guarded = false, softened = false;
     bool waiting = false, stale = false;
     energy_.resize(tick.contacts.size());

@@ -81,7 +81,7 @@ HapticDevice* device_of(const TouchSetup& setup) {
 /// Hands the newest tick from the session's thread to the watcher's.
 class WatchedSession::Ticks final : public TouchSink {
 public:
-    Result<void> take(const TouchTick& tick) override {
+    Result<void> consume(const TouchTick& tick) override {
         const std::lock_guard lock(mutex_);
         figures_.late += tick.tick > newest_.tick + 1;
         ++figures_.ticks;

@@ -359,9 +359,9 @@ WatchedFigures OpenedClip::figures() const {
     return all;
 }
 
-Result<void> OpenedClip::Record::take(const TouchTick& tick) {
+Result<void> OpenedClip::Record::consume(const TouchTick& tick) {
     for (const GuardedForce& force : tick.forces) hash->add(force.force);
-    return file->take(tick);
+    return file->consume(tick);
 }
 
 nlohmann::ordered_json OpenedClip::facts_of_part() const {

@@ -161,7 +161,7 @@ private:
     class Record final : public TouchSink {
     public:
         explicit Record(std::unique_ptr<RecordingFile> to) : file(std::move(to)) { hash.emplace(); }
-        Result<void> take(const TouchTick& tick) override;
+        Result<void> consume(const TouchTick& tick) override;
         std::unique_ptr<RecordingFile> file;
         std::optional<ForceHash> hash;
     };

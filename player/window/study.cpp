@@ -291,7 +291,7 @@ std::vector<StudyScreen> screens_of(const Study& study, std::size_t number) {
     return screens;
 }
 
-Result<void> TouchMeter::take(const TouchTick& tick) {
+Result<void> TouchMeter::consume(const TouchTick& tick) {
     const std::lock_guard lock(mutex_);
     touched_.resize(tick.contacts.size());
     constexpr int most_ticks = 100;  // limit on ticks of a late tick

@@ -118,10 +118,10 @@ struct TouchMeasures {
     double most_newtons = 0;  ///< on any finger
 };
 
-/// Measures one touch after another. A session's thread calls `take`, the window's the rest.
+/// Measures one touch after another. A session's thread calls `consume`, the window's the rest.
 class TouchMeter final : public TouchSink {
 public:
-    Result<void> take(const TouchTick& tick) override;
+    Result<void> consume(const TouchTick& tick) override;
     /// Begins a touch. With force on, it measures the forces that reach the hand (all forces, for a mouse);
     /// with force off, those that the hand would have felt.
     void begin(StudyForce force);

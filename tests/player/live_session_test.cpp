@@ -49,7 +49,7 @@ private:
 class FailsThen final : public TouchSink {
 public:
     explicit FailsThen(const PulledOut& port) : port_(port) {}
-    Result<void> take(const TouchTick&) override {
+    Result<void> consume(const TouchTick&) override {
         while (!port_.is_out) std::this_thread::sleep_for(std::chrono::milliseconds(1));
         has_failed = true;
         return input_error("the disk is full");
@@ -63,7 +63,7 @@ private:
 /// A person ends the run once it has begun.
 class StopsRun final : public TouchSink {
 public:
-    Result<void> take(const TouchTick&) override {
+    Result<void> consume(const TouchTick&) override {
         asked.request_stop();
         return {};
     }

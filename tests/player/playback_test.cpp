@@ -92,7 +92,7 @@ struct PressedTick {
 class PressedTicks final : public TouchSink {
 public:
     explicit PressedTicks(PlaybackClock clock) : clock_(std::move(clock)) {}
-    Result<void> take(const TouchTick& tick) override {
+    Result<void> consume(const TouchTick& tick) override {
         EXPECT_EQ(tick.pair.epoch, clock_.at(tick.tick).epoch) << tick.tick;
         ticks.push_back({clock_.at(tick.tick), tick.forces[0].force.z, tick.contacts[0].jumped});
         return {};

@@ -49,7 +49,7 @@ protected:
             const auto k = static_cast<std::size_t>(tick);
             const TouchTick one{tick,      times_[k],  pair_, field.blend(), goals_[k],
                                 contacts_, forces_[k], {},    0.001};
-            EXPECT_TRUE((*recording)->take(one));
+            EXPECT_TRUE((*recording)->consume(one));
         }
         EXPECT_TRUE((*recording)->finish(facts_, playback_));
         bytes_ = file_contents(file());
@@ -219,15 +219,15 @@ protected:
         begins_.push_back(bytes_.size());
     }
     void take(RecordingFile& recording, std::size_t k) const {
-        EXPECT_TRUE(recording.take({static_cast<std::int64_t>(k),
-                                    times_[k],
-                                    pair_,
-                                    0,
-                                    goals_[k],
-                                    contacts_,
-                                    forces_[k],
-                                    {},
-                                    0.001}));
+        EXPECT_TRUE(recording.consume({static_cast<std::int64_t>(k),
+                                       times_[k],
+                                       pair_,
+                                       0,
+                                       goals_[k],
+                                       contacts_,
+                                       forces_[k],
+                                       {},
+                                       0.001}));
     }
     std::string part(std::size_t k) const { return bytes_.substr(begins_[k], begins_[k + 1] - begins_[k]); }
 

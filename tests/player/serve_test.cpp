@@ -437,7 +437,7 @@ TEST_F(ServedTouch, MatchesFileInSegments) {
 /// Force of a pressing finger on a stream, tick by tick, for other threads to watch.
 class Watch final : public TouchSink {
 public:
-    Result<void> take(const TouchTick& tick) override {
+    Result<void> consume(const TouchTick& tick) override {
         const GuardedForce& guarded = tick.forces[0];
         const double force = glm::length(guarded.force);
         if (last_tick_ + 1 == tick.tick)

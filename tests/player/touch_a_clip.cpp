@@ -12,7 +12,7 @@ namespace {
 
 class Forces final : public TouchSink {
 public:
-    Result<void> take(const TouchTick& tick) override {
+    Result<void> consume(const TouchTick& tick) override {
         for (const GuardedForce& finger : tick.forces) hash.add(finger.force);
         return {};
     }

@@ -446,7 +446,7 @@ public:
 
 nlohmann::ordered_json figures_of(std::vector<TwoFingers> ticks) {
     TouchFigures figures;
-    for (TwoFingers& one : ticks) EXPECT_TRUE(figures.take(one.tick()));
+    for (TwoFingers& one : ticks) EXPECT_TRUE(figures.consume(one.tick()));
     return figures.to_json();
 }
 
@@ -492,7 +492,7 @@ TEST(TouchFigures, CountLedFingers) {
         two.contacts[0].goal = {0, 0, goal};
         two.contacts[1].goal = {1, 2, 3};
         if (pressed) two.press(0, 1);
-        EXPECT_TRUE(figures.take(two.tick()));
+        EXPECT_TRUE(figures.consume(two.tick()));
         return figures.to_json();
     };
     EXPECT_EQ(take(1, false)["fingers_led"], 0);
@@ -502,7 +502,7 @@ TEST(TouchFigures, CountLedFingers) {
     figures.end_part();  // whose scene may lie elsewhere
     TwoFingers two;
     two.contacts[1].goal = {4, 5, 6};
-    EXPECT_TRUE(figures.take(two.tick()));
+    EXPECT_TRUE(figures.consume(two.tick()));
     EXPECT_EQ(figures.to_json()["fingers_led"], 1);
 }
 
@@ -521,7 +521,7 @@ TEST(TouchFigures, CountFaultyTicks) {
         TwoFingers two;
         TouchTick tick = two.tick();
         tick.behind = behind;
-        EXPECT_TRUE(figures.take(tick));
+        EXPECT_TRUE(figures.consume(tick));
     }
     EXPECT_EQ(figures.to_json()["proxy_behind_mesh_ticks"], 2);
 }
@@ -534,7 +534,7 @@ TEST(TouchFigures, TrackLongestLimitAndHole) {
             two.press(0, 1);
             two.press(1, 10, limited ? guard_force : guard_none);
             two.contacts[1].in_hole = in_hole;
-            EXPECT_TRUE(figures.take(two.tick()));
+            EXPECT_TRUE(figures.consume(two.tick()));
         }
     };
     take(true, false, 3);
@@ -578,7 +578,7 @@ TEST(TouchFigures, SumEnergyOverParts) {
             force.energy.surface = 0.003 * times;
             force.energy.work = 0.004 * times;
         }
-        EXPECT_TRUE(figures.take(two.tick()));
+        EXPECT_TRUE(figures.consume(two.tick()));
     };
     take(7);
     take(1);
@@ -602,7 +602,7 @@ Timed::Timed(const std::vector<double>& us) {
         TouchTick tick = two.tick();
         tick.solve_us = time;
         tick.late_us = 2 * time;
-        EXPECT_TRUE(figures.take(tick));
+        EXPECT_TRUE(figures.consume(tick));
     }
 }
 
@@ -686,7 +686,7 @@ TEST(TouchFigures, MemoryStaysConstant) {
             TouchTick tick = two.tick();
             tick.solve_us = 0.1 + k % 1000;
             tick.late_us = k % 777;
-            EXPECT_TRUE(figures.take(tick));
+            EXPECT_TRUE(figures.consume(tick));
         }
     };
     take(10);

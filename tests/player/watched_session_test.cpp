@@ -83,7 +83,7 @@ private:
 /// The largest force, and the largest rise from tick to tick.
 class Steps final : public TouchSink {
 public:
-    Result<void> take(const TouchTick& tick) override {
+    Result<void> consume(const TouchTick& tick) override {
         while (keeps_waiting) {
             is_waiting = true;
             sleep_ms(1);
@@ -487,7 +487,7 @@ TEST(LiveLine, WritesSilenceOnceWithoutTerminal) {
             tick.tick = at_ms;
             tick.time_ns = at_ms * ms;
             tick.pair.next.time_ns = at_ms == 500 ? 490 * ms : 0;
-            EXPECT_TRUE(line.take(tick));
+            EXPECT_TRUE(line.consume(tick));
             line.show({.is_camera = true});
         }
     }

@@ -88,10 +88,10 @@ protected:
         tick.contacts = contacts;
         tick.forces = forces;
         tick.shares = shares;
-        ASSERT_TRUE(run_->meter()->take(tick));
+        ASSERT_TRUE(run_->meter()->consume(tick));
         contacts[0].touching = true;
         forces[0].force = {0, newtons * 0.6, newtons * 0.8};
-        for (int k = 0; k < ticks; ++k) ASSERT_TRUE(run_->meter()->take(tick));
+        for (int k = 0; k < ticks; ++k) ASSERT_TRUE(run_->meter()->consume(tick));
         ms_ += ticks;
     }
     /// From the start screen to the end, with these answers.

@@ -222,7 +222,7 @@ TEST_F(RumblingGamepad, FollowsTicks) {
                               GamepadRumble& rumble) {
         for (int k = 0; k < 20'000; ++k) {
             if (is_so()) return true;
-            if (tick) rumble.take(*tick);
+            if (tick) rumble.consume(*tick);
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
         return false;
@@ -251,7 +251,7 @@ TEST(GamepadRumble, ReportsMissingGamepad) {
     for (int k = 0; k < 20'000 && rumble.state() != "no rumble: built without it"; ++k)
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     EXPECT_EQ(rumble.state(), "no rumble: built without it");
-    rumble.take(touching(1));
+    rumble.consume(touching(1));
 }
 
 }  // namespace

@@ -473,7 +473,7 @@ protected:
             ASSERT_TRUE(device_.read_positions(step_->goals()));
             for (glm::dvec3& goal : step_->goals()) goal = workspace_.to_scene(goal);
             const TouchTick done = step_->run(tick_, tick_ * 1'000'000, shown_->scene, shown_->pair());
-            ASSERT_TRUE(listener_->take(done));
+            ASSERT_TRUE(listener_->consume(done));
         }
     }
     /// Over the picture, pressed, and then to the right for 600 ms.
@@ -606,7 +606,7 @@ TEST_F(Loudspeakers, MissingDeviceIsNoError) {
     ASSERT_TRUE(sound);
     testing::internal::CaptureStderr();
     EXPECT_TRUE(comes_true([&] { return (*sound)->state().starts_with("no sound: "); })) << (*sound)->state();
-    (*sound)->take({}, 1);
+    (*sound)->consume({}, 1);
     EXPECT_TRUE((*sound)->finish());
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
@@ -624,7 +624,7 @@ TEST_F(Loudspeakers, PlayTouch) {
     HeardTick tick;
     tick.fingers[0] = {.touching = true, .newtons = 2, .slip = 0.1F, .stiffness = 1000};
     const bool heard = comes_true([&] {
-        (*sound)->take(tick, 1);
+        (*sound)->consume(tick, 1);
         const std::string bytes = file_contents(file);
         return std::any_of(bytes.begin(), bytes.end(), [](char byte) { return byte != 0; });
     });

@@ -276,8 +276,8 @@ public:
     std::vector<float> loudest;
     ClipSound clip;
 
-    void take(const HeardTick& tick, std::int64_t now_ms, std::int64_t passed = 1) {
-        sound.take(tick, passed, clip, now_ms);
+    void consume(const HeardTick& tick, std::int64_t now_ms, std::int64_t passed = 1) {
+        sound.consume(tick, passed, clip, now_ms);
     }
 };
 
@@ -289,13 +289,13 @@ HeardTick tap() {
 
 TEST(FilmedSound, AlignsWithFilmAfterGap) {
     Filmed filmed;
-    filmed.take({}, 5);
+    filmed.consume({}, 5);
     EXPECT_EQ(filmed.loudest.size(), 6U);
-    for (int k = 0; k < 4; ++k) filmed.take({}, 9);  // they come four at a time
+    for (int k = 0; k < 4; ++k) filmed.consume({}, 9);  // they come four at a time
     EXPECT_EQ(filmed.loudest.size(), 10U);
     filmed.sound.align();  // 400 ms without a tick
-    filmed.take(tap(), 409);
-    for (int k = 1; k < 20; ++k) filmed.take({}, 409 + k);
+    filmed.consume(tap(), 409);
+    for (int k = 1; k < 20; ++k) filmed.consume({}, 409 + k);
     ASSERT_EQ(filmed.loudest.size(), 429U);
     for (std::size_t k = 0; k < 409; ++k) EXPECT_EQ(filmed.loudest[k], 0) << k;
     EXPECT_GT(filmed.loudest[412], 0.01F);
@@ -303,15 +303,15 @@ TEST(FilmedSound, AlignsWithFilmAfterGap) {
 
 TEST(FilmedSound, FillsSkippedTicks) {
     Filmed filmed;
-    filmed.take({}, 100);  // 50 ms late, as it turns out
-    for (int k = 51; k < 100; ++k) filmed.take(k == 60 ? tap() : HeardTick{}, k);
+    filmed.consume({}, 100);  // 50 ms late, as it turns out
+    for (int k = 51; k < 100; ++k) filmed.consume(k == 60 ? tap() : HeardTick{}, k);
     EXPECT_EQ(filmed.loudest.size(), 101U);
-    filmed.take({}, 100);
-    filmed.take({}, 101);
-    for (int k = 102; k < 110; ++k) filmed.take({}, k);
+    filmed.consume({}, 100);
+    filmed.consume({}, 101);
+    for (int k = 102; k < 110; ++k) filmed.consume({}, k);
     EXPECT_EQ(filmed.loudest.size(), 110U);
     EXPECT_GT(filmed.loudest[104], 0.01F) << "the tap is lost";
-    filmed.take({}, 150, 41);
+    filmed.consume({}, 150, 41);
     EXPECT_EQ(filmed.loudest.size(), 151U);
 }
 
@@ -334,7 +334,7 @@ Sound saved_sound(double slip, const GuardedForce& felt) {
         tick.metres_per_scene_unit = 0.001;
         tick.contacts = {&contact, 1};
         tick.forces = {&felt, 1};
-        EXPECT_TRUE(listener.take(tick));
+        EXPECT_TRUE(listener.consume(tick));
     }
     EXPECT_TRUE((*sound)->finish());
     const auto saved = SpokenSound::read(folder / "heard.wav");
