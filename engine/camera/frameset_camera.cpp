@@ -273,7 +273,7 @@ public:
     void leave_out_colour() override { shows_colour_ = false; }
 
 private:
-    MaybeTaken take() override {
+    MaybeTaken poll() override {
         constexpr std::size_t most_at_once = std::size_t{16} << 20U;  // then it checks for a stop
         std::optional<Frameset> best;
         std::int64_t at_ns = 0;

@@ -213,7 +213,7 @@ private:
         return {};
     }
 
-    MaybeTaken take() override {
+    MaybeTaken poll() override {
         using Which = V4l2Stream::Which;
         TRY(look_at_colour());
         auto picture = depth_->take(has_begun() ? Which::newest : Which::oldest);

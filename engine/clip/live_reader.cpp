@@ -156,7 +156,7 @@ LiveReader::MaybeTaken LiveReader::wait_for_frame() {
     const auto since = steady_clock::now();
     while (!is_gone_) {
         if (stop_requested()) return told_to_stop(kind_, next_number_);
-        auto taken = take();
+        auto taken = poll();
         if (!taken || *taken) return taken;
         if (is_gone_) break;
         if (!has_begun())

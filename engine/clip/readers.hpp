@@ -210,8 +210,8 @@ inline constexpr std::int64_t ns_before_a_run = 1000;
 /// Appends "3 of the stream's framesets came late"; nothing if `count` is 0.
 void add_count(std::vector<std::string>& remarks, std::int64_t count, const std::string& of_what);
 
-/// A live source as a clip without an end. A derived class turns the source's bytes into frames: `take`
-/// polls, `wait` waits for more. The rest is the same for every source:
+/// A live source as a clip without an end. A derived class turns the source's bytes into frames: `poll`
+/// never waits, `wait` waits for more. The rest is the same for every source:
 ///
 /// - Before a run `next` returns every frame, in order, and one must come before the source's timeout
 ///   (`nothing_came`). In a run it returns the newest frame, and waits for it without a timeout.
@@ -263,13 +263,13 @@ protected:
 
     /// Returns an available frame: before a run the oldest, in it the newest; nullopt if there is none. Never
     /// waits. Returns `gone` if no more will come. An error ends only this `next`.
-    virtual MaybeTaken take() = 0;
+    virtual MaybeTaken poll() = 0;
     /// Waits until there may be a frame, at most for `stop_look`.
     virtual void wait() = 0;
     /// Called before a run while no frame has come since `since`: an error after the source's timeout.
     virtual std::optional<Error> nothing_came(Moment since) const = 0;
     /// A run begins: drops frames that waited for it, for sources whose times do not tell.
-    virtual void drain() { (void)take(); }
+    virtual void drain() { (void)poll(); }
 
     bool has_begun() const { return zero_ns_.has_value(); }
     /// Ends the source: no more frames. `why` goes on from the source's name.

@@ -119,7 +119,7 @@ private:
         JitterBuffer::Moments moments;
     };
     /// In a run: the newest frameset that is due.
-    MaybeTaken take() override {
+    MaybeTaken poll() override {
         const std::lock_guard lock(mutex_);
         const std::int64_t now = steady_now_ns();
         if (waiting_.empty()) return over_.empty() ? MaybeTaken(std::nullopt) : gone(over_);

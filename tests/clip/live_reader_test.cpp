@@ -35,7 +35,7 @@ public:
     using LiveReader::damaged_;
 
 private:
-    MaybeTaken take() override {
+    MaybeTaken poll() override {
         while (has_begun() && there.size() > 1) there.pop_front();
         if (there.empty()) return end.empty() ? MaybeTaken(std::nullopt) : gone(end);
         const Given given = there.front();
