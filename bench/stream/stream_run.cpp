@@ -56,7 +56,7 @@ Result<std::unique_ptr<TouchSetup>> touch_live(const std::string& camera, std::i
     options.camera = camera;
     const auto source = read_live_camera(camera);
     if (!source) return source.error();
-    options.clip.take(*source);
+    options.clip.choose(*source);
     return setup_from_options(options);
 }
 

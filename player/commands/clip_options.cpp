@@ -70,7 +70,7 @@ Result<void> take_stream(SessionOptions& session) {
         source.connection = std::move(found.stream);
     }
     session.camera = "stream:" + url.name();
-    session.clip.take({std::move(source), {}, {}});
+    session.clip.choose({std::move(source), {}, {}});
     return {};
 }
 
@@ -282,7 +282,7 @@ Result<void> read_live_camera(bool has_clip, const std::optional<double>& stale_
     if (!session.camera) return {};
     if (has_clip) return usage_error("CLIP and --camera are two things to touch; leave one of them out");
     TRY_ASSIGN(const auto camera, read_live_camera(*session.camera));
-    session.clip.take(camera);
+    session.clip.choose(camera);
     return {};
 }
 

@@ -400,7 +400,7 @@ Result<std::vector<std::string>> read_words(const ServeTyped& typed, ServeOption
         return usage_error("CLIP and --camera are two things to send; leave one of them out");
     if (!first.empty()) urls.insert(urls.begin(), first);
     TRY_ASSIGN(const auto camera, read_live_camera(*typed.camera));
-    options.clip.take(camera);
+    options.clip.choose(camera);
     if (typed.options.loop) return usage_error("--loop is for clips; a camera does not end");
     return urls;
 }

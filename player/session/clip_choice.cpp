@@ -231,7 +231,7 @@ FiltersChoice FiltersChoice::off() {
     return choice;
 }
 
-void ClipChoice::take(const LiveCamera& of) {
+void ClipChoice::choose(const LiveCamera& of) {
     plugged = of.plugged;
     if (plugged) {
         file = name_of(*plugged);

@@ -5,9 +5,9 @@
 // A ClipChoice holds all of that as plain values. open_chosen opens it: a ClipReader with its decorators
 // (part, far plane, relief, materials, holes filled), the scene, and the filters that the scene leaves open,
 // which settle_filters chooses from the first frames. filters_in_words and the functions beside it describe
-// the choice to the user. read_live_camera reads words like "v4l2:/dev/video0", and ClipChoice::take touches
-// that camera; a CameraCapture writes the camera's film beside a recording. A SharedClip lets several
-// sessions of a window read one clip that is opened and decoded once.
+// the choice to the user. read_live_camera reads words like "v4l2:/dev/video0", and ClipChoice::choose sets
+// that camera as the clip; a CameraCapture writes the camera's film beside a recording. A SharedClip lets
+// several sessions of a window read one clip that is opened and decoded once.
 //
 // Opening may take long; a stop request to its thread (stop_requested) cancels it. A SharedClip may be used
 // by several threads, everything else by one thread unless marked "any thread".
@@ -229,7 +229,7 @@ struct ClipChoice {
     std::optional<CameraCapture::Frames> filmed;  ///< the clip is a camera's film; these are the frames
 
     /// Sets the camera as the clip to touch.
-    void take(const LiveCamera& camera);
+    void choose(const LiveCamera& camera);
     bool is_camera() const { return plugged || as_camera; }
     /// From now on this choice and its copies open the clip once; no effect for a camera.
     void share_clip() {

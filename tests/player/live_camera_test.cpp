@@ -203,7 +203,7 @@ protected:
         auto camera = read_live_camera(*options.session.camera);
         EXPECT_EQ(message(camera), "");
         std::get<V4l2Choice>(*camera->plugged).system = video;
-        options.session.clip.take(*camera);
+        options.session.clip.choose(*camera);
         options.session.hand = "press";
         options.session.fingers = 2;
         options.session.ticks = static_cast<std::int64_t>(1000 * seconds);

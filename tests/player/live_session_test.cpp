@@ -560,7 +560,7 @@ TEST(CameraChoice, ReplayNamesClip) {
     const auto camera = read_live_camera("replay:takes/clip.mkv,fps=15");
     ASSERT_TRUE(camera) << camera.error().message;
     ClipChoice choice;
-    choice.take(*camera);
+    choice.choose(*camera);
     EXPECT_EQ(choice.file, "takes/clip.mkv");
     EXPECT_TRUE(choice.is_camera());
 }

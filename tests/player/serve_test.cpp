@@ -481,7 +481,7 @@ TEST_F(ServedTouch, NetworkFailureReleasesHand) {
     options.ticks = 300'000;
     options.hand = "press:depth=2,lift=0,period=4";
     options.camera = "stream:tcp://127.0.0.1:" + std::to_string((*relay)->port());
-    options.clip.take(*read_live_camera(*options.camera));
+    options.clip.choose(*read_live_camera(*options.camera));
     const auto setup = setup_from_options(options);
     ASSERT_TRUE(setup) << setup.error().message;
     TouchSetup& s = **setup;
