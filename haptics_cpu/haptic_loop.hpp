@@ -37,12 +37,12 @@ public:
         pushed_.store(at + 1, std::memory_order_release);
         return true;
     }
-    /// Reader only: passes the oldest slot to `take`; false if there is none.
-    template <class Take>
-    bool pop(const Take& take) {
+    /// Reader only: passes the oldest slot to `consume`; false if there is none.
+    template <class Consume>
+    bool pop(const Consume& consume) {
         const std::uint64_t at = popped_.load(std::memory_order_relaxed);
         if (at == pushed_.load(std::memory_order_acquire)) return false;
-        take(slots_[at % slots_.size()]);
+        consume(slots_[at % slots_.size()]);
         popped_.store(at + 1, std::memory_order_release);
         return true;
     }
@@ -60,10 +60,10 @@ public:
 
     /// Haptic thread only. Copies the tick; false, and nothing is kept, if the ring is full. Wait-free.
     bool push(const TouchTick& tick);
-    /// Reader only. Passes the oldest tick to `take`; false if there is none.
-    template <class Take>
-    bool pop(const Take& take) {
-        return ring_.pop([&take](const Slot& slot) { take(slot.tick); });
+    /// Reader only. Passes the oldest tick to `consume`; false if there is none.
+    template <class Consume>
+    bool pop(const Consume& consume) {
+        return ring_.pop([&consume](const Slot& slot) { consume(slot.tick); });
     }
 
 private:

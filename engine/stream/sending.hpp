@@ -195,13 +195,13 @@ public:
     /// Null: there is none yet.
     Block next(Cursor& cursor) const {
         const std::lock_guard lock(mutex_);
-        return take(cursor);
+        return advance(cursor);
     }
     /// `next`, after waiting at most `longest` for a frameset.
     Block wait_next(Cursor& cursor, std::chrono::milliseconds longest) const {
         std::unique_lock lock(mutex_);
         there_is_more_.wait_for(lock, longest, [&] { return is_over_ || cursor.next_ < end_of_kept(); });
-        return take(cursor);
+        return advance(cursor);
     }
     /// Whether `next` would return one.
     bool has_next(const Cursor& cursor) const {
@@ -234,7 +234,7 @@ private:
         std::size_t bytes_before;  // of the stream, up to this block
     };
     /// A cursor whose next block is no longer kept goes on with the newest key.
-    Block take(Cursor& cursor) const {
+    Block advance(Cursor& cursor) const {
         if (cursor.next_ < first_) {
             cursor.dropped_ += newest_key_ - cursor.next_;
             cursor.next_ = newest_key_;

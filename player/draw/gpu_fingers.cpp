@@ -164,7 +164,7 @@ Result<DentDrawing> DentDrawing::create(const std::shared_ptr<GpuDevice>& device
 }
 
 Result<GpuBuffer> DentDrawing::upload(const ViewCamera& camera) {
-    TRY_ASSIGN(auto buffer, uploads_.take("dents", sizeof(DentHeader) + dents_.size() * sizeof(DentRecord)));
+    TRY_ASSIGN(auto buffer, uploads_.lease("dents", sizeof(DentHeader) + dents_.size() * sizeof(DentRecord)));
     const glm::dmat4 from_pixel = clip_from_pixel(camera);
     std::byte* const to = buffer.mapped<std::byte>().data();
     *reinterpret_cast<DentHeader*>(to) = {glm::mat4(glm::inverse(camera.clip_from_world) * from_pixel),
@@ -324,7 +324,7 @@ Result<void> DentPatches::record(GpuCommands& commands, std::span<const FingerMa
         drawn_in.push_back(*bounds);
     }
     if (regions.empty() || flat.width < 2 || flat.height < 2) return {};
-    TRY_ASSIGN(const auto buffer, uploads_.take("dents", bytes));
+    TRY_ASSIGN(const auto buffer, uploads_.lease("dents", bytes));
     const Sight sight(camera);
     for (std::size_t k = 0; k < regions.size(); ++k) {
         find_nodes(sight, flat, drawn_in[k]);
@@ -391,7 +391,7 @@ Result<GpuBuffer> FingerDrawing::upload(const ViewCamera& camera, Parts& parts) 
     add(parts.shadows, shapes_.shadows.size(), sizeof(ShadowRecord));
     // Rounded up, as trails grow, so that the next pictures reuse the buffer.
     constexpr std::size_t step = 16384;
-    TRY_ASSIGN(auto buffer, uploads_.take("fingers", (bytes + step - 1) / step * step));
+    TRY_ASSIGN(auto buffer, uploads_.lease("fingers", (bytes + step - 1) / step * step));
     std::byte* to = buffer.mapped<std::byte>().data();
     auto* solid = reinterpret_cast<SolidRecord*>(to + parts.solids.offset);
     for (const auto* solids : {&shapes_.solids, &shapes_.veils})

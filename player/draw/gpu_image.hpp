@@ -8,7 +8,7 @@
 //
 //     TRY_ASSIGN(const auto image,
 //                GpuImage::create(*device, "canvas", width, height, VK_FORMAT_R8G8B8A8_UNORM));
-//     TRY_ASSIGN(const auto bytes, pool.take("picture", 4 * width * height));
+//     TRY_ASSIGN(const auto bytes, pool.lease("picture", 4 * width * height));
 //     // fill bytes.mapped<std::uint32_t>(), then
 //     record_transition(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
 //
@@ -71,7 +71,7 @@ public:
 
     /// A mapped buffer of at least `bytes` without other handles, and in no submission, recorded or in
     /// flight. Its content is undefined. Fails as GpuBuffer::create does.
-    Result<GpuBuffer> take(const std::string& name, std::size_t bytes);
+    Result<GpuBuffer> lease(const std::string& name, std::size_t bytes);
 
 private:
     struct Slot {

@@ -191,7 +191,7 @@ Result<void> PlaneUploads::fill(GpuCommands& commands, Kept& kept) {
                                   static_cast<std::size_t>(plane.channels * plane.bytes_per_sample);
     const bool is_copied = !device_->facts().unified_memory;
     if (!is_copied) kept.buffer = {};
-    TRY_ASSIGN(const auto written, uploads_.take(name_, bytes));
+    TRY_ASSIGN(const auto written, uploads_.lease(name_, bytes));
     std::byte* to = written.mapped<std::byte>().data();
     for (int y = 0; y < plane.height; ++y, to += kept.pitch) std::memcpy(to, plane.row(y), row_bytes);
     if (!is_copied) {
@@ -323,7 +323,7 @@ Result<void> GpuLattices::renew(const HeightField& field, GpuLattice& lattice) {
     for (GpuBuffer* const buffer : {&lattice.q, &lattice.colours}) {
         *buffer = {};
         TRY(check_size("lattice", bytes));
-        TRY_ASSIGN(*buffer, uploads_.take("lattice", bytes));
+        TRY_ASSIGN(*buffer, uploads_.lease("lattice", bytes));
     }
     return {};
 }
@@ -332,7 +332,7 @@ Result<void> GpuLattices::record_q(GpuCommands& commands, const HeightField& fie
                                    const GpuLattice& lattice) {
     if (SurfaceUnproject::has_codes(field, pair)) return unproject_.record(commands, field, pair, lattice.q);
     const std::size_t bytes = SurfaceUnproject::q_bytes(lattice.width, lattice.height);
-    TRY_ASSIGN(const auto uploaded, uploads_.take("lattice q", bytes));
+    TRY_ASSIGN(const auto uploaded, uploads_.lease("lattice q", bytes));
     put_q(field, lattice, uploaded);
     commands.barrier(GpuStage::compute, GpuStage::transfer);
     commands.copy(uploaded, 0, lattice.q, 0, bytes);

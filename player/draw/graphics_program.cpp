@@ -236,7 +236,7 @@ Result<GpuImage> GpuImage::create(const GpuDevice& device, const std::string& na
     return image;
 }
 
-Result<GpuBuffer> UploadPool::take(const std::string& name, std::size_t bytes) {
+Result<GpuBuffer> UploadPool::lease(const std::string& name, std::size_t bytes) {
     ++takes_;
     const std::size_t most = std::max<std::size_t>(4 * bytes, 4096);
     for (Slot& slot : slots_)

@@ -199,7 +199,7 @@ private:
         for (auto& [buffer, name] :
              {std::pair<GpuBuffer&, const char*>{colours_, "picture colours"}, {z_values_, "picture z"}}) {
             buffer = {};
-            TRY_ASSIGN(buffer, pictures_.take(name, bytes));
+            TRY_ASSIGN(buffer, pictures_.lease(name, bytes));
         }
         const auto background = rows_.mapped<PackedColour>(), colours = colours_.mapped<PackedColour>();
         const auto z = z_values_.mapped<float>();

@@ -160,10 +160,10 @@ public:
 
     /// Haptic thread; neither waits nor allocates. Without room the tick is dropped and counted.
     void push(const Tick& tick);
-    /// Reader. Passes the oldest tick to `take`; false: none.
-    template <class Take>
-    bool pop(const Take& take) {
-        return ring_.pop([&take](const Slot& slot) { take(slot.tick); });
+    /// Reader. Passes the oldest tick to `consume`; false: none.
+    template <class Consume>
+    bool pop(const Consume& consume) {
+        return ring_.pop([&consume](const Slot& slot) { consume(slot.tick); });
     }
     std::int64_t lost() const { return lost_.load(std::memory_order_relaxed); }
 

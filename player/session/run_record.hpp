@@ -39,7 +39,7 @@ public:
     public:
         /// Takes the guard's energy figures up to a tick and the share of its force that is sent and held.
         /// While the share is 1 the figures equal the guard's to the bit.
-        void take(const EnergyFigures& guarded, double share);
+        void update(const EnergyFigures& guarded, double share);
         const EnergyFigures& figures() const { return sent_; }
 
     private:

@@ -19,7 +19,7 @@ bool is_finite(const glm::dvec3& v) {
 }  // namespace
 
 /// The force held until now (old share_) did the tick's work; its spring energy is scaled by the new share.
-void TouchFigures::SentEnergy::take(const EnergyFigures& guarded, double share) {
+void TouchFigures::SentEnergy::update(const EnergyFigures& guarded, double share) {
     const double back = 1 - share_;
     kept_.work += back * (guarded.work - guarded_.work);
     kept_.surface += back * (guarded.surface - guarded_.surface) + (share_ - share) * guarded.stored;
@@ -71,7 +71,7 @@ Result<void> TouchFigures::consume(const TouchTick& tick) {
         hole_ticks_ += c.in_hole;
         limited_in_hole_ticks_ += c.in_hole && limited;
         longest_in_hole_ = std::max(longest_in_hole_, in_hole_[k]);
-        energy_[k].take(tick.forces[k].energy, tick.share(k));
+        energy_[k].update(tick.forces[k].energy, tick.share(k));
         events_ += c.counts.events;
         if (!c.touching) continue;
         held_back_ticks_ += !all_sent;

@@ -307,7 +307,7 @@ private:
     /// Uploads the CPU's picture.
     Result<void> upload(const Image& picture, const GpuImage& image) {
         const std::size_t pixels = picture.samples.size() / 3;
-        TRY_ASSIGN(const auto buffer, uploads_.take("picture", 4 * pixels));
+        TRY_ASSIGN(const auto buffer, uploads_.lease("picture", 4 * pixels));
         const auto to = buffer.mapped<PackedColour>();
         const std::uint8_t* rgb = picture.samples.data();
         for (std::size_t k = 0; k < pixels; ++k, rgb += 3) to[k] = pack_colour(rgb[0], rgb[1], rgb[2]);

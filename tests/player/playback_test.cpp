@@ -658,7 +658,7 @@ protected:
         const GuardedForce out = guard_->guard(contact);
         held_ = share * out.force;
         guarded_ = out.energy;
-        sent_.take(out.energy, share);
+        sent_.update(out.energy, share);
         return out.force.z;
     }
     /// In and out once, 5 mm deep, in steps of 0.1 mm; `share_of` each tick.

@@ -400,7 +400,7 @@ TEST_F(Drawing, ReusesUploadMemory) {
     UploadPool pool(gpu);
     const auto copy_of = must(GpuBuffer::create(*gpu, "copy", 64, GpuMemory::readback));
     const auto handle_of_next = [&](GpuCommands& commands) {
-        const GpuBuffer buffer = must(pool.take("upload", 64));
+        const GpuBuffer buffer = must(pool.lease("upload", 64));
         commands.copy(buffer, 0, copy_of, 0, 64);
         return buffer.handle();
     };
@@ -410,7 +410,7 @@ TEST_F(Drawing, ReusesUploadMemory) {
     must(must(std::move(first).submit()).wait());
     auto third = must(GpuCommands::begin(gpu, "third"));
     EXPECT_EQ(handle_of_next(third), one);
-    EXPECT_GE(must(pool.take("larger", 100'000)).bytes(), 100'000U);
+    EXPECT_GE(must(pool.lease("larger", 100'000)).bytes(), 100'000U);
 }
 
 TEST_F(Drawing, MapsKeepTheirColours) {
