@@ -11,6 +11,7 @@
 // product by 2^-53, and the root halves both (squares that underflow add less than 1e-161 N). Each component
 // is within the ceiling without any rounding. This holds for IEEE 754 arithmetic, so for code compiled with
 // -ffp-contract=off and without -ffast-math.
+// Threads: any; a pure function.
 
 #include <math.h>
 

@@ -9,8 +9,8 @@
 //   every millisecond: handle.intend(meant), handle.advance(newtons), then handle.reading()
 //
 // Lengths are metres of the device or of the world, as the caller chooses; times are seconds unless a name
-// says ns. Each object is used by one thread, and neither allocates nor waits, so that the haptic thread can
-// use it.
+// says ns.
+// Threads: one uses an object, which neither allocates nor waits, so that the haptic thread can.
 
 #include <algorithm>
 #include <cassert>

@@ -6,8 +6,8 @@
 // pair of frames from the timeline, and returns forces; the results go into the TickLog, a ring that another
 // thread empties. become_realtime requests SCHED_FIFO and locked memory, and reports what was granted.
 //
-// The haptic thread waits for no other thread: a late goal or force is missing, never waited for. A tick
-// whose time has passed is skipped and counted.
+// Threads: the haptic thread, a loop's own, waits for no other: a late goal or force is missing, never waited
+// for. A tick whose time has passed is skipped and counted.
 
 #include <functional>
 #include <glm/vec3.hpp>

@@ -8,7 +8,7 @@
 // in the world, is_in_hole whether it is on a hole's wall. The solver measures the same surface in its own
 // space (world_space.hpp). docs/solver.md has the mathematics.
 //
-// A HeightField is used by one thread, neither waits nor allocates, and may not outlive its frames.
+// Threads: one uses a HeightField, which neither waits nor allocates, and may not outlive its frames.
 
 #include <array>
 #include <cmath>

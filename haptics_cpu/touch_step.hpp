@@ -9,8 +9,8 @@
 // which two runs are compared; force_rules is the version of the rules by which forces are made: recordings
 // name it.
 //
-// A force is a pure function of configuration, frames with timestamps, goals and the previous state. One
-// thread at a time; a step neither waits nor allocates.
+// A force is a pure function of configuration, frames with timestamps, goals and the previous state.
+// Threads: one at a time; a step neither waits nor allocates.
 
 #include <glm/vec3.hpp>
 #include <optional>

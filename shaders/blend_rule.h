@@ -8,6 +8,7 @@
 //   depth if that is more: neighbours of one surface may differ by as much (cut_rule.h);
 // - and a quarter of the nearer depth: that limits a hand at 30 frames a second only closer than 0.27 m,
 //   where hardly a camera sees, and models of a few centimetres have edges, too.
+// Threads: any; nothing here keeps state.
 #ifndef TOUCHABLE_SHADERS_BLEND_RULE_H
 #define TOUCHABLE_SHADERS_BLEND_RULE_H
 

@@ -6,6 +6,7 @@
 // between two pixels. It is drawn there, or a dark line would run along every edge: the picture is the clip's
 // own. A pixel is about 1/500 of its depth wide (480 to 1000 pixels to 60 degrees), so 6 % in one pixel is a
 // slope of 30: surfaces seen at more than 88 degrees from their normal, which no depth camera measures.
+// Threads: any; nothing here keeps state.
 #ifndef TOUCHABLE_SHADERS_CUT_RULE_H
 #define TOUCHABLE_SHADERS_CUT_RULE_H
 

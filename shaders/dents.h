@@ -3,6 +3,7 @@
 //
 // A finger moves the place of the surface under it by `moved`; places around it move less the farther they
 // are, and not at all from `reach` on. A pixel shows the place that has moved to it.
+// Threads: any; nothing here keeps state.
 #ifndef TOUCHABLE_SHADERS_DENTS_H
 #define TOUCHABLE_SHADERS_DENTS_H
 

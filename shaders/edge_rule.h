@@ -17,6 +17,7 @@
 // A surface that falls away steeply at an edge is a streak from the side, in colours that a camera saw at a
 // grazing angle or mixed. It is darkened with its slope: from a quarter to three quarters of what cut_rule.h
 // allows. The slope, too, is averaged along the edge: it differs from pixel to pixel as the edge's steps do.
+// Threads: any; nothing here keeps state.
 #ifndef TOUCHABLE_SHADERS_EDGE_RULE_H
 #define TOUCHABLE_SHADERS_EDGE_RULE_H
 

@@ -3,6 +3,7 @@
 // A lane for each vertex finds from q where it is drawn at edges (edge_rule.h): two words a vertex, the bits
 // of q there, 0 if the vertex is drawn at its pixel, and from the lowest byte on the move in x, in y, and the
 // shade. Views from the clip's own place do not use it.
+// Threads: any; nothing here keeps state.
 #ifndef TOUCHABLE_SHADERS_EDGES_H
 #define TOUCHABLE_SHADERS_EDGES_H
 

@@ -11,6 +11,7 @@
 // Sectors agree where they meet, except at red, where the circle is closed: there the code is 0. So codes are
 // 0 to 1535, and code / 1536 is the hue of HSV from 0 to 1 to within half a code. Neighbouring hues of full
 // saturation are 1530 of those codes: finer steps would hold no more than 8 bits can express.
+// Threads: any; nothing here keeps state.
 #ifndef TOUCHABLE_SHADERS_HUE_CODE_H
 #define TOUCHABLE_SHADERS_HUE_CODE_H
 

@@ -8,6 +8,7 @@
 // The plane of a triangle is q = n . ray, so its normal is two differences of q and the plane's q on the
 // optical axis; and the cross product of its sides is n / (q0 q1 q2), up to a factor that is the same for
 // all.
+// Threads: any; nothing here keeps state.
 #ifndef TOUCHABLE_SHADERS_LIGHT_H
 #define TOUCHABLE_SHADERS_LIGHT_H
 

@@ -4,6 +4,7 @@
 //
 // A window is given as sorted columns, which neighbouring windows share, as they share merged pairs of
 // columns: neighbouring pixels, x and x + 1, share the columns between x - 1 and x + 2.
+// Threads: any; nothing here keeps state.
 #ifndef TOUCHABLE_SHADERS_MEDIAN_NETWORK_H
 #define TOUCHABLE_SHADERS_MEDIAN_NETWORK_H
 

@@ -6,6 +6,7 @@
 //
 // A pixel is z's bits above the colour's (PackedColour): z > 0 and larger when nearer, so the greatest is the
 // nearest; 0 is empty.
+// Threads: any; nothing here keeps state.
 #ifndef TOUCHABLE_SHADERS_RASTER_H
 #define TOUCHABLE_SHADERS_RASTER_H
 

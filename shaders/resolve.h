@@ -2,6 +2,7 @@
 //
 // Converts packed pixels (shaders/raster.h) to colours and z, as they are copied into images; empty pixels
 // get the background's colour and 0. A lane marches along a row, or a part of it, eight pixels a step.
+// Threads: any; nothing here keeps state.
 #ifndef TOUCHABLE_SHADERS_RESOLVE_H
 #define TOUCHABLE_SHADERS_RESOLVE_H
 

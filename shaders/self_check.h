@@ -1,4 +1,6 @@
-// Words mixed by a kernel and by C++: what `touchable check` compares, and times. Compiled as GLSL and as C++.
+// Words mixed by a kernel and by C++: what `touchable check` compares, and times. Compiled as GLSL and as
+// C++.
+// Threads: any; nothing here keeps state.
 #ifndef TOUCHABLE_SHADERS_SELF_CHECK_H
 #define TOUCHABLE_SHADERS_SELF_CHECK_H
 

@@ -1,5 +1,6 @@
 // How the solids that stand for fingers look, in pictures drawn by the CPU and on a GPU. Compiled as GLSL and
 // as C++ (with GLM). Colours are light, 0 to 1 a channel; directions are unit vectors, world axes.
+// Threads: any; nothing here keeps state.
 #ifndef TOUCHABLE_SHADERS_SOLID_LIGHT_H
 #define TOUCHABLE_SHADERS_SOLID_LIGHT_H
 

@@ -1,5 +1,6 @@
 // Shared by C++ and the kernels that turn stored values into filtered codes. Planes are rows of texels of 16
 // bytes, so of 8 codes or 16 stored bytes; bytes beyond the picture's width mean nothing.
+// Threads: any; nothing here keeps state.
 #ifndef TOUCHABLE_SHADERS_SURFACE_CODES_H
 #define TOUCHABLE_SHADERS_SURFACE_CODES_H
 

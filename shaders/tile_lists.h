@@ -3,6 +3,7 @@
 // cut_tiles.comp tells for each tile of 16x16 cells, with a lane each, whether shaders/cut_rule.h keeps all
 // of its triangles, or some, or none (all have a hole). list_tiles.comp, a single workgroup, lists the first
 // two kinds in the order of tiles, so that a picture does not depend on the order of execution.
+// Threads: any; nothing here keeps state.
 #ifndef TOUCHABLE_SHADERS_TILE_LISTS_H
 #define TOUCHABLE_SHADERS_TILE_LISTS_H
 

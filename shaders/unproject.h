@@ -8,6 +8,7 @@
 // A code's length grows with its distance m from the scale's end of least length (1 / length for inverse
 // codings), so base + step m never adds a negative number, and a depth has four roundings. A logarithmic
 // code's length is base + from_shift (e^(step m) - 1), the step in two parts, with six roundings.
+// Threads: any; nothing here keeps state.
 #ifndef TOUCHABLE_SHADERS_UNPROJECT_H
 #define TOUCHABLE_SHADERS_UNPROJECT_H
 

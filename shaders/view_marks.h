@@ -5,6 +5,7 @@
 // instance of a pattern of triangles. A thread is an instance for each stretch between two points: a ribbon
 // that faces the eye and looks round. All are half a pixel larger than their size, and fade over the
 // outermost pixel, which makes their edges smooth.
+// Threads: any; nothing here keeps state.
 #ifndef TOUCHABLE_SHADERS_VIEW_MARKS_H
 #define TOUCHABLE_SHADERS_VIEW_MARKS_H
 

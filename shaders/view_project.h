@@ -1,5 +1,6 @@
 // Projects a vertex of the lattice to the screen, in one order of float operations, so that painters agree on
 // its place. Compiled as GLSL and as C++ (with GLM).
+// Threads: any; nothing here keeps state.
 #ifndef TOUCHABLE_SHADERS_VIEW_PROJECT_H
 #define TOUCHABLE_SHADERS_VIEW_PROJECT_H
 

@@ -7,8 +7,8 @@
 // segments as painted), an undo among them, and its history as a file's text, which another run of the
 // program repeats. with_painted_segments returns the clip with painted segments.
 //
-// A reader is used by one thread. Edits of a brush take long and run in one thread; PaintedSegments, once
-// made, may be read by any thread. Stop requests are checked between frames.
+// Threads: one uses a reader, one edits a brush, which takes long; any may read PaintedSegments, once made.
+// Stop requests are checked between frames.
 
 #include <array>
 #include <cstddef>

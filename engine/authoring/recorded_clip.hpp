@@ -8,7 +8,7 @@
 // frames saw there, or with heights that its colour suggests (docs/content.md): look_at_relief reads some
 // frames to find how strong its details are.
 //
-// A reader is used by one thread; stop requests are checked between frames.
+// Threads: one uses a reader; stop requests are checked between frames.
 
 #include <array>
 #include <cstdint>

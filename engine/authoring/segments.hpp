@@ -8,8 +8,8 @@
 // their touch; SegmentNames holds a person's names of segments (a file of JSON, docs/content.md), and
 // find_named_segments finds the labels that they mean.
 //
-// A store does not change once all frames are added, and may be read by any thread; the function from
-// begin_segments is used by one thread; the rest are plain values.
+// Threads: any may read a store, which does not change once all frames are added; one uses the function from
+// begin_segments; the rest are plain values.
 
 #include <array>
 #include <cstddef>

@@ -9,7 +9,7 @@
 // requested; no zombie is left. A child that reads files from strangers gets limits of memory and processor
 // time.
 //
-// An object is used by one thread at a time.
+// Threads: one at a time uses an object.
 
 #include <poll.h>
 #include <sys/types.h>

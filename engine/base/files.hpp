@@ -10,7 +10,8 @@
 // program ends; it replaces only an ordinary file, and only if Existing says so.
 //
 // Errors are lines for a person: the file's name, what is wrong, what would be right. Reads end with
-// ErrorKind::interrupted once the program is asked to stop. One thread at a time may use an object.
+// ErrorKind::interrupted once the program is asked to stop.
+// Threads: one at a time may use an object.
 
 #include <unistd.h>
 

@@ -10,7 +10,8 @@
 // module's border.
 //
 // An Error may hint at a Setting: the program, not the library, knows its name there, an option or a row of a
-// panel. Plain values, for any thread.
+// panel.
+// Threads: any; plain values.
 
 #include <cassert>
 #include <memory>

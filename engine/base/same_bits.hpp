@@ -8,7 +8,7 @@
 // arguments in radians. exponential and logarithm, for depths of logarithmic codes, use only + - x / and the
 // exact floor, frexp and ldexp: within 1 ulp. All are tested against long double.
 //
-// Pure functions, for any thread; a ByteHash is used by one thread at a time.
+// Threads: any may call these pure functions; one at a time uses a ByteHash.
 
 #include <cstddef>
 #include <cstdint>

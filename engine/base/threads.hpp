@@ -17,7 +17,7 @@
 // few threads that sleep between calls; the bits do not depend on their number. A NewestValue passes from one
 // thread to another, and neither waits. boot_ns is a clock that runs on while the machine is suspended.
 //
-// Every function may be called by any thread; a RowBands by one at a time.
+// Threads: any may call every function; one at a time a RowBands.
 
 #include <pthread.h>
 #include <time.h>

@@ -9,6 +9,7 @@
 // The value is moved out of the Result. TRY_ASSIGN is three statements: put it between braces if it is the
 // body of a loop or an if. For .cpp files only: a macro has no namespace, and headers of the solver are
 // installed.
+// Threads: any; the macros keep no state.
 
 #include <utility>
 

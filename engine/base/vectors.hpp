@@ -8,8 +8,8 @@
 // comparisons below. Every unit gives the same bits, which tests compare.
 //
 // Vectors never cross a function call that is not inlined, so the ABI of vectors that the oldest CPUs lack
-// does not matter (-Wno-psabi): a kernel, and all that it calls with vectors, is `always_inline`. Pure
-// functions, for any thread.
+// does not matter (-Wno-psabi): a kernel, and all that it calls with vectors, is `always_inline`.
+// Threads: any; pure functions.
 
 #include <cstddef>
 #include <cstdint>

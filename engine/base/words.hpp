@@ -9,7 +9,7 @@
 // text from outside safe to show: on one line, without control characters, and, except shell_word, cut if it
 // is too long. nearest_word finds the word that a mistyped one may have meant; listed joins several names.
 //
-// All are pure functions, independent of the locale, for any thread.
+// Threads: any; pure functions, independent of the locale.
 
 #include <array>
 #include <charconv>

@@ -7,7 +7,7 @@
 // at which they were taken. SharedCamera is one camera for several runs of a window, one after the other: it
 // stays open while the next run is made ready. cameras_in_words lists what is plugged in, for the user.
 //
-// A reader is read by one thread. A SharedCamera's readers may be on different threads.
+// Threads: one uses a reader; a SharedCamera's readers may be on different ones.
 
 #include <condition_variable>
 #include <cstdint>

@@ -13,8 +13,8 @@
 // frame. Planes have roles (PlaneRole): functions here find a frame's plane by its role, check it against the
 // scene, and bring it to the scene's form and size. FrameCheck is for implementations of ClipWriter.
 //
-// A reader and a writer are used by one thread at a time. From any thread: ClipReader::taken_before, remarks
-// and stream_figures. The functions keep no state.
+// Threads: one at a time uses a reader or a writer; any may call ClipReader::taken_before, remarks and
+// stream_figures. The functions keep no state.
 
 #include <array>
 #include <chrono>

@@ -12,8 +12,7 @@
 // refuse, with the frame's number, what was damaged since. The containers' metadata is in tracks.hpp, for
 // modules that write similar files.
 //
-// Each reader and writer is used by one thread at a time; a reader decodes large pictures on threads of its
-// own.
+// Threads: one at a time uses a reader or a writer; a reader decodes large pictures on threads of its own.
 
 #include <array>
 #include <bit>

@@ -12,7 +12,7 @@
 // framesets, a stream. Derived classes turn bytes into frames; LiveReader has the numbers, times, waits,
 // stops and remarks.
 //
-// Like every reader, each is used by one thread at a time; functions that any thread may call say so.
+// Threads: one at a time uses a reader; functions that any may call say so.
 
 #include <array>
 #include <atomic>

@@ -14,9 +14,9 @@
 // common part of the containers' writers: a derived class writes the frames.
 //
 // All codings but h264_visual and h264_reduced are lossless; lossy_note tells if another program's codec was
-// not. Errors name track and frame, or the file. Objects are used by one thread at a time, different ones by
-// different threads at once; FFmpeg may decode slices of large pictures on its own threads. Functions keep no
-// state.
+// not. Errors name track and frame, or the file.
+// Threads: one at a time uses an object, different ones may use different objects at once; FFmpeg may decode
+// slices of large pictures on its own. Functions keep no state.
 
 #include <deque>
 #include <span>

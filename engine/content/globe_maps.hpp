@@ -5,7 +5,8 @@
 // which must live until the scene is made.
 //
 // check_globe_maps refuses maps that make no globe, find_shore finds the sea level and which side of the mask
-// is land. Both only read, for any thread.
+// is land.
+// Threads: any; both only read.
 
 #include <span>
 

@@ -9,8 +9,8 @@
 // exact_frame). The same options give the same bits on every machine: random numbers come from a seed
 // (engine/content/seeded_noise.hpp), and sines from engine/base/same_bits.hpp.
 //
-// A frame of a large picture is made by several threads (SceneOptions::threads); one thread at a time may
-// request frames of a scene.
+// Threads: one at a time may request frames of a scene; it makes those of large pictures with more
+// (SceneOptions::threads).
 
 #include <glm/vec3.hpp>
 #include <string_view>

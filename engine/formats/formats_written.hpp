@@ -9,8 +9,8 @@
 // whether a file of that name may be replaced. A _files function lists every file that a writer may write, so
 // that a caller can first compare them with its inputs. Pictures are PNG, which keeps every value.
 //
-// A writer is used by one thread; several writers may be used at once. Errors are one line with the name that
-// the file would have had.
+// Threads: one uses a writer; several writers may be used at once. Errors are one line with the name that the
+// file would have had.
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"

@@ -13,10 +13,10 @@
 //   TRY_ASSIGN(const auto guessed, guess_clip("pictures", known));
 //   for (const Remark& remark : guessed.scene.remarks) show(remark);
 //
-// All functions may be called by any thread, also by several threads at once. They wait for disks and
-// servers: once the thread is asked to stop (stop_requested), the result is soon an error of kind
-// interrupted. A reader is used by one thread at a time. Errors are one line with the file's name; below
-// `player/commands` they name a Setting, never an option.
+// Threads: any may call all functions, also several at once; one at a time uses a reader. Functions wait for
+// disks and servers: once the thread is asked to stop (stop_requested), the result is soon an error of kind
+// interrupted. Errors are one line with the file's name; below `player/commands` they name a Setting, never
+// an option.
 
 #include <filesystem>
 #include <memory>

@@ -15,7 +15,7 @@
 // for intrinsics: a camera's file beside the pictures counts for more than the preset's. Lengths are metres,
 // angles degrees, places in a picture pixels from the middle of its upper left pixel.
 //
-// All types are plain values. Any thread may call any function: the table of presets is constant, and nothing
+// Threads: any may call any function: types are plain values, the table of presets is constant, and nothing
 // else is shared. A clip is one thread's at a time.
 
 #include <filesystem>

@@ -6,7 +6,7 @@
 // its specialisation constants and bindings. GpuCommands record dispatches, copies and barriers and submit
 // them once; waits are for a submission's number, and end if the GPU hangs (patience).
 //
-// Commands are used by one thread. Errors are of kind gpu; those of invalid calls are of kind internal.
+// Threads: one uses GpuCommands. Errors are of kind gpu; those of invalid calls are of kind internal.
 
 #include <vulkan/vulkan.h>
 #include <array>

@@ -7,7 +7,7 @@
 // stays lost: every later call fails, and its memory is not freed while it may still be written
 // (docs/architecture.md, A GPU that is lost).
 //
-// A device may be used by several threads; each has its own commands (gpu_commands.hpp).
+// Threads: several may use a device, each with its own commands (gpu_commands.hpp).
 
 #include <vulkan/vulkan.h>
 #include <array>

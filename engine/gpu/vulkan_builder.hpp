@@ -8,7 +8,8 @@
 // memory that CPU and GPU reach. VulkanVertices are a frame's vertices that stay on the GPU: what is drawn on
 // the same device reads them there.
 //
-// One thread at a time, like any builder. An error of kind gpu means that the fallback builder should go on.
+// Threads: one at a time, like any builder. An error of kind gpu means that the fallback builder should go
+// on.
 
 #include <cstddef>
 #include <memory>

@@ -9,7 +9,7 @@
 //
 // Boxes refer to the bytes that they were found in, which must outlive them. The lengths that a box claims
 // are checked against the bytes that exist. Errors do not name the file: the caller does (error_at).
-// Functions keep no state; a ByteSource is used by one thread.
+// Threads: any may call functions, which keep no state; one uses a ByteSource.
 
 #include <map>
 #include <span>

@@ -8,8 +8,8 @@
 // clip_nodes_of reads the nodes of one clip from a tree and names the part that it does not understand;
 // described_by turns these into a SceneDescription, and the functions beside it turn a scene into nodes.
 //
-// Text and bits come from outside: depth of nesting, sizes and numbers are checked. Pure functions, for any
-// thread.
+// Text and bits come from outside: depth of nesting, sizes and numbers are checked.
+// Threads: any; pure functions.
 
 #include <cstdint>
 #include <string_view>

@@ -10,8 +10,8 @@
 // join_channels, take_channels and RgbConverter::convert_yuv420 are the loops of these conversions for one
 // vector unit, which tests compare; the functions above choose the unit.
 //
-// Include it in .cpp files and in private headers: it brings FFmpeg's own. An RgbConverter is one thread's,
-// the functions are any thread's.
+// Include it in .cpp files and in private headers: it brings FFmpeg's own.
+// Threads: one uses an RgbConverter, any the functions.
 
 #include <array>
 #include <memory>

@@ -9,7 +9,8 @@
 // ReservedOutput writes a container with room reserved for its end.
 //
 // Include it in .cpp files and in private headers: it brings FFmpeg's own. Errors are lines about the named
-// file (ErrorKind::input), or ErrorKind::interrupted. Each object is used by one thread at a time.
+// file (ErrorKind::input), or ErrorKind::interrupted.
+// Threads: one at a time uses an object.
 
 extern "C" {
 #include <libavcodec/avcodec.h>

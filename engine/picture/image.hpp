@@ -10,8 +10,8 @@
 // write_png and png_bytes write PNG, lossless. Pictures of videos are in decoding.hpp.
 //
 // Claims of a file (sizes, expansion) are checked before memory is taken for them. Errors begin with `where`
-// or the file's name (ErrorKind::input); a stop is obeyed within milliseconds. Functions may be called by any
-// thread; an ImageStack is one thread's.
+// or the file's name (ErrorKind::input); a stop is obeyed within milliseconds.
+// Threads: any may call functions; one uses an ImageStack.
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"

@@ -8,7 +8,8 @@
 // which containers take them.
 //
 // Times count from the clip's first frame. SoundTrack::open and sound_of take any file: one without sound is
-// no error. Objects are used by one thread each. Errors are lines about the file (ErrorKind::input).
+// no error. Errors are lines about the file (ErrorKind::input).
+// Threads: one uses an object.
 
 #include <cstdint>
 #include <filesystem>

@@ -3,7 +3,8 @@
 // ZIP archives, read by libzip: their members, and the bytes of each, unpacked as they are read.
 //
 // What an archive states is not trusted: its directory is read up to a bound, and a member gives no more
-// bytes than it states. Errors are lines about the file. An archive and its members are used by one thread.
+// bytes than it states. Errors are lines about the file.
+// Threads: one uses an archive and its members.
 
 #include <cstdint>
 #include <memory>

@@ -10,7 +10,8 @@
 // a Refusal, or an exception of the library, into an Error, so that none leaves a module. Include this header
 // only to read JSON: it includes nlohmann/json.
 //
-// A Node refers to its Json, which must outlive it. Pure functions, for any thread.
+// A Node refers to its Json, which must outlive it.
+// Threads: any; pure functions.
 
 #include <cstddef>
 #include <cstdint>

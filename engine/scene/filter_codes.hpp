@@ -9,7 +9,7 @@
 // which returns nullopt if the scene does not want that filter. step_of_code, level_distance and kappa
 // measure how coarse depth is, for the choice of filters and for reports.
 //
-// Plain values and pure functions, for any thread; a filter keeps no reference to its scene.
+// Threads: any; plain values and pure functions. A filter keeps no reference to its scene.
 
 #include <algorithm>
 #include <bit>

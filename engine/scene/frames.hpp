@@ -14,8 +14,8 @@
 // after the start. A moment has an epoch: a seek, the restart of a loop or another clip begins a new one, and
 // a pair never spans two (docs/architecture.md, Time).
 //
-// Frames do not change once they are published, and may then be read by any thread. A timeline has one thread
-// that builds, one that reads, and optionally one that draws what the reader holds.
+// Threads: any may read frames once they are published: they do not change. A timeline has one thread that
+// builds, one that reads, and optionally one that draws what the reader holds.
 
 #include <algorithm>
 #include <array>

@@ -11,7 +11,7 @@
 // the planes of a clip take turns in a few blocks. A GPU builder imports each block once, by its id, copies
 // from it without the CPU, and holds the PlaneBlock as long as the import exists.
 //
-// Any thread may call these functions; they hold a lock for some table look-ups. Under AddressSanitizer
+// Threads: any may call these functions; they hold a lock for some table look-ups. Under AddressSanitizer
 // memory that is not leased must not be touched.
 
 #include <cstddef>

@@ -13,7 +13,8 @@
 // settings, used by all code that reads, writes or names one.
 //
 // Lengths are in scene units unless a name says metres; pixels have integer coordinates at their centres,
-// rows go down. All are plain values and pure functions, for any thread.
+// rows go down.
+// Threads: any; plain values and pure functions.
 
 #include <algorithm>
 #include <array>

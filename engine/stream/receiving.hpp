@@ -15,7 +15,8 @@
 //   auto clip = open_stream_clip(source);
 //
 // No call waits longer than StreamSource::Patience, and a stop of the calling thread (stop_requested) ends
-// all waits. One thread uses a ClipReader that is made here; a live one receives on its own thread.
+// all waits.
+// Threads: one uses a ClipReader that is made here; a live one receives on its own.
 
 #include <chrono>
 

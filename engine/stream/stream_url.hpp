@@ -12,7 +12,7 @@
 // An SRT URL may have a passphrase, which no message, report or recording may show: messages use `name`, and
 // code that quotes a word that may be a URL uses `without_passphrase`. Only FFmpeg and libsrt get `text`.
 //
-// Everything here is a value or a function without state: any thread may call it.
+// Threads: any; values and functions without state.
 
 #include <sys/socket.h>
 

@@ -7,7 +7,7 @@
 // `measured` also tries filters on smooth patches of these frames. Of the filters that a scene leaves open,
 // choose_filters takes those that leave the least false relief to be felt.
 //
-// One thread at a time; a stop request takes effect between steps.
+// Threads: one at a time; a stop request takes effect between steps.
 
 #include <deque>
 

@@ -4,7 +4,8 @@
 // (docs/architecture.md, Frames that change in part).
 //
 // FrameChanges compares depth in blocks and widens the changes by the filters' reach; StaleBlocks are the
-// blocks that one slot of the ring lacks. The CPU's builder and the GPU's use both, on the building thread.
+// blocks that one slot of the ring lacks.
+// Threads: the building one, where the CPU's builder and the GPU's use both.
 
 #include "engine/base/threads.hpp"
 #include "engine/base/vectors.hpp"

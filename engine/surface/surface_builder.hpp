@@ -10,7 +10,7 @@
 // touched), make_fallback_builder (another one, such as the GPU's, until it fails). engine/gpu has the one
 // for Vulkan. make_mesh and write_ply export a frame's surface as triangles.
 //
-// A builder is used by one thread at a time, and gets the frames of an epoch in order. It allocates only
+// Threads: one at a time uses a builder, and gives it the frames of an epoch in order. It allocates only
 // until the first frames are built. Errors are lines about the frame (what is wrong with its planes).
 
 #include <array>

@@ -7,9 +7,9 @@
 // SpokenSound: for loudspeakers, fed by a separate thread, for a WAV file, for a film (FilmedSound); and it
 // passes the ticks to the gamepad (GamepadRumble).
 //
-// Ticks come on a session's thread, one session at a time, where nothing waits or allocates. The window's
-// thread calls everything else, except "any thread" functions. Without sound or gamepad only these are
-// missing: `state` gives the reason in a few words.
+// Threads: ticks come on a session's, one session at a time, where nothing waits or allocates. The window's
+// calls everything else, except "any thread" functions. Without sound or gamepad only these are missing:
+// `state` gives the reason in a few words.
 
 #include <algorithm>
 #include <array>

@@ -13,7 +13,8 @@
 //     finger.given_way = given_way(force, stiffness, metres_per_scene_unit);
 //
 // pictures.hpp draws them: a ball, a bubble at the goal, a rod between the two, an arrow for the force, a
-// thread, a shadow, a dent. All functions depend only on their arguments: any thread may call them.
+// thread, a shadow, a dent.
+// Threads: any; functions depend only on their arguments.
 
 #include <cstddef>
 #include <glm/vec3.hpp>

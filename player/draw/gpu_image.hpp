@@ -12,8 +12,8 @@
 //     // fill bytes.mapped<std::uint32_t>(), then
 //     record_transition(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
 //
-// Errors are of ErrorKind::gpu. Any thread may release handles; a pool and commands belong to one thread at a
-// time.
+// Errors are of ErrorKind::gpu.
+// Threads: any may release handles; a pool and commands belong to one at a time.
 
 #include <vulkan/vulkan.h>
 

@@ -11,8 +11,9 @@
 //     drawing.show(field, pair, painted.view(), Lighting::plain);
 //     TRY(draw_scale_bar(painted.scale, image));
 //
-// A scale's ramp goes from dark blue through green to light yellow (`ramp_colour`). `Overlays` remembers its
-// scales to avoid flicker, and belongs to one thread at a time; any thread may call everything else.
+// A scale's ramp goes from dark blue through green to light yellow (`ramp_colour`).
+// Threads: `Overlays`, which remembers its scales to avoid flicker, belongs to one at a time; any may call
+// everything else.
 
 #include <array>
 #include <cstddef>

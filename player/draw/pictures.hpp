@@ -17,8 +17,8 @@
 // `SurfaceDrawing::step_for` says how far a surface's vertices may be decimated if a window has fewer pixels
 // than the clip.
 //
-// `colour` is RGB of 8 bits a channel, of the field's size, or empty for lit clay. A painter or a drawing
-// belongs to one thread at a time; different ones are independent.
+// `colour` is RGB of 8 bits a channel, of the field's size, or empty for lit clay.
+// Threads: a painter or a drawing belongs to one at a time; different ones are independent.
 
 #include <cstdint>
 #include <functional>

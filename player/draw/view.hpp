@@ -12,8 +12,9 @@
 //
 // `pick` finds the surface as painters draw it, edges and walls included; `surface_on_way` finds the surface
 // as it is felt; `values_at` returns all values of a pixel. World coordinates and depths are in scene units.
-// All functions depend only on their arguments: any thread may call them, several at once, while the field's
-// frames live. Only `parse_viewpoint` fails (ErrorKind::usage).
+// Only `parse_viewpoint` fails (ErrorKind::usage).
+// Threads: any may call all functions, several at once, while the field's frames live: they depend only on
+// their arguments.
 
 #include <cstdint>
 #include <glm/mat4x4.hpp>

@@ -12,8 +12,9 @@
 // docs/touch.md the format.
 //
 // Errors name the file, its line and the valid values. Files read are untrusted: every count and length is
-// checked before memory is allocated for it. The thread that takes a session's ticks writes the files; the
-// haptic thread only pushes ticks to a DeviceTickLog.
+// checked before memory is allocated for it.
+// Threads: the one that consumes a session's ticks writes the files; the haptic thread only pushes ticks to a
+// DeviceTickLog.
 
 #include <array>
 #include <atomic>

@@ -7,7 +7,7 @@
 // signal later than `same_wish` ends the program. Progress, of any work or of a run whose ticks it takes, and
 // LiveLine draw on a terminal; Progress may also write lines into a log.
 //
-// Each object is for one thread.
+// Threads: one uses an object.
 
 #include <filesystem>
 #include <functional>

@@ -13,9 +13,8 @@
 // ticks for the thread that calls `run`, which passes them to the sinks. LiveFacts counts late frames and
 // lost ticks.
 //
-// A session is for one thread, except for LiveSession's members marked "any thread", and for one other thread
-// that may give commands to the clip's clock. Errors are user-readable lines; a stop ends a run between two
-// ticks.
+// Threads: one uses a session, except for LiveSession's members marked "any thread", and one other may give
+// commands to the clip's clock. Errors are user-readable lines; a stop ends a run between two ticks.
 
 #include <atomic>
 #include <cstdint>

@@ -9,8 +9,8 @@
 // that camera as the clip; a CameraCapture writes the camera's film beside a recording. A SharedClip lets
 // several sessions of a window read one clip that is opened and decoded once.
 //
-// Opening may take long; a stop request to its thread (stop_requested) cancels it. A SharedClip may be used
-// by several threads, everything else by one thread unless marked "any thread".
+// Opening may take long; a stop request to its thread (stop_requested) cancels it.
+// Threads: several may use a SharedClip, one everything else unless marked "any thread".
 
 #include <atomic>
 #include <condition_variable>

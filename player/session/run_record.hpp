@@ -8,7 +8,7 @@
 // ReplayCheck compares each tick's forces with the recorded ones and keeps the first difference; judge_replay
 // reports it: the same, different from which tick and finger on, or not comparable.
 //
-// All of it belongs to the thread that takes a session's ticks.
+// Threads: all of it belongs to the one that consumes a session's ticks.
 
 #include <array>
 #include <cstddef>

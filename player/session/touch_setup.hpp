@@ -12,9 +12,8 @@
 // LiveSession and its threads. `look` returns the frames, the blend and the tick that the hand holds, and the
 // fingers' contacts and forces; figures count ticks and late frames; commands take effect at the next tick.
 //
-// The thread that makes a setup owns it until a session takes it. The window's thread calls a session's
-// `ask`, `look` and `stop`; members under "Any thread" may be called from any thread. Only `stop` waits for
-// the haptic thread.
+// Threads: the one that makes a setup owns it until a session takes it. The window's calls a session's `ask`,
+// `look` and `stop`; any may call members under "Any thread". Only `stop` waits for the haptic thread.
 
 #include <atomic>
 #include <cstddef>

@@ -16,7 +16,7 @@
 // `headless` (no window; needs `seconds`, `screenshot` or a script that quits), `script` (input at fixed
 // moments).
 //
-// The main thread calls play_in_window, which returns once the window is closed. It starts and ends the
+// Threads: the main one calls play_in_window, which returns once the window is closed. It starts and ends the
 // threads that it needs (screen, session, opening, files). A signal ends it too (player/run/terminal.hpp):
 // the error is then of kind interrupted, and a haptic device is powered down before anything is waited for.
 //

@@ -10,9 +10,9 @@
 //     WindowCommand later{.verb = WindowVerb::seek_to, .number = 10};
 //     Result<WindowCommand> read = parse_window_command("seek 10");
 //
-// The table of commands (command_table.hpp) has each one's keys and handler. All of this is values and
-// functions without state, for any thread; read_window_script waits for the disk. Refused text gives
+// The table of commands (command_table.hpp) has each one's keys and handler. Refused text gives
 // ErrorKind::usage, and the message says what is allowed; no message names an option of the command line.
+// Threads: any; all of this is values and functions without state, but read_window_script waits for the disk.
 
 #include <algorithm>
 #include <filesystem>

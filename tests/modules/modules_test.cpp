@@ -194,6 +194,13 @@ TEST(Modules, HaveTheirListedHeaders) {
             EXPECT_TRUE(fs::exists(source(module.folder) / header)) << name << " has no " << header;
 }
 
+TEST(Modules, StateThreadsInPublicHeaders) {
+    for (const auto& [name, module] : modules())
+        for (const std::string& header : module.headers)
+            EXPECT_NE(text_of(source(module.folder) / header).find("\n// Threads: "), std::string::npos)
+                << module.folder << '/' << header << " does not say which threads may use it";
+}
+
 TEST(Modules, IncludeOnlyPublicHeaders) {
     std::map<std::string, std::string> of_folder;
     for (const auto& [name, module] : modules())
