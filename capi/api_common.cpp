@@ -208,10 +208,8 @@ Result<RawFrame> raw_frame(const touch_frame& frame, const Scene& scene, FrameSc
         TRY(check_plane(from, role));
         // Before reading any sample: the memory may be smaller than the plane's size.
         if (from.width != scene.width || from.height != scene.height)
-            return plane_error(role.name, "is " + std::to_string(from.width) + "x" +
-                                              std::to_string(from.height) + ", the scene says " +
-                                              std::to_string(scene.width) + "x" +
-                                              std::to_string(scene.height));
+            return plane_error(role.name, "is " + size_text(from.width, from.height) + ", the scene says " +
+                                              size_text(scene.width, scene.height));
         if (from.sample != TOUCH_F32) {
             to = view_of(from, scratch.planes[k]);
             continue;

@@ -17,10 +17,7 @@ constexpr std::size_t most_rows = 10'000'000;  // an hour at 2.7 kHz
 /// Any number, infinities and NaN included; nothing for other text.
 std::optional<double> parse_number(std::string_view text) {
     if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
-    double value = 0;
-    const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (fault != std::errc() || end != text.data() + text.size()) return std::nullopt;
-    return value;
+    return parsed_as<double>(text);
 }
 
 bool is_text(std::string_view line) {
@@ -143,10 +140,8 @@ Result<std::size_t> CsvTable::column(std::string_view name_or_number) const {
         if (first_[at] == name_or_number) return at;
         legal.append(", ").append(printable(first_[at]));
     }
-    std::size_t number = 0;
-    const char* const last = name_or_number.data() + name_or_number.size();
-    const auto [end, fault] = std::from_chars(name_or_number.data(), last, number);
-    if (fault == std::errc() && end == last && number >= 1 && number <= columns()) return number - 1;
+    const auto number = parsed_as<std::size_t>(name_or_number).value_or(0);
+    if (number >= 1 && number <= columns()) return number - 1;
     return input_error(file_ + ": has no column '" + printable(name_or_number) + "'; columns are " +
                        printable(legal, 400));
 }

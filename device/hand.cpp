@@ -650,15 +650,13 @@ Result<HandOptions::Entry> HandOptions::entry(std::string_view of, std::string_v
         if (value.empty()) return option_refusal(of, name + " is empty; it takes " + key_takes(*key));
         return Entry{&*key, 0, value};
     }
-    double number = 0;
-    const auto [end, fault] = std::from_chars(value.data(), value.data() + value.size(), number);
-    const bool all = fault == std::errc() && end == value.data() + value.size();
-    const bool inside = all && number >= key->least && number <= key->greatest;  // NaN is outside
-    if (!inside || (key->kind == Key::Kind::whole && std::floor(number) != number)) {
+    const auto number = parsed_as<double>(value);
+    const bool inside = number && *number >= key->least && *number <= key->greatest;  // NaN is outside
+    if (!inside || (key->kind == Key::Kind::whole && std::floor(*number) != *number)) {
         return option_refusal(of,
                               name + "=" + value + " is not allowed; " + name + " takes " + key_takes(*key));
     }
-    return Entry{&*key, number, {}};
+    return Entry{&*key, *number, {}};
 }
 
 double HandOptions::number(std::string_view name) const {

@@ -7,13 +7,13 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <fstream>
 #include <iterator>
 
 #include "device/drivers/known_devices.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
@@ -74,10 +74,7 @@ std::int16_t report_word(std::span<const std::byte> report, std::size_t at) {
 }
 
 std::optional<std::uint16_t> hexadecimal_id(std::string_view text) {
-    std::uint16_t id = 0;
-    const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), id, 16);
-    if (fault != std::errc() || end != text.data() + text.size()) return std::nullopt;
-    return id;
+    return parsed_as<std::uint16_t>(text, 16);
 }
 
 std::optional<HidNode> read_hid_uevent(std::string_view text) {

@@ -109,8 +109,7 @@ Result<std::uint16_t> label_of(const SegmentStore& segments, const PixelOfFrame&
     if (at.x < 0 || at.y < 0 || at.frame < 0 || at.x >= segments.width() || at.y >= segments.height() ||
         at.frame >= segments.frames())
         return usage_error(place + " is beyond the clip, which has " + std::to_string(segments.frames()) +
-                           " frames of " + std::to_string(segments.width()) + 'x' +
-                           std::to_string(segments.height()));
+                           " frames of " + size_text(segments.width(), segments.height()));
     const std::uint16_t label = segments.label_at(at.frame, at.x, at.y);
     if (label == 0) return usage_error("there is no surface at " + place);
     return label;

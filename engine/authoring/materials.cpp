@@ -3,6 +3,7 @@
 #include "engine/authoring/segment_parts.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 
@@ -377,9 +378,9 @@ Result<std::unique_ptr<ClipReader>> with_painted_segments(std::unique_ptr<ClipRe
     Scene scene = clip->scene();
     const SegmentStore& segments = *painted->segments;
     if (segments.width() != scene.width || segments.height() != scene.height)
-        return usage_error("the segments are of pictures of " + std::to_string(segments.width()) + 'x' +
-                           std::to_string(segments.height()) + ", and the clip's depth has " +
-                           std::to_string(scene.width) + 'x' + std::to_string(scene.height));
+        return usage_error("the segments are of pictures of " +
+                           size_text(segments.width(), segments.height()) + ", and the clip's depth has " +
+                           size_text(scene.width, scene.height));
     std::vector<Feel> feels;
     for (const auto& [label, paint] : painted->by_label) feels.push_back(paint.feel);
     scene.haptic = ranges_of_palette(scene, feels);

@@ -59,7 +59,7 @@ Result<void> check_place(const NamedPlace& place, const Segmentation& size,
                          std::optional<std::int64_t> frames) {
     if (place.at.x >= size.width || place.at.y >= size.height)
         return refuse_name(*place.name, in_words(place.at) + " is outside of the picture, which has " +
-                                            std::to_string(size.width) + 'x' + std::to_string(size.height));
+                                            size_text(size.width, size.height));
     if (frames && place.at.frame >= *frames)
         return refuse_name(*place.name, "frame " + std::to_string(place.at.frame) +
                                             " is beyond the clip, whose last one is " +
@@ -142,10 +142,9 @@ public:
     /// To be called before the first frame; nullopt: the number of frames is not known.
     Result<void> begin(std::optional<std::int64_t> frames) {
         if (map_ && (map_->indices.width != size_.width || map_->indices.height != size_.height))
-            return input_error(map_->file + ": has " + std::to_string(map_->indices.width) + 'x' +
-                               std::to_string(map_->indices.height) +
+            return input_error(map_->file + ": has " + size_text(map_->indices.width, map_->indices.height) +
                                " pixels: must have those of the clip's depth, " +
-                               std::to_string(size_.width) + 'x' + std::to_string(size_.height));
+                               size_text(size_.width, size_.height));
         TRY_ASSIGN(by_index_, names_by_index(names_, map_));
         for (const NamedSegment& name : names_.segments)
             for (const PixelOfFrame& at : name.at) {
@@ -294,8 +293,7 @@ Result<SegmentStore> SegmentStore::with_cut(const SegmentCut& cut) const {
     for (const SegmentCut::Point& point : cut.stroke)
         if (point.x < 0 || point.y < 0 || point.x >= width_ || point.y >= height_)
             return usage_error("the stroke leads out of the picture, to pixel " + std::to_string(point.x) +
-                               ',' + std::to_string(point.y) + ", which has " + std::to_string(width_) + 'x' +
-                               std::to_string(height_));
+                               ',' + std::to_string(point.y) + ", which has " + size_text(width_, height_));
     std::vector<std::uint16_t> labels;
     read_labels(cut.frame, labels);
     const std::uint16_t label = cut.stroke.size() < 2 ? std::uint16_t{0} : label_under(cut, labels, width_);

@@ -111,11 +111,8 @@ std::string_view trimmed(std::string_view text, std::string_view blanks) {
 }
 
 std::optional<double> parsed_number(std::string_view text) {
-    double value = 0;
-    const char* const end = text.data() + text.size();
-    const auto [last, failure] = std::from_chars(text.data(), end, value);
-    if (failure == std::errc() && last == end && std::isfinite(value)) return value;
-    return std::nullopt;
+    const auto value = parsed_as<double>(text);
+    return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 std::string printable(std::string_view foreign, std::size_t most, std::string_view kept) {

@@ -4,10 +4,11 @@
 //
 // formatted is printf into a string. exact_number writes the fewest digits that are read as the same number,
 // for files; short_number and trimmed_number are for people; decimal_of is the decimal number that a float
-// came from; counted puts a number before a noun; parsed_number reads a text that is a number and nothing
-// else. small_letters and trimmed prepare a text for comparison. printable, in_quotes and shell_word make
-// text from outside safe to show: on one line, without control characters, and, except shell_word, cut if it
-// is too long. nearest_word finds the word that a mistyped one may have meant; listed joins several names.
+// came from; counted puts a number before a noun, size_text an x between two; parsed_number and parsed_as
+// read a text that is a number and nothing else. small_letters and trimmed prepare a text for comparison.
+// printable, in_quotes and shell_word make text from outside safe to show: on one line, without control
+// characters, and, except shell_word, cut if it is too long. nearest_word finds the word that a mistyped one
+// may have meant; listed joins several names.
 //
 // Threads: any; pure functions, independent of the locale.
 
@@ -53,6 +54,19 @@ inline std::string counted(std::int64_t count, const std::string& one, const std
     return std::to_string(count) + ' ' + (count == 1 ? one : several.empty() ? one + 's' : several);
 }
 
+/// A picture's size: "640x480".
+std::string size_text(auto width, auto height) {
+    return std::to_string(width) + 'x' + std::to_string(height);
+}
+
+/// The number of this type that the whole text is, also inf and nan; nullopt: it is none, or out of range.
+template <class Number>
+std::optional<Number> parsed_as(std::string_view text, auto... base) {
+    Number value{};
+    const char* const end = text.data() + text.size();
+    const auto [last, failure] = std::from_chars(text.data(), end, value, base...);
+    return failure == std::errc() && last == end ? std::optional(value) : std::nullopt;
+}
 /// The finite number that the whole text is; nullopt: it is none.
 std::optional<double> parsed_number(std::string_view text);
 

@@ -357,10 +357,6 @@ std::string formats_text(const NodeFacts& facts) {
     return all.empty() ? "nothing" : all;
 }
 
-std::string size_text(std::int64_t width, std::int64_t height) {
-    return std::to_string(width) + "x" + std::to_string(height);
-}
-
 std::string rate_text(const FrameRate& rate) {
     return formatted("%.4g", rate.per_second());
 }

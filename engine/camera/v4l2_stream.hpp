@@ -82,8 +82,6 @@ bool is_colour_format(std::uint32_t code);
 std::string format_text(std::uint32_t code);
 /// All formats of a node: "Z16, YUYV"; "nothing".
 std::string formats_text(const NodeFacts& facts);
-/// "640x480".
-std::string size_text(std::int64_t width, std::int64_t height);
 
 /// "30", "29.97", of frames a second.
 std::string rate_text(const FrameRate& rate);

@@ -15,10 +15,6 @@ constexpr std::array role_planes{&RawFrame::depth, &RawFrame::colour, &RawFrame:
 constexpr std::array role_patterns{&FolderSource::depth, &FolderSource::colour, &FolderSource::haptic,
                                    &FolderSource::height};
 
-std::string size_text(int width, int height) {
-    return std::to_string(width) + "x" + std::to_string(height);
-}
-
 std::string kind_text(const PlaneView& plane) {
     return std::to_string(8 * plane.bytes_per_sample) + "-bit " + (plane.channels == 1 ? "grey" : "RGB");
 }

@@ -16,13 +16,6 @@ extern "C" {
 namespace touchable {
 namespace {
 
-std::optional<std::int64_t> whole_number(std::string_view text) {
-    std::int64_t value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-    return value;
-}
-
 // An addition: identifier (8 bytes, FFmpeg's), frames (4), CRC-32 (4); in a stream also the frame's number
 // (8) and when it was taken (8). All with the high byte first.
 constexpr std::size_t frames_at = 8, crc_at = 12, addition_size = 16, label_at = 16, labelled_size = 32;
@@ -75,11 +68,9 @@ std::string_view take_time_line(std::string_view& text) {
 
 std::optional<std::int64_t> ns_of(std::string_view line) {
     constexpr double latest_ms = 4e12;
-    double ms = 0;
-    const auto [end, failure] = std::from_chars(line.data(), line.data() + line.size(), ms);
-    if (failure != std::errc() || end != line.data() + line.size()) return {};
-    if (!(std::fabs(ms) <= latest_ms)) return {};
-    return std::llround(ms * ns_a_ms);
+    const auto ms = parsed_as<double>(line);
+    if (!ms || !(std::fabs(*ms) <= latest_ms)) return {};
+    return std::llround(*ms * ns_a_ms);
 }
 
 }  // namespace
@@ -87,12 +78,12 @@ std::optional<std::int64_t> ns_of(std::string_view line) {
 namespace clip_tags {
 
 std::optional<std::int64_t> parse_version(std::string_view text) {
-    const auto version = whole_number(text);
+    const auto version = parsed_as<std::int64_t>(text);
     return version && *version >= 1 ? version : std::nullopt;
 }
 
 std::optional<int> parse_bits(std::string_view text) {
-    const auto bits = whole_number(text);
+    const auto bits = parsed_as<std::int64_t>(text);
     if (!bits || *bits < 9 || *bits > 16) return std::nullopt;
     return static_cast<int>(*bits);
 }
@@ -104,7 +95,8 @@ std::string rate_text(const FrameRate& rate) {
 std::optional<FrameRate> parse_rate(std::string_view text) {
     const auto slash = text.find('/');
     if (slash == std::string_view::npos) return std::nullopt;
-    const auto num = whole_number(text.substr(0, slash)), den = whole_number(text.substr(slash + 1));
+    const auto num = parsed_as<std::int64_t>(text.substr(0, slash)),
+               den = parsed_as<std::int64_t>(text.substr(slash + 1));
     constexpr std::int64_t most = 1'000'000'000;  // as scenes allow
     if (!num || !den || *num < 1 || *den < 1 || *num > most || *den > most) return std::nullopt;
     return FrameRate{*num, *den};

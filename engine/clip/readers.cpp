@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
@@ -115,10 +116,9 @@ Result<void> check_crop(const ClipPart::Crop& box, const Scene& scene) {
     const bool fits = box.x >= 0 && box.y >= 0 && box.width >= 1 && box.height >= 1 &&
                       box.x <= scene.width - box.width && box.y <= scene.height - box.height;
     if (fits) return {};
-    return usage_error("what is cut out, " + std::to_string(box.width) + "x" + std::to_string(box.height) +
-                       " pixels from column " + std::to_string(box.x) + ", row " + std::to_string(box.y) +
-                       ", is not within the clip's " + std::to_string(scene.width) + "x" +
-                       std::to_string(scene.height));
+    return usage_error("what is cut out, " + size_text(box.width, box.height) + " pixels from column " +
+                       std::to_string(box.x) + ", row " + std::to_string(box.y) +
+                       ", is not within the clip's " + size_text(scene.width, scene.height));
 }
 
 class StillPlanesReader final : public ChangedClip {

@@ -3,6 +3,7 @@
 #include "engine/clip/track_codecs.hpp"
 
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 
 extern "C" {
 #include <libavutil/imgutils.h>
@@ -276,8 +277,7 @@ ScalerPtr scaler_from_rgb(int from_width, int from_height, AVPixelFormat format,
 }
 
 Error unstorable_size(int width, int height, const std::string& why) {
-    return usage_error("pictures of " + std::to_string(width) + "x" + std::to_string(height) +
-                       " cannot be stored: " + why);
+    return usage_error("pictures of " + size_text(width, height) + " cannot be stored: " + why);
 }
 
 bool is_coded_without_loss(const AVCodecParameters& stored) {

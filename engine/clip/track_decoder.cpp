@@ -104,7 +104,7 @@ bool ffv1_slices_intact(const AVPacket& packet) {
 }
 
 std::string form_text(const AVFrame& frame) {
-    return std::to_string(frame.width) + "x" + std::to_string(frame.height) + " " + format_name(frame);
+    return size_text(frame.width, frame.height) + " " + format_name(frame);
 }
 
 Error undecodable(const std::string& where, int status) {
@@ -131,8 +131,7 @@ Result<std::unique_ptr<PacketDecoder>> PacketDecoder::open(const AVStream& strea
     if (const auto version = rank_zstd_version(stored)) {
         if (stored.width <= 0 || stored.height <= 0 ||
             std::int64_t{stored.width} * stored.height > most_pixels)
-            return damaged_header(where, "it says " + std::to_string(stored.width) + "x" +
-                                             std::to_string(stored.height) + " pixels");
+            return damaged_header(where, "it says " + size_text(stored.width, stored.height) + " pixels");
         return std::make_unique<RankZstdPackets>(RankZstdDecoder::Version{*version}, stored.width,
                                                  stored.height);
     }
@@ -288,7 +287,7 @@ Result<void> TrackDecoder::check_format(const AVFrame& frame) {
     if (frame.width == info_.width && frame.height == coded_height_ && format_name(frame) == format_)
         return {};
     return input_error(where() + ": is " + form_text(frame) + ", but the track began as " +
-                       std::to_string(info_.width) + "x" + std::to_string(coded_height_) + " " + format_);
+                       size_text(info_.width, coded_height_) + " " + format_);
 }
 
 /// Joins a picture of high bytes above low bytes.

@@ -7,6 +7,7 @@
 
 #include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "engine/content/families.hpp"
 #include "engine/content/mapped_ground.hpp"
 #include "engine/content/planet.hpp"
@@ -414,7 +415,7 @@ MadeScene make_globe(std::string_view name, const SceneOptions& options) {
     const GlobeSphere sphere = globe_sphere(options.preset, options.width, options.height);
     if (-sphere.centre.z - sphere.radius < scene.depth.near)
         return refuse_scene(
-            "globe", "a picture of " + std::to_string(options.width) + "x" + std::to_string(options.height) +
+            "globe", "a picture of " + size_text(options.width, options.height) +
                          " is too tall: a globe of 80 % of its height would reach before the near plane");
     scene.device_metres_per_unit = globe_device_radius / sphere.radius;
     scene.default_properties = {1000, 0, 0};

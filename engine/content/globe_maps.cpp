@@ -16,7 +16,7 @@ Result<void> check_map(const GlobeMap& map, const char* which) {
     if (map.empty()) return refuse("is missing");
     const double shape = static_cast<double>(map.width) / map.height;
     if (std::fabs(shape - 2) <= 0.02 && map.width >= 4) return {};
-    return refuse("is " + std::to_string(map.width) + "x" + std::to_string(map.height) +
+    return refuse("is " + size_text(map.width, map.height) +
                   "; must be equirectangular, the whole globe, twice as wide as high");
 }
 

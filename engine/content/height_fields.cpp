@@ -2,6 +2,7 @@
 #include "engine/content/height_fields.hpp"
 
 #include "engine/base/same_bits.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
@@ -173,8 +174,7 @@ MadeScene make_height_field(std::string_view name, const SceneOptions& options) 
     // The steepest slope is 1.6 along Y: in a picture more than four times as high as wide, a ray could meet
     // the surface twice.
     if (options.height > 4 * options.width)
-        return refuse_scene(name, "a picture of " + std::to_string(options.width) + "x" +
-                                      std::to_string(options.height) +
+        return refuse_scene(name, "a picture of " + size_text(options.width, options.height) +
                                       " is too tall; its height must be at most 4 widths");
     const Relief relief = name == "rough" ? Relief::rough : name == "moving" ? Relief::moving : Relief::bumps;
     const double reach = relief == Relief::moving ? 40 : 20;

@@ -29,7 +29,7 @@ Error unknown(std::string_view name) {
 Result<void> check(std::string_view name, const SceneOptions& options) {
     const auto refuse = [&](const std::string& what) { return refuse_scene(name, what); };
     if (options.width < 2 || options.width > 16384 || options.height < 2 || options.height > 16384)
-        return refuse("size " + std::to_string(options.width) + "x" + std::to_string(options.height) +
+        return refuse("size " + size_text(options.width, options.height) +
                       " is impossible; each side must be 2 to 16384 pixels");
     if (options.bits < 8 || options.bits > 16)
         return refuse("depth of " + std::to_string(options.bits) + " bits is impossible; it must be 8 to 16");

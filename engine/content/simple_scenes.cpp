@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "engine/base/same_bits.hpp"
+#include "engine/base/words.hpp"
 #include "engine/content/families.hpp"
 #include "engine/content/seeded_noise.hpp"
 
@@ -148,8 +149,7 @@ MadeScene make_plane(std::string_view name, const SceneOptions& options) {
             const double depth = plane->depth(x, y, 0);
             if (!(depth >= scene.depth.near && depth <= scene.depth.far))
                 return refuse_scene(
-                    name, "a picture of " + std::to_string(options.width) + "x" +
-                              std::to_string(options.height) +
+                    name, "a picture of " + size_text(options.width, options.height) +
                               " is too tall for this tilt: the plane would leave depths 750 to 1350");
         }
     return plane;

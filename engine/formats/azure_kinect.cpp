@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "engine/clip/tracks.hpp"
 #include "engine/formats/video_picture.hpp"
 #include "engine/picture/ffmpeg.hpp"
@@ -75,8 +76,8 @@ Result<K4aCameras> read_cameras(const Node& root, PictureSize depth_size,
     const auto depth = camera_of(cameras, "Depth");
     const SensorMode* const depth_mode = mode_of(depth_modes, depth_size);
     if (!depth || depth_mode == nullptr)
-        return input_error(where + ": says nothing of depth of " + std::to_string(depth_size.width) + "x" +
-                           std::to_string(depth_size.height));
+        return input_error(where + ": says nothing of depth of " +
+                           size_text(depth_size.width, depth_size.height));
     const LensCamera of_depth = read_lens_camera(*depth, *depth_mode);
     K4aCameras read{of_depth.camera, of_depth.lens, {}};
     const auto colour = camera_of(cameras, "PhotoVideo");

@@ -661,9 +661,8 @@ std::string guess_shape(Intrinsics& camera, int width, int height) {
                  ours = static_cast<double>(width) / height;
     const auto is_near = [](double a, double b) { return std::abs(a - b) <= most_apart * b; };
     if (is_near(theirs, ours)) return "";
-    const auto size = [](int w, int h) { return std::to_string(w) + 'x' + std::to_string(h); };
-    const std::string sizes =
-        size(camera.width, camera.height) + " pixels, and these pictures have " + size(width, height);
+    const std::string sizes = size_text(camera.width, camera.height) + " pixels, and these pictures have " +
+                              size_text(width, height);
     if (!is_near(1 / theirs, ours))
         return "for the middle of its pictures: it is of " + sizes +
                ", taken as cut to that and not stretched";
@@ -794,8 +793,8 @@ Intrinsics trusted_intrinsics(Intrinsics camera, int width, int height, std::str
             off_middle(cx, width) <= near_middle && off_middle(cy, height) <= near_middle &&
             (off_middle(cx, camera.width) > far_off || off_middle(cy, camera.height) > far_off);
         if (!is_theirs) return camera;
-        doubt = "which says that its pictures have " + std::to_string(camera.width) + "x" +
-                std::to_string(camera.height) + " pixels, but whose principal point is the middle of these";
+        doubt = "which says that its pictures have " + size_text(camera.width, camera.height) +
+                " pixels, but whose principal point is the middle of these";
         camera.width = camera.height = 0;
     } else if (!says_size && (off_middle(cx, width) > far_off || off_middle(cy, height) > far_off)) {
         const double across = (2 * cx + 1) / width, down = (2 * cy + 1) / height;
@@ -808,8 +807,7 @@ Intrinsics trusted_intrinsics(Intrinsics camera, int width, int height, std::str
         if (const auto usual = usual_size(times * width, width, height)) {
             camera.width = usual->first;
             camera.height = usual->second;
-            doubt +=
-                ", which is taken for " + std::to_string(usual->first) + "x" + std::to_string(usual->second);
+            doubt += ", which is taken for " + size_text(usual->first, usual->second);
         }
     }
     return camera;

@@ -176,8 +176,8 @@ public:
         }
         PlaneView half = newest_.view;
         if (half.channels != 3 || half.height % 2 != 0)
-            return input_error(where(frame) + ": is " + std::to_string(half.width) + "x" +
-                               std::to_string(half.height) + (half.channels == 3 ? "" : " grey") +
+            return input_error(where(frame) + ": is " + size_text(half.width, half.height) +
+                               (half.channels == 3 ? "" : " grey") +
                                ": a Depthkit video has colour above depth, both of the same size, in RGB");
         half.height /= 2;
         if (role == PlaneRole::depth) half.data = half.row(half.height);

@@ -169,7 +169,7 @@ std::optional<std::string> colmap_map(const Look& look) {
         size = whole_number(digits);
         rest.remove_prefix(end + 1);
     }
-    const std::string size = std::to_string(sizes[0]) + 'x' + std::to_string(sizes[1]);
+    const std::string size = size_text(sizes[0], sizes[1]);
     if (sizes[2] != 1) return "is a map of normals of COLMAP (" + size + "): its depth is in depth_maps";
     return "is a depth map of COLMAP (" + size + "): numpy.save('depth.npy', read_array(" +
            look.python_name() +
@@ -207,7 +207,7 @@ std::optional<std::string> pcd(const Look& look) {
                         height = whole_number(header_line(look.begin, "HEIGHT"));
     if (width == 0 || header_line(look.begin, "FIELDS").empty()) return {};
     if (height > 1)
-        return "is a PCD cloud of " + std::to_string(width) + 'x' + std::to_string(height) +
+        return "is a PCD cloud of " + size_text(width, height) +
                " points, whose own message tells more: touchable play " + look.shell_name();
     return "is a PCD cloud of " + std::to_string(width) +
            " points, which has no rows and columns of pixels: project it into a camera "

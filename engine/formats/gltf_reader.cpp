@@ -88,11 +88,9 @@ GltfParts parts_of(std::string_view bytes) {
 std::uint32_t track_number(const Node& track) {
     constexpr std::string_view begin = "#track_ID=";
     const std::string text = track.text();
-    std::uint32_t number = 0;
-    const char* const end = text.data() + text.size();
     if (!text.starts_with(begin)) track.refuse("\"#track_ID=N\"");
-    const auto [last, failure] = std::from_chars(text.data() + begin.size(), end, number);
-    if (failure != std::errc() || last != end || number == 0) track.refuse("\"#track_ID=N\", N from 1");
+    const auto number = parsed_as<std::uint32_t>(std::string_view(text).substr(begin.size())).value_or(0);
+    if (number == 0) track.refuse("\"#track_ID=N\", N from 1");
     return number;
 }
 

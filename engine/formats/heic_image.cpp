@@ -305,8 +305,8 @@ public:
 private:
     Error refuse(const std::string& what) const { return input_error(where_ + ": " + what); }
     Error damaged(const std::string& what, const Image& image) const {
-        return refuse("is damaged: " + what + " is " + std::to_string(image.width) + "x" +
-                      std::to_string(image.height) + ", not as it says");
+        return refuse("is damaged: " + what + " is " + size_text(image.width, image.height) +
+                      ", not as it says");
     }
     Result<void> done(const heif_error& made, const std::string& what) const {
         return made.code == heif_error_Ok ? Result<void>{} : refuse(what + ": " + printable(made.message));

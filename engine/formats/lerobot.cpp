@@ -238,8 +238,8 @@ private:
         const int status = avcodec_open2(encoder_.get(), codec, &options);
         av_dict_free(&options);
         if (status < 0)
-            return usage_error("pictures of " + std::to_string(scene_.width) + "x" +
-                               std::to_string(scene_.height) + " cannot be HEVC: " + ffmpeg_text(status));
+            return usage_error("pictures of " + size_text(scene_.width, scene_.height) +
+                               " cannot be HEVC: " + ffmpeg_text(status));
         if (avcodec_parameters_from_context(stream->codecpar, encoder_.get()) < 0) return memory_error();
         stream->codecpar->codec_tag = MKTAG('h', 'v', 'c', '1');
         stream->id = 1;

@@ -54,10 +54,8 @@ private:
 };
 
 std::optional<std::uint64_t> count_in(std::string_view word, std::uint64_t most) {
-    std::uint64_t number = 0;
-    const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), number);
-    const bool is_whole = failure == std::errc() && end == word.data() + word.size();
-    return is_whole && number <= most ? std::optional(number) : std::nullopt;
+    const auto number = parsed_as<std::uint64_t>(word);
+    return number && *number <= most ? number : std::nullopt;
 }
 
 /// How a number is stored.
@@ -387,8 +385,7 @@ Result<OrganisedCloud> decode_pcd(std::string_view bytes, const std::string& whe
     if (colour == nullptr) colour = header->field("rgba");
     if (colour != nullptr && (!colour->is_one_number() || colour->scalar.bytes != 4)) colour = nullptr;
     const auto made = [&](CloudPicture picture) {
-        const std::string what = "PCD cloud of " + std::to_string(header->width) + 'x' +
-                                 std::to_string(header->height) + " points";
+        const std::string what = "PCD cloud of " + size_text(header->width, header->height) + " points";
         return std::move(picture).finish("pcd", what, where);
     };
     const int width = static_cast<int>(header->width), height = static_cast<int>(header->height);
@@ -643,8 +640,7 @@ Result<OrganisedCloud> decode_ply(std::string_view bytes, const std::string& whe
         }
         if (&element == (grid ? grid : &vertices)) break;
     }
-    const std::string what =
-        "PLY cloud of " + std::to_string(header->width) + 'x' + std::to_string(header->height) + " points";
+    const std::string what = "PLY cloud of " + size_text(header->width, header->height) + " points";
     return std::move(picture).finish("ply", what, where);
 }
 

@@ -109,9 +109,8 @@ Result<StoredImage> read_realsense_raw(const SourceFile& raw) {
         2 * static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
     if (bytes.size() != needed)
         return input_error(raw.string() + ": has " + std::to_string(bytes.size()) + " bytes: must be " +
-                           std::to_string(needed) + " for the " + std::to_string(camera.width) + 'x' +
-                           std::to_string(camera.height) + " pixels of 16 bits that " +
-                           metadata->filename().string() + " states");
+                           std::to_string(needed) + " for the " + size_text(camera.width, camera.height) +
+                           " pixels of 16 bits that " + metadata->filename().string() + " states");
     StoredImage picture{{camera.width, camera.height, 2, 1, {}}, "raw", "gray16le"};
     picture.bits = 16;
     picture.image.samples.assign(bytes.begin(), bytes.end());

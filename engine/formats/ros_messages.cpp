@@ -420,7 +420,7 @@ Result<StoredImage> ros_picture(const RosImage& message, const std::string& wher
         image.step = static_cast<std::uint32_t>(row);
     if (image.step < row || image.data.size() < std::uint64_t{image.step} * (image.height - 1) + row)
         return input_error(where + ": is damaged: has " + std::to_string(image.data.size()) + " bytes for " +
-                           std::to_string(image.width) + "x" + std::to_string(image.height) + " pixels of " +
+                           size_text(image.width, image.height) + " pixels of " +
                            std::string(encoding->name));
     StoredImage picture;
     picture.codec = "ros";

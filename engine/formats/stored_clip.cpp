@@ -2,6 +2,7 @@
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "engine/clip/tracks.hpp"
 #include "engine/formats/depth_values.hpp"
 #include "engine/formats/value_evidence.hpp"
@@ -139,16 +140,14 @@ private:
         track = {track.role};  // freed first, so that its memory can serve the next
         TRY_ASSIGN(auto picture, clip_.pictures->picture(track.role, frame));
         const TrackInfo& first = infos_[static_cast<std::size_t>(&track - tracks_.data())];
-        const auto text = [](int width, int height, const std::string& format) {
-            return std::to_string(width) + "x" + std::to_string(height) + ' ' + format;
-        };
         const StoredImage& stored = picture.image;
         const Image& image = stored.image;
         if (image.width != first.width || image.height != first.height ||
             !is_same_format(stored.pixel_format, first.pixel_format))
             return input_error(clip_.pictures->where(track.role, frame) + ": is " +
-                               text(image.width, image.height, stored.pixel_format) + ", but frame 0 is " +
-                               text(first.width, first.height, first.pixel_format));
+                               size_text(image.width, image.height) + ' ' + stored.pixel_format +
+                               ", but frame 0 is " + size_text(first.width, first.height) + ' ' +
+                               first.pixel_format);
         return take(track, frame, std::move(picture));
     }
 

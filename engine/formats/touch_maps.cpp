@@ -112,10 +112,6 @@ Image room_for(const TrackInfo& whole, const Scene& scene) {
     return image;
 }
 
-std::string size_words(int width, int height) {
-    return std::to_string(width) + "x" + std::to_string(height);
-}
-
 /// Joins all layers into one haptic picture, of the size of the first picture, or of the scene if that is
 /// smaller; others are resampled to the nearest pixel. Pictures must be of integers: of grey 8 bits are kept,
 /// of colour a channel. `scene` gets the ranges and remarks.
@@ -144,8 +140,8 @@ Result<StillPlane> join_layers(HapticLayers layers, std::string_view format, Sce
         }
         const int width = last.image.width, height = last.image.height;
         if (width != info.width || height != info.height)
-            notes.push_back(property + " is " + size_words(width, height) +
-                            ": resampled to the nearest pixel of " + size_words(info.width, info.height));
+            notes.push_back(property + " is " + size_text(width, height) +
+                            ": resampled to the nearest pixel of " + size_text(info.width, info.height));
         put_channel(last.image.view(), 0, samples_by_way(width, info.width, joined.width),
                     samples_by_way(height, info.height, joined.height), k, joined);
         notes.push_back(property + " goes from " + short_number(range.min) + " to " +

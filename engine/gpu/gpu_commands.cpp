@@ -1,6 +1,7 @@
 #include "engine/gpu/gpu_commands.hpp"
 
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "engine/gpu/gpu_recording.hpp"
 
 namespace touchable {
@@ -155,9 +156,8 @@ void GpuCommands::dispatch_bytes(const GpuProgram& program, std::span<const std:
                                  std::initializer_list<GpuBinding> bindings, Groups groups) {
     const auto& most = device_->facts().limits.max_group_count;
     if (groups.x > most[0] || groups.y > most[1] || groups.z > most[2])
-        return fault("kernel " + (program ? program.name() : "") + ": " + std::to_string(groups.x) + "x" +
-                         std::to_string(groups.y) + "x" + std::to_string(groups.z) +
-                         " workgroups are too many",
+        return fault("kernel " + (program ? program.name() : "") + ": " + size_text(groups.x, groups.y) +
+                         "x" + std::to_string(groups.z) + " workgroups are too many",
                      ErrorKind::gpu);
     if (!bind(program, push, bindings)) return;
     if (groups.x > 0 && groups.y > 0 && groups.z > 0)

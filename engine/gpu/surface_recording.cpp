@@ -1,6 +1,7 @@
 #include "engine/gpu/surface_recording.hpp"
 
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "shaders/block.spv.h"
 #include "shaders/decode.spv.h"
 #include "shaders/fill_holes.spv.h"
@@ -53,8 +54,8 @@ CurvePush pushed(const CodeCurve& curve) {
 }
 
 Error more_than_the_device_can(const Scene& scene, const GpuDevice& device, const char* what) {
-    return gpu_error("frames of " + std::to_string(scene.width) + "x" + std::to_string(scene.height) +
-                     " are larger than " + what + " may be on " + device.facts().name);
+    return gpu_error("frames of " + size_text(scene.width, scene.height) + " are larger than " + what +
+                     " may be on " + device.facts().name);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 #include "engine/mpeg4/node_types.hpp"
+#include "engine/base/words.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <utility>
 
 namespace touchable::mpeg4 {
@@ -122,10 +122,8 @@ std::optional<Url> url_of(std::string text) {
         made.file = std::move(text);
         return made;
     }
-    const char* const end = text.data() + text.size();
-    const auto read = std::from_chars(text.data() + scheme.size(), end, made.object);
-    if (read.ptr != end || made.object < 1 || made.object > most) return std::nullopt;
-    return made;
+    made.object = parsed_as<std::uint16_t>(std::string_view(text).substr(scheme.size())).value_or(0);
+    return made.object >= 1 && made.object <= most ? std::optional(made) : std::nullopt;
 }
 
 int levels_of(const Node& node) {

@@ -295,13 +295,11 @@ private:
                 return FieldValue(seconds);
             }
             case FieldType::integer: {
-                std::int32_t whole = 0;
-                const char* const end = token_.text.data() + token_.text.size();
-                const auto read = std::from_chars(token_.text.data(), end, whole);
-                if (token_.kind != Token::Kind::word || read.ptr != end || read.ec != std::errc{})
+                const auto whole = parsed_as<std::int32_t>(token_.text);
+                if (token_.kind != Token::Kind::word || !whole)
                     return wrong(found() + ": must be a whole number");
                 TRY(advance());
-                return FieldValue(whole);
+                return FieldValue(*whole);
             }
             case FieldType::real: {
                 TRY_ASSIGN(const auto read, number<float>());
@@ -320,14 +318,11 @@ private:
 
     template <class T>
     Result<T> number() {
-        T value = 0;
-        const char* const end = token_.text.data() + token_.text.size();
-        const auto read = std::from_chars(token_.text.data(), end, value);
-        if (token_.kind != Token::Kind::word || read.ptr != end || read.ec != std::errc{} ||
-            !std::isfinite(value))
+        const auto value = parsed_as<T>(token_.text);
+        if (token_.kind != Token::Kind::word || !value || !std::isfinite(*value))
             return wrong(found() + ": must be a number");
         TRY(advance());
-        return value;
+        return *value;
     }
 
     template <std::size_t n>

@@ -15,6 +15,7 @@ extern "C" {
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/picture/number_pictures.hpp"
 
@@ -259,9 +260,8 @@ std::string_view picture_kind(std::string_view begin) {
 Result<void> check_picture_size(std::int64_t width, std::int64_t height, const std::string& where) {
     const auto usable = [](std::int64_t side) { return side >= 1 && side <= largest_picture_side; };
     if (usable(width) && usable(height)) return {};
-    return input_error(where + ": is " + std::to_string(width) + "x" + std::to_string(height) +
-                       " pixels: must be from 1x1 to " + std::to_string(largest_picture_side) + "x" +
-                       std::to_string(largest_picture_side));
+    return input_error(where + ": is " + size_text(width, height) + " pixels: must be from 1x1 to " +
+                       size_text(largest_picture_side, largest_picture_side));
 }
 
 Result<void> check_expansion(std::uint64_t unpacked, std::uint64_t packed, const std::string& where) {

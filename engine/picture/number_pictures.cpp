@@ -84,10 +84,8 @@ public:
     /// -1 if the next word is no whole number of up to nine digits.
     int number() {
         const std::string_view word = next();
-        int value = 0;
-        const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), value);
-        const bool whole = failure == std::errc() && end == word.data() + word.size() && word.size() <= 9;
-        return whole && value >= 0 ? value : -1;
+        const auto value = word.size() <= 9 ? parsed_as<int>(word) : std::nullopt;
+        return std::max(value.value_or(-1), -1);
     }
     /// The data after the one blank that ends a header.
     std::string_view data() const { return rest_.empty() ? rest_ : rest_.substr(1); }
@@ -853,10 +851,8 @@ Result<StoredImage> decode_pfm(std::string_view bytes, const std::string& where)
     words.next();
     const int width = words.number(), height = words.number();
     TRY(check_picture_size(width, height, where));
-    const std::string_view word = words.next();
-    float scale = 0;
-    const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), scale);
-    if (failure != std::errc() || end != word.data() + word.size() || scale == 0 || !std::isfinite(scale))
+    const float scale = parsed_as<float>(words.next()).value_or(0);
+    if (scale == 0 || !std::isfinite(scale))
         return input_error(where +
                            ": has no scale after its size: must be a number, negative where the "
                            "low byte is first");

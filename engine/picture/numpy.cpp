@@ -413,10 +413,9 @@ public:
     Result<void> trust(NpyStack confidence, std::optional<double> least) {
         if (confidence.count() != count() || confidence.width() != width() || confidence.height() != height())
             return input_error(confidence.where_ + ": is of " + std::to_string(confidence.count()) +
-                               " pictures of " + std::to_string(confidence.width()) + "x" +
-                               std::to_string(confidence.height()) + ", but depth of " +
-                               std::to_string(count()) + " of " + std::to_string(width()) + "x" +
-                               std::to_string(height()));
+                               " pictures of " + size_text(confidence.width(), confidence.height()) +
+                               ", but depth of " + std::to_string(count()) + " of " +
+                               size_text(width(), height()));
         if (!least) {
             TRY_ASSIGN(const auto first, confidence.image(0));
             std::vector<float> numbers(pixels_of(first));
@@ -587,8 +586,7 @@ Result<StoredImage> only_image(Result<NpyStack> stack, const std::string& where)
     if (!stack) return stack.error();
     if (stack->count() == 1) return stack->image(0);
     return input_error(where + ": is a stack of " + std::to_string(stack->count()) + " pictures of " +
-                       std::to_string(stack->width()) + "x" + std::to_string(stack->height()) +
-                       ": must be one picture here");
+                       size_text(stack->width(), stack->height()) + ": must be one picture here");
 }
 
 /// The stack of a member that is one array.

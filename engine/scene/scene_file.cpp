@@ -125,11 +125,8 @@ constexpr double stiffest = 1e6;  // N/mm
 
 /// Parses a name that is an index, written as a number is.
 int read_index(const Node& materials, const std::string& name) {
-    int index = -1;
-    const char* const end = name.data() + name.size();
-    const auto read = std::from_chars(name.data(), end, index);
-    const bool is_plain = read.ec == std::errc() && read.ptr == end && name == std::to_string(index);
-    if (!is_plain || index < 0 || index > largest_material_index)
+    const int index = parsed_as<int>(name).value_or(-1);
+    if (name != std::to_string(index) || index < 0 || index > largest_material_index)
         materials.refuse(
             "an object whose names are material indices from 0 to "
             "65535, such as \"1\", and not " +

@@ -44,7 +44,7 @@ std::string planes_text(std::string_view id, std::string_view playlist) {
 
 std::string variant_text(const HlsShown& shown) {
     return "#EXT-X-STREAM-INF:BANDWIDTH=" + std::to_string(shown.most_bits_s) + ",CODECS=\"" + shown.codecs +
-           "\",RESOLUTION=" + std::to_string(shown.width) + "x" + std::to_string(shown.height) +
+           "\",RESOLUTION=" + size_text(shown.width, shown.height) +
            formatted(",FRAME-RATE=%.3f\n", shown.frames_s) + shown.playlist + "\n";
 }
 
@@ -196,11 +196,8 @@ NamedPlaylists named_in(std::string_view text) {
 /// Parses the number of a media playlist's first segment.
 std::optional<std::int64_t> segment_number(std::string_view text) {
     constexpr std::int64_t most = std::int64_t{1} << 53;
-    std::int64_t number = 0;
-    const char* const end = text.data() + text.size();
-    const auto [last, failure] = std::from_chars(text.data(), end, number);
-    if (failure != std::errc() || last != end || number < 0 || number > most) return std::nullopt;
-    return number;
+    const auto number = parsed_as<std::int64_t>(text);
+    return number && *number >= 0 && *number <= most ? number : std::nullopt;
 }
 
 /// Number of the first segment of a checked media playlist.

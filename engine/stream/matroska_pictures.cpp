@@ -9,6 +9,7 @@
 #include <span>
 
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "engine/clip/tracks.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/stream/stream_pictures.hpp"
@@ -204,9 +205,8 @@ private:
 Result<void> check_track_size(const AVStream& stream, const std::string& where) {
     const AVCodecParameters& codec = *stream.codecpar;
     if (std::int64_t{codec.width} * codec.height <= most_stream_pixels) return {};
-    return input_error(where + ": has pictures of " + std::to_string(codec.width) + "x" +
-                       std::to_string(codec.height) + ": a stream's have at most " +
-                       std::to_string(most_stream_pixels) + " pixels");
+    return input_error(where + ": has pictures of " + size_text(codec.width, codec.height) +
+                       ": a stream's have at most " + std::to_string(most_stream_pixels) + " pixels");
 }
 
 class MatroskaPictures final : public StreamPictures {

@@ -49,13 +49,6 @@ bool set(int socket, SRT_SOCKOPT option, const std::string& value) {
     return srt_setsockflag(socket, option, value.data(), static_cast<int>(value.size())) != SRT_ERROR;
 }
 
-std::optional<int> whole_number(const std::string& words) {
-    int value = 0;
-    const auto [end, failure] = std::from_chars(words.data(), words.data() + words.size(), value);
-    if (failure != std::errc() || end != words.data() + words.size()) return std::nullopt;
-    return value;
-}
-
 /// Called on a thread of libsrt's before it answers a caller.
 int ask_whether_a_caller_may_come(void* asked, SRTSOCKET caller, int, const sockaddr*, const char*) {
     const auto& may_come = *static_cast<const std::function<bool()>*>(asked);
@@ -189,12 +182,12 @@ Result<SrtSettings> read_srt_settings(const StreamUrl& url) {
     settings.says_mode = !mode.empty();
     settings.listens = mode == "listener";
     if (!latency.empty()) {
-        settings.latency_ms = whole_number(latency);
+        settings.latency_ms = parsed_as<int>(latency);
         if (!settings.latency_ms || *settings.latency_ms < 0 || *settings.latency_ms > most_latency_ms)
             return usage_error("latency is milliseconds, from 0 to " + std::to_string(most_latency_ms));
     }
     if (!key.empty()) {
-        settings.key_bytes = whole_number(key).value_or(-1);
+        settings.key_bytes = parsed_as<int>(key).value_or(-1);
         constexpr std::array key_sizes{0, 16, 24, 32};
         if (std::ranges::find(key_sizes, settings.key_bytes) == key_sizes.end())
             return usage_error("pbkeylen is 16, 24 or 32");

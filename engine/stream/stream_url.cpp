@@ -46,11 +46,8 @@ std::string unread_scheme(std::string_view words) {
 }
 
 std::optional<int> port_of(std::string_view digits) {
-    int port = -1;
-    const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
-    if (failure != std::errc() || end != digits.data() + digits.size() || port < 0 || port > 65535)
-        return std::nullopt;
-    return port;
+    const auto port = parsed_as<int>(digits);
+    return port && *port >= 0 && *port <= 65535 ? port : std::nullopt;
 }
 
 /// The part before path and query: "HOST:PORT", "[::1]:PORT"; for HTTP also without a port.
@@ -110,10 +107,7 @@ Result<StreamUrl> read_pipe(std::string_view words) {
     url.transport = StreamTransport::pipe;
     url.text = words == "-" ? "pipe:0" : words;
     if (url.text == "pipe:") url.text = "pipe:0";
-    int descriptor = -1;
-    const char *const begin = url.text.data() + 5, *const end = url.text.data() + url.text.size();
-    const auto [at, failure] = std::from_chars(begin, end, descriptor);
-    if (failure != std::errc() || at != end || descriptor < 0)
+    if (parsed_as<int>(std::string_view(url.text).substr(5)).value_or(-1) < 0)
         return unusable(words, "pipe: is followed by a descriptor's number, or by nothing");
     return url;
 }

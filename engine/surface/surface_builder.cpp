@@ -6,13 +6,10 @@
 #include <deque>
 
 #include "engine/base/threads.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
-
-std::string size_text(int width, int height) {
-    return std::to_string(width) + "x" + std::to_string(height);
-}
 
 /// The required form of a plane; `bytes` are those of a sample.
 struct PlaneForm {
