@@ -113,14 +113,13 @@ Result<void> check_lost(const LostDepths& lost, std::int64_t kept, const touch_p
                         const Scene& scene, double deepest) {
     if (lost.count() <= kept || lost.count() < std::int64_t{plane.width} * plane.height / 100) return {};
     const double unit = scene.metres_per_unit;
-    return plane_error("depth",
-                       "is of floats, which are metres, and " + std::to_string(lost.count()) + " of its " +
-                           std::to_string(lost.count() + kept) + " depths lie outside the scene's " +
-                           short_number(scene.depth.near * unit) + " to " + short_number(deepest * unit) +
-                           " m: at " + lost.range() +
-                           "; use depth / 1000 where these are millimetres, a scene with a larger "
-                           "far_m (and metres_per_code, for 65535 codes to reach it), or 0 where there is to "
-                           "be no surface");
+    return plane_error(
+        "depth", "is of floats, which are metres, and " + std::to_string(lost.count()) + " of its " +
+                     std::to_string(lost.count() + kept) + " depths lie outside the scene's " +
+                     short_number(scene.depth.near * unit) + " to " + short_number(deepest * unit) +
+                     " m: at " + lost.range() +
+                     "; use depth / 1000 where these are millimetres, a scene with a larger far_m (and "
+                     "metres_per_code, for 65535 codes to reach it), or 0 where there is to be no surface");
 }
 
 /// Converts metres to the nearest codes; values <= 0, NaN or outside the scene's depths have no surface.

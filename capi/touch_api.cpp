@@ -698,10 +698,9 @@ touch_status touch_surface_forces_at(touch_surface surface, const touch_solver_s
         constexpr std::size_t most_points = std::size_t{1} << 40;
         if (!has_known_size(moment) || (settings && !has_known_size(settings)) || count > most_points ||
             (count > 0 && (!points || !contacts)) || !is_stride(contact_stride_bytes))
-            return fail(
-                error, TOUCH_USAGE,
-                "moment, points or contacts is NULL, or a struct_size or contact_stride_bytes is not that "
-                "of the struct");
+            return fail(error, TOUCH_USAGE,
+                        "moment, points or contacts is NULL, or a struct_size or contact_stride_bytes is not "
+                        "that of the struct");
         if (friction != TOUCH_FRICTION_OFF && friction != TOUCH_FRICTION_ON)
             return fail(error, TOUCH_USAGE,
                         "friction is " + std::to_string(friction) +

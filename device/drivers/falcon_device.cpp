@@ -284,8 +284,8 @@ Result<void> FalconDriver::load() {
     constexpr int most_goes = 4;
     if (settings_.firmware.empty())
         return device_error(
-            "Novint Falcon: has no firmware, which it loses with its power; name the file, "
-            "which an owner finds as docs/devices.md says",
+            "Novint Falcon: has no firmware, which it loses with its power; name the file, which an owner "
+            "finds as docs/devices.md says",
             {{Setting::device, "falcon:firmware=FILE"}});
     Error last;
     for (int go = 0; go < most_goes; ++go) {
@@ -380,8 +380,7 @@ std::string FalconDriver::prompt() const {
     if (is_homed())
         return impossible_in_a_row_ < no_chance ? std::string()
                                                 : "the Falcon's encoders tell of a place that it cannot "
-                                                  "reach; pull its power plug and put it in "
-                                                  "again";
+                                                  "reach; pull its power plug and put it in again";
     return "pull the Falcon's grip out, then push it in, until its ring is green";
 }
 

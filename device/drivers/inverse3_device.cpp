@@ -284,9 +284,8 @@ Result<void> Inverse3Driver::learn_version() {
         const auto version = decode_inverse3_version(answer);
         if (!version)
             return device_error(service_->address() +
-                                " does not say which version it is (GET /version); use a "
-                                "Haply Inverse Service from 3.1 on, or give its version, as "
-                                "inverse3:service=3.4");
+                                " does not say which version it is (GET /version); use a Haply Inverse "
+                                "Service from 3.1 on, or give its version, as inverse3:service=3.4");
         version_ = *version;
     }
     TRY_ASSIGN(const auto dialect, inverse3_dialect(version_));

@@ -185,8 +185,7 @@ Scene with_heights(Scene scene, double max_height, std::vector<std::string>& not
 std::string range_in_words(const ReliefRange& range) {
     if (range.full <= 1)
         return "relief: nothing of it can be felt: colour is even, in deep shadow, in highlights, or not "
-               "seen by its "
-               "camera";
+               "seen by its camera";
     const auto levels = [](std::int32_t number) { return short_number(number / 16.0, 3); };
     std::string words = "relief: the largest height stands for details of " + levels(range.full) +
                         " of 255 levels of brightness";

@@ -105,8 +105,7 @@ Result<int> slices_of(TrackCoding coding, int width, int height) {
     if (slices == 0)
         return unstorable_size(
             width, height,
-            "FFV1 needs sides of at least 2 pixels, and of 4 where one is over 352 wide or "
-            "288 high");
+            "FFV1 needs sides of at least 2 pixels, and of 4 where one is over 352 wide or 288 high");
     return slices;
 }
 

@@ -183,11 +183,10 @@ Result<GlobeMaps::Shore> find_shore(const GlobeMap& elevation, const GlobeMap& m
     const std::string level = trimmed_number(shore.sea_level);
     constexpr double least_sense = 0.6;
     if (std::fabs(sense) < least_sense)
-        return input_error(std::string("the elevation map and the mask do not agree where land is: at ") +
-                           (given ? "" : "the best ") + "sea level, " + level + ", on " +
-                           percent(shore.agreement) +
-                           " of the globe; must both have longitude -180 to 180 degrees from left to right, "
-                           "and north up");
+        return input_error(
+            std::string("the elevation map and the mask do not agree where land is: at ") +
+            (given ? "" : "the best ") + "sea level, " + level + ", on " + percent(shore.agreement) +
+            " of the globe; must both have longitude -180 to 180 degrees from left to right, and north up");
     if (!(shore.top > shore.sea_level))
         return input_error("nothing is above sea level " + level + " in the elevation map, which goes from " +
                            trimmed_number(heights.least) + " to " + trimmed_number(heights.most));

@@ -448,9 +448,8 @@ Result<void> add_cameras(BagRecording& recording, Scene& scene, std::vector<Rema
     if (!depth_pose || !colour_pose) {
         const bool same_frame = !depth->frame.empty() && depth->frame == colour->frame;
         if (!same_frame && !(depth->intrinsics == colour->intrinsics))
-            add_remark(remarks,
-                       {"colour is not brought onto depth's pixels, as the recording does not say how its "
-                        "cameras stand (a scene file's colour_camera says it)"});
+            add_remark(remarks, {"colour is not brought onto depth's pixels, as the recording does not say "
+                                 "how its cameras stand (a scene file's colour_camera says it)"});
         return {};
     }
     TRY_ASSIGN(const auto first, recording.stored(PlaneRole::colour, 0));
@@ -544,9 +543,9 @@ Result<std::optional<fs::path>> ros2_recording_in(const fs::path& folder) {
         return input_error(folder.string() +
                            ": is a recording of ROS 2 that is packed as a whole: unpack it first: zstd -d " +
                            shell_word(packed.front().string()));
-    return input_error(folder.string() +
-                       ": has the metadata.yaml of a recording of ROS 2, but neither a .db3 nor "
-                       "an .mcap beside it");
+    return input_error(
+        folder.string() +
+        ": has the metadata.yaml of a recording of ROS 2, but neither a .db3 nor an .mcap beside it");
 }
 
 }  // namespace touchable

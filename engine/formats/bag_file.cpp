@@ -303,10 +303,9 @@ private:
             return input_error(name() + ": is encrypted (" + printable(*header.fields.text("encryptor")) +
                                "): must be a plain bag");
         if (*index < header.end() || *index > end)
-            return input_error(
-                name() +
-                ": has no index, as the recorder was stopped before it wrote one, or the file is "
-                "cut: rosbag reindex makes one");
+            return input_error(name() +
+                               ": has no index, as the recorder was stopped before it wrote one, or the file "
+                               "is cut: rosbag reindex makes one");
         std::uint64_t at = *index;
         for (std::uint32_t n = 0; n < *connections; ++n) {
             TRY_ASSIGN(const auto record, record_at(*bytes_, at, end));

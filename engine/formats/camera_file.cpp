@@ -808,8 +808,8 @@ Result<CameraText> read_camera_text(const std::filesystem::path& file, const Fra
     });
     if (said.cameras.empty() && is_any_far)
         return input_error(file.string() +
-                           ": its principal point is far beside its picture: must be cx, cy in "
-                           "pixels, in the picture or near it");
+                           ": its principal point is far beside its picture: must be cx, cy in pixels, in "
+                           "the picture or near it");
     return said;
 }
 
@@ -839,12 +839,11 @@ double rate_in_file_of_times(const std::filesystem::path& file, std::size_t fram
 Result<CameraFile> read_camera_file(const std::filesystem::path& file) {
     TRY_ASSIGN(auto said, read_camera_text(file));
     if (!said.cameras.empty()) return std::move(said.cameras.front());
-    return input_error(
-        file.string() +
-        ": has no camera that could be read: must be JSON, YAML or XML with fx, fy, cx, cy (or px, py, u0, "
-        "v0), a matrix K, intrinsic_matrix or camera_matrix, or fov_x in degrees; or 3x3 numbers, COLMAP's "
-        "cameras.txt, "
-        "Kalibr's camchain.yaml, Middlebury's calib.txt or ARKitScenes' .pincam (width height fx fy cx cy)");
+    return input_error(file.string() +
+                       ": has no camera that could be read: must be JSON, YAML or XML with fx, fy, cx, cy "
+                       "(or px, py, u0, v0), a matrix K, intrinsic_matrix or camera_matrix, or fov_x in "
+                       "degrees; or 3x3 numbers, COLMAP's cameras.txt, Kalibr's camchain.yaml, Middlebury's "
+                       "calib.txt or ARKitScenes' .pincam (width height fx fy cx cy)");
 }
 
 Result<Intrinsics> read_intrinsics(const std::filesystem::path& file) {

@@ -267,10 +267,9 @@ public:
         const auto data = database_->read_blob(static_cast<std::size_t>(*size));
         if (!data) return at_file(data.error());
         if (data->starts_with("\x28\xb5\x2f\xfd"))
-            return input_error(
-                name() +
-                ": its messages are packed by zstd (compression_mode: message), which is not read: "
-                "ros2 bag convert makes a plain recording of it");
+            return input_error(name() +
+                               ": its messages are packed by zstd (compression_mode: message), which is not "
+                               "read: ros2 bag convert makes a plain recording of it");
         return ros1_of_cdr(*data, types_[message.connection]);
     }
 
@@ -297,8 +296,7 @@ private:
         if (tables == 2 && computed == 0) return {};
         return input_error(
             name() +
-            ": is a database of SQLite, but no recording of ROS 2: must have the tables topics and "
-            "messages");
+            ": is a database of SQLite, but no recording of ROS 2: must have the tables topics and messages");
     }
 
     /// Adds the topics; other types and encodings are left out.

@@ -343,8 +343,8 @@ private:
                           "(MPEG_haptic) that are not read: must be High_Resolution or Low_Resolution"};
         if (!entries.empty())
             say(std::string(property) +
-                " has only textures of other types than High_Resolution and Low_Resolution, "
-                "which are not used");
+                " has only textures of other types than High_Resolution and Low_Resolution, which are not "
+                "used");
         return std::nullopt;
     }
 
@@ -522,8 +522,7 @@ private:
         if (!depth)
             throw Refusal{
                 "has no depth (a texture of format DEPTH_COMPONENT, or \"depth\" in the extras of a mesh): "
-                "it is "
-                "no clip; what it says of touch serves a clip of depth"};
+                "it is no clip; what it says of touch serves a clip of depth"};
         at(PlaneRole::depth) = plane(*depth);
         const auto colour = colour_texture();  // a picture only stands in for a video
         if (colour && (!at(PlaneRole::depth)->video || is_video(*colour)))
@@ -592,8 +591,7 @@ private:
         if (video->tracks.size() > 1)
             throw Refusal{
                 "its depth is two tracks, and its mesh does not say how many bits that is: describe it with "
-                "a "
-                "scene file"};
+                "a scene file"};
         constexpr double near = 0.5, far = 1.5;  // metres
         const DepthCoding coding{
             .semantics = DepthSemantics::planar, .near_is_high = false, .near = near, .far = far};
@@ -652,9 +650,8 @@ private:
         const bool has_others = has_haptic && take_ranges(scene);
         const bool is_other = (touch_->height && take_height(scene)) || has_others;
         if (own_ && is_other)
-            add_remark(remarks_,
-                       {"the ranges of its haptic material are others than those of the scene in its "
-                        "mesh: the material's stand"});
+            add_remark(remarks_, {"the ranges of its haptic material are others than those of the scene in "
+                                  "its mesh: the material's stand"});
         const bool states_all =
             std::none_of(touch_->properties.begin(), touch_->properties.end(),
                          [](const auto& property) { return property && !property->range; });

@@ -196,9 +196,8 @@ bool describe_by_apple(const XmpEntries& entries, DepthPhoto& photo) {
     if (type->second != "disparity" || !take_disparities(photo, *least, *most)) return false;
     const auto accuracy = xmp.find("depthData:Accuracy");
     if (accuracy != xmp.end() && accuracy->second == "relative")
-        add_remark(photo.remarks,
-                   {"its depths are right among each other, says the camera; in metres they may be "
-                    "larger or smaller all together"});
+        add_remark(photo.remarks, {"its depths are right among each other, says the camera; in metres they "
+                                   "may be larger or smaller all together"});
     return true;
 }
 
@@ -324,8 +323,7 @@ private:
         if (heif_image_handle_get_list_of_depth_image_IDs(primary_.get(), &depth_id_, 1) != 1)
             return refuse(
                 "has no depth beside its picture: must be a photo that was taken with depth (a portrait), "
-                "the "
-                "phone's own file and not one that was sent on or edited");
+                "the phone's own file and not one that was sent on or edited");
         TRY(done(heif_image_handle_get_depth_image_handle(primary_.get(), depth_id_, &handle),
                  "has depth that cannot be read"));
         depth_.reset(handle);

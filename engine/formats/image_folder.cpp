@@ -81,10 +81,9 @@ public:
                                {{Setting::dataset}});
         const bool has_confidence = stack && stack->least_confidence();
         if (pictures_->known().least_confidence && !has_confidence)
-            return usage_error(
-                depth.files.front().string() +
-                ": has no confidence beside its depth, so none can be the least: must be a .npz with "
-                "an array conf");
+            return usage_error(depth.files.front().string() +
+                               ": has no confidence beside its depth, so none can be the least: must be a "
+                               ".npz with an array conf");
         if (has_confidence)
             clip.notes.push_back(
                 "depth whose confidence is below " + short_number(*stack->least_confidence()) +
@@ -146,8 +145,7 @@ public:
         } else if (role == PlaneRole::haptic && stored->codec == "exr") {
             return input_error(
                 where(role, frame) +
-                ": is of material indices: the scene file's haptic.materials must say what they "
-                "feel like");
+                ": is of material indices: the scene file's haptic.materials must say what they feel like");
         }
         return track_picture(std::move(*stored), role, rules_, where(role, frame));
     }
@@ -282,12 +280,11 @@ private:
         if (!looked || !(*looked)->beside || !(*looked)->beside->materials) return;
         const std::string list = listed(indices_in(*(*looked)->beside->materials),
                                         [](int index) { return std::to_string(index); });
-        clip.notes.push_back(
-            "haptic is not there: the files have material indices (" + (*looked)->beside->materials_name +
-            ": " + list +
-            "), but nothing says what they feel like: haptic.materials in a scene file does, with "
-            "folder.haptic as folder.depth (docs/scene_file.md; touchable init-scene writes one "
-            "to begin with)");
+        clip.notes.push_back("haptic is not there: the files have material indices (" +
+                             (*looked)->beside->materials_name + ": " + list +
+                             "), but nothing says what they feel like: haptic.materials in a scene file "
+                             "does, with folder.haptic as folder.depth (docs/scene_file.md; touchable "
+                             "init-scene writes one to begin with)");
     }
 
     fs::path folder_;

@@ -213,11 +213,10 @@ Error without_depth(const fs::path& folder, const std::vector<PictureGroup>& gro
     const std::string elsewhere = found_elsewhere(folder);
     if (!elsewhere.empty()) return input_error(message + ", " + elsewhere + ')');
     if (const auto foreign = foreign_file_below(folder)) return input_error(message + "), but " + *foreign);
-    return input_error(
-        message +
-            "): describe them with a scene file, as docs/scene_file.md has it; where grey pictures "
-            "are what a network guessed, a preset says so",
-        {{Setting::scene_file, "FILE"}, {Setting::preset, "relative-inverse"}});
+    return input_error(message +
+                           "): describe them with a scene file, as docs/scene_file.md has it; where grey "
+                           "pictures are what a network guessed, a preset says so",
+                       {{Setting::scene_file, "FILE"}, {Setting::preset, "relative-inverse"}});
 }
 
 /// The first group beside depth whose first picture is a Git LFS pointer, which was not fetched; null: there

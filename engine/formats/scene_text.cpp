@@ -114,8 +114,7 @@ private:
             if (*texture && (*texture)->is_movie)
                 return refuse(std::string("the texture of ") + plane +
                               " is a MovieTexture in a file of its own, which is not read: must be an "
-                              "ImageTexture, or a "
-                              "track of an MP4 file");
+                              "ImageTexture, or a track of an MP4 file");
         const bool is_movie = nodes_.depth.is_movie;
         if (nodes_.colour && nodes_.colour->is_movie != is_movie)
             return refuse("depth and colour must both be an ImageTexture, or both a MovieTexture");

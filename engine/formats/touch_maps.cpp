@@ -388,10 +388,9 @@ Result<StillPlane> read_haptic_map(const std::filesystem::path& file, Scene& sce
     const bool is_gltf = bytes.starts_with("glTF") || ending == ".gltf" || first_letter(bytes) == '{';
     const bool is_x3d = first_letter(bytes) == '<' || first_letter(bytes) == '#' || ending == ".x3d";
     if (!is_gltf && !is_x3d)
-        return input_error(
-            file.string() +
-            ": is no haptic map: must be a picture (RGB: stiffness, static and dynamic friction; "
-            "grey: stiffness), X3D (.x3d) or glTF (.gltf, .glb)");
+        return input_error(file.string() +
+                           ": is no haptic map: must be a picture (RGB: stiffness, static and dynamic "
+                           "friction; grey: stiffness), X3D (.x3d) or glTF (.gltf, .glb)");
     TRY_ASSIGN(auto layers,
                is_gltf ? read_gltf_material(file, bytes, scene) : read_x3d_surface(file, bytes, scene));
     return join_layers(std::move(layers), is_gltf ? "gltf" : "x3d", scene);

@@ -180,10 +180,9 @@ bool SurfaceRecording::has_room_above() const {
 Result<void> SurfaceRecording::check_limits() const {
     if (filters_.remembers() && !has_room_above() && valid_.valid_min == 0 &&
         valid_.excluded[0] != no_such_code)
-        return Error{
-            ErrorKind::gpu,
-            "the vulkan builder cannot filter in time (filter.temporal is on) where depth.invalid names some "
-            "of 65536 codes but neither 0 nor 65535; must be the cpu builder"};
+        return Error{ErrorKind::gpu,
+                     "the vulkan builder cannot filter in time (filter.temporal is on) where depth.invalid "
+                     "names some of 65536 codes but neither 0 nor 65535; must be the cpu builder"};
     const GpuFacts::Limits& limits = device().facts().limits;
     // Hue has three channels.
     const std::size_t most_bytes = std::size_t{is_hue() ? 24U : 16U} * pitch_ * height_;

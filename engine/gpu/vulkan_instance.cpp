@@ -307,10 +307,9 @@ std::string_view nickname_of(std::string_view device_name) {
 
 Result<std::size_t> choose_gpu(std::span<const GpuFacts> gpus, std::string_view request) {
     if (gpus.empty())
-        return Error{
-            ErrorKind::gpu,
-            "Vulkan finds no device here; install a driver (Debian's mesa-vulkan-drivers can do it all on "
-            "the CPU)"};
+        return Error{ErrorKind::gpu,
+                     "Vulkan finds no device here; install a driver (Debian's mesa-vulkan-drivers can do it "
+                     "all on the CPU)"};
     if (request.empty())
         return refusal("the GPU asked for has no name, use auto, an index or a part of a name", gpus);
     if (request == "auto") return best(gpus);

@@ -164,9 +164,8 @@ Result<StoredImage> netpbm_picture(std::string_view data, const NetpbmHeader& he
         stored = grey_picture(data, header, 1);
     } else if (header.bytes_per_sample() == 2) {
         if (!is_grey16(data))
-            return input_error(where +
-                               ": is in colour of 16 bits; grey of 8 or 16 bits and colour of 8 bits "
-                               "are read");
+            return input_error(
+                where + ": is in colour of 16 bits; grey of 8 or 16 bits and colour of 8 bits are read");
         stored = grey_picture(data, header, 3);
     } else {
         stored.image = {header.width, header.height, 1, 3, {data.begin(), data.end()}};
@@ -853,9 +852,8 @@ Result<StoredImage> decode_pfm(std::string_view bytes, const std::string& where)
     TRY(check_picture_size(width, height, where));
     const float scale = parsed_as<float>(words.next()).value_or(0);
     if (scale == 0 || !std::isfinite(scale))
-        return input_error(where +
-                           ": has no scale after its size: must be a number, negative where the "
-                           "low byte is first");
+        return input_error(
+            where + ": has no scale after its size: must be a number, negative where the low byte is first");
     const std::size_t row = static_cast<std::size_t>(width) * 4;
     if (!words.at_blank() || words.data().size() / row < static_cast<std::size_t>(height))
         return cut_picture(where);

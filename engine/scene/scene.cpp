@@ -92,8 +92,8 @@ Result<void> check_lens(const std::string& member, const LensDistortion& lens) {
 Result<void> check_pose(const std::string& member, const CameraPose& pose) {
     if (!is_rotation(pose.rotation))
         return input_error(member +
-                           " does not begin with a rotation in its rows: must be [r, r, r, t, r, r, "
-                           "r, t, r, r, r, t, 0, 0, 0, 1]");
+                           " does not begin with a rotation in its rows: must be [r, r, r, t, r, r, r, t, r, "
+                           "r, r, t, 0, 0, 0, 1]");
     for (const double length : pose.translation)
         TRY(check_within(member + "'s translation", length, -longest, longest));
     return {};
@@ -239,8 +239,7 @@ Result<void> check_filter(const Scene& scene) {
     if (filter.terraces == TerraceRemoval::on && !has_working_codes(scene))
         return input_error(
             "filter.terraces is on: must be off or auto where fewer than two codes are valid, or "
-            "filter.levels "
-            "are as far apart as nearly all depths");
+            "filter.levels are as far apart as nearly all depths");
     return {};
 }
 
@@ -265,9 +264,9 @@ Result<void> check_pattern(const std::string& member, const std::string& pattern
     if (clean && is_file_pattern(pattern)) return {};
     return input_error(
         member + " is " + in_quotes(pattern) +
-        ": must be a file name with one field of digits, %d or %0Nd with N from 1 to 9, no "
-        "other % and no control characters, such as \"depth_%04d.png\"; with one star instead, such as "
-        "\"depth/*.png\"; a list, such as \"depth.txt\"; or the name of a single picture");
+        ": must be a file name with one field of digits, %d or %0Nd with N from 1 to 9, no other % and no "
+        "control characters, such as \"depth_%04d.png\"; with one star instead, such as \"depth/*.png\"; a "
+        "list, such as \"depth.txt\"; or the name of a single picture");
 }
 
 constexpr int largest_number = 999'999'999;
@@ -306,10 +305,10 @@ Result<void> check_cameras(const FolderSource& folder) {
     if (folder.cameras.empty() && !folder.camera_numbers.any()) return {};
     TRY(check_pattern("folder.cameras", folder.cameras));
     if (is_still(folder.cameras))
-        return input_error("folder.cameras is " + in_quotes(folder.cameras) +
-                           ": must be a file for each frame, such as \"cameras/%06d.json\", "
-                           "\"cameras/*.pincam\" or a list, \"cameras.txt\"; one of all frames is the "
-                           "scene's camera");
+        return input_error(
+            "folder.cameras is " + in_quotes(folder.cameras) +
+            ": must be a file for each frame, such as \"cameras/%06d.json\", \"cameras/*.pincam\" or a list, "
+            "\"cameras.txt\"; one of all frames is the scene's camera");
     return check_numbers("folder.cameras", folder.cameras, folder.camera_numbers);
 }
 

@@ -128,8 +128,7 @@ int read_index(const Node& materials, const std::string& name) {
     const int index = parsed_as<int>(name).value_or(-1);
     if (name != std::to_string(index) || index < 0 || index > largest_material_index)
         materials.refuse(
-            "an object whose names are material indices from 0 to "
-            "65535, such as \"1\", and not " +
+            "an object whose names are material indices from 0 to 65535, such as \"1\", and not " +
             in_quotes(name));
     return index;
 }
@@ -187,9 +186,7 @@ std::vector<SceneDescription::Material> read_materials(const Node& haptic, const
     const Node node = haptic["materials"];
     const std::vector<std::string> names = node.members();
     if (names.empty() || names.size() > most_materials)
-        node.refuse(
-            "an object of 1 to 256 materials, such as {\"1\": "
-            "{\"stiffness\": 0.8}}");
+        node.refuse("an object of 1 to 256 materials, such as {\"1\": {\"stiffness\": 0.8}}");
     std::vector<SceneDescription::Material> materials;
     for (const std::string& name : names) {
         SceneDescription::Material material{read_index(node, name), otherwise};
@@ -260,8 +257,7 @@ void read_camera(const Node& node, Scene& scene) {
 
 CameraPose read_pose(const Node& node) {
     const char* const right =
-        "a matrix of 16 numbers, row by row: a rotation "
-        "with its translation, then 0, 0, 0, 1";
+        "a matrix of 16 numbers, row by row: a rotation with its translation, then 0, 0, 0, 1";
     const std::vector<Node> terms = node.elements(16, 16, right);
     CameraPose pose;
     for (std::size_t row = 0; row < 3; ++row) {

@@ -145,10 +145,9 @@ private:
                 first_segment_ = std::max(first_segment_, next_segment_of(text));
             }
             if (!is_ours)
-                return input_error(
-                    path_.string() + ": has " + in_quotes(name) +
-                    ", which is not of a stream that this program wrote; must be a folder that is "
-                    "new or empty, or has such a stream alone");
+                return input_error(path_.string() + ": has " + in_quotes(name) +
+                                   ", which is not of a stream that this program wrote; must be a folder "
+                                   "that is new or empty, or has such a stream alone");
         }
         if (failure) return input_error(path_.string() + ": cannot be read: " + failure.message());
         return {};
