@@ -32,6 +32,13 @@ bool is_side(double pixels) {
     return pixels >= 1 && pixels <= 16384;
 }
 
+/// Sets the size of a camera's pictures, if both sides can be.
+void take_size(double width, double height, auto& camera) {
+    if (!is_side(width) || !is_side(height)) return;
+    camera.width = static_cast<int>(width);
+    camera.height = static_cast<int>(height);
+}
+
 /// All numbers of a text, whatever stands between them.
 std::vector<double> numbers_in(std::string_view text) {
     std::vector<double> numbers;
@@ -174,6 +181,36 @@ std::optional<Intrinsics> view_of(const Members& members) {
     return seen;
 }
 
+/// What programs call a camera's matrix; depth's first.
+constexpr const char* matrix_names[] = {"kdepth",
+                                        "depthk",
+                                        "depthintrinsics",
+                                        "depthintrinsic",
+                                        "intrinsicsdepth",
+                                        "intrinsicdepth",
+                                        "depthcameramatrix",
+                                        "mcalibrationdepthintrinsic",
+                                        "intrinsicmatrix",
+                                        "k",
+                                        "cameramatrix",
+                                        "camk",
+                                        "camintr",
+                                        "intrinsicsmatrix",
+                                        "intrinsics",
+                                        "intrinsic",
+                                        "cameraintrinsics",
+                                        "cameraintrinsic",
+                                        "kmatrix",
+                                        "calibrationmatrix",
+                                        "perframeintrinsiccoeffs",
+                                        "p",
+                                        "p2",
+                                        "prect02",
+                                        "p0",
+                                        "prect00",
+                                        "krect02",
+                                        "k02"};
+
 std::optional<Intrinsics> intrinsics_of(const Json& object) {
     const Members members(object);
     const auto centre = [&](std::initializer_list<const char*> names) {
@@ -201,34 +238,7 @@ std::optional<Intrinsics> intrinsics_of(const Json& object) {
     // A single focal length is pixels only beside a principal point in pixels.
     if (fx == 0 && cx && *cx > 1) fx = members.number({"focallength", "focal", "focallengthpx", "f"});
     if (fx > 0) return Intrinsics{fx, fy > 0 ? fy : fx, cx, cy};
-    for (const char* matrix : {"kdepth",
-                               "depthk",
-                               "depthintrinsics",
-                               "depthintrinsic",
-                               "intrinsicsdepth",
-                               "intrinsicdepth",
-                               "depthcameramatrix",
-                               "mcalibrationdepthintrinsic",
-                               "intrinsicmatrix",
-                               "k",
-                               "cameramatrix",
-                               "camk",
-                               "camintr",
-                               "intrinsicsmatrix",
-                               "intrinsics",
-                               "intrinsic",
-                               "cameraintrinsics",
-                               "cameraintrinsic",
-                               "kmatrix",
-                               "calibrationmatrix",
-                               "perframeintrinsiccoeffs",
-                               "p",
-                               "p2",
-                               "prect02",
-                               "p0",
-                               "prect00",
-                               "krect02",
-                               "k02"})
+    for (const char* const matrix : matrix_names)
         if (const auto found = from_matrix(members.list({matrix}))) return found;
     const auto four =
         members.list({"intrinsics", "intrinsic", "perframeintrinsiccoeffs", "camintr"});  // Kalibr, Record3D
@@ -345,10 +355,7 @@ std::optional<CameraFile> from_printed(std::string_view text) {
         const auto width =
                        parsed_number(size.substr(before == size.npos ? 0 : before + 1, times - before - 1)),
                    height = parsed_number(size.substr(times + 1));
-        if (width && height && is_side(*width) && is_side(*height)) {
-            made.intrinsics.width = static_cast<int>(*width);
-            made.intrinsics.height = static_cast<int>(*height);
-        }
+        take_size(width.value_or(0), height.value_or(0), made.intrinsics);
     }
     const auto terms = text.find('[', focal + 3);
     const auto bends =
@@ -456,10 +463,7 @@ void find_cameras(const Json& json, std::vector<CameraFile>& found, const FrameK
                  own_height = pair.size() == 2 ? pair[1]
                                                : members.number({"height", "h", "imageheight", "depthheight",
                                                                  "resolutiony", "imh", "mdepthheight"});
-    if (is_side(own_width) && is_side(own_height)) {
-        around.width = static_cast<int>(own_width);
-        around.height = static_cast<int>(own_height);
-    }
+    take_size(own_width, own_height, around);
     for (const char* member : {"name", "camera_name", "rostopic", "label"})
         if (json.contains(member) && json[member].is_string())
             around.name += ' ' + json[member].get<std::string>();
@@ -530,10 +534,7 @@ std::optional<CameraFile> from_calib(std::string_view text) {
     const auto baseline = numbers_after(text, "baseline="), offset = numbers_after(text, "doffs=");
     if (!found || baseline.size() != 1) return {};
     const auto width = numbers_after(text, "width="), height = numbers_after(text, "height=");
-    if (width.size() == 1 && height.size() == 1 && is_side(width[0]) && is_side(height[0])) {
-        found->width = static_cast<int>(width[0]);
-        found->height = static_cast<int>(height[0]);
-    }
+    if (width.size() == 1 && height.size() == 1) take_size(width[0], height[0], *found);
     return CameraFile{*found, baseline[0] / 1000, offset.size() == 1 ? offset[0] : 0};
 }
 
@@ -577,12 +578,9 @@ std::vector<CameraFile> from_colmap(std::string_view text) {
 std::optional<Intrinsics> from_pincam(const std::vector<double>& numbers) {
     if ((numbers.size() != 6 && numbers.size() != 11) || !is_side(numbers[0]) || !is_side(numbers[1]))
         return {};
-    return Intrinsics{numbers[2],
-                      numbers[3],
-                      numbers[4],
-                      numbers[5],
-                      static_cast<int>(numbers[0]),
-                      static_cast<int>(numbers[1])};
+    Intrinsics camera{numbers[2], numbers[3], numbers[4], numbers[5]};
+    take_size(numbers[0], numbers[1], camera);
+    return camera;
 }
 
 /// fx fy cx cy and no more.
@@ -751,16 +749,12 @@ bool is_near_picture(const Intrinsics& camera) {
     return fits(camera.cx, camera.width) && fits(camera.cy, camera.height);
 }
 
-bool has_focal_lengths(const Intrinsics& camera) {
-    if (camera.fx == 0 && (camera.fov_x > 0 || camera.fov_y > 0)) return true;
-    const auto is_length = [](double value) { return std::isfinite(value) && value > 0 && value < 1e6; };
-    return is_length(camera.fx) && is_length(camera.fy);
-}
-
 bool is_no_camera(const CameraFile& file) {
     const Intrinsics& camera = file.intrinsics;
-    return !has_focal_lengths(camera) || !std::isfinite(camera.cx.value_or(0)) ||
-           !std::isfinite(camera.cy.value_or(0));
+    const auto is_length = [](double value) { return std::isfinite(value) && value > 0 && value < 1e6; };
+    const bool is_view = camera.fx == 0 && (camera.fov_x > 0 || camera.fov_y > 0);
+    return !(is_view || (is_length(camera.fx) && is_length(camera.fy))) ||
+           !std::isfinite(camera.cx.value_or(0)) || !std::isfinite(camera.cy.value_or(0));
 }
 
 }  // namespace

@@ -384,22 +384,17 @@ bool has_number(const fs::path& file) {
     return first_bytes(SourceFile(file), enough).find_first_of("0123456789") != std::string::npos;
 }
 
-void take_rate(double frames_per_second, const fs::path& file, CameraBeside& beside) {
-    if (beside.frames_per_second > 0 || frames_per_second <= 0) return;
-    beside.frames_per_second = frames_per_second;
-    beside.rate_file = file;
+/// Takes a number that a file states, unless one did before it.
+void take_number(double stated, const fs::path& file, double& number, fs::path& number_file) {
+    if (number > 0 || stated <= 0) return;
+    number = stated;
+    number_file = file;
 }
-
-void take_scale(double codes_per_metre, const fs::path& file, CameraBeside& beside) {
-    if (beside.codes_per_metre > 0 || codes_per_metre <= 0) return;
-    beside.codes_per_metre = codes_per_metre;
-    beside.scale_file = file;
+void take_rate(double stated, const fs::path& file, CameraBeside& beside) {
+    take_number(stated, file, beside.frames_per_second, beside.rate_file);
 }
-
-void take_unit(double metres_per_value, const fs::path& file, CameraBeside& beside) {
-    if (beside.metres_per_value > 0 || metres_per_value <= 0) return;
-    beside.metres_per_value = metres_per_value;
-    beside.unit_file = file;
+void take_scale(double stated, const fs::path& file, CameraBeside& beside) {
+    take_number(stated, file, beside.codes_per_metre, beside.scale_file);
 }
 
 /// Takes the cameras of a folder in which each frame has its own.
@@ -505,7 +500,7 @@ void look_in(const fs::path& folder, const Sought& pictures, bool tells, CameraB
         if (!said) continue;
         take_rate(rate, candidate.file, beside);
         take_scale(scale, candidate.file, beside);
-        take_unit(unit, candidate.file, beside);
+        take_number(unit, candidate.file, beside.metres_per_value, beside.unit_file);
         const bool is_one = said->cameras.size() == 1;
         for (CameraFile& camera : said->cameras) {
             if (is_known) break;
