@@ -631,14 +631,12 @@ class FilledReader final : public ChangedClip {
 public:
     FilledReader(std::unique_ptr<ClipReader> clip, Known known)
         : ChangedClip(std::move(clip)), known_(std::move(known)), filling_(known_.depth) {}
-    Result<std::optional<RawFrame>> next() override {
-        auto frame = ReaderAround::next();
-        if (!frame || !*frame) return frame;
-        const std::int64_t number = (*frame)->number;
+    Result<void> change(RawFrame& frame) override {
+        const std::int64_t number = frame.number;
         for (const KnownRest& rest : known_.rests)
             if (rest.first <= number && number < rest.end)
-                filling_.fill(**frame, rest.background, known_.uses_colour);
-        return frame;
+                filling_.fill(frame, rest.background, known_.uses_colour);
+        return {};
     }
     /// Keeps colour if that finds the background.
     void leave_out_colour() override {

@@ -146,10 +146,7 @@ public:
         for (const auto& [label, paint] : painted_->by_label) painter_.set(label, paint.feel);
     }
 
-    Result<std::optional<RawFrame>> next() override {
-        auto frame = ReaderAround::next();
-        if (!frame || !*frame) return frame;
-        RawFrame& raw = **frame;
+    Result<void> change(RawFrame& raw) override {
         const SegmentStore& segments = *painted_->segments;
         if (raw.number >= segments.frames())
             return input_error(inner().name() + ": frame " + std::to_string(raw.number) +
@@ -158,7 +155,7 @@ public:
         segments.read_labels(raw.number, labels_);
         add_plane(raw, PlaneRole::haptic,
                   plane_from(painter_.haptic(labels_, segments.width(), segments.height())));
-        return frame;
+        return {};
     }
 
 private:
@@ -206,10 +203,7 @@ public:
         start();
     }
 
-    Result<std::optional<RawFrame>> next() override {
-        auto frame = ReaderAround::next();
-        if (!frame || !*frame) return frame;
-        RawFrame& raw = **frame;
+    Result<void> change(RawFrame& raw) override {
         if (materials_.otherwise == nullptr) TRY(check_colour(raw, inner()));
         if (materials_.scale_relief) TRY(check_heights(raw, inner()));
         const auto begun = std::chrono::steady_clock::now();
@@ -226,7 +220,7 @@ public:
         add_plane(raw, PlaneRole::haptic, plane_from(std::move(haptic)));
         ++report_->frames;
         report_->seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-        return frame;
+        return {};
     }
 
     Result<void> seek(std::int64_t frame) override {

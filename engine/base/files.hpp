@@ -53,6 +53,14 @@ inline bool would_wait(int failure) {
     return failure == EAGAIN || failure == EWOULDBLOCK || failure == EINTR;
 }
 
+/// The whole number in up to eight bytes, the highest first or last.
+inline std::uint64_t number_in_bytes(std::string_view bytes, bool highest_first = true) {
+    std::uint64_t number = 0;
+    for (std::size_t k = 0; k < bytes.size(); ++k)
+        number = number << 8 | static_cast<unsigned char>(bytes[highest_first ? k : bytes.size() - 1 - k]);
+    return number;
+}
+
 /// Bytes of a file, of a part of one, or in memory. Cheapest to read in order.
 class ByteSource {
 public:

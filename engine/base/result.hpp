@@ -153,6 +153,12 @@ private:
     std::optional<Error> error_;
 };
 
+/// For std::unique_ptr: releases an object of a C library by its function.
+template <auto release>
+struct ReleasedBy {
+    void operator()(auto* object) const { release(object); }
+};
+
 /// A base for classes that must not be copied or moved: owners of a unique resource (a descriptor, a thread,
 /// a device), objects that others point at, and interfaces, of which a copy would be sliced.
 class NonCopyable {

@@ -40,10 +40,7 @@ public:
         scene_ = std::move(scene);
         notes_.push_back(std::move(note));
     }
-    Result<std::optional<RawFrame>> next() override {
-        auto frame = ReaderAround::next();
-        if (!frame || !*frame) return frame;
-        RawFrame& raw = **frame;
+    Result<void> change(RawFrame& raw) override {
         const DepthCoding& stored = inner().scene().depth;
         const CodeLine& line = lines_[std::min(static_cast<std::size_t>(raw.number), lines_.size() - 1)];
         std::vector<std::uint16_t> codes(65536, no_aligned_depth);
@@ -59,7 +56,7 @@ public:
             for (int x = 0; x < image.width; ++x, to += 2) std::memcpy(to, &codes[raw.depth.sample(x, y)], 2);
         raw.depth = {};
         add_plane(raw, PlaneRole::depth, plane_from(std::move(image), 16));
-        return frame;
+        return {};
     }
 
 private:

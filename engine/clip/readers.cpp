@@ -143,15 +143,13 @@ public:
         return {};
     }
 
-    Result<std::optional<RawFrame>> next() override {
-        auto frame = ReaderAround::next();
-        if (!frame || !*frame) return frame;
+    Result<void> change(RawFrame& frame) override {
         for (const StillPlane& still : planes_) {
             TRY_ASSIGN(auto plane,
-                       still.at ? still.at((*frame)->number, (*frame)->time_ns) : Result<Plane>(still.plane));
-            add_plane(**frame, still.role, std::move(plane));
+                       still.at ? still.at(frame.number, frame.time_ns) : Result<Plane>(still.plane));
+            add_plane(frame, still.role, std::move(plane));
         }
-        return frame;
+        return {};
     }
 
 private:

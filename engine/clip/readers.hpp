@@ -41,7 +41,11 @@ public:
     std::optional<std::int64_t> frame_count() const override { return reader_->frame_count(); }
     const std::vector<std::string>& notes() const override { return reader_->notes(); }
     std::span<const Camera> frame_cameras() const override { return reader_->frame_cameras(); }
-    Result<std::optional<RawFrame>> next() override { return reader_->next(); }
+    Result<std::optional<RawFrame>> next() override {
+        auto frame = reader_->next();
+        const auto changed = frame && *frame ? change(**frame) : Result<void>();
+        return changed ? std::move(frame) : changed.error();
+    }
     Result<void> rewind() override { return seek(0); }
     Result<void> seek(std::int64_t frame) override { return reader_->seek(frame); }
     std::int64_t access_point(std::int64_t frame) const override { return reader_->access_point(frame); }
@@ -60,6 +64,8 @@ protected:
         for (const auto& input : reader_->inputs()) add_input(input);
     }
     ClipReader& inner() const { return *reader_; }
+    /// Changes a frame that `next` returns.
+    virtual Result<void> change(RawFrame& /*frame*/) { return {}; }
 
 private:
     std::shared_ptr<ClipReader> reader_;

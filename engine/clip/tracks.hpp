@@ -419,10 +419,7 @@ Result<std::optional<std::uint32_t>> track_of_plane(const Mp4Scene& scene, Plane
 /// accepts nothing after a failure.
 class MuxedClipWriter : public ClipWriter {
 public:
-    struct MuxerCloser {
-        void operator()(AVFormatContext* muxer) const { avformat_free_context(muxer); }
-    };
-    using Muxer = std::unique_ptr<AVFormatContext, MuxerCloser>;
+    using Muxer = std::unique_ptr<AVFormatContext, ReleasedBy<avformat_free_context>>;
 
     /// Creates and opens a derived writer. Refused: a scene that cannot be stored, and sound that the
     /// container cannot hold.

@@ -41,10 +41,7 @@ public:
 private:
     std::uint32_t number(std::size_t at, std::size_t length) const {
         if (at > bytes_.size() || length > bytes_.size() - at) return 0;
-        std::uint32_t value = 0;
-        for (std::size_t k = 0; k < length; ++k)
-            value = value << 8 | static_cast<unsigned char>(bytes_[at + (big_endian_ ? k : length - 1 - k)]);
-        return value;
+        return static_cast<std::uint32_t>(number_in_bytes(bytes_.substr(at, length), big_endian_));
     }
 
     std::string_view bytes_;

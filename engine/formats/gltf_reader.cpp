@@ -60,10 +60,8 @@ struct GltfParts {
     std::optional<std::string_view> carried;
 };
 
-std::uint32_t word_at(std::string_view bytes, std::size_t at) {
-    std::uint32_t word = 0;
-    for (std::size_t k = 4; k-- > 0;) word = word << 8U | static_cast<unsigned char>(bytes[at + k]);
-    return word;
+std::size_t word_at(std::string_view bytes, std::size_t at) {
+    return number_in_bytes(bytes.substr(at, 4), false);
 }
 
 GltfParts parts_of(std::string_view bytes) {
@@ -164,12 +162,8 @@ public:
             for (const Node& track : tracks) video.tracks.push_back(track_number(track["track"]));
             return video;
         }
-        for (const Node& index : gltf_array((*frames)["tracks"])) {
-            const auto k = static_cast<std::size_t>(index.whole());
-            if (k >= tracks.size())
-                index.refuse("a number of one of " + std::to_string(tracks.size()) + " tracks");
-            video.tracks.push_back(track_number(tracks[k]["track"]));
-        }
+        for (const Node& index : gltf_array((*frames)["tracks"]))
+            video.tracks.push_back(track_number(one_of(file["tracks"], index, "tracks")["track"]));
         return video;
     }
 

@@ -26,11 +26,7 @@ class HeifBytes {
 public:
     explicit HeifBytes(std::string_view bytes) : rest_(bytes) {}
     bool at_end() const { return rest_.empty(); }
-    std::uint64_t number(std::size_t length) {
-        std::uint64_t value = 0;
-        for (const char byte : take(length)) value = value << 8 | static_cast<unsigned char>(byte);
-        return value;
-    }
+    std::uint64_t number(std::size_t length) { return number_in_bytes(take(length)); }
     std::string_view take(std::size_t length) {
         if (length > rest_.size()) {
             rest_ = {};
@@ -238,19 +234,12 @@ bool describe_by_codec(const heif_depth_representation_info& info, heif_depth_re
     return true;
 }
 
-template <auto release>
-struct HeifRelease {
-    template <class T>
-    void operator()(T* object) const {
-        release(object);
-    }
-};
-using HeifContextPtr = std::unique_ptr<heif_context, HeifRelease<heif_context_free>>;
-using HeifHandlePtr = std::unique_ptr<heif_image_handle, HeifRelease<heif_image_handle_release>>;
-using HeifImagePtr = std::unique_ptr<heif_image, HeifRelease<heif_image_release>>;
-using HeifOptionsPtr = std::unique_ptr<heif_decoding_options, HeifRelease<heif_decoding_options_free>>;
+using HeifContextPtr = std::unique_ptr<heif_context, ReleasedBy<heif_context_free>>;
+using HeifHandlePtr = std::unique_ptr<heif_image_handle, ReleasedBy<heif_image_handle_release>>;
+using HeifImagePtr = std::unique_ptr<heif_image, ReleasedBy<heif_image_release>>;
+using HeifOptionsPtr = std::unique_ptr<heif_decoding_options, ReleasedBy<heif_decoding_options_free>>;
 using HeifDepthInfoPtr =
-    std::unique_ptr<const heif_depth_representation_info, HeifRelease<heif_depth_representation_info_free>>;
+    std::unique_ptr<const heif_depth_representation_info, ReleasedBy<heif_depth_representation_info_free>>;
 
 /// Copies a channel without padding; nothing if the picture has no such channel.
 std::optional<Image> packed_channel(const heif_image* image, heif_channel channel, int bytes, int samples) {

@@ -67,12 +67,6 @@ constexpr std::string_view packet_header = "http://ns.adobe.com/xap/1.0/\0"sv;
 constexpr std::string_view extension_header = "http://ns.adobe.com/xmp/extension/\0"sv;
 constexpr std::size_t guid_length = 32;
 
-std::size_t big_endian(std::string_view bytes) {
-    std::size_t number = 0;
-    for (const char byte : bytes) number = number << 8 | static_cast<unsigned char>(byte);
-    return number;
-}
-
 struct Piece {
     std::size_t whole = 0, offset = 0;
     std::string_view bytes;
@@ -85,8 +79,9 @@ std::vector<Piece> pieces_of(const std::vector<std::string_view>& segments, std:
         if (!segment.starts_with(extension_header)) continue;
         segment.remove_prefix(extension_header.size());
         if (segment.size() < guid_length + 8 || segment.substr(0, guid_length) != guid) continue;
-        pieces.push_back({big_endian(segment.substr(guid_length, 4)),
-                          big_endian(segment.substr(guid_length + 4, 4)), segment.substr(guid_length + 8)});
+        pieces.push_back({number_in_bytes(segment.substr(guid_length, 4)),
+                          number_in_bytes(segment.substr(guid_length + 4, 4)),
+                          segment.substr(guid_length + 8)});
     }
     std::ranges::sort(pieces, {}, &Piece::offset);
     return pieces;

@@ -10,6 +10,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "engine/picture/number_pictures.hpp"
 
 namespace touchable {
 namespace {
@@ -69,22 +70,12 @@ struct Scalar {
     }
 };
 
-std::uint64_t bits_at(const char* from, std::size_t bytes, bool big_endian) {
-    std::uint64_t bits = 0;
-    for (std::size_t k = 0; k < bytes; ++k)
-        bits = bits << 8 | static_cast<unsigned char>(from[big_endian ? k : bytes - 1 - k]);
-    return bits;
-}
-
 double number_at(const char* from, const Scalar& scalar, bool big_endian) {
-    const std::uint64_t bits = bits_at(from, scalar.bytes, big_endian);
-    if (scalar.kind == 'U') return static_cast<double>(bits);
-    if (scalar.kind == 'F')
-        return scalar.bytes == 8
-                   ? std::bit_cast<double>(bits)
-                   : static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bits)));
-    const auto unused = static_cast<int>(64 - 8 * scalar.bytes);
-    return static_cast<double>(static_cast<std::int64_t>(bits << unused) >> unused);
+    using Kind = NumberFormat::Kind;
+    const Kind kind = scalar.kind == 'F'   ? Kind::floating
+                      : scalar.kind == 'U' ? Kind::unsigned_integer
+                                           : Kind::signed_integer;
+    return stored_number(from, {kind, static_cast<int>(scalar.bytes), big_endian});
 }
 
 /// Parses a number, also nan and inf; beyond the range of a double it is NaN. Nothing: the word is no number.
@@ -341,7 +332,8 @@ Result<std::string_view> pcd_points(const PcdHeader& header, std::string_view by
                            ": must be ascii, binary or binary_compressed");
     constexpr std::size_t head = 8;
     if (data.size() < head) return cut_short(where);
-    const std::uint64_t packed = bits_at(data.data(), 4, false), stated = bits_at(data.data() + 4, 4, false);
+    const std::uint64_t packed = number_in_bytes(data.substr(0, 4), false),
+                        stated = number_in_bytes(data.substr(4, 4), false);
     if (packed > data.size() - head) return cut_short(where);
     if (stated != size)
         return input_error(where + ": is damaged: its points are said to unpack to " +
@@ -426,7 +418,7 @@ Result<OrganisedCloud> decode_pcd(std::string_view bytes, const std::string& whe
         for (std::size_t axis = 0; axis < 3; ++axis)
             point[axis] = number_at(at(*axes[axis], k), axes[axis]->scalar, false);
         picture.put(k, point[0], point[1], point[2]);
-        if (colour) picture.paint(k, packed_colour(bits_at(at(*colour, k), 4, false)));
+        if (colour) picture.paint(k, packed_colour(number_in_bytes({at(*colour, k), 4}, false)));
     }
     return made(std::move(picture));
 }

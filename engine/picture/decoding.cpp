@@ -56,7 +56,7 @@ struct PngChunk {
 
     explicit PngChunk(std::string_view png) {
         constexpr std::size_t around = 12;  // its length, its name, a checksum
-        for (const char c : png.substr(0, 4)) length = length << 8 | static_cast<unsigned char>(c);
+        length = number_in_bytes(png.substr(0, 4));
         if (png.size() < around || length > png.size() - around) return;
         name = png.substr(4, 4);
         all = png.substr(0, around + length);
@@ -116,10 +116,7 @@ PngHeader png_header(std::string_view png) {
     constexpr std::size_t end = 33;  // of signature and IHDR, which comes first
     if (png.size() < end || codec_of(png) != AV_CODEC_ID_PNG) return {};
     const auto byte = [&](std::size_t at) { return static_cast<int>(static_cast<unsigned char>(png[at])); };
-    const auto side = [&](std::size_t at) {
-        return static_cast<std::uint64_t>(byte(at) << 8 | byte(at + 1)) << 16 |
-               static_cast<std::uint64_t>(byte(at + 2) << 8 | byte(at + 3));
-    };
+    const auto side = [&](std::size_t at) { return number_in_bytes(png.substr(at, 4)); };
     PngHeader header;
     header.bits = byte(24);
     header.pixels = side(16) * side(20);

@@ -138,8 +138,7 @@ private:
     /// Takes as many bytes as the four before them state, the lowest first.
     bool sized(std::string_view& found) {
         if (rest_.size() < 4) return false;
-        std::size_t size = 0;
-        for (std::size_t k = 4; k-- > 0;) size = size << 8 | static_cast<unsigned char>(rest_[k]);
+        const std::size_t size = number_in_bytes(rest_.substr(0, 4), false);
         if (size > rest_.size() - 4) return false;
         found = rest_.substr(4, size);
         rest_.remove_prefix(4 + size);

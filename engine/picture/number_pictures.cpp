@@ -180,10 +180,6 @@ Result<StoredImage> netpbm_picture(std::string_view data, const NetpbmHeader& he
 constexpr tmsize_t largest_tile = tmsize_t{64} << 20;
 constexpr tmsize_t largest_piece = tmsize_t{256} << 20;  // of one allocation by libtiff
 
-struct CloseTiff {
-    void operator()(TIFF* tiff) const { TIFFClose(tiff); }
-};
-
 /// A file as libtiff reads it, and the first error in it.
 struct TiffBytes {
     ByteSource& bytes;
@@ -239,7 +235,7 @@ int ignore_warning(TIFF*, void*, const char*, const char*, std::va_list) {
     return 1;
 }
 
-using TiffPtr = std::unique_ptr<TIFF, CloseTiff>;
+using TiffPtr = std::unique_ptr<TIFF, ReleasedBy<TIFFClose>>;
 
 TiffPtr open_tiff(TiffBytes& file) {
     const std::unique_ptr<TIFFOpenOptions, void (*)(TIFFOpenOptions*)> options(TIFFOpenOptionsAlloc(),
@@ -723,6 +719,18 @@ std::string shape_text(const std::vector<std::int64_t>& shape) {
         text += std::to_string(extent);
     }
     return text.empty() ? "a single number" : text;
+}
+
+double stored_number(const char* bytes, const NumberFormat& format) {
+    const std::uint64_t bits =
+        number_in_bytes({bytes, static_cast<std::size_t>(format.bytes)}, format.big_endian);
+    if (format.kind == NumberFormat::Kind::floating)
+        return format.bytes == 8   ? std::bit_cast<double>(bits)
+               : format.bytes == 4 ? std::bit_cast<float>(static_cast<std::uint32_t>(bits))
+                                   : std::numeric_limits<double>::quiet_NaN();
+    if (format.kind == NumberFormat::Kind::unsigned_integer) return static_cast<double>(bits);
+    const int unused = 64 - 8 * format.bytes;
+    return static_cast<double>(static_cast<std::int64_t>(bits << unused) >> unused);
 }
 
 Result<ArrayPictures> pictures_of_array(const std::vector<std::int64_t>& extents, const std::string& where) {

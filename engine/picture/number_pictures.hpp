@@ -26,6 +26,9 @@ struct NumberFormat {
     bool big_endian = false;
 };
 
+/// A number as a file holds it; NaN for a floating number of two bytes.
+double stored_number(const char* bytes, const NumberFormat& format);
+
 /// The pictures of an array: height x width, or a stack, count x height x width; also with a last extent of
 /// 1, and with extents of 1 before height.
 struct ArrayPictures {

@@ -189,21 +189,6 @@ std::vector<NpzArray> npz_arrays(const ZipArchive& archive) {
     return arrays;
 }
 
-double number_in(const char* bytes, const NumberFormat& format) {
-    std::uint64_t bits = 0;
-    for (int k = 0; k < format.bytes; ++k) {
-        const auto byte = static_cast<unsigned char>(bytes[format.big_endian ? k : format.bytes - 1 - k]);
-        bits = bits << 8 | byte;
-    }
-    if (format.kind == NumberFormat::Kind::floating)
-        return format.bytes == 8   ? std::bit_cast<double>(bits)
-               : format.bytes == 4 ? std::bit_cast<float>(static_cast<std::uint32_t>(bits))
-                                   : std::numeric_limits<double>::quiet_NaN();
-    if (format.kind == NumberFormat::Kind::unsigned_integer) return static_cast<double>(bits);
-    const int unused = 64 - 8 * format.bytes;
-    return static_cast<double>(static_cast<std::int64_t>(bits << unused) >> unused);
-}
-
 /// Small arrays with readable numbers, not in Fortran order; half floats become NaN.
 std::vector<SmallArray> small_arrays_of(const ZipArchive& archive, const std::vector<NpzArray>& arrays) {
     constexpr std::uint64_t most_numbers = 65536;
@@ -224,7 +209,7 @@ std::vector<SmallArray> small_arrays_of(const ZipArchive& archive, const std::ve
         if (!bytes->read(header->data_at, held.data(), held.size())) continue;
         SmallArray read{array.name, header->shape, {}};
         for (std::size_t k = 0; k < count; ++k)
-            read.numbers.push_back(number_in(held.data() + k * each, header->format));
+            read.numbers.push_back(stored_number(held.data() + k * each, header->format));
         small.push_back(std::move(read));
     }
     return small;

@@ -12,10 +12,6 @@
 namespace touchable {
 namespace {
 
-struct CloseMember {
-    void operator()(zip_file_t* member) const { zip_fclose(member); }
-};
-
 /// Serves an archive's bytes to libzip.
 class ArchiveBytes : NonCopyable {
 public:
@@ -128,7 +124,7 @@ private:
     ZipArchive archive_;
     zip_uint64_t index_;
     std::uint64_t size_, position_ = 0;
-    std::unique_ptr<zip_file_t, CloseMember> member_;
+    std::unique_ptr<zip_file_t, ReleasedBy<zip_fclose>> member_;
 };
 
 /// Whether a member's attributes say that it is an ordinary file; true if they do not tell.

@@ -112,17 +112,13 @@ Result<StreamUrl> read_pipe(std::string_view words) {
     return url;
 }
 
-struct AddressListDeleter {
-    void operator()(addrinfo* list) const { ::freeaddrinfo(list); }
-};
-
 std::optional<SocketAddress> first_address(const std::string& host, int port, int flags) {
     addrinfo wanted = {};
     wanted.ai_flags = AI_NUMERICSERV | flags;
     wanted.ai_socktype = SOCK_STREAM;  // otherwise each address is listed once per type
     addrinfo* found = nullptr;
     if (::getaddrinfo(host.c_str(), std::to_string(port).c_str(), &wanted, &found) != 0) return std::nullopt;
-    const std::unique_ptr<addrinfo, AddressListDeleter> list(found);
+    const std::unique_ptr<addrinfo, ReleasedBy<::freeaddrinfo>> list(found);
     SocketAddress address;
     if (found->ai_addrlen > sizeof address.storage) return std::nullopt;
     address.length = found->ai_addrlen;

@@ -156,16 +156,21 @@ def material_of(context):
     return shown or (context.object.active_material if context.object else None)
 
 
-class MATERIAL_OT_touchable_set(bpy.types.Operator):
-    """Sets stiffness and friction of this material by hand, beginning with the guess"""
+class OfMaterial:
+    """An operator that changes the material at hand."""
 
-    bl_idname = "material.touchable_set"
-    bl_label = "Set by Hand"
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
     def poll(cls, context):
         return material_of(context) is not None
+
+
+class MATERIAL_OT_touchable_set(OfMaterial, bpy.types.Operator):
+    """Sets stiffness and friction of this material by hand, beginning with the guess"""
+
+    bl_idname = "material.touchable_set"
+    bl_label = "Set by Hand"
 
     def execute(self, context):
         feel = materials.feel_of(material_of(context), 1.0)
@@ -174,16 +179,11 @@ class MATERIAL_OT_touchable_set(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MATERIAL_OT_touchable_guess(bpy.types.Operator):
+class MATERIAL_OT_touchable_guess(OfMaterial, bpy.types.Operator):
     """Removes what was set by hand"""
 
     bl_idname = "material.touchable_guess"
     bl_label = "Guess Again"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        return material_of(context) is not None
 
     def execute(self, context):
         material = material_of(context)
@@ -193,16 +193,11 @@ class MATERIAL_OT_touchable_guess(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MATERIAL_OT_touchable_texture(bpy.types.Operator):
+class MATERIAL_OT_touchable_texture(OfMaterial, bpy.types.Operator):
     """Adds an Image Texture node, labelled so that the exporter finds it. Any other node with that label will do as well"""
 
     bl_idname = "material.touchable_texture"
     bl_label = "Add Texture"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        return material_of(context) is not None
 
     label: StringProperty(options={"HIDDEN"})
 
