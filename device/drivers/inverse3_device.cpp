@@ -49,15 +49,9 @@ std::optional<glm::dvec3> inverse3_vector(const json& value) {
 
 Inverse3Settings inverse3_settings(const json& config) {
     const json& filters = inverse3_member(config, "filters");
-    const json& gravity = inverse3_member(config, "gravity_compensation");
     const json& basis = inverse3_member(inverse3_member(config, "basis"), "permutation");
     Inverse3Settings settings;
     settings.damping = inverse3_number(inverse3_member(inverse3_member(filters, "damping"), "scalar"));
-    settings.force_gate = inverse3_number(inverse3_member(inverse3_member(filters, "force_gate"), "gain"));
-    settings.gravity_compensation = inverse3_flag(inverse3_member(gravity, "enabled"));
-    settings.gravity_scale = inverse3_number(inverse3_member(gravity, "scaling_factor"));
-    settings.torque_scaling =
-        inverse3_flag(inverse3_member(inverse3_member(config, "torque_scaling"), "enabled"));
     if (basis.is_string()) settings.basis = basis.get_ref<const std::string&>();
     return settings;
 }
@@ -102,10 +96,6 @@ std::uint32_t inverse3_buttons(const json& message) {
 const json& inverse3_payload(const json& answer) {
     const json& data = inverse3_member(answer, "data");
     return data.is_null() ? answer : data;
-}
-
-std::string version_in_words(const Inverse3Version& version) {
-    return std::to_string(version.major) + "." + std::to_string(version.minor);
 }
 
 std::string inverse3_figure(double value) {
@@ -169,8 +159,8 @@ Result<Inverse3Version> decode_inverse3_version(std::string_view answer) {
 Result<Inverse3Dialect> inverse3_dialect(const Inverse3Version& version) {
     if (version.major == 3 && version.minor >= 5) return Inverse3Dialect::vector;
     if (version.major == 3 && version.minor >= 1) return Inverse3Dialect::values;
-    return device_error("Haply Inverse Service " + version_in_words(version) +
-                        " is not known here; must be 3.1 to any other 3.x");
+    return device_error("Haply Inverse Service " + std::to_string(version.major) + "." +
+                        std::to_string(version.minor) + " is not known here; must be 3.1 to any other 3.x");
 }
 
 Result<Inverse3Message> decode_inverse3_message(std::string_view text) {
@@ -206,24 +196,6 @@ std::string encode_inverse3_force(Inverse3Dialect dialect, const std::string& id
     Ordered message = Ordered::object();
     message["inverse3"] = Ordered::array({std::move(arm)});
     return message.dump(-1, ' ', false, Ordered::error_handler_t::replace);
-}
-
-std::string in_words(const Inverse3Settings& settings) {
-    std::string words;
-    const auto tell = [&words](const std::string& what) { words += (words.empty() ? "" : ", ") + what; };
-    if (settings.damping) tell("damping " + inverse3_figure(*settings.damping));
-    if (settings.force_gate) tell("force gate " + inverse3_figure(*settings.force_gate));
-    if (settings.force_scale) tell("force scale " + inverse3_figure(*settings.force_scale));
-    if (settings.gravity_compensation) {
-        std::string gravity =
-            std::string("gravity compensation ") + (*settings.gravity_compensation ? "on" : "off");
-        if (*settings.gravity_compensation && settings.gravity_scale)
-            gravity += " (times " + inverse3_figure(*settings.gravity_scale) + ")";
-        tell(gravity);
-    }
-    if (settings.torque_scaling)
-        tell(std::string("torque scaling ") + (*settings.torque_scaling ? "on" : "off"));
-    return words;
 }
 
 std::string altered_forces(const Inverse3Settings& settings) {
@@ -264,8 +236,7 @@ Result<void> Inverse3Driver::connect() {
     unanswered_ = nonsense_ = 0;
     pushed_ = false;
     TRY(learn_version());
-    TRY_ASSIGN(auto connected, service_->connect(connecting_patience));
-    transport_ = std::move(connected);
+    TRY_ASSIGN(transport_, service_->connect(connecting_patience));
     // The first message comes by itself and has the arms' configurations.
     answered_ns_ = said_ns_ = clock_();
     TRY_ASSIGN(const auto inventory, await([](const Inverse3Message&) { return true; }));
@@ -277,19 +248,17 @@ Result<void> Inverse3Driver::connect() {
 
 /// The force scale exists since 3.5. A service that does not report it is accepted.
 Result<void> Inverse3Driver::learn_version() {
-    if (choice_.version) {
-        version_ = *choice_.version;
-    } else {
+    std::optional<Inverse3Version> version = choice_.version;
+    if (!version) {
         TRY_ASSIGN(const auto answer, service_->get("/version", connecting_patience));
-        const auto version = decode_inverse3_version(answer);
-        if (!version)
+        const auto stated = decode_inverse3_version(answer);
+        if (!stated)
             return device_error(service_->address() +
                                 " does not say which version it is (GET /version); use a Haply Inverse "
                                 "Service from 3.1 on, or give its version, as inverse3:service=3.4");
-        version_ = *version;
+        version = *stated;
     }
-    TRY_ASSIGN(const auto dialect, inverse3_dialect(version_));
-    dialect_ = dialect;
+    TRY_ASSIGN(dialect_, inverse3_dialect(*version));
     if (dialect_ == Inverse3Dialect::vector) {
         const auto scale = service_->get("/settings/devices/force_scale", first_word);
         if (scale) settings_.force_scale = decode_force_scale(*scale);
@@ -424,13 +393,6 @@ Result<bool> Inverse3Driver::take(const Inverse3Message& message, DeviceSample& 
 std::optional<ZeroForcePacket> Inverse3Driver::zero_force_packet() const {
     if (!transport_ || id_.empty() || transport_->descriptor() < 0) return std::nullopt;
     return ZeroForcePacket{transport_->descriptor(), web_socket_frame(zero(), last_mask), {}, {}};
-}
-
-std::string Inverse3Driver::service_in_words() const {
-    if (id_.empty()) return {};
-    const std::string settings = in_words(settings_);
-    return "Inverse3 " + id_ + ", Haply Inverse Service " + version_in_words(version_) +
-           (settings.empty() ? "" : ": " + settings);
 }
 
 // ---- Keys

@@ -40,12 +40,8 @@ Result<Inverse3Dialect> inverse3_dialect(const Inverse3Version& version);
 
 /// How the service changes forces and positions of an arm. Nothing: not reported.
 struct Inverse3Settings {
-    std::optional<double> damping;             ///< its filter's scalar
-    std::optional<double> force_gate;          ///< gain left to a force while the arm oscillates
-    std::optional<double> force_scale;         ///< factor on all forces, from /settings
-    std::optional<bool> gravity_compensation;  ///< the service carries the arm's weight
-    std::optional<double> gravity_scale;       ///< factor of the compensation
-    std::optional<bool> torque_scaling;
+    std::optional<double> damping;      ///< its filter's scalar
+    std::optional<double> force_scale;  ///< factor on all forces, from /settings
     std::string basis;  ///< permutation of axes; empty: not reported
 };
 
@@ -71,9 +67,7 @@ std::optional<double> decode_force_scale(std::string_view answer);
 /// Encodes a finite force, newtons, our axes. The service answers it with one message.
 std::string encode_inverse3_force(Inverse3Dialect dialect, const std::string& id, const glm::dvec3& newtons);
 
-/// The settings that matter to the user, in words; empty: none was reported.
-std::string in_words(const Inverse3Settings& settings);
-/// Those settings that make forces differ from the requested ones; empty: none.
+/// The settings that make forces differ from the requested ones, in words; empty: none.
 std::string altered_forces(const Inverse3Settings& settings);
 
 /// Encodes a text of at most 65535 bytes as one WebSocket frame of a client (RFC 6455, 5.2).
@@ -166,10 +160,6 @@ public:
                    : "the Haply service " + altered + "; change it in Haply Hub if that is not meant";
     }
 
-    /// What the service reported when it was connected: version, arm, and the settings that change forces.
-    /// Empty: not connected.
-    std::string service_in_words() const;
-
 private:
     std::int64_t ns_since(std::int64_t moment_ns) const { return clock_() - moment_ns; }
     Result<void> learn_version();
@@ -186,7 +176,6 @@ private:
     std::unique_ptr<Transport> transport_;
     std::vector<std::byte> room_;
     // State of the current connection.
-    Inverse3Version version_;
     Inverse3Dialect dialect_ = Inverse3Dialect::vector;
     std::string id_;
     Inverse3Settings settings_;

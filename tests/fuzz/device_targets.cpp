@@ -33,7 +33,7 @@ bool parse_haply_message(std::string_view bytes) {
         require(!arm.place || std::isfinite(arm.place->x + arm.place->y + arm.place->z),
                 "a place is not finite");
         if (arm.settings) [[maybe_unused]]
-            const auto words = in_words(*arm.settings) + altered_forces(*arm.settings);
+            const auto words = altered_forces(*arm.settings);
     }
     return true;
 }
