@@ -82,10 +82,6 @@ const std::array<KnownDevice, 9> known_hardware{{
 
 namespace fs = std::filesystem;
 
-bool is_number(const std::string& name) {
-    return !name.empty() && std::ranges::all_of(name, [](char c) { return c >= '0' && c <= '9'; });
-}
-
 /// Whether a line such as "  0: 0100007F:2711 00000000:0000 0A ..." of /proc/net/tcp listens at `port`.
 bool line_listens(const std::string& line, std::uint16_t port) {
     constexpr const char* listening = "0A";
@@ -141,7 +137,7 @@ std::vector<std::string> holders_of(const ConnectedSystem& system, const std::st
     std::vector<std::string> holders;
     const std::string own = std::to_string(getpid());
     for (const std::string& process : system.names("/proc")) {
-        if (!is_number(process) || process == own) continue;
+        if (!is_digits(process) || process == own) continue;
         const std::string open = "/proc/" + process + "/fd";
         const auto descriptors = system.names(open);
         if (std::ranges::any_of(

@@ -321,8 +321,7 @@ Result<std::optional<FalconReport>> FalconDriver::newest_report(microseconds pat
     for (int most = 64; came > 0 && most > 0; --most) {  // bounded: endless data must not hold the thread
         const microseconds left((until - clock_()) / 1000);
         const bool waits = unanswered_ > 0 && left.count() > 0;
-        TRY_ASSIGN(const auto received, transport_->receive(room, waits ? left : microseconds(0)));
-        came = received;
+        TRY_ASSIGN(came, transport_->receive(room, waits ? left : microseconds(0)));
         for (const std::byte byte : std::span(room).first(came))
             if (const auto report = reader_.take(byte)) {
                 newest = report;
@@ -390,9 +389,8 @@ Result<FalconSettings> read_falcon_settings(std::string_view keys) {
     TRY_ASSIGN(const auto given, HandOptions::parse("device 'falcon'", keys, falcon_keys));
     FalconSettings settings;
     settings.limits = {given.number("force"), given.number("stiffness") * 1000};
-    if (given.given("firmware")) {
-        TRY_ASSIGN(settings.firmware, read_falcon_firmware(given.words("firmware")));
-    }
+    if (given.given("firmware"))
+        TRY(assign(settings.firmware, read_falcon_firmware(given.words("firmware"))));
     return settings;
 }
 

@@ -316,8 +316,7 @@ Result<std::vector<std::byte>> read_falcon_firmware(const std::string& path) {
         return input_error(named + ": has " + std::to_string(file.size()) +
                            " bytes; must be the image, of 7 to 9 thousand");
     std::vector<std::byte> bytes(static_cast<std::size_t>(file.size()));
-    if (auto read = file.read(0, reinterpret_cast<char*>(bytes.data()), bytes.size()); !read)
-        return error_at(named, read.error());
+    TRY(error_at(named, file.read(0, reinterpret_cast<char*>(bytes.data()), bytes.size())));
     return bytes;
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/clip/readers.hpp"
@@ -271,9 +272,7 @@ ClipQuality::FrameTimes FrameTimesEstimator::times() const {
     ClipQuality::FrameTimes times = so_far_;
     if (steps_ns_.empty()) return times;
     std::vector<std::int64_t> sorted = steps_ns_;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::ranges::nth_element(sorted, middle);
-    const std::int64_t usual = std::max<std::int64_t>(*middle, 1);
+    const std::int64_t usual = std::max<std::int64_t>(sorted_element(sorted, sorted.size() / 2), 1);
     times.usual_ms = static_cast<double>(usual) * 1e-6;
     for (const std::int64_t step : steps_ns_) {
         if (step > usual + usual / 2) times.missing += (step + usual / 2) / usual - 1;
@@ -348,13 +347,12 @@ void PumpingEstimator::add(const RawFrame& frame) {
         last_change_.reset();
         return;
     }
-    const auto middle = ratios_.begin() + static_cast<std::ptrdiff_t>(ratios_.size() / 2);
-    std::ranges::nth_element(ratios_, middle);
+    const double change = sorted_element(ratios_, ratios_.size() / 2);
     if (last_change_) {
-        products_ += *last_change_ * *middle;
+        products_ += *last_change_ * change;
         ++count_;
     }
-    last_change_ = *middle;
+    last_change_ = change;
 }
 
 std::optional<double> PumpingEstimator::share() const {

@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "engine/authoring/recorded_clip.hpp"
+#include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -45,9 +46,7 @@ std::int32_t exposure_change(const CellPicture& then, const CellPicture& now) {
     std::vector<std::int32_t> gained;
     for (std::size_t k = 0; k < now.cells.size(); ++k)
         gained.push_back(now.cells[k].luma - then.cells[k].luma);
-    const auto middle = gained.begin() + static_cast<std::ptrdiff_t>(gained.size() / 2);
-    std::ranges::nth_element(gained, middle);
-    return *middle;
+    return sorted_element(gained, gained.size() / 2);
 }
 
 constexpr std::int32_t colour_tolerance = 16;  // of 255, in each channel

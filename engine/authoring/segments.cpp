@@ -159,9 +159,7 @@ public:
     const NamedPlace* next() const { return next_ < places_.size() ? &places_[next_] : nullptr; }
     bool wants_map() const { return map_.has_value(); }
     Result<void> look(const Segmentation& segmentation, std::int64_t frame) {
-        if (map_ && frame == 0) {
-            TRY_ASSIGN(found_, names_of_map(*map_, segmentation, by_index_));
-        }
+        if (map_ && frame == 0) TRY(assign(found_, names_of_map(*map_, segmentation, by_index_)));
         for (; next() && next()->at.frame == frame; ++next_) TRY(take_name(*next(), segmentation, by_pixel_));
         return {};
     }

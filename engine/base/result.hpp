@@ -153,6 +153,20 @@ private:
     std::optional<Error> error_;
 };
 
+/// Puts a place before the message of a failed Result.
+template <class T>
+Result<T> error_at(const std::string& where, Result<T> result) {
+    return result ? std::move(result) : error_at(where, result.error());
+}
+
+/// Gives a variable the value of a Result: TRY(assign(x, f())), one statement where TRY_ASSIGN is three.
+template <class To, class From>
+Result<void> assign(To& to, Result<From> from) {
+    if (!from) return from.error();
+    to = std::move(*from);
+    return {};
+}
+
 /// For std::unique_ptr: releases an object of a C library by its function.
 template <auto release>
 struct ReleasedBy {

@@ -6,18 +6,29 @@
 // may round in its own way (docs/architecture.md, decision 3). Sine, cosine and angles use only + - x /, sqrt
 // and the exact fmod: within 2 ulp of the correctly rounded value for |x| <= 1e6, with fewer digits beyond;
 // arguments in radians. exponential and logarithm, for depths of logarithmic codes, use only + - x / and the
-// exact floor, frexp and ldexp: within 1 ulp. All are tested against long double.
+// exact floor, frexp and ldexp: within 1 ulp. All are tested against long double. sorted_element is for
+// medians.
 //
 // Threads: any may call these pure functions; one at a time uses a ByteHash.
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "engine/base/result.hpp"
 
 namespace touchable {
+
+/// The element that sorting would put at this place; reorders the others.
+template <class Number>
+Number sorted_element(std::vector<Number>& numbers, std::size_t place) {
+    const auto at = numbers.begin() + static_cast<std::ptrdiff_t>(place);
+    std::ranges::nth_element(numbers, at);
+    return *at;
+}
 
 inline constexpr double pi = 3.14159265358979323846;
 

@@ -6,7 +6,7 @@
 //     TRY_ASSIGN(auto bytes, file.read("a picture", most));
 //     TRY_ASSIGN(scene.camera, camera_of(bytes));
 //
-// The value is moved out of the Result. TRY_ASSIGN is three statements: put it between braces if it is the
+// The value is moved out of the Result. TRY_ASSIGN is three statements: TRY(assign(x, f())) is the
 // body of a loop or an if. For .cpp files only: a macro has no namespace, and headers of the solver are
 // installed.
 // Threads: any; the macros keep no state.

@@ -12,6 +12,7 @@
 //
 // Threads: any; pure functions, independent of the locale.
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstddef>
@@ -57,6 +58,14 @@ inline std::string counted(std::int64_t count, const std::string& one, const std
 /// A picture's size: "640x480".
 std::string size_text(auto width, auto height) {
     return std::to_string(width) + 'x' + std::to_string(height);
+}
+
+inline bool is_digit(char c) {
+    return c >= '0' && c <= '9';
+}
+/// Whether a text is digits and nothing else, at least one.
+inline bool is_digits(std::string_view text) {
+    return !text.empty() && std::ranges::all_of(text, is_digit);
 }
 
 /// The number of this type that the whole text is, also inf and nan; nullopt: it is none, or out of range.

@@ -204,9 +204,7 @@ Result<std::unique_ptr<ClipReader>> SharedCamera::open(
     const PluggedChoice& choice, const std::optional<SourceDescription>& known,
     const std::optional<std::filesystem::path>& scene_file) {
     const bool is_first = !camera_;
-    if (is_first) {
-        TRY_ASSIGN(camera_, open_plugged_camera(choice, known, scene_file));
-    }
+    if (is_first) TRY(assign(camera_, open_plugged_camera(choice, known, scene_file)));
     return std::unique_ptr<ClipReader>(std::make_unique<Reader>(shared_from_this(), is_first));
 }
 

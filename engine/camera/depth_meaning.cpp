@@ -72,18 +72,15 @@ Result<LiveReader::Meaning> settled(const SceneDescription& described,
                                     std::span<const PlaneView> first, const std::string& node) {
     SceneDescription::FoundInClip found;
     if (described.unstated.far) {
-        const auto far = far_beyond(first, described.scene.depth);
-        if (!far) return error_at(node, far.error());
-        found.far = *far;
+        TRY_ASSIGN(found.far, error_at(node, far_beyond(first, described.scene.depth)));
     }
-    auto scene = settle(described, found);
-    if (!scene) return error_at(node, scene.error());
+    TRY_ASSIGN(auto scene, error_at(node, settle(described, found)));
     if (found.far)
-        add_remark(scene->remarks,
+        add_remark(scene.remarks,
                    {formatted("deeper than %.3g m is no depth: twice what the first frames show",
-                              *found.far * scene->metres_per_unit),
+                              *found.far * scene.metres_per_unit),
                     true, "a scene file's depth.far says otherwise"});
-    return LiveReader::Meaning{std::move(*scene), described.unstated.filters, std::move(inputs)};
+    return LiveReader::Meaning{std::move(scene), described.unstated.filters, std::move(inputs)};
 }
 
 /// Fills in what is not known by what the driver tells of the camera.
@@ -148,9 +145,8 @@ Result<LiveReader::Meaning> meaning_of_depth(const NodeFacts& facts, std::uint32
     std::vector<Remark> remarks;
     const SourceDescription all = with_card(facts, format, known, remarks);
     std::vector<std::filesystem::path> inputs;
-    auto guessed = guess_camera(picture_of(fullest(first)), all, inputs);
-    if (!guessed) return error_at(facts.node, guessed.error());
-    Scene& scene = guessed->scene;
+    TRY_ASSIGN(auto guessed, error_at(facts.node, guess_camera(picture_of(fullest(first)), all, inputs)));
+    Scene& scene = guessed.scene;
     if (!scene.stored.is_plain() || scene.depth.kind != DepthCodingKind::metric)
         return usage_error(facts.node +
                                ": a camera's codes are lengths: say how many metres a stored 1 stands for" +
@@ -158,7 +154,7 @@ Result<LiveReader::Meaning> meaning_of_depth(const NodeFacts& facts, std::uint32
                            {{Setting::depth_unit, "0.001"}});
     scene.remarks = joined_remarks(std::move(remarks), scene.remarks);
     scene.name = facts.card;
-    return settled(*guessed, std::move(inputs), first, facts.node);
+    return settled(guessed, std::move(inputs), first, facts.node);
 }
 
 }  // namespace touchable

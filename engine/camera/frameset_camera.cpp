@@ -202,10 +202,10 @@ Result<int> wait_for_connection(int socket) {
 }
 
 Result<std::unique_ptr<LiveBytes>> start_command(const std::string& command) {
-    auto process = ChildProcess::start({"/bin/sh", "-c", command});
-    if (!process) return error_at("pipe:" + printable(command), process.error());
-    if (!*process) return input_error("pipe:" + printable(command) + ": there is no /bin/sh to start it");
-    return std::unique_ptr<LiveBytes>(std::make_unique<Command>(std::move(*process)));
+    TRY_ASSIGN(auto process,
+               error_at("pipe:" + printable(command), ChildProcess::start({"/bin/sh", "-c", command})));
+    if (!process) return input_error("pipe:" + printable(command) + ": there is no /bin/sh to start it");
+    return std::unique_ptr<LiveBytes>(std::make_unique<Command>(std::move(process)));
 }
 
 /// Connects within 5 s, or returns an error, which is of kind interrupted if the program is to stop.

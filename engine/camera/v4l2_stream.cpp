@@ -32,9 +32,7 @@ public:
         for (const auto& entry : fs::directory_iterator("/dev", ignored)) {
             const std::string name = entry.path().filename().string();
             const std::string digits = name.substr(std::min(name.size(), begin.size()));
-            if (!name.starts_with(begin) || digits.empty() || digits.size() > 4 ||
-                digits.find_first_not_of("0123456789") != std::string::npos)
-                continue;
+            if (!name.starts_with(begin) || digits.size() > 4 || !is_digits(digits)) continue;
             found.emplace_back(std::stoi(digits), entry.path().string());
         }
         std::sort(found.begin(), found.end());
@@ -208,10 +206,6 @@ Result<NodeFacts> facts_of_node(VideoSystem& system, int descriptor, const std::
     return facts;
 }
 
-std::int64_t pixels_of(const NodeMode& mode) {
-    return std::int64_t{mode.width} * mode.height;
-}
-
 /// The rate nearest to what is wanted; nullopt if the camera states none.
 std::optional<FrameRate> nearest_rate(const NodeMode& mode, double wanted) {
     const auto nearest = std::ranges::min_element(
@@ -224,7 +218,7 @@ std::optional<FrameRate> nearest_rate(const NodeMode& mode, double wanted) {
 std::pair<bool, std::int64_t> usual_mark(const NodeMode& mode, double wanted) {
     const auto rate = nearest_rate(mode, wanted);
     const bool fast = !rate || rate->per_second() > 0.9 * wanted;
-    const std::int64_t pixels = pixels_of(mode);
+    const std::int64_t pixels = std::int64_t{mode.width} * mode.height;
     return {fast, pixels <= usual_pixels ? pixels : -pixels};
 }
 
@@ -389,12 +383,11 @@ Error V4l2Stream::trouble(int failure) const {
 Result<std::unique_ptr<V4l2Stream>> V4l2Stream::open(std::shared_ptr<VideoSystem> system,
                                                      const NodeFacts& facts, const NodeFormat& format,
                                                      const ModeWish& wish) {
-    const auto mode = choose_mode(format, wish);
-    if (!mode) return error_at(facts.node, mode.error());
+    TRY_ASSIGN(const auto mode, error_at(facts.node, choose_mode(format, wish)));
     std::unique_ptr<V4l2Stream> stream(new V4l2Stream(std::move(system), facts.node));
     stream->descriptor_ = stream->system_->open(facts.node.c_str());
     if (stream->descriptor_ < 0) return stream->trouble(errno);
-    TRY(stream->begin(format.code, *mode));
+    TRY(stream->begin(format.code, mode));
     return stream;
 }
 

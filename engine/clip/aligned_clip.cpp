@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -167,9 +168,7 @@ double hand_metres_per_unit(const Scene& scene, const Line& line, const CellPict
         if (cell.depth != CellPicture::none)
             depths.push_back(depth_at(scene.depth, line.at(cell.depth) / CellPicture::per_code));
     if (depths.empty()) return 0;
-    const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-    std::ranges::nth_element(depths, middle);
-    return picture_width * scene.camera.fx / (scene.width * *middle);
+    return picture_width * scene.camera.fx / (scene.width * sorted_element(depths, depths.size() / 2));
 }
 
 /// `lines` take the frames' cells to sixteenths of the scene's codes. The hand's scale is the scene's;

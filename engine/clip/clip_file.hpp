@@ -148,6 +148,9 @@ public:
     const std::filesystem::path& path() const { return path_; }
     /// Why the folder could not be made, if so.
     const std::error_code& failure() const { return failure_; }
+    /// Writes a file of this name. An error names it in `home`.
+    Result<void> write(const std::filesystem::path& home, const std::string& name,
+                       const std::string& bytes) const;
     /// Flushes its files to the disk, as far as the file system can.
     void sync() const;
     void remove() const;

@@ -2,6 +2,8 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <fstream>
+
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/clip/containers.hpp"
@@ -46,9 +48,7 @@ Result<void> MuxedClipWriter::check_status(int status) const {
 
 Result<void> MuxedClipWriter::open(const std::optional<SoundPart>& sound) {
     silence_ffmpeg();
-    if (sound) {
-        TRY_ASSIGN(sound_, StoredSound::open(*sound));
-    }
+    if (sound) TRY(assign(sound_, StoredSound::open(*sound)));
     TRY(output_.check());
     AVFormatContext* muxer = nullptr;
     int status = avformat_alloc_output_context2(&muxer, nullptr, format_, nullptr);
@@ -174,6 +174,14 @@ HiddenFolder::HiddenFolder(const fs::path& beside) : path_(hidden_name(beside)) 
 HiddenFolder::~HiddenFolder() {
     remove();
     if (opened_ >= 0) close(opened_);
+}
+
+Result<void> HiddenFolder::write(const fs::path& home, const std::string& name,
+                                 const std::string& bytes) const {
+    std::ofstream out(path_ / name, std::ios::binary);
+    out << bytes;
+    out.close();
+    return out ? Result<void>{} : input_error((home / name).string() + ": cannot be written");
 }
 
 void HiddenFolder::sync() const {

@@ -186,11 +186,9 @@ Result<std::unique_ptr<ClipReader>> with_far_plane(std::unique_ptr<ClipReader> c
     FarPlaneEstimator estimator(scene.depth);
     Prefetch ahead(std::move(clip));
     TRY(look_at_clip(ahead, estimator));
-    auto note = estimator.settle(scene);
-    if (!note) return error_at(file.string(), note.error());
+    TRY_ASSIGN(auto note, error_at(file.string(), estimator.settle(scene)));
     TRY_ASSIGN(auto at_its_beginning, ahead.finish());
-    return std::make_unique<ClipWithFarPlane>(std::move(at_its_beginning), std::move(scene),
-                                              std::move(*note));
+    return std::make_unique<ClipWithFarPlane>(std::move(at_its_beginning), std::move(scene), std::move(note));
 }
 
 }  // namespace touchable

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/base/same_bits.hpp"
 #include "engine/clip/readers.hpp"
 
 namespace touchable {
@@ -35,9 +36,8 @@ void JitterBuffer::adapt(std::int64_t jitter_ns, std::int64_t arrived_ns) {
     jitters_[jitter_count_++ % kept] = jitter_ns;
     std::vector<std::int64_t> all(
         jitters_.begin(), jitters_.begin() + static_cast<std::ptrdiff_t>(std::min(jitter_count_, kept)));
-    const auto high = all.begin() + static_cast<std::ptrdiff_t>((all.size() - 1) * 97 / 100);
-    std::nth_element(all.begin(), high, all.end());
-    const std::int64_t wanted = std::clamp<std::int64_t>(*high, 0, latency_ns_);
+    const std::int64_t high = sorted_element(all, (all.size() - 1) * 97 / 100),
+                       wanted = std::clamp<std::int64_t>(high, 0, latency_ns_);
     const std::int64_t passed = std::clamp<std::int64_t>(arrived_ns - last_arrived_ns_, 0, fall_ns);
     if (wanted >= delay_ns_)
         delay_ns_ = wanted;

@@ -54,9 +54,8 @@ public:
                 return opened.error();
         // FFV1 supports sizes that are too large for H.264.
         if (track.codings_.empty()) TRY(open({TrackCoding::ffv1}));
-        if (storage.gives_colour && track.coding() == TrackCoding::h264_visual) {
-            TRY_ASSIGN(track.reader_, ReadAlong::open(track.encoder(), role));
-        }
+        if (storage.gives_colour && track.coding() == TrackCoding::h264_visual)
+            TRY(assign(track.reader_, ReadAlong::open(track.encoder(), role)));
         return track;
     }
 
@@ -245,9 +244,8 @@ private:
     }
 
     Result<void> open_tracks(const RawFrame& first) {
-        if (storage_.copied) {
-            TRY_ASSIGN(copy_, TrackCopy::open(storage_.copied->file, storage_.copied->roles));
-        }
+        if (storage_.copied)
+            TRY(assign(copy_, TrackCopy::open(storage_.copied->file, storage_.copied->roles)));
         for (const PlaneRole role : all_roles) {
             const PlaneView& plane = plane_of(first, role);
             if (plane.empty() || (copy_ && copy_->has(role))) continue;

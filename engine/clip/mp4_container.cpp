@@ -153,9 +153,7 @@ public:
             if (!stream) continue;
             Track track{role, *stream};
             TRY_ASSIGN(track.low_bits, low_bits(file, role, scene));
-            if (track.low_bits > 0) {
-                TRY_ASSIGN(track.low_stream, low_stream_of(file, role));
-            }
+            if (track.low_bits > 0) TRY(assign(track.low_stream, low_stream_of(file, role)));
             const auto is_lossless = [&](int number) {
                 return is_coded_without_loss(*file.container().streams[number]->codecpar);
             };
@@ -190,12 +188,9 @@ public:
 
 private:
     Result<void> look_at(ByteSource& file) {
-        const auto movie = mpeg4::movie_head_of(file);
-        if (!movie) return error_at(file_, movie.error());
-        if (!told_) scene_ = scene_in(*movie, file);
-        auto fragments = mpeg4::gather_fragments(file);
-        if (!fragments) return error_at(file_, fragments.error());
-        fragments_ = std::move(*fragments);
+        TRY_ASSIGN(const auto movie, error_at(file_, mpeg4::movie_head_of(file)));
+        if (!told_) scene_ = scene_in(movie, file);
+        TRY_ASSIGN(fragments_, error_at(file_, mpeg4::gather_fragments(file)));
         is_looked_at_ = true;
         return {};
     }
@@ -289,9 +284,8 @@ private:
 
 Result<std::optional<Mp4Scene>> read_mp4_scene(const SourceFile& file) {
     TRY_ASSIGN(const auto bytes, bytes_of_file(file));
-    const auto movie = mpeg4::movie_head_of(*bytes);
-    if (!movie) return error_at(file.string(), movie.error());
-    FoundScene found = scene_in(*movie, *bytes);
+    TRY_ASSIGN(const auto movie, error_at(file.string(), mpeg4::movie_head_of(*bytes)));
+    FoundScene found = scene_in(movie, *bytes);
     if (!found.fault.empty()) return input_error(file.string() + ": " + found.fault);
     return std::move(found.scene);
 }

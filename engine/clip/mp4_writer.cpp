@@ -87,9 +87,8 @@ private:
         stream->avg_frame_rate = {static_cast<int>(scene_.rate.num), static_cast<int>(scene_.rate.den)};
         av_dict_set(&stream->metadata, "handler_name", track.name().c_str(), 0);
         stream->disposition = tracks_.empty() ? AV_DISPOSITION_DEFAULT : 0;
-        if (is_seen && storage_.gives_colour) {
-            TRY_ASSIGN(reader_, ReadAlong::open(*track.encoder, track.role));
-        }
+        if (is_seen && storage_.gives_colour)
+            TRY(assign(reader_, ReadAlong::open(*track.encoder, track.role)));
         tracks_.push_back(std::move(track));
         return {};
     }

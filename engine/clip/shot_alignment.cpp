@@ -3,6 +3,8 @@
 
 #include <cstdlib>
 
+#include "engine/base/same_bits.hpp"
+
 namespace touchable {
 namespace {
 
@@ -97,9 +99,7 @@ constexpr std::size_t most_resting = 96;
 
 /// The median, the lower of two; reorders `numbers`.
 double median_of(std::vector<double>& numbers) {
-    const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>((numbers.size() - 1) / 2);
-    std::ranges::nth_element(numbers, middle);
-    return *middle;
+    return sorted_element(numbers, (numbers.size() - 1) / 2);
 }
 
 /// Random numbers that are the same on every machine.
@@ -121,11 +121,8 @@ public:
         std::vector<double> from;
         from.reserve(points.size());
         for (const LinePoint& point : points) from.push_back(point.from);
-        const auto at = [&](std::size_t k) {
-            std::ranges::nth_element(from, from.begin() + static_cast<std::ptrdiff_t>(k));
-            return from[k];
-        };
-        spread_ = at(from.size() - 1 - from.size() / 10) - at(from.size() / 10);
+        spread_ =
+            sorted_element(from, from.size() - 1 - from.size() / 10) - sorted_element(from, from.size() / 10);
     }
     LineFit make() {
         LineFit fit;
@@ -215,9 +212,7 @@ private:
 /// Median gain in brightness: a change of the camera's exposure.
 std::int32_t gained(std::vector<std::int32_t> changes) {
     if (changes.empty()) return 0;
-    const auto middle = changes.begin() + static_cast<std::ptrdiff_t>(changes.size() / 2);
-    std::ranges::nth_element(changes, middle);
-    return *middle;
+    return sorted_element(changes, changes.size() / 2);
 }
 
 /// Which cells kept their brightness, `before`(k), up to a common gain; CellPicture::none if unknown.

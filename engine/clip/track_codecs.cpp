@@ -256,15 +256,6 @@ Result<CodecPtr> open_encoder(TrackCoding coding, AVPixelFormat format, int widt
     return context;
 }
 
-FramePtr blank_picture(AVPixelFormat format, int width, int height) {
-    FramePtr picture(av_frame_alloc());
-    if (!picture) return nullptr;
-    picture->format = format;
-    picture->width = width;
-    picture->height = height;
-    return av_frame_get_buffer(picture.get(), 0) < 0 ? nullptr : std::move(picture);
-}
-
 ScalerPtr scaler_from_rgb(int from_width, int from_height, AVPixelFormat format, int width, int height,
                           int flags) {
     ScalerPtr scaler(sws_getContext(from_width, from_height, AV_PIX_FMT_RGB24, width, height, format, flags,

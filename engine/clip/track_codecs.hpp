@@ -31,8 +31,6 @@ constexpr bool is_visual(TrackCoding coding) {
 Result<CodecPtr> open_encoder(TrackCoding coding, AVPixelFormat format, int width, int height,
                               const FrameRate& rate);
 
-/// A picture for an encoder, with undefined samples; null if memory runs out.
-FramePtr blank_picture(AVPixelFormat format, int width, int height);
 /// A scaler from RGB of one size to an encoder's pictures of another, in BT.709 and narrow range; null if
 /// unsupported. `flags`: swscale's.
 ScalerPtr scaler_from_rgb(int from_width, int from_height, AVPixelFormat format, int width, int height,

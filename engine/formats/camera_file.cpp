@@ -374,10 +374,6 @@ std::pair<int, int> size_by_name(const std::string& name) {
     return {0, 0};
 }
 
-bool is_number_name(const std::string& name) {
-    return !name.empty() && name.find_first_not_of("0123456789") == std::string::npos;
-}
-
 /// The stem of the picture that an object names; empty: it names none, or one without a number.
 std::string picture_of(const Json& object) {
     const Members members(object);
@@ -482,13 +478,13 @@ void find_cameras(const Json& json, std::vector<CameraFile>& found, const FrameK
     const auto inner = [&](const std::string& member) {
         Around within = around;
         within.name = around.name.empty() ? member : around.name + ' ' + member;
-        if (is_number_name(member)) within.frame = member;
+        if (is_digits(member)) within.frame = member;
         find_cameras(json[member], found, wanted, within);
     };
     std::vector<std::string> keys;
     if (!wanted.stem.empty())
         for (const auto& [member, value] : json.items())
-            if (value.is_object() && is_number_name(member)) keys.push_back(member);
+            if (value.is_object() && is_digits(member)) keys.push_back(member);
     if (const int one = place_of(wanted, keys); one >= 0) {
         inner(keys[static_cast<std::size_t>(one)]);
         return;

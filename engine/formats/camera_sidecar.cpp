@@ -528,7 +528,7 @@ bool is_part_by_name(const fs::path& folder) {
     const std::string name = small_letters(folder.filename().string());
     return has_word(name, {"depth", "disp", "camera", "cam_", "frames", "image", "rgb", "color", "colour",
                            "data", "keyframes", "left", "right", "results", "ground"}) ||
-           (!name.empty() && name.find_first_not_of("0123456789") == std::string::npos);
+           is_digits(name);
 }
 
 /// Texts whose names say colour, sorted.
@@ -839,9 +839,7 @@ Camera median_camera(std::span<const Camera> cameras) {
     for (double Camera::*const term : {&Camera::fx, &Camera::fy, &Camera::cx, &Camera::cy}) {
         std::vector<double> all;
         for (const Camera& camera : cameras) all.push_back(camera.*term);
-        const auto middle = all.begin() + static_cast<std::ptrdiff_t>((all.size() - 1) / 2);
-        std::nth_element(all.begin(), middle, all.end());
-        median.*term = *middle;
+        median.*term = sorted_element(all, (all.size() - 1) / 2);
     }
     return median;
 }

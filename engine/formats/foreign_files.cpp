@@ -165,7 +165,7 @@ std::optional<std::string> colmap_map(const Look& look) {
         const std::size_t end = rest.substr(0, 8).find('&');
         if (end == std::string_view::npos || end == 0) return {};
         const std::string_view digits = rest.substr(0, end);
-        if (!std::ranges::all_of(digits, [](char c) { return c >= '0' && c <= '9'; })) return {};
+        if (!is_digits(digits)) return {};
         size = whole_number(digits);
         rest.remove_prefix(end + 1);
     }

@@ -3,7 +3,6 @@
 
 #include "engine/formats/gltf_writer.hpp"
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "engine/base/same_bits.hpp"
@@ -502,11 +501,7 @@ private:
 
     Result<void> write_file(const std::string& name, const std::string& bytes) {
         names_.push_back(name);
-        std::ofstream out(hidden_.path() / name, std::ios::binary);
-        out << bytes;
-        out.close();
-        return out ? Result<void>{}
-                   : input_error((place_.parent_path() / name).string() + ": cannot be written");
+        return hidden_.write(place_.parent_path(), name, bytes);
     }
     Result<void> write_picture(const std::string& name, const PlaneView& plane) {
         names_.push_back(name);

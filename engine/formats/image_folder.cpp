@@ -7,8 +7,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <fstream>
-
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -194,9 +192,8 @@ private:
 
     Result<void> open_colour_video(const PictureFiles& depth, const std::string& name) {
         if (!is_file(folder_ / name)) return input_error((folder_ / name).string() + " (colour): is missing");
-        if (!colour_video_ || colour_video_->file().path() != folder_ / name) {
-            TRY_ASSIGN(colour_video_, VideoFile::open(folder_ / name, PlaneRole::colour));
-        }
+        if (!colour_video_ || colour_video_->file().path() != folder_ / name)
+            TRY(assign(colour_video_, VideoFile::open(folder_ / name, PlaneRole::colour)));
         numbers_ = depth.keys;
         return {};
     }
@@ -367,10 +364,7 @@ protected:
         return write_png_to(hidden_.path() / name, plane, home() / name, PngEffort::quick, png_colours(role));
     }
     Result<void> write_text(const std::string& name, const std::string& text) const {
-        std::ofstream out(hidden_.path() / name, std::ios::binary);
-        out << text;
-        out.close();
-        return out ? Result<void>{} : input_error((home() / name).string() + ": cannot be written");
+        return hidden_.write(home(), name, text);
     }
     /// The description of the pictures, without their names.
     SceneDescription described_pictures() const {
@@ -588,8 +582,7 @@ bool is_picture_name(const std::string& name) {
         if (!name.starts_with(begin) || !name.ends_with(end)) return false;
         const std::string between = name.substr(begin.size(), name.size() - begin.size() - end.size());
         if (between.empty()) return true;
-        return between.size() >= 7 && between[0] == '_' &&
-               std::all_of(between.begin() + 1, between.end(), [](char c) { return c >= '0' && c <= '9'; });
+        return between.size() >= 7 && between[0] == '_' && is_digits(between.substr(1));
     });
 }
 

@@ -201,13 +201,9 @@ public:
 private:
     Result<void> add(const RawFrame& frame) override {
         if (!encoder_) TRY(begin());
-        const FramePtr picture(av_frame_alloc());
+        const FramePtr picture = blank_picture(AV_PIX_FMT_GRAY12, scene_.width, scene_.height);
         if (!picture) return memory_error();
-        picture->width = scene_.width;
-        picture->height = scene_.height;
-        picture->format = AV_PIX_FMT_GRAY12;
         picture->color_range = AVCOL_RANGE_JPEG;
-        if (av_frame_get_buffer(picture.get(), 0) < 0) return memory_error();
         for (int y = 0; y < scene_.height; ++y)
             std::memcpy(picture->data[0] + std::ptrdiff_t{picture->linesize[0]} * y, frame.depth.row(y),
                         2 * static_cast<std::size_t>(scene_.width));

@@ -32,9 +32,9 @@ Result<std::optional<mpeg4::FirstSample>> sample_of_plane(const mpeg4::Bytes& mo
                                                           PlaneRole role) {
     TRY_ASSIGN(const auto track, track_of_plane(scene, role));
     if (!track) return std::optional<mpeg4::FirstSample>();
-    const auto sample = mpeg4::first_sample_of(movie, *track);
-    if (!sample) return error_at("its MPEG-4 scene: " + std::string(role_name(role)), sample.error());
-    return std::optional(*sample);
+    TRY_ASSIGN(const auto sample, error_at("its MPEG-4 scene: " + std::string(role_name(role)),
+                                           mpeg4::first_sample_of(movie, *track)));
+    return std::optional(sample);
 }
 
 constexpr std::uint64_t largest_picture = std::uint64_t{257} << 20;  // as for a picture in a file
@@ -62,17 +62,15 @@ public:
 
     Result<void> find(const Mp4Scene& scene, StoredClip& clip) {
         TRY(check_textures(scene.nodes, file_));
-        const auto movie = movie_of(source_);
-        if (!movie) return error_at(file_, movie.error());
+        TRY_ASSIGN(const auto movie, error_at(file_, movie_of(source_)));
         for (const PlaneRole role : all_roles) {
-            const auto sample = sample_of_plane(*movie, scene, role);
-            if (!sample) return error_at(file_, sample.error());
-            if (!*sample) continue;
-            samples_[static_cast<std::size_t>(role)] = **sample;
+            TRY_ASSIGN(const auto sample, error_at(file_, sample_of_plane(movie, scene, role)));
+            if (!sample) continue;
+            samples_[static_cast<std::size_t>(role)] = *sample;
             clip.roles.push_back(role);
-            if ((*sample)->count > 1)
+            if (sample->count > 1)
                 clip.notes.push_back("track " + std::string(role_name(role)) + " has " +
-                                     std::to_string((*sample)->count) +
+                                     std::to_string(sample->count) +
                                      " pictures; its ImageTexture is the first");
         }
         return {};

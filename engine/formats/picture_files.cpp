@@ -6,6 +6,7 @@
 #include <set>
 #include <sstream>
 
+#include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -120,7 +121,6 @@ Result<PictureFiles> numbered_files(const fs::path& folder, const FolderSource& 
 
 /// Compares runs of digits as numbers, and all else by its bytes.
 bool comes_before(const std::string& a, const std::string& b) {
-    const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
     std::size_t i = 0, j = 0;
     while (i < a.size() && j < b.size()) {
         if (!is_digit(a[i]) || !is_digit(b[j])) {
@@ -142,12 +142,9 @@ bool comes_before(const std::string& a, const std::string& b) {
 
 /// Whether words are digits, or two runs of them with a point between: a time.
 bool is_picture_number(std::string_view words) {
-    const auto digits = [](std::string_view run) {
-        return !run.empty() && std::ranges::all_of(run, [](char c) { return c >= '0' && c <= '9'; });
-    };
     const auto point = words.find('.');
-    if (point == std::string_view::npos) return digits(words);
-    return digits(words.substr(0, point)) && digits(words.substr(point + 1));
+    if (point == std::string_view::npos) return is_digits(words);
+    return is_digits(words.substr(0, point)) && is_digits(words.substr(point + 1));
 }
 
 /// The numbers in a name: runs of digits; two with a point between them are one number, a time.
@@ -720,11 +717,10 @@ std::optional<FrameRate> rate_of_seconds(const std::vector<double>& seconds) {
     std::vector<double> steps;
     for (std::size_t n = 1; n < seconds.size(); ++n) steps.push_back(seconds[n] - seconds[n - 1]);
     const double mean = (seconds.back() - seconds.front()) / static_cast<double>(steps.size());
-    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-    std::nth_element(steps.begin(), middle, steps.end());
+    const double middle = sorted_element(steps, steps.size() / 2);
     const auto is_step = [](double step) { return step > 1e-3 && step < 100; };
-    if (is_step(*middle))
-        if (const FrameRate even = rate_of_step(*middle); keeps_to(even, seconds)) return even;
+    if (is_step(middle))
+        if (const FrameRate even = rate_of_step(middle); keeps_to(even, seconds)) return even;
     if (auto own = rate_of_own_times(nanoseconds(seconds))) return own;
     return is_step(mean) ? std::optional(rate_of_step(mean)) : std::nullopt;
 }

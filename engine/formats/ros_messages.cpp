@@ -182,18 +182,13 @@ void swap_bytes(std::uint8_t* values, std::size_t count, std::size_t size) {
 }
 
 Result<Image> rgb_of_yuv(const RosImage& image, AVPixelFormat format, const std::string& where) {
-    FramePtr frame(av_frame_alloc());
-    if (frame) {
-        frame->format = format;
-        frame->width = static_cast<int>(image.width);
-        frame->height = static_cast<int>(image.height);
-    }
-    if (!frame || av_frame_get_buffer(frame.get(), 0) < 0) return internal_error(where + ": no memory");
+    const FramePtr frame =
+        blank_picture(format, static_cast<int>(image.width), static_cast<int>(image.height));
+    if (!frame) return internal_error(where + ": no memory");
     for (int y = 0; y < frame->height; ++y)
         std::memcpy(frame->data[0] + std::ptrdiff_t{frame->linesize[0]} * y, row_of(image, y),
                     2 * std::size_t{image.width});
-    auto rgb = rgb_converted(*frame);
-    if (!rgb) return error_at(where, rgb.error());
+    TRY_ASSIGN(auto rgb, error_at(where, rgb_converted(*frame)));
     return rgb;
 }
 

@@ -24,9 +24,7 @@ public:
     }
 
     Result<void> open() {
-        auto scene = settle(clip_.described, clip_.found);
-        if (!scene) return error_at(clip_.name, scene.error());
-        scene_ = std::move(*scene);
+        TRY_ASSIGN(scene_, error_at(clip_.name, settle(clip_.described, clip_.found)));
         if (std::ranges::count(clip_.cameras, scene_.camera) == std::ssize(clip_.cameras))
             clip_.cameras.clear();
         for (Track& track : tracks_) TRY(read_first(track));
@@ -108,9 +106,8 @@ private:
             if (frame < first_frames) clip_.pictures->keep(frame, std::move(picture->image));
         }
         if (stop_requested()) return interrupted_error();
-        auto said = values_.settle(scene_);
-        if (!said) return error_at(clip_.name, said.error());
-        note(std::move(*said));
+        TRY_ASSIGN(auto said, error_at(clip_.name, values_.settle(scene_)));
+        note(std::move(said));
         return {};
     }
 

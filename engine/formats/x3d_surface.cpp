@@ -47,10 +47,6 @@ constexpr std::array<Property, 3> properties{
      {"staticFrictionMap", "staticFriction", "minStaticFriction", "maxStaticFriction", 0.1},
      {"dynamicFrictionMap", "dynamicFriction", "minDynamicFriction", "maxDynamicFriction", 0.4}}};
 
-bool is_surface(const pugi::xml_node& node) {
-    return std::string_view(node.name()) == "HapticTexturesSurface";
-}
-
 /// A surface's child node for a map.
 pugi::xml_node map_of(const pugi::xml_node& surface, std::string_view name) {
     return surface.find_child([&](const pugi::xml_node& child) {
@@ -66,7 +62,7 @@ struct Nodes : pugi::xml_tree_walker {
 
     bool for_each(pugi::xml_node& node) override {
         if (const auto name = node.attribute("DEF")) named.emplace(name.value(), node);
-        if (!is_surface(node)) return true;
+        if (std::string_view(node.name()) != "HapticTexturesSurface") return true;
         any_surface = true;
         if (std::ranges::any_of(
                 properties, [&](const char* map) { return !map_of(node, map).empty(); }, &Property::map))
@@ -84,9 +80,8 @@ public:
         HapticLayers layers;
         layers.files.push_back(file_);
         TRY_ASSIGN(const auto relative, is_relative());
-        for (std::size_t k = 0; k < properties.size(); ++k) {
-            TRY_ASSIGN(layers.properties[k], layer(properties[k]));
-        }
+        for (std::size_t k = 0; k < properties.size(); ++k)
+            TRY(assign(layers.properties[k], layer(properties[k])));
         PropertyRange& stiffness = layers.properties[0].range;
         const double unit = relative ? unit_ : 1e-3;
         stiffness = {stiffness.min * unit, stiffness.max * unit};

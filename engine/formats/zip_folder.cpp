@@ -227,7 +227,7 @@ Result<void> unpack_member(const ZipArchive& archive, const ZipMember& member, c
     std::vector<char> block(std::min<std::uint64_t>(member.size, std::uint64_t{1} << 20));
     for (std::uint64_t at = 0; at < member.size || at == 0;) {
         const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(block.size(), member.size - at));
-        if (auto read = bytes->read(at, block.data(), count); !read) return error_at(where, read.error());
+        TRY(error_at(where, bytes->read(at, block.data(), count)));
         for (std::size_t written = 0; written < count;) {
             const ssize_t some = write(number, block.data() + written, count - written);
             if (some < 0 && errno == EINTR) continue;

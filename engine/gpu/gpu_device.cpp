@@ -341,9 +341,7 @@ Result<std::shared_ptr<GpuDevice>> GpuDevice::open(const GpuOptions& options) {
     auto vulkan = std::make_shared<VulkanDevice>();
     TRY_ASSIGN(auto instance, VulkanInstance::create(options.validation, options.window_extensions));
     std::vector<VkPhysicalDevice> devices;
-    if (instance) {
-        TRY_ASSIGN(devices, instance->devices());
-    }
+    if (instance) TRY(assign(devices, instance->devices()));
     const std::vector<GpuFacts> facts = all_facts(devices);
     TRY_ASSIGN(const auto chosen, choose_gpu(facts, options.request));
 

@@ -218,8 +218,7 @@ Result<void> SurfaceRecording::make_buffers() {
          fills ? sizeof(FillPass) * static_cast<std::size_t>(filling->passes + 1) : 0}};
     for (const auto& [buffer, name, bytes] : buffers) {
         if (bytes == 0) continue;
-        TRY_ASSIGN(auto created, GpuBuffer::create(device(), name, bytes, GpuMemory::device));
-        buffer = created;
+        TRY_ASSIGN(buffer, GpuBuffer::create(device(), name, bytes, GpuMemory::device));
     }
     return make_table();
 }
@@ -230,9 +229,8 @@ Result<void> SurfaceRecording::make_table() {
     const auto* terraces = filters_.find<TerraceFilter>();
     const auto table = temporal ? temporal->working.table : terraces ? terraces->working.table : nullptr;
     if (!table) return {};
-    TRY_ASSIGN(auto created, GpuBuffer::create(device(), "working codes",
-                                               table->size() * sizeof(table->front()), GpuMemory::upload));
-    table_ = created;
+    TRY_ASSIGN(table_, GpuBuffer::create(device(), "working codes", table->size() * sizeof(table->front()),
+                                         GpuMemory::upload));
     std::copy(table->begin(), table->end(), table_.mapped<std::uint16_t>().begin());
     return {};
 }

@@ -201,10 +201,9 @@ private:
 Result<BlockList> BlockList::create(const GpuDevice& device, int width, int height, std::optional<int> reach,
                                     double most, int run) {
     BlockList list;
-    TRY_ASSIGN(auto buffer, GpuBuffer::create(device, "blocks to build",
-                                              BlockGrid::of(width, height).count() * sizeof(ListedBlocks),
-                                              GpuMemory::upload));
-    list.buffer_ = buffer;
+    TRY_ASSIGN(list.buffer_, GpuBuffer::create(device, "blocks to build",
+                                               BlockGrid::of(width, height).count() * sizeof(ListedBlocks),
+                                               GpuMemory::upload));
     list.height_ = static_cast<std::uint32_t>(height);
     list.most_ = most;
     list.run_ = run;
@@ -303,9 +302,8 @@ Result<void> StoredPlane::upload(const PlaneView& depth, const RowRange& rows, s
     turn_ = (turn_ + 1) % uploads_.size();
     GpuBuffer& buffer = uploads_[turn_];
     const std::size_t bytes = pitch * static_cast<std::size_t>(depth.height);
-    if (!buffer || buffer.bytes() != bytes) {
-        TRY_ASSIGN(buffer, GpuBuffer::create(*device_, "stored values", bytes, GpuMemory::upload));
-    }
+    if (!buffer || buffer.bytes() != bytes)
+        TRY(assign(buffer, GpuBuffer::create(*device_, "stored values", bytes, GpuMemory::upload)));
     const std::size_t row_bytes = static_cast<std::size_t>(depth.width) *
                                   static_cast<std::size_t>(depth.channels * depth.bytes_per_sample);
     std::byte* to = buffer.mapped<std::byte>().data() + pitch * rows.first;

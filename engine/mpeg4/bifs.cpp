@@ -73,9 +73,7 @@ private:
         if (std::ranges::find(prototype_ids_, id) != prototype_ids_.end())
             return wrong("a second PROTO of number " + std::to_string(id));
         Prototype made{.name = "Proto" + std::to_string(id)};
-        if (has_names_) {
-            TRY_ASSIGN(made.name, name("PROTO"));
-        }
+        if (has_names_) TRY(assign(made.name, name("PROTO")));
         TRY(prototype_fields(made));
         if (!has_names_) name_by_fields(made);
         if (prototype_named(scene_.prototypes, made.name))
@@ -117,9 +115,7 @@ private:
             if (kind_name(spec.kind) == "?")
                 return wrong("PROTO " + printable(made.name) + ": has a field of type " +
                              std::to_string(number) + ", which is not read");
-            if (has_names_) {
-                TRY_ASSIGN(spec.name, name("field"));
-            }
+            if (has_names_) TRY(assign(spec.name, name("field")));
             if (field_named(made.fields, spec.name))
                 return wrong("PROTO " + printable(made.name) + ": has " + spec.name + " twice");
             if (!spec.has_value())
@@ -153,9 +149,7 @@ private:
         if (bits_.flag()) {
             id = bits_.get(config_.node_id_bits);
             made->name = "N" + std::to_string(*id + 1);
-            if (has_names_) {
-                TRY_ASSIGN(made->name, name("node"));
-            }
+            if (has_names_) TRY(assign(made->name, name("node")));
         }
         TRY(fields(*made, depth));
         if (bits_.is_over()) return wrong("");
@@ -318,9 +312,7 @@ private:
     template <std::size_t n>
     Result<FieldValue> reals() {
         std::array<float, n> all{};
-        for (float& each : all) {
-            TRY_ASSIGN(each, real());
-        }
+        for (float& each : all) TRY(assign(each, real()));
         return FieldValue(all);
     }
 

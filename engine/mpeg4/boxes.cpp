@@ -707,9 +707,9 @@ Result<std::optional<GatheredMovie>> gather_fragments(ByteSource& file) {
             has_movie = true;
         }
         if (box->type != "moof" || !has_movie) continue;
-        const auto whole = gatherer.add_fragment(*box);
-        if (!whole) return error_at("its fragment at byte " + std::to_string(box->at), whole.error());
-        gathered.is_cut = !*whole;
+        TRY_ASSIGN(const auto whole,
+                   error_at("its fragment at byte " + std::to_string(box->at), gatherer.add_fragment(*box)));
+        gathered.is_cut = !whole;
         if (gathered.is_cut) break;
     }
     if (!has_movie) return std::optional<GatheredMovie>();

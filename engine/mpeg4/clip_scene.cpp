@@ -130,9 +130,8 @@ Result<void> read_depth(const NodeView& depth, ClipNodes& made) {
     for (const auto& [name, member] : {std::pair{"focalLength", &made.focal_length},
                                        {"pixelWidth", &made.pixel_width},
                                        {"nearPlane", &made.near},
-                                       {"farPlane", &made.far}}) {
-        TRY_ASSIGN(*member, depth.number(name));
-    }
+                                       {"farPlane", &made.far}})
+        TRY(assign(*member, depth.number(name)));
     TRY_ASSIGN(const auto texture, depth.texture("texture"));
     if (!texture) return depth.wrong("must have a texture, which is its pictures");
     made.depth = *texture;
@@ -144,14 +143,12 @@ Result<void> read_surface(const NodeView& surface, ClipNodes& made) {
         return surface.wrong("must be a HapticTextureSurface to be felt");
     for (const auto& [name, member] : {std::pair{"stiffnessRange", &made.ranges.stiffness},
                                        {"staticFrictionRange", &made.ranges.static_friction},
-                                       {"dynamicFrictionRange", &made.ranges.dynamic_friction}}) {
-        TRY_ASSIGN(*member, surface.range(name));
-    }
+                                       {"dynamicFrictionRange", &made.ranges.dynamic_friction}})
+        TRY(assign(*member, surface.range(name)));
     TRY_ASSIGN(made.max_height, surface.number("maxHeight"));
     for (const auto& [name, member] :
-         {std::pair{"hapticTexture", &made.haptic}, {"heightTexture", &made.height}}) {
-        TRY_ASSIGN(*member, surface.texture(name));
-    }
+         {std::pair{"hapticTexture", &made.haptic}, {"heightTexture", &made.height}})
+        TRY(assign(*member, surface.texture(name)));
     return {};
 }
 

@@ -328,9 +328,7 @@ private:
     template <std::size_t n>
     Result<FieldValue> numbers() {
         std::array<float, n> all{};
-        for (float& each : all) {
-            TRY_ASSIGN(each, number<float>());
-        }
+        for (float& each : all) TRY(assign(each, number<float>()));
         return FieldValue(all);
     }
 

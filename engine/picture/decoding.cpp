@@ -477,12 +477,8 @@ auto rgb_of(const AVFrame& frame) {
 
 /// RGB outside plane memory: a GPU may have imported that, and drop_rows would take its pages away.
 Result<FramePtr> rgb_to_gather(const AVFrame& frame) {
-    FramePtr rgb(av_frame_alloc());
+    FramePtr rgb = blank_picture(AV_PIX_FMT_RGB24, frame.width, frame.height, plane_row_alignment);
     if (!rgb) return memory_error();
-    rgb->format = AV_PIX_FMT_RGB24;
-    rgb->width = frame.width;
-    rgb->height = frame.height;
-    if (av_frame_get_buffer(rgb.get(), plane_row_alignment) < 0) return memory_error();
     TRY(RgbConverter().convert(frame, *rgb));
     return rgb;
 }

@@ -155,10 +155,9 @@ Result<std::unique_ptr<Demuxer>> Demuxer::open_video(const SourceFile& file) {
     if (begin == "\x1a\x45\xdf\xa3") return open_matroska(file);
     if (begin != "RIFF") return open_quicktime(file);
     TRY_ASSIGN(auto bytes, bytes_of_file(file));
-    const auto end = end_of_riff(*bytes);
-    if (!end) return error_at(file.string(), end.error());
-    if (!*end) return input_error(file.string() + ": is truncated, or no AVI file");
-    return open(std::move(bytes), **end, file.string(), "avi", "AVI");
+    TRY_ASSIGN(const auto end, error_at(file.string(), end_of_riff(*bytes)));
+    if (!end) return input_error(file.string() + ": is truncated, or no AVI file");
+    return open(std::move(bytes), *end, file.string(), "avi", "AVI");
 }
 
 Result<std::unique_ptr<Demuxer>> Demuxer::open(std::unique_ptr<ByteSource> bytes, std::uint64_t end,
@@ -177,11 +176,12 @@ Result<std::unique_ptr<Demuxer>> Demuxer::open(std::unique_ptr<ByteSource> bytes
 
 Result<std::unique_ptr<Demuxer>> Demuxer::open_live(std::shared_ptr<ByteFlow> flow, const std::string& file,
                                                     const char* format) {
-    auto container = open_flow(std::move(flow), {.format = format, .most_streams = 16, .probed = 1 << 15});
-    if (!container) return error_at(file, container.error());
+    TRY_ASSIGN(auto container,
+               error_at(file, open_flow(std::move(flow),
+                                        {.format = format, .most_streams = 16, .probed = 1 << 15})));
     auto demuxer = std::make_unique<Demuxer>();
     demuxer->file_ = file;
-    demuxer->container_ = std::move(*container);
+    demuxer->container_ = std::move(container);
     return demuxer;
 }
 

@@ -177,6 +177,15 @@ void silence_ffmpeg() {
     std::call_once(once, [] { av_log_set_level(AV_LOG_QUIET); });
 }
 
+FramePtr blank_picture(AVPixelFormat format, int width, int height, int alignment) {
+    FramePtr picture(av_frame_alloc());
+    if (!picture) return nullptr;
+    picture->format = format;
+    picture->width = width;
+    picture->height = height;
+    return av_frame_get_buffer(picture.get(), alignment) < 0 ? nullptr : std::move(picture);
+}
+
 FramePtr plane_picture(AVPixelFormat format, int width, int height) {
     const int row_bytes = av_image_get_linesize(format, width, 0);
     FramePtr picture(av_frame_alloc());

@@ -76,6 +76,10 @@ using MuxedBytes = std::uint8_t;
 /// Whole vectors of 64 bytes may be written past the end of a row. Null: out of memory.
 FramePtr plane_picture(AVPixelFormat format, int width, int height);
 
+/// A picture in FFmpeg's own memory, with any content; `alignment`: of its rows, bytes; 0: FFmpeg's choice.
+/// Null: out of memory.
+FramePtr blank_picture(AVPixelFormat format, int width, int height, int alignment = 0);
+
 /// An AVCodecContext::get_buffer2 that allocates a decoder's pictures in plane memory, with the layout of
 /// avcodec_default_get_buffer2. It calls that function for hardware, palettes, sound, and decoders that must
 /// have FFmpeg's own memory.

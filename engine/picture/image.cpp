@@ -75,22 +75,13 @@ std::string kinds_text() {
     return text;
 }
 
-/// A frame of the image's size.
-Result<FramePtr> png_frame(const PlaneView& image, AVPixelFormat format) {
-    FramePtr frame(av_frame_alloc());
-    if (!frame) return memory_error();
-    frame->width = image.width;
-    frame->height = image.height;
-    frame->format = format;
-    if (av_frame_get_buffer(frame.get(), 0) < 0) return memory_error();
-    return frame;
-}
-
 /// What the PNG encoder takes: the plane's samples, those of 16 bits with their high byte first.
 Result<FramePtr> png_input(const PlaneView& image) {
-    TRY_ASSIGN(auto frame, png_frame(image, image.channels == 3           ? AV_PIX_FMT_RGB24
-                                            : image.bytes_per_sample == 2 ? AV_PIX_FMT_GRAY16BE
-                                                                          : AV_PIX_FMT_GRAY8));
+    const AVPixelFormat format = image.channels == 3           ? AV_PIX_FMT_RGB24
+                                 : image.bytes_per_sample == 2 ? AV_PIX_FMT_GRAY16BE
+                                                               : AV_PIX_FMT_GRAY8;
+    FramePtr frame = blank_picture(format, image.width, image.height);
+    if (!frame) return memory_error();
     for (int y = 0; y < image.height; ++y) {
         std::uint8_t* to = frame->data[0] + static_cast<std::ptrdiff_t>(frame->linesize[0]) * y;
         if (image.bytes_per_sample == 1) {
@@ -131,7 +122,8 @@ std::vector<std::uint32_t> few_colours(const PlaneView& image) {
 
 /// The same picture as indices of its colours.
 Result<FramePtr> indexed_input(const PlaneView& image, const std::vector<std::uint32_t>& colours) {
-    TRY_ASSIGN(auto frame, png_frame(image, AV_PIX_FMT_PAL8));
+    FramePtr frame = blank_picture(AV_PIX_FMT_PAL8, image.width, image.height);
+    if (!frame) return memory_error();
     std::vector<std::uint32_t> palette = colours;
     palette.resize(256, 0xFF000000U);
     std::memcpy(frame->data[1], palette.data(), 4 * palette.size());

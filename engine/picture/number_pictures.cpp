@@ -50,16 +50,12 @@ float as_float(double number) {
     return static_cast<float>(number);
 }
 
-const char* order_name(bool big_endian) {
-    return big_endian ? "be" : "le";
-}
-
 /// Named like FFmpeg's similar formats.
 std::string number_format_name(const NumberFormat& format) {
     const bool floating = format.kind == NumberFormat::Kind::floating;
     if (!floating && format.bytes == 1) return "gray";
     return std::string("gray") + (floating ? "f" : "") + std::to_string(8 * format.bytes) +
-           order_name(format.big_endian);
+           (format.big_endian ? "be" : "le");
 }
 
 bool is_blank(char c) {
@@ -551,8 +547,7 @@ public:
         tiff_ = open_tiff(file_);
         if (!tiff_ || TIFFSetSubDirectory(tiff_.get(), pages_.front().at) != 1)
             return tiff_damage(file_, where_);
-        TRY_ASSIGN(const auto layout, checked_layout(tiff_.get(), bytes_->size(), where_));
-        layout_ = layout;
+        TRY_ASSIGN(layout_, checked_layout(tiff_.get(), bytes_->size(), where_));
         return find_floats();
     }
 

@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "engine/base/result.hpp"
+#include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -133,7 +134,7 @@ Result<NpyHeader> header_of_text(std::string_view dictionary, const std::string&
 Result<NpyHeader> read_npy_header(ByteSource& bytes, const std::string& where) {
     char begin[12] = {};
     if (bytes.size() < sizeof begin) return damaged_header(where);
-    if (auto got = bytes.read(0, begin, sizeof begin); !got) return error_at(where, got.error());
+    TRY(error_at(where, bytes.read(0, begin, sizeof begin)));
     if (!is_npy({begin, sizeof begin})) return damaged_header(where);
     const auto byte = [&](int at) { return std::size_t{static_cast<unsigned char>(begin[at])}; };
     if (byte(6) < 1 || byte(6) > 3)
@@ -142,7 +143,7 @@ Result<NpyHeader> read_npy_header(ByteSource& bytes, const std::string& where) {
     const std::size_t length = byte(8) | byte(9) << 8 | (byte(6) == 1 ? 0 : byte(10) << 16 | byte(11) << 24);
     if (length > 65536 || text_at + length > bytes.size()) return damaged_header(where);
     std::string text(length, '\0');
-    if (auto got = bytes.read(text_at, text.data(), length); !got) return error_at(where, got.error());
+    TRY(error_at(where, bytes.read(text_at, text.data(), length)));
     auto header = header_of_text(text, where);
     if (header) header->data_at = text_at + length;
     return header;
@@ -301,19 +302,18 @@ Result<NpzMember> depth_member_of(ZipArchive archive, const std::string& where, 
         return input_error(where +
                            ": is a zip archive without arrays (.npy): unpack it, or give what is inside");
     const auto named = named_arrays(arrays);
-    const auto places = depth_places(named, wanted);
-    if (!places) return error_at(where, places.error());
-    for (const std::size_t place : *places)
+    TRY_ASSIGN(const auto places, error_at(where, depth_places(named, wanted)));
+    for (const std::size_t place : places)
         if (!arrays[place].is_possible)
             return input_error(where + ": " + printable(arrays[place].name) +
                                ": is damaged: is said to unpack to " + std::to_string(arrays[place].size) +
                                " bytes");
     NpzMember found{nullptr, where};
     found.small_arrays = small_arrays_of(archive, arrays);
-    const std::size_t first = places->front();
+    const std::size_t first = places.front();
     found.array = arrays[first].name;
-    if (places->size() > 1) {
-        for (const std::size_t place : *places) found.row.push_back(arrays[place]);
+    if (places.size() > 1) {
+        for (const std::size_t place : places) found.row.push_back(arrays[place]);
     } else {
         found.bytes = unpacked(archive, arrays[first]);
         found.where = where + ": " + printable(found.array);
@@ -405,9 +405,7 @@ public:
             TRY_ASSIGN(const auto first, confidence.image(0));
             std::vector<float> numbers(pixels_of(first));
             for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = number_at(first, k);
-            const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
-            std::ranges::nth_element(numbers, middle);
-            least = *middle / 2.0;
+            least = sorted_element(numbers, numbers.size() / 2) / 2.0;
         }
         least_confidence_ = least;
         confidence_ = std::make_unique<NpyStack>(std::move(confidence));
@@ -488,7 +486,7 @@ private:
             if (stop_requested()) return interrupted_error();
             const int now = std::min(together, lines - first);
             const std::size_t size = static_cast<std::size_t>(line) * static_cast<std::size_t>(now);
-            if (auto got = bytes_->read(at, block.data(), size); !got) return error_at(where_, got.error());
+            TRY(error_at(where_, bytes_->read(at, block.data(), size)));
             if (columns)
                 picture.put(first, 0, {block.data(), now, height, line, bytes});
             else
@@ -615,9 +613,8 @@ Result<std::shared_ptr<ImageStack>> open_npy_stack(const SourceFile& file,
                                                    const std::string& array) {
     TRY_ASSIGN(auto bytes, bytes_of_file(file));
     NpzMember member{std::move(bytes), file.string()};
-    if (is_npz(first_bytes(*member.bytes, 4))) {
-        TRY_ASSIGN(member, open_npz(std::move(member.bytes), file.string(), array));
-    }
+    if (is_npz(first_bytes(*member.bytes, 4)))
+        TRY(assign(member, open_npz(std::move(member.bytes), file.string(), array)));
     if (!member.row.empty()) return NpzRow::of(std::move(member));
     TRY_ASSIGN(auto stack, stack_of(std::move(member), file.string(), least_confidence));
     return std::shared_ptr<ImageStack>(std::make_shared<NpyStack>(std::move(stack)));

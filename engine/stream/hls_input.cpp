@@ -556,23 +556,21 @@ void LevelChoice::add(const FetchedSegment& fetched) {
 Result<std::unique_ptr<HlsInput>> HlsInput::open(const std::string& named,
                                                  std::function<std::int64_t()> now_ns) {
     const std::string place = place_of(named);
-    auto text = fetch_place(place, largest_hls_playlist);
-    if (!text) return error_at(named, text.error());
-    const auto places = places_in_playlist(*text, place);
-    if (!places) return error_at(named, places.error());
+    TRY_ASSIGN(auto text, error_at(named, fetch_place(place, largest_hls_playlist)));
+    TRY_ASSIGN(const auto places, error_at(named, places_in_playlist(text, place)));
     // Colour is opened first, so that it begins no later in a live stream.
     std::shared_ptr<HlsLevelReading> reading;
-    if (now_ns && !places->low_touch.empty()) {
+    if (now_ns && !places.low_touch.empty()) {
         reading = std::make_shared<HlsLevelReading>();
         reading->now_ns = std::move(now_ns);
     }
     auto colour = work_until(std::chrono::steady_clock::now() + longest_wait_for_colour, [&] {
-        return places->colour.empty() ? Result<std::unique_ptr<HlsLevels>>(nullptr)
-                                      : HlsLevels::open({places->colour, places->low_colour}, false, reading);
+        return places.colour.empty() ? Result<std::unique_ptr<HlsLevels>>(nullptr)
+                                     : HlsLevels::open({places.colour, places.low_colour}, false, reading);
     });
-    const bool is_media = places->touch == place;
-    TRY_ASSIGN(auto touch, HlsLevels::open({places->touch, places->low_touch}, true, reading,
-                                           is_media ? std::optional(std::move(*text)) : std::nullopt));
+    const bool is_media = places.touch == place;
+    TRY_ASSIGN(auto touch, HlsLevels::open({places.touch, places.low_touch}, true, reading,
+                                           is_media ? std::optional(std::move(text)) : std::nullopt));
     auto input = std::make_unique<BothRenditions>(std::move(touch), std::move(reading));
     input->add_colour(std::move(colour));
     return std::unique_ptr<HlsInput>(std::move(input));

@@ -211,9 +211,7 @@ public:
             av_dict_set(&stream->metadata, "handler_name", encoder.name(k).c_str(), 0);
         }
         std::optional<int> sound_stream;
-        if (sound) {
-            TRY_ASSIGN(sound_stream, muxer->add_sound(*sound, {1, std::max(1, sound->sample_rate)}));
-        }
+        if (sound) TRY(assign(sound_stream, muxer->add_sound(*sound, {1, std::max(1, sound->sample_rate)})));
         // The tracks' pictures alternate, so that a reader needs little memory.
         TRY(muxer->begin("movflags=+frag_custom+empty_moov+default_base_moof+cmaf:frag_interleave=1"));
         return HlsRenditionOutput(form, std::move(encoder), std::move(muxer), sound_stream);

@@ -261,18 +261,15 @@ Result<void> StreamReceiver::connect(const StreamSource& source,
     }
     std::shared_ptr<StreamBytes> bytes = source.connection;
     if (!bytes) {
-        auto connected = StreamBytes::connect(source.url, wait_, source.patience);
-        if (!connected) return error_at(name_, connected.error());
-        bytes = std::move(*connected);
+        TRY_ASSIGN(bytes, error_at(name_, StreamBytes::connect(source.url, wait_, source.patience)));
     }
     bytes_ = bytes;
     wait_->at_most(source.patience.frameset);
     bytes->allow(1);
-    const auto first = bytes->peek();
-    if (!first) return error_at(name_, first.error());
-    const bool is_transport_stream = *first == 0x47;  // sync byte of its packets
+    TRY_ASSIGN(const auto first, error_at(name_, bytes->peek()));
+    const bool is_transport_stream = first == 0x47;  // sync byte of its packets
     constexpr int first_of_matroska = 0x1a;
-    if (!is_transport_stream && *first != first_of_matroska) {
+    if (!is_transport_stream && first != first_of_matroska) {
         if (const std::string why = refusal_in(*bytes); !why.empty())
             return input_error(name_ + ": the sender refuses: " + printable(why));
         return input_error(name_ + ": sends neither Matroska nor MPEG-TS; expected a touchable serve there");
@@ -287,9 +284,7 @@ Result<void> StreamReceiver::read_first() {
     if (!described.unstated.rate)
         if (auto note = clip_tags::rate_note(described.scene.rate, pictures_->rate()))
             notes_.push_back(std::move(*note));
-    auto scene = settle(described, {.rate = pictures_->rate()});
-    if (!scene) return error_at(name_, scene.error());
-    scene_ = std::move(*scene);
+    TRY_ASSIGN(scene_, error_at(name_, settle(described, {.rate = pictures_->rate()})));
     scene_text_ = pictures_->scene_text();
     unstated_ = described.unstated;
     assembler_.emplace(pictures_->roles());

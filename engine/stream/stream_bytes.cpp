@@ -303,11 +303,10 @@ Result<std::size_t> StreamBytes::read(std::uint8_t* to, std::size_t count) {
 Result<HttpSource> open_http(const StreamUrl& url, const StreamSource::Patience& patience) {
     const auto wait = std::make_shared<StreamWait>();
     wait->together_at_most(patience.opening);
-    auto connection = StreamBytes::connect(url, wait, patience);
-    if (!connection) return error_at(url.name(), connection.error());
-    const auto size = (*connection)->file_size();
-    if (!size) return HttpSource{.stream = std::move(*connection)};
-    const auto file = std::make_shared<HttpFile>(url, patience, *size, wait, std::move(*connection));
+    TRY_ASSIGN(auto connection, error_at(url.name(), StreamBytes::connect(url, wait, patience)));
+    const auto size = connection->file_size();
+    if (!size) return HttpSource{.stream = std::move(connection)};
+    const auto file = std::make_shared<HttpFile>(url, patience, *size, wait, std::move(connection));
     const GivenFile given([file](std::uint64_t at, char* to, std::size_t count,
                                  bool may_wait) { return file->read(at, to, count, may_wait); },
                           *size);

@@ -88,9 +88,7 @@ private:
             TRY(add_plane_stream(muxer_->context(), *encoder, role, coding, check_, scene_));
             tracks_.push_back({role, coding, std::move(encoder)});
         }
-        if (sound_) {
-            TRY_ASSIGN(sound_stream_, muxer_->add_sound(sound_->codec(), stream_millisecond));
-        }
+        if (sound_) TRY(assign(sound_stream_, muxer_->add_sound(sound_->codec(), stream_millisecond)));
         TRY(attach_text(muxer_->context(), clip_tags::scene_file, "application/json",
                         scene_to_json(said_of_clip(described_))));
         add_clip_tags(muxer_->context(), scene_.rate, clip_format_version);
@@ -184,9 +182,7 @@ Result<std::unique_ptr<StreamMuxer>> open_matroska_stream(const SceneDescription
                                                           const std::optional<SoundPart>& sound) {
     TRY(check_storable("the stream", described));
     std::optional<StreamSound> opened;
-    if (sound) {
-        TRY_ASSIGN(opened, StreamSound::open(*sound));
-    }
+    if (sound) TRY(assign(opened, StreamSound::open(*sound)));
     auto stream = std::make_unique<MatroskaStream>(described, std::move(opened));
     TRY(stream->open());
     return std::unique_ptr<StreamMuxer>(std::move(stream));
