@@ -590,20 +590,10 @@ Remark remark_of_text(std::string_view text) {
 }
 
 Result<SceneDescription> parse_scene(std::string_view json, std::string_view where) {
-    const auto refusal = [&](const std::string& message) {
-        return input_error(std::string(where) + ": " + message);
-    };
-    SceneDescription described;
-    try {
-        const checked_json::Json text = checked_json::parse(json);
-        described = read_scene(Node(text, ""));
-    } catch (const checked_json::Refusal& reason) {
-        return refusal(reason.message);
-    } catch (const checked_json::Json::exception& fault) {
-        return refusal(fault.what());
-    }
+    TRY_ASSIGN(auto described,
+               checked_json::read_checked(json, checked_json::largest_text, where, read_scene));
     derive_valid_range(described.scene.depth);
-    if (const auto valid = validate(described); !valid) return refusal(valid.error().message);
+    TRY(error_at(std::string(where), validate(described)));
     return described;
 }
 
