@@ -178,8 +178,7 @@ Result<GpuBuffer> DentDrawing::upload(const ViewCamera& camera) {
 
 /// Copies the source pixels of each dent: at most the dent's displacement away from its pixels.
 Result<void> DentDrawing::copy_flat(GpuCommands& commands, const ViewCamera& camera, const GpuImage& colour) {
-    if (!flat_ || flat_.extent().width != colour.extent().width ||
-        flat_.extent().height != colour.extent().height) {
+    if (!flat_ || !flat_.is_of_size(camera.width, camera.height)) {
         TRY_ASSIGN(flat_, GpuImage::create(*device_, "picture without dents", camera.width, camera.height,
                                            VK_FORMAT_R8G8B8A8_UNORM));
     }

@@ -44,6 +44,10 @@ public:
     VkImageView light_view() const { return state_->light_view; }
     VkImageAspectFlags aspect() const { return state_->aspect; }
     VkExtent2D extent() const { return state_->extent; }
+    bool is_of_size(int width, int height) const {
+        return state_->extent.width == static_cast<std::uint32_t>(width) &&
+               state_->extent.height == static_cast<std::uint32_t>(height);
+    }
     std::shared_ptr<const void> keep_alive() const { return state_; }
 
 private:
@@ -62,6 +66,18 @@ private:
 
 /// A full barrier, and a change of layout. From VK_IMAGE_LAYOUT_UNDEFINED the content is lost.
 void record_transition(GpuCommands& commands, const GpuImage& image, VkImageLayout from, VkImageLayout to);
+/// The same for a colour image that a window system owns.
+void record_transition(GpuCommands& commands, VkImage image, VkImageLayout from, VkImageLayout to);
+
+/// Copies an image's pixels into a buffer, rows packed. The image is in VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL.
+void copy_from_image(GpuCommands& commands, const GpuImage& image, const GpuBuffer& buffer);
+/// Replaces an image's content by pixels of 4 bytes, rows of `pitch` pixels (0: packed), and changes its
+/// layout to `then`.
+void copy_to_image(GpuCommands& commands, const GpuBuffer& pixels, int pitch, const GpuImage& image,
+                   VkImageLayout then);
+/// Stretches a colour image over another one, of size `extent`, in the layouts for source and target of a
+/// transfer.
+void stretch_image(GpuCommands& commands, const GpuImage& from, VkImage to, VkExtent2D extent);
 
 /// Buffers that the CPU rewrites for each submission while the GPU still reads earlier ones. The pool grows
 /// to the number in use at once, then allocates no more.

@@ -45,16 +45,6 @@ Result<GpuBuffer> make_tile_pattern(const GpuDevice& device) {
     return buffer;
 }
 
-/// Copies the whole drawn image, rows packed.
-void copy_from_image(GpuCommands& commands, const GpuImage& image, const GpuBuffer& buffer) {
-    VkBufferImageCopy region{};
-    region.imageSubresource = {image.aspect(), 0, 0, 1};
-    region.imageExtent = {image.extent().width, image.extent().height, 1};
-    vkCmdCopyImageToBuffer(commands.handle(), image.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                           buffer.handle(), 1, &region);
-    commands.keep(buffer.keep_alive());
-}
-
 class GpuPainter : public SurfacePainter {
 public:
     explicit GpuPainter(std::shared_ptr<GpuDevice> device) : device_(std::move(device)), lattices_(device_) {}

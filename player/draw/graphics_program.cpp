@@ -10,12 +10,6 @@
 namespace touchable {
 namespace {
 
-/// Converts a Vulkan result to a Result.
-Result<void> checked(VulkanDevice& gpu, const char* call, VkResult result) {
-    if (result != VK_SUCCESS) return gpu.failed(call, result);
-    return {};
-}
-
 bool is_depth(VkFormat format) {
     return format == VK_FORMAT_D32_SFLOAT;
 }
@@ -50,7 +44,7 @@ Result<VkImageView> make_view(VulkanDevice& gpu, VkImage image, VkFormat format,
     info.format = format;
     info.subresourceRange = {aspect, 0, 1, 0, 1};
     VkImageView made = VK_NULL_HANDLE;
-    TRY(checked(gpu, "vkCreateImageView", vkCreateImageView(gpu.device, &info, nullptr, &made)));
+    TRY(gpu.checked("vkCreateImageView", vkCreateImageView(gpu.device, &info, nullptr, &made)));
     return made;
 }
 
@@ -76,7 +70,7 @@ struct Shaders : NonCopyable {
         info.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
         info.codeSize = words.size_bytes();
         info.pCode = words.data();
-        return checked(gpu, "vkCreateShaderModule", vkCreateShaderModule(gpu.device, &info, nullptr, &made));
+        return gpu.checked("vkCreateShaderModule", vkCreateShaderModule(gpu.device, &info, nullptr, &made));
     }
 
     VulkanDevice& gpu;
@@ -174,8 +168,8 @@ Result<VkPipeline> make_graphics_pipeline(VulkanDevice& gpu, VkPipelineLayout la
     info.pDynamicState = &dynamic;
     info.layout = layout;
     VkPipeline made = VK_NULL_HANDLE;
-    TRY(checked(gpu, "vkCreateGraphicsPipelines",
-                vkCreateGraphicsPipelines(gpu.device, gpu.programs, 1, &info, nullptr, &made)));
+    TRY(gpu.checked("vkCreateGraphicsPipelines",
+                    vkCreateGraphicsPipelines(gpu.device, gpu.programs, 1, &info, nullptr, &made)));
     return made;
 }
 
@@ -187,6 +181,34 @@ VkRenderingAttachmentInfo attachment(VkImageView view, VkImageLayout layout, VkA
     info.loadOp = load;
     info.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
     return info;
+}
+
+void record_change(GpuCommands& commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
+                   VkImageLayout to) {
+    VkImageMemoryBarrier2 barrier{};
+    barrier.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2;
+    barrier.srcStageMask = barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
+    barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+    barrier.oldLayout = from;
+    barrier.newLayout = to;
+    barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+    barrier.image = image;
+    barrier.subresourceRange = {aspect, 0, 1, 0, 1};
+    VkDependencyInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO;
+    info.imageMemoryBarrierCount = 1;
+    info.pImageMemoryBarriers = &barrier;
+    vkCmdPipelineBarrier2(commands.handle(), &info);
+}
+
+/// `pitch`: pixels of a row in the buffer; 0: packed.
+VkBufferImageCopy whole_image(const GpuImage& image, int pitch) {
+    VkBufferImageCopy region{};
+    region.bufferRowLength = static_cast<std::uint32_t>(pitch);
+    region.imageSubresource = {image.aspect(), 0, 0, 1};
+    region.imageExtent = {image.extent().width, image.extent().height, 1};
+    return region;
 }
 
 }  // namespace
@@ -214,7 +236,7 @@ Result<GpuImage> GpuImage::create(const GpuDevice& device, const std::string& na
         return gpu_error(gpu.facts.name + " has no picture '" + name + "' of " + std::to_string(width) + "x" +
                          std::to_string(height));
 
-    TRY(checked(gpu, "vkCreateImage", vkCreateImage(gpu.device, &info, nullptr, &state->image)));
+    TRY(gpu.checked("vkCreateImage", vkCreateImage(gpu.device, &info, nullptr, &state->image)));
     gpu.name_object(VK_OBJECT_TYPE_IMAGE, reinterpret_cast<std::uint64_t>(state->image), name);
     VkMemoryRequirements needs;
     vkGetImageMemoryRequirements(gpu.device, state->image, &needs);
@@ -224,8 +246,8 @@ Result<GpuImage> GpuImage::create(const GpuDevice& device, const std::string& na
     memory.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
     memory.allocationSize = needs.size;
     memory.memoryTypeIndex = *type;
-    TRY(checked(gpu, "vkAllocateMemory", vkAllocateMemory(gpu.device, &memory, nullptr, &state->memory)));
-    TRY(checked(gpu, "vkBindImageMemory", vkBindImageMemory(gpu.device, state->image, state->memory, 0)));
+    TRY(gpu.checked("vkAllocateMemory", vkAllocateMemory(gpu.device, &memory, nullptr, &state->memory)));
+    TRY(gpu.checked("vkBindImageMemory", vkBindImageMemory(gpu.device, state->image, state->memory, 0)));
 
     TRY_ASSIGN(state->view, make_view(gpu, state->image, format, state->aspect));
     if (has_light(format)) {
@@ -270,8 +292,8 @@ Result<void> GraphicsProgram::make_layout(State& state, std::uint32_t push_bytes
     set.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR;
     set.bindingCount = static_cast<std::uint32_t>(bindings.size());
     set.pBindings = bindings.data();
-    TRY(checked(gpu, "vkCreateDescriptorSetLayout",
-                vkCreateDescriptorSetLayout(gpu.device, &set, nullptr, &state.set_layout)));
+    TRY(gpu.checked("vkCreateDescriptorSetLayout",
+                    vkCreateDescriptorSetLayout(gpu.device, &set, nullptr, &state.set_layout)));
     const VkPushConstantRange push{both_stages, 0, push_bytes};
     VkPipelineLayoutCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
@@ -279,8 +301,8 @@ Result<void> GraphicsProgram::make_layout(State& state, std::uint32_t push_bytes
     info.pSetLayouts = &state.set_layout;
     info.pushConstantRangeCount = push_bytes > 0;
     info.pPushConstantRanges = &push;
-    return checked(gpu, "vkCreatePipelineLayout",
-                   vkCreatePipelineLayout(gpu.device, &info, nullptr, &state.layout));
+    return gpu.checked("vkCreatePipelineLayout",
+                       vkCreatePipelineLayout(gpu.device, &info, nullptr, &state.layout));
 }
 
 Result<GraphicsProgram> GraphicsProgram::create(const GpuDevice& device, const std::string& name,
@@ -362,22 +384,44 @@ void end_drawing(GpuCommands& commands) {
 }
 
 void record_transition(GpuCommands& commands, const GpuImage& image, VkImageLayout from, VkImageLayout to) {
-    VkImageMemoryBarrier2 barrier{};
-    barrier.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2;
-    barrier.srcStageMask = barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-    barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
-    barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
-    barrier.oldLayout = from;
-    barrier.newLayout = to;
-    barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
-    barrier.image = image.handle();
-    barrier.subresourceRange = {image.aspect(), 0, 1, 0, 1};
-    VkDependencyInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO;
-    info.imageMemoryBarrierCount = 1;
-    info.pImageMemoryBarriers = &barrier;
-    vkCmdPipelineBarrier2(commands.handle(), &info);
+    record_change(commands, image.handle(), image.aspect(), from, to);
     commands.keep(image.keep_alive());
+}
+
+void record_transition(GpuCommands& commands, VkImage image, VkImageLayout from, VkImageLayout to) {
+    record_change(commands, image, VK_IMAGE_ASPECT_COLOR_BIT, from, to);
+}
+
+void copy_from_image(GpuCommands& commands, const GpuImage& image, const GpuBuffer& buffer) {
+    const VkBufferImageCopy region = whole_image(image, 0);
+    vkCmdCopyImageToBuffer(commands.handle(), image.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                           buffer.handle(), 1, &region);
+    commands.keep(image.keep_alive());
+    commands.keep(buffer.keep_alive());
+}
+
+void copy_to_image(GpuCommands& commands, const GpuBuffer& pixels, int pitch, const GpuImage& image,
+                   VkImageLayout then) {
+    record_transition(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    const VkBufferImageCopy region = whole_image(image, pitch);
+    vkCmdCopyBufferToImage(commands.handle(), pixels.handle(), image.handle(),
+                           VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+    commands.keep(pixels.keep_alive());
+    record_transition(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, then);
+}
+
+void stretch_image(GpuCommands& commands, const GpuImage& from, VkImage to, VkExtent2D extent) {
+    const auto corner = [](VkExtent2D of) {
+        return VkOffset3D{static_cast<std::int32_t>(of.width), static_cast<std::int32_t>(of.height), 1};
+    };
+    VkImageBlit region{};
+    region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    region.srcOffsets[1] = corner(from.extent());
+    region.dstOffsets[1] = corner(extent);
+    const bool same_size = from.extent().width == extent.width && from.extent().height == extent.height;
+    vkCmdBlitImage(commands.handle(), from.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to,
+                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region,
+                   same_size ? VK_FILTER_NEAREST : VK_FILTER_LINEAR);
 }
 
 }  // namespace touchable

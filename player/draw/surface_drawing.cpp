@@ -20,17 +20,6 @@
 namespace touchable {
 namespace {
 
-/// Copies a whole image from rows of 4 bytes a pixel.
-void copy_to_image(GpuCommands& commands, const GpuBuffer& pixels, int pitch, const GpuImage& image) {
-    VkBufferImageCopy region{};
-    region.bufferRowLength = static_cast<std::uint32_t>(pitch);
-    region.imageSubresource = {image.aspect(), 0, 0, 1};
-    region.imageExtent = {image.extent().width, image.extent().height, 1};
-    vkCmdCopyBufferToImage(commands.handle(), pixels.handle(), image.handle(),
-                           VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
-    commands.keep(pixels.keep_alive());
-}
-
 class DeviceDrawing final : public SurfaceDrawing {
 public:
     DeviceDrawing(std::shared_ptr<GpuDevice> device, FingerDrawing fingers)
@@ -106,8 +95,7 @@ public:
 
     Result<void> draw(GpuCommands& commands, const ViewCamera& camera, std::span<const FingerMark> fingers,
                       const MarkSizes& sizes, const GpuImage& target) override {
-        if (target.extent().width != static_cast<std::uint32_t>(camera.width) ||
-            target.extent().height != static_cast<std::uint32_t>(camera.height))
+        if (!target.is_of_size(camera.width, camera.height))
             return internal_error("a picture is not of its camera's size");
         TRY(reserve(camera));
         if (raster_ && shown_.is_there_for(commands)) {
@@ -147,15 +135,13 @@ private:
 
     /// Resources for pictures of the camera's size.
     Result<void> reserve(const ViewCamera& camera) {
-        const auto width = static_cast<std::uint32_t>(camera.width),
-                   height = static_cast<std::uint32_t>(camera.height);
-        if (!z_ || z_.extent().width != width || z_.extent().height != height) {
+        if (!z_ || !z_.is_of_size(camera.width, camera.height)) {
             TRY_ASSIGN(z_, GpuImage::create(*device_, "picture z", camera.width, camera.height,
                                             GraphicsLook::z_format));
         }
         if (rows_height_ == camera.height) return {};
         TRY_ASSIGN(auto rows, GpuBuffer::create(
-                                  *device_, "background", 4 * static_cast<std::size_t>(height),
+                                  *device_, "background", 4 * static_cast<std::size_t>(camera.height),
                                   device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::upload));
         const auto colours = rows.mapped<PackedColour>();
         for (int y = 0; y < camera.height; ++y)
@@ -278,18 +264,8 @@ private:
     /// Copies the raster's output into images, in layouts for drawing.
     void record_copies(GpuCommands& commands, const ViewCamera& camera, const GpuImage& target) const {
         const int pitch = SurfaceRaster::resolve_pitch(camera.width);
-        const struct {
-            const GpuImage& image;
-            const GpuBuffer& pixels;
-            VkImageLayout then;
-        } copies[] = {{target, colours_, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL},
-                      {z_, z_values_, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL}};
-        for (const auto& [image, pixels, then] : copies) {
-            record_transition(commands, image, VK_IMAGE_LAYOUT_UNDEFINED,
-                              VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-            copy_to_image(commands, pixels, pitch, image);
-            record_transition(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, then);
-        }
+        copy_to_image(commands, colours_, pitch, target, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+        copy_to_image(commands, z_values_, pitch, z_, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
     }
 
     /// Draws the fingers' dents over the drawn surface.

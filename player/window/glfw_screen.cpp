@@ -28,25 +28,6 @@
 namespace touchable {
 namespace {
 
-void record_change(VkCommandBuffer commands, VkImage image, VkImageLayout from, VkImageLayout to) {
-    VkImageMemoryBarrier2 change{};
-    change.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2;
-    change.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-    change.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
-    change.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-    change.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
-    change.oldLayout = from;
-    change.newLayout = to;
-    change.srcQueueFamilyIndex = change.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
-    change.image = image;
-    change.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-    VkDependencyInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO;
-    info.imageMemoryBarrierCount = 1;
-    info.pImageMemoryBarriers = &change;
-    vkCmdPipelineBarrier2(commands, &info);
-}
-
 template <class Value, class Ask>
 std::vector<Value> all_of(Ask ask) {
     std::uint32_t count = 0;
@@ -153,9 +134,7 @@ private:
             mode_ = VK_PRESENT_MODE_MAILBOX_KHR;
         VkFenceCreateInfo fence{};
         fence.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
-        const VkResult result = vkCreateFence(gpu.device, &fence, nullptr, &acquired_);
-        if (result != VK_SUCCESS) return gpu.failed("vkCreateFence", result);
-        return {};
+        return gpu.checked("vkCreateFence", vkCreateFence(gpu.device, &fence, nullptr, &acquired_));
     }
     /// False if the window has no pixels. No earlier drawing is in progress.
     Result<bool> make(VkExtent2D wanted) {
@@ -233,30 +212,10 @@ private:
         return true;
     }
     void record_copy(GpuCommands& commands, const GpuImage& canvas, VkImage to) const {
-        const VkCommandBuffer buffer = commands.handle();
-        record_change(buffer, to, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-        const auto corner = [](VkExtent2D extent) {
-            return VkOffset3D{static_cast<std::int32_t>(extent.width),
-                              static_cast<std::int32_t>(extent.height), 1};
-        };
-        VkImageBlit2 region{};
-        region.sType = VK_STRUCTURE_TYPE_IMAGE_BLIT_2;
-        region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-        region.srcOffsets[1] = corner(canvas.extent());
-        region.dstOffsets[1] = corner(extent_);
-        VkBlitImageInfo2 blit{};
-        blit.sType = VK_STRUCTURE_TYPE_BLIT_IMAGE_INFO_2;
-        blit.srcImage = canvas.handle();
-        blit.srcImageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
-        blit.dstImage = to;
-        blit.dstImageLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
-        blit.regionCount = 1;
-        blit.pRegions = &region;
-        const bool same_size =
-            canvas.extent().width == extent_.width && canvas.extent().height == extent_.height;
-        blit.filter = same_size ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
-        vkCmdBlitImage2(buffer, &blit);
-        record_change(buffer, to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
+        record_transition(commands, to, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+        stretch_image(commands, canvas, to, extent_);
+        record_transition(commands, to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                          VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
     }
 
     std::shared_ptr<GpuDevice> device_;
@@ -399,9 +358,8 @@ public:
         swapchain_.reset();
         const auto& vulkan = device->vulkan();
         VkSurfaceKHR surface = VK_NULL_HANDLE;
-        const VkResult result =
-            glfwCreateWindowSurface(vulkan->instance_handle(), window_, nullptr, &surface);
-        if (result != VK_SUCCESS) return vulkan->failed("glfwCreateWindowSurface", result);
+        TRY(vulkan->checked("glfwCreateWindowSurface",
+                            glfwCreateWindowSurface(vulkan->instance_handle(), window_, nullptr, &surface)));
         auto made = Swapchain::create(std::move(device), std::make_unique<WindowSurface>(vulkan, surface));
         if (!made) return why(made.error());
         swapchain_ = std::move(*made);

@@ -102,8 +102,7 @@ private:
         info.pSubpasses = &subpass;
         info.dependencyCount = 2;
         info.pDependencies = dependencies;
-        VkResult result = vkCreateRenderPass(gpu.device, &info, nullptr, &pass_);
-        if (result != VK_SUCCESS) return gpu.failed("vkCreateRenderPass", result);
+        TRY(gpu.checked("vkCreateRenderPass", vkCreateRenderPass(gpu.device, &info, nullptr, &pass_)));
         const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 4};
         VkDescriptorPoolCreateInfo pool{};
         pool.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO;
@@ -111,9 +110,8 @@ private:
         pool.maxSets = 4;
         pool.poolSizeCount = 1;
         pool.pPoolSizes = &size;
-        result = vkCreateDescriptorPool(gpu.device, &pool, nullptr, &pool_);
-        if (result != VK_SUCCESS) return gpu.failed("vkCreateDescriptorPool", result);
-        return {};
+        return gpu.checked("vkCreateDescriptorPool",
+                           vkCreateDescriptorPool(gpu.device, &pool, nullptr, &pool_));
     }
     Result<void> start() {
         VulkanDevice& gpu = *device_->vulkan();
@@ -162,8 +160,8 @@ private:
         info.width = canvas.extent().width;
         info.height = canvas.extent().height;
         info.layers = 1;
-        const VkResult result = vkCreateFramebuffer(gpu.device, &info, nullptr, &framebuffer_);
-        if (result != VK_SUCCESS) return gpu.failed("vkCreateFramebuffer", result);
+        TRY(gpu.checked("vkCreateFramebuffer",
+                        vkCreateFramebuffer(gpu.device, &info, nullptr, &framebuffer_)));
         canvas_ = canvas.keep_alive();
         return framebuffer_;
     }
@@ -182,13 +180,7 @@ Result<Image> read_back(std::shared_ptr<GpuDevice> device, const GpuImage& canva
     const std::size_t pixels = std::size_t{extent.width} * extent.height;
     TRY_ASSIGN(auto buffer, GpuBuffer::create(*device, "picture read back", pixels * 4, GpuMemory::readback));
     TRY_ASSIGN(auto commands, GpuCommands::begin(device, "read back", GpuTiming::none));
-    VkBufferImageCopy region{};
-    region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-    region.imageExtent = {extent.width, extent.height, 1};
-    vkCmdCopyImageToBuffer(commands.handle(), canvas.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                           buffer.handle(), 1, &region);
-    commands.keep(canvas.keep_alive());
-    commands.keep(buffer.keep_alive());
+    copy_from_image(commands, canvas, buffer);
     TRY(std::move(commands).run());
     Image image{static_cast<int>(extent.width), static_cast<int>(extent.height), 1, 3, {}};
     image.samples.resize(pixels * 3);
@@ -199,27 +191,12 @@ Result<Image> read_back(std::shared_ptr<GpuDevice> device, const GpuImage& canva
     return image;
 }
 
-bool is_of_size(const GpuImage& image, int width, int height) {
-    return image.extent().width == static_cast<std::uint32_t>(width) &&
-           image.extent().height == static_cast<std::uint32_t>(height);
-}
-
-VkOffset3D corner_of(const GpuImage& image) {
-    return {static_cast<std::int32_t>(image.extent().width), static_cast<std::int32_t>(image.extent().height),
-            1};
-}
-
 /// Stretches a drawn image over another one, ready for drawing.
 void record_stretch(GpuCommands& commands, const GpuImage& from, const GpuImage& to) {
     constexpr VkImageLayout drawn = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
     record_transition(commands, from, drawn, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     record_transition(commands, to, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-    VkImageBlit region{};
-    region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-    region.srcOffsets[1] = corner_of(from);
-    region.dstOffsets[1] = corner_of(to);
-    vkCmdBlitImage(commands.handle(), from.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to.handle(),
-                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region, VK_FILTER_LINEAR);
+    stretch_image(commands, from, to.handle(), to.extent());
     record_transition(commands, to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, drawn);
 }
 
@@ -271,7 +248,7 @@ public:
     Result<void> draw(const ViewCamera& camera, std::span<const FingerMark> fingers, const MarkSizes& sizes,
                       int width, int height) override {
         TRY(reserve(canvas_, "canvas", width, height));
-        if (is_of_size(canvas_, camera.width, camera.height)) return draw_on(canvas_, camera, fingers, sizes);
+        if (canvas_.is_of_size(camera.width, camera.height)) return draw_on(canvas_, camera, fingers, sizes);
         TRY(reserve(small_, "small picture", camera.width, camera.height));
         TRY(draw_on(small_, camera, fingers, sizes));
         record_stretch(*commands_, small_, canvas_);
@@ -292,7 +269,7 @@ public:
 
 private:
     Result<void> reserve(GpuImage& image, const char* name, int width, int height) const {
-        if (image && is_of_size(image, width, height)) return {};
+        if (image && image.is_of_size(width, height)) return {};
         TRY_ASSIGN(image, GpuImage::create(*device_, name, width, height, VK_FORMAT_R8G8B8A8_UNORM));
         return {};
     }
@@ -311,15 +288,7 @@ private:
         const auto to = buffer.mapped<PackedColour>();
         const std::uint8_t* rgb = picture.samples.data();
         for (std::size_t k = 0; k < pixels; ++k, rgb += 3) to[k] = pack_colour(rgb[0], rgb[1], rgb[2]);
-        record_transition(*commands_, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-        VkBufferImageCopy region{};
-        region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-        region.imageExtent = {image.extent().width, image.extent().height, 1};
-        vkCmdCopyBufferToImage(commands_->handle(), buffer.handle(), image.handle(),
-                               VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
-        commands_->keep(buffer.keep_alive());
-        record_transition(*commands_, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-                          VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+        copy_to_image(*commands_, buffer, 0, image, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
         return {};
     }
 
