@@ -204,12 +204,17 @@ std::optional<std::invoke_result_t<Work&>> unless_stopped(Work work) {
     return std::move(errand->outcome);
 }
 
+/// The time of one of the system's clocks, such as CLOCK_PROCESS_CPUTIME_ID, in nanoseconds.
+inline std::int64_t clock_ns(clockid_t clock) {
+    timespec now{};
+    clock_gettime(clock, &now);
+    return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
 /// Nanoseconds since the machine was started: never backward, never 0, and running on while it is suspended,
 /// unlike the steady clock of Linux.
 inline std::int64_t boot_ns() {
-    timespec now{};
-    clock_gettime(CLOCK_BOOTTIME, &now);
-    return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+    return clock_ns(CLOCK_BOOTTIME);
 }
 
 /// Rows [first, last) of a picture, and the number, 0 to `threads()` - 1, of the thread that works on them,

@@ -307,13 +307,11 @@ void add_check_command(CLI::App& app, Command& command) {
         add_whole_option(*check, "--rate", words->demand.rate, "at so many frames per second?", 1, 1000)
             ->capture_default_str()};
     add_device_options(*check, words->device);
-    check->callback([words, question, &command] {
-        command = [words, question]() -> Result<void> {
-            const bool asks =
-                std::ranges::any_of(question, [](const CLI::Option* option) { return option->count() > 0; });
-            TRY_ASSIGN(const auto options, read_words(*words, asks));
-            return run_check(options);
-        };
+    set_work(*check, command, [words, question]() -> Result<void> {
+        const bool asks =
+            std::ranges::any_of(question, [](const CLI::Option* option) { return option->count() > 0; });
+        TRY_ASSIGN(const auto options, read_words(*words, asks));
+        return run_check(options);
     });
 }
 

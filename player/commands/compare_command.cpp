@@ -113,10 +113,8 @@ void add_compare_command(CLI::App& app, Command& command) {
         ->required();
     add_file_option(*sub, "B", options->b, "forces file of the second run")->required();
     add_json_option(*sub, options->json, "print the same figures as JSON");
-    sub->callback([options, &command] {
-        command = [options] {
-            return within_memory("the forces of both runs", [&] { return compare(*options); });
-        };
+    set_work(*sub, command, [options] {
+        return within_memory("the forces of both runs", [&] { return compare(*options); });
     });
 }
 

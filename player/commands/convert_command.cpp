@@ -253,11 +253,9 @@ void add_convert_command(CLI::App& app, Command& command) {
     sub->add_flag(
         "--allow-lossy", options.allow_lossy,
         "let values of what is touched change. The report says by how much, and what that does to forces");
-    sub->callback([typed, &command] {
-        command = [typed]() -> Result<void> {
-            TRY_ASSIGN(const auto chosen, read_words(*typed));
-            return run_convert(chosen);
-        };
+    set_work(*sub, command, [typed]() -> Result<void> {
+        TRY_ASSIGN(const auto chosen, read_words(*typed));
+        return run_convert(chosen);
     });
 }
 

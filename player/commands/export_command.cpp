@@ -446,16 +446,14 @@ void add_export_command(CLI::App& app, Command& command) {
     add_camera_options(*sub, clip->camera);
     add_filter_options(*sub, *clip);
     add_builder_options(*sub, options->builder, {"cpu", "vulkan", "reference"});
-    sub->callback([options, clip, typed, mesh, &command] {
-        command = [=]() -> Result<void> {
-            ExportOptions chosen = *options;
-            if (chosen.out.empty() && !chosen.picture.file)
-                return usage_error("export needs --out FOLDER, or --picture FILE; see touchable export -h");
-            TRY(read_words(*typed, chosen));
-            TRY_ASSIGN(chosen.clip, read_clip(*clip));
-            chosen.mesh = *mesh || typed->one.has_value();
-            return run_export(chosen);
-        };
+    set_work(*sub, command, [options, clip, typed, mesh]() -> Result<void> {
+        ExportOptions chosen = *options;
+        if (chosen.out.empty() && !chosen.picture.file)
+            return usage_error("export needs --out FOLDER, or --picture FILE; see touchable export -h");
+        TRY(read_words(*typed, chosen));
+        TRY_ASSIGN(chosen.clip, read_clip(*clip));
+        chosen.mesh = *mesh || typed->one.has_value();
+        return run_export(chosen);
     });
 }
 

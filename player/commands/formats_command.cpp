@@ -258,11 +258,9 @@ void add_formats_command(CLI::App& app, Command& command) {
         ->type_name(type_with_words("NAME", names));
     auto json = std::make_shared<JsonOutput>();
     add_json_option(*sub, *json, "print the same as JSON");
-    sub->callback([name, json, &command] {
-        command = [name, json]() -> Result<void> {
-            TRY(json->check());
-            return name->empty() ? print_formats(*json) : print_source(*name, *json);
-        };
+    set_work(*sub, command, [name, json]() -> Result<void> {
+        TRY(json->check());
+        return name->empty() ? print_formats(*json) : print_source(*name, *json);
     });
 }
 

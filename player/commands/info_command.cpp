@@ -372,13 +372,11 @@ void add_info_command(CLI::App& app, Command& command) {
     add_overwrite_option(*info, options.picture.existing);
     add_camera_options(*info, typed->clip.camera);
     add_filter_options(*info, typed->clip);
-    info->callback([typed, &command] {
-        command = [typed]() -> Result<void> {
-            TRY_ASSIGN(typed->options.clip, read_clip(typed->clip));
-            typed->options.json.existing = typed->options.picture.existing;
-            return within_memory("the frames of " + typed->options.clip.file.string(),
-                                 [&] { return print_facts(typed->options); });
-        };
+    set_work(*info, command, [typed]() -> Result<void> {
+        TRY_ASSIGN(typed->options.clip, read_clip(typed->clip));
+        typed->options.json.existing = typed->options.picture.existing;
+        return within_memory("the frames of " + typed->options.clip.file.string(),
+                             [&] { return print_facts(typed->options); });
     });
 }
 

@@ -22,12 +22,6 @@ struct InitSceneOptions {
     Existing existing = Existing::keep;
 };
 
-Result<void> write_text(const std::filesystem::path& target, const std::string& text, Existing existing) {
-    NewFile file(target, existing);
-    TRY(file.write(text));
-    return file.commit();
-}
-
 /// The command that opens the pictures with `target`. If `target` names the pictures, it does so relative to
 /// their folder, so it opens by itself only there.
 std::string opening(const std::filesystem::path& target, const std::filesystem::path& pictures,
@@ -56,7 +50,9 @@ Result<void> run_init_scene(const InitSceneOptions& options) {
     if (auto free = check_outputs(outputs, {{"the pictures", options.pictures}}); !free) return free;
     if (std::filesystem::exists(target, ignored) && !read_scene_file(target))
         return usage_error(target.string() + ": is there, and no scene file: it is not replaced");
-    TRY(write_text(target, scene_to_json(guessed), options.existing));
+    NewFile file(target, options.existing);
+    TRY(file.write(scene_to_json(guessed)));
+    TRY(file.commit());
     std::cout << one_line(target.string()) << " is written; "
               << opening(target, options.pictures, is_folder, guessed.scene) << " opens the pictures so\n";
     for (const Remark& remark : guessed.scene.remarks)  // without hints: corrected in this scene file
@@ -78,7 +74,7 @@ void add_init_scene_command(CLI::App& app, Command& command) {
                     "file to write. By default scene.json in the folder, or beside the picture");
     add_camera_options(*sub, options->camera);
     add_overwrite_option(*sub, options->existing);
-    sub->callback([options, &command] { command = [options] { return run_init_scene(*options); }; });
+    set_work(*sub, command, [options] { return run_init_scene(*options); });
 }
 
 }  // namespace touchable

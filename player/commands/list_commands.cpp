@@ -57,7 +57,7 @@ void add_cameras_command(CLI::App& app, Command& command) {
     auto* sub = app.add_subcommand("cameras", "list the cameras that are plugged in, and how to touch them");
     auto json = std::make_shared<JsonOutput>();
     add_json_option(*sub, *json, "print the same as JSON");
-    sub->callback([json, &command] { command = [json] { return run_cameras(*json); }; });
+    set_work(*sub, command, [json] { return run_cameras(*json); });
 }
 
 void add_devices_command(CLI::App& app, Command& command) {
@@ -68,8 +68,7 @@ void add_devices_command(CLI::App& app, Command& command) {
     sub->add_flag("--udev-rules", options->rules,
                   "print the file for /etc/udev/rules.d that permits them to the person at the machine")
         ->excludes(json);
-    sub->callback(
-        [options, &command] { command = [options]() -> Result<void> { return run_devices(*options); }; });
+    set_work(*sub, command, [options] { return run_devices(*options); });
 }
 
 }  // namespace touchable

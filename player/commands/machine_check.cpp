@@ -144,13 +144,6 @@ nlohmann::ordered_json device_json(const GpuFacts& gpu) {
               {"timestamp_bits", limits.timestamp_bits}}}};
 }
 
-constexpr long nanoseconds_per_second = 1'000'000'000;
-
-double nanoseconds(const timespec& t) {
-    return static_cast<double>(t.tv_sec) * static_cast<double>(nanoseconds_per_second) +
-           static_cast<double>(t.tv_nsec);
-}
-
 /// Tried on a thread of its own, so that the priority ends with it.
 bool may_run_realtime() {
     bool permitted = false;
@@ -199,9 +192,7 @@ private:
 };
 
 double cpu_ms() {
-    timespec t{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
+    return static_cast<double>(clock_ns(CLOCK_PROCESS_CPUTIME_ID)) * 1e-6;
 }
 
 /// Writes a clip whose surface moves in every frame. Colour does not affect touch.
@@ -360,23 +351,17 @@ TimerFacts timer_facts() {
     TimerFacts facts;
     timespec resolution = {};
     clock_getres(CLOCK_MONOTONIC, &resolution);
-    facts.clock_resolution_ns = nanoseconds(resolution);
+    facts.clock_resolution_ns =
+        static_cast<double>(resolution.tv_sec) * 1e9 + static_cast<double>(resolution.tv_nsec);
     facts.timer_slack_ns = static_cast<double>(prctl(PR_GET_TIMERSLACK, 0, 0, 0, 0));
     facts.realtime_permitted = may_run_realtime();
 
     std::array<double, 200> late_us{};
-    timespec wake = {};
-    clock_gettime(CLOCK_MONOTONIC, &wake);
+    auto wake = std::chrono::steady_clock::now();
     for (double& late : late_us) {
-        wake.tv_nsec += 1'000'000;
-        if (wake.tv_nsec >= nanoseconds_per_second) {
-            wake.tv_nsec -= nanoseconds_per_second;
-            ++wake.tv_sec;
-        }
-        clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &wake, nullptr);
-        timespec now = {};
-        clock_gettime(CLOCK_MONOTONIC, &now);
-        late = (nanoseconds(now) - nanoseconds(wake)) / 1000.0;
+        wake += std::chrono::milliseconds(1);
+        sleep_until(wake);
+        late = std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - wake).count();
     }
     std::ranges::sort(late_us);
     facts.late_p50_us = late_us[late_us.size() / 2];

@@ -352,15 +352,12 @@ void add_make_command(CLI::App& app, Command& command) {
                                       "let globe turn, and land and ocean differ to the touch (default)");
     make->add_flag("--plain", words->plain, "let globe rest, with depth alone")->excludes(properties);
     add_globe_options(*make, words->globe);
-    make->callback([words, &command] {
-        command = [words]() -> Result<void> {
-            TRY_ASSIGN(const auto options, read_words(*words));
-            const SceneOptions& made = options.generator;
-            return within_memory("frames of " + std::to_string(made.width) + 'x' +
-                                     std::to_string(made.height) + " pixels" +
-                                     (options.maps.any() ? " and their maps" : ""),
-                                 [&] { return run_make(options); });
-        };
+    set_work(*make, command, [words]() -> Result<void> {
+        TRY_ASSIGN(const auto options, read_words(*words));
+        const SceneOptions& made = options.generator;
+        return within_memory("frames of " + std::to_string(made.width) + 'x' + std::to_string(made.height) +
+                                 " pixels" + (options.maps.any() ? " and their maps" : ""),
+                             [&] { return run_make(options); });
     });
 }
 

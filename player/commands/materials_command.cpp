@@ -432,7 +432,7 @@ void add_materials_command(CLI::App& app, Command& command) {
         ->type_name("N");
     add_file_option(*sub, "--save", typed->options.save,
                     "write what was used, guesses of frame 0 too, as NAME.json for --segments");
-    sub->callback([typed, &command] { command = [typed] { return run_typed(*typed); }; });
+    set_work(*sub, command, [typed] { return run_typed(*typed); });
 }
 
 }  // namespace touchable

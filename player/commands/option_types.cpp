@@ -183,9 +183,13 @@ Result<void> JsonOutput::check(const std::vector<NamedFile>& inputs) const {
 Result<void> JsonOutput::write(const nlohmann::ordered_json& json) const {
     if (!file) return {};
     TRY_ASSIGN(const auto out, OutputFile::create("--json", *file, existing));
+    return write_report(json, *out);
+}
+
+Result<void> write_report(const nlohmann::ordered_json& report, OutputFile& file) {
     const auto replace = nlohmann::json::error_handler_t::replace;  // file names need not be UTF-8
-    TRY(out->write(json.dump(2, ' ', true, replace) + '\n'));       // ASCII: also for a terminal
-    return out->finish();
+    TRY(file.write(report.dump(2, ' ', true, replace) + '\n'));     // ASCII: also for a terminal
+    return file.finish();
 }
 
 Result<void> check_outputs(const Outputs& outputs, const std::vector<NamedFile>& inputs) {

@@ -44,6 +44,12 @@ inline void begin_topic(CLI::App& sub, const char* topic) {
     sub.option_defaults()->group(topic);
 }
 
+/// Makes `command` do this work once `sub` is parsed.
+inline void set_work(CLI::App& sub, std::function<Result<void>()>& command,
+                     std::function<Result<void>()> work) {
+    sub.callback([&command, work = std::move(work)] { command = work; });
+}
+
 /// Type of an option whose value is or may be one of these words: "NAME:{a,b}". Help and completion take the
 /// words from it. With NAME "WORD" no other value is allowed.
 template <class Words>
@@ -179,6 +185,7 @@ inline const CLI::Option* add_fragmented_option(CLI::App& command, ClipStorage& 
 }
 
 class ClipReader;
+class OutputFile;
 
 /// A file with its name in messages: "--json" and its path, or "the clip" and its path.
 struct NamedFile {
@@ -209,6 +216,8 @@ struct JsonOutput {
     /// Does nothing without --json.
     Result<void> write(const nlohmann::ordered_json& json) const;
 };
+/// Writes a report as all of a file, which is finished.
+Result<void> write_report(const nlohmann::ordered_json& report, OutputFile& file);
 
 /// Adds --json and --overwrite.
 CLI::Option* add_json_option(CLI::App& sub, JsonOutput& json, const std::string& what);

@@ -548,12 +548,10 @@ void add_play_command(CLI::App& app, Command& command) {
         ->type_name(force.unit);
     words->filters = add_filter_options(*sub, words->clip);
     add_builder_options(*sub, session.builder, {"auto", "cpu", "vulkan"});
-    sub->callback([words, &command] {
-        command = [words]() -> Result<void> {
-            TRY_ASSIGN(auto options, read_words(*words));
-            options.stays_without_clip = words->clip_word->count() > 0 && is_opened_on_desktop(options);
-            return run_play(std::move(options));
-        };
+    set_work(*sub, command, [words]() -> Result<void> {
+        TRY_ASSIGN(auto options, read_words(*words));
+        options.stays_without_clip = words->clip_word->count() > 0 && is_opened_on_desktop(options);
+        return run_play(std::move(options));
     });
 }
 

@@ -149,7 +149,7 @@ void add_plot_command(CLI::App& app, Command& command) {
                     "draw the fingers' paths over depth of the frame in this folder (touchable export --out)")
         ->type_name("FOLDER");
     add_overwrite_option(*sub, options->existing);
-    sub->callback([options, &command] { command = [options] { return plot(*options); }; });
+    set_work(*sub, command, [options] { return plot(*options); });
 }
 
 }  // namespace touchable

@@ -52,16 +52,12 @@ void add_relief_command(CLI::App& app, Command& command) {
     add_camera_options(*sub, typed->clip.camera);
     add_overwrite_option(*sub, typed->options.existing);
     begin_topic(*sub, "Relief");
-    const char* share = "per cent, -400 to 400";
-    add_whole_option(*sub, "--fine", relief.bands[0], std::string("details of 2 to 4 pixels, ") + share, -400,
-                     400)
-        ->capture_default_str();
-    add_whole_option(*sub, "--medium", relief.bands[1], std::string("details of 5 to 10 pixels, ") + share,
-                     -400, 400)
-        ->capture_default_str();
-    add_whole_option(*sub, "--coarse", relief.bands[2], std::string("details of 11 to 25 pixels, ") + share,
-                     -400, 400)
-        ->capture_default_str();
+    const std::pair<const char*, const char*> bands[] = {
+        {"--fine", "2 to 4"}, {"--medium", "5 to 10"}, {"--coarse", "11 to 25"}};
+    for (std::size_t k = 0; const auto& [name, pixels] : bands)
+        add_whole_option(*sub, name, relief.bands[k++],
+                         std::string("details of ") + pixels + " pixels, per cent, -400 to 400", -400, 400)
+            ->capture_default_str();
     add_whole_option(*sub, "--amount", relief.amount, "strength of the whole relief, per cent, 0 to 400", 0,
                      400)
         ->capture_default_str();
@@ -72,12 +68,10 @@ void add_relief_command(CLI::App& app, Command& command) {
         ->capture_default_str();
     sub->add_flag("--of-world", typed->relief.is_of_world,
                   "measure --max-height in mm of the recorded world, not of the hand");
-    sub->callback([typed, &command] {
-        command = [typed] {
-            return typed->many.for_each(
-                typed->clip.choice.file, typed->options.existing,
-                [typed](const auto& clip, const auto& out) { return run_relief(*typed, clip, out); });
-        };
+    set_work(*sub, command, [typed] {
+        return typed->many.for_each(
+            typed->clip.choice.file, typed->options.existing,
+            [typed](const auto& clip, const auto& out) { return run_relief(*typed, clip, out); });
     });
 }
 

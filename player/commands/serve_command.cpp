@@ -2,7 +2,6 @@
 #include <unistd.h>
 #include <CLI/CLI.hpp>
 #include <cmath>
-#include <ctime>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -39,12 +38,6 @@ struct ServeOptions {
 };
 
 constexpr std::chrono::milliseconds serve_look_again{5};
-
-std::int64_t cpu_ns() {
-    timespec used{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
-    return std::int64_t{used.tv_sec} * 1'000'000'000 + used.tv_nsec;
-}
 
 /// Skips the line if stderr is blocked, so that listeners need not wait.
 void say_served(const std::string& line) {
@@ -209,7 +202,7 @@ private:
         const StreamSender::Settings settings{options_.loop, options_.longest_ns, is_paced};
         sender_ = std::make_unique<StreamSender>(std::move(clip_), std::move(channels), settings, time_);
         begin_ns_ = time_.now_ns();
-        cpu_ns_ = cpu_ns();
+        cpu_ns_ = clock_ns(CLOCK_PROCESS_CPUTIME_ID);
         Result<void> sent;
         std::atomic<bool> is_over{false};
         const auto work = [this, &sent, &is_over] {
@@ -223,7 +216,7 @@ private:
         if (hls_ && sender_->figures().framesets > 0 && (sent || stop_requested()))
             if (auto finished = hls_->finish(); !finished && sent) sent = finished;
         if (!stop_requested() && sent) wait_for_the_last();
-        cpu_ns_ = cpu_ns() - cpu_ns_;
+        cpu_ns_ = clock_ns(CLOCK_PROCESS_CPUTIME_ID) - cpu_ns_;
         end_ns_ = time_.now_ns();
         return stop_requested() ? interrupted_error() : std::move(sent);
     }
@@ -348,10 +341,7 @@ private:
         if (hls_) notes_.insert(notes_.end(), hls_->notes().begin(), hls_->notes().end());
         const bool is_standard = options_.json && is_standard_output(*options_.json);
         (is_standard ? std::cerr : std::cout) << on_terminal(report_in_words()) << std::flush;
-        if (!json_) return {};
-        TRY(json_->write(
-            report_as_json().dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace) + '\n'));
-        return json_->finish();
+        return json_ ? write_report(report_as_json(), *json_) : Result<void>();
     }
 
     const ServeOptions& options_;
@@ -508,11 +498,9 @@ void add_serve_command(CLI::App& app, Command& command) {
     begin_topic(*sub, files_topic);
     add_json_option(*sub, typed->options.json, "write the report as JSON", true);
     add_overwrite_option(*sub, typed->options.existing);
-    sub->callback([typed, &command] {
-        command = [typed]() -> Result<void> {
-            TRY_ASSIGN(const auto options, read_options(*typed));
-            return Serving(options).run();
-        };
+    set_work(*sub, command, [typed]() -> Result<void> {
+        TRY_ASSIGN(const auto options, read_options(*typed));
+        return Serving(options).run();
     });
 }
 

@@ -166,11 +166,9 @@ void add_touch_command(CLI::App& app, Command& command) {
     sub->get_option("--painter")->group(expert_topic);
     add_force_options(*sub, o.session);
     add_builder_options(*sub, o.session.builder, {"auto", "cpu", "vulkan", "lazy", "reference"});
-    sub->callback([words, &command] {
-        command = [words]() -> Result<void> {
-            TRY_ASSIGN(const auto options, read_words(*words));
-            return run_touch(options);
-        };
+    set_work(*sub, command, [words]() -> Result<void> {
+        TRY_ASSIGN(const auto options, read_words(*words));
+        return run_touch(options);
     });
 }
 

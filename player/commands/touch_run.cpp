@@ -502,12 +502,6 @@ Result<void> TouchOutputs::finish_record(const std::string& force_hash, const To
     return record_->finish(facts, setup.settings.playback);
 }
 
-Result<void> TouchOutputs::finish_json(const nlohmann::ordered_json& report) {
-    const auto replace = nlohmann::ordered_json::error_handler_t::replace;  // file names need not be UTF-8
-    TRY(json_->write(report.dump(2, ' ', true, replace) + '\n'));
-    return json_->finish();
-}
-
 Result<void> TouchOutputs::finish(const nlohmann::ordered_json& report, const std::string& force_hash,
                                   const TouchSetup& setup) {
     std::vector<Result<void>> done;
@@ -519,7 +513,7 @@ Result<void> TouchOutputs::finish(const nlohmann::ordered_json& report, const st
     if (forces_) keep(forces_->finish(), *options_.forces);
     if (device_log_) keep(device_log_->finish(), *options_.device_log);
     if (record_) keep(finish_record(force_hash, setup), *options_.record);
-    if (json_) keep(finish_json(report), *options_.json);
+    if (json_) keep(write_report(report, *json_), *options_.json);
     if (picture_)
         keep(is_drawn_ ? Result<void>() : picture_->finish(setup, report.value("interrupted", false)),
              *options_.picture.file);

@@ -117,7 +117,6 @@ public:
 private:
     explicit TouchOutputs(const TouchOptions& options) : options_(options) {}
     Result<void> finish_record(const std::string& force_hash, const TouchSetup& setup);
-    Result<void> finish_json(const nlohmann::ordered_json& report);
 
     const TouchOptions& options_;
     std::optional<std::vector<std::string>> written_;
