@@ -37,6 +37,10 @@ public:
         pushed_.store(at + 1, std::memory_order_release);
         return true;
     }
+    /// Reader only: the number of slots to pop.
+    std::size_t waiting() const {
+        return pushed_.load(std::memory_order_acquire) - popped_.load(std::memory_order_relaxed);
+    }
     /// Reader only: passes the oldest slot to `consume`; false if there is none.
     template <class Consume>
     bool pop(const Consume& consume) {

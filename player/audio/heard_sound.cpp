@@ -262,31 +262,19 @@ void HeardSound::render(const HeardTick& tick, ClipSound& clip, ContactSound::Sa
     }
 }
 
-void HeardTicks::push(const HeardTick& tick) {
-    const std::uint64_t at = pushed_.load(std::memory_order_relaxed);
-    if (at - popped_.load(std::memory_order_acquire) >= ticks_.size()) return;
-    ticks_[at % ticks_.size()] = tick;
-    pushed_.store(at + 1, std::memory_order_release);
-}
-
 /// The tick to render now; `wanted` more follow in this call.
-HeardTick HeardTicks::next(std::uint64_t wanted) {
-    std::uint64_t at = popped_.load(std::memory_order_relaxed);
-    const std::uint64_t end = pushed_.load(std::memory_order_acquire);
-    if (at == end) {
+HeardTick HeardTicks::next(std::size_t wanted) {
+    if (!ticks_.pop([this](const HeardTick& tick) { last_ = tick; }))
         return ++bridged_ <= longest_bridge ? going_on(last_) : silence_after(last_);
-    }
-    HeardTick tick = ticks_[at++ % ticks_.size()];
-    while (end - at > wanted + slack) tick = merged(tick, ticks_[at++ % ticks_.size()]);
-    popped_.store(at, std::memory_order_release);
-    last_ = tick;
+    while (ticks_.waiting() > wanted + slack)
+        ticks_.pop([this](const HeardTick& tick) { last_ = merged(last_, tick); });
     bridged_ = 0;
-    return tick;
+    return last_;
 }
 
 void HeardTicks::fill(std::span<StereoSample> samples) {
-    if (!begun_) popped_.store(pushed_.load(std::memory_order_acquire), std::memory_order_release);
-    begun_ = true;
+    if (!std::exchange(begun_, true))
+        for (std::size_t early = ticks_.waiting(); early > 0; --early) ticks_.pop([](const HeardTick&) {});
     for (std::size_t k = 0; k < samples.size(); ++k) {
         if (played_ == samples_.size()) {
             sound_.render(next((samples.size() - k) / samples_.size()), *clip_, samples_);

@@ -24,6 +24,7 @@
 
 #include "engine/base/result.hpp"
 #include "engine/picture/sound.hpp"
+#include "haptics_cpu/haptic_loop.hpp"
 #include "player/audio/contact_sound.hpp"
 
 namespace touchable {
@@ -123,23 +124,23 @@ public:
     /// Keeps spoken sounds alive. Call before everything else.
     void keep(std::vector<std::shared_ptr<const SpokenSound>> sounds) { spoken_ = std::move(sounds); }
     /// The session's thread. Ticks that find no room are dropped.
-    void push(const HeardTick& tick);
+    void push(const HeardTick& tick) {
+        ticks_.push([&tick](HeardTick& slot) { slot = tick; });
+    }
     /// The device's thread: renders the next samples. Ticks before the first call are dropped.
     void fill(std::span<StereoSample> samples);
 
     static constexpr std::size_t most_waiting = 256;
     /// Ticks left queued beyond a call's need, as sessions deliver a few at a time.
-    static constexpr std::uint64_t slack = 12;
+    static constexpr std::size_t slack = 12;
     static constexpr int longest_bridge = 20;  ///< ticks for which the last one continues
 
 private:
-    HeardTick next(std::uint64_t wanted);
+    HeardTick next(std::size_t wanted);
 
-    std::array<HeardTick, most_waiting> ticks_{};
-    alignas(64) std::atomic<std::uint64_t> pushed_{0};
-    alignas(64) std::atomic<std::uint64_t> popped_{0};
+    SpscRing<HeardTick> ticks_{std::vector<HeardTick>(most_waiting)};
     // Data of the device's thread.
-    alignas(64) HeardSound sound_;
+    HeardSound sound_;
     std::shared_ptr<ClipSound> clip_;
     std::vector<std::shared_ptr<const SpokenSound>> spoken_;
     ContactSound::Samples samples_{};

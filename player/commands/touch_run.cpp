@@ -78,14 +78,6 @@ Outputs outputs_of(const TouchOptions& options, const TouchSetup& setup) {
     return outputs;
 }
 
-/// Creates `file` if `path` is given.
-template <class File, class Create>
-Result<void> open_if(const MaybePath& path, std::unique_ptr<File>& file, Create create) {
-    if (!path) return {};
-    TRY_ASSIGN(file, create(*path));
-    return {};
-}
-
 /// Refuses a picture beyond the run's end, if its length is known.
 Result<void> check_picture_moment(const TouchOptions& options, const TouchSetup& setup,
                                   std::optional<std::int64_t> ticks) {
@@ -425,30 +417,29 @@ Result<std::unique_ptr<TouchOutputs>> TouchOutputs::open(const TouchOptions& opt
     TRY(check_outputs(outputs_of(options, setup), inputs_of(options, setup)));
     std::unique_ptr<TouchOutputs> out(new TouchOutputs(options));
     const Pace pace = setup.live && !options.replay ? Pace::wall_clock : Pace::own;
-    const auto forces = [&](const auto& path) {
-        return TickTable::create_forces(path, options.existing, pace, "--forces");
-    };
-    TRY(open_if(options.forces, out->forces_, forces));
+    if (options.forces) {
+        TRY_ASSIGN(out->forces_,
+                   TickTable::create_forces(*options.forces, options.existing, pace, "--forces"));
+    }
     out->only_forces_ = options.forces && !options.device_log && !options.record && !options.json &&
                         !options.picture.file && !options.replay && !options.strict && !setup.control;
-    if (options.device_log && !setup.device_log)
-        return usage_error("--device-log is of a --device that you hold; --forces has what a hand does");
-    const auto log = [&](const auto& path) {
-        return TickTable::create_device_log(path, options.existing, *setup.device_log, "--device-log");
-    };
-    TRY(open_if(options.device_log, out->device_log_, log));
-    const auto record = [&](const auto& path) {
-        return RecordingFile::create(path, setup.settings.fingers, options.existing, pace, "--record");
-    };
-    TRY(open_if(options.record, out->record_, record));
+    if (options.device_log) {
+        if (!setup.device_log)
+            return usage_error("--device-log is of a --device that you hold; --forces has what a hand does");
+        TRY_ASSIGN(out->device_log_, TickTable::create_device_log(*options.device_log, options.existing,
+                                                                  *setup.device_log, "--device-log"));
+    }
+    if (options.record) {
+        TRY_ASSIGN(out->record_, RecordingFile::create(*options.record, setup.settings.fingers,
+                                                       options.existing, pace, "--record"));
+    }
     if (options.record && setup.film) {
         out->film_ = setup.film;
         TRY(setup.film->open(film_beside(*options.record), options.existing));
     }
-    const auto json = [&](const auto& path) {
-        return OutputFile::create("--json", path, options.existing, pace);
-    };
-    TRY(open_if(options.json, out->json_, json));
+    if (options.json) {
+        TRY_ASSIGN(out->json_, OutputFile::create("--json", *options.json, options.existing, pace));
+    }
     TRY_ASSIGN(auto order, order_picture(options.picture, options.existing, setup.builder, *setup.gpu));
     if (order)
         out->picture_.emplace(std::move(*order),

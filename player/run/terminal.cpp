@@ -21,9 +21,7 @@ static_assert(std::atomic<std::int64_t>::is_always_lock_free,
               "a signal handler may touch nothing that locks");
 
 std::int64_t now_ns() {
-    timespec now{};
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+    return clock_ns(CLOCK_MONOTONIC);
 }
 
 /// Passes on what a stream is given, one piece of whole characters after the other.

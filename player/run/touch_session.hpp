@@ -91,7 +91,7 @@ struct TouchSessionSettings {
     GuardSettings guard;
     /// Nothing: as long as the hand's motion, or if that is endless as the clip, at least 3 s.
     std::optional<std::int64_t> ticks;
-    /// Commands to the clip's clock (PlaybackClock), with their ticks.
+    /// Commands to the clip's clock (PlaybackClock), with their ticks; must pass validate(commands).
     std::vector<PlaybackCommand> playback;
     /// Live run: called every few milliseconds by the thread that passes ticks to the sinks; for a clip only
     /// if its log is closed.

@@ -7,10 +7,8 @@ namespace {
 
 /// Finds a setting's value in SessionOptions and in TouchSetup.
 struct Place {
-    static GuardSettings& guard(SessionOptions& options) { return options.guard; }
-    static const GuardSettings& guard(const TouchSetup& setup) { return setup.settings.guard; }
-    static TouchSettings& touch(SessionOptions& options) { return options.touch; }
-    static const TouchSettings& touch(const TouchSetup& setup) { return setup.settings.touch; }
+    static TouchSessionSettings& felt(SessionOptions& options) { return options; }
+    static const TouchSessionSettings& felt(const TouchSetup& setup) { return setup.settings; }
     static auto& interpolation(SessionOptions& options) {
         return options.clip.interpolation ? *options.clip.interpolation
                                           : options.clip.interpolation.emplace();
@@ -49,7 +47,7 @@ std::vector<SessionSetting> all_settings() {
     using enum SettingOf;
     const auto in_guard = [](auto member) {
         return [member](auto& run) -> auto& {
-            return Place::guard(run).*member;
+            return Place::felt(run).guard.*member;
         };
     };
     const auto share_of = [](std::size_t band, const char* name, const char* what) {
@@ -66,7 +64,7 @@ std::vector<SessionSetting> all_settings() {
             "How lengths are measured. As they are (world), or in two ways that are there to compare: in "
             "pixels and grey levels, as the first papers did (pixel), or those made equal (scaled).",
             {.words = {"world", "pixel", "scaled"}},
-            [](auto& run) -> auto& { return Place::touch(run).metric; }),
+            [](auto& run) -> auto& { return Place::felt(run).touch.metric; }),
         setting_row(
             felt, "interpolation",
             "How the surface moves between two frames: smoothly (linear), or not until the next (hold).",
@@ -133,11 +131,12 @@ std::vector<SessionSetting> all_settings() {
         setting_row(
             expert, "stribeck",
             "Speed about which friction falls from static to dynamic. 0: as soon as the finger slides.",
-            {.unit = "m/s"}, [](auto& run) -> auto& { return Place::touch(run).stribeck_speed; }),
+            {.unit = "m/s"}, [](auto& run) -> auto& { return Place::felt(run).touch.stribeck_speed; }),
         setting_row(
             expert, "stiffness",
             "Stiffness in contact: the clip's (map), or rising only as far as losses pay for it (passive).",
-            {.words = {"map", "passive"}}, [](auto& run) -> auto& { return Place::guard(run).rise.paid; }),
+            {.words = {"map", "passive"}},
+            [](auto& run) -> auto& { return Place::felt(run).guard.rise.paid; }),
         {.name = "stiffness-slew",
          .what = "How fast stiffness may rise in contact. By default at once.",
          .of = expert,

@@ -256,11 +256,6 @@ Result<void> hold_device(TouchSetup& setup, const SessionOptions& options) {
     return {};
 }
 
-Result<void> make_solver(TouchSetup& setup) {
-    TRY_ASSIGN(setup.solver, TouchSolver::create(setup.scene, setup.settings.touch));
-    return {};
-}
-
 /// Why the recorded clip could not be opened. If it or one of its files is gone, adds a hint with the option
 /// that states the new place.
 Error gone(Error error, const TouchSetup& setup, const ClipChoice& instead) {
@@ -467,11 +462,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& opt
     setup->camera_words = options.camera.value_or("");
     setup->live = options.live;
     setup->hand_scale = options.hand_scale;
-    setup->settings.fingers = options.fingers;
-    setup->settings.ticks = options.ticks;
-    setup->settings.playback = options.playback;
-    setup->settings.touch = options.touch;
-    setup->settings.guard = options.guard;
+    setup->settings = options;
     setup->settings.guard.waits_to_be_free = options.live && !options.start_buried;
 
     TRY(take_held_device(*setup, options));
@@ -487,7 +478,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& opt
     TRY(place_hand(*setup, options));
     TRY(check_playback(*setup, options));
     TRY(hold_device(*setup, options));
-    TRY(make_solver(*setup));
+    TRY_ASSIGN(setup->solver, TouchSolver::create(setup->scene, setup->settings.touch));
     return setup;
 }
 
@@ -505,7 +496,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_recording(const RecordedPart& par
     setup->feed->leave_out(setup->dropped);
     setup->hand = std::make_unique<ReplayHand>(part);
     follow(part, *setup);
-    TRY(make_solver(*setup));
+    TRY_ASSIGN(setup->solver, TouchSolver::create(setup->scene, setup->settings.touch));
     return setup;
 }
 

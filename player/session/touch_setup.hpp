@@ -127,19 +127,14 @@ Hints settings_of(const std::vector<PlaybackCommand>& commands);
 /// The commands as parse_playback's lines, joined by ", ".
 std::string in_words(const std::vector<PlaybackCommand>& commands);
 
-/// Settings of a run: the clip, the hand or device, solver and guard.
-struct SessionOptions {
+/// Settings of a run, with its clip and its hand or device. The clip or the hand sets the scale of `touch`.
+struct SessionOptions : TouchSessionSettings {
     ClipChoice clip;
     std::string hand = "wander";  ///< as make_hand reads it
-    int fingers = 1;
-    std::vector<PlaybackCommand> playback;  ///< commands to the clip's clock; must pass validate(commands)
     /// Replaces `playback`; called after the feed is made, before the first frames are read. Null:
     /// `playback`.
     std::function<std::vector<PlaybackCommand>()> late_playback;
-    std::optional<std::int64_t> ticks;  ///< nothing: the hand's length, or the clip's and at least 3 s
     BuilderChoice builder{.name = "auto"};
-    TouchSettings touch;  ///< except its scale, which the clip or the hand sets
-    GuardSettings guard;
     bool live = false;          ///< on the wall clock, in real time
     bool start_buried = false;  ///< live: force from the start even for a finger that begins inside
     bool recorded = false;      ///< hash the frames, so that a replay can compare them

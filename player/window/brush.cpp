@@ -69,27 +69,28 @@ public:
         std::error_code ignored;
         std::filesystem::create_directories(history.parent_path(), ignored);
         for (int tries = 0; tries < 100; ++tries) {
-            lock->descriptor_ = ::open(lock->file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0600);
-            if (lock->descriptor_ < 0) return true;
-            const bool is_locked = ::flock(lock->descriptor_, LOCK_EX | LOCK_NB) == 0;
+            lock->descriptor_ =
+                Descriptor(::open(lock->file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0600));
+            const int descriptor = lock->descriptor_.get();
+            if (descriptor < 0) return true;
+            const bool is_locked = ::flock(descriptor, LOCK_EX | LOCK_NB) == 0;
             const bool is_of_another = !is_locked && errno == EWOULDBLOCK;
             struct stat now {};
-            lock->is_held_ = is_locked && ::fstat(lock->descriptor_, &now) == 0 && now.st_nlink > 0;
+            lock->is_held_ = is_locked && ::fstat(descriptor, &now) == 0 && now.st_nlink > 0;
             if (lock->is_held_) held = lock;
             if (lock->is_held_ || !is_locked) return !is_of_another;
-            ::close(std::exchange(lock->descriptor_, -1));  // another window removed it meanwhile
+            // Otherwise another window removed it meanwhile.
         }
         return true;
     }
     HistoryLock() = default;
     ~HistoryLock() {
         if (is_held_) ::unlink(file_.c_str());
-        if (descriptor_ >= 0) ::close(descriptor_);
     }
 
 private:
     std::filesystem::path file_;
-    int descriptor_ = -1;
+    Descriptor descriptor_;
     bool is_held_ = false;
 };
 
