@@ -215,16 +215,22 @@ public:
 
     /// Sets where the clip's camera is, before `open`, if that was unknown at construction.
     void set_refuge(const glm::dvec3& device_metres) { refuge_ = device_metres; }
+    /// Stays open from one session to the next, so that its fingers stay in place: while it works, `close`
+    /// and `open` have no effect. Before the first `open`.
+    void stay_open() { stays_open_ = true; }
 
     std::string name() const override { return "pointer"; }
     DeviceLimits limits() const override { return settings_.limits; }
     int fingers() const override;
     Result<void> open() override {
+        if (stays_open_ && works()) return {};
         fault_.store(nullptr, std::memory_order_relaxed);
         opening_.store(++openings_, std::memory_order_release);
         return {};
     }
-    void close() override { opening_.store(0, std::memory_order_release); }
+    void close() override {
+        if (!stays_open_) opening_.store(0, std::memory_order_release);
+    }
     bool read_positions(std::span<glm::dvec3> device_metres) override;
     bool write_forces(std::span<const glm::dvec3> newtons) override;
     Result<void> health() const override {
@@ -267,6 +273,7 @@ private:
 
     const PointerSettings settings_;
     glm::dvec3 refuge_;
+    bool stays_open_ = false;
     // Set by any thread. They count openings (0: closed) and changes of the force (odd: on), so that a
     // reading notices those that came and went since the last one.
     std::atomic<std::uint32_t> opening_{0};

@@ -284,12 +284,7 @@ public:
     }
     bool is_open() const { return socket_ >= 0; }
     /// The server has gone away. Xlib, and so GLFW, is unusable then.
-    bool is_lost() const {
-        if (!is_open()) return false;
-        if (met_fault) return true;
-        pollfd look{socket_, POLLRDHUP, 0};
-        return poll(&look, 1, 0) > 0 && (look.revents & (POLLRDHUP | POLLHUP | POLLERR | POLLNVAL)) != 0;
-    }
+    bool is_lost() const { return is_open() && (met_fault || is_hung_up(socket_)); }
     /// Another program has destroyed the window: the X server refused a request for that reason.
     bool has_lost_window() const { return is_open() && met_no_window; }
     /// Waits for input on the connection or two other sockets, for `longest` at most.

@@ -8,31 +8,6 @@
 namespace touchable {
 namespace {
 
-/// The pointer's device: it stays open from one session to the next, so that its fingers stay in place.
-/// Unlike a PersistentDevice, its failure fails the session, and the next one reopens it.
-class PersistentPointer final : public HapticDevice {
-public:
-    explicit PersistentPointer(std::shared_ptr<PointerDevice> device) : device_(std::move(device)) {}
-    ~PersistentPointer() override { device_->close(); }
-    std::string name() const override { return device_->name(); }
-    DeviceLimits limits() const override { return device_->limits(); }
-    int fingers() const override { return device_->fingers(); }
-    Result<void> open() override {
-        if (std::exchange(is_open_, true) && device_->health()) return {};
-        return device_->open();
-    }
-    void close() override {}
-    bool read_positions(std::span<glm::dvec3> device_metres) override {
-        return device_->read_positions(device_metres);
-    }
-    bool write_forces(std::span<const glm::dvec3> newtons) override { return device_->write_forces(newtons); }
-    Result<void> health() const override { return device_->health(); }
-
-private:
-    std::shared_ptr<PointerDevice> device_;
-    bool is_open_ = false;
-};
-
 bool has_loop_of(const PlaybackState& a, const PlaybackState& b) {
     if (!a.loops || !b.loops) return a.loops == b.loops;
     return a.loop_begin_ns == b.loop_begin_ns && a.loop_end_ns == b.loop_end_ns;
@@ -88,8 +63,9 @@ OpenedClip::OpenedClip(const PlayOptions& options, const ClipChoice& clip, Windo
     : options_(options),
       clip_(clip),
       sound_(sound),
-      device_(std::make_shared<PointerDevice>(PointerFingers::most, glm::dvec3(0.0))),
-      held_(std::make_shared<PersistentPointer>(device_)) {
+      device_(std::make_shared<PointerDevice>(PointerFingers::most, glm::dvec3(0.0))) {
+    // Unlike a PersistentDevice, its failure fails the session, and the next one reopens it.
+    device_->stay_open();
     if (clip_.plugged) clip_.shared_camera = std::make_shared<SharedCamera>();
     clip_.share_clip();
 }
@@ -112,7 +88,7 @@ SessionOptions OpenedClip::session_options(const SessionSettings& settings,
     }
     session.live = session.watched = true;
     session.fingers = fingers_of_hand();
-    session.held_device = held_;
+    session.held_device = device_;
     if (options_.hand) {
         session.held_device = options_.hand;
         session.control = std::make_shared<HandControl>(fingers_of_hand(), HandMapping{});

@@ -176,7 +176,6 @@ private:
     int films_ = 0;                  // of a recorded camera
     bool film_is_given_up_ = false;  // the newest film: its recording had ended before
     std::shared_ptr<PointerDevice> device_;
-    std::shared_ptr<HapticDevice> held_;  // device_, kept open between sessions
     HandControl* control_ = nullptr;      // the session's
     std::optional<Scene> scene_;
     Workspace workspace_;  // before the hand scale: the same for all settings, so that they compare

@@ -41,8 +41,8 @@ public:
         const auto count = static_cast<float>(buttons_.size());
         float longest = 0;
         for (const Button& button : buttons_)
-            longest = std::max(
-                {longest, letters_width(button.words, text_), letters_width(button.or_words, text_)});
+            for (const std::string* const words : {&button.words, button.or_words})
+                if (words) longest = std::max(longest, letters_width(*words, text_));
         const float room = (width - 2 * gap_ - (count + 1) * gap_) / count;
         wide_ = std::min(std::max(1.4F * high_, longest + text_), room);
         text_ *= std::min(1.0F, (wide_ - 0.4F * text_) / longest);
@@ -86,7 +86,7 @@ private:
         WindowCommand command;
         bool is_lit = false;          ///< its switch is on
         bool is_there = true;         ///< false: no effect now
-        const std::string& or_words;  ///< its text in the other state
+        const std::string* or_words = nullptr;  ///< its text in the other state, if that is another
     };
     /// Leaves out buttons without effect: a still or a camera does not pause, and with a haptic device
     /// dragging always turns.
@@ -101,32 +101,27 @@ private:
                                .sign = turns ? ButtonSign::touch : ButtonSign::turn,
                                .command = {WindowVerb::turning},
                                .is_lit = turns,
-                               .or_words = turns ? texts.turn : texts.touch});
+                               .or_words = turns ? &texts.turn : &texts.touch});
         if (!facts.kiosk->is_still && !facts.is_live)
             buttons.push_back({.id = "pause",
                                .words = plays ? texts.pause : texts.play,
                                .sign = plays ? ButtonSign::pause : ButtonSign::play,
                                .command = {WindowVerb::play_pause},
                                .is_lit = !plays,
-                               .or_words = plays ? texts.play : texts.pause});
+                               .or_words = plays ? &texts.play : &texts.pause});
         buttons.push_back({.id = "colours",
                            .words = texts.colours,
                            .sign = ButtonSign::colours,
                            .command = {WindowVerb::overlay},
-                           .is_lit = facts.scale != nullptr,
-                           .or_words = texts.colours});
+                           .is_lit = facts.scale != nullptr});
         if (facts.clips > 1)
-            buttons.push_back({.id = "next",
-                               .words = texts.next,
-                               .sign = ButtonSign::next,
-                               .command = {WindowVerb::next},
-                               .or_words = texts.next});
+            buttons.push_back(
+                {.id = "next", .words = texts.next, .sign = ButtonSign::next, .command = {WindowVerb::next}});
         buttons.push_back({.id = "straight",
                            .words = texts.turn_back,
                            .sign = ButtonSign::home,
                            .command = {WindowVerb::home},
-                           .is_there = facts.kiosk->is_turned,
-                           .or_words = texts.turn_back});
+                           .is_there = facts.kiosk->is_turned});
         return buttons;
     }
     void draw_button(const Button& button, const ImVec2& at, std::vector<WindowCommand>& asked) const {
@@ -352,8 +347,11 @@ bool draw_page_button(const char* id, const std::string& words, ImVec2 at, ImVec
     return clicked;
 }
 
-void ask_for_answer(std::size_t answer, std::vector<WindowCommand>& asked) {
-    asked.push_back({WindowVerb::answer, static_cast<double>(answer + 1)});
+void draw_answer(const StudyFacts& facts, std::size_t answer, ImVec2 at, ImVec2 size, float text,
+                 std::vector<WindowCommand>& asked) {
+    if (draw_page_button(("answer" + std::to_string(answer)).c_str(), facts.answers[answer], at, size, text,
+                         {.is_chosen = facts.chosen == answer, .is_lit_by_pointer = false}))
+        asked.push_back({WindowVerb::answer, static_cast<double>(answer + 1)});
 }
 
 /// Adjacent buttons for the answers from `left` on, between the two y of `rows`.
@@ -363,10 +361,7 @@ void draw_answers(const StudyFacts& facts, float left, float room, ImVec2 rows, 
     const float gap = 0.35F * text, wide = (room - gap * (count - 1)) / count;
     for (std::size_t k = 0; k < facts.answers.size(); ++k) {
         const ImVec2 at(left + static_cast<float>(k) * (wide + gap), rows.x);
-        if (draw_page_button(("answer" + std::to_string(k)).c_str(), facts.answers[k], at,
-                             ImVec2(wide, rows.y - rows.x), text,
-                             {.is_chosen = facts.chosen == k, .is_lit_by_pointer = false}))
-            ask_for_answer(k, asked);
+        draw_answer(facts, k, at, ImVec2(wide, rows.y - rows.x), text, asked);
     }
 }
 
@@ -404,10 +399,7 @@ void draw_choices(const StudyFacts& facts, const StudyPage& page, float top, flo
     const float high = std::min(0.12F * page.height, (bottom - top - gap * (count - 1)) / count);
     float at = top + (bottom - top - high * count - gap * (count - 1)) / 2;
     for (std::size_t k = 0; k < facts.answers.size(); ++k, at += high + gap)
-        if (draw_page_button(("answer" + std::to_string(k)).c_str(), facts.answers[k],
-                             ImVec2(page.margin, at), ImVec2(page.room, high), page.text,
-                             {.is_chosen = facts.chosen == k, .is_lit_by_pointer = false}))
-            ask_for_answer(k, asked);
+        draw_answer(facts, k, ImVec2(page.margin, at), ImVec2(page.room, high), page.text, asked);
 }
 
 /// The same width with and without the remaining seconds.

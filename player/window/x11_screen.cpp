@@ -3,10 +3,11 @@
 
 #include "player/window/x11_screen.hpp"
 
+#include <poll.h>
+
 #ifdef TOUCHABLE_HAS_X_TOUCH
 #include <X11/Xlib.h>
 #include <X11/extensions/XInput2.h>
-#include <poll.h>
 
 #include <array>
 #include <chrono>
@@ -63,11 +64,7 @@ public:
     int socket() const override { return is_lost() ? -1 : ConnectionNumber(display_.get()); }
 
 private:
-    /// On a lost connection, Xlib would end the program, or wait for ever.
-    bool is_lost() const {
-        pollfd look{ConnectionNumber(display_.get()), POLLRDHUP, 0};
-        return poll(&look, 1, 0) > 0 && (look.revents & (POLLRDHUP | POLLHUP | POLLERR | POLLNVAL)) != 0;
-    }
+    bool is_lost() const { return is_hung_up(ConnectionNumber(display_.get())); }
 
     void add(int type, const XIDeviceEvent& event, std::vector<InputEvent>& events) {
         using Kind = InputEvent::Kind;
@@ -141,6 +138,11 @@ Result<std::unique_ptr<TouchScreen>> TouchScreen::open(unsigned long) {
     return device_error("built without it (XInput2: libxi-dev)");
 }
 #endif
+
+bool is_hung_up(int socket) {
+    pollfd look{socket, POLLRDHUP, 0};
+    return poll(&look, 1, 0) > 0 && (look.revents & (POLLRDHUP | POLLHUP | POLLERR | POLLNVAL)) != 0;
+}
 
 #ifdef TOUCHABLE_HAS_XSS
 void keep_screen_awake(void* display) {

@@ -24,6 +24,9 @@ public:
     virtual int socket() const = 0;
 };
 
+/// Whether the connection of this socket is lost: on one, Xlib would end the program, or wait for ever.
+bool is_hung_up(int socket);
+
 /// Keeps the screen from blanking and sleeping until that connection closes. Does nothing if the server does
 /// not support it (extension MIT-SCREEN-SAVER), or the program was built without libXss. `display`: Xlib's
 /// Display*.
