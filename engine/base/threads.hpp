@@ -146,6 +146,18 @@ Result<void> start_thread(std::thread& thread, const char (&name)[bytes], const 
     return {};
 }
 
+/// Sets `stopping`, for which `thread` waits by `mutex` and `changed`, and waits for its end, if it was
+/// started.
+inline void stop_thread(std::mutex& mutex, bool& stopping, std::condition_variable& changed,
+                        std::thread& thread) {
+    {
+        const std::lock_guard lock(mutex);
+        stopping = true;
+    }
+    changed.notify_all();
+    if (thread.joinable()) thread.join();
+}
+
 /// The number of threads, of unless_stopped and others, that are no longer waited for. While it is not 0, the
 /// program must not destroy what they use: it ends by std::_Exit.
 inline std::atomic<int> abandoned_threads{0};

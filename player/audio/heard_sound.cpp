@@ -105,12 +105,7 @@ void SpokenVoice::add(const SpokenSound* sound, std::uint32_t number, bool is_mu
 }
 
 ClipSound::~ClipSound() {
-    {
-        const std::lock_guard lock(mutex_);
-        stopping_ = true;
-    }
-    news_.notify_all();
-    if (thread_.joinable()) thread_.join();
+    stop_thread(mutex_, stopping_, news_, thread_);
 }
 
 void ClipSound::open(const std::filesystem::path& file) {

@@ -86,12 +86,7 @@ GamepadRumble::GamepadRumble(const Open& open) : shared_(std::make_shared<Shared
 }
 
 GamepadRumble::~GamepadRumble() {
-    {
-        const std::lock_guard lock(shared_->mutex);
-        shared_->stopping = true;
-    }
-    shared_->stop.notify_all();
-    if (thread_.joinable()) thread_.join();
+    stop_thread(shared_->mutex, shared_->stopping, shared_->stop, thread_);
 }
 
 void GamepadRumble::run(Shared& shared, const Open& open) {

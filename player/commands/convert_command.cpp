@@ -35,12 +35,9 @@ Result<ClipMoment> read_moment(const std::string& option, std::string_view text)
         return ClipMoment{*frame};
     }
     text.remove_suffix(1);
-    double seconds = 0;
-    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), seconds);
-    const bool is_time =
-        failure == std::errc() && end == text.data() + text.size() && seconds >= 0 && seconds <= 1e6;
-    if (!is_time) return refused();
-    return ClipMoment{0, std::llround(seconds * 1e9)};
+    const auto seconds = parsed_number(text);
+    if (!seconds || *seconds < 0 || *seconds > 1e6) return refused();
+    return ClipMoment{0, std::llround(*seconds * 1e9)};
 }
 
 /// "X,Y,WxH".

@@ -106,28 +106,23 @@ ViewCamera orbit_view(const Viewpoint& viewpoint, const Scene& scene, const glm:
 /// Parses "key=value" of an orbit; returns the fault, nullopt if it is valid. `read`: the keys before it.
 std::optional<std::string> read_orbit(std::string_view word, Viewpoint& viewpoint,
                                       std::set<std::string_view>& read) {
-    double zoom = 0, fov = 0;
     const struct {
         std::string_view key;
         double least, most;
-        double* value;
-    } keys[] = {{"az", -180, 180, &viewpoint.azimuth},
-                {"el", -89, 89, &viewpoint.elevation},
-                {"zoom", 0.1, 20, &zoom},
-                {"fov", 5, 120, &fov}};
+        std::function<void(double)> set;
+    } keys[] = {{"az", -180, 180, [&](double value) { viewpoint.azimuth = value; }},
+                {"el", -89, 89, [&](double value) { viewpoint.elevation = value; }},
+                {"zoom", 0.1, 20, [&](double value) { viewpoint.zoom = value; }},
+                {"fov", 5, 120, [&](double value) { viewpoint.fov = value; }}};
     const std::size_t equals = word.find('=');
     for (const auto& key : keys) {
         if (equals == std::string_view::npos || word.substr(0, equals) != key.key) continue;
         if (!read.insert(key.key).second) return std::string(key.key) + " is given twice; give it once";
-        const std::string_view digits = word.substr(equals + 1);
-        const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), *key.value);
-        if (failure == std::errc() && end == digits.data() + digits.size() && *key.value >= key.least &&
-            *key.value <= key.most) {
-            if (key.value == &fov) viewpoint.fov = fov;
-            if (key.value == &zoom) viewpoint.zoom = zoom;
-            return std::nullopt;
-        }
-        return std::string(key.key) + formatted(" must be a number from %g to %g", key.least, key.most);
+        const auto value = parsed_number(word.substr(equals + 1));
+        if (!value || *value < key.least || *value > key.most)
+            return std::string(key.key) + formatted(" must be a number from %g to %g", key.least, key.most);
+        key.set(*value);
+        return std::nullopt;
     }
     return std::string("'").append(word).append("' is none of az=, el=, zoom=, fov=");
 }

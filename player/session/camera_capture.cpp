@@ -275,12 +275,7 @@ void CameraCapture::give_up(const Error& why) {
 }
 
 void CameraCapture::stop() {
-    {
-        const std::lock_guard lock(mutex_);
-        ended_ = true;
-        changed_.notify_all();
-    }
-    if (thread_.joinable()) thread_.join();
+    stop_thread(mutex_, ended_, changed_, thread_);
 }
 
 Result<void> CameraCapture::finish() {

@@ -33,11 +33,9 @@ constexpr const char* all_words = "play, pause, rate X, seek S, step, loop S S o
 
 /// Rounded; nothing if not a number from 0 to 1e6, the limit of all times in seconds.
 std::optional<std::int64_t> number_of(const std::string& word, double per_unit) {
-    double value = 0;
-    const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (fault != std::errc() || end != word.data() + word.size() || !(value >= 0 && value <= 1e6))
-        return std::nullopt;
-    return static_cast<std::int64_t>(value * per_unit + 0.5);
+    const auto value = parsed_number(word);
+    if (!value || *value < 0 || *value > 1e6) return std::nullopt;
+    return static_cast<std::int64_t>(*value * per_unit + 0.5);
 }
 
 /// Reads one line's words; returns the reason for a refusal.

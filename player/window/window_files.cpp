@@ -56,12 +56,7 @@ Result<std::unique_ptr<WindowFilm>> WindowFilm::create(const std::filesystem::pa
 }
 
 void WindowFilm::stop() {
-    {
-        const std::lock_guard lock(mutex_);
-        stopping_ = true;
-    }
-    changed_.notify_all();
-    if (thread_.joinable()) thread_.join();
+    stop_thread(mutex_, stopping_, changed_, thread_);
 }
 
 bool WindowFilm::wants(double seconds) {
