@@ -311,29 +311,18 @@ Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options,
     return std::optional<PictureOrder>(std::move(order));
 }
 
-Result<Image> PictureOrder::draw(const HeightField& field, const ViewSurface& surface,
-                                 std::span<const FingerMark> fingers) {
-    const Viewpoint::Subject subject = subject_of(field);
-    return make_picture(settings, field.scene(), surface, subject, fingers,
-                        mark_sizes(field.scene(), subject.middle), *painter);
-}
-
-Result<Image> PictureOrder::draw_overlay(const HeightField& field, const FramePair& pair,
-                                         std::span<const FingerMark> fingers) {
-    Overlays overlays;
-    const Overlays::Picture& overlay = overlays.paint(show, field, pair);
-    TRY_ASSIGN(auto surface, painter->surface_of(field, pair, overlay.view()));
-    quieten_light(show, overlay, surface);
-    TRY_ASSIGN(auto image, draw(field, surface, fingers));
-    TRY(draw_scale_bar(overlay.scale, image));
-    return image;
-}
-
 Result<Image> PictureOrder::draw(const HeightField& field, const FramePair& pair, const PlaneView& colour,
                                  std::span<const FingerMark> fingers) {
-    if (show != Overlay::colour) return draw_overlay(field, pair, fingers);
-    TRY_ASSIGN(const auto surface, painter->surface_of(field, pair, colour));
-    return draw(field, surface, fingers);
+    Overlays overlays;
+    const Overlays::Picture* const overlay =
+        show == Overlay::colour ? nullptr : &overlays.paint(show, field, pair);
+    TRY_ASSIGN(auto surface, painter->surface_of(field, pair, overlay ? overlay->view() : colour));
+    if (overlay) quieten_light(show, *overlay, surface);
+    const Viewpoint::Subject subject = subject_of(field);
+    TRY_ASSIGN(auto image, make_picture(settings, field.scene(), surface, subject, fingers,
+                                        mark_sizes(field.scene(), subject.middle), *painter));
+    if (overlay) TRY(draw_scale_bar(overlay->scale, image));
+    return image;
 }
 
 Result<void> PictureOrder::deliver(const HeightField& field, const FramePair& pair, const PlaneView& colour,

@@ -99,10 +99,6 @@ struct PictureOrder {
 private:
     Result<Image> draw(const HeightField& field, const FramePair& pair, const PlaneView& colour,
                        std::span<const FingerMark> fingers);
-    Result<Image> draw(const HeightField& field, const ViewSurface& surface,
-                       std::span<const FingerMark> fingers);
-    Result<Image> draw_overlay(const HeightField& field, const FramePair& pair,
-                               std::span<const FingerMark> fingers);
 };
 /// Nothing if no picture is requested. `gpu` is that of `choice` and is opened only for a painter that needs
 /// it; a painter requested by name but unavailable is refused.

@@ -271,7 +271,7 @@ struct DrawnCurve {
 };
 
 /// Overlaid lines from 0 to `most`, or a bar for each value; the newest value as text on the right.
-void draw_curves(const char* label, std::initializer_list<DrawnCurve> curves, float most, bool bars,
+void draw_curves(const char* label, const std::vector<DrawnCurve>& curves, float most, bool bars,
                  const char* words, float scale) {
     const float tall = 30 * scale, down = (tall - ImGui::GetFrameHeight()) / 2;
     ImGui::SetCursorPosY(ImGui::GetCursorPosY() + down);
@@ -410,13 +410,9 @@ void CurvesPanel::draw(double most_newtons, float scale) {
     const ImU32 bad = IM_COL32(240, 150, 90, 255);
     float newtons = 0;
     for (const Curve& curve : forces_) newtons = std::max(newtons, curve.newest());
-    draw_curves("force",
-                {{forces_[4], readable_finger_colour(4)},
-                 {forces_[3], readable_finger_colour(3)},
-                 {forces_[2], readable_finger_colour(2)},
-                 {forces_[1], readable_finger_colour(1)},
-                 {forces_[0], readable_finger_colour(0)}},
-                static_cast<float>(most_newtons), false,
+    std::vector<DrawnCurve> forces;
+    for (std::size_t k = forces_.size(); k-- > 0;) forces.push_back({forces_[k], readable_finger_colour(k)});
+    draw_curves("force", forces, static_cast<float>(most_newtons), false,
                 formatted("%.1f N", static_cast<double>(newtons)).c_str(), scale);
     explain_row("Newtons on each finger, in its colour.");
     draw_curves("picture", {{picture_ms_, usual}}, std::max(50.0F, picture_ms_.greatest()), false,
