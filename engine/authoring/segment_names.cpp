@@ -85,7 +85,7 @@ void read_feel(const checked_json::Node& node, NamedSegment& segment) {
             number_between(node["dynamic_friction"], 0, roughest_segment, "from 0 to 10");
     if (properties.dynamic_friction > properties.static_friction)
         node.refuse("of a dynamic_friction that is not above static_friction");
-    if (node.has("relief")) segment.feel.relief = static_cast<int>(node["relief"].integer(0, 400));
+    if (node.has("relief")) segment.feel.relief = node["relief"].whole(0, 400);
 }
 
 /// One place, or a list of them.
@@ -110,7 +110,7 @@ NamedSegment read_segment(const checked_json::Node& node) {
     if (node.has("at") == node.has("index"))
         node.refuse("of either at, a pixel of the segment, or index, its value in a map");
     if (node.has("at")) segment.at = read_places(node["at"]);
-    if (node.has("index")) segment.index = static_cast<int>(node["index"].integer(0, 255));
+    if (node.has("index")) segment.index = node["index"].whole(0, 255);
     return segment;
 }
 
@@ -175,8 +175,8 @@ std::string no_such_material(std::string_view name) {
 PixelOfFrame read_place(const checked_json::Node& node) {
     const auto numbers = node.elements(2, 3, "[X, Y] or [X, Y, FRAME]");
     PixelOfFrame place;
-    place.x = static_cast<int>(numbers[0].integer(0, last_pixel));
-    place.y = static_cast<int>(numbers[1].integer(0, last_pixel));
+    place.x = numbers[0].whole(0, last_pixel);
+    place.y = numbers[1].whole(0, last_pixel);
     if (numbers.size() == 3) place.frame = numbers[2].integer(0, last_frame);
     return place;
 }
@@ -192,8 +192,7 @@ SegmentCut read_cut(const checked_json::Node& node) {
     for (const checked_json::Node& point :
          node["stroke"].elements(2, most_points, "a list of 2 to 10000 points, [X, Y] each")) {
         const auto numbers = point.elements(2, 2, "[X, Y]");
-        cut.stroke.push_back({static_cast<int>(numbers[0].integer(0, last_pixel)),
-                              static_cast<int>(numbers[1].integer(0, last_pixel))});
+        cut.stroke.push_back({numbers[0].whole(0, last_pixel), numbers[1].whole(0, last_pixel)});
     }
     return cut;
 }

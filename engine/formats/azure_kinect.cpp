@@ -171,14 +171,11 @@ Result<K4aCameras> parse_azure_kinect_calibration(std::string_view text, Picture
                                                   const std::optional<PictureSize>& colour,
                                                   const std::string& where) {
     while (!text.empty() && text.back() == '\0') text.remove_suffix(1);
-    try {
-        const checked_json::Json json = checked_json::parse(text);
-        return read_cameras(Node(json, ""), depth, colour, where);
-    } catch (const checked_json::Refusal& reason) {
-        return input_error(where + ": " + reason.message);
-    } catch (const checked_json::Json::exception& fault) {
-        return input_error(where + ": " + fault.what());
-    }
+    TRY_ASSIGN(auto cameras,
+               checked_json::read_checked(text, checked_json::largest_text, where, [&](const Node& node) {
+                   return read_cameras(node, depth, colour, where);
+               }));
+    return cameras;
 }
 
 }  // namespace touchable

@@ -51,12 +51,8 @@ Result<PoseRow> poses_of_log(const std::string& text, const std::string& name, d
 /// -z with y up. Empty if there are none.
 Result<PoseRow> poses_of_record3d(const std::string& text, const std::string& name, double metres_per_unit) {
     PoseRow poses;
-    Json json;
-    try {
-        json = checked_json::parse(text, text.size());
-    } catch (const checked_json::Refusal& refusal) {
-        return input_error(name + ": " + refusal.message);
-    }
+    TRY_ASSIGN(const Json json,
+               checked_json::checked(name, [&] { return checked_json::parse(text, text.size()); }));
     if (!json.is_object() || !json.contains("poses") || !json["poses"].is_array()) return poses;
     for (const Json& each : json["poses"]) {
         std::array<double, 7> n{};

@@ -143,8 +143,8 @@ public:
         if (!moving) return std::nullopt;
         GltfVideo video;
         constexpr int longest_side = 16384;
-        video.width = static_cast<int>((*moving)["width"].integer(1, longest_side));
-        video.height = static_cast<int>((*moving)["height"].integer(1, longest_side));
+        video.width = (*moving)["width"].whole(1, longest_side);
+        video.height = (*moving)["height"].whole(1, longest_side);
         video.format = moving->has("format") ? (*moving)["format"].text() : "RGB";
         const Node view = element("bufferViews", element("accessors", (*moving)["accessor"])["bufferView"]);
         const Node buffer = element("buffers", view["buffer"]);
@@ -348,8 +348,7 @@ private:
             say("KHR_texture_transform of " + name_ + " is not used: pictures lie over the whole of depth's");
         gltf_.element("textures", info["index"]);
         GltfLayer layer{static_cast<std::size_t>(info["index"].whole())};
-        if (const auto channel = extra(entry, "touchable_channel"))
-            layer.channel = static_cast<int>(channel->integer(0, 2));
+        if (const auto channel = extra(entry, "touchable_channel")) layer.channel = channel->whole(0, 2);
         if (const auto range = extra(entry, "touchable_range")) {
             const auto ends = range->elements(2, 2, "[black, white], two numbers");
             layer.range = {ends[0].number(), ends[1].number()};
@@ -751,11 +750,8 @@ private:
 template <class Read>
 auto read_gltf(const std::filesystem::path& file, const Read& read) -> decltype(read()) {
     try {
-        return read();
-    } catch (const checked_json::Refusal& reason) {
-        return input_error(file.string() + ": " + reason.message);
-    } catch (const checked_json::Json::exception& fault) {
-        return input_error(file.string() + ": " + fault.what());
+        TRY_ASSIGN(auto made, checked_json::checked(file.string(), read));
+        return made;
     } catch (const Error& error) {
         return error;
     }

@@ -164,11 +164,8 @@ fs::path colour_of(const fs::path& video, const std::string& depth, const Videos
 Result<Videos> read_videos(const fs::path& file) {
     constexpr std::size_t largest = std::size_t{16} << 20;
     TRY_ASSIGN(auto text, read_given_file(file, file.string(), "a LeRobot data set's description", largest));
-    try {
-        return videos_in(checked_json::parse(text, largest));
-    } catch (const checked_json::Refusal& refusal) {
-        return input_error(file.string() + ": " + refusal.message);
-    }
+    return checked_json::checked(file.string(),
+                                 [&] { return videos_in(checked_json::parse(text, largest)); });
 }
 
 /// What a description says of this video; nothing if it does not describe it. `is_usual`: the video may be

@@ -371,12 +371,8 @@ Json json_in(std::string_view text) {
     const auto begin = text.find_first_not_of(" \t\r\n");
     if (begin == std::string_view::npos) return nullptr;
     if (text[begin] == '{' || text[begin] == '[') {
-        try {
-            return checked_json::parse(text, text.size());
-        } catch (const checked_json::Refusal&) {
-        } catch (const Json::exception&) {
-        }
-        return nullptr;
+        auto json = checked_json::checked("", [&] { return checked_json::parse(text, text.size()); });
+        return json ? std::move(*json) : Json();
     }
     if (text[begin] == '<') {
         pugi::xml_document document;

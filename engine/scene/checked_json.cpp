@@ -166,6 +166,11 @@ std::string Node::text() const {
     return value_.get<std::string>();
 }
 
+bool Node::boolean() const {
+    if (!value_.is_boolean()) refuse("true or false");
+    return value_.get<bool>();
+}
+
 std::size_t Node::one_of(const std::vector<const char*>& names) const {
     std::string all;
     for (std::size_t k = 0; k < names.size(); ++k) {

@@ -6,7 +6,7 @@
 // return the value as the required type, or throw a Refusal, which names the member by its path, its value
 // and what would be right. Node::allow_only refuses unknown members.
 //
-// Exceptions pass through the functions of a parser: read_checked, or the function that reads the text, turns
+// Exceptions pass through the functions of a parser: read_checked, or `checked` around what reads, turns
 // a Refusal, or an exception of the library, into an Error, so that none leaves a module. Include this header
 // only to read JSON: it includes nlohmann/json.
 //
@@ -61,9 +61,11 @@ public:
 
     double number() const;
     std::int64_t integer(std::int64_t least, std::int64_t most) const;
-    /// Not negative.
-    int whole() const { return static_cast<int>(integer(0, std::numeric_limits<int>::max())); }
+    int whole(int least = 0, int most = std::numeric_limits<int>::max()) const {
+        return static_cast<int>(integer(least, most));
+    }
     std::string text() const;
+    bool boolean() const;
     std::string json() const { return value_.dump(); }  ///< any value, as JSON text
     std::size_t size() const { return value_.size(); }
     /// The element of a list with this index; nullopt beyond its end.
@@ -89,19 +91,26 @@ private:
     std::string path_;
 };
 
-/// Returns what `read` makes of a text's whole value. If `read` or `parse` refuses it, returns an error
-/// (ErrorKind::input) whose message begins with `where`.
+/// Returns what `read` makes of JSON. If that is refused, returns an error (ErrorKind::input) whose message
+/// begins with `where`.
 template <class Read>
-auto read_checked(std::string_view text, std::size_t largest, std::string_view where, Read read)
-    -> Result<decltype(read(std::declval<const Node&>()))> {
+auto checked(std::string_view where, Read read) -> Result<decltype(read())> {
     try {
-        const Json json = parse(text, largest);
-        return read(Node(json, ""));
+        return read();
     } catch (const Refusal& reason) {
         return input_error(std::string(where) + ": " + reason.message);
     } catch (const Json::exception& fault) {
         return input_error(std::string(where) + ": " + fault.what());
     }
+}
+
+/// Returns what `read` makes of a text's whole value; `read` or `parse` may refuse it.
+template <class Read>
+auto read_checked(std::string_view text, std::size_t largest, std::string_view where, Read read) {
+    return checked(where, [&] {
+        const Json json = parse(text, largest);
+        return read(Node(json, ""));
+    });
 }
 
 }  // namespace touchable::checked_json

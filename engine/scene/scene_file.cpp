@@ -293,8 +293,8 @@ void read_invalid_codes(const Node& node, int largest, DepthCoding& depth) {
 /// Reads how the bits of a stored value are ordered or packed.
 void read_order(const Node& node, Scene& scene) {
     if (node.has("bytes")) scene.stored.bytes_swapped = node["bytes"].one_of(byte_order_names);
-    if (node.has("rotated")) scene.stored.rotated = static_cast<int>(node["rotated"].integer(0, 15));
-    if (node.has("used_bits")) scene.stored.used_bits = static_cast<int>(node["used_bits"].integer(8, 16));
+    if (node.has("rotated")) scene.stored.rotated = node["rotated"].whole(0, 15);
+    if (node.has("used_bits")) scene.stored.used_bits = node["used_bits"].whole(8, 16);
     if (node.has("packed")) scene.stored.packed = node["packed"].one_of(packed_names);
     const StoredDepth& stored = scene.stored;
     if (stored.packed && (scene.depth.kind != DepthCodingKind::metric || stored.is_reordered()))
@@ -347,13 +347,13 @@ void read_depth(const Node& node, SceneDescription& described) {
     if (node.has("near_is")) depth.near_is_high = node["near_is"].one_of(near_is_high_names);
 
     const bool usually_16 = metric || coding.stored != StoredDepth::Kind::codes;
-    scene.depth_bits = node.has("bits") ? static_cast<int>(node["bits"].integer(8, 16)) : usually_16 ? 16 : 8;
+    scene.depth_bits = node.has("bits") ? node["bits"].whole(8, 16) : usually_16 ? 16 : 8;
     const int largest = hue ? DepthCoding::hue_circle : (1 << scene.depth_bits) - 1;
     depth.code_max =
         static_cast<std::uint16_t>(node.has("code_max") ? node["code_max"].integer(1, largest) : largest);
     if (node.has("invalid")) read_invalid_codes(node["invalid"], largest, depth);
 
-    if (node.has("least_sum")) depth.least_sum = static_cast<int>(node["least_sum"].integer(0, 3 * 255));
+    if (node.has("least_sum")) depth.least_sum = node["least_sum"].whole(0, 3 * 255);
     read_order(node, scene);
     if (disparity) return read_disparity(node, scene);
     if (metric) depth.scale = node["scale"].number();
