@@ -77,16 +77,12 @@ touch_clip_settings default_clip_settings() {
     return settings;
 }
 
-Error refuse_member(const char* member, const char* right) {
+Error refuse_member(const char* member, const std::string& right) {
     return usage_error(std::string(member) + " is out of range; must be " + right);
 }
 
-bool is_within(double value, double least, double most) {
-    return value >= least && value <= most;  // false for NaN
-}
-
-/// The program's facts about a clip's camera; nothing: none stated. Errors name the member.
-Result<std::optional<SourceDescription>> known_of(const touch_clip_settings& settings) {
+/// The program's facts about a clip's camera. Errors name the member.
+Result<SourceDescription> known_of(const touch_clip_settings& settings) {
     SourceDescription known;
     constexpr double longest_px = 1e9;
     if (settings.fx_px != 0 || settings.fy_px != 0) {
@@ -100,21 +96,19 @@ Result<std::optional<SourceDescription>> known_of(const touch_clip_settings& set
         if (std::isinf(settings.cx_px) || std::isinf(settings.cy_px))
             return refuse_member("cx_px or cy_px", "pixels, or NaN for the middle");
     }
-    if (settings.fov_degrees != 0) {
-        if (!is_within(settings.fov_degrees, 1, 179)) return refuse_member("fov_degrees", "1 to 179");
-        if (known.intrinsics) return usage_error("fx_px and fov_degrees are both set; use one of them");
-        known.fov = settings.fov_degrees;
-    }
-    if (settings.metres_per_code != 0) {
-        if (!is_within(settings.metres_per_code, 1e-9, 1e6))
-            return refuse_member("metres_per_code", "1e-9 to 1e6");
-        known.metres_per_code = settings.metres_per_code;
-    }
+    const auto state = [&known](const char* member, double number, Setting::Name name) -> Result<void> {
+        const SourceSetting& setting = *source_setting(name);
+        if (number == 0 || setting.state(number, known)) return {};
+        return refuse_member(member, formatted("%g to %g", setting.range.least, setting.range.most));
+    };
+    TRY(state("fov_degrees", settings.fov_degrees, Setting::field_of_view));
+    if (known.fov && known.intrinsics)
+        return usage_error("fx_px and fov_degrees are both set; use one of them");
+    TRY(state("metres_per_code", settings.metres_per_code, Setting::depth_unit));
     if (settings.preset) known.preset = settings.preset;
-    if (known == SourceDescription{}) return std::optional<SourceDescription>();
-    if (settings.scene_file)
+    if (known != SourceDescription() && settings.scene_file)
         return usage_error("scene_file is set, and something of the camera beside it; use one of them");
-    return std::optional(std::move(known));
+    return known;
 }
 
 std::vector<std::string> notes_of(const ClipReader& reader) {

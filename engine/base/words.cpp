@@ -98,6 +98,12 @@ std::string short_number(double number, int count) {
     return std::abs(number) > 1 && text.find('e') != std::string::npos ? formatted("%.0f", number) : text;
 }
 
+std::string with_dashes(std::string_view name) {
+    std::string typed(name);
+    std::ranges::replace(typed, '_', '-');
+    return typed;
+}
+
 std::string small_letters(std::string text) {
     for (char& c : text)
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');

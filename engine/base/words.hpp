@@ -45,6 +45,9 @@ double decimal_of(float value);
 /// 1235000, not 1.235e+06. 0 has no sign.
 std::string short_number(double number, int count = 4);
 
+/// A setting's name as it is typed: fill-holes for fill_holes.
+std::string with_dashes(std::string_view name);
+
 /// A to Z become a to z.
 std::string small_letters(std::string text);
 /// Removes these letters from both ends.

@@ -67,10 +67,9 @@ std::string missing_depth(const std::vector<NodeFacts>& all) {
            "and the rules for its permissions (scripts/setup_udev_rules.sh).\n";
 }
 
-Result<std::unique_ptr<ClipReader>> open_stream(const StreamSource& source,
-                                                const std::optional<SourceDescription>& known,
+Result<std::unique_ptr<ClipReader>> open_stream(const StreamSource& source, const SourceDescription& known,
                                                 const std::optional<std::filesystem::path>& scene_file) {
-    if (known && !(*known == SourceDescription()))
+    if (known != SourceDescription())
         return usage_error(
             source.url.name() + ": is a stream, which has its scene in it: leave camera, unit, preset and kind of depth out",
             {{Setting::intrinsics}, {Setting::depth_unit}, {Setting::preset}});
@@ -132,7 +131,7 @@ std::string name_of(const PluggedChoice& choice) {
 }
 
 Result<std::unique_ptr<ClipReader>> open_plugged_camera(
-    const PluggedChoice& choice, const std::optional<SourceDescription>& known,
+    const PluggedChoice& choice, const SourceDescription& known,
     const std::optional<std::filesystem::path>& scene_file) {
     if (const auto* sender = std::get_if<FramesetChoice>(&choice))
         return open_frameset_camera(*sender, known, scene_file);
@@ -201,7 +200,7 @@ Result<RawFrame> SharedCamera::newest() {
 }
 
 Result<std::unique_ptr<ClipReader>> SharedCamera::open(
-    const PluggedChoice& choice, const std::optional<SourceDescription>& known,
+    const PluggedChoice& choice, const SourceDescription& known,
     const std::optional<std::filesystem::path>& scene_file) {
     const bool is_first = !camera_;
     if (is_first) TRY(assign(camera_, open_plugged_camera(choice, known, scene_file)));

@@ -48,7 +48,7 @@ std::string name_of(const PluggedChoice& choice);
 /// Calls `open_v4l2_camera`, `open_frameset_camera` or `open_live_stream`; a stream itself states what its
 /// depth means.
 Result<std::unique_ptr<ClipReader>> open_plugged_camera(
-    const PluggedChoice& choice, const std::optional<SourceDescription>& known = {},
+    const PluggedChoice& choice, const SourceDescription& known = {},
     const std::optional<std::filesystem::path>& scene_file = {});
 
 /// One camera for several runs, one after the other: as a camera has only one stream, the next run is
@@ -57,8 +57,7 @@ class SharedCamera : public std::enable_shared_from_this<SharedCamera> {
 public:
     /// The first call opens the camera as `open_plugged_camera` does. Until its run begins, a later reader
     /// returns the newest frame of the current run; its own may begin once that has ended.
-    Result<std::unique_ptr<ClipReader>> open(const PluggedChoice& choice,
-                                             const std::optional<SourceDescription>& known = {},
+    Result<std::unique_ptr<ClipReader>> open(const PluggedChoice& choice, const SourceDescription& known = {},
                                              const std::optional<std::filesystem::path>& scene_file = {});
 
 private:

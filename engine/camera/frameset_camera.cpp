@@ -413,10 +413,10 @@ Result<std::optional<Frameset>> FramesetParser::next() {
 }
 
 Result<std::unique_ptr<ClipReader>> open_frameset_camera(
-    const FramesetChoice& choice, const std::optional<SourceDescription>& known,
+    const FramesetChoice& choice, const SourceDescription& known,
     const std::optional<std::filesystem::path>& scene_file) {
     auto camera = std::make_unique<FramesetCamera>(choice);
-    TRY(camera->open(known.value_or(SourceDescription()), scene_file));
+    TRY(camera->open(known, scene_file));
     return std::unique_ptr<ClipReader>(std::move(camera));
 }
 

@@ -131,7 +131,7 @@ Result<void> check_address(const std::string& address);
 /// or `scene_file` state them. A JitterBuffer without delay times frames, and believes in transit times of
 /// 0.1 s at most. The command ends with the reader.
 Result<std::unique_ptr<ClipReader>> open_frameset_camera(
-    const FramesetChoice& choice, const std::optional<SourceDescription>& known = {},
+    const FramesetChoice& choice, const SourceDescription& known = {},
     const std::optional<std::filesystem::path>& scene_file = {});
 
 }  // namespace touchable

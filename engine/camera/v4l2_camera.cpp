@@ -293,11 +293,10 @@ Result<Plane> ColourConverter::rgb(const TakenPicture& picture, const StreamForm
     return Plane{view, std::shared_ptr<const AVFrame>(std::move(made))};
 }
 
-Result<std::unique_ptr<ClipReader>> open_v4l2_camera(const V4l2Choice& choice,
-                                                     const std::optional<SourceDescription>& known,
+Result<std::unique_ptr<ClipReader>> open_v4l2_camera(const V4l2Choice& choice, const SourceDescription& known,
                                                      const std::optional<std::filesystem::path>& scene_file) {
     auto camera = std::make_unique<V4l2Camera>(choice);
-    TRY(camera->open(known.value_or(SourceDescription()), scene_file));
+    TRY(camera->open(known, scene_file));
     return std::unique_ptr<ClipReader>(std::move(camera));
 }
 

@@ -45,7 +45,7 @@ struct V4l2Choice {
 /// lost, damaged or skipped frames leave gaps. After a run has ended, another may begin. A camera that is
 /// unplugged has no more frames, and `remarks` say so.
 Result<std::unique_ptr<ClipReader>> open_v4l2_camera(
-    const V4l2Choice& choice, const std::optional<SourceDescription>& known = {},
+    const V4l2Choice& choice, const SourceDescription& known = {},
     const std::optional<std::filesystem::path>& scene_file = {});
 
 }  // namespace touchable

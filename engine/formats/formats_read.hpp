@@ -39,14 +39,12 @@ struct OpenSettings {
     Colour colour = Colour::wanted;
     DepthAlignment alignment = DepthAlignment::automatic;
 
-    /// Whether `known` describes pictures. A least confidence, a channel or a data set alone does not: the
-    /// rest then comes from a scene file or from guesses.
+    /// Whether `known` describes pictures (SourceSetting::describes).
     bool is_known() const {
-        SourceDescription said = known;
-        said.least_confidence.reset();
-        said.channel.clear();
-        said.dataset.clear();
-        return !(said == SourceDescription());
+        return known.intrinsics ||
+               std::ranges::any_of(source_settings(), [this](const SourceSetting& setting) {
+                   return setting.describes && setting.get(known);
+               });
     }
 };
 

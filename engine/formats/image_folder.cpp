@@ -69,14 +69,7 @@ public:
         if (stack && !stack->left_out().empty())
             clip.notes.push_back(depth.files.front().filename().string() + ": " + stack->left_out());
         if (!stack) tell_of_pages(depth, clip);
-        if (!pictures_->known().channel.empty() && !is_exr(first_bytes(SourceFile(depth.files.front()), 4)))
-            return usage_error(
-                depth.files.front().string() + ": is no OpenEXR file, of which a channel could be named",
-                {{Setting::channel}});
-        if (!pictures_->known().dataset.empty() && !has_named_arrays(SourceFile(depth.files.front())))
-            return usage_error(depth.files.front().string() +
-                                   ": is no HDF5 file and no .npz, of which a data set could be named",
-                               {{Setting::dataset}});
+        TRY(check_named_depth(pictures_->known(), depth.files.front()));
         const bool has_confidence = stack && stack->least_confidence();
         if (pictures_->known().least_confidence && !has_confidence)
             return usage_error(depth.files.front().string() +

@@ -46,11 +46,10 @@ constexpr const char* own_scene_file = "scene.json";  // of a folder that descri
 
 /// The settings that describe pictures without a scene.
 Hints of_bare_pictures() {
-    return {{Setting::intrinsics},
-            {Setting::field_of_view},
-            {Setting::depth_unit},
-            {Setting::preset},
-            {Setting::depth_kind}};
+    Hints hints{{Setting::intrinsics}};
+    for (const SourceSetting& setting : source_settings())
+        if (setting.describes) hints.push_back({setting.name});
+    return hints;
 }
 
 // --- Find
@@ -163,14 +162,7 @@ Result<Candidate> find_clip(const fs::path& path, const std::optional<fs::path>&
     if (wanted.known.least_confidence && !is_described && (is_folder || !is_npy_file(SourceFile(path))))
         return usage_error(path.string() +
                            ": is no .npz with an array conf, of which there could be a least confidence");
-    if (!wanted.known.channel.empty() && !is_described && !is_folder &&
-        !is_exr(first_bytes(SourceFile(path), Candidate::telling_bytes)))
-        return usage_error(path.string() + ": is no OpenEXR file, of which a channel could be named",
-                           {{Setting::channel}});
-    if (!wanted.known.dataset.empty() && !is_described && !is_folder && !has_named_arrays(SourceFile(path)))
-        return usage_error(
-            path.string() + ": is no HDF5 file and no .npz, of which a data set could be named",
-            {{Setting::dataset}});
+    if (!is_described && !is_folder) TRY(check_named_depth(wanted.known, path));
     if (is_scene && (scene_file || is_known))
         return usage_error(path.string() + ": is a scene file itself: leave " +
                                (scene_file ? "the other one" : "camera, unit and preset") + " out",
@@ -618,9 +610,9 @@ std::vector<ClipFormat> clip_formats() {
 }
 
 Result<std::unique_ptr<ClipReader>> open_clip(const fs::path& path, const std::optional<fs::path>& scene_file,
-                                              const std::optional<SourceDescription>& known, Colour colour,
+                                              const SourceDescription& known, Colour colour,
                                               DepthAlignment alignment) {
-    auto reader = open_path(path, scene_file, {known.value_or(SourceDescription()), colour, alignment});
+    auto reader = open_path(path, scene_file, {known, colour, alignment});
     return unless_given_up(reader ? with_pinhole_frames(std::move(*reader)) : std::move(reader));
 }
 

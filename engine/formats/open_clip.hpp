@@ -51,7 +51,7 @@ Result<SceneDescription> guess_clip(const std::filesystem::path& path, const Sou
 /// without a scale (with_aligned_depth); `on` applies it to any clip that can have it.
 Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
                                               const std::optional<std::filesystem::path>& scene_file = {},
-                                              const std::optional<SourceDescription>& known = {},
+                                              const SourceDescription& known = {},
                                               Colour colour = Colour::wanted,
                                               DepthAlignment alignment = DepthAlignment::automatic);
 

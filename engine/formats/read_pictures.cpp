@@ -28,7 +28,24 @@ std::size_t index_at(const StoredImage& picture, std::size_t k) {
     return is_index ? static_cast<std::size_t>(value) : no_index;
 }
 
+/// Opens HDF5 or NumPy's arrays.
+Result<std::shared_ptr<ImageStack>> open_arrays(const SourceFile& file, const SourceDescription& known) {
+    if (is_hdf5_file(file)) return open_hdf5_stack(file, known.dataset);
+    return open_npy_stack(file, known.least_confidence, known.dataset);
+}
+
 }  // namespace
+
+Result<void> check_named_depth(const SourceDescription& known, const std::filesystem::path& file) {
+    if (!known.channel.empty() && !is_exr(first_bytes(SourceFile(file), 4)))
+        return usage_error(file.string() + ": is no OpenEXR file, of which a channel could be named",
+                           {{Setting::channel}});
+    if (!known.dataset.empty() && !has_named_arrays(SourceFile(file)))
+        return usage_error(
+            file.string() + ": is no HDF5 file and no .npz, of which a data set could be named",
+            {{Setting::dataset}});
+    return {};
+}
 
 Result<std::shared_ptr<const StoredImage>> ReadPictures::look(const std::filesystem::path& file) {
     if (const auto there = pictures_.find(file.lexically_normal()); there != pictures_.end())
@@ -54,11 +71,9 @@ Result<std::shared_ptr<ImageStack>> ReadPictures::stack_in(const std::filesystem
     if (const auto there = stacks_.find(name); there != stacks_.end()) return there->second;
     if (pictures_.contains(name)) return std::shared_ptr<ImageStack>();
     const SourceFile& opened = source(file);
-    const bool is_tiff = picture_kind(first_bytes(opened, 8)) == "TIFF", is_hdf5 = is_hdf5_file(opened);
-    if (!is_tiff && !is_hdf5 && !is_npy_file(opened)) return std::shared_ptr<ImageStack>();
-    TRY_ASSIGN(auto stack, is_tiff   ? open_tiff_stack(opened)
-                           : is_hdf5 ? open_hdf5_stack(opened, known_.dataset)
-                                     : open_npy_stack(opened, known_.least_confidence, known_.dataset));
+    const bool is_tiff = picture_kind(first_bytes(opened, 8)) == "TIFF";
+    if (!is_tiff && !is_hdf5_file(opened) && !is_npy_file(opened)) return std::shared_ptr<ImageStack>();
+    TRY_ASSIGN(auto stack, is_tiff ? open_tiff_stack(opened) : open_arrays(opened, known_));
     if (stack) stacks_[name] = stack;
     return stack;
 }
@@ -97,11 +112,8 @@ Result<StoredImage> ReadPictures::read(const std::filesystem::path& file, Pictur
     if (realsense_metadata_of(file)) return read_realsense_raw(taken_source(file));
     const SourceFile opened = taken_source(file);
     const std::string where = file.string();
-    const bool is_hdf5 = is_hdf5_file(opened);
-    if (is_hdf5 || (!known_.dataset.empty() && has_named_arrays(opened))) {
-        TRY_ASSIGN(const auto stack, is_hdf5
-                                         ? open_hdf5_stack(opened, known_.dataset)
-                                         : open_npy_stack(opened, known_.least_confidence, known_.dataset));
+    if (is_hdf5_file(opened) || (!known_.dataset.empty() && has_named_arrays(opened))) {
+        TRY_ASSIGN(const auto stack, open_arrays(opened, known_));
         return stack->image(0);  // each file of several is one frame
     }
     TRY_ASSIGN(auto bytes, read_picture_bytes(opened));

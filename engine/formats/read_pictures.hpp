@@ -82,6 +82,9 @@ private:
     std::map<std::filesystem::path, Intrinsics> cameras_;  // of the first clouds that were read
 };
 
+/// Refuses (ErrorKind::usage) a stated channel or data set of a file that has none by name.
+Result<void> check_named_depth(const SourceDescription& known, const std::filesystem::path& file);
+
 /// Which pictures of a folder are depth, and which belong to it.
 struct ChosenPictures {
     PictureGroup depth{};

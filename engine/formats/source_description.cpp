@@ -129,17 +129,108 @@ const SourceDescription::Preset* preset_named(const std::string& name) {
 constexpr std::pair<const char*, VideoValues> of_videos[] = {{"hue", VideoValues::hue},
                                                              {"mean", VideoValues::mean}};
 
-std::vector<std::string> preset_names() {
-    std::vector<std::string> names;
-    for (const SourceDescription::Preset& preset : presets) names.emplace_back(preset.name);
-    for (const auto& [name, values] : of_videos) names.emplace_back(name);
-    return names;
-}
-
 std::optional<VideoValues> video_values_named(const std::string& name) {
     for (const auto& [known, values] : of_videos)
         if (name == known) return values;
     return std::nullopt;
+}
+
+// --- The table of settings
+
+namespace {
+
+/// Gives a row its member: a text, empty if not stated, or an optional number.
+template <auto member>
+SourceSetting source_row(SourceSetting row) {
+    constexpr bool is_text = std::is_same_v<decltype(member), std::string SourceDescription::*>;
+    row.get = [](const SourceDescription& known) -> std::optional<SourceSetting::Value> {
+        if constexpr (is_text)
+            if ((known.*member).empty()) return std::nullopt;
+        return known.*member;
+    };
+    row.set = [](const SourceSetting::Value& value, SourceDescription& known) {
+        known.*member = std::get<std::conditional_t<is_text, std::string, double>>(value);
+    };
+    return row;
+}
+
+SourceSetting semantics_row() {
+    SourceSetting row{.name = Setting::depth_kind,
+                      .what =
+                          "how depth is measured. range: along each pixel's ray; planar: along the "
+                          "camera's axis; for pictures without a scene file",
+                      .form = "WORD",
+                      .range = {.words = {"range", "planar"}}};
+    row.get = [](const SourceDescription& known) -> std::optional<SourceSetting::Value> {
+        if (!known.semantics) return std::nullopt;
+        return known.semantics == DepthSemantics::range ? "range" : "planar";
+    };
+    row.set = [](const SourceSetting::Value& value, SourceDescription& known) {
+        const bool is_range = std::get<std::string>(value) == "range";
+        known.semantics = is_range ? DepthSemantics::range : DepthSemantics::planar;
+    };
+    return row;
+}
+
+std::vector<SourceSetting> all_source_settings() {
+    using Known = SourceDescription;
+    std::vector<const char*> preset_names;
+    for (const Known::Preset& preset : presets) preset_names.push_back(preset.name);
+    for (const auto& [name, values] : of_videos) preset_names.push_back(name);
+    return {source_row<&Known::fov>({.name = Setting::field_of_view,
+                                     .what = "horizontal field of view. For pictures without a scene file",
+                                     .form = "DEGREES",
+                                     .range = {.least = 1, .most = 179}}),
+            source_row<&Known::metres_per_code>(
+                {.name = Setting::depth_unit,
+                 .what = "length of a stored 1. For pictures without a scene file",
+                 .form = "METRES",
+                 .range = {.least = 1e-9, .most = 1e6}}),
+            semantics_row(),
+            source_row<&Known::least_confidence>(
+                {.name = "least_confidence",
+                 .what = "ignore depth with less confidence. For a .npz with an array conf beside depth; by "
+                         "default half the median of frame 0",
+                 .form = "NUMBER",
+                 .range = {.least = -1e9, .most = 1e9},
+                 .describes = false}),
+            source_row<&Known::channel>(
+                {.name = Setting::channel,
+                 .what = "channel or layer of an OpenEXR rendering that is depth. By default found by its "
+                         "name",
+                 .describes = false}),
+            source_row<&Known::dataset>(
+                {.name = Setting::dataset,
+                 .what = "data set or array of an HDF5 or .npz file that is depth, such as "
+                         "/data/demo_0/obs/depth. By default found by its name",
+                 .describes = false}),
+            source_row<&Known::preset>(
+                {.name = Setting::preset,
+                 .what = "how a camera, program or data set stores depth. For pictures and videos without a "
+                         "scene file; touchable formats lists what each is",
+                 .range = {.words = std::move(preset_names)}})};
+}
+
+}  // namespace
+
+bool SourceSetting::state(const Value& value, SourceDescription& known) const {
+    const auto* const number = std::get_if<double>(&value);
+    const auto* const text = std::get_if<std::string>(&value);
+    if (number && !range.has(*number)) return false;
+    if (text && !range.words.empty() && !range.value_of(*text)) return false;
+    set(value, known);
+    return true;
+}
+
+std::span<const SourceSetting> source_settings() {
+    static const std::vector<SourceSetting> settings = all_source_settings();
+    return settings;
+}
+
+const SourceSetting* source_setting(Setting::Name name) {
+    const auto all = source_settings();
+    const auto found = std::ranges::find(all, name, &SourceSetting::name);
+    return found == all.end() ? nullptr : &*found;
 }
 
 }  // namespace touchable

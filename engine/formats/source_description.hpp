@@ -20,6 +20,7 @@
 
 #include <filesystem>
 #include <span>
+#include <variant>
 
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"
@@ -66,12 +67,35 @@ struct SourceDescription {
     bool operator==(const SourceDescription&) const = default;
 };
 
+/// A row of the table of source settings. The table is the one place that knows a member of SourceDescription
+/// by name: options, messages, recordings and the C API read it. A setting is a member and a row; intrinsics
+/// are no row, as they are several numbers or a file.
+struct SourceSetting {
+    using Value = std::variant<double, std::string>;
+
+    Setting::Name name;         ///< in recordings and hints
+    const char* what;           ///< explanation for a new user
+    const char* form = "NAME";  ///< of its value, as typed
+    SettingRange range{};       ///< of a number, or a text's possible words; neither: any text
+    /// Whether it describes pictures, so that no scene file may do so. Otherwise the rest still comes from a
+    /// scene file or from guesses.
+    bool describes = true;
+    std::optional<Value> (*get)(const SourceDescription& known) = nullptr;  ///< nothing: not stated
+    void (*set)(const Value& value, SourceDescription& known) = nullptr;    ///< to a value in its range
+
+    bool is_number() const { return range.least < range.most; }
+    /// Sets it to a number or a text, as `is_number` says; false: the value is out of range.
+    bool state(const Value& value, SourceDescription& known) const;
+};
+/// All settings, in the order in which a recording has them.
+std::span<const SourceSetting> source_settings();
+/// Null: no setting has that name.
+const SourceSetting* source_setting(Setting::Name name);
+
 std::span<const SourceDescription::Preset> all_presets();
 /// Null: no preset has that name.
 const SourceDescription::Preset* preset_named(const std::string& name);
 
-/// Names of all presets, and then of those that are for videos alone: hue, mean.
-std::vector<std::string> preset_names();
 /// What of a video's pixels is depth, by the name of a preset that is for videos alone.
 std::optional<VideoValues> video_values_named(const std::string& name);
 

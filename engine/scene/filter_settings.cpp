@@ -110,12 +110,6 @@ std::string SettingRange::in_words() const {
     return right + (*unit ? " " : "") + unit;
 }
 
-std::string FilterSetting::typed_name() const {
-    std::string typed = name;
-    std::ranges::replace(typed, '_', '-');
-    return typed;
-}
-
 bool FilterSetting::read(std::string_view word, FilterSettings& filter) const {
     const auto plain = range.is_length ? std::nullopt : range.value_of(word);
     const auto typed = range.is_length || (length && !plain) ? length_of(word) : std::nullopt;

@@ -521,7 +521,7 @@ struct FilterSetting {
         void (*set)(FilterSettings& filter, const DepthLength& value);
     };
 
-    const char* name;  ///< in scene files and reports
+    const char* name;  ///< in scene files and reports; options and windows have it with_dashes
     Value value;
     SettingRange range{};
     /// The flag of a setting that can be left open; null: a scene file that leaves it out means its default.
@@ -534,7 +534,6 @@ struct FilterSetting {
     const char *in_list = "", *usual = "";
     DepthLength FilterSettings::*length = nullptr;  ///< a length that also switches it on; zero: not stated
 
-    std::string typed_name() const;  ///< in options and windows: '-' in place of '_'
     /// Sets it to a word that a person typed; returns false if the word is not allowed.
     bool read(std::string_view word, FilterSettings& filter) const;
     std::string right() const;  ///< what `read` takes, for a message

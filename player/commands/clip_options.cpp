@@ -23,18 +23,45 @@ std::vector<double> numbers_in(std::string_view text) {
 }
 
 /// Pixels are nearly square: other focal lengths are typed with a decimal comma.
-Result<std::optional<SourceDescription>> with_likely_pixels(SourceDescription known,
-                                                            const std::string& typed) {
+Result<SourceDescription> with_likely_pixels(SourceDescription known, const std::string& typed) {
     constexpr double most = 2;
     const double fx = known.intrinsics->fx, fy = std::abs(known.intrinsics->fy);
-    if (fx <= most * fy && fy <= most * fx) return std::optional(std::move(known));
-    std::string message = "--intrinsics '" + printable(typed);
-    message += "': fx is ";
-    message += short_number(fx);
-    message += " and fy " + short_number(fy);
-    return usage_error(message +
-                       ", one more than twice the other, as of no camera; must be FX,FY or "
-                       "FX,FY,CX,CY in pixels, with a decimal point, such as 525.5,525.5");
+    if (fx <= most * fy && fy <= most * fx) return known;
+    return usage_error(
+        formatted("--intrinsics '%s': fx is %s and fy %s, one more than twice the other, as of no camera; "
+                  "must be FX,FY or FX,FY,CX,CY in pixels, with a decimal point, such as 525.5,525.5",
+                  printable(typed).c_str(), short_number(fx).c_str(), short_number(fy).c_str()));
+}
+
+Result<void> read_source_setting(const SourceSetting& setting, const std::string& word,
+                                 SourceDescription& known) {
+    const SettingRange& range = setting.range;
+    SourceSetting::Value value = word;
+    if (setting.is_number()) {
+        TRY_ASSIGN(value, read_number("", word, range.least, range.most, setting.form));
+    }
+    if (setting.state(value, known)) return {};
+    if (setting.name != Setting::preset) return not_allowed("", word, range.in_words());
+    const std::vector<std::string> names(range.words.begin(), range.words.end());
+    const std::string meant = nearest_word(word, names);
+    if (meant.empty()) return not_allowed("", word, "one of " + listed(names));
+    return usage_error(printable(word) + " is not allowed: did you mean " + meant + "?");
+}
+
+/// Adds the options of what describes pictures, or of what is stated beside that.
+void add_source_options(CLI::App& sub, CameraTyped& typed, bool describes) {
+    CLI::Option* const scene = sub.get_option_no_throw("--scene");
+    for (const SourceSetting& setting : source_settings()) {
+        if (setting.describes != describes) continue;
+        const auto read = [&typed, &setting](const std::string& word) {
+            return read_source_setting(setting, word, typed.known);
+        };
+        const auto& words = setting.range.words;
+        CLI::Option* const option =
+            add_read_option(sub, "--" + with_dashes(setting.name), read, setting.what)
+                ->type_name(words.empty() ? setting.form : type_with_words(setting.form, words));
+        if (describes && scene) option->excludes(scene);
+    }
 }
 
 /// A filter's name in the list of `--filters`.
@@ -78,60 +105,19 @@ Result<void> take_stream(SessionOptions& session) {
 
 void add_camera_options(CLI::App& sub, CameraTyped& typed) {
     begin_topic(sub, "Camera");
-    auto* intrinsics = sub.add_option("--intrinsics", typed.intrinsics,
-                                      "focal lengths and principal point in pixels, or a file with them. For "
-                                      "pictures without a scene file; camera files are JSON, YAML or "
-                                      "calib.txt")
-                           ->type_name("FX,FY[,CX,CY]|FILE");
-    auto* fov = add_number_option(sub, "--fov", typed.fov,
-                                  "horizontal field of view. For pictures without a scene file", 1, 179)
-                    ->type_name("DEGREES")
-                    ->excludes(intrinsics);
-    auto* unit = add_number_option(sub, "--depth-unit", typed.depth_unit,
-                                   "length of a stored 1. For pictures without a scene file", 1e-9, 1e6)
-                     ->type_name("METRES");
-    static const SettingRange axes{.words = {"range", "planar"}};
-    const auto read_depth = [&typed](const std::string& word) -> Result<void> {
-        TRY_ASSIGN(const double place, read_word(axes, word));
-        typed.depth = place == 0 ? DepthSemantics::range : DepthSemantics::planar;
-        return {};
-    };
-    auto* depth =
-        add_read_option(sub, "--depth", read_depth,
-                        "how depth is measured. range: along each pixel's ray; planar: along the camera's "
-                        "axis; for pictures without a scene file")
-            ->type_name(type_with_words("WORD", axes.words));
-    const auto read_preset = [&typed](const std::string& word) -> Result<void> {
-        const auto names = preset_names();
-        if (std::ranges::find(names, word) == names.end()) {
-            const std::string meant = nearest_word(word, names);
-            if (meant.empty()) return not_allowed("", word, "one of " + listed(names));
-            return usage_error(printable(word) + " is not allowed: did you mean " + meant + "?");
-        }
-        typed.preset = word;
-        return {};
-    };
-    auto* preset = add_read_option(sub, "--preset", read_preset,
-                                   "how a camera, program or data set stores depth. For pictures and videos "
-                                   "without a scene file; touchable formats lists what each is")
-                       ->type_name(type_with_words("NAME", preset_names()));
-    if (CLI::Option* const scene = sub.get_option_no_throw("--scene"))
-        for (CLI::Option* option : {intrinsics, fov, unit, depth, preset}) option->excludes(scene);
+    CLI::Option* const intrinsics =
+        sub.add_option("--intrinsics", typed.intrinsics,
+                       "focal lengths and principal point in pixels, or a file with them. For pictures "
+                       "without a scene file; camera files are JSON, YAML or calib.txt")
+            ->type_name("FX,FY[,CX,CY]|FILE");
+    add_source_options(sub, typed, true);
+    sub.get_option("--fov")->excludes(intrinsics);
+    if (CLI::Option* const scene = sub.get_option_no_throw("--scene"); scene) intrinsics->excludes(scene);
 }
 
-Result<std::optional<SourceDescription>> read_camera(const CameraTyped& typed) {
-    if (!typed.intrinsics && !typed.fov && !typed.depth_unit && !typed.depth && !typed.preset &&
-        !typed.least_confidence && !typed.channel && !typed.dataset)
-        return std::optional<SourceDescription>();
-    SourceDescription known;
-    known.fov = typed.fov;
-    known.metres_per_code = typed.depth_unit;
-    known.semantics = typed.depth;
-    known.preset = typed.preset.value_or("");
-    known.least_confidence = typed.least_confidence;
-    known.channel = typed.channel.value_or("");
-    known.dataset = typed.dataset.value_or("");
-    if (!typed.intrinsics) return std::optional(known);
+Result<SourceDescription> read_camera(const CameraTyped& typed) {
+    SourceDescription known = typed.known;
+    if (!typed.intrinsics) return known;
     const std::vector<double> numbers = numbers_in(*typed.intrinsics);
     if (numbers.size() == 2 || numbers.size() == 4) {
         known.intrinsics = Intrinsics{.fx = numbers[0], .fy = numbers[1]};
@@ -188,17 +174,7 @@ CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed) {
     add_word_option(sub, "--fill-from-motion", typed.choice.fill_from_motion,
                     "fill holes in depth from frames that saw the background. The camera must stand still",
                     {"off", "on"});
-    add_number_option(sub, "--least-confidence", typed.camera.least_confidence,
-                      "ignore depth with less confidence. For a .npz with an array conf beside depth; by "
-                      "default half the median of frame 0",
-                      -1e9, 1e9);
-    sub.add_option("--channel", typed.camera.channel,
-                   "channel or layer of an OpenEXR rendering that is depth. By default found by its name")
-        ->type_name("NAME");
-    sub.add_option("--dataset", typed.camera.dataset,
-                   "data set or array of an HDF5 or .npz file that is depth, such as "
-                   "/data/demo_0/obs/depth. By default found by its name")
-        ->type_name("NAME");
+    add_source_options(sub, typed.camera, false);
     return clip;
 }
 
@@ -226,7 +202,7 @@ std::vector<CLI::Option*> add_filter_options(CLI::App& sub, ClipTyped& typed) {
         const auto& words = setting.range.words;
         const bool has_only_words = !words.empty() && !setting.length;
         options.push_back(
-            add_read_option(sub, "--" + setting.typed_name(), read,
+            add_read_option(sub, "--" + with_dashes(setting.name), read,
                             setting.what + (has_only_words ? std::string() : " Must be " + setting.right()))
                 ->type_name(
                     words.empty() ? "N" : type_with_words(setting.length ? "off|on|C[,Q]" : "WORD", words)));

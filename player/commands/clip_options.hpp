@@ -12,20 +12,16 @@ namespace touchable {
 
 /// Camera options of pictures without a scene file, as typed.
 struct CameraTyped {
-    std::optional<std::string> intrinsics, preset;
-    std::optional<double> fov, depth_unit;
-    std::optional<DepthSemantics> depth;
-    std::optional<double> least_confidence;  ///< from add_clip_options
-    std::optional<std::string> channel;      ///< from add_clip_options
-    std::optional<std::string> dataset;      ///< from add_clip_options
+    SourceDescription known;                ///< without intrinsics
+    std::optional<std::string> intrinsics;  ///< numbers, or a file with them
 };
 
-/// Adds --intrinsics, --fov, --depth-unit, --depth and --preset, which exclude --scene if `sub` already has
-/// it.
+/// Adds --intrinsics and the options of what describes pictures (SourceSetting::describes). They exclude
+/// --scene if `sub` already has it.
 void add_camera_options(CLI::App& sub, CameraTyped& typed);
 
-/// Nothing if none was typed. Reads a camera's file. Invalid numbers are refused (ErrorKind::usage).
-Result<std::optional<SourceDescription>> read_camera(const CameraTyped& typed);
+/// Reads a camera's file. Invalid numbers are refused (ErrorKind::usage).
+Result<SourceDescription> read_camera(const CameraTyped& typed);
 
 /// --filters: auto, off, or a comma-separated list of filters to enable (`FilterSetting::in_list`). Anything
 /// else is refused (ErrorKind::usage).
@@ -37,8 +33,8 @@ struct ClipTyped {
     CameraTyped camera;
 };
 
-/// Adds CLIP, which is returned, --scene, --haptic, --height, --align, --fill-from-motion,
-/// --least-confidence, --channel and --dataset. A single depth picture also needs add_camera_options.
+/// Adds CLIP, which is returned, --scene, --haptic, --height, --align, --fill-from-motion, and the options of
+/// what is stated beside a scene, such as --channel. A single depth picture also needs add_camera_options.
 CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed);
 
 /// Adds --filters and an option for each filter that has one (filter_settings).

@@ -41,7 +41,7 @@ Result<void> run_init_scene(const InitSceneOptions& options) {
     TRY_ASSIGN(const auto known, read_camera(options.camera));
     std::error_code ignored;
     const bool is_folder = std::filesystem::is_directory(options.pictures, ignored);
-    TRY_ASSIGN(const auto guessed, guess_clip(options.pictures, known.value_or(SourceDescription())));
+    TRY_ASSIGN(const auto guessed, guess_clip(options.pictures, known));
     std::filesystem::path beside = options.pictures;
     const std::filesystem::path target = options.out ? *options.out
                                          : is_folder ? options.pictures / "scene.json"

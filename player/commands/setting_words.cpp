@@ -4,6 +4,8 @@
 #include <array>
 
 #include "device/drivers/device_catalog.hpp"
+#include "engine/base/words.hpp"
+#include "engine/formats/source_description.hpp"
 
 namespace touchable {
 namespace {
@@ -18,23 +20,19 @@ struct Spelling {
 /// Most settings' options have the setting's name.
 Spelling spelling_of(const Hint& hint) {
     static const std::array irregular{Spelling{Setting::clip, "CLIP"},
-                                      Spelling{Setting::depth_unit, "--depth-unit", "METRES"},
                                       Spelling{Setting::device_rules, std::string(udev_rules_command)},
-                                      Spelling{Setting::field_of_view, "--fov", "DEGREES"},
                                       Spelling{Setting::forces, "touch --forces"},
                                       Spelling{Setting::haptic_map, "--haptic"},
                                       Spelling{Setting::height_map, "--height"},
                                       Spelling{Setting::intrinsics, "--intrinsics", "FX,FY,CX,CY"},
                                       Spelling{Setting::playback, "--play"},
-                                      Spelling{Setting::preset, "--preset", "NAME"},
                                       Spelling{Setting::record, "touch --record"},
                                       Spelling{Setting::scene_file, "--scene", "FILE"},
                                       Spelling{Setting::stiffness_rise, "--stiffness-slew"}};
     const auto* const found = std::ranges::find(irregular, hint.setting, &Spelling::setting);
     if (found != irregular.end()) return *found;
-    std::string option = "--" + std::string(hint.setting);
-    std::ranges::replace(option, '_', '-');
-    return {hint.setting, option};
+    const SourceSetting* const of_source = source_setting(hint.setting);
+    return {hint.setting, "--" + with_dashes(hint.setting), of_source ? of_source->form : ""};
 }
 
 std::string typed(std::string_view option, std::string_view value) {

@@ -300,21 +300,20 @@ std::string segments_depend_on(const ClipChoice& choice) {
     };
     nlohmann::ordered_json said = nlohmann::ordered_json::object();
     if (choice.scene_file) said["scene"] = whole(*choice.scene_file);
-    const SourceDescription of_camera = choice.camera.value_or(SourceDescription());
-    if (of_camera.intrinsics) {
-        const Intrinsics& lens = *of_camera.intrinsics;
-        said["intrinsics"] = {lens.fx, lens.fy, lens.cx.value_or(-1), lens.cy.value_or(-1)};
-        if (lens.fx <= 0) said["seen"] = {lens.fov_x, lens.fov_y};
+    const SourceDescription& of_camera = choice.camera;
+    if (const auto& lens = of_camera.intrinsics) {
+        said["intrinsics"] = {lens->fx, lens->fy, lens->cx.value_or(-1), lens->cy.value_or(-1)};
+        if (lens->fx <= 0) said["seen"] = {lens->fov_x, lens->fov_y};
     }
-    if (of_camera.fov) said["fov"] = *of_camera.fov;
-    if (of_camera.metres_per_code) said["depth-unit"] = *of_camera.metres_per_code;
-    if (of_camera.semantics)
-        said["depth"] = *of_camera.semantics == DepthSemantics::range ? "range" : "planar";
-    if (!of_camera.file.empty()) said["camera-file"] = whole(of_camera.file);
-    if (!of_camera.preset.empty()) said["preset"] = of_camera.preset;
-    if (of_camera.least_confidence) said["least-confidence"] = *of_camera.least_confidence;
-    if (!of_camera.channel.empty()) said["channel"] = of_camera.channel;
-    if (!of_camera.dataset.empty()) said["dataset"] = of_camera.dataset;
+    // The order stays, as the text names the brush's history: what describes pictures, preset last; the rest.
+    for (const bool describes : {true, false})
+        for (const SourceSetting& setting : source_settings()) {
+            if (setting.describes != describes) continue;
+            if (setting.name == Setting::preset && !of_camera.file.empty())
+                said["camera-file"] = whole(of_camera.file);
+            if (const auto value = setting.get(of_camera))
+                std::visit([&](const auto& stated) { said[with_dashes(setting.name)] = stated; }, *value);
+        }
     if (choice.alignment != DepthAlignment::automatic)
         said["align"] = choice.alignment == DepthAlignment::on ? "on" : "off";
     if (choice.fill_from_motion) said["fill-from-motion"] = true;

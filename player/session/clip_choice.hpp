@@ -211,7 +211,7 @@ struct ClipChoice {
 
     std::filesystem::path file;
     std::optional<std::filesystem::path> scene_file;
-    std::optional<SourceDescription> camera;  ///< of pictures without a scene file
+    SourceDescription camera;                 ///< of pictures without a scene file
     StillMaps maps;                           ///< in place of what it has itself
     FiltersChoice filters, single_filters;    ///< all at once; single filters, applied after
     std::optional<FrameInterpolation> interpolation;

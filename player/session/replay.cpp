@@ -2,9 +2,10 @@
 
 #include <cmath>
 #include <cstring>
-#include <stdexcept>
 
+#include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "engine/scene/checked_json.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/stream/stream_url.hpp"
 #include "haptics_cpu/touch_step.hpp"
@@ -13,6 +14,25 @@
 namespace touchable {
 
 using Json = nlohmann::ordered_json;
+using checked_json::Node;
+
+namespace {
+
+void record_source(const SourceDescription& known, Json& facts) {
+    if (const auto& lens = known.intrinsics) {
+        facts["intrinsics"] = {lens->fx, lens->fy};
+        if (lens->cx && lens->cy)
+            facts["intrinsics"].insert(facts["intrinsics"].end(), {*lens->cx, *lens->cy});
+        if (lens->width > 0) facts["intrinsics_size"] = {lens->width, lens->height};
+        if (lens->fx <= 0) facts["intrinsics_fov"] = {lens->fov_x, lens->fov_y};
+        if (!known.file.empty()) facts["intrinsics_file"] = known.file.filename().string();
+    }
+    for (const SourceSetting& setting : source_settings())
+        if (const auto value = setting.get(known))
+            std::visit([&](const auto& stated) { facts[std::string(setting.name)] = stated; }, *value);
+}
+
+}  // namespace
 
 Json recorded_facts(const TouchSetup& setup) {
     const TouchSettings& touch = setup.settings.touch;
@@ -46,24 +66,7 @@ Json recorded_facts(const TouchSetup& setup) {
     if (clip.alignment != DepthAlignment::automatic && !says_itself)
         facts["align"] = clip.alignment == DepthAlignment::on;
     if (clip.fill_from_motion) facts["fill_from_motion"] = true;
-    if (const auto& camera = clip.camera; camera && !says_itself) {
-        if (const auto& lens = camera->intrinsics) {
-            facts["intrinsics"] = {lens->fx, lens->fy};
-            if (lens->cx && lens->cy)
-                facts["intrinsics"].insert(facts["intrinsics"].end(), {*lens->cx, *lens->cy});
-            if (lens->width > 0) facts["intrinsics_size"] = {lens->width, lens->height};
-            if (lens->fx <= 0) facts["intrinsics_fov"] = {lens->fov_x, lens->fov_y};
-            if (!camera->file.empty()) facts["intrinsics_file"] = camera->file.filename().string();
-        }
-        if (camera->fov) facts["fov"] = *camera->fov;
-        if (camera->metres_per_code) facts["depth_unit"] = *camera->metres_per_code;
-        if (camera->semantics)
-            facts["depth"] = camera->semantics == DepthSemantics::range ? "range" : "planar";
-        if (camera->least_confidence) facts["least_confidence"] = *camera->least_confidence;
-        if (!camera->channel.empty()) facts["channel"] = camera->channel;
-        if (!camera->dataset.empty()) facts["dataset"] = camera->dataset;
-        if (!camera->preset.empty()) facts["preset"] = camera->preset;
-    }
+    if (!says_itself) record_source(clip.camera, facts);
     if (!setup.camera_words.empty()) facts["camera"] = setup.camera_words;
     if (setup.film)
         for (const CameraCapture::Frame& frame : setup.film->frames())
@@ -86,186 +89,168 @@ namespace {
 
 constexpr std::int64_t most_frames = 1'000'000'000;
 
-/// Throws std::out_of_range with the member's name if it is missing or not of `kind`.
+// Functions that read a Node throw a checked_json::Refusal.
+
+/// Reads a member that may be left out, also as versions without it did: `value` then stays.
 template <class Value>
-Value member(const Json& facts, const char* name, const char* kind) {
-    try {
-        return facts.at(name).get<Value>();
-    } catch (const Json::exception&) {
-        throw std::out_of_range(std::string(name) +
-                                (facts.contains(name) ? std::string(" must be ") + kind : " is missing"));
+void read_stated(const Node& facts, const char* name, Value& value) {
+    if (!facts.has(name)) return;
+    if constexpr (std::is_same_v<Value, double>)
+        value = facts[name].number();
+    else if constexpr (std::is_same_v<Value, bool>)
+        value = facts[name].boolean();
+    else
+        value = facts[name].text();
+}
+
+/// The rows of a list, each of so many whole numbers from 0 on.
+template <std::size_t size>
+std::vector<std::array<std::int64_t, size>> rows_of(const Node& list, const char* right) {
+    constexpr auto most = std::numeric_limits<std::int64_t>::max();
+    std::vector<std::array<std::int64_t, size>> rows;
+    for (const Node& row : list.elements(0, std::numeric_limits<std::size_t>::max(), right)) {
+        const auto numbers = row.elements(size, size, right);
+        rows.emplace_back();
+        for (std::size_t k = 0; k < size; ++k) rows.back()[k] = numbers[k].integer(0, most);
     }
-}
-
-std::string text(const Json& facts, const char* name) {
-    return member<std::string>(facts, name, "text");
-}
-
-double number(const Json& facts, const char* name) {
-    return member<double>(facts, name, "a number");
-}
-
-/// Recordings of versions without the member have the default.
-double number_or(const Json& facts, const char* name, double otherwise) {
-    return facts.contains(name) ? number(facts, name) : otherwise;
-}
-
-Json object(const Json& facts, const char* name) {
-    auto value = member<Json>(facts, name, "an object");
-    if (!value.is_object()) throw std::out_of_range(std::string(name) + " must be an object");
-    return value;
-}
-
-int whole_number(const Json& facts, const char* name, int least, int most) {
-    const double value = number(facts, name);
-    if (value >= least && value <= most && value == std::floor(value)) return static_cast<int>(value);
-    throw std::out_of_range(std::string(name) + " must be a whole number, " + std::to_string(least) + " to " +
-                            std::to_string(most));
-}
-
-TouchMetric metric_named(const std::string& name) {
-    const SettingRange& range = session_setting("metric")->range;
-    if (const auto metric = range.value_of(name)) return static_cast<TouchMetric>(*metric);
-    throw std::out_of_range("metric must be " + range.in_words());
+    return rows;
 }
 
 /// The lens stated for a depth picture without a scene file.
-Intrinsics intrinsics_of(const Json& facts) {
-    const auto numbers = member<std::vector<double>>(facts, "intrinsics", "numbers");
-    if (numbers.size() != 2 && numbers.size() != 4)
-        throw std::out_of_range("intrinsics must be two numbers, or four");
-    Intrinsics lens{.fx = numbers[0], .fy = numbers[1]};
-    if (numbers.size() == 4) lens.cx = numbers[2];
-    if (numbers.size() == 4) lens.cy = numbers[3];
-    if (facts.contains("intrinsics_fov")) {
-        const auto seen = member<std::vector<double>>(facts, "intrinsics_fov", "numbers");
-        if (seen.size() != 2) throw std::out_of_range("intrinsics_fov must be two numbers");
-        lens.fov_x = seen[0];
-        lens.fov_y = seen[1];
+Intrinsics read_lens(const Node& facts) {
+    constexpr const char *right = "two numbers, or four", *pair = "two numbers";
+    const auto numbers = facts["intrinsics"].elements(2, 4, right);
+    if (numbers.size() == 3) facts["intrinsics"].refuse(right);
+    Intrinsics lens{.fx = numbers[0].number(), .fy = numbers[1].number()};
+    if (numbers.size() == 4) lens.cx = numbers[2].number();
+    if (numbers.size() == 4) lens.cy = numbers[3].number();
+    if (facts.has("intrinsics_fov")) {
+        const auto seen = facts["intrinsics_fov"].elements(2, 2, pair);
+        lens.fov_x = seen[0].number();
+        lens.fov_y = seen[1].number();
     }
-    if (!facts.contains("intrinsics_size")) return lens;
-    const auto size = member<std::vector<int>>(facts, "intrinsics_size", "numbers");
-    if (size.size() != 2) throw std::out_of_range("intrinsics_size must be two numbers");
-    lens.width = size[0];
-    lens.height = size[1];
+    if (facts.has("intrinsics_size")) {
+        const auto size = facts["intrinsics_size"].elements(2, 2, pair);
+        lens.width = size[0].whole();
+        lens.height = size[1].whole();
+    }
     return lens;
 }
 
-/// The camera settings of pictures without a scene file.
-std::optional<SourceDescription> camera_of(const Json& facts) {
+/// What was stated of pictures without a scene file.
+SourceDescription read_source(const Node& facts) {
     SourceDescription known;
-    if (facts.contains("intrinsics")) known.intrinsics = intrinsics_of(facts);
-    if (facts.contains("intrinsics_file")) known.file = text(facts, "intrinsics_file");
-    if (facts.contains("fov")) known.fov = number(facts, "fov");
-    if (facts.contains("depth_unit")) known.metres_per_code = number(facts, "depth_unit");
-    if (facts.contains("depth")) {
-        const std::string word = text(facts, "depth");
-        if (word != "range" && word != "planar") throw std::out_of_range("depth must be range or planar");
-        known.semantics = word == "range" ? DepthSemantics::range : DepthSemantics::planar;
+    if (facts.has("intrinsics")) known.intrinsics = read_lens(facts);
+    read_stated(facts, "intrinsics_file", known.file);
+    for (const SourceSetting& setting : source_settings()) {
+        const std::string name(setting.name);
+        if (!facts.has(name.c_str())) continue;
+        const Node node = facts[name.c_str()];
+        const auto value = setting.is_number() ? SourceSetting::Value(node.number()) : node.text();
+        if (!setting.state(value, known)) node.refuse(setting.range.in_words());
     }
-    if (facts.contains("least_confidence")) known.least_confidence = number(facts, "least_confidence");
-    if (facts.contains("channel")) known.channel = text(facts, "channel");
-    if (facts.contains("dataset")) known.dataset = text(facts, "dataset");
-    if (facts.contains("preset")) known.preset = text(facts, "preset");
-    if (known == SourceDescription()) return std::nullopt;
     return known;
 }
 
-std::vector<DroppedFrames> dropped_frames(const Json& facts) {
+std::optional<std::vector<FrameRun>> read_built_frames(const Node& facts) {
+    if (!facts.has("built")) {
+        if (!facts.has("frames")) return std::nullopt;
+        return std::vector<FrameRun>{{0, facts["frames"].integer(1, most_frames)}};
+    }
+    constexpr const char* right = "pairs of a frame's number and a count";
+    std::vector<FrameRun> runs;
+    for (const auto& [first, count] : rows_of<2>(facts["built"], right)) {
+        if (count < 1) facts["built"].refuse(right);
+        runs.push_back({first, count});
+    }
+    return runs;
+}
+
+std::vector<DroppedFrames> read_dropped_frames(const Node& facts) {
     std::vector<DroppedFrames> dropped;
-    if (!facts.contains("dropped")) return dropped;
-    constexpr const char* kind = "triples of an epoch, a frame's number and a count";
-    const auto triples = member<std::vector<std::array<std::int64_t, 3>>>(facts, "dropped", kind);
-    for (const auto& [epoch, first, count] : triples) {
-        if (epoch < 0 || first < 0 || count < 1 || first > most_frames || count > most_frames)
-            throw std::out_of_range(std::string("dropped must be ") + kind);
+    if (!facts.has("dropped")) return dropped;
+    constexpr const char* right = "triples of an epoch, a frame's number and a count";
+    for (const auto& [epoch, first, count] : rows_of<3>(facts["dropped"], right)) {
+        if (count < 1 || first > most_frames || count > most_frames) facts["dropped"].refuse(right);
         dropped.push_back({static_cast<std::uint64_t>(epoch), first, count});
     }
     return dropped;
 }
 
 /// The frames of a camera, in the order of its film.
-CameraCapture::Frames filmed_frames(const Json& facts) {
-    constexpr const char* kind = "pairs of a frame's number and time, each later than the one before";
-    const auto pairs = member<std::vector<std::array<std::int64_t, 2>>>(facts, "filmed", kind);
+CameraCapture::Frames read_filmed_frames(const Node& filmed) {
+    constexpr const char* right = "pairs of a frame's number and time, each later than the one before";
     CameraCapture::Frames frames;
-    for (const auto& [number, time_ns] : pairs) {
+    for (const auto& [number, time_ns] : rows_of<2>(filmed, right)) {
         const CameraCapture::Frame before = frames.empty() ? CameraCapture::Frame{-1, -1} : frames.back();
         if (number <= before.number || time_ns <= before.time_ns || number > most_frames)
-            throw std::out_of_range(std::string("filmed must be ") + kind);
+            filmed.refuse(right);
         frames.push_back({number, time_ns});
     }
     return frames;
 }
 
-/// Throws as `member` does, also if a setting is out of range.
-void read_touch(const Json& facts, TouchSettings& touch) {
-    touch.metric = metric_named(text(facts, "metric"));
-    touch.metres_per_scene_unit = number(facts, "S");
-    if (!(touch.metres_per_scene_unit > 0)) throw std::out_of_range("S must be above 0");
-    touch.event_limit = whole_number(facts, "event_limit", 1, 1'000'000);
-    touch.stribeck_speed = number_or(facts, "stribeck_speed", touch.stribeck_speed);
-    if (!(touch.stribeck_speed >= 0)) throw std::out_of_range("stribeck_speed must be 0 or above");
+void read_touch(const Node& facts, TouchSettings& touch) {
+    const SettingRange& metrics = session_setting("metric")->range;
+    const auto metric = metrics.value_of(facts["metric"].text());
+    if (!metric) facts["metric"].refuse(metrics.in_words());
+    touch.metric = static_cast<TouchMetric>(*metric);
+    touch.metres_per_scene_unit = facts["S"].number();
+    if (!(touch.metres_per_scene_unit > 0)) facts["S"].refuse("above 0");
+    touch.event_limit = facts["event_limit"].whole(1, 1'000'000);
+    read_stated(facts, "stribeck_speed", touch.stribeck_speed);
+    if (!(touch.stribeck_speed >= 0)) facts["stribeck_speed"].refuse("0 or above");
 }
 
-/// Throws as read_touch does.
-void read_guard(const Json& limits, GuardSettings& guard) {
-    guard.max_force = number(limits, "max_force");
-    guard.max_stiffness = number(limits, "max_stiffness");
-    guard.ramp_in_ticks = whole_number(limits, "ramp_in_ticks", 0, 1'000'000);
-    guard.ramp_out_ticks = whole_number(limits, "ramp_out_ticks", 0, 1'000'000);
-    if (limits.contains("waits_to_be_free"))
-        guard.waits_to_be_free = member<bool>(limits, "waits_to_be_free", "true or false");
-    if (limits.contains("paid_rise")) guard.rise.paid = member<bool>(limits, "paid_rise", "true or false");
-    guard.rise.per_tick = number_or(limits, "rise_per_tick", guard.rise.per_tick);
-    guard.damping = number_or(limits, "damping", guard.damping);
-    guard.passivity = number_or(limits, "passivity", guard.passivity);
-    const double stale_after_ns = number_or(limits, "stale_after_ns", 0);
-    if (!(stale_after_ns >= 0 && stale_after_ns <= 3.6e12))
-        throw std::out_of_range("stale_after_ns must be 0 to 3600000000000");
-    guard.stale_after_ns = static_cast<std::int64_t>(stale_after_ns);
-    if (auto checked = check_guard(guard); !checked) throw std::out_of_range(checked.error().message);
+void read_guard(const Node& limits, GuardSettings& guard) {
+    guard.max_force = limits["max_force"].number();
+    guard.max_stiffness = limits["max_stiffness"].number();
+    guard.ramp_in_ticks = limits["ramp_in_ticks"].whole(0, 1'000'000);
+    guard.ramp_out_ticks = limits["ramp_out_ticks"].whole(0, 1'000'000);
+    read_stated(limits, "waits_to_be_free", guard.waits_to_be_free);
+    read_stated(limits, "paid_rise", guard.rise.paid);
+    read_stated(limits, "rise_per_tick", guard.rise.per_tick);
+    read_stated(limits, "damping", guard.damping);
+    read_stated(limits, "passivity", guard.passivity);
+    guard.stale_after_ns =
+        limits.has("stale_after_ns") ? limits["stale_after_ns"].integer(0, 3'600'000'000'000) : 0;
+    if (auto checked = check_guard(guard); !checked) throw checked_json::Refusal{checked.error().message};
 }
 
-/// Throws as read_touch does.
-void read_recorded_camera(const Json& facts, TouchSetup& setup) {
-    const std::string words = text(facts, "camera");
-    const auto camera = read_live_camera(words);
-    if (!camera) throw std::out_of_range(camera.error().message);
-    setup.camera_words = words;
+void read_recorded_camera(const Node& facts, TouchSetup& setup) {
+    setup.camera_words = facts["camera"].text();
+    const auto camera = read_live_camera(setup.camera_words);
+    if (!camera) throw checked_json::Refusal{camera.error().message};
     if (camera->plugged)
-        setup.clip.filmed = filmed_frames(facts);
+        setup.clip.filmed = read_filmed_frames(facts["filmed"]);
     else
         setup.clip.as_camera = camera->delivery;
 }
 
-/// Returns the recorded scene as text. Throws std::out_of_range if a member is missing, of another kind or
-/// out of range.
-std::string read_facts(const Json& facts, TouchSetup& setup) {
-    setup.clip.file = text(facts, "clip");
-    if (facts.contains("scene_file")) setup.clip.scene_file = text(facts, "scene_file");
-    setup.clip.camera = camera_of(facts);
-    if (facts.contains("haptic")) setup.clip.maps.haptic = text(facts, "haptic");
-    if (facts.contains("height")) setup.clip.maps.height = text(facts, "height");
-    if (facts.contains("align"))
-        setup.clip.alignment =
-            member<bool>(facts, "align", "true or false") ? DepthAlignment::on : DepthAlignment::off;
-    if (facts.contains("fill_from_motion"))
-        setup.clip.fill_from_motion = member<bool>(facts, "fill_from_motion", "true or false");
-    setup.hand_words = text(facts, "hand");
-    setup.live = facts.contains("clock") && text(facts, "clock") == "wall";
-    if (facts.contains("camera")) read_recorded_camera(facts, setup);
-    if (facts.contains("device")) setup.device_words = text(facts, "device");
+/// Returns the recorded scene as text.
+std::string read_facts(const Node& facts, TouchSetup& setup) {
+    setup.clip.file = facts["clip"].text();
+    read_stated(facts, "scene_file", setup.clip.scene_file);
+    setup.clip.camera = read_source(facts);
+    read_stated(facts, "haptic", setup.clip.maps.haptic);
+    read_stated(facts, "height", setup.clip.maps.height);
+    if (facts.has("align"))
+        setup.clip.alignment = facts["align"].boolean() ? DepthAlignment::on : DepthAlignment::off;
+    read_stated(facts, "fill_from_motion", setup.clip.fill_from_motion);
+    setup.hand_words = facts["hand"].text();
+    setup.live = facts.has("clock") && facts["clock"].text() == "wall";
+    if (facts.has("camera")) read_recorded_camera(facts, setup);
+    read_stated(facts, "device", setup.device_words);
     read_touch(facts, setup.settings.touch);
-    read_guard(object(facts, "guard"), setup.settings.guard);
-    if (facts.contains("warm_up_frames"))
-        setup.warm_up_frames = whole_number(facts, "warm_up_frames", 0, 1000);
-    if (facts.contains("rules")) (void)whole_number(facts, "rules", 1, 1'000'000);
-    if (facts.contains("frames")) (void)whole_number(facts, "frames", 1, most_frames);
-    (void)built_frames(facts);
-    setup.dropped = dropped_frames(facts);
-    for (const char* hash : {"planes_hash", "force_hash"}) (void)text(facts, hash);
-    return object(facts, "scene").dump();
+    read_guard(facts["guard"], setup.settings.guard);
+    if (facts.has("warm_up_frames")) setup.warm_up_frames = facts["warm_up_frames"].whole(0, 1000);
+    if (facts.has("rules")) (void)facts["rules"].whole(1, 1'000'000);
+    if (facts.has("frames")) (void)facts["frames"].integer(1, most_frames);
+    setup.recorded_frames = read_built_frames(facts);
+    setup.dropped = read_dropped_frames(facts);
+    for (const char* hash : {"planes_hash", "force_hash"}) (void)facts[hash].text();
+    if (!facts["scene"].is_object()) facts["scene"].refuse("an object {...}");
+    return facts["scene"].json();
 }
 
 bool same_bits(const glm::dvec3& a, const glm::dvec3& b) {
@@ -280,7 +265,7 @@ std::string to_text(const glm::dvec3& force, std::uint32_t guard) {
 /// which frames its hash covers. A live recording of a version that did not state them cannot be checked.
 bool has_other_frames(const RecordedPart& recording, const TouchSetup& setup) {
     const auto recorded = recording.facts.at("planes_hash").get<std::string>();
-    const auto built = built_frames(recording.facts);
+    const auto& built = setup.recorded_frames;
     if (!built) return !setup.live && recorded != setup.feed->planes_hash();
     if (*built == setup.feed->built()) return recorded != setup.feed->planes_hash();
     const auto reader = setup.clip.open(Colour::left_out);
@@ -298,29 +283,10 @@ std::string in_words(std::uint64_t epoch, std::int64_t prev, std::int64_t next, 
 
 }  // namespace
 
-std::optional<std::vector<FrameRun>> built_frames(const Json& facts) {
-    std::vector<FrameRun> runs;
-    if (!facts.contains("built")) {
-        if (!facts.contains("frames")) return std::nullopt;
-        return std::vector<FrameRun>{{0, whole_number(facts, "frames", 1, most_frames)}};
-    }
-    const auto pairs = member<std::vector<std::array<std::int64_t, 2>>>(
-        facts, "built", "pairs of a frame's number and a count");
-    for (const auto& [first, count] : pairs) {
-        if (first < 0 || count < 1)
-            throw std::out_of_range("built must be pairs of a frame's number and a count");
-        runs.push_back({first, count});
-    }
-    return runs;
-}
-
 Result<SceneDescription> read_recorded_facts(const Json& facts, const std::string& name, TouchSetup& setup) {
-    std::string scene;
-    try {
-        scene = read_facts(facts, setup);
-    } catch (const std::exception& fault) {
-        return input_error(name + ": invalid recording header: " + fault.what());
-    }
+    const checked_json::Json json(facts);
+    TRY_ASSIGN(const auto scene, checked_json::checked(name + ": invalid recording header",
+                                                       [&] { return read_facts(Node(json, ""), setup); }));
     return parse_scene(scene, name);
 }
 

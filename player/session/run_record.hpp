@@ -102,10 +102,6 @@ private:
 /// The recording's header of a run that has ended (docs/touch.md), without the forces' hash.
 nlohmann::ordered_json recorded_facts(const TouchSetup& setup);
 
-/// The frames that `planes_hash` in `facts` covers; nothing if not stated. Throws std::out_of_range with the
-/// member's name if the value is invalid.
-std::optional<std::vector<FrameRun>> built_frames(const nlohmann::ordered_json& facts);
-
 /// Fills in the setup's plain values from a recording header (opens nothing) and returns the scene that was
 /// touched. A member that is missing, of another kind or out of range is an error of kind input that begins
 /// with `name`.
@@ -123,9 +119,10 @@ public:
         bool has_other_frames = false;  ///< the clip's frames differ from the recorded ones
     };
 
+    /// `recording`: its header was read (read_recorded_facts).
     explicit ReplayCheck(const RecordedPart& recording) : recording_(recording) {}
     Result<void> consume(const TouchTick& tick) override;
-    /// After the last tick. `force_hash`: of the part's ticks.
+    /// After the last tick. `force_hash`: of the part's ticks. `setup`: of that recording.
     Outcome outcome(const std::string& force_hash, const TouchSetup& setup) const;
 
 private:

@@ -94,7 +94,7 @@ std::vector<SessionSetting> all_settings() {
          }}};
     for (const FilterSetting& filter : filter_settings())
         if (*filter.what)
-            all.push_back({filter.typed_name(), filter.what, filters, filter.range,
+            all.push_back({with_dashes(filter.name), filter.what, filters, filter.range,
                            [&filter](double value, SessionOptions& options) {
                                options.clip.single_filters.state(filter, filter.range.word_of(value));
                            },

@@ -280,7 +280,7 @@ Result<ClipChoice::Opened> open_recorded(TouchSetup& setup, const SceneDescripti
     if (!instead.file.empty()) setup.clip.file = instead.file;
     if (instead.scene_file) {
         setup.clip.scene_file = instead.scene_file;
-        setup.clip.camera.reset();
+        setup.clip.camera = {};
     }
     if (instead.maps.haptic) setup.clip.maps.haptic = instead.maps.haptic;
     if (instead.maps.height) setup.clip.maps.height = instead.maps.height;

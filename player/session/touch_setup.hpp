@@ -192,6 +192,8 @@ struct TouchSetup {
     std::optional<TouchSolver> solver;
     TouchSessionSettings settings;
     std::vector<DroppedFrames> dropped{};  ///< left out by the recorded run
+    /// The frames that the recorded run's planes_hash covers; nothing: not stated.
+    std::optional<std::vector<FrameRun>> recorded_frames{};
     /// Frames that a temporal filter reads before an epoch's first frame.
     int warm_up_frames = temporal_warm_up_frames;
     bool live = false;  ///< on the wall clock, or recorded live

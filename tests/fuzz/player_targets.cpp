@@ -284,11 +284,8 @@ bool parse_recording(std::string_view bytes) {
         const auto scene = read_recorded_facts(part.facts, part.name, setup);
         if (!is_taken(scene)) return false;
         require(part.rules() >= 1, "rules of force below 1");
-        try {
-            (void)built_frames(part.facts);
-        } catch (const std::out_of_range&) {
-            require(false, "frames are refused that the facts were taken with");
-        }
+        for (const FrameRun& run : setup.recorded_frames.value_or(std::vector<FrameRun>()))
+            require(run.first >= 0 && run.count >= 1, "a run of frames that cannot be");
     }
     return true;
 }

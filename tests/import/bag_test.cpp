@@ -34,8 +34,7 @@ struct OpenedBag {
     std::unique_ptr<ClipReader> reader;
     std::vector<RawFrame> frames;
 };
-OpenedBag opened_bag(const std::filesystem::path& file,
-                     const std::optional<SourceDescription>& known = std::nullopt) {
+OpenedBag opened_bag(const std::filesystem::path& file, const SourceDescription& known = {}) {
     auto [clip, frames] = must_read(open_clip(file, std::nullopt, known));
     return {std::move(clip), std::move(frames)};
 }

@@ -106,8 +106,7 @@ protected:
     Result<std::unique_ptr<ClipReader>> open(const std::string& bytes, const SourceDescription& known = {}) {
         std::filesystem::remove(folder / "photo.jpg");  // what is written over is waited for
         write_bytes(folder / "photo.jpg", bytes);
-        return open_clip(folder / "photo.jpg", std::nullopt,
-                         known == SourceDescription() ? std::nullopt : std::optional(known));
+        return open_clip(folder / "photo.jpg", std::nullopt, known);
     }
     TemporaryFolder folder;
 };
@@ -619,7 +618,7 @@ protected:
         write_bytes(folder / "photo.heic", bytes);
         SourceDescription known;
         known.fov = fov;
-        return open_clip(folder / "photo.heic", std::nullopt, fov ? std::optional(known) : std::nullopt);
+        return open_clip(folder / "photo.heic", std::nullopt, known);
     }
     TemporaryFolder folder;
 };

@@ -775,7 +775,7 @@ TEST_F(Replay, NamesInvalidFact) {
         changed.erase(name);
         refuse(changed, std::string(name) + " is missing");
         changed[name] = nullptr;
-        refuse(changed, std::string(name) + " must be");
+        refuse(changed, std::string(name) + " is null: must be");
     }
     for (const auto& [name, value] :
          std::vector<std::pair<const char*, nlohmann::json>>{{"rules", 0},

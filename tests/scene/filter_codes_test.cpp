@@ -6,6 +6,7 @@
 #include <string>
 #include <tuple>
 
+#include "engine/base/words.hpp"
 #include "engine/scene/filter_codes.hpp"
 #include "engine/scene/scene.hpp"
 
@@ -207,7 +208,7 @@ TEST(FilterSetting, HasOwnNameAndDefault) {
         }
         EXPECT_TRUE(!*setting.what || setting.open) << setting.name << ": a choice says whether it is stated";
     }
-    EXPECT_EQ(setting_of("fill_holes").typed_name(), "fill-holes");
+    EXPECT_EQ(with_dashes(setting_of("fill_holes").name), "fill-holes");
 }
 
 TEST(FilterSetting, ReadsTypedValues) {

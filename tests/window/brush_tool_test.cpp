@@ -356,21 +356,20 @@ TEST(SegmentDependencies, CoverEveryFrameOption) {
         say(choice);
         return segments_depend_on(choice);
     };
-    const std::vector<std::string> others{
-        with([](auto& choice) { choice.scene_file = "scene.json"; }),
-        with([](auto& choice) { choice.alignment = DepthAlignment::on; }),
-        with([](auto& choice) { choice.alignment = DepthAlignment::off; }),
-        with([](auto& choice) { choice.fill_from_motion = true; }),
-        with([](auto& choice) { choice.camera.emplace().fov = 60; }),
-        with([](auto& choice) { choice.camera.emplace().least_confidence = 0.5; }),
-        with([](auto& choice) { choice.camera.emplace().channel = "V.Depth.Z"; }),
-        with([](auto& choice) {
-            choice.camera.emplace().intrinsics = Intrinsics{500, 500, {}, {}};
-        })};
+    const std::vector<std::string> others{with([](auto& choice) { choice.scene_file = "scene.json"; }),
+                                          with([](auto& choice) { choice.alignment = DepthAlignment::on; }),
+                                          with([](auto& choice) { choice.alignment = DepthAlignment::off; }),
+                                          with([](auto& choice) { choice.fill_from_motion = true; }),
+                                          with([](auto& choice) { choice.camera.fov = 60; }),
+                                          with([](auto& choice) { choice.camera.least_confidence = 0.5; }),
+                                          with([](auto& choice) { choice.camera.channel = "V.Depth.Z"; }),
+                                          with([](auto& choice) {
+                                              choice.camera.intrinsics = Intrinsics{500, 500, {}, {}};
+                                          })};
     std::set<std::string> all{""};
     for (const std::string& other : others) EXPECT_TRUE(all.insert(other).second) << other;
     EXPECT_EQ(with([](ClipChoice&) {}), "");
-    EXPECT_EQ(with([](ClipChoice& choice) { choice.camera.emplace(); }), "") << "nothing is said";
+    EXPECT_EQ(with([](ClipChoice& choice) { choice.camera = {}; }), "") << "nothing is said";
     EXPECT_EQ(with([](ClipChoice& choice) {
                   choice.single_filters = {.settings = {.median = 5}, .stated = {.median = true}};
               }),
