@@ -72,11 +72,18 @@ private:
     /// Number of fingers that were moved or touched.
     std::int64_t fingers_led() const;
 
+    /// A finger in this part, up to the newest tick.
+    struct Finger {
+        glm::dvec3 first_goal;
+        bool hopping = false;
+        std::int64_t limited = 0, in_hole = 0;  // length of the current run at the device's force; of a hole
+        SentEnergy energy{};
+    };
+
     std::int64_t ticks_ = 0;
-    std::vector<glm::dvec3> first_goals_;  // per finger, in this part
-    std::vector<bool> led_;                // per finger, in any part
+    std::vector<Finger> fingers_;
+    std::vector<bool> led_;  // per finger, in any part
     std::int64_t hops_ = 0;
-    std::vector<bool> hopping_;                                  // per finger, in the newest tick
     std::int64_t contact_ticks_ = 0, finger_contact_ticks_ = 0;  // ticks, finger ticks in contact
     std::int64_t behind_ticks_ = 0, nonfinite_ticks_ = 0, capped_ticks_ = 0, guarded_ticks_ = 0;
     std::int64_t stiffness_limited_ticks_ = 0, waiting_ticks_ = 0, stale_ticks_ = 0;
@@ -86,12 +93,9 @@ private:
     double force_sum_ = 0, force_max_ = 0;  // over finger ticks in contact
     std::int64_t force_limited_ticks_ = 0,
                  longest_limited_ = 0;                   // finger ticks at the device's force; longest run
-    std::vector<std::int64_t> limited_;                  // per finger, length of the current run
     std::int64_t hole_ticks_ = 0, longest_in_hole_ = 0;  // finger ticks on walls of holes; longest run
     std::int64_t limited_in_hole_ticks_ = 0;             // of these, at the device's force
-    std::vector<std::int64_t> in_hole_;                  // as limited_
     std::int64_t held_back_ticks_ = 0;                   // finger ticks in contact, with less than all sent
-    std::vector<SentEnergy> energy_;                     // per finger, up to the newest tick
     EnergyFigures energy_before_;                        // of all fingers, in the parts before
     TimeSpread tick_us_, late_us_;
     static constexpr std::array late_below_us{10, 20, 50, 100, 200, 500, 1000};

@@ -38,40 +38,34 @@ void TouchFigures::SentEnergy::update(const EnergyFigures& guarded, double share
 }
 
 Result<void> TouchFigures::consume(const TouchTick& tick) {
-    bool contact = false, nonfinite = false, capped = false, guarded = false, softened = false;
-    bool waiting = false, stale = false;
-    energy_.resize(tick.contacts.size());
-    limited_.resize(tick.contacts.size());
-    in_hole_.resize(tick.contacts.size());
+    bool contact = false, nonfinite = false, capped = false;
+    std::uint32_t reasons = guard_none;  // of any finger
     led_.resize(tick.contacts.size());
-    hopping_.resize(tick.contacts.size());
-    if (first_goals_.empty())
-        for (const Contact& c : tick.contacts) first_goals_.push_back(c.goal);
+    if (fingers_.empty())
+        for (const Contact& c : tick.contacts) fingers_.push_back({.first_goal = c.goal});
     for (std::size_t k = 0; k < tick.contacts.size(); ++k) {
         const Contact& c = tick.contacts[k];
+        Finger& finger = fingers_[k];
         const glm::dvec3 force = tick.sent(k);
         const bool all_sent = tick.share(k) == 1;
         hash_.add(tick.forces[k].force);
         contact |= c.touching;
-        led_[k] = led_[k] || c.touching || c.goal != first_goals_[k];
+        led_[k] = led_[k] || c.touching || c.goal != finger.first_goal;
         finger_contact_ticks_ += c.touching;
-        hops_ += c.hops && !hopping_[k];
-        hopping_[k] = c.hops;
+        hops_ += c.hops && !finger.hopping;
+        finger.hopping = c.hops;
         nonfinite |= !is_finite(c.proxy) || !is_finite(force);
         capped |= c.counts.capped;
-        guarded |= tick.forces[k].reasons != guard_none;
-        softened |= (tick.forces[k].reasons & guard_stiffness) != 0;
-        waiting |= (tick.forces[k].reasons & guard_waiting) != 0;
-        stale |= (tick.forces[k].reasons & guard_stale) != 0;
+        reasons |= tick.forces[k].reasons;
         const bool limited = all_sent && (tick.forces[k].reasons & guard_force) != 0;
-        limited_[k] = limited ? limited_[k] + 1 : 0;
+        finger.limited = limited ? finger.limited + 1 : 0;
         force_limited_ticks_ += limited;
-        longest_limited_ = std::max(longest_limited_, limited_[k]);
-        in_hole_[k] = c.in_hole ? in_hole_[k] + 1 : 0;
+        longest_limited_ = std::max(longest_limited_, finger.limited);
+        finger.in_hole = c.in_hole ? finger.in_hole + 1 : 0;
         hole_ticks_ += c.in_hole;
         limited_in_hole_ticks_ += c.in_hole && limited;
-        longest_in_hole_ = std::max(longest_in_hole_, in_hole_[k]);
-        energy_[k].update(tick.forces[k].energy, tick.share(k));
+        longest_in_hole_ = std::max(longest_in_hole_, finger.in_hole);
+        finger.energy.update(tick.forces[k].energy, tick.share(k));
         events_ += c.counts.events;
         if (!c.touching) continue;
         held_back_ticks_ += !all_sent;
@@ -86,10 +80,10 @@ Result<void> TouchFigures::consume(const TouchTick& tick) {
     behind_ticks_ += tick.behind;
     nonfinite_ticks_ += nonfinite;
     capped_ticks_ += capped;
-    guarded_ticks_ += guarded;
-    stiffness_limited_ticks_ += softened;
-    waiting_ticks_ += waiting;
-    stale_ticks_ += stale;
+    guarded_ticks_ += reasons != guard_none;
+    stiffness_limited_ticks_ += (reasons & guard_stiffness) != 0;
+    waiting_ticks_ += (reasons & guard_waiting) != 0;
+    stale_ticks_ += (reasons & guard_stale) != 0;
     tick_us_.add(tick.solve_us);
     late_us_.add(tick.late_us);
     const auto bin = std::ranges::upper_bound(late_below_us, tick.late_us);
@@ -107,23 +101,19 @@ nlohmann::ordered_json TouchFigures::late_histogram() const {
 
 EnergyFigures TouchFigures::energy() const {
     EnergyFigures all = energy_before_;
-    for (const SentEnergy& sent : energy_) {
-        const EnergyFigures& finger = sent.figures();
-        all.created += finger.created;
-        all.bound += finger.bound;
-        all.surface += finger.surface;
-        all.work += finger.work;
+    for (const Finger& finger : fingers_) {
+        const EnergyFigures& sent = finger.energy.figures();
+        all.created += sent.created;
+        all.bound += sent.bound;
+        all.surface += sent.surface;
+        all.work += sent.work;
     }
     return all;
 }
 
 void TouchFigures::end_part() {
     energy_before_ = energy();
-    energy_.clear();
-    limited_.clear();
-    in_hole_.clear();
-    hopping_.clear();
-    first_goals_.clear();
+    fingers_.clear();
 }
 
 std::int64_t TouchFigures::fingers_led() const {
