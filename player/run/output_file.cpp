@@ -21,16 +21,8 @@ namespace {
 class CsvRow {
 public:
     explicit CsvRow(std::string& text) : text_(text) {}
-    CsvRow& operator<<(double value) {
-        std::array<char, 40> digits;
-        const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value,
-                                       std::chars_format::general, 17);
-        return add(digits.data(), end.ptr);
-    }
-    CsvRow& operator<<(std::int64_t value) {
-        std::array<char, 24> digits;
-        return add(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr);
-    }
+    CsvRow& operator<<(double value) { return add(value, std::chars_format::general, 17); }
+    CsvRow& operator<<(std::int64_t value) { return add(value); }
     CsvRow& operator<<(const glm::dvec3& v) { return *this << v.x << v.y << v.z; }
     /// An empty field, for a missing number.
     CsvRow& empty() {
@@ -40,10 +32,11 @@ public:
     void end() { text_.back() = '\n'; }
 
 private:
-    CsvRow& add(const char* begin, const char* end) {
-        text_.append(begin, end);
-        text_ += ',';
-        return *this;
+    CsvRow& add(auto number, auto... format) {
+        std::array<char, 40> digits;
+        char* const begin = digits.data();
+        text_.append(begin, std::to_chars(begin, begin + digits.size(), number, format...).ptr);
+        return empty();
     }
     std::string& text_;
 };

@@ -252,16 +252,15 @@ Result<Recording> read_recording(const std::filesystem::path& file) {
         const std::size_t number = recording.size() + 1;
         const std::string part_name =
             name + (places->size() > 1 ? ", part " + std::to_string(number) : std::string());
-        auto part = read_part(bytes, head, place);
-        if (!part) return error_at(part_name, part.error());
-        if (!is_in_its_place(part->facts, number, places->size()))
+        TRY_ASSIGN(auto part, error_at(part_name, read_part(bytes, head, place)));
+        if (!is_in_its_place(part.facts, number, places->size()))
             return input_error(name + ": " + damaged_words + ": a part is missing");
-        const std::int64_t first_ns = part->ticks.front().time_ns, last_ns = part->ticks.back().time_ns;
+        const std::int64_t first_ns = part.ticks.front().time_ns, last_ns = part.ticks.back().time_ns;
         if (places->size() > 1 && (first_ns < 0 || last_ns > latest_moment_ns - all_ns))
             return input_error(part_name + ": its ticks are not within 0 and 1e6 s of the first part's");
         if (places->size() > 1) all_ns += last_ns;
-        part->name = part_name;
-        recording.push_back(std::move(*part));
+        part.name = part_name;
+        recording.push_back(std::move(part));
     }
     return recording;
 }

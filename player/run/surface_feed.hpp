@@ -9,6 +9,7 @@
 
 #include "engine/base/result.hpp"
 #include "engine/base/same_bits.hpp"
+#include "engine/base/words.hpp"
 #include "engine/clip/clip.hpp"
 #include "engine/scene/filter_codes.hpp"
 #include "engine/scene/frames.hpp"
@@ -19,7 +20,7 @@ namespace touchable {
 
 /// "frames of 720x480 pixels": the main use of memory.
 inline std::string frames_in_words(const Scene& scene) {
-    return "frames of " + std::to_string(scene.width) + "x" + std::to_string(scene.height) + " pixels";
+    return "frames of " + size_text(scene.width, scene.height) + " pixels";
 }
 
 inline Error too_large(const std::string& what) {

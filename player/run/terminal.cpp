@@ -20,10 +20,6 @@ std::atomic<std::int64_t> first_ns{0};  // time of the first signal
 static_assert(std::atomic<std::int64_t>::is_always_lock_free,
               "a signal handler may touch nothing that locks");
 
-std::int64_t now_ns() {
-    return clock_ns(CLOCK_MONOTONIC);
-}
-
 /// Passes on what a stream is given, one piece of whole characters after the other.
 class EscapedOutput final : public std::streambuf {
 public:
@@ -50,7 +46,7 @@ private:
 /// terminal and the parent process may both send the signal, and exiting now would leave half-written files.
 void take_signal(int signal) {
     const int error_before = errno;
-    const std::int64_t now = now_ns();
+    const std::int64_t now = clock_ns(CLOCK_MONOTONIC);
     std::int64_t first = 0;
     if (first_ns.compare_exchange_strong(first, now)) {
         request_stop();

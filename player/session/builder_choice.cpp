@@ -75,13 +75,11 @@ Result<std::shared_ptr<GpuDevice>> RunGpu::open_if_needed() {
     if (device_ && !device_->lost()) return device_;
     // Without a home folder there is no shader cache.
     const auto kept = own_folder("XDG_CACHE_HOME", ".cache");
-    auto opened = GpuDevice::open({.request = request_,
-                                   .window_extensions = window_extensions_,
-                                   .cache_folder = kept ? *kept : std::filesystem::path()});
-    if (!opened) return opened;
-    device_ = *opened;
+    TRY_ASSIGN(device_, GpuDevice::open({.request = request_,
+                                         .window_extensions = window_extensions_,
+                                         .cache_folder = kept ? *kept : std::filesystem::path()}));
     if (measured_) device_->vulkan()->facts.measured = *measured_;
-    return opened;
+    return device_;
 }
 
 Result<std::shared_ptr<GpuDevice>> RunGpu::open_measured(

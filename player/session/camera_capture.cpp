@@ -68,14 +68,13 @@ Result<ClipChoice::LiveCamera> read_plugged(const std::string& words) {
         return usage_error(
             "camera 'v4l2' needs a node, such as v4l2:/dev/video0; touchable cameras lists those that are "
             "there");
-    const auto given = HandOptions::parse("camera 'v4l2'", keys, plugged_keys);
-    if (!given) return given.error();
+    TRY_ASSIGN(const auto given, HandOptions::parse("camera 'v4l2'", keys, plugged_keys));
     V4l2Choice choice{node};
-    if (given->given("size") && !read_size(given->words("size"), choice))
-        return usage_error("camera 'v4l2': size=" + printable(given->words("size")) +
+    if (given.given("size") && !read_size(given.words("size"), choice))
+        return usage_error("camera 'v4l2': size=" + printable(given.words("size")) +
                            " is not allowed; must be WIDTHxHEIGHT, such as size=640x480");
-    if (given->given("fps")) choice.rate = given->number("fps");
-    choice.colour = given->words("colour");
+    if (given.given("fps")) choice.rate = given.number("fps");
+    choice.colour = given.words("colour");
     return ClipChoice::LiveCamera{std::move(choice), {}, {}};
 }
 
@@ -103,15 +102,14 @@ Result<ClipChoice::LiveCamera> read_replay(const std::string& words) {
     const auto [recording, keys] = parts_of(words, replay_kind);
     if (recording.empty())
         return usage_error("camera 'replay' needs a recording: replay:PATH, with a clip or folder of images");
-    const auto given = HandOptions::parse("camera 'replay'", keys, replay_keys);
-    if (!given) return given.error();
+    TRY_ASSIGN(const auto given, HandOptions::parse("camera 'replay'", keys, replay_keys));
     ClipChoice::LiveCamera camera{{}, typed_path(recording), {}};
     CameraDelivery& delivery = camera.delivery;
-    if (given->given("fps")) delivery.rate = rate_of(given->number("fps"));
-    delivery.jitter_ns = nanoseconds_of(given->number("jitter") * 1e-3);
-    delivery.drop = given->number("drop");
-    if (given->given("stall")) delivery.stall_ns = nanoseconds_of(given->number("stall"));
-    if (given->given("resume")) delivery.resume_ns = nanoseconds_of(given->number("resume"));
+    if (given.given("fps")) delivery.rate = rate_of(given.number("fps"));
+    delivery.jitter_ns = nanoseconds_of(given.number("jitter") * 1e-3);
+    delivery.drop = given.number("drop");
+    if (given.given("stall")) delivery.stall_ns = nanoseconds_of(given.number("stall"));
+    if (given.given("resume")) delivery.resume_ns = nanoseconds_of(given.number("resume"));
     if (delivery.resume_ns && !(delivery.stall_ns && *delivery.stall_ns < *delivery.resume_ns))
         return usage_error(
             "camera 'replay': resume must be a moment after stall, which begins the time without frames");
@@ -205,8 +203,7 @@ CameraCapture::~CameraCapture() {
 }
 
 Result<void> CameraCapture::open(const std::filesystem::path& file, Existing existing) {
-    TRY_ASSIGN(auto writer, create_clip(file, described_, {}, existing));
-    writer_ = std::move(writer);
+    TRY_ASSIGN(writer_, create_clip(file, described_, {}, existing));
     file_ = file;
     {
         const std::lock_guard lock(mutex_);

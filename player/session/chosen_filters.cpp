@@ -24,8 +24,7 @@ Result<ChosenFilters> measure_depth(std::unique_ptr<ClipReader>& reader, const S
         if (!frame || !*frame) break;
         estimator.add(**frame);
     }
-    TRY_ASSIGN(auto clip, ahead.finish());
-    reader = std::move(clip);
+    TRY_ASSIGN(reader, ahead.finish());
     measured.measured = estimator.measured();
     if (stop_requested()) return interrupted_error();
     return measured;

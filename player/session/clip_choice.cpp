@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -32,9 +33,8 @@ Result<InTheHand> in_the_hand(ClipReader& clip) {
     std::vector<int> codes = code_picture(first->depth, scene.depth).codes;
     std::erase(codes, CodePicture::invalid);
     if (!codes.empty()) {
-        const auto middle = codes.begin() + static_cast<std::ptrdiff_t>(codes.size() / 2);
-        std::nth_element(codes.begin(), middle, codes.end());
-        hand.pixel = scene.depth.depth(static_cast<std::uint16_t>(*middle)) / scene.camera.fx;
+        const int middle = sorted_element(codes, codes.size() / 2);
+        hand.pixel = scene.depth.depth(static_cast<std::uint16_t>(middle)) / scene.camera.fx;
     }
     TRY(clip.rewind());
     return hand;
@@ -47,8 +47,7 @@ std::string finest_in_words(const InTheHand& hand, const ClipReader& clip) {
         "relief: a pixel is %.3g mm of the hand at the median depth; at 100 mm/s a finger feels its finest "
         "details, of two pixels, %.3g times a second",
         mm, 50 / mm);
-    const auto colour = std::find_if(clip.tracks().begin(), clip.tracks().end(),
-                                     [](const TrackInfo& track) { return track.role == "colour"; });
+    const auto colour = std::ranges::find(clip.tracks(), "colour", &TrackInfo::role);
     const Scene& scene = clip.scene();
     if (colour != clip.tracks().end() && (colour->width != scene.width || colour->height != scene.height))
         words += formatted("; colour of %dx%d is felt in depth's %dx%d pixels", colour->width, colour->height,
@@ -119,12 +118,9 @@ Result<std::unique_ptr<ClipReader>> with_chosen_relief(std::unique_ptr<ClipReade
     if (hand.pixel > 0) notes.push_back(finest_in_words(hand, *clip));
     const auto& bands = choice.settings.bands;
     const auto known = shared ? shared->relief_range(bands) : std::nullopt;
-    auto looked = known ? LookedAt{std::move(clip), *known} : LookedAt{};
-    if (!known) {
-        TRY_ASSIGN(auto found, look_at_relief(std::move(clip), choice.settings));
-        looked = std::move(found);
-        if (shared) shared->keep_relief_range(bands, looked.range);
-    }
+    TRY_ASSIGN(auto looked, known ? Result<LookedAt>({std::move(clip), *known})
+                                  : look_at_relief(std::move(clip), choice.settings));
+    if (shared) shared->keep_relief_range(bands, looked.range);
     return with_relief(std::move(looked.clip), choice.settings, looked.range, max_height, std::move(notes));
 }
 
@@ -132,12 +128,8 @@ Result<std::unique_ptr<ClipReader>> with_chosen_relief(std::unique_ptr<ClipReade
 class SharedClip::Reader final : public ReaderAround {
 public:
     explicit Reader(std::shared_ptr<SharedClip> shared)
-        : ReaderAround(std::shared_ptr<ClipReader>(shared, shared->clip_.get())), shared_(std::move(shared)) {
-        ++shared_->readers_;
-    }
-    ~Reader() override { --shared_->readers_; }
-    Reader(const Reader&) = delete;
-    Reader& operator=(const Reader&) = delete;
+        : ReaderAround(std::shared_ptr<ClipReader>(shared, shared->clip_.get())),
+          shared_(std::move(shared)) {}
     void leave_out_colour() override {}  // another reader may want it
     Result<std::optional<RawFrame>> next() override {
         auto frame = shared_->frame(next_number_, is_from_the_beginning_);
@@ -167,9 +159,7 @@ private:
 
 Result<std::unique_ptr<ClipReader>> SharedClip::open(const Open& open_clip) {
     if (!clip_) {
-        auto opened = open_clip();
-        if (!opened) return opened;
-        clip_ = std::move(*opened);
+        TRY(assign(clip_, open_clip()));
         position_ = 0;
     }
     return std::unique_ptr<ClipReader>(std::make_unique<Reader>(shared_from_this()));

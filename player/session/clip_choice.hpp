@@ -161,7 +161,6 @@ private:
     std::vector<RawFrame> first_;  // from 0 on
     std::size_t first_bytes_ = 0;
     std::atomic<bool> keeps_first_{true};
-    std::atomic<int> readers_{0};
     mutable std::mutex relief_mutex_;
     std::map<Bands, ReliefRange> relief_ranges_;  // guarded by relief_mutex_
 };

@@ -289,10 +289,9 @@ Result<ClipChoice::Opened> open_recorded(TouchSetup& setup, const SceneDescripti
     if (!reader) return gone(reader.error(), setup, instead);
     const Scene& stored = (*reader)->scene();
     if (stored.width != recorded.scene.width || stored.height != recorded.scene.height)
-        return input_error(setup.clip.file.string() + ": is " + std::to_string(stored.width) + "x" +
-                           std::to_string(stored.height) + ", the recording was made on " +
-                           std::to_string(recorded.scene.width) + "x" +
-                           std::to_string(recorded.scene.height));
+        return input_error(setup.clip.file.string() + ": is " + size_text(stored.width, stored.height) +
+                           ", the recording was made on " +
+                           size_text(recorded.scene.width, recorded.scene.height));
     auto scene = settle(recorded, {.rate = stored.rate});
     if (!scene) return input_error(name + ": its scene: " + scene.error().message);
     return ClipChoice::Opened{std::move(*reader), std::move(*scene), {}};

@@ -119,16 +119,10 @@ private:
 
 Result<std::unique_ptr<HapticPort>> open_port(TouchSetup& setup) {
     if (HapticDevice* device = device_of(setup)) TRY(device->open());
-    std::unique_ptr<HapticPort> port;
     if (setup.control)
-        port = std::make_unique<HeldPort>(*setup.held_device, *setup.control, setup.device_log.get());
-    else if (setup.held_device)
-        port = make_port(*setup.held_device, setup.workspace);
-    else if (setup.device)
-        port = make_port(*setup.hand, *setup.device, setup.workspace);
-    else
-        port = make_port(*setup.hand);
-    return port;
+        return std::make_unique<HeldPort>(*setup.held_device, *setup.control, setup.device_log.get());
+    if (setup.held_device) return make_port(*setup.held_device, setup.workspace);
+    return setup.device ? make_port(*setup.hand, *setup.device, setup.workspace) : make_port(*setup.hand);
 }
 
 void explain_failure(const TouchSetup& setup, LiveFacts& facts) {
