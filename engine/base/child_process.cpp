@@ -196,7 +196,7 @@ void ChildProcess::hear_errors() {
 }
 
 std::string ChildProcess::last_words() const {
-    constexpr std::size_t longest = 200;
+    constexpr std::size_t longest = 500;  // two long paths and the reason
     const std::size_t end = errors_said_.find_last_not_of(" \t\r\n");
     if (end == std::string::npos) return "";
     const std::size_t before = errors_said_.find_last_of("\r\n", end);

@@ -4,7 +4,7 @@
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "player/commands/option_types.hpp"
+#include "player/commands/clip_options.hpp"
 #include "player/commands/setting_words.hpp"
 #include "player/run/terminal.hpp"
 
@@ -115,12 +115,17 @@ std::string per_cent(double share) {
     return number(100 * share) + " %";
 }
 
-/// All findings, the most important for the hand first. Finding::where points into `quality`.
+/// A finding and its mask of the first frame, 1 at affected pixels; nullptr: no place.
+struct PlacedFinding : Finding {
+    const std::vector<std::uint8_t>* where;
+};
+
+/// All findings, the most important for the hand first. PlacedFinding::where points into `quality`.
 class Findings {
 public:
     Findings(const ClipFacts& facts, const ClipQuality& quality) : facts_(facts), quality_(quality) {}
 
-    std::vector<Finding> all() {
+    std::vector<PlacedFinding> all() {
         look_at_times();
         look_at_pumping();
         look_at_filters();
@@ -133,7 +138,7 @@ public:
 private:
     void add(const char* name, std::string what, std::string mend,
              const std::vector<std::uint8_t>* where = nullptr) {
-        found_.push_back({name, std::move(what), std::move(mend), where});
+        found_.push_back({{name, std::move(what), std::move(mend)}, where});
     }
     double mm(double scene_units) const { return scene_units * facts_.scene.metres_per_unit * 1000; }
     std::string clip() const { return shell_word(facts_.clip); }
@@ -289,28 +294,39 @@ private:
 
     const ClipFacts& facts_;
     const ClipQuality& quality_;
-    std::vector<Finding> found_;
+    std::vector<PlacedFinding> found_;
 };
 
 /// Whether the finding marks any pixel of the first frame.
-bool is_marked(const Finding& finding) {
+bool is_marked(const PlacedFinding& finding) {
     return finding.where != nullptr && std::ranges::find(*finding.where, 1) != finding.where->end();
 }
 
-/// Colour index of a marked finding, counted in order. Findings with the same `where` share a colour.
-std::size_t colour_index(const std::vector<Finding>& findings, std::size_t k) {
+/// Returns each finding's colour, nullptr for one that marks nothing. Findings with the same `where` share a
+/// colour.
+std::vector<const MarkColour*> colours_of(const std::vector<PlacedFinding>& findings) {
     std::vector<const void*> places;
-    for (const Finding& finding : findings)
-        if (is_marked(finding) && std::ranges::find(places, finding.where) == places.end())
-            places.push_back(finding.where);
-    const auto at = std::ranges::find(places, findings[k].where) - places.begin();
-    return static_cast<std::size_t>(at) % mark_colours.size();
+    std::vector<const MarkColour*> colours;
+    for (const PlacedFinding& finding : findings) {
+        auto at = std::ranges::find(places, finding.where);
+        if (is_marked(finding) && at == places.end()) at = places.insert(at, finding.where);
+        const auto index = static_cast<std::size_t>(at - places.begin()) % mark_colours.size();
+        colours.push_back(is_marked(finding) ? &mark_colours[index] : nullptr);
+    }
+    return colours;
 }
 
-Result<void> draw(const std::vector<Finding>& findings, const ClipQuality& quality, NewFile& file) {
-    const Image image = picture_of(findings, quality.where.picture);
-    TRY(write_png(file, image.view()));
-    return file.commit();
+/// The first frame, darkened, with the places of findings in their colours.
+Image picture_of(const std::vector<PlacedFinding>& findings, const std::vector<const MarkColour*>& colours,
+                 const Image& first_frame) {
+    Image image = first_frame;
+    for (std::uint8_t& value : image.samples) value = static_cast<std::uint8_t>(value / 2);
+    for (std::size_t k = 0; k < findings.size(); ++k)
+        for (std::size_t pixel = 0; colours[k] && pixel < findings[k].where->size(); ++pixel)
+            if ((*findings[k].where)[pixel] != 0)
+                std::ranges::copy(colours[k]->rgb,
+                                  image.samples.begin() + static_cast<std::ptrdiff_t>(3 * pixel));
+    return image;
 }
 
 nlohmann::ordered_json measures_json(const ClipQuality& quality) {
@@ -341,7 +357,6 @@ nlohmann::ordered_json measures_json(const ClipQuality& quality) {
 }
 
 std::string measures_in_words(const ClipQuality& quality, bool has_colour) {
-    const auto number = [](double value) { return short_number(value, 3); };
     std::string words = counted(quality.times.frames, "frame");
     if (quality.pumping) words += "; depth goes to and fro by " + number(100 * *quality.pumping) + " %";
     if (!has_colour) return words + "; no colour, which could be beside depth";
@@ -496,31 +511,12 @@ Result<ClipFacts> clip_facts(const ClipChoice& choice) {
     return facts;
 }
 
-std::string colour_of(const std::vector<Finding>& findings, std::size_t k) {
-    return is_marked(findings[k]) ? mark_colours[colour_index(findings, k)].name : std::string();
-}
-
-Image picture_of(const std::vector<Finding>& findings, const Image& first_frame) {
-    Image image = first_frame;
-    for (std::uint8_t& value : image.samples) value = static_cast<std::uint8_t>(value / 2);
-    for (std::size_t k = 0; k < findings.size(); ++k) {
-        if (!is_marked(findings[k])) continue;
-        const auto& rgb = mark_colours[colour_index(findings, k)].rgb;
-        for (std::size_t pixel = 0; pixel < findings[k].where->size(); ++pixel)
-            if ((*findings[k].where)[pixel] != 0)
-                std::copy(rgb.begin(), rgb.end(),
-                          image.samples.begin() + static_cast<std::ptrdiff_t>(3 * pixel));
-    }
-    return image;
-}
-
 Result<Verified> verify_clip(const ClipChoice& choice, const ClipFacts& facts, const VerifyPicture& picture) {
     TRY_ASSIGN(auto clip, open_chosen(choice, Colour::wanted));
     std::optional<NewFile> file;
     if (picture.file) {
-        std::vector<NamedFile> inputs;
-        add_inputs(inputs, choice.file, *clip.reader);
-        TRY(check_outputs({{{"--picture", *picture.file}}, picture.existing}, inputs));
+        TRY(check_outputs({{{"--picture", *picture.file}}, picture.existing},
+                          inputs_of(choice, *clip.reader)));
         file.emplace(*picture.file, picture.existing);
         TRY(file->check());
     }
@@ -530,11 +526,15 @@ Result<Verified> verify_clip(const ClipChoice& choice, const ClipFacts& facts, c
     TRY_ASSIGN(const auto quality,
                measure_quality(*clip.reader, scene, [&](std::int64_t frames) { progress.at(frames); }));
     const auto findings = Findings(facts, quality).all();
-    if (file) TRY(draw(findings, quality, *file));
     Verified verified;
-    for (std::size_t k = 0; k < findings.size(); ++k)
-        verified.findings.push_back({findings[k].name, findings[k].what, findings[k].mend,
-                                     file ? colour_of(findings, k) : std::string()});
+    verified.findings.assign(findings.begin(), findings.end());
+    if (file) {
+        const auto colours = colours_of(findings);
+        TRY(write_png(*file, picture_of(findings, colours, quality.where.picture).view()));
+        TRY(file->commit());
+        for (std::size_t k = 0; k < findings.size(); ++k)
+            if (colours[k]) verified.findings[k].colour = colours[k]->name;
+    }
     verified.drawn = file.has_value();
     verified.measures = measures_json(quality);
     verified.measures_in_words = measures_in_words(quality, facts.has_track("colour"));
@@ -544,13 +544,13 @@ Result<Verified> verify_clip(const ClipChoice& choice, const ClipFacts& facts, c
 std::string verified_in_words(const Verified& verified) {
     std::string words = "  verified     " + verified.measures_in_words + '\n';
     if (verified.findings.empty()) words += "  fine         nothing was found that would feel wrong\n";
-    for (const NamedFinding& finding : verified.findings) {
+    for (const Finding& finding : verified.findings) {
         words += "  wrong        " + finding.name + ": " + finding.what +
                  (finding.colour.empty() ? std::string() : " (" + finding.colour + " in the picture)") + '\n';
         words += "  mended by    " + finding.mend + '\n';
     }
     const bool is_marked = std::ranges::any_of(
-        verified.findings, [](const NamedFinding& finding) { return !finding.colour.empty(); });
+        verified.findings, [](const Finding& finding) { return !finding.colour.empty(); });
     if (verified.drawn && !is_marked)
         words += "  picture      has no marks: nothing of this has a place in the first frame\n";
     return words;
@@ -559,13 +559,13 @@ std::string verified_in_words(const Verified& verified) {
 void add_verified(const Verified& verified, nlohmann::ordered_json& json) {
     json["measures"] = verified.measures;
     json["findings"] = nlohmann::ordered_json::array();
-    for (const NamedFinding& finding : verified.findings) {
+    for (const Finding& finding : verified.findings) {
         json["findings"].push_back({{"name", finding.name}, {"what", finding.what}, {"mend", finding.mend}});
         if (!finding.colour.empty()) json["findings"].back()["colour"] = finding.colour;
     }
 }
 
-std::string verdict_on(const ClipFacts& facts, const std::vector<NamedFinding>* findings) {
+std::string verdict_on(const ClipFacts& facts, const std::vector<Finding>* findings) {
     const std::string clip = shell_word(facts.clip);
     if (facts.nearest == 0 && facts.farthest == 0) return "nothing to touch: the first frame has no depth";
     if (!facts.unit_doubt.empty()) return facts.unit_doubt;

@@ -6,7 +6,6 @@
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"
-#include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 #include "player/session/clip_choice.hpp"
 
@@ -49,35 +48,23 @@ struct ClipFacts {
 /// Reads the description and the first frames; both can fail.
 Result<ClipFacts> clip_facts(const ClipChoice& choice);
 
-/// A fault of a clip that would feel wrong.
-struct Finding {
-    std::string name;  ///< one word, for a program: "registration"
-    std::string what;  ///< for the user, with figures
-    std::string mend;  ///< the remedy: a command, or otherwise what to do
-    /// Mask of the first frame, 1 at affected pixels; nullptr: no place.
-    const std::vector<std::uint8_t>* where = nullptr;
-};
-
-/// The first frame, darkened, with the places of findings in their colours.
-Image picture_of(const std::vector<Finding>& findings, const Image& first_frame);
-/// Colour name of the k-th finding, "red"; empty if it marks nothing in the first frame.
-std::string colour_of(const std::vector<Finding>& findings, std::size_t k);
-
 /// The picture in which findings are drawn.
 struct VerifyPicture {
     std::optional<std::filesystem::path> file;
     Existing existing = Existing::keep;
 };
 
-/// A finding as it is printed.
-struct NamedFinding {
-    std::string name, what, mend;
-    std::string colour;  ///< of its marks in the picture; empty: no marks
+/// A fault of a clip that would feel wrong.
+struct Finding {
+    std::string name;      ///< one word, for a program: "registration"
+    std::string what;      ///< for the user, with figures
+    std::string mend;      ///< the remedy: a command, or otherwise what to do
+    std::string colour{};  ///< of its marks in the picture, "red"; empty: no marks
 };
 
 /// Findings and the measures behind them.
 struct Verified {
-    std::vector<NamedFinding> findings;
+    std::vector<Finding> findings;
     bool drawn = false;  ///< a picture was written
     nlohmann::ordered_json measures;
     std::string measures_in_words;
@@ -93,6 +80,6 @@ void add_verified(const Verified& verified, nlohmann::ordered_json& json);
 
 /// The next step for a user who wants to touch the clip, in one line: "good to touch: touchable play CLIP",
 /// or the one change that would help most. `findings`: verify_clip's; nullptr: not run.
-std::string verdict_on(const ClipFacts& facts, const std::vector<NamedFinding>* findings);
+std::string verdict_on(const ClipFacts& facts, const std::vector<Finding>* findings);
 
 }  // namespace touchable

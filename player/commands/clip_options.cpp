@@ -2,7 +2,6 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "player/commands/option_types.hpp"
 
 namespace touchable {
 
@@ -13,10 +12,9 @@ std::vector<double> numbers_in(std::string_view text) {
     std::vector<double> numbers;
     while (true) {
         const std::string_view part = text.substr(0, text.find(','));
-        double number = 0;
-        const auto [end, failure] = std::from_chars(part.data(), part.data() + part.size(), number);
-        if (failure != std::errc() || end != part.data() + part.size() || !std::isfinite(number)) return {};
-        numbers.push_back(number);
+        const auto number = parsed_number(part);
+        if (!number) return {};
+        numbers.push_back(*number);
         if (part.size() == text.size()) return numbers;
         text.remove_prefix(part.size() + 1);
     }
@@ -37,9 +35,7 @@ Result<void> read_source_setting(const SourceSetting& setting, const std::string
                                  SourceDescription& known) {
     const SettingRange& range = setting.range;
     SourceSetting::Value value = word;
-    if (setting.is_number()) {
-        TRY_ASSIGN(value, read_number("", word, range.least, range.most, setting.form));
-    }
+    if (setting.is_number()) TRY(assign(value, read_number("", word, range.least, range.most, setting.form)));
     if (setting.state(value, known)) return {};
     if (setting.name != Setting::preset) return not_allowed("", word, range.in_words());
     const std::vector<std::string> names(range.words.begin(), range.words.end());
@@ -214,6 +210,14 @@ Result<ClipChoice> read_clip(const ClipTyped& typed) {
     ClipChoice choice = typed.choice;
     TRY_ASSIGN(choice.camera, read_camera(typed.camera));
     return choice;
+}
+
+std::vector<NamedFile> inputs_of(const ClipChoice& clip, const ClipReader& reader) {
+    std::vector<NamedFile> inputs;
+    if (clip.scene_file) inputs.push_back({"--scene", *clip.scene_file});
+    inputs.push_back({"the clip", clip.file});
+    for (const auto& file : reader.inputs()) inputs.push_back({"a file of the clip", file});
+    return inputs;
 }
 
 void add_live_camera_option(CLI::App& sub, SessionOptions& session) {

@@ -5,6 +5,7 @@
 
 #include "engine/base/result.hpp"
 #include "engine/formats/source_description.hpp"
+#include "player/commands/option_types.hpp"
 #include "player/session/clip_choice.hpp"
 #include "player/session/touch_setup.hpp"
 
@@ -42,6 +43,9 @@ std::vector<CLI::Option*> add_filter_options(CLI::App& sub, ClipTyped& typed);
 
 /// Invalid words are refused (ErrorKind::usage).
 Result<ClipChoice> read_clip(const ClipTyped& typed);
+
+/// Every file from which a clip is read.
+std::vector<NamedFile> inputs_of(const ClipChoice& clip, const ClipReader& reader);
 
 /// Adds --camera, which is touched in place of CLIP.
 void add_live_camera_option(CLI::App& sub, SessionOptions& session);

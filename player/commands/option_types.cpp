@@ -16,21 +16,15 @@ namespace {
 
 /// One comma, with digits on both sides.
 bool has_decimal_comma(std::string_view text) {
-    const auto is_digit = [&](std::size_t k) { return k < text.size() && text[k] >= '0' && text[k] <= '9'; };
     const std::size_t comma = text.find(',');
-    return comma != std::string_view::npos && comma > 0 && is_digit(comma - 1) && is_digit(comma + 1) &&
+    return comma != std::string_view::npos && comma > 0 && comma + 1 < text.size() &&
+           is_digit(text[comma - 1]) && is_digit(text[comma + 1]) &&
            text.find(',', comma + 1) == std::string_view::npos;
 }
 
 /// Digits only, at most 9: a scene's limit for the terms of a rate.
 std::optional<std::int64_t> digits(std::string_view text) {
-    std::int64_t value = 0;
-    if (text.empty() || text.size() > 9) return std::nullopt;
-    for (const char c : text) {
-        if (c < '0' || c > '9') return std::nullopt;
-        value = 10 * value + (c - '0');
-    }
-    return value;
+    return is_digits(text) && text.size() <= 9 ? parsed_as<std::int64_t>(text) : std::nullopt;
 }
 
 /// num and den of "num/den" or of a decimal fraction.
@@ -139,17 +133,18 @@ Result<PixelSize> read_pixel_size(const std::string& option, std::string_view te
                            std::to_string(most) + ", such as 720x480");
 }
 
+fs::path folder_from_program(const char* way) {
+    std::error_code fault;
+    const fs::path program = fs::read_symlink("/proc/self/exe", fault);
+    return (program.parent_path() / way).lexically_normal();
+}
+
 CLI::Option* add_overwrite_option(CLI::App& sub, Existing& existing) {
     return sub
         .add_flag_callback(
             "--overwrite", [&existing] { existing = Existing::replace; },
             "replace files that exist, instead of refusing to")
         ->group(files_topic);
-}
-
-void add_inputs(std::vector<NamedFile>& inputs, const fs::path& clip, const ClipReader& reader) {
-    inputs.push_back({"the clip", clip});
-    for (const fs::path& file : reader.inputs()) inputs.push_back({"a file of the clip", file});
 }
 
 CLI::Option* add_json_option(CLI::App& sub, std::optional<fs::path>& file, const std::string& what,

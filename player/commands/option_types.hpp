@@ -82,10 +82,8 @@ inline CLI::Option* add_read_option(CLI::App& sub, const std::string& name,
 /// for its type.
 template <class Whole>
 Result<Whole> read_whole_number(const std::string& option, std::string_view text, Whole least, Whole most) {
-    Whole value = 0;
-    const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (failure == std::errc() && end == text.data() + text.size() && value >= least && value <= most)
-        return value;
+    const auto value = parsed_as<Whole>(text);
+    if (value && *value >= least && *value <= most) return *value;
     std::string right = "a whole number";
     if (least != std::numeric_limits<Whole>::min() || most != std::numeric_limits<Whole>::max())
         right += ", " + std::to_string(least) + " to " + std::to_string(most);
@@ -184,7 +182,10 @@ inline const CLI::Option* add_fragmented_option(CLI::App& command, ClipStorage& 
                             "off is readable up to there; it has no MPEG-4 scene (docs/codecs.md)");
 }
 
-class ClipReader;
+/// A folder of files that come with the program, in the build tree or the installation; `way` leads there
+/// from the program's own folder.
+std::filesystem::path folder_from_program(const char* way);
+
 class OutputFile;
 
 /// A file with its name in messages: "--json" and its path, or "the clip" and its path.
@@ -201,9 +202,6 @@ struct Outputs {
 
 /// Adds --overwrite.
 CLI::Option* add_overwrite_option(CLI::App& sub, Existing& existing);
-
-/// Adds every file from which a clip is read; `clip` as typed.
-void add_inputs(std::vector<NamedFile>& inputs, const std::filesystem::path& clip, const ClipReader& reader);
 
 /// --json: alone it prints to standard output, in place of the words; --json=FILE writes beside them.
 struct JsonOutput {

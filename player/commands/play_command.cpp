@@ -97,7 +97,7 @@ Result<void> check_files(PlayOptions& options, const std::optional<fs::path>& sc
         clip.share_clip();
         const auto reader = clip.open(clip.is_camera() ? Colour::left_out : Colour::wanted);
         if (reader)
-            add_inputs(inputs, clip.file, **reader);
+            std::ranges::copy(inputs_of(clip, **reader), std::back_inserter(inputs));
         else if (options.next_clips.empty())
             return reader.error();
         else  // the window skips an unreadable clip of several
@@ -142,13 +142,12 @@ Result<void> check_empty(const PlayOptions& options) {
     return {};
 }
 
-/// Checks the file of --segments; whether it fits the clip is known only once the clip's segments are read.
-Result<void> check_segments(const fs::path& file) {
+/// Reads the file of --segments; whether it fits the clip is known only once the clip's segments are read.
+Result<SegmentNames> read_segment_names(const fs::path& file) {
     TRY_ASSIGN(const auto text,
                read_given_file(file, "--segments " + file.string(),
                                "a file of segments (JSON, docs/content.md)", largest_segment_names));
-    const auto names = parse_segment_names(text, file.string());
-    return names ? Result<void>() : names.error();
+    return parse_segment_names(text, file.string());
 }
 
 bool ends_by_itself(const std::vector<ScriptedInput>& script) {
@@ -195,19 +194,6 @@ Result<void> hold(const PlayWords& words, PlayOptions& options) {
     return {};
 }
 
-/// A folder of files that come with the program, in the build tree or the installation.
-fs::path folder_from_program(const char* way) {
-    std::error_code fault;
-    const fs::path program = fs::read_symlink("/proc/self/exe", fault);
-    return (program.parent_path() / way).lexically_normal();
-}
-fs::path folder_of_texts() {
-    return folder_from_program(TOUCHABLE_KIOSK_FROM_PROGRAM);
-}
-fs::path folder_of_studies() {
-    return folder_from_program(TOUCHABLE_STUDY_FROM_PROGRAM);
-}
-
 /// The names of the JSON files in such a folder.
 std::string names_there(const fs::path& folder) {
     std::vector<std::string> names;
@@ -228,12 +214,13 @@ Result<KioskTexts> read_texts_of(const fs::path& file, const std::string& named)
 Result<KioskTexts> choose_texts(const std::string& asked) {
     const std::string language = asked.empty() ? own_language() : asked;
     if (!is_language(language)) return read_texts_of(asked, "--kiosk-texts " + asked);
-    const fs::path file = folder_of_texts() / (language + ".json");
+    const fs::path folder = folder_from_program(TOUCHABLE_KIOSK_FROM_PROGRAM),
+                   file = folder / (language + ".json");
     std::error_code failed;
     if (fs::exists(file, failed)) return read_texts_of(file, file.string());
     if (asked.empty() || language == KioskTexts().language) return KioskTexts();
     return usage_error("--kiosk-texts " + asked + ": there are texts in these languages: " +
-                       names_there(folder_of_texts()) + "; must be one of them, or the name of a file");
+                       names_there(folder) + "; must be one of them, or the name of a file");
 }
 
 Result<TouchLabels> read_labels(const fs::path& file, const std::optional<fs::path>& segments) {
@@ -242,9 +229,7 @@ Result<TouchLabels> read_labels(const fs::path& file, const std::optional<fs::pa
     TRY_ASSIGN(auto labels, parse_touch_labels(text, file.string(), file.parent_path()));
     std::vector<std::string> names;
     if (segments) {
-        TRY_ASSIGN(const auto named, read_given_file(*segments, "--segments " + segments->string(),
-                                                     "a file of segments", largest_segment_names));
-        TRY_ASSIGN(const auto parsed, parse_segment_names(named, segments->string()));
+        TRY_ASSIGN(const auto parsed, read_segment_names(*segments));
         for (const NamedSegment& segment : parsed.segments) names.push_back(segment.name);
     }
     if (auto there = labels.has_segments(names); !there)
@@ -289,14 +274,15 @@ Result<std::optional<KioskOptions>> read_kiosk(const KioskWords& words,
 /// Reads the file of a study. `clips`: number of clips. Nothing: no study.
 Result<std::optional<Study>> read_study(const KioskWords& words, std::size_t clips) {
     if (words.study.empty()) return std::optional<Study>();
+    const fs::path folder = folder_from_program(TOUCHABLE_STUDY_FROM_PROGRAM);
     fs::path file = words.study;
     std::error_code failed;
-    if (const fs::path known = folder_of_studies() / (words.study + ".json");
+    if (const fs::path known = folder / (words.study + ".json");
         file.filename() == file && !fs::exists(file, failed) && fs::exists(known, failed))
         file = known;
     const std::string named = "--study " + words.study;
     if (!fs::exists(file, failed) && file.extension() != ".json")
-        return usage_error(named + ": there are these studies: " + names_there(folder_of_studies()) +
+        return usage_error(named + ": there are these studies: " + names_there(folder) +
                            "; must be one of them, or the name of a file");
     TRY_ASSIGN(const auto text,
                read_given_file(file, named, "a study (JSON, docs/exhibit.md)", largest_study));
@@ -321,9 +307,7 @@ Result<PlayOptions> read_words(const PlayWords& words) {
     const bool is_empty = words.clip_word->count() == 0 && !options.session.camera;
     if (!is_empty && !options.session.clip.plugged) TRY(read_list(words, options));
     TRY_ASSIGN(options.session.playback, read_playback(words.playback));
-    if (words.script) {
-        TRY_ASSIGN(options.script, read_window_script(*words.script));
-    }
+    if (words.script) TRY(assign(options.script, read_window_script(*words.script)));
     options.size_is_stated = words.typed_size->count() > 0;
     if (!words.dent.empty()) options.dent = words.dent == "on";
     options.filters_are_stated =
@@ -338,7 +322,7 @@ Result<PlayOptions> read_words(const PlayWords& words) {
         return usage_error(
             "--headless needs an end: give --seconds or --screenshot, or put quit into --script");
     TRY(check_files(options, words.script));
-    if (options.segments) TRY(check_segments(*options.segments));
+    if (options.segments) TRY(read_segment_names(*options.segments));
     return options;
 }
 
