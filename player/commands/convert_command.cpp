@@ -104,19 +104,11 @@ Result<ConvertOptions> read_words(const ConvertTyped& typed) {
     if (options.lerobot) options.form = ClipForm::lerobot;
     TRY(refuse_idle_options(read));
     TRY_ASSIGN(options.clip, read_clip(typed.clip));
-    if (typed.from) {
-        TRY_ASSIGN(options.from, read_moment("--from", *typed.from));
-    }
-    if (typed.to) {
-        TRY_ASSIGN(options.to, read_moment("--to", *typed.to));
-    }
+    if (typed.from) TRY(assign(options.from, read_moment("--from", *typed.from)));
+    if (typed.to) TRY(assign(options.to, read_moment("--to", *typed.to)));
     TRY_ASSIGN(options.every, read_whole_number<std::int64_t>("--every", typed.every, 1, 1'000'000));
-    if (typed.crop) {
-        TRY_ASSIGN(options.crop, read_crop(*typed.crop));
-    }
-    if (typed.size) {
-        TRY_ASSIGN(options.size, read_pixel_size("--size", *typed.size, 1, 16384));
-    }
+    if (typed.crop) TRY(assign(options.crop, read_crop(*typed.crop)));
+    if (typed.size) TRY(assign(options.size, read_pixel_size("--size", *typed.size, 1, 16384)));
     return options;
 }
 

@@ -14,6 +14,7 @@
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/picture/sound.hpp"
 #include "engine/scene/frames.hpp"
+#include "player/commands/clip_options.hpp"
 #include "player/commands/convert_command.hpp"
 #include "player/commands/option_types.hpp"
 #include "player/commands/setting_words.hpp"
@@ -209,9 +210,7 @@ bool is_one_of(const ConvertOptions& options, const ClipReader& clip) {
 }
 
 Result<void> check_places(const ConvertOptions& options, const ClipReader& reader) {
-    std::vector<NamedFile> inputs;
-    if (options.clip.scene_file) inputs.push_back({"--scene", *options.clip.scene_file});
-    add_inputs(inputs, options.clip.file, reader);
+    const std::vector<NamedFile> inputs = inputs_of(options.clip, reader);
     if (options.form == ClipForm::folder) return check_folder(options, inputs);
     std::vector<NamedFile> outputs;
     if (options.form == ClipForm::archive || options.form == ClipForm::lerobot)
@@ -331,20 +330,13 @@ private:
 
     /// The source for a consumer that must see all frames (a stroke): each frame read is also written, so
     /// that the source is read once.
-    class Source final : public ClipReader {
+    class Source final : public ReaderAround {
     public:
-        explicit Source(Conversion& conversion) : conversion_(conversion) {}
-        const Scene& scene() const override { return clip().scene(); }
-        UnstatedFilters unstated_filters() const override { return clip().unstated_filters(); }
-        const std::vector<TrackInfo>& tracks() const override { return clip().tracks(); }
-        std::optional<std::int64_t> frame_count() const override { return clip().frame_count(); }
-        const std::vector<std::string>& notes() const override { return clip().notes(); }
+        explicit Source(Conversion& conversion) : ReaderAround(conversion.source_), conversion_(conversion) {}
+        void leave_out_colour() override {}  // it is written
         Result<std::optional<RawFrame>> next() override { return conversion_.next(); }
-        Result<void> rewind() override { return clip().rewind(); }
 
     private:
-        ClipReader& clip() const { return *conversion_.source_; }
-
         Conversion& conversion_;
     };
 
@@ -389,9 +381,9 @@ private:
         if (!is_resized() || options_.allow_lossy) return {};
         const Scene& scene = source_->scene();
         const auto& size = options_.size;
-        return usage_error("--size " + std::to_string(size->width) + "x" + std::to_string(size->height) +
-                           " changes what is touched: the pictures are " + std::to_string(scene.width) + "x" +
-                           std::to_string(scene.height) +
+        return usage_error("--size " + size_text(size->width, size->height) +
+                           " changes what is touched: the pictures are " +
+                           size_text(scene.width, scene.height) +
                            "; say --allow-lossy as well, and the report tells what is lost");
     }
 
@@ -527,9 +519,8 @@ private:
 
     Result<void> write() {
         progress_.emplace("converting frame", source_->frame_count().value_or(0));
-        if (is_resized() || is_recoded()) {
-            TRY_ASSIGN(stroke_, standard_stroke(std::make_unique<Source>(*this)));
-        }
+        if (is_resized() || is_recoded())
+            TRY(assign(stroke_, standard_stroke(std::make_unique<Source>(*this))));
         while (true) {
             TRY_ASSIGN(const auto frame, next());
             if (!frame) break;
@@ -571,7 +562,7 @@ private:
     std::int64_t from_ns_ = 0;  // start of the part in the clip
     bool is_stream_ = false;
     std::optional<Error> broke_off_;  // why a stream of which frames are kept ended early
-    std::unique_ptr<ClipReader> source_;
+    std::shared_ptr<ClipReader> source_;
     std::unique_ptr<ClipWriter> writer_;
     std::optional<ClipStorage::Copied> copied_;  // for a clip whose content is changed
     std::optional<Progress> progress_;
@@ -597,7 +588,7 @@ std::string report_to_text(const ConvertOptions& options, const Converted& done)
     const Scene& scene = done.scene;
     const bool resized = options.size.has_value();
     std::string text = one_line(options.out.string()) + ": " + counted(done.frames, "frame") + ", " +
-                       std::to_string(scene.width) + "x" + std::to_string(scene.height);
+                       size_text(scene.width, scene.height);
     if (!is_one_frame(options.form))
         text += formatted(
             scene.rate.own_times ? ", each at its own time, %.6g frames/s on average" : ", %.6g frames/s",

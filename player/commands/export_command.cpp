@@ -393,10 +393,7 @@ Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
     if (frames && (wanted < 0 || wanted >= *frames)) return no_such_frame(options, wanted, *frames);
     if (wanted < 0 || wanted > last_number)
         return not_allowed("--frame", std::to_string(wanted), "0 or more");
-    std::vector<NamedFile> inputs;
-    if (options.clip.scene_file) inputs.push_back({"--scene", *options.clip.scene_file});
-    add_inputs(inputs, options.clip.file, *reader);
-    TRY(check_outputs({files_of(options), options.existing}, inputs));
+    TRY(check_outputs({files_of(options), options.existing}, inputs_of(options.clip, *reader)));
     RunGpu gpu(options.builder.gpu);
     TRY_ASSIGN(const auto builder, make_builder(options.builder, scene, gpu));
     TRY_ASSIGN(auto picture, order_picture(options.picture, options.existing, options.builder, gpu));

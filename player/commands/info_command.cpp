@@ -330,9 +330,7 @@ Result<void> print_facts(const InfoOptions& options) {
         {{"the clip", options.clip.file}, {"--scene", options.clip.scene_file.value_or("")}}));
     TRY_ASSIGN(const auto facts, clip_facts(options.clip));
     std::optional<Verified> verified;
-    if (options.verify) {
-        TRY_ASSIGN(verified, verify_clip(options.clip, facts, options.picture));
-    }
+    if (options.verify) TRY(assign(verified, verify_clip(options.clip, facts, options.picture)));
     const std::string verdict = verdict_on(facts, verified ? &verified->findings : nullptr);
     if (options.scene_text) {
         std::cout << mpeg4_text(facts);

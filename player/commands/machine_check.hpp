@@ -91,8 +91,8 @@ struct TouchDemand {
 
     /// "720x480 at 30 frames/s with 1 finger"
     std::string in_words() const {
-        return std::to_string(width) + "x" + std::to_string(height) + " at " + std::to_string(rate) +
-               " frames/s with " + counted(fingers, "finger");
+        return size_text(width, height) + " at " + std::to_string(rate) + " frames/s with " +
+               counted(fingers, "finger");
     }
 };
 

@@ -16,7 +16,6 @@ namespace {
 
 /// Options of globes only.
 struct GlobeWords {
-    GlobeMapFiles maps;
     std::optional<double> seconds_per_turn{}, axial_tilt{}, longitude{};
 };
 
@@ -115,8 +114,7 @@ Result<std::unique_ptr<AnalyticScene>> make_source(const MakeOptions& options, s
 
 constexpr std::int64_t most_frames = 1'000'000;
 
-void add_globe_options(CLI::App& make, GlobeWords& words) {
-    GlobeMapFiles& maps = words.maps;
+void add_globe_options(CLI::App& make, GlobeWords& words, GlobeMapFiles& maps) {
     add_number_option(make, "--turn", words.seconds_per_turn, "seconds for a turn of the globe (default 12)",
                       0.1, 1e9)
         ->type_name("SECONDS");
@@ -149,11 +147,11 @@ void add_globe_options(CLI::App& make, GlobeWords& words) {
         ->type_name("DEGREES");
 }
 
-void take_motion(const GlobeWords& words, SceneOptions& options) {
+void take_motion(const GlobeWords& words, bool has_maps, SceneOptions& options) {
     if (words.seconds_per_turn) options.seconds_per_turn = *words.seconds_per_turn;
     options.axial_tilt_degrees = words.axial_tilt;
     options.first_longitude_degrees = words.longitude;
-    if (!words.maps.any()) return;
+    if (!has_maps) return;
     constexpr double tilt_of_the_earth = 23.4, himalaya = 80;
     options.axial_tilt_degrees = words.axial_tilt.value_or(tilt_of_the_earth);
     options.first_longitude_degrees = words.longitude.value_or(himalaya);
@@ -185,7 +183,7 @@ bool without_shape(std::string_view scene) {
 /// Refuses options that the scene would ignore, and maps that need another map.
 Result<void> refuse_idle_options(const MakeWords& words) {
     const std::string& scene = words.options.scene;
-    const GlobeMapFiles& maps = words.globe.maps;
+    const GlobeMapFiles& maps = words.options.maps;
     const auto only = [&](bool given, const char* option, bool fits, const char* whose) -> Result<void> {
         if (!given || fits) return {};
         return usage_error(std::string(option) + " does nothing for '" + scene +
@@ -242,8 +240,7 @@ Result<MakeOptions> read_words(const MakeWords& words) {
     TRY_ASSIGN(generator.seed, read_whole_number<std::uint64_t>("--seed", words.seed, 0,
                                                                 std::numeric_limits<std::uint64_t>::max()));
     generator.properties = options.scene == "globe" && !words.plain;
-    take_motion(words.globe, generator);
-    options.maps = words.globe.maps;
+    take_motion(words.globe, options.maps.any(), generator);
     return options;
 }
 
@@ -351,12 +348,12 @@ void add_make_command(CLI::App& app, Command& command) {
     auto* properties = make->add_flag("--properties", words->properties,
                                       "let globe turn, and land and ocean differ to the touch (default)");
     make->add_flag("--plain", words->plain, "let globe rest, with depth alone")->excludes(properties);
-    add_globe_options(*make, words->globe);
+    add_globe_options(*make, words->globe, words->options.maps);
     set_work(*make, command, [words]() -> Result<void> {
         TRY_ASSIGN(const auto options, read_words(*words));
         const SceneOptions& made = options.generator;
-        return within_memory("frames of " + std::to_string(made.width) + 'x' + std::to_string(made.height) +
-                                 " pixels" + (options.maps.any() ? " and their maps" : ""),
+        return within_memory("frames of " + size_text(made.width, made.height) + " pixels" +
+                                 (options.maps.any() ? " and their maps" : ""),
                              [&] { return run_make(options); });
     });
 }

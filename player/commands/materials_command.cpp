@@ -141,10 +141,8 @@ public:
 
 private:
     Result<void> check_places(const ClipReader& clip) {
-        std::vector<NamedFile> inputs, outputs;
-        if (options_.clip.scene_file) inputs.push_back({"--scene", *options_.clip.scene_file});
+        std::vector<NamedFile> inputs = inputs_of(options_.clip, clip), outputs;
         for (const auto& file : options_.read) inputs.push_back({"a file that is read", file});
-        add_inputs(inputs, options_.clip.file, clip);
         if (!options_.out.empty()) outputs.push_back({"OUT", options_.out});
         if (!options_.save.empty()) outputs.push_back({"--save", options_.save});
         TRY(check_outputs({outputs, options_.existing}, inputs));
@@ -366,10 +364,9 @@ Result<void> run_one(const MaterialsTyped& typed, const std::filesystem::path& c
     TRY_ASSIGN(options.clip, read_clip(typed.clip));
     options.clip.file = clip;
     TRY_ASSIGN(options.materials.names, read_names(typed));
-    if (!typed.frame.empty()) {
-        TRY_ASSIGN(options.frame,
-                   read_whole_number<std::int64_t>("--frame", typed.frame, 0, last_segment_frame));
-    }
+    if (!typed.frame.empty())
+        TRY(assign(options.frame,
+                   read_whole_number<std::int64_t>("--frame", typed.frame, 0, last_segment_frame)));
     if (!typed.segments.empty()) options.read.push_back(typed.segments);
     if (!typed.map.empty()) {
         TRY_ASSIGN(options.materials.map, read_map(typed.map));

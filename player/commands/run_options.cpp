@@ -299,10 +299,9 @@ Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options,
     order.settings.width = size.width;
     order.settings.height = size.height;
     if (options.draws_on_gpu() && choice.names_gpu()) TRY(gpu.open());
-    TRY_ASSIGN(auto painter, make_painter(options.painter, [&gpu, &options] {
+    TRY_ASSIGN(order.painter, make_painter(options.painter, [&gpu, &options] {
                    return options.painter == "auto" ? gpu.open_measured(measure_painters) : gpu.open();
                }));
-    order.painter = std::move(painter);
     order.any_painter = options.painter == "auto";
     order.show = options.show;
     order.file = std::make_unique<NewFile>(*options.file, existing);

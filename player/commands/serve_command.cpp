@@ -108,11 +108,8 @@ private:
         is_live_ = clip_->is_live();
         notes_ = remarks_with_options(remarks_of(*clip_));
         if (!options_.json) return {};
-        std::vector<NamedFile> inputs;
-        if (options_.clip.scene_file) inputs.push_back({"--scene", *options_.clip.scene_file});
-        add_inputs(inputs, options_.clip.file, *clip_);
         const Outputs outputs{{{"--json", *options_.json}}, options_.existing};
-        TRY(check_outputs(outputs, inputs));
+        TRY(check_outputs(outputs, inputs_of(options_.clip, *clip_)));
         TRY_ASSIGN(json_, OutputFile::create("--json", *options_.json, options_.existing));
         return {};
     }
@@ -124,18 +121,11 @@ private:
             (is_mpegts ? has_mpegts : has_matroska) = true;
         }
         const SceneDescription described = clip_->described();
-        if (has_mpegts) {
-            TRY_ASSIGN(auto muxer, make_mpegts_muxer(described));
-            mpegts_.emplace().muxer = std::move(muxer);
-        }
+        if (has_mpegts) TRY(assign(mpegts_.emplace().muxer, make_mpegts_muxer(described)));
         const auto heard = sound();
-        if (options_.hls) {
-            TRY_ASSIGN(hls_, HlsWriter::open(*options_.hls, described, heard));
-        }
-        if (!has_matroska) return {};
-        TRY_ASSIGN(auto muxer, open_matroska_stream(described, heard));
-        matroska_.emplace().muxer = std::move(muxer);
-        return {};
+        if (options_.hls) TRY(assign(hls_, HlsWriter::open(*options_.hls, described, heard)));
+        return has_matroska ? assign(matroska_.emplace().muxer, open_matroska_stream(described, heard))
+                            : Result<void>();
     }
 
     Result<void> open_places() {

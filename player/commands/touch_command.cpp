@@ -112,11 +112,10 @@ CLI::Option* add_setting_option(CLI::App& sub, const SessionSetting& setting, Se
     const SettingRange& range = setting.range;
     const bool is_number = range.words.empty();
     const auto read = [&setting, &range, is_number, &session](const std::string& word) -> Result<void> {
-        const auto number = is_number
-                                ? read_number("", word, setting.typed.least, setting.typed.most, range.unit)
-                                : read_word(range, word);
-        if (!number) return number.error();
-        setting.set(*number, session);
+        TRY_ASSIGN(const double number,
+                   is_number ? read_number("", word, setting.typed.least, setting.typed.most, range.unit)
+                             : read_word(range, word));
+        setting.set(number, session);
         return {};
     };
     return add_read_option(sub, "--" + setting.name, read, setting.what)

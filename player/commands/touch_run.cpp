@@ -6,6 +6,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "player/commands/clip_options.hpp"
 #include "player/commands/commands.hpp"
 #include "player/commands/option_types.hpp"
 #include "player/run/terminal.hpp"
@@ -53,14 +54,12 @@ using MaybePath = std::optional<std::filesystem::path>;
 
 /// Every file that the run reads.
 std::vector<NamedFile> inputs_of(const TouchOptions& options, const TouchSetup& setup) {
-    std::vector<NamedFile> inputs;
-    if (setup.clip.scene_file) inputs.push_back({"--scene", *setup.clip.scene_file});
+    std::vector<NamedFile> inputs = inputs_of(setup.clip, setup.feed->reader());
     if (options.replay) inputs.push_back({"--replay", *options.replay});
     if (options.play) inputs.push_back({"--play", *options.play});
     for (const auto& file : files_of(options.held)) inputs.push_back({"the device's file", file});
     if (const auto file = setup.hand ? setup.hand->file() : std::nullopt)
         inputs.push_back({"the hand's file", *file});
-    add_inputs(inputs, setup.clip.file, setup.feed->reader());
     return inputs;
 }
 
@@ -297,9 +296,8 @@ Result<void> touch(const TouchOptions& options, std::string& at_work) {
     TRY_ASSIGN(const auto recording,
                options.replay ? read_recording(*options.replay) : Result<Recording>(Recording()));
     const bool replays = !recording.empty();
-    TRY_ASSIGN(auto first, replays ? setup_from_recording(recording.front(), options.session)
+    TRY_ASSIGN(auto setup, replays ? setup_from_recording(recording.front(), options.session)
                                    : setup_from_options(options.session));
-    std::unique_ptr<TouchSetup> setup = std::move(first);
     at_work = frames_in_words(setup->scene) + ", or for a run of that length";
     std::optional<std::int64_t> ticks = setup->ticks();
     if (recording.size() > 1) {
@@ -417,10 +415,9 @@ Result<std::unique_ptr<TouchOutputs>> TouchOutputs::open(const TouchOptions& opt
     TRY(check_outputs(outputs_of(options, setup), inputs_of(options, setup)));
     std::unique_ptr<TouchOutputs> out(new TouchOutputs(options));
     const Pace pace = setup.live && !options.replay ? Pace::wall_clock : Pace::own;
-    if (options.forces) {
-        TRY_ASSIGN(out->forces_,
-                   TickTable::create_forces(*options.forces, options.existing, pace, "--forces"));
-    }
+    if (options.forces)
+        TRY(assign(out->forces_,
+                   TickTable::create_forces(*options.forces, options.existing, pace, "--forces")));
     out->only_forces_ = options.forces && !options.device_log && !options.record && !options.json &&
                         !options.picture.file && !options.replay && !options.strict && !setup.control;
     if (options.device_log) {
@@ -429,17 +426,15 @@ Result<std::unique_ptr<TouchOutputs>> TouchOutputs::open(const TouchOptions& opt
         TRY_ASSIGN(out->device_log_, TickTable::create_device_log(*options.device_log, options.existing,
                                                                   *setup.device_log, "--device-log"));
     }
-    if (options.record) {
-        TRY_ASSIGN(out->record_, RecordingFile::create(*options.record, setup.settings.fingers,
-                                                       options.existing, pace, "--record"));
-    }
+    if (options.record)
+        TRY(assign(out->record_, RecordingFile::create(*options.record, setup.settings.fingers,
+                                                       options.existing, pace, "--record")));
     if (options.record && setup.film) {
         out->film_ = setup.film;
         TRY(setup.film->open(film_beside(*options.record), options.existing));
     }
-    if (options.json) {
-        TRY_ASSIGN(out->json_, OutputFile::create("--json", *options.json, options.existing, pace));
-    }
+    if (options.json)
+        TRY(assign(out->json_, OutputFile::create("--json", *options.json, options.existing, pace)));
     TRY_ASSIGN(auto order, order_picture(options.picture, options.existing, setup.builder, *setup.gpu));
     if (order)
         out->picture_.emplace(std::move(*order),
