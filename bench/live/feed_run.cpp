@@ -76,7 +76,9 @@ Result<FrameTimes> feed_all(const std::filesystem::path& file, const Scene& scen
     auto reader = open_reader(file, colour);
     if (!reader) return reader.error();
     SurfaceFeed feed(std::move(*reader), make_cpu_builder(scene), scene);
-    FeedThreads threads(feed, [](const RawFrame&) { return false; });
+    FeedThreads threads(
+        feed, [](const RawFrame&) { return false; }, PlaybackClock(FrameRate{}),
+        [] { return MediaMoment{}; });
     const Stopwatch watch;
     if (auto begun = threads.start(); !begun) return begun.error();
     FramePair pair;

@@ -46,7 +46,7 @@ Result<void> measure_live(const LiveClip& clip, LiveClips& clips, Figures& figur
     LateTicks ticks;
     TouchSink* const sinks[]{&touched, &ticks};
     const auto hand = make_port(*s.hand);
-    TouchSessionSettings settings = s.settings;
+    TouchSessionSettings settings = s.options;
     settings.ticks = s.ticks();
     LiveSession session(s.scene, *s.feed, *hand, *s.solver, settings);
     const std::int64_t wall = monotonic_ns(), cpu = process_cpu_ns();

@@ -82,7 +82,7 @@ FramePair DelayedTouch::felt(const Tick& tick, const Sent& sent) const {
 template <class PairOf>
 std::vector<DelayedTouch::Vectors> DelayedTouch::solved(const TouchSetup& setup, std::int64_t goals_late_ms,
                                                         const PairOf& pair_of, std::size_t count) const {
-    TouchStep step(*setup.solver, setup.settings.guard, setup.settings.fingers);
+    TouchStep step(*setup.solver, setup.options.guard, setup.options.fingers);
     std::vector<Vectors> forces;
     std::size_t moved = 0;  // the tick whose goals have arrived
     for (std::size_t n = 0; n < count; ++n) {

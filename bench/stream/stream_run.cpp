@@ -81,7 +81,7 @@ Result<void> measure_touch(TouchSetup& setup, DelayedTouch* delayed, Figures& fi
     std::vector<TouchSink*> sinks{&touched, &felt};
     if (delayed != nullptr) sinks.push_back(delayed);
     const auto hand = make_port(*setup.hand);
-    TouchSessionSettings settings = setup.settings;
+    TouchSessionSettings settings = setup.options;
     settings.ticks = setup.ticks();
     LiveSession session(setup.scene, *setup.feed, *hand, *setup.solver, settings);
     const std::int64_t cpu = process_cpu_ns();

@@ -67,7 +67,8 @@ std::string name_in_list(const FilterSetting& setting) {
 }
 
 /// Puts a part of the list into `choice`; returns what is wrong with it, or "".
-std::string why_not(const std::string& name, const std::optional<std::string>& value, FiltersChoice& choice) {
+std::string why_not(const std::string& name, const std::optional<std::string>& value,
+                    ClipChoice::Filters& choice) {
     if (name == "off" || name == "auto") return ": it stands alone, without other filters";
     std::vector<std::string> names;
     for (const FilterSetting& setting : filter_settings()) {
@@ -133,9 +134,9 @@ Result<SourceDescription> read_camera(const CameraTyped& typed) {
     return with_likely_pixels(std::move(known), *typed.intrinsics);
 }
 
-Result<FiltersChoice> read_filters(const std::string& typed) {
-    if (typed == "auto") return FiltersChoice{.measured = all_unstated};
-    FiltersChoice choice = FiltersChoice::off();
+Result<ClipChoice::Filters> read_filters(const std::string& typed) {
+    if (typed == "auto") return ClipChoice::Filters{.measured = all_unstated};
+    ClipChoice::Filters choice = ClipChoice::Filters::off();
     if (typed == "off") return choice;
     for (std::size_t at = 0, end = 0; end != std::string::npos; at = end + 1) {
         end = typed.find(',', at);
@@ -220,7 +221,7 @@ std::vector<NamedFile> inputs_of(const ClipChoice& clip, const ClipReader& reade
     return inputs;
 }
 
-void add_live_camera_option(CLI::App& sub, SessionOptions& session) {
+void add_live_options(CLI::App& sub, LiveTyped& typed, SessionOptions& session) {
     begin_topic(sub, "Camera");
     sub.add_option(
            "--camera", session.camera,
@@ -228,42 +229,34 @@ void add_live_camera_option(CLI::App& sub, SessionOptions& session) {
            "program that sends frames; stream: what CLIP takes; replay: a recording that behaves like "
            "a camera. v4l2 and replay take ,key=value,... (docs/streaming.md)")
         ->type_name(type_with_words("CAMERA", camera_words()));
-}
-
-void add_stale_after_option(CLI::App& sub, std::optional<double>& milliseconds) {
-    add_number_option(sub, "--stale-after", milliseconds,
+    typed.latency =
+        add_whole_option(sub, "--latency", typed.latency_ms,
+                         "longest wait for late frames of a live stream. Less where its jitter allows", 1,
+                         5000)
+            ->type_name("MS")
+            ->capture_default_str();
+    add_number_option(sub, "--stale-after", typed.stale_after_ms,
                       "stop feeling a live surface after so long without a new frame. 0: keep it; default: "
                       "of a stream 250 or three frames, whichever is longer; of a camera 0",
                       0, 3'600'000)
         ->type_name("MS");
 }
 
-CLI::Option* add_latency_option(CLI::App& sub, SessionOptions& session) {
-    return add_whole_option(sub, "--latency", session.stream_latency_ms,
-                            "longest wait for late frames of a live stream. Less where its jitter allows", 1,
-                            5000)
-        ->type_name("MS")
-        ->capture_default_str();
-}
-
-Result<void> read_live_stream(bool has_latency, SessionOptions& session) {
+Result<void> read_live_options(const LiveTyped& typed, SessionOptions& session) {
+    if (typed.stale_after_ms) session.stale_after_ns = std::llround(*typed.stale_after_ms * 1e6);
+    if (session.camera) {
+        if (!session.clip.file.empty())
+            return usage_error("CLIP and --camera are two things to touch; leave one of them out");
+        TRY_ASSIGN(const auto camera, read_live_camera(*session.camera));
+        session.clip.choose(camera);
+    }
     TRY(take_stream(session));
     auto& plugged = session.clip.plugged;
     auto* const stream = plugged ? std::get_if<StreamSource>(&*plugged) : nullptr;
-    if (stream) stream->latency = std::chrono::milliseconds(session.stream_latency_ms);
-    if (stream || !has_latency) return {};
+    if (stream) stream->latency = std::chrono::milliseconds(typed.latency_ms);
+    if (stream || typed.latency->count() == 0) return {};
     return usage_error(
         "--latency is for a stream that is touched live, such as touchable touch --live tcp://HOST:PORT");
-}
-
-Result<void> read_live_camera(bool has_clip, const std::optional<double>& stale_after_ms,
-                              SessionOptions& session) {
-    if (stale_after_ms) session.stale_after_ns = std::llround(*stale_after_ms * 1e6);
-    if (!session.camera) return {};
-    if (has_clip) return usage_error("CLIP and --camera are two things to touch; leave one of them out");
-    TRY_ASSIGN(const auto camera, read_live_camera(*session.camera));
-    session.clip.choose(camera);
-    return {};
 }
 
 }  // namespace touchable

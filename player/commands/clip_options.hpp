@@ -26,7 +26,7 @@ Result<SourceDescription> read_camera(const CameraTyped& typed);
 
 /// --filters: auto, off, or a comma-separated list of filters to enable (`FilterSetting::in_list`). Anything
 /// else is refused (ErrorKind::usage).
-Result<FiltersChoice> read_filters(const std::string& typed);
+Result<ClipChoice::Filters> read_filters(const std::string& typed);
 
 /// The clip and its options, as typed.
 struct ClipTyped {
@@ -47,21 +47,19 @@ Result<ClipChoice> read_clip(const ClipTyped& typed);
 /// Every file from which a clip is read.
 std::vector<NamedFile> inputs_of(const ClipChoice& clip, const ClipReader& reader);
 
-/// Adds --camera, which is touched in place of CLIP.
-void add_live_camera_option(CLI::App& sub, SessionOptions& session);
+/// A live source, as typed beside SessionOptions::camera.
+struct LiveTyped {
+    std::optional<double> stale_after_ms;
+    int latency_ms = 200;  ///< of a stream: longest time that a frameset waits for others
+    const CLI::Option* latency = nullptr;
+};
 
-/// Adds --stale-after, ms.
-void add_stale_after_option(CLI::App& sub, std::optional<double>& milliseconds);
+/// Adds --camera, which is touched in place of CLIP, --latency and --stale-after, ms.
+void add_live_options(CLI::App& sub, LiveTyped& typed, SessionOptions& session);
 
-/// Adds --latency.
-CLI::Option* add_latency_option(CLI::App& sub, SessionOptions& session);
-
-/// Makes CLIP the session's camera if it is a stream and the run is live. A file on a web server stays a
-/// clip. --latency with anything else is refused (ErrorKind::usage).
-Result<void> read_live_stream(bool has_latency, SessionOptions& session);
-
-/// Makes a typed --camera the session's clip. Refused (ErrorKind::usage) together with a CLIP.
-Result<void> read_live_camera(bool has_clip, const std::optional<double>& stale_after_ms,
-                              SessionOptions& session);
+/// Makes a typed --camera the session's clip, or CLIP the session's camera if it is a stream and the run is
+/// live; a file on a web server stays a clip. Refused (ErrorKind::usage): --camera together with a CLIP,
+/// --latency without a stream.
+Result<void> read_live_options(const LiveTyped& typed, SessionOptions& session);
 
 }  // namespace touchable

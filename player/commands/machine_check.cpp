@@ -229,14 +229,14 @@ Result<void> measure_frames(TouchSetup& setup, int frames, TrialFigures& figures
 
 /// Runs between the last two frames, so that nothing is decoded.
 Result<void> measure_ticks(TouchSetup& setup, int frames, TrialFigures& figures) {
-    setup.settings.ticks = trial_ticks;
-    setup.settings.pair_of_tick = [&setup, frames](std::int64_t tick) {
+    setup.options.ticks = trial_ticks;
+    setup.options.pair_of_tick = [&setup, frames](std::int64_t tick) {
         return setup.feed->pair_of(frames - 2, frames - 1, static_cast<double>(tick) / trial_ticks);
     };
     TouchFigures taken;
     TouchSink* const sinks[] = {&taken};
     const double cpu_before = cpu_ms();
-    TRY(TouchSession(setup.scene, *setup.feed, *setup.hand, *setup.solver, setup.settings).run(sinks));
+    TRY(TouchSession(setup.scene, *setup.feed, *setup.hand, *setup.solver, setup.options).run(sinks));
     figures.ticks = static_cast<int>(taken.ticks());
     figures.tick_cpu_us = us_per_ms * (cpu_ms() - cpu_before) / figures.ticks;
     figures.tick_us = taken.tick_us();
@@ -388,7 +388,8 @@ Result<TrialFigures> try_touch(const TouchDemand& demand) {
     SessionOptions options;
     options.clip.file = folder.path() / "trial.mkv";
     options.fingers = demand.fingers;
-    options.clip.filters = FiltersChoice::off();  // no survey reads frames before, so all are decoded here
+    options.clip.filters =
+        ClipChoice::Filters::off();  // no survey reads frames before, so all are decoded here
     options.clip.filters.settings.median = 3;
     options.live = true;
     const int frames = 2 + trial_frames(demand);  // the first two are read to place the hand

@@ -49,13 +49,11 @@ struct PlayWords {
     HeldDeviceWords held;
     std::string size = "1280x720";
     std::optional<fs::path> script;
-    CLI::Option* clip_word = nullptr;
     std::vector<fs::path> more_clips;
     CLI::Option* typed_size = nullptr;
     std::vector<CLI::Option*> filters{};
     std::string dent;
-    CLI::Option* latency = nullptr;
-    std::optional<double> stale_after_ms;
+    LiveTyped live;
     KioskWords kiosk;
 };
 
@@ -302,9 +300,8 @@ Result<PlayOptions> read_words(const PlayWords& words) {
     options.screen.width = size.width;
     options.screen.height = size.height;
     TRY_ASSIGN(options.session.clip, read_clip(words.clip));
-    TRY(read_live_camera(words.clip_word->count() > 0, words.stale_after_ms, options.session));
-    TRY(read_live_stream(words.latency->count() > 0, options.session));
-    const bool is_empty = words.clip_word->count() == 0 && !options.session.camera;
+    TRY(read_live_options(words.live, options.session));
+    const bool is_empty = words.clip.choice.file.empty() && !options.session.camera;
     if (!is_empty && !options.session.clip.plugged) TRY(read_list(words, options));
     TRY_ASSIGN(options.session.playback, read_playback(words.playback));
     if (words.script) TRY(assign(options.script, read_window_script(*words.script)));
@@ -512,13 +509,11 @@ void add_play_command(CLI::App& app, Command& command) {
     CLI::App* const sub =
         app.add_subcommand("play", "watch a clip in a window and touch it with the mouse or a device");
     SessionOptions& session = words->options.session;
-    words->clip_word = add_clip_options(*sub, words->clip);
+    add_clip_options(*sub, words->clip);
     add_file_option(*sub, "MORE", words->more_clips,
                     "further clips, shown one after another. A folder of clips stands for all of them")
         ->expected(0, -1);
-    add_live_camera_option(*sub, session);
-    words->latency = add_latency_option(*sub, session);
-    add_stale_after_option(*sub, words->stale_after_ms);
+    add_live_options(*sub, words->live, session);
     add_camera_options(*sub, words->clip.camera);
     add_playback_options(*sub, words->playback);
     // In a window the user gives later commands.
@@ -534,7 +529,7 @@ void add_play_command(CLI::App& app, Command& command) {
     add_builder_options(*sub, session.builder, {"auto", "cpu", "vulkan"});
     set_work(*sub, command, [words]() -> Result<void> {
         TRY_ASSIGN(auto options, read_words(*words));
-        options.stays_without_clip = words->clip_word->count() > 0 && is_opened_on_desktop(options);
+        options.stays_without_clip = !words->clip.choice.file.empty() && is_opened_on_desktop(options);
         return run_play(std::move(options));
     });
 }

@@ -227,9 +227,8 @@ private:
     }
 
     bool is_all_given() const {
-        for (const auto& output : outputs_)
-            if (!output->is_over()) return false;
-        return !server_ || server_->connections() == 0;
+        return std::ranges::all_of(outputs_, &SrtOutput::is_over) &&
+               (!server_ || server_->connections() == 0);
     }
 
     /// Traffic per viewer; a live viewer fetches both playlists once per segment.
@@ -286,11 +285,7 @@ private:
                                            {"dropped", each_one.dropped},
                                            {"without_colour", each_one.without_colour},
                                            {"end", each_one.end}};
-            if (each_one.link)
-                figures["link"] = {{"rtt_ms", each_one.link->rtt_ms},
-                                   {"datagrams", each_one.link->datagrams},
-                                   {"lost", each_one.link->lost},
-                                   {"sent_again", each_one.link->sent_again}};
+            if (each_one.link) figures["link"] = to_json(*each_one.link);
             listeners.push_back(std::move(figures));
         }
         report["listeners"] = std::move(listeners);

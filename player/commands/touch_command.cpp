@@ -21,10 +21,9 @@ struct TouchWords {
     TouchOptions options;
     ClipTyped clip;
     PlaybackTyped playback;
-    std::optional<double> seconds, picture_seconds, stale_after_ms;
+    std::optional<double> seconds, picture_seconds;
     CLI::App* command = nullptr;
-    CLI::Option* clip_word = nullptr;
-    CLI::Option* latency = nullptr;
+    LiveTyped live;
 };
 
 /// The run's length and the picture's moment, in ticks.
@@ -55,7 +54,7 @@ Result<TouchOptions> read_words(const TouchWords& words) {
     TRY(read_moments(words, options));
     if (options.replay) {
         TRY(check_replay(*words.command));
-    } else if (words.clip_word->count() == 0 && !options.session.camera) {
+    } else if (words.clip.choice.file.empty() && !options.session.camera) {
         return usage_error(
             "touch needs a CLIP, a --camera, or a recording to --replay; see touchable touch -h");
     }
@@ -64,8 +63,7 @@ Result<TouchOptions> read_words(const TouchWords& words) {
     options.session.clip = std::move(clip);
     options.session.recorded = options.record.has_value();
     options.session.device_log = options.device_log.has_value();
-    TRY(read_live_camera(words.clip_word->count() > 0, words.stale_after_ms, options.session));
-    TRY(read_live_stream(words.latency->count() > 0, options.session));
+    TRY(read_live_options(words.live, options.session));
     TRY_ASSIGN(options.session.playback, read_playback(words.playback));
     options.play = words.playback.script;
     return options;
@@ -146,12 +144,10 @@ void add_touch_command(CLI::App& app, Command& command) {
     auto words = std::make_shared<TouchWords>();
     TouchOptions& o = words->options;
     words->command = sub;
-    words->clip_word = add_clip_options(*sub, words->clip);
+    add_clip_options(*sub, words->clip);
     add_camera_options(*sub, words->clip.camera);
     add_playback_options(*sub, words->playback);
-    add_live_camera_option(*sub, o.session);
-    words->latency = add_latency_option(*sub, o.session);
-    add_stale_after_option(*sub, words->stale_after_ms);
+    add_live_options(*sub, words->live, o.session);
     add_hand_options(*sub, *words);
     add_device_options(*sub, o.held, o.session, false);
     add_filter_options(*sub, words->clip);

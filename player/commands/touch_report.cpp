@@ -73,13 +73,13 @@ std::vector<std::string> notes_of_run(const TouchSetup& setup, const TouchFigure
             "them soft");
     const double clip = static_cast<double>(setup.feed->end_ns()) * 1e-9,
                  run = 1e-3 * static_cast<double>(figures.ticks());
-    if (setup.settings.playback.empty() && setup.feed->ended() && setup.feed->frames() > 1 &&
+    if (setup.options.playback.empty() && setup.feed->ended() && setup.feed->frames() > 1 &&
         run > 1.02 * clip)
         notes.push_back(
             formatted("the clip ends at %.3g s; its last frame stands still until %.3g s", clip, run));
-    if (setup.held_device && setup.held_device->is_over())
-        notes.push_back(setup.held_device->name() + ": " + setup.held_device->prompt() +
-                        (setup.settings.ticks ? "" : "; the run ends there"));
+    if (setup.options.held_device && setup.options.held_device->is_over())
+        notes.push_back(setup.options.held_device->name() + ": " + setup.options.held_device->prompt() +
+                        (setup.options.ticks ? "" : "; the run ends there"));
     if (setup.film)
         notes.push_back("the camera's frames are kept as " + setup.film->file().string() +
                         ", which --replay reads");
@@ -102,11 +102,7 @@ Json to_json(const StreamFigures& stream) {
         json["levels"] = {{"full_s", stream.levels->full_s},
                           {"low_s", stream.levels->low_s},
                           {"changes", stream.levels->changes}};
-    if (stream.link)
-        json["link"] = {{"rtt_ms", stream.link->rtt_ms},
-                        {"datagrams", stream.link->datagrams},
-                        {"lost", stream.link->lost},
-                        {"sent_again", stream.link->sent_again}};
+    if (stream.link) json["link"] = to_json(*stream.link);
     return json;
 }
 
@@ -202,7 +198,7 @@ bool gives_energy_by_its_map(const Json& report, const TouchSetup& setup) {
     const auto& stiffness = report["stiffness_limited"];
     return energy["created"] > energy["zoh_bound"] &&
            stiffness["smallest_n_mm"] < stiffness["largest_n_mm"] &&
-           setup.settings.touch.metric == TouchMetric::world && !setup.settings.guard.rise.paid;
+           setup.options.touch.metric == TouchMetric::world && !setup.options.guard.rise.paid;
 }
 
 /// Whether the held device never had a position.
@@ -291,37 +287,37 @@ std::string verdict_words(const Json& report) {
 
 Json make_report(const TouchSetup& setup, const TouchFigures& figures, const LiveFacts* live,
                  const SurfacePainter* painter) {
+    const SessionOptions& options = setup.options;
     const std::string cpu = cpu_facts().model;
     const std::vector<std::string> of_run = notes_of_run(setup, figures);
     std::vector<std::string> notes = remarks_with_options(setup.notes);
     notes.insert(notes.end(), of_run.begin(), of_run.end());
-    Json report{{"format", 1},
-                {"clip", without_passphrase(setup.clip.file.string())},
-                {"notes", notes},
-                {"guesses", std::ranges::count(setup.notes, true, &Remark::is_guess)},
-                {"run_notes", of_run},
-                {"filters", filters_json(setup.scene, setup.filters,
-                                         setup.filters ? setup.filters->measured : std::nullopt)},
-                {"hand", setup.hand_words},
-                {"builder", setup.feed->builder_name()},
-                {"builder_why", setup.feed->builder_name() == setup.builder.name ? setup.builder.why : ""},
-                {"device_name", setup.feed->builder_name() == "vulkan" ? setup.gpu->name() : cpu},
-                {"cpu_name", cpu},
-                {"width", setup.scene.width},
-                {"height", setup.scene.height},
-                {"frames", setup.feed->frames()},
-                {"fingers", setup.settings.fingers},
-                {"device_metres_per_metre",
-                 setup.settings.touch.metres_per_scene_unit / setup.scene.metres_per_unit}};
+    Json report{
+        {"format", 1},
+        {"clip", without_passphrase(options.clip.file.string())},
+        {"notes", notes},
+        {"guesses", std::ranges::count(setup.notes, true, &Remark::is_guess)},
+        {"run_notes", of_run},
+        {"filters",
+         filters_json(setup.scene, setup.filters, setup.filters ? setup.filters->measured : std::nullopt)},
+        {"hand", options.hand},
+        {"builder", setup.feed->builder_name()},
+        {"builder_why", setup.feed->builder_name() == options.builder.name ? options.builder.why : ""},
+        {"device_name", setup.feed->builder_name() == "vulkan" ? options.gpu->name() : cpu},
+        {"cpu_name", cpu},
+        {"width", setup.scene.width},
+        {"height", setup.scene.height},
+        {"frames", setup.feed->frames()},
+        {"fingers", options.fingers},
+        {"device_metres_per_metre", options.touch.metres_per_scene_unit / setup.scene.metres_per_unit}};
     report.update(figures.to_json());
     report["energy_mj"]["of_the_map"] = gives_energy_by_its_map(report, setup);
-    if (!setup.settings.playback.empty()) report["playback"] = in_words(setup.settings.playback);
+    if (!options.playback.empty()) report["playback"] = in_words(options.playback);
     report["clock"] = live ? "wall" : "virtual";
-    if (!setup.camera_words.empty()) report["camera"] = setup.camera_words;
-    if (!setup.device_words.empty()) report["device"] = setup.device_words;
-    if (setup.control)
-        add_hand_figures(report, setup.control->figures(), setup.held_device->capabilities().axes_driven > 0,
-                         live);
+    if (options.camera) report["camera"] = *options.camera;
+    if (options.device) report["device"] = *options.device;
+    if (options.control)
+        add_hand_figures(report, options.control->figures(), setup.exerting_control() != nullptr, live);
     if (live) add_live_figures(report, figures, *live, setup.feed->dropped_frames());
     if (const auto stream = setup.feed->reader().stream_figures()) report["stream"] = to_json(*stream);
     report["skipped_tiles_pct"] = 100 * setup.feed->skipped_share();
@@ -333,9 +329,9 @@ Json make_report(const TouchSetup& setup, const TouchFigures& figures, const Liv
         report["painter"] = painter->name();
         report["painter_device_name"] = gpu.empty() ? cpu : gpu;
     }
-    const bool is_absent = setup.control && was_never_there(report);
+    const bool is_absent = options.control && was_never_there(report);
     report["warnings"] = touch_warnings(report, *setup.feed, live,
-                                        is_absent ? setup.held_device->why_no_position() : std::string());
+                                        is_absent ? options.held_device->why_no_position() : std::string());
     for (const Remark& remark : setup.notes)
         if (remark.kind == RemarkKind::unit_doubt) report["warnings"].push_back(remark_with_options(remark));
     return report;

@@ -28,7 +28,7 @@ struct FrameAgain {
 /// first warm-up frame.
 std::int64_t first_read(const TouchSetup& setup, std::uint64_t epoch, std::int64_t number) {
     if (!setup.scene.filter.temporal) return number;
-    PlaybackClock clock(setup.scene.rate, setup.settings.playback);
+    PlaybackClock clock(setup.scene.rate, setup.options.playback);
     std::int64_t start_ns = 0;
     for (auto next = clock.next_epoch(); next && next->number <= epoch; next = clock.next_epoch())
         start_ns = next->start_ns;
@@ -54,7 +54,7 @@ using MaybePath = std::optional<std::filesystem::path>;
 
 /// Every file that the run reads.
 std::vector<NamedFile> inputs_of(const TouchOptions& options, const TouchSetup& setup) {
-    std::vector<NamedFile> inputs = inputs_of(setup.clip, setup.feed->reader());
+    std::vector<NamedFile> inputs = inputs_of(setup.options.clip, setup.feed->reader());
     if (options.replay) inputs.push_back({"--replay", *options.replay});
     if (options.play) inputs.push_back({"--play", *options.play});
     for (const auto& file : files_of(options.held)) inputs.push_back({"the device's file", file});
@@ -81,7 +81,7 @@ Outputs outputs_of(const TouchOptions& options, const TouchSetup& setup) {
 Result<void> check_picture_moment(const TouchOptions& options, const TouchSetup& setup,
                                   std::optional<std::int64_t> ticks) {
     const auto frames = setup.feed->reader().frame_count();
-    const bool is_the_clips = !ticks && frames && setup.settings.playback.empty() && !setup.control;
+    const bool is_the_clips = !ticks && frames && setup.options.playback.empty() && !setup.options.control;
     if (is_the_clips) ticks = std::max(setup.scene.rate.time_ns(*frames), shortest_run_ns) / tick_ns;
     if (!options.picture_tick || !ticks || *options.picture_tick < *ticks) return {};
     const std::string end =
@@ -143,21 +143,22 @@ using FellBehind = std::function<Error(std::int64_t)>;
 
 Result<LiveFacts> run_live(TouchSetup& s, std::span<TouchSink* const> sinks, const FellBehind& fell_behind) {
     TRY_ASSIGN(auto port, open_port(s));
-    TouchSessionSettings settings = s.settings;
+    TouchSessionSettings settings = s.options;
     settings.ticks = s.ticks();
     std::optional<ForceKeys> keys;
     std::function<std::string()> device;  // the device's state for the status line
-    if (s.control) {
+    if (s.options.control) {
         if (!settings.ticks) {
             settings.ticks = until_it_is_ended;
-            settings.hand_is_over = [&s] { return s.held_device->is_over(); };
+            settings.hand_is_over = [&s] { return s.options.held_device->is_over(); };
         }
-        keys.emplace(*s.control);
-        std::cerr << one_line(how_to_begin(*s.held_device, *s.control, keys->listens())) << '\n';
-        device = [&s] { return state_of(*s.held_device, *s.control); };
+        keys.emplace(*s.options.control);
+        std::cerr << one_line(how_to_begin(*s.options.held_device, *s.options.control, keys->listens()))
+                  << '\n';
+        device = [&s] { return state_of(*s.options.held_device, *s.options.control); };
     }
     LiveLine line(s.exerting_control(), std::move(device), [&s](std::int64_t silent_ns) {
-        return silence_in_words(silent_ns, s.settings.guard.stale_after_ns, s.feed->reader());
+        return silence_in_words(silent_ns, s.options.guard.stale_after_ns, s.feed->reader());
     });
     settings.on_status = [&line](const TouchSessionSettings::LiveStatus& status) { line.show(status); };
     std::vector<TouchSink*> all(sinks.begin(), sinks.end());
@@ -177,7 +178,7 @@ Result<LiveFacts> run_session(TouchSetup& s, bool live, std::span<TouchSink* con
     Progress progress("tick", s.ticks().value_or(0));
     std::vector<TouchSink*> all(sinks.begin(), sinks.end());
     all.push_back(&progress);
-    TRY(TouchSession(s.scene, *s.feed, *s.hand, *s.solver, s.settings).run(all));
+    TRY(TouchSession(s.scene, *s.feed, *s.hand, *s.solver, s.options).run(all));
     return LiveFacts{};
 }
 
@@ -254,7 +255,7 @@ Result<void> run_part(const TouchOptions& options, const RecordedPart* part, Tou
     TouchFigures figures;
     std::vector<TouchSink*> of_all = outputs.sinks();
     of_all.push_back(&told.all);
-    const bool live = s.live && !options.replay;  // on the wall clock; a replay never is
+    const bool live = s.options.live && !options.replay;  // on the wall clock; a replay never is
     ConcatenatingSink one_run(told.ticks, std::move(of_all), outputs, live);
     std::vector<TouchSink*> sinks{&one_run};
     std::optional<ReplayCheck> check;
@@ -280,7 +281,7 @@ Result<void> run_parts(const TouchOptions& options, const Recording& recording,
     for (const RecordedPart& part : recording) {
         if (&part != &recording.front()) {
             TRY(outputs.end_part(*setup));
-            const auto gpu = setup->gpu;
+            const auto gpu = setup->options.gpu;
             setup.reset();
             TRY_ASSIGN(setup, setup_from_recording(part, options.session, gpu));
         }
@@ -330,7 +331,7 @@ Result<void> touch(const TouchOptions& options, std::string& at_work) {
 /// length is unknown.
 std::int64_t usual_picture_tick(const TouchSetup& setup, const std::optional<std::int64_t>& ticks) {
     if (ticks) return *ticks * 6 / 10;
-    if (!setup.settings.playback.empty()) return shortest_run_ns / tick_ns * 6 / 10;
+    if (!setup.options.playback.empty()) return shortest_run_ns / tick_ns * 6 / 10;
     const auto frames = setup.feed->reader().frame_count();
     const std::int64_t clip_ms = frames ? setup.scene.rate.time_ns(*frames) / 1'000'000 : 0;
     return std::max<std::int64_t>(clip_ms, 3000) * 6 / 10;
@@ -377,11 +378,11 @@ Result<void> TouchPicture::finish(const TouchSetup& setup, bool cut_short) {
         return usage_error("--picture: the run ended before " + std::to_string(tick_) +
                            " ms, the moment to draw; --picture-at says another");
     const StopScope drawing = StopScope::after_stop();  // the run may have been stopped by the user
-    TRY_ASSIGN(auto reader, setup.clip.open());
+    TRY_ASSIGN(auto reader, setup.options.clip.open());
     // If the GPU built the frames, it builds and draws them; otherwise build whole frames on the CPU.
     const bool on_gpu = setup.feed->builder_name() == "vulkan";
-    TRY_ASSIGN(const auto builder,
-               make_builder(on_gpu ? setup.builder : BuilderChoice{}, setup.scene, *setup.gpu));
+    TRY_ASSIGN(const auto builder, make_builder(on_gpu ? setup.options.builder : BuilderChoice{}, setup.scene,
+                                                *setup.options.gpu));
     const std::int64_t first = first_read(setup, moment_->epoch, moment_->frame_prev);
     TRY(reader->seek(first));
     FrameAgain prev, next;
@@ -414,12 +415,12 @@ Result<std::unique_ptr<TouchOutputs>> TouchOutputs::open(const TouchOptions& opt
         return usage_error("--record -: a recording does not go to standard output; give it a file's name");
     TRY(check_outputs(outputs_of(options, setup), inputs_of(options, setup)));
     std::unique_ptr<TouchOutputs> out(new TouchOutputs(options));
-    const Pace pace = setup.live && !options.replay ? Pace::wall_clock : Pace::own;
+    const Pace pace = setup.options.live && !options.replay ? Pace::wall_clock : Pace::own;
     if (options.forces)
         TRY(assign(out->forces_,
                    TickTable::create_forces(*options.forces, options.existing, pace, "--forces")));
     out->only_forces_ = options.forces && !options.device_log && !options.record && !options.json &&
-                        !options.picture.file && !options.replay && !options.strict && !setup.control;
+                        !options.picture.file && !options.replay && !options.strict && !setup.options.control;
     if (options.device_log) {
         if (!setup.device_log)
             return usage_error("--device-log is of a --device that you hold; --forces has what a hand does");
@@ -427,7 +428,7 @@ Result<std::unique_ptr<TouchOutputs>> TouchOutputs::open(const TouchOptions& opt
                                                                   *setup.device_log, "--device-log"));
     }
     if (options.record)
-        TRY(assign(out->record_, RecordingFile::create(*options.record, setup.settings.fingers,
+        TRY(assign(out->record_, RecordingFile::create(*options.record, setup.options.fingers,
                                                        options.existing, pace, "--record")));
     if (options.record && setup.film) {
         out->film_ = setup.film;
@@ -435,7 +436,8 @@ Result<std::unique_ptr<TouchOutputs>> TouchOutputs::open(const TouchOptions& opt
     }
     if (options.json)
         TRY(assign(out->json_, OutputFile::create("--json", *options.json, options.existing, pace)));
-    TRY_ASSIGN(auto order, order_picture(options.picture, options.existing, setup.builder, *setup.gpu));
+    TRY_ASSIGN(auto order,
+               order_picture(options.picture, options.existing, setup.options.builder, *setup.options.gpu));
     if (order)
         out->picture_.emplace(std::move(*order),
                               options.picture_tick.value_or(usual_picture_tick(setup, ticks)));
@@ -485,7 +487,7 @@ Result<void> TouchOutputs::finish_record(const std::string& force_hash, const To
     }
     nlohmann::ordered_json facts = recorded_facts(setup);
     facts["force_hash"] = force_hash;
-    return record_->finish(facts, setup.settings.playback);
+    return record_->finish(facts, setup.options.playback);
 }
 
 Result<void> TouchOutputs::finish(const nlohmann::ordered_json& report, const std::string& force_hash,

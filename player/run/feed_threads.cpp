@@ -10,6 +10,12 @@ constexpr std::ptrdiff_t queue_length = 3;
 // How long the builder waits for the hand to move past a frame before it looks again.
 constexpr std::chrono::milliseconds slot_wait(1);
 
+/// Whether the command may keep the clip from moments it would have reached without it. True for all but
+/// play, pause and rate, which only change when they are reached.
+bool leads_elsewhere(PlaybackVerb verb) {
+    return verb != PlaybackVerb::play && verb != PlaybackVerb::pause && verb != PlaybackVerb::rate;
+}
+
 }  // namespace
 
 FeedThreads::FeedThreads(SurfaceFeed& feed, IsLate is_late, PlaybackClock ahead, Now now)

@@ -26,9 +26,6 @@ public:
     /// `feed`'s moment; it predicts the coming epochs. Each is read once all wanted frames of the previous
     /// epoch are read, or once the hand is in it.
     FeedThreads(SurfaceFeed& feed, IsLate is_late, PlaybackClock ahead, Now now);
-    /// For a clip played once from its beginning.
-    FeedThreads(SurfaceFeed& feed, IsLate is_late)
-        : FeedThreads(feed, std::move(is_late), PlaybackClock(FrameRate{}), [] { return MediaMoment{}; }) {}
     ~FeedThreads();  ///< calls stop
 
     /// Call once. Error: the machine has no thread left; none is running then.

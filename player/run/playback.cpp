@@ -67,10 +67,6 @@ Result<void> validate(const std::vector<PlaybackCommand>& commands) {
     return {};
 }
 
-bool leads_elsewhere(PlaybackVerb verb) {
-    return verb != PlaybackVerb::play && verb != PlaybackVerb::pause && verb != PlaybackVerb::rate;
-}
-
 PlaybackClock::PlaybackClock(const FrameRate& rate, std::shared_ptr<const PlaybackLog> log)
     : rate_(rate), log_(std::move(log)), known_(log_->size()) {}
 

@@ -78,10 +78,6 @@ Result<void> validate(const std::vector<PlaybackCommand>& commands);
 /// What is wrong with a command that follows one at `tick_before`; nothing: valid.
 std::optional<std::string> fault_after(std::int64_t tick_before, const PlaybackCommand& command);
 
-/// Whether the command may keep the clip from moments it would have reached without it. True for all but
-/// play, pause and rate, which only change when they are reached.
-bool leads_elsewhere(PlaybackVerb verb);
-
 /// State of a clip's clock at a tick.
 struct PlaybackState {
     MediaMoment moment;

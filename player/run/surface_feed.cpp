@@ -64,19 +64,6 @@ void PlanesHash::add(const RawFrame& frame) {
     }
 }
 
-Result<std::string> planes_hash_of(ClipReader& clip, const std::vector<FrameRun>& runs) {
-    PlanesHash hash;
-    for (const FrameRun& run : runs) {
-        TRY(clip.seek(run.first));
-        for (std::int64_t k = 0; k < run.count; ++k) {
-            TRY_ASSIGN(const auto frame, clip.next());
-            if (!frame) return input_error("the clip has no frame " + std::to_string(run.first + k));
-            hash.add(*frame);
-        }
-    }
-    return hash.hex();
-}
-
 void SceneCuts::look(const RawFrame& frame, const DepthCoding& coding) {
     std::swap(codes_, before_);
     codes_.clear();
@@ -109,6 +96,13 @@ void SceneCuts::look(const RawFrame& frame, const DepthCoding& coding) {
 
 nlohmann::ordered_json to_json(const Spread& s) {
     return {{"mean", s.mean}, {"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}, {"max", s.max}};
+}
+
+nlohmann::ordered_json to_json(const StreamFigures::Link& link) {
+    return {{"rtt_ms", link.rtt_ms},
+            {"datagrams", link.datagrams},
+            {"lost", link.lost},
+            {"sent_again", link.sent_again}};
 }
 
 Spread spread_of(std::vector<double> values) {

@@ -55,9 +55,6 @@ struct FrameRun {
     bool operator==(const FrameRun&) const = default;
 };
 
-/// The hash of these frames, in this order; an error if the clip lacks one.
-Result<std::string> planes_hash_of(ClipReader& clip, const std::vector<FrameRun>& runs);
-
 /// Finds a clip's cuts from its depth, frame by frame: a cut is a frame whose depth differs from the previous
 /// frame's in much of the picture. For display only; touch has its own measure of sudden changes.
 class SceneCuts {
@@ -82,6 +79,7 @@ struct Spread {
 /// For each share, the value at rank floor(share n) of n; all 0 if there are no values.
 Spread spread_of(std::vector<double> values);
 nlohmann::ordered_json to_json(const Spread& spread);
+nlohmann::ordered_json to_json(const StreamFigures::Link& link);
 
 /// Spread of any number of times in constant memory: a histogram whose bins grow with the time, 128 per power
 /// of 2. Mean and max are exact, the quantiles within half a percent (below 1/1024 of the times' unit: within

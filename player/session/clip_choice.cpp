@@ -76,7 +76,7 @@ std::size_t kept_bytes_of(const RawFrame& frame) {
     return bytes;
 }
 
-void apply(const FiltersChoice& choice, FilterSettings& filter, FilterSet& unstated) {
+void apply(const ClipChoice::Filters& choice, FilterSettings& filter, FilterSet& unstated) {
     for (const FilterSetting& setting : filter_settings()) {
         if (!setting.open || !(choice.stated.*setting.open || choice.measured.*setting.open)) continue;
         setting.copy(choice.settings, filter);
@@ -90,7 +90,7 @@ void apply(const FiltersChoice& choice, FilterSettings& filter, FilterSet& unsta
 /// The clip's description with the user's choices applied.
 Result<SceneDescription> applied(const ClipChoice& choice, SceneDescription described) {
     Scene& scene = described.scene;
-    for (const FiltersChoice* const filters : {&choice.filters, &choice.single_filters})
+    for (const ClipChoice::Filters* const filters : {&choice.filters, &choice.single_filters})
         apply(*filters, scene.filter, described.unstated.filters);
     if (choice.interpolation) scene.interpolation = *choice.interpolation;
     // Terrace removal depends on the level spacing and the temporal filter on noise; neither is measured yet.
@@ -214,8 +214,8 @@ std::optional<ReliefRange> SharedClip::relief_range(const Bands& bands) const {
     return found == relief_ranges_.end() ? std::nullopt : std::optional(found->second);
 }
 
-FiltersChoice FiltersChoice::off() {
-    FiltersChoice choice;
+ClipChoice::Filters ClipChoice::Filters::off() {
+    Filters choice;
     for (const FilterSetting& setting : filter_settings())
         if (setting.open && *setting.in_list) choice.stated.*setting.open = true;
     return choice;

@@ -178,20 +178,6 @@ Result<std::unique_ptr<ClipReader>> with_chosen_relief(std::unique_ptr<ClipReade
                                                        const ReliefChoice& choice,
                                                        SharedClip* shared = nullptr);
 
-/// The user's filter settings. Filters neither stated nor to be measured keep the clip's own settings.
-struct FiltersChoice {
-    FilterSettings settings{};       ///< values of the stated filters; levels and terrace_noise are ignored
-    FilterSet stated{}, measured{};  ///< no filter is in both
-
-    /// Every filter of `--filters`, off.
-    static FiltersChoice off();
-    /// Sets one filter from a typed word; false: invalid word.
-    bool state(const FilterSetting& setting, std::string_view word) {
-        stated.*setting.open = true;
-        return setting.read(word, settings);
-    }
-};
-
 /// A clip and the user's settings that override its own. An empty optional: the clip's own.
 struct ClipChoice {
     /// A camera as named by the user: plugged in, a program that sends frames, a stream, or a recording
@@ -200,6 +186,19 @@ struct ClipChoice {
         std::optional<PluggedChoice> plugged{};
         std::filesystem::path recording;
         CameraDelivery delivery;
+    };
+    /// The user's filter settings. Filters neither stated nor to be measured keep the clip's own settings.
+    struct Filters {
+        FilterSettings settings{};  ///< values of the stated filters; levels and terrace_noise are ignored
+        FilterSet stated{}, measured{};  ///< no filter is in both
+
+        /// Every filter of `--filters`, off.
+        static Filters off();
+        /// Sets one filter from a typed word; false: invalid word.
+        bool state(const FilterSetting& setting, std::string_view word) {
+            stated.*setting.open = true;
+            return setting.read(word, settings);
+        }
     };
     /// A clip at its beginning.
     struct Opened {
@@ -212,7 +211,7 @@ struct ClipChoice {
     std::optional<std::filesystem::path> scene_file;
     SourceDescription camera;                 ///< of pictures without a scene file
     StillMaps maps;                           ///< in place of what it has itself
-    FiltersChoice filters, single_filters;    ///< all at once; single filters, applied after
+    Filters filters, single_filters;          ///< all at once; single filters, applied after
     std::optional<FrameInterpolation> interpolation;
     DepthAlignment alignment = DepthAlignment::automatic;  ///< of depth without a scale
     bool fill_from_motion = false;                         ///< fill holes from frames that saw behind them

@@ -35,15 +35,16 @@ void record_source(const SourceDescription& known, Json& facts) {
 }  // namespace
 
 Json recorded_facts(const TouchSetup& setup) {
-    const TouchSettings& touch = setup.settings.touch;
-    const GuardSettings& guard = setup.settings.guard;
-    const ClipChoice& clip = setup.clip;
+    const SessionOptions& options = setup.options;
+    const TouchSettings& touch = options.touch;
+    const GuardSettings& guard = options.guard;
+    const ClipChoice& clip = options.clip;
     Json facts{{"rules", force_rules},
                {"clip", without_passphrase((setup.film ? setup.film->file() : clip.file).string())},
                {"scene", Json::parse(scene_to_json(setup.scene))},
-               {"hand", setup.hand_words},
+               {"hand", options.hand},
                {"builder", setup.feed->builder_name()},
-               {"clock", setup.live ? "wall" : "virtual"},
+               {"clock", options.live ? "wall" : "virtual"},
                {"metric", name_of(touch.metric)},
                {"S", touch.metres_per_scene_unit},
                {"event_limit", touch.event_limit},
@@ -67,12 +68,12 @@ Json recorded_facts(const TouchSetup& setup) {
         facts["align"] = clip.alignment == DepthAlignment::on;
     if (clip.fill_from_motion) facts["fill_from_motion"] = true;
     if (!says_itself) record_source(clip.camera, facts);
-    if (!setup.camera_words.empty()) facts["camera"] = setup.camera_words;
+    if (options.camera) facts["camera"] = *options.camera;
     if (setup.film)
         for (const CameraCapture::Frame& frame : setup.film->frames())
             facts["filmed"].push_back({frame.number, frame.time_ns});
-    if (!setup.device_words.empty()) facts["device"] = setup.device_words;
-    if (!setup.settings.playback.empty()) facts["warm_up_frames"] = setup.warm_up_frames;
+    if (options.device) facts["device"] = *options.device;
+    if (!options.playback.empty()) facts["warm_up_frames"] = setup.warm_up_frames;
     const auto& built = setup.feed->built();
     std::int64_t frames = 0;
     for (const FrameRun& run : built) frames += run.count;
@@ -217,32 +218,34 @@ void read_guard(const Node& limits, GuardSettings& guard) {
     if (auto checked = check_guard(guard); !checked) throw checked_json::Refusal{checked.error().message};
 }
 
-void read_recorded_camera(const Node& facts, TouchSetup& setup) {
-    setup.camera_words = facts["camera"].text();
-    const auto camera = read_live_camera(setup.camera_words);
+void read_recorded_camera(const Node& facts, SessionOptions& options) {
+    options.camera = facts["camera"].text();
+    const auto camera = read_live_camera(*options.camera);
     if (!camera) throw checked_json::Refusal{camera.error().message};
     if (camera->plugged)
-        setup.clip.filmed = read_filmed_frames(facts["filmed"]);
+        options.clip.filmed = read_filmed_frames(facts["filmed"]);
     else
-        setup.clip.as_camera = camera->delivery;
+        options.clip.as_camera = camera->delivery;
 }
 
 /// Returns the recorded scene as text.
 std::string read_facts(const Node& facts, TouchSetup& setup) {
-    setup.clip.file = facts["clip"].text();
-    read_stated(facts, "scene_file", setup.clip.scene_file);
-    setup.clip.camera = read_source(facts);
-    read_stated(facts, "haptic", setup.clip.maps.haptic);
-    read_stated(facts, "height", setup.clip.maps.height);
+    SessionOptions& options = setup.options;
+    ClipChoice& clip = options.clip;
+    clip.file = facts["clip"].text();
+    read_stated(facts, "scene_file", clip.scene_file);
+    clip.camera = read_source(facts);
+    read_stated(facts, "haptic", clip.maps.haptic);
+    read_stated(facts, "height", clip.maps.height);
     if (facts.has("align"))
-        setup.clip.alignment = facts["align"].boolean() ? DepthAlignment::on : DepthAlignment::off;
-    read_stated(facts, "fill_from_motion", setup.clip.fill_from_motion);
-    setup.hand_words = facts["hand"].text();
-    setup.live = facts.has("clock") && facts["clock"].text() == "wall";
-    if (facts.has("camera")) read_recorded_camera(facts, setup);
-    read_stated(facts, "device", setup.device_words);
-    read_touch(facts, setup.settings.touch);
-    read_guard(facts["guard"], setup.settings.guard);
+        clip.alignment = facts["align"].boolean() ? DepthAlignment::on : DepthAlignment::off;
+    read_stated(facts, "fill_from_motion", clip.fill_from_motion);
+    options.hand = facts["hand"].text();
+    options.live = facts.has("clock") && facts["clock"].text() == "wall";
+    if (facts.has("camera")) read_recorded_camera(facts, options);
+    read_stated(facts, "device", options.device);
+    read_touch(facts, options.touch);
+    read_guard(facts["guard"], options.guard);
     if (facts.has("warm_up_frames")) setup.warm_up_frames = facts["warm_up_frames"].whole(0, 1000);
     if (facts.has("rules")) (void)facts["rules"].whole(1, 1'000'000);
     if (facts.has("frames")) (void)facts["frames"].integer(1, most_frames);
@@ -261,14 +264,28 @@ std::string to_text(const glm::dvec3& force, std::uint32_t guard) {
     return formatted("(%.17g, %.17g, %.17g) N with guard %u", force.x, force.y, force.z, guard);
 }
 
+/// The hash of these frames, in this order; an error if the clip lacks one.
+Result<std::string> planes_hash_of(ClipReader& clip, const std::vector<FrameRun>& runs) {
+    PlanesHash hash;
+    for (const FrameRun& run : runs) {
+        TRY(clip.seek(run.first));
+        for (std::int64_t k = 0; k < run.count; ++k) {
+            TRY_ASSIGN(const auto frame, clip.next());
+            if (!frame) return input_error("the clip has no frame " + std::to_string(run.first + k));
+            hash.add(*frame);
+        }
+    }
+    return hash.hex();
+}
+
 /// A live session prefetches as many frames as its builder manages, its replay fewer, so the recording states
 /// which frames its hash covers. A live recording of a version that did not state them cannot be checked.
 bool has_other_frames(const RecordedPart& recording, const TouchSetup& setup) {
     const auto recorded = recording.facts.at("planes_hash").get<std::string>();
     const auto& built = setup.recorded_frames;
-    if (!built) return !setup.live && recorded != setup.feed->planes_hash();
+    if (!built) return !setup.options.live && recorded != setup.feed->planes_hash();
     if (*built == setup.feed->built()) return recorded != setup.feed->planes_hash();
-    const auto reader = setup.clip.open(Colour::left_out);
+    const auto reader = setup.options.clip.open(Colour::left_out);
     if (!reader) return true;
     const auto found = planes_hash_of(**reader, *built);
     return !found || *found != recorded;

@@ -7,8 +7,8 @@ namespace {
 
 /// Finds a setting's value in SessionOptions and in TouchSetup.
 struct Place {
-    static TouchSessionSettings& felt(SessionOptions& options) { return options; }
-    static const TouchSessionSettings& felt(const TouchSetup& setup) { return setup.settings; }
+    static SessionOptions& options(SessionOptions& options) { return options; }
+    static const SessionOptions& options(const TouchSetup& setup) { return setup.options; }
     static auto& interpolation(SessionOptions& options) {
         return options.clip.interpolation ? *options.clip.interpolation
                                           : options.clip.interpolation.emplace();
@@ -21,7 +21,7 @@ struct Place {
     }
     static const ReliefChoice& relief(const TouchSetup& setup) {
         static const ReliefChoice none{.settings = {.amount = 0}};
-        return setup.clip.relief ? *setup.clip.relief : none;
+        return setup.options.clip.relief ? *setup.options.clip.relief : none;
     }
 };
 
@@ -47,7 +47,7 @@ std::vector<SessionSetting> all_settings() {
     using enum SettingOf;
     const auto in_guard = [](auto member) {
         return [member](auto& run) -> auto& {
-            return Place::felt(run).guard.*member;
+            return Place::options(run).guard.*member;
         };
     };
     const auto share_of = [](std::size_t band, const char* name, const char* what) {
@@ -64,7 +64,7 @@ std::vector<SessionSetting> all_settings() {
             "How lengths are measured. As they are (world), or in two ways that are there to compare: in "
             "pixels and grey levels, as the first papers did (pixel), or those made equal (scaled).",
             {.words = {"world", "pixel", "scaled"}},
-            [](auto& run) -> auto& { return Place::felt(run).touch.metric; }),
+            [](auto& run) -> auto& { return Place::options(run).touch.metric; }),
         setting_row(
             felt, "interpolation",
             "How the surface moves between two frames: smoothly (linear), or not until the next (hold).",
@@ -81,7 +81,7 @@ std::vector<SessionSetting> all_settings() {
             "Scale from device motion to scene motion. 1: the device's reach covers the picture; 0.5: half "
             "as far.",
             {.least = 0.01, .most = 100, .by_ratio = true},
-            [](auto& run) -> auto& { return run.hand_scale; }),
+            [](auto& run) -> auto& { return Place::options(run).hand_scale; }),
         {.name = "filters",
          .what = "What cleans the depth before it is felt: as the clip asks for, as measured in its first "
                  "frames, or nothing.",
@@ -90,7 +90,7 @@ std::vector<SessionSetting> all_settings() {
          .set = [](double place, SessionOptions& options) {
              options.clip.single_filters = {};  // drops single filters' settings
              options.clip.filters =
-                 place == 2 ? FiltersChoice::off() : FiltersChoice{.measured = all_unstated};
+                 place == 2 ? ClipChoice::Filters::off() : ClipChoice::Filters{.measured = all_unstated};
          }}};
     for (const FilterSetting& filter : filter_settings())
         if (*filter.what)
@@ -127,16 +127,17 @@ std::vector<SessionSetting> all_settings() {
              [](double is_on, SessionOptions& options) {
                  if (is_on == 0) options.clip.painted.reset();
              },
-         .get = [](const TouchSetup& setup) { return std::string(setup.clip.painted ? "on" : "off"); }},
+         .get =
+             [](const TouchSetup& setup) { return std::string(setup.options.clip.painted ? "on" : "off"); }},
         setting_row(
             expert, "stribeck",
             "Speed about which friction falls from static to dynamic. 0: as soon as the finger slides.",
-            {.unit = "m/s"}, [](auto& run) -> auto& { return Place::felt(run).touch.stribeck_speed; }),
+            {.unit = "m/s"}, [](auto& run) -> auto& { return Place::options(run).touch.stribeck_speed; }),
         setting_row(
             expert, "stiffness",
             "Stiffness in contact: the clip's (map), or rising only as far as losses pay for it (passive).",
             {.words = {"map", "passive"}},
-            [](auto& run) -> auto& { return Place::felt(run).guard.rise.paid; }),
+            [](auto& run) -> auto& { return Place::options(run).guard.rise.paid; }),
         {.name = "stiffness-slew",
          .what = "How fast stiffness may rise in contact. By default at once.",
          .of = expert,

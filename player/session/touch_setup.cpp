@@ -84,21 +84,21 @@ Result<void> check_camera(const SessionOptions& options) {
 // Ticks that may wait to be written, like TickLog's: four seconds.
 constexpr int device_log_ticks = 4096;
 
-/// Sets the requested builder, or resolves auto for this run. A GPU named by the user may be a software one;
-/// it must exist even if auto does not use it.
-Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frames,
-                            const SessionOptions& options) {
-    BuilderChoice& choice = setup.builder = options.builder;
+/// Resolves auto for this run. A GPU named by the user may be a software one; it must exist even if auto does
+/// not use it. `live`: ticks are due on the wall clock.
+Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frames, bool live) {
+    SessionOptions& options = setup.options;
+    BuilderChoice& choice = options.builder;
     if (choice.name == "auto") {
         const bool named = choice.names_gpu();
         bool drawn = options.drawn;
         if (named) {
-            TRY_ASSIGN(const auto device, setup.gpu->open());
+            TRY_ASSIGN(const auto device, options.gpu->open());
             drawn = drawn && device->facts().kind != GpuKind::software;  // there the CPU draws
         }
-        const BuilderChoice::Load load{setup.scene, frames != 1, setup.settings.fingers, options.live, drawn};
+        const BuilderChoice::Load load{setup.scene, frames != 1, options.fingers, live, drawn};
         const BuilderChoice pick = pick_builder(load, [&] {
-            const auto device = setup.gpu->open_measured(measure_builders);
+            const auto device = options.gpu->open_measured(measure_builders);
             return device && (named || is_fast_builder((*device)->facts()));
         });
         choice.name = pick.name;
@@ -126,13 +126,14 @@ std::int64_t stale_after_ns(const SessionOptions& options, const FrameRate& rate
 }
 
 /// Makes the feed, which turns the clip's frames into surfaces.
-Result<void> make_feed(TouchSetup& setup, ClipChoice::Opened clip, const SessionOptions& options) {
+Result<void> make_feed(TouchSetup& setup, ClipChoice::Opened clip, bool live) {
+    SessionOptions& options = setup.options;
     setup.scene = std::move(clip.scene);
     setup.notes = remarks_of(*clip.reader);
     setup.filters = std::move(clip.chosen);
-    if (!setup.gpu) setup.gpu = options.gpu ? options.gpu : std::make_shared<RunGpu>(options.builder.gpu);
-    TRY(choose_builder(setup, clip.reader->frame_count(), options));
-    TRY_ASSIGN(auto builder, make_builder(setup.builder, setup.scene, *setup.gpu));
+    if (!options.gpu) options.gpu = std::make_shared<RunGpu>(options.builder.gpu);
+    TRY(choose_builder(setup, clip.reader->frame_count(), live));
+    TRY_ASSIGN(auto builder, make_builder(options.builder, setup.scene, *options.gpu));
     const auto eye = options.watched ? SurfaceTimeline::Eye::one : SurfaceTimeline::Eye::none;
     setup.feed = std::make_unique<SurfaceFeed>(std::move(clip.reader), std::move(builder), setup.scene,
                                                setup.warm_up_frames, eye);
@@ -141,29 +142,29 @@ Result<void> make_feed(TouchSetup& setup, ClipChoice::Opened clip, const Session
 }
 
 /// Sets the run's finger count from `of`, a hand or a device.
-Result<void> take_fingers(int fingers, const std::string& of, const SessionOptions& options,
-                          TouchSetup& setup) {
+Result<void> take_fingers(int fingers, const std::string& of, SessionOptions& options) {
     if (options.fingers != 1 && options.fingers != fingers)
         return usage_error("fingers " + std::to_string(options.fingers) + ": " + of + " has " +
                                std::to_string(fingers) + "; leave it out",
                            {{Setting::fingers}});
-    setup.settings.fingers = fingers;
+    options.fingers = fingers;
     return {};
 }
 
 /// Reads a hand whose goals are given (RepeatingHand) and takes its finger count and scale.
-Result<void> repeat_hand(TouchSetup& setup, const SessionOptions& options) {
+Result<void> repeat_hand(TouchSetup& setup) {
+    SessionOptions& options = setup.options;
     if (options.held_device || !RepeatingHand::is_meant(options.hand)) return {};
     TRY_ASSIGN(auto hand, RepeatingHand::read(options.hand));
-    TRY(take_fingers(hand->fingers(), options.hand, options, setup));
-    setup.settings.touch.metres_per_scene_unit = hand->metres_per_scene_unit();
+    TRY(take_fingers(hand->fingers(), options.hand, options));
+    options.touch.metres_per_scene_unit = hand->metres_per_scene_unit();
     setup.hand = std::move(hand);
     return {};
 }
 
 /// Refuses moments beyond the clip's end, if its length is known, and runs that would never end.
-Result<void> check_playback(const TouchSetup& setup, const SessionOptions& options) {
-    const auto& playback = setup.settings.playback;
+Result<void> check_playback(const TouchSetup& setup) {
+    const auto& playback = setup.options.playback;
     const auto frames = setup.feed->reader().frame_count();
     const std::int64_t end_ns = frames ? setup.scene.rate.time_ns(*frames) : latest_moment_ns + 1;
     std::vector<PlaybackCommand> beyond;
@@ -176,7 +177,7 @@ Result<void> check_playback(const TouchSetup& setup, const SessionOptions& optio
                                std::to_string(static_cast<double>(end_ns) * 1e-9) + " s",
                            settings_of(beyond));
     const bool ends =
-        setup.ticks() || options.live || PlaybackClock(setup.scene.rate, playback).plays_to_the_end();
+        setup.ticks() || setup.options.live || PlaybackClock(setup.scene.rate, playback).plays_to_the_end();
     if (ends) return {};
     return usage_error(
         "playback '" + in_words(playback) + "' never comes to the clip's end; how long to touch must be said",
@@ -185,7 +186,8 @@ Result<void> check_playback(const TouchSetup& setup, const SessionOptions& optio
 
 /// Places a device over the clip: as the options state, from the clip's first frame, or fitted to the
 /// device's reach.
-Result<void> place_workspace(TouchSetup& setup, const SessionOptions& options) {
+Result<void> place_workspace(TouchSetup& setup) {
+    const SessionOptions& options = setup.options;
     if (options.workspace) {
         setup.workspace = *options.workspace;
     } else if (options.world_from_camera) {
@@ -193,12 +195,12 @@ Result<void> place_workspace(TouchSetup& setup, const SessionOptions& options) {
     } else {
         TRY_ASSIGN(const auto first, setup.feed->pair_at(0));
         const SurfaceFrame& frame = *first.prev.frame;
-        setup.workspace = setup.control
-                              ? held_workspace(setup.scene, frame, setup.held_device->capabilities().reach)
+        setup.workspace = options.control
+                              ? held_workspace(setup.scene, frame, options.held_device->capabilities().reach)
                               : clip_workspace(setup.scene, frame);
     }
     setup.workspace.metres_per_scene_unit /= options.hand_scale;
-    if (!setup.control) return {};
+    if (!options.control) return {};
     HandMapping mapping{setup.workspace};
     if (options.world_from_camera) {
         // From the camera's axes (x right, y down, z forward) to the user's.
@@ -206,24 +208,24 @@ Result<void> place_workspace(TouchSetup& setup, const SessionOptions& options) {
         mapping.turn = upright * glm::transpose(glm::dmat3(*options.world_from_camera));
         mapping.offset = -(mapping.turn * glm::dvec3((*options.world_from_camera)[3]));
     }
-    setup.control->set_mapping(mapping);
+    options.control->set_mapping(mapping);
     return {};
 }
 
 /// Makes a hand over the frame it begins with. The scale is that of the clip's first frame, wherever playback
 /// begins, unless the hand knows its own.
-Result<void> place_hand(TouchSetup& setup, const SessionOptions& options) {
-    TRY(place_workspace(setup, options));
-    setup.hand_words = setup.held_device ? "a person's hand" : options.hand;
+Result<void> place_hand(TouchSetup& setup) {
+    SessionOptions& options = setup.options;
+    TRY(place_workspace(setup));
     TRY_ASSIGN(const auto begin,
-               setup.feed->pair_at(PlaybackClock(setup.scene.rate, setup.settings.playback).at(0)));
+               setup.feed->pair_at(PlaybackClock(setup.scene.rate, options.playback).at(0)));
     double& scale = setup.workspace.metres_per_scene_unit;
-    if (setup.hand) scale = setup.settings.touch.metres_per_scene_unit;
-    if (!setup.held_device && !setup.hand) {
+    if (setup.hand) scale = options.touch.metres_per_scene_unit;
+    if (!options.held_device && !setup.hand) {
         const HeightField field(setup.scene, begin);
         TRY_ASSIGN(setup.hand, make_hand(options.hand, options.fingers, setup.workspace, FieldProbe(field)));
     }
-    setup.settings.touch.metres_per_scene_unit = scale;
+    options.touch.metres_per_scene_unit = scale;
     return {};
 }
 
@@ -234,35 +236,34 @@ void keep_within(const DeviceLimits& can, GuardSettings& guard) {
 }
 
 /// Takes a device held by the user: one finger per handle.
-Result<void> take_held_device(TouchSetup& setup, const SessionOptions& options) {
+Result<void> take_held_device(TouchSetup& setup) {
+    SessionOptions& options = setup.options;
     if (!options.held_device) return {};
     const int fingers = options.held_device->fingers();
-    TRY(take_fingers(fingers, "the " + options.held_device->name(), options, setup));
-    setup.held_device = options.held_device;
-    setup.device_words = options.held_device->name();
-    setup.control = options.control;
+    TRY(take_fingers(fingers, "the " + options.held_device->name(), options));
+    options.hand = "a person's hand";
+    options.device = options.held_device->name();
     if (options.device_log) setup.device_log = std::make_unique<DeviceTickLog>(device_log_ticks, fingers);
-    keep_within(options.held_device->limits(), setup.settings.guard);
+    keep_within(options.held_device->limits(), options.guard);
     return {};
 }
 
-Result<void> hold_device(TouchSetup& setup, const SessionOptions& options) {
-    if (!options.device) return {};
-    TRY_ASSIGN(setup.device, make_simulated_device(*options.device, setup.settings.fingers));
-    keep_within(setup.device->limits(), setup.settings.guard);
-    setup.device_words = *options.device;
+Result<void> hold_device(TouchSetup& setup) {
+    if (!setup.options.device || setup.options.held_device) return {};
+    TRY_ASSIGN(setup.device, make_simulated_device(*setup.options.device, setup.options.fingers));
+    keep_within(setup.device->limits(), setup.options.guard);
     return {};
 }
 
 /// Why the recorded clip could not be opened. If it or one of its files is gone, adds a hint with the option
 /// that states the new place.
-Error gone(Error error, const TouchSetup& setup, const ClipChoice& instead) {
-    const std::optional<std::filesystem::path> clip(setup.clip.file), none;
+Error gone(Error error, const ClipChoice& recorded, const ClipChoice& instead) {
+    const std::optional<std::filesystem::path> clip(recorded.file), none;
     const std::pair<Setting::Name, std::optional<std::filesystem::path>> files[] = {
         {Setting::clip, instead.file.empty() ? clip : none},
-        {Setting::scene_file, instead.scene_file ? none : setup.clip.scene_file},
-        {Setting::haptic_map, setup.clip.maps.haptic},
-        {Setting::height_map, setup.clip.maps.height}};
+        {Setting::scene_file, instead.scene_file ? none : recorded.scene_file},
+        {Setting::haptic_map, recorded.maps.haptic},
+        {Setting::height_map, recorded.maps.height}};
     for (const auto& [setting, file] : files) {
         std::error_code ignored;
         if (!file || std::filesystem::exists(*file, ignored)) continue;
@@ -275,26 +276,25 @@ Error gone(Error error, const TouchSetup& setup, const ClipChoice& instead) {
 
 /// The recorded clip, or its replacement from `instead`, with the `recorded` scene. Errors call the recording
 /// `name`.
-Result<ClipChoice::Opened> open_recorded(TouchSetup& setup, const SceneDescription& recorded,
+Result<ClipChoice::Opened> open_recorded(ClipChoice& clip, const SceneDescription& recorded,
                                          const std::string& name, const ClipChoice& instead) {
-    if (!instead.file.empty()) setup.clip.file = instead.file;
+    if (!instead.file.empty()) clip.file = instead.file;
     if (instead.scene_file) {
-        setup.clip.scene_file = instead.scene_file;
-        setup.clip.camera = {};
+        clip.scene_file = instead.scene_file;
+        clip.camera = {};
     }
-    if (instead.maps.haptic) setup.clip.maps.haptic = instead.maps.haptic;
-    if (instead.maps.height) setup.clip.maps.height = instead.maps.height;
-    if (setup.clip.as_camera && !recorded.unstated.rate) setup.clip.as_camera->rate = recorded.scene.rate;
-    auto reader = setup.clip.open(Colour::left_out);
-    if (!reader) return gone(reader.error(), setup, instead);
+    if (instead.maps.haptic) clip.maps.haptic = instead.maps.haptic;
+    if (instead.maps.height) clip.maps.height = instead.maps.height;
+    if (clip.as_camera && !recorded.unstated.rate) clip.as_camera->rate = recorded.scene.rate;
+    auto reader = clip.open(Colour::left_out);
+    if (!reader) return gone(reader.error(), clip, instead);
     const Scene& stored = (*reader)->scene();
     if (stored.width != recorded.scene.width || stored.height != recorded.scene.height)
-        return input_error(setup.clip.file.string() + ": is " + size_text(stored.width, stored.height) +
+        return input_error(clip.file.string() + ": is " + size_text(stored.width, stored.height) +
                            ", the recording was made on " +
                            size_text(recorded.scene.width, recorded.scene.height));
-    auto scene = settle(recorded, {.rate = stored.rate});
-    if (!scene) return input_error(name + ": its scene: " + scene.error().message);
-    return ClipChoice::Opened{std::move(*reader), std::move(*scene), {}};
+    TRY_ASSIGN(auto scene, error_at(name + ": its scene", settle(recorded, {.rate = stored.rate})));
+    return ClipChoice::Opened{std::move(*reader), std::move(scene), {}};
 }
 
 /// `--replay FILE`: the recorded goals as a hand.
@@ -314,18 +314,18 @@ private:
 /// Runs ticks at their recorded times and, for a live run, with their recorded frame pairs: which pair a live
 /// tick found depended on timing.
 void follow(const RecordedPart& part, TouchSetup& setup) {
-    setup.settings.time_of_tick = [&part](std::int64_t tick) {
+    setup.options.time_of_tick = [&part](std::int64_t tick) {
         const auto last = static_cast<std::int64_t>(part.ticks.size()) - 1;
         return part.ticks[static_cast<std::size_t>(std::min(tick, last))].time_ns;
     };
-    setup.settings.playback = part.playback;
-    if (!setup.live) return;
-    setup.settings.is_after_gap = [&part](std::int64_t tick) {
+    setup.options.playback = part.playback;
+    if (!setup.options.live) return;
+    setup.options.is_after_gap = [&part](std::int64_t tick) {
         return (part.ticks[static_cast<std::size_t>(tick)].guards.front() & guard_gap) != 0;
     };
     const PlaybackClock clock(setup.scene.rate, part.playback);
-    setup.settings.pair_of_tick = [&part, feed = setup.feed.get(), epoch = ComingEpoch{}, ahead = clock,
-                                   now = clock](std::int64_t tick) mutable -> Result<FramePair> {
+    setup.options.pair_of_tick = [&part, feed = setup.feed.get(), epoch = ComingEpoch{}, ahead = clock,
+                                  now = clock](std::int64_t tick) mutable -> Result<FramePair> {
         const RecordedPart::Tick& recorded = part.ticks[static_cast<std::size_t>(tick)];
         if (recorded.epoch > now.at(recorded.time_ns / tick_ns).epoch)
             return input_error("tick " + std::to_string(tick) + " is of epoch " +
@@ -455,27 +455,24 @@ Result<void> validate(const SessionOptions& options) {
 Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& options) {
     TRY(validate(options));
     auto setup = std::make_unique<TouchSetup>();
-    setup->clip = options.clip;
-    setup->camera_words = options.camera.value_or("");
-    setup->live = options.live;
-    setup->hand_scale = options.hand_scale;
-    setup->settings = options;
-    setup->settings.guard.waits_to_be_free = options.live && !options.start_buried;
+    setup->options = options;
+    setup->options.guard.waits_to_be_free = options.live && !options.start_buried;
 
-    TRY(take_held_device(*setup, options));
-    TRY(repeat_hand(*setup, options));
+    TRY(take_held_device(*setup));
+    TRY(repeat_hand(*setup));
     TRY_ASSIGN(auto clip, open_chosen(options.clip, options.watched ? Colour::wanted : Colour::left_out));
     if (options.recorded && options.clip.plugged) {
         setup->film = std::make_shared<CameraCapture>(clip.reader->described());
         clip.reader = with_film(std::move(clip.reader), setup->film);
     }
-    TRY(make_feed(*setup, std::move(clip), options));
-    setup->settings.guard.stale_after_ns = stale_after_ns(options, setup->scene.rate);
-    if (options.late_playback) setup->settings.playback = options.late_playback();
-    TRY(place_hand(*setup, options));
-    TRY(check_playback(*setup, options));
-    TRY(hold_device(*setup, options));
-    TRY_ASSIGN(setup->solver, TouchSolver::create(setup->scene, setup->settings.touch));
+    TRY(make_feed(*setup, std::move(clip), options.live));
+    setup->options.guard.stale_after_ns = stale_after_ns(options, setup->scene.rate);
+    if (options.late_playback) setup->options.playback = options.late_playback();
+    setup->options.late_playback = nullptr;  // may refer to variables of the caller
+    TRY(place_hand(*setup));
+    TRY(check_playback(*setup));
+    TRY(hold_device(*setup));
+    TRY_ASSIGN(setup->solver, TouchSolver::create(setup->scene, setup->options.touch));
     return setup;
 }
 
@@ -483,17 +480,17 @@ Result<std::unique_ptr<TouchSetup>> setup_from_recording(const RecordedPart& par
                                                          const SessionOptions& options,
                                                          std::shared_ptr<RunGpu> gpu) {
     auto setup = std::make_unique<TouchSetup>();
-    setup->gpu = std::move(gpu);
-    setup->settings.fingers = part.fingers;
+    setup->options.gpu = gpu ? std::move(gpu) : options.gpu;
+    setup->options.builder = options.builder;
+    setup->options.recorded = true;
+    setup->options.fingers = part.fingers;
     TRY_ASSIGN(const auto scene, read_recorded_facts(part.facts, part.name, *setup));
-    TRY_ASSIGN(auto clip, open_recorded(*setup, scene, part.name, options.clip));
-    SessionOptions as_recorded = options;
-    as_recorded.recorded = true;
-    TRY(make_feed(*setup, std::move(clip), as_recorded));
+    TRY_ASSIGN(auto clip, open_recorded(setup->options.clip, scene, part.name, options.clip));
+    TRY(make_feed(*setup, std::move(clip), false));
     setup->feed->leave_out(setup->dropped);
     setup->hand = std::make_unique<ReplayHand>(part);
     follow(part, *setup);
-    TRY_ASSIGN(setup->solver, TouchSolver::create(setup->scene, setup->settings.touch));
+    TRY_ASSIGN(setup->solver, TouchSolver::create(setup->scene, setup->options.touch));
     return setup;
 }
 

@@ -141,7 +141,6 @@ struct SessionOptions : TouchSessionSettings {
     /// Live source: as in GuardSettings; nothing: max(250 ms, 3 frames) for a stream, never for a camera.
     std::optional<std::int64_t> stale_after_ns;
     std::optional<std::string> camera;  ///< live: the camera's description; nothing: `clip` is no camera
-    int stream_latency_ms = 200;        ///< stream: longest time that a frameset waits for others
     std::optional<std::string> device;  ///< live: device held by the hand; nothing: the hand is the finger
     /// Live: a device held by the user: its handles are the fingers, there is no hand. Opened by the session.
     std::shared_ptr<HapticDevice> held_device;
@@ -166,41 +165,34 @@ Result<void> check_guard(const GuardSettings& guard);
 
 /// All parts of a session, made from options or from a recording.
 struct TouchSetup {
-    ClipChoice clip;
+    /// As applied: the builder is resolved, never auto, `gpu` is there, `live` also says that the recorded
+    /// run was; hand and device are as on the command line, or name the user's.
+    SessionOptions options;
     Scene scene;                           ///< as applied in this run
     std::vector<Remark> notes;             ///< the clip's (remarks_of)
     std::optional<ChosenFilters> filters;  ///< nothing: all filters were stated
-    BuilderChoice builder;                 ///< resolved, never auto
-    std::shared_ptr<RunGpu> gpu;           ///< shared by builder and picture
     std::unique_ptr<SurfaceFeed> feed;
-    std::string hand_words;                     ///< as on the command line
-    std::unique_ptr<Hand> hand;                 ///< null: the user holds `held_device`
-    std::string camera_words;                   ///< as on the command line; empty: no camera
-    std::shared_ptr<CameraCapture> film;        ///< of a recorded plugged-in camera; else null
-    std::string device_words;                   ///< as on the command line; empty: no device
-    std::unique_ptr<SimulatedDevice> device;    ///< held by the hand
-    std::shared_ptr<HapticDevice> held_device;  ///< held by the user
-    std::shared_ptr<HandControl> control;       ///< of held_device; null: device as it is
+    std::unique_ptr<Hand> hand;               ///< null: the user holds a device
+    std::shared_ptr<CameraCapture> film;      ///< of a recorded plugged-in camera; else null
+    std::unique_ptr<SimulatedDevice> device;  ///< held by the hand
     /// The control of a device with motors; nullptr: no force reaches the user's hand, and the reported force
     /// is the scene's.
     const HandControl* exerting_control() const {
-        return control && held_device->capabilities().axes_driven > 0 ? control.get() : nullptr;
+        const bool has_motors = options.control && options.held_device->capabilities().axes_driven > 0;
+        return has_motors ? options.control.get() : nullptr;
     }
-    double hand_scale = 1;                      ///< of held_device, as in SessionOptions
-    std::unique_ptr<DeviceTickLog> device_log;  ///< of held_device; null: no log
+    std::unique_ptr<DeviceTickLog> device_log;  ///< of the user's device; null: no log
     Workspace workspace;
     std::optional<TouchSolver> solver;
-    TouchSessionSettings settings;
     std::vector<DroppedFrames> dropped{};  ///< left out by the recorded run
     /// The frames that the recorded run's planes_hash covers; nothing: not stated.
     std::optional<std::vector<FrameRun>> recorded_frames{};
     /// Frames that a temporal filter reads before an epoch's first frame.
     int warm_up_frames = temporal_warm_up_frames;
-    bool live = false;  ///< on the wall clock, or recorded live
 
     /// The run's stated length, or that of its hand's motion; nothing: endless.
     std::optional<std::int64_t> ticks() const {
-        return settings.ticks || !hand ? settings.ticks : hand->ticks();
+        return options.ticks || !hand ? options.ticks : hand->ticks();
     }
 };
 

@@ -73,7 +73,7 @@ private:
 };
 
 HapticDevice* device_of(const TouchSetup& setup) {
-    return setup.held_device ? setup.held_device.get() : setup.device.get();
+    return setup.options.held_device ? setup.options.held_device.get() : setup.device.get();
 }
 
 }  // namespace
@@ -119,9 +119,10 @@ private:
 
 Result<std::unique_ptr<HapticPort>> open_port(TouchSetup& setup) {
     if (HapticDevice* device = device_of(setup)) TRY(device->open());
-    if (setup.control)
-        return std::make_unique<HeldPort>(*setup.held_device, *setup.control, setup.device_log.get());
-    if (setup.held_device) return make_port(*setup.held_device, setup.workspace);
+    if (setup.options.control)
+        return std::make_unique<HeldPort>(*setup.options.held_device, *setup.options.control,
+                                          setup.device_log.get());
+    if (setup.options.held_device) return make_port(*setup.options.held_device, setup.workspace);
     return setup.device ? make_port(*setup.hand, *setup.device, setup.workspace) : make_port(*setup.hand);
 }
 
@@ -133,7 +134,7 @@ void explain_failure(const TouchSetup& setup, LiveFacts& facts) {
 
 Result<std::unique_ptr<WatchedSession>> WatchedSession::start(std::unique_ptr<TouchSetup> setup,
                                                               std::vector<TouchSink*> sinks) {
-    for (const PlaybackCommand& command : setup->settings.playback)
+    for (const PlaybackCommand& command : setup->options.playback)
         if (command.tick > 0)
             return usage_error("playback '" + in_words({command}) +
                                "': in a window, commands are given as the clip plays; must take "
@@ -141,7 +142,7 @@ Result<std::unique_ptr<WatchedSession>> WatchedSession::start(std::unique_ptr<To
     std::unique_ptr<WatchedSession> session(new WatchedSession(std::move(setup), std::move(sinks)));
     TouchSetup& s = *session->setup_;
     TRY_ASSIGN(session->port_, open_port(s));
-    session->live_.emplace(s.scene, *s.feed, *session->port_, *s.solver, s.settings, session->log_);
+    session->live_.emplace(s.scene, *s.feed, *session->port_, *s.solver, s.options, session->log_);
     session->running_.store(true, std::memory_order_release);
     auto begun =
         start_thread(session->thread_, "session", "of the session", [it = session.get()] { it->run(); });
@@ -152,7 +153,7 @@ Result<std::unique_ptr<WatchedSession>> WatchedSession::start(std::unique_ptr<To
 
 WatchedSession::WatchedSession(std::unique_ptr<TouchSetup> setup, std::vector<TouchSink*> sinks)
     : setup_(std::move(setup)),
-      log_(std::make_shared<PlaybackLog>(setup_->settings.playback, most_commands)),
+      log_(std::make_shared<PlaybackLog>(setup_->options.playback, most_commands)),
       ticks_(std::make_unique<Ticks>()),
       sinks_(std::move(sinks)) {
     if (const auto frames = setup_->feed->reader().frame_count())
@@ -183,12 +184,12 @@ void WatchedSession::stop() {
     live_->stop();
     thread_.join();
     close_devices();
-    setup_->settings.playback = log_->commands();
+    setup_->options.playback = log_->commands();
 }
 
 void WatchedSession::close_devices() {
     if (setup_->device) setup_->device->close();
-    if (setup_->held_device) setup_->held_device->close();
+    if (setup_->options.held_device) setup_->options.held_device->close();
 }
 
 Result<void> WatchedSession::ask(PlaybackVerb verb, std::int64_t first, std::int64_t second) {
@@ -230,7 +231,7 @@ PlaybackState WatchedSession::playback() const {
 std::string WatchedSession::silence(const WatchedMoment& moment) const {
     const FramePair& pair = moment.held.pair;
     return silence_in_words(moment.felt.tick * tick_ns - std::max(pair.prev.time_ns, pair.next.time_ns),
-                            setup_->settings.guard.stale_after_ns, setup_->feed->reader());
+                            setup_->options.guard.stale_after_ns, setup_->feed->reader());
 }
 
 WatchedFigures WatchedSession::figures() const {

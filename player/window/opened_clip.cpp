@@ -115,7 +115,7 @@ MarkSizes OpenedClip::sizes_for(double max_newtons) const {
 
 void OpenedClip::put_on_surface(std::span<FingerMark> marks, const WatchedTick& felt,
                                 const HeightField& field, bool dented) const {
-    const auto& settings = session_->setup().settings;
+    const auto& settings = session_->setup().options;
     for (std::size_t k = 0; k < marks.size(); ++k) {
         FingerMark& mark = marks[k];
         if (mark.shown) mark.under = under_finger(field, mark.proxy, sizes_.finger_radius);
@@ -132,7 +132,7 @@ void OpenedClip::take_over(const TouchSetup& setup, const SessionSettings& setti
     settings_ = settings;
     in_effect_ = settings_in_effect(setup);
     filters_ = filters_in_words(setup.scene, setup.filters);
-    builder_why_ = setup.builder.why;
+    builder_why_ = setup.options.builder.why;
     if (!setup.filters) return;
     clip_.measured = setup.filters;
     if (clip_.shared_clip) clip_.shared_clip->forget_first_frames();
@@ -143,8 +143,8 @@ Result<void> OpenedClip::make_ready(const SessionSettings& settings) {
     SessionOptions session = session_options(settings, clip_.painted);
     TRY_ASSIGN(auto setup, setup_from_options(session));
     TouchSetup& s = *setup;
-    name_ = s.clip.file.filename().empty() ? s.clip.file.parent_path().filename().string()
-                                           : s.clip.file.filename().string();
+    name_ = s.options.clip.file.filename().empty() ? s.options.clip.file.parent_path().filename().string()
+                                                   : s.options.clip.file.filename().string();
     frames_ = s.feed->reader().frame_count().value_or(0);
     take_over(s, settings);
     workspace_ = s.workspace;
@@ -152,11 +152,11 @@ Result<void> OpenedClip::make_ready(const SessionSettings& settings) {
     // No surface is in front of the clip's camera.
     device_->set_refuge(workspace_.to_device({0, 0, 0}));
     fingers_.emplace(*device_, workspace_);
-    TRY_ASSIGN(const auto first, s.feed->pair_at(PlaybackClock(s.scene.rate, s.settings.playback).at(0)));
+    TRY_ASSIGN(const auto first, s.feed->pair_at(PlaybackClock(s.scene.rate, s.options.playback).at(0)));
     const Viewpoint::Subject subject = subject_of(HeightField(*scene_, first));
     view_.emplace(*scene_, subject.middle);
     middle_ = subject.middle;
-    sizes_ = sizes_for(s.settings.guard.max_force);
+    sizes_ = sizes_for(s.options.guard.max_force);
     ready_ = std::move(setup);
     return {};
 }
@@ -215,7 +215,7 @@ Result<void> OpenedClip::start_session(std::unique_ptr<TouchSetup> setup) {
     if (record_) sinks.push_back(record_.get());
     if (options_.meter) sinks.push_back(options_.meter.get());
     TRY_ASSIGN(session_, WatchedSession::start(std::move(setup), std::move(sinks)));
-    control_ = session_->setup().control.get();
+    control_ = session_->setup().options.control.get();
     return {};
 }
 
@@ -254,7 +254,7 @@ Result<OpenedClip::Change> OpenedClip::prepare(const SessionSettings& settings,
     change.reading_ns = std::chrono::nanoseconds(Clock::now() - chosen_at).count();
     if (!clip_.is_camera() && is_left_behind(change)) {
         // Chooses again with the measured time; for the clip it is a seek from the first choice.
-        auto& playback = change.setup->settings.playback;
+        auto& playback = change.setup->options.playback;
         std::vector<PlaybackCommand> commands = choose_begin(change, change.reading_ns * 5 / 4);
         commands.insert(commands.begin(), playback[1]);
         playback = std::move(commands);
@@ -291,11 +291,11 @@ Result<void> OpenedClip::take(Change change) {
     if (record_) {
         const TouchSetup& setup = session_->setup();
         TRY(finish_film());
-        record_->file->end_part(facts_of_part(), setup.settings.playback);
+        record_->file->end_part(facts_of_part(), setup.options.playback);
         TRY(open_film(*change.setup));
     }
     if (record_) record_->hash.emplace();
-    if (control_) change.setup->control->go_on_from(*control_);
+    if (control_) change.setup->options.control->go_on_from(*control_);
     TRY(start_session(std::move(change.setup)));
     begin_listening();
     ended_ = before;
@@ -303,7 +303,7 @@ Result<void> OpenedClip::take(Change change) {
     reading_ns_ = std::clamp(change.reading_ns, least_ns, most_ns);
     take_over(session_->setup(), change.settings);
     clip_.painted = change.painted;
-    sizes_ = sizes_for(session_->setup().settings.guard.max_force);
+    sizes_ = sizes_for(session_->setup().options.guard.max_force);
     trails_ = FingerTrails();
     if (!clip_.is_camera() && !goes_on_to(change, now)) lead_from(change, now);
     return {};
@@ -350,7 +350,7 @@ Result<void> OpenedClip::finish() {
     end_session();
     if (!record_) return {};
     TRY(finish_film());
-    return record_->file->finish(facts_of_part(), session_->setup().settings.playback);
+    return record_->file->finish(facts_of_part(), session_->setup().options.playback);
 }
 
 Result<void> PlaybackControl::play_or_pause() {

@@ -30,7 +30,7 @@ void WindowHand::stop_at_once(InputEvent& event) {
 void WindowHand::lead() {
     const std::lock_guard lock(mutex_);
     pointer_ = core_.clip()->shared_device();
-    control_ = core_.clip()->session().setup().control;
+    control_ = core_.clip()->session().setup().options.control;
 }
 
 void WindowHand::look_after() {

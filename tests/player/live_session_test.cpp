@@ -86,7 +86,7 @@ TEST(LiveSession, ReportsFaultThatEndedIt) {
     PulledOut port;
     FailsThen sink(port);
     TouchSink* const sinks[] = {&sink};
-    LiveSession session(s.scene, *s.feed, port, *s.solver, s.settings);
+    LiveSession session(s.scene, *s.feed, port, *s.solver, s.options);
     ASSERT_TRUE(session.run(sinks)) << "what was touched until then counts";
     ASSERT_TRUE(sink.has_failed);
     ASSERT_TRUE(session.facts().failure);
@@ -100,7 +100,7 @@ TEST(LiveSession, KeepsInterruptedRun) {
     PulledOut port(std::numeric_limits<std::int64_t>::max());
     StopsRun sink;
     TouchSink* const sinks[] = {&sink};
-    LiveSession session(s.scene, *s.feed, port, *s.solver, s.settings);
+    LiveSession session(s.scene, *s.feed, port, *s.solver, s.options);
     const StopScope until(sink.asked.get_token());
     ASSERT_TRUE(session.run(sinks)) << "what was touched until then counts";
     EXPECT_TRUE(session.facts().interrupted);
@@ -196,7 +196,9 @@ TEST(FeedThreads, ReportExhaustedMemory) {
     auto reader = std::make_unique<Insatiable>();
     const Scene scene = reader->scene();
     SurfaceFeed feed(std::move(reader), make_reference_builder(scene), scene);
-    FeedThreads threads(feed, [](const RawFrame&) { return false; });
+    FeedThreads threads(
+        feed, [](const RawFrame&) { return false; }, PlaybackClock(FrameRate{}),
+        [] { return MediaMoment{}; });
     ASSERT_TRUE(threads.start());
     while (!threads.error()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     threads.stop();

@@ -485,7 +485,7 @@ TEST_F(ServedTouch, NetworkFailureReleasesHand) {
     const auto setup = setup_from_options(options);
     ASSERT_TRUE(setup) << setup.error().message;
     TouchSetup& s = **setup;
-    TouchSessionSettings settings = s.settings;
+    TouchSessionSettings settings = s.options;
     settings.ticks = s.ticks();
     const auto hand = make_port(*s.hand);
     LiveSession session(s.scene, *s.feed, *hand, *s.solver, settings);

@@ -120,8 +120,7 @@ protected:
         handle->height = 1;  // m: far from any surface
         auto setup = setup_from_options(options);
         ASSERT_TRUE(setup) << setup.error().message;
-        auto record =
-            RecordingFile::create(folder / "run.rec", (*setup)->settings.fingers, Existing::replace);
+        auto record = RecordingFile::create(folder / "run.rec", (*setup)->options.fingers, Existing::replace);
         ASSERT_TRUE(record);
         record_ = std::move(*record);
         auto started = WatchedSession::start(std::move(*setup), {record_.get(), &figures_.emplace(), &steps});
@@ -169,7 +168,7 @@ protected:
         EXPECT_FALSE(handle->is_open());
         nlohmann::ordered_json facts = recorded_facts(session->setup());
         facts["force_hash"] = figures_->force_hash();
-        ASSERT_TRUE(record_->finish(facts, session->setup().settings.playback));
+        ASSERT_TRUE(record_->finish(facts, session->setup().options.playback));
         const auto replayed = replay_in_process(folder / "run.rec");
         EXPECT_TRUE(replayed) << replayed.error().message;
     }
@@ -236,7 +235,7 @@ TEST_F(SessionPlayback, ReplaysRandomCommands) {
         }
         EXPECT_GT(session->setup().feed->figures().frames, 10);
         ASSERT_NO_FATAL_FAILURE(expect_replay());
-        EXPECT_GT(session->setup().settings.playback.size(), 20U);
+        EXPECT_GT(session->setup().options.playback.size(), 20U);
         EXPECT_EQ(session->figures().ticks.ticks, session->facts().loop.ticks);
     }
 }

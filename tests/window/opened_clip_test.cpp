@@ -128,7 +128,7 @@ TEST_F(ChangedClip, KeepsItsScale) {
     ClipChoice noise;
     noise.file = file;
     noise.scene_file = folder_ / "scene.json";
-    const auto scale = [](const TouchSetup& setup) { return setup.settings.touch.metres_per_scene_unit; };
+    const auto scale = [](const TouchSetup& setup) { return setup.options.touch.metres_per_scene_unit; };
     const auto first = opened(noise);
     ASSERT_TRUE(first && first->begin());
     SessionSettings smooth;

@@ -178,7 +178,7 @@ protected:
     double felt_stiffness() {
         const WatchedTick::Finger finger = felt();
         const double depth = glm::distance(finger.contact.goal, finger.contact.proxy) *
-                             clip_->session().setup().settings.touch.metres_per_scene_unit;
+                             clip_->session().setup().options.touch.metres_per_scene_unit;
         return depth > 0.0005 ? glm::length(finger.force.force) / depth : 0;
     }
     bool feels_like(double newtons_a_mm) {
