@@ -29,10 +29,12 @@ struct BuilderFacts {
     bool identical = false;  ///< codes, validity and bounds; for the lazy one depths
 };
 
+/// Milliseconds that the work takes.
 template <class Work>
-double milliseconds(Work&& work) {
+Result<double> timed(const Work& work) {
+    if (stop_requested()) return interrupted_error();
     const auto start = std::chrono::steady_clock::now();
-    work();
+    TRY(work());
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
@@ -67,39 +69,26 @@ Result<BuilderFacts> builder_facts(const char* name) {
 
     BuilderFacts facts{name, scene.width, scene.height, 0, 0, 0, std::nullopt, false};
     SurfaceFrame reference, cpu, lazy, vulkan;
-    Result<void> built;
-    const auto build = [&](std::unique_ptr<SurfaceBuilder> builder, SurfaceFrame& out) {
-        if (built && stop_requested()) built = interrupted_error();
-        if (built) built = builder->build(raw, out);
-    };
     bool same_lazily = false;
-    facts.reference_ms = milliseconds([&] { build(make_reference_builder(scene), reference); });
-    facts.cpu_ms = milliseconds([&] { build(make_cpu_builder(scene), cpu); });
+    TRY_ASSIGN(facts.reference_ms,
+               timed([&] { return make_reference_builder(scene)->build(raw, reference); }));
+    TRY_ASSIGN(facts.cpu_ms, timed([&] { return make_cpu_builder(scene)->build(raw, cpu); }));
     const auto lazy_builder = make_lazy_builder(scene);  // its frames read pixels from it, so keep it
-    facts.lazy_ms = milliseconds([&] {
-        if (built) built = lazy_builder->build(raw, lazy);
-        if (built) same_lazily = same_depths(lazy, reference);
-    });
-    if (built && stop_requested()) built = interrupted_error();
-    if (!built) return built.error();
+    TRY_ASSIGN(facts.lazy_ms, timed([&]() -> Result<void> {
+                   TRY(lazy_builder->build(raw, lazy));
+                   same_lazily = same_depths(lazy, reference);
+                   return {};
+               }));
+    if (stop_requested()) return interrupted_error();
     facts.identical = same_lazily && same_bits(cpu, reference);
     if (const auto device = GpuDevice::open(); device) {
         TRY_ASSIGN(auto builder, make_vulkan_builder(scene, *device));
-        built = builder->build(raw, vulkan);  // compiles the kernels
-        facts.vulkan_ms = milliseconds([&] {
-            if (built) built = builder->build(raw, vulkan);
-        });
-        if (!built) return built.error();
+        TRY(builder->build(raw, vulkan));  // compiles the kernels
+        TRY_ASSIGN(facts.vulkan_ms, timed([&] { return builder->build(raw, vulkan); }));
         facts.identical = facts.identical && same_bits(vulkan, reference);
     }
     return facts;
 }
-
-struct CheckOptions {
-    JsonOutput json;
-    std::optional<TouchDemand> demand;
-    std::optional<DeviceCheckOptions> device;
-};
 
 struct MachineReport {
     CpuFacts cpu;
@@ -226,28 +215,10 @@ Result<void> answer(const TouchDemand& demand, const JsonOutput& json) {
 }
 
 struct CheckWords {
-    CheckOptions options;
-    DeviceCheckOptions device;
+    DeviceCheckOptions device;  ///< its `json` is that of all checks
     TouchDemand demand;
     std::string size = "720x480";
 };
-
-Result<CheckOptions> read_words(const CheckWords& words, bool asks) {
-    CheckOptions options = words.options;
-    if (!words.device.device.empty()) {
-        if (asks)
-            return usage_error("--device is checked alone; --size, --fingers and --rate ask for a clip");
-        options.device = words.device;
-        options.device->json = options.json;
-        return options;
-    }
-    if (!asks) return options;
-    options.demand = words.demand;
-    TRY_ASSIGN(const auto size, read_pixel_size("--size", words.size, 16, 8192));
-    options.demand->width = size.width;
-    options.demand->height = size.height;
-    return options;
-}
 
 void add_device_options(CLI::App& check, DeviceCheckOptions& options) {
     begin_topic(check, "Device");
@@ -277,15 +248,23 @@ void add_device_options(CLI::App& check, DeviceCheckOptions& options) {
 /// compared bit for bit. Fails (ErrorKind::check) if clips cannot be read or written, if a Vulkan device
 /// computes wrongly (no device is no fault), or if builders differ. With a demand: a short trial, which fails
 /// if this machine is too slow. With a device: run_device_check.
-Result<void> run_check(const CheckOptions& options) {
-    TRY(options.json.check());
-    if (options.device) return run_device_check(*options.device);
-    if (options.demand)
-        return within_memory("frames of that size", [&] { return answer(*options.demand, options.json); });
-    TRY_ASSIGN(const auto report, look_around(!options.json.replaces_words()));
+Result<void> run_check(CheckWords words, bool has_demand) {
+    const JsonOutput& json = words.device.json;
+    const bool has_device = !words.device.device.empty();
+    if (has_device && has_demand)
+        return usage_error("--device is checked alone; --size, --fingers and --rate ask for a clip");
+    if (has_demand) {
+        TRY_ASSIGN(const auto size, read_pixel_size("--size", words.size, 16, 8192));
+        words.demand.width = size.width;
+        words.demand.height = size.height;
+    }
+    TRY(json.check());
+    if (has_device) return run_device_check(words.device);
+    if (has_demand) return within_memory("frames of that size", [&] { return answer(words.demand, json); });
+    TRY_ASSIGN(const auto report, look_around(!json.replaces_words()));
     const std::vector<std::string> faults = report.faults();
-    if (!options.json.replaces_words()) print_verdict(report, faults);
-    TRY(options.json.write(to_json(report, faults)));
+    if (!json.replaces_words()) print_verdict(report, faults);
+    TRY(json.write(to_json(report, faults)));
     if (faults.empty()) return {};
     return Error{ErrorKind::check, faults.front() + (faults.size() > 1 ? "; and more, listed above" : "")};
 }
@@ -297,7 +276,7 @@ void add_check_command(CLI::App& app, Command& command) {
         app.add_subcommand("check", "say what this machine can do, or measure what a haptic device does");
     auto words = std::make_shared<CheckWords>();
     begin_topic(*check, "Machine");
-    add_json_option(*check, words->options.json, "print the same as JSON");
+    add_json_option(*check, words->device.json, "print the same as JSON");
     const std::vector<CLI::Option*> question{
         check->add_option("--size", words->size, "can it touch a clip of this size in pixels?")
             ->type_name("WxH")
@@ -310,8 +289,7 @@ void add_check_command(CLI::App& app, Command& command) {
     set_work(*check, command, [words, question]() -> Result<void> {
         const bool asks =
             std::ranges::any_of(question, [](const CLI::Option* option) { return option->count() > 0; });
-        TRY_ASSIGN(const auto options, read_words(*words, asks));
-        return run_check(options);
+        return run_check(*words, asks);
     });
 }
 

@@ -250,8 +250,7 @@ private:
                     (right < 0 ? "left" : "right") + ", " + number(std::abs(below)) +
                     (below < 0 ? " above" : " below") + " (" + std::to_string(fit.edges) +
                     " edges): a finger touches beside what it seems to touch",
-                "a scene file that says where the colour camera stands: colour_camera (docs/scene_file.md)",
-                where);
+                colour_camera, where);
         if (std::abs(fit.rim) >= 1.5)
             add("rims",
                 fit.rim > 0

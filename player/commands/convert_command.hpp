@@ -89,19 +89,6 @@ using PlaneLosses = std::array<PlaneLoss, all_roles.size()>;
 /// Adds the loss between two frames with the same coding (`scene`); sizes may differ.
 void add_loss(const RawFrame& before, const RawFrame& now, const Scene& scene, PlaneLosses& losses);
 
-/// Result of a conversion, for the report.
-struct Converted {
-    std::vector<std::string> notes;  ///< remarks on the source clip
-    Scene scene;                     ///< scene of the output
-    std::vector<TrackInfo> tracks;   ///< tracks of the output
-    std::int64_t frames = 0;
-    PlaneLosses losses;
-    std::string sound;                      ///< what happened to the sound; empty: no sound
-    std::optional<ForceComparison> forces;  ///< if values of touch planes were lost
-};
-
-std::string report_to_text(const ConvertOptions& options, const Converted& done);
-
 /// CLIP OUT, or CLIP CLIP ... FOLDER/ like cp: several clips become NAME.mkv in the folder. Existing outputs
 /// are skipped, so that interrupted work can be resumed and several programs may work on the same clips.
 struct ManyClips {

@@ -26,6 +26,17 @@ namespace touchable {
 
 namespace {
 
+/// Result of a conversion, for the report.
+struct Converted {
+    std::vector<std::string> notes;  ///< remarks on the source clip
+    Scene scene;                     ///< scene of the output
+    std::vector<TrackInfo> tracks;   ///< tracks of the output
+    std::int64_t frames = 0;
+    PlaneLosses losses;
+    std::string sound;                      ///< what happened to the sound; empty: no sound
+    std::optional<ForceComparison> forces;  ///< if values of touch planes were lost
+};
+
 void add_values(const PlaneView& before, const PlaneView& now, PlaneLoss& loss) {
     loss.samples += std::int64_t{before.width} * before.height * before.channels;
     if (same_samples(before, now)) return;
@@ -282,6 +293,37 @@ void add_recoded_loss(const RawFrame& before, const Scene& scene, const RawFrame
     loss.is_recoded = true;
     loss.samples += std::int64_t{before.depth.width} * before.depth.height;
     add_depths(before.depth, scene, now.depth, recoded, loss);
+}
+
+std::string report_to_text(const ConvertOptions& options, const Converted& done) {
+    const Scene& scene = done.scene;
+    const bool resized = options.size.has_value();
+    std::string text = one_line(options.out.string()) + ": " + counted(done.frames, "frame") + ", " +
+                       size_text(scene.width, scene.height);
+    if (!is_one_frame(options.form))
+        text += formatted(
+            scene.rate.own_times ? ", each at its own time, %.6g frames/s on average" : ", %.6g frames/s",
+            scene.rate.per_second());
+    text += "\n";
+    for (const TrackInfo& track : done.tracks) {
+        const auto role = role_named(track.role);
+        if (!role) continue;
+        const bool is_still = done.frames > 1 && scene.folder && options.form == ClipForm::folder &&
+                              ((*role == PlaneRole::colour && touchable::is_still(scene.folder->colour)) ||
+                               (*role == PlaneRole::haptic && touchable::is_still(scene.folder->haptic)) ||
+                               (*role == PlaneRole::height && touchable::is_still(scene.folder->height)));
+        text += line(track.role, loss_in_words(*role, done.losses[static_cast<std::size_t>(*role)], resized,
+                                               !options.content) +
+                                     " (" + track.codec + (is_still ? ", one picture for all frames)" : ")"));
+    }
+    if (!done.sound.empty()) text += line("sound", done.sound);
+    if (done.forces) text += line("force", forces_in_words(*done.forces));
+    if (is_one_frame(options.form) && options.form != ClipForm::mp4_still)
+        text += line("scene", files_beside(options, done));
+    if (options.form == ClipForm::lerobot) text += line("scene", beside_lerobot_video(options));
+    if (options.form == ClipForm::gltf) text += line("scene", files_of_scene(options, done));
+    for (const std::string& note : done.notes) text += line("note", note);
+    return text;
 }
 
 class Conversion {
@@ -582,37 +624,6 @@ void add_loss(const RawFrame& before, const RawFrame& now, const Scene& scene, P
         add_values(was, is, loss);
         if (role == PlaneRole::depth && !same_samples(was, is)) add_depths(was, scene, is, scene, loss);
     }
-}
-
-std::string report_to_text(const ConvertOptions& options, const Converted& done) {
-    const Scene& scene = done.scene;
-    const bool resized = options.size.has_value();
-    std::string text = one_line(options.out.string()) + ": " + counted(done.frames, "frame") + ", " +
-                       size_text(scene.width, scene.height);
-    if (!is_one_frame(options.form))
-        text += formatted(
-            scene.rate.own_times ? ", each at its own time, %.6g frames/s on average" : ", %.6g frames/s",
-            scene.rate.per_second());
-    text += "\n";
-    for (const TrackInfo& track : done.tracks) {
-        const auto role = role_named(track.role);
-        if (!role) continue;
-        const bool is_still = done.frames > 1 && scene.folder && options.form == ClipForm::folder &&
-                              ((*role == PlaneRole::colour && touchable::is_still(scene.folder->colour)) ||
-                               (*role == PlaneRole::haptic && touchable::is_still(scene.folder->haptic)) ||
-                               (*role == PlaneRole::height && touchable::is_still(scene.folder->height)));
-        text += line(track.role, loss_in_words(*role, done.losses[static_cast<std::size_t>(*role)], resized,
-                                               !options.content) +
-                                     " (" + track.codec + (is_still ? ", one picture for all frames)" : ")"));
-    }
-    if (!done.sound.empty()) text += line("sound", done.sound);
-    if (done.forces) text += line("force", forces_in_words(*done.forces));
-    if (is_one_frame(options.form) && options.form != ClipForm::mp4_still)
-        text += line("scene", files_beside(options, done));
-    if (options.form == ClipForm::lerobot) text += line("scene", beside_lerobot_video(options));
-    if (options.form == ClipForm::gltf) text += line("scene", files_of_scene(options, done));
-    for (const std::string& note : done.notes) text += line("note", note);
-    return text;
 }
 
 Result<void> run_convert(const ConvertOptions& options) {

@@ -223,7 +223,7 @@ struct ExportOptions {
     std::int64_t first = 0;
     std::optional<std::int64_t> last;  ///< inclusive; nothing: to the end
     bool folder_per_frame = false;     ///< out/<n>/ instead of out/
-    bool mesh = true;
+    bool mesh = false;
     BuilderChoice builder;
     PictureOptions picture;  ///< of a single frame
 };
@@ -274,12 +274,13 @@ Result<void> read_frames(const std::string& text, ExportOptions& out) {
     return {};
 }
 
-/// --frame or --frames, as typed; only one is set.
-struct FramesTyped {
-    std::optional<std::string> one, many;
+struct ExportTyped {
+    ClipTyped clip;
+    ExportOptions options;
+    std::optional<std::string> one, many;  ///< --frame or --frames; only one is set
 };
 
-Result<void> read_words(const FramesTyped& typed, ExportOptions& out) {
+Result<void> read_frames(const ExportTyped& typed, ExportOptions& out) {
     if (typed.many && out.picture.file)
         return usage_error("--picture draws a single frame; use --frame N instead of --frames");
     if (typed.one) {
@@ -422,15 +423,13 @@ Result<void> run_export(const ExportOptions& options) {
 
 void add_export_command(CLI::App& app, Command& command) {
     auto* sub = app.add_subcommand("export", "write frames as pictures, mesh and scene description");
-    auto options = std::make_shared<ExportOptions>();
-    auto clip = std::make_shared<ClipTyped>();
-    auto typed = std::make_shared<FramesTyped>();
-    auto mesh = std::make_shared<bool>(false);
-    add_clip_options(*sub, *clip)->required();
+    auto typed = std::make_shared<ExportTyped>();
+    ExportOptions& options = typed->options;
+    add_clip_options(*sub, typed->clip)->required();
     begin_topic(*sub, files_topic);
-    add_file_option(*sub, "--out", options->out, "folder to write to. May be left out with --picture")
+    add_file_option(*sub, "--out", options.out, "folder to write to. May be left out with --picture")
         ->type_name("FOLDER");
-    add_overwrite_option(*sub, options->existing);
+    add_overwrite_option(*sub, options.existing);
     auto* one = sub->add_option("--frame", typed->one, "write this frame, from 0, into the folder itself")
                     ->type_name("N");
     auto* many = sub->add_option("--frames", typed->many,
@@ -438,18 +437,18 @@ void add_export_command(CLI::App& app, Command& command) {
                                  "touchable convert unpacks a clip so that it opens again")
                      ->type_name(type_with_words("A-B|all", std::array{"all"}))
                      ->excludes(one);
-    sub->add_flag("--mesh", *mesh, "write the meshes too, with --frames")->needs(many);
-    add_picture_options(*sub, options->picture);
-    add_camera_options(*sub, clip->camera);
-    add_filter_options(*sub, *clip);
-    add_builder_options(*sub, options->builder, {"cpu", "vulkan", "reference"});
-    set_work(*sub, command, [options, clip, typed, mesh]() -> Result<void> {
-        ExportOptions chosen = *options;
+    sub->add_flag("--mesh", options.mesh, "write the meshes too, with --frames")->needs(many);
+    add_picture_options(*sub, options.picture);
+    add_camera_options(*sub, typed->clip.camera);
+    add_filter_options(*sub, typed->clip);
+    add_builder_options(*sub, options.builder, {"cpu", "vulkan", "reference"});
+    set_work(*sub, command, [typed]() -> Result<void> {
+        ExportOptions chosen = typed->options;
         if (chosen.out.empty() && !chosen.picture.file)
             return usage_error("export needs --out FOLDER, or --picture FILE; see touchable export -h");
-        TRY(read_words(*typed, chosen));
-        TRY_ASSIGN(chosen.clip, read_clip(*clip));
-        chosen.mesh = *mesh || typed->one.has_value();
+        TRY(read_frames(*typed, chosen));
+        TRY_ASSIGN(chosen.clip, read_clip(typed->clip));
+        chosen.mesh = chosen.mesh || typed->one;
         return run_export(chosen);
     });
 }
