@@ -20,8 +20,7 @@ struct ConvertTyped {
     ConvertOptions options;
     std::optional<std::string> from, to, crop, size;
     std::string every = "1";
-    const CLI::Option *archive = nullptr, *exact_colour = nullptr, *fragmented = nullptr,
-                      *every_typed = nullptr;
+    const CLI::Option *archive = nullptr, *every_typed = nullptr;
 };
 
 /// "45", a frame; "1.5s", a time.
@@ -78,14 +77,15 @@ Result<void> refuse_idle_options(const ConvertTyped& typed) {
         return usage_error(std::string(option) + " is for " + what);
     };
     const ClipForm form = typed.options.form;
+    const ClipStorage& storage = typed.options.storage;
     const bool archive = form == ClipForm::archive || form == ClipForm::gltf, one_frame = is_one_frame(form);
     const char* why = "clips, NAME.mkv, NAME.mp4 and NAME.gltf; pictures keep every value";
     TRY(only(!archive && typed.archive->count() > 0, "--archive", why));
-    TRY(only(!archive && typed.exact_colour->count() > 0, "--exact-colour", why));
-    if (typed.options.still && typed.fragmented->count() > 0)
+    TRY(only(!archive && storage.exact_colour, "--exact-colour", why));
+    if (typed.options.still && storage.fragmented)
         return usage_error("--still is one frame, which has no fragments: leave --fragmented out");
     const bool is_mp4_clip = form == ClipForm::archive && is_mp4_name(typed.options.out);
-    TRY(only(!is_mp4_clip && typed.fragmented->count() > 0, "--fragmented", fragmented_names));
+    TRY(only(!is_mp4_clip && storage.fragmented, "--fragmented", fragmented_names));
     const char* one = "clips and folders; NAME.png, NAME.bt and --still are one frame, --from says which";
     TRY(only(one_frame && typed.to, "--to", one));
     return only(one_frame && typed.every_typed->count() > 0, "--every", one);
@@ -216,9 +216,7 @@ void add_convert_command(CLI::App& app, Command& command) {
     add_camera_options(*sub, typed->clip.camera);
     begin_topic(*sub, files_topic);
     add_overwrite_option(*sub, options.existing);
-    typed->archive = add_archive_option(*sub, options.storage);
-    typed->exact_colour = add_exact_colour_option(*sub, options.storage);
-    typed->fragmented = add_fragmented_option(*sub, options.storage);
+    typed->archive = add_storage_options(*sub, options.storage);
     sub->add_flag("--still", options.still,
                   "write NAME.mp4 with one frame, as the paper's static scene. Its pictures are PNG");
     sub->add_flag(

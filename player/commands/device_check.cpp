@@ -220,10 +220,11 @@ private:
     std::int64_t late_ = 0;
 };
 
-/// Runs `work` on a real-time thread like the haptic one; meanwhile calls `show` repeatedly.
-template <class Work, class Show>
-auto in_real_time(RealtimeGrant& grant, Work&& work, Show&& show) -> decltype(work()) {
+/// Runs `work` on a real-time thread like the haptic one; meanwhile shows what `words` returns.
+template <class Work, class Words>
+auto in_real_time(RealtimeGrant& grant, Work&& work, Words&& words) -> decltype(work()) {
     std::optional<decltype(work())> answer;
+    StatusLine line;
     std::atomic<bool> over{false};
     std::thread thread;
     TRY(start_thread(thread, "device-check", "that reads the device", [&] {
@@ -232,7 +233,7 @@ auto in_real_time(RealtimeGrant& grant, Work&& work, Show&& show) -> decltype(wo
         over = true;
     }));
     while (!over) {
-        show();
+        if (line.is_due()) line.show(words());
         std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
     thread.join();
@@ -249,13 +250,9 @@ Result<void> watch(const MeasuredDevice& measured, int seconds, DeviceReport& re
     const DrivenFacts before = measured.facts();
     RealtimeGrant grant;
     RealPace pace;
-    StatusLine line;
     auto figures = in_real_time(
         grant, [&] { return watch_device(*measured.device, *measured.times, pace.pace(), seconds * 1000); },
-        [&] {
-            if (line.is_due())
-                line.show("measuring for " + std::to_string(seconds) + " s: let the handle rest");
-        });
+        [&] { return "measuring for " + std::to_string(seconds) + " s: let the handle rest"; });
     if (!figures) return stop_requested() ? interrupted_error() : figures.error();
     report.watch = *figures;
     report.facts = between(before, measured.facts());
@@ -293,15 +290,12 @@ Result<void> find_out_stiffness(const MeasuredDevice& measured, bool hands_off, 
     std::atomic<double> tried{0};
     RealtimeGrant grant;
     RealPace pace;
-    StatusLine line;
     auto found = in_real_time(
         grant,
         [&] {
             return find_stiffness(*measured.device, pace.pace(), [&](double n_per_m) { tried = n_per_m; });
         },
-        [&] {
-            if (line.is_due()) line.show("trying " + std::to_string(std::lround(tried)) + " N/m, hands off");
-        });
+        [&] { return "trying " + std::to_string(std::lround(tried)) + " N/m, hands off"; });
     if (stop_requested()) return interrupted_error();
     if (!found) {
         report.no_stiffness = found.error().message;

@@ -46,8 +46,8 @@ Result<void> run_init_scene(const InitSceneOptions& options) {
     const std::filesystem::path target = options.out ? *options.out
                                          : is_folder ? options.pictures / "scene.json"
                                                      : beside.replace_extension(".json");
-    const Outputs outputs{{{options.out ? "--out" : "the scene file", target}}, options.existing};
-    TRY(check_outputs(outputs, {{"the pictures", options.pictures}}));
+    TRY(check_outputs({{{options.out ? "--out" : "the scene file", target}}, options.existing},
+                      {{"the pictures", options.pictures}}));
     if (std::filesystem::exists(target, ignored) && !read_scene_file(target))
         return usage_error(target.string() + ": is there, and no scene file: it is not replaced");
     NewFile file(target, options.existing);

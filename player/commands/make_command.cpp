@@ -339,9 +339,7 @@ void add_make_command(CLI::App& app, Command& command) {
             ->capture_default_str();
     begin_topic(*make, files_topic);
     add_overwrite_option(*make, words->options.existing);
-    add_archive_option(*make, words->options.storage);
-    add_exact_colour_option(*make, words->options.storage);
-    add_fragmented_option(*make, words->options.storage);
+    add_storage_options(*make, words->options.storage);
     begin_topic(*make, "Globe");
     words->preset_typed =
         add_word_option(*make, "--preset", generator.preset, "camera of globe (default B)", {"A", "A'", "B"});

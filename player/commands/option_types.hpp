@@ -156,31 +156,11 @@ CLI::Option* add_word_option(CLI::App& sub, const std::string& name, Value& valu
     return add_read_option(sub, name, read, what)->type_name(type);
 }
 
-/// --archive, for commands that write clips.
-inline CLI::Option* add_archive_option(CLI::App& command, ClipStorage& storage) {
-    return add_word_option(command, "--archive", storage.archive,
-                           "how a clip is compressed. fast (default): quick to write and read; small: fewest "
-                           "bytes, slow to write (0.2 s for a picture of 640x480); both keep every value of "
-                           "depth, haptic and height (docs/codecs.md)",
-                           {"fast", "small"});
-}
-
-/// --exact-colour, for the same commands.
-inline CLI::Option* add_exact_colour_option(CLI::App& command, ClipStorage& storage) {
-    return command.add_flag(
-        "--exact-colour", storage.exact_colour,
-        "keep every value of a clip's colour. Otherwise it is as good as the eye can tell");
-}
-
 /// Names that allow --fragmented, for its refusal.
 inline constexpr const char* fragmented_names = "NAME.mp4; no other form is written in fragments";
 
-/// --fragmented, for commands that write clips.
-inline const CLI::Option* add_fragmented_option(CLI::App& command, ClipStorage& storage) {
-    return command.add_flag("--fragmented", storage.fragmented,
-                            "write NAME.mp4 in pieces of half a second, as it is sent. A copy that is cut "
-                            "off is readable up to there; it has no MPEG-4 scene (docs/codecs.md)");
-}
+/// Adds --archive, which is returned, --exact-colour and --fragmented, for commands that write clips.
+CLI::Option* add_storage_options(CLI::App& command, ClipStorage& storage);
 
 /// A folder of files that come with the program, in the build tree or the installation; `way` leads there
 /// from the program's own folder.

@@ -35,7 +35,9 @@ Result<std::string> run_plot_script(const std::vector<std::string>& words) {
     std::vector<std::string> command{python(), "-B", script.string()};  // -B: writes no cache files
     command.insert(command.end(), words.begin(), words.end());
     TRY_ASSIGN(const auto child, error_at("Python", ChildProcess::start(std::move(command))));
-    if (!child) return input_error("Python cannot be started (there is none); Debian: python3-matplotlib");
+    if (!child)
+        return input_error(
+            "Python cannot be started (No such file or directory); Debian: python3-matplotlib");
     auto picture = child->all_output(largest_picture);
     if (picture || picture.error().kind == ErrorKind::interrupted) return picture;
     const std::string& why = picture.error().message;

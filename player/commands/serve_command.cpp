@@ -33,8 +33,7 @@ struct ServeOptions {
     std::optional<std::int64_t> longest_ns;
     bool mpegts = false;  ///< over SRT: MPEG-TS, readable by stock tools
     std::optional<HlsWriter::Settings> hls;
-    std::optional<std::filesystem::path> json;
-    Existing existing = Existing::keep;  ///< of `json`
+    JsonOutput json;
 };
 
 constexpr std::chrono::milliseconds serve_look_again{5};
@@ -107,11 +106,9 @@ private:
         TRY_ASSIGN(clip_, options_.clip.open());
         is_live_ = clip_->is_live();
         notes_ = remarks_with_options(remarks_of(*clip_));
-        if (!options_.json) return {};
-        const Outputs outputs{{{"--json", *options_.json}}, options_.existing};
-        TRY(check_outputs(outputs, inputs_of(options_.clip, *clip_)));
-        TRY_ASSIGN(json_, OutputFile::create("--json", *options_.json, options_.existing));
-        return {};
+        if (!options_.json.file) return {};
+        TRY(options_.json.check(inputs_of(options_.clip, *clip_)));
+        return assign(json_, OutputFile::create("--json", *options_.json.file, options_.json.existing));
     }
 
     Result<void> open_forms() {
@@ -324,8 +321,8 @@ private:
 
     Result<void> report() {
         if (hls_) notes_.insert(notes_.end(), hls_->notes().begin(), hls_->notes().end());
-        const bool is_standard = options_.json && is_standard_output(*options_.json);
-        (is_standard ? std::cerr : std::cout) << on_terminal(report_in_words()) << std::flush;
+        (options_.json.replaces_words() ? std::cerr : std::cout)
+            << on_terminal(report_in_words()) << std::flush;
         return json_ ? write_report(report_as_json(), *json_) : Result<void>();
     }
 
@@ -481,8 +478,8 @@ void add_serve_command(CLI::App& app, Command& command) {
                     "second frame; off by default",
                     {"on", "off"});
     begin_topic(*sub, files_topic);
-    add_json_option(*sub, typed->options.json, "write the report as JSON", true);
-    add_overwrite_option(*sub, typed->options.existing);
+    add_json_option(*sub, typed->options.json.file, "write the report as JSON", true);
+    add_overwrite_option(*sub, typed->options.json.existing);
     set_work(*sub, command, [typed]() -> Result<void> {
         TRY_ASSIGN(const auto options, read_options(*typed));
         return Serving(options).run();

@@ -1,8 +1,11 @@
 #include "player/commands/touch_run.hpp"
 
 #include <termios.h>
+#include <deque>
+#include <glm/vec2.hpp>
 #include <initializer_list>
 #include <iostream>
+#include <set>
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -89,6 +92,244 @@ Result<void> check_picture_moment(const TouchOptions& options, const TouchSetup&
     return usage_error("--picture-at lies beyond the run's end at " + end + " s" +
                        (is_the_clips ? "; --seconds makes the run longer" : ""));
 }
+
+/// The tick that a picture shows by default: 60 % of the run, or of the clip's, at least 3 s, if the run's
+/// length is unknown.
+std::int64_t usual_picture_tick(const TouchSetup& setup, const std::optional<std::int64_t>& ticks) {
+    if (ticks) return *ticks * 6 / 10;
+    if (!setup.options.playback.empty()) return shortest_run_ns / tick_ns * 6 / 10;
+    const auto frames = setup.feed->reader().frame_count();
+    const std::int64_t clip_ms = frames ? setup.scene.rate.time_ns(*frames) / 1'000'000 : 0;
+    return std::max<std::int64_t>(clip_ms, 3000) * 6 / 10;
+}
+
+/// `touch --picture`: stores the fingers at a moment of the run and their trails just before; after the run,
+/// reads that moment's frames again and draws them.
+class TouchPicture final : public TouchSink {
+public:
+    /// `tick`: the moment; if ticks are skipped, the first tick not before it.
+    TouchPicture(PictureOrder order, std::int64_t tick) : order_(std::move(order)), tick_(tick) {}
+    Result<void> consume(const TouchTick& tick) override {
+        if (reached_) return {};
+        trails_.resize(tick.contacts.size());
+        for (std::size_t k = 0; k < trails_.size(); ++k) {
+            const Contact& contact = tick.contacts[k];
+            if (!contact.touching || !std::isfinite(contact.pixel_x) || !std::isfinite(contact.pixel_y)) {
+                trails_[k].clear();
+                continue;
+            }
+            trails_[k].emplace_back(contact.pixel_x, contact.pixel_y);
+            if (trails_[k].size() > trail_ticks) trails_[k].pop_front();
+        }
+        reached_ = tick.tick >= tick_;
+        moment_ = Moment{tick.pair.epoch, tick.pair.prev.number, tick.pair.next.number, tick.pair.blend, {}};
+        for (std::size_t k = 0; k < trails_.size(); ++k) {
+            const Contact& contact = tick.contacts[k];
+            moment_->fingers.push_back({contact.goal, contact.proxy, tick.sent(k), contact.touching, {}});
+        }
+        return {};
+    }
+    bool is_reached() const { return reached_; }  ///< whether the moment was reached
+    const SurfacePainter& painter() const { return *order_.painter; }
+    /// Draws the moment. If the run ended before it: draws the last tick if `cut_short`,
+    /// otherwise refused (ErrorKind::usage).
+    Result<void> finish(const TouchSetup& setup, bool cut_short) {
+        if (!moment_ || !(reached_ || cut_short))
+            return usage_error("--picture: the run ended before " + std::to_string(tick_) +
+                               " ms, the moment to draw; --picture-at says another");
+        const StopScope drawing = StopScope::after_stop();  // the run may have been stopped by the user
+        TRY_ASSIGN(auto reader, setup.options.clip.open());
+        // If the GPU built the frames, it builds and draws them; otherwise build whole frames on the CPU.
+        const bool on_gpu = setup.feed->builder_name() == "vulkan";
+        TRY_ASSIGN(const auto builder, make_builder(on_gpu ? setup.options.builder : BuilderChoice{},
+                                                    setup.scene, *setup.options.gpu));
+        const std::int64_t first = first_read(setup, moment_->epoch, moment_->frame_prev);
+        TRY(reader->seek(first));
+        FrameAgain prev, next;
+        const auto is_part = [&](std::int64_t number) {
+            return setup.scene.filter.temporal && !setup.feed->has_dropped(moment_->epoch, number);
+        };
+        TRY(read_frame(*reader, *builder, moment_->frame_prev, is_part, prev));
+        const bool between = moment_->frame_next != moment_->frame_prev;
+        if (between) TRY(read_frame(*reader, *builder, moment_->frame_next, is_part, next));
+
+        FramePair pair;
+        pair.prev = {moment_->frame_prev, 0, &prev.surface};
+        pair.next = {moment_->frame_next, 0, between ? &next.surface : &prev.surface};
+        pair.blend = moment_->blend;
+        const HeightField field(setup.scene, pair);
+        const RawFrame& nearer = field.blend() >= 0.5 ? next.raw : prev.raw;
+        TRY(order_.deliver(field, pair, nearer.colour, fingers_on(field)));
+        const std::string gpu = order_.painter->gpu_name();
+        line_ = "picture: " + one_line(order_.file->target().string()) + " by the " +
+                std::string(order_.painter->name()) + " painter" + (gpu.empty() ? "" : " on " + gpu) +
+                formatted("; 1 N is %g units long\n",
+                          mark_sizes(setup.scene, subject_of(field).middle).length_per_newton);
+        return {};
+    }
+    /// A line about the picture; empty before `finish`.
+    const std::string& line() const { return line_; }
+
+private:
+    using Place = glm::dvec2;  // proxy in the image, pixels
+    struct Moment {
+        std::uint64_t epoch = 0;
+        std::int64_t frame_prev = 0, frame_next = 0;
+        double blend = 0;
+        std::vector<FingerMark> fingers;  // trails are still empty
+    };
+    std::vector<FingerMark> fingers_on(const HeightField& field) const {
+        const FieldProbe probe(field);
+        std::vector<FingerMark> fingers = moment_->fingers;
+        for (std::size_t k = 0; k < fingers.size(); ++k) {
+            const std::deque<Place>& trail = trails_[k];
+            for (std::size_t at = trail.empty() ? 0 : (trail.size() - 1) % trail_step; at < trail.size();
+                 at += trail_step)
+                if (const auto depth = probe.depth_under(trail[at].x, trail[at].y))
+                    fingers[k].trail.push_back(probe.unproject(trail[at].x, trail[at].y, *depth));
+        }
+        return fingers;
+    }
+
+    PictureOrder order_;
+    std::int64_t tick_;
+    std::vector<std::deque<Place>> trails_;  // per finger, since its last contact began
+    std::optional<Moment> moment_;           // the newest tick, until the moment
+    bool reached_ = false;
+    std::string line_;
+};
+
+/// The requested files of a run: opened before it, so that unwritable places are reported at once, and named
+/// after it, so that a failed run leaves none. A full disk ends neither the run nor the other files.
+class TouchOutputs {
+public:
+    /// Refuses files that are also inputs or named twice, existing files that may not be replaced, and a
+    /// picture of a moment beyond the run's end, if its length is known. `ticks`: length of all parts, if
+    /// known. `options` must outlive this.
+    static Result<std::unique_ptr<TouchOutputs>> open(const TouchOptions& options, const TouchSetup& setup,
+                                                      std::optional<std::int64_t> ticks) {
+        TRY(check_picture_moment(options, setup, ticks));
+        if (options.record && is_standard_output(*options.record))
+            return usage_error(
+                "--record -: a recording does not go to standard output; give it a file's name");
+        TRY(check_outputs(outputs_of(options, setup), inputs_of(options, setup)));
+        std::unique_ptr<TouchOutputs> out(new TouchOutputs(options));
+        const Pace pace = setup.options.live && !options.replay ? Pace::wall_clock : Pace::own;
+        if (options.forces)
+            TRY(assign(out->forces_,
+                       TickTable::create_forces(*options.forces, options.existing, pace, "--forces")));
+        out->only_forces_ = options.forces && !options.device_log && !options.record && !options.json &&
+                            !options.picture.file && !options.replay && !options.strict &&
+                            !setup.options.control;
+        if (options.device_log) {
+            if (!setup.device_log)
+                return usage_error(
+                    "--device-log is of a --device that you hold; --forces has what a hand does");
+            TRY_ASSIGN(out->device_log_, TickTable::create_device_log(*options.device_log, options.existing,
+                                                                      *setup.device_log, "--device-log"));
+        }
+        if (options.record)
+            TRY(assign(out->record_, RecordingFile::create(*options.record, setup.options.fingers,
+                                                           options.existing, pace, "--record")));
+        if (options.record && setup.film) {
+            out->film_ = setup.film;
+            TRY(setup.film->open(film_beside(*options.record), options.existing));
+        }
+        if (options.json)
+            TRY(assign(out->json_, OutputFile::create("--json", *options.json, options.existing, pace)));
+        TRY_ASSIGN(auto order, order_picture(options.picture, options.existing, setup.options.builder,
+                                             *setup.options.gpu));
+        if (order)
+            out->picture_.emplace(std::move(*order),
+                                  options.picture_tick.value_or(usual_picture_tick(setup, ticks)));
+        return out;
+    }
+
+    /// The outputs that take every tick.
+    std::vector<TouchSink*> sinks() {
+        std::vector<TouchSink*> sinks;
+        if (forces_) sinks.push_back(forces_.get());
+        if (device_log_) sinks.push_back(device_log_.get());
+        if (record_) sinks.push_back(record_.get());
+        if (picture_) sinks.push_back(&*picture_);
+        return sinks;
+    }
+    /// The file of a sink, for messages: "--forces f.csv"; empty: writes none during the run.
+    std::string name_of(const TouchSink* sink) const {
+        if (sink == forces_.get()) return forces_->name();
+        if (sink == device_log_.get()) return device_log_->name();
+        return sink == record_.get() ? record_->name() : "";
+    }
+    /// The picture's painter; nullptr: no picture.
+    const SurfacePainter* painter() const { return picture_ ? &picture_->painter() : nullptr; }
+    /// After a part that is not the last: draws the picture if its moment was in the part.
+    Result<void> end_part(const TouchSetup& setup) {
+        if (!picture_ || is_drawn_ || !picture_->is_reached()) return {};
+        is_drawn_ = true;
+        return picture_->finish(setup, false);
+    }
+    /// Whether the run has no more use: its only output is a pipe that its reader has closed.
+    bool are_unread() const { return only_forces_ && forces_->is_unread(); }
+    /// Faults of outputs since the last call; each is reported once.
+    std::vector<std::string> new_faults() {
+        std::vector<std::string> faults;
+        for (const OutputSink* const file :
+             std::initializer_list<const OutputSink*>{forces_.get(), device_log_.get(), record_.get()})
+            if (const auto fault = file ? file->fault() : std::nullopt; fault && told_.insert(file).second)
+                faults.push_back(fault->message);
+        if (const auto fault = film_ ? film_->fault() : std::nullopt;
+            fault && told_.insert(film_.get()).second)
+            faults.push_back("the film of --record: " + fault->message);
+        return faults;
+    }
+    /// After the run's last part, that of `setup`: completes every file even if others fail. An error names
+    /// the incomplete ones.
+    Result<void> finish(const nlohmann::ordered_json& report, const std::string& force_hash,
+                        const TouchSetup& setup) {
+        std::vector<Result<void>> done;
+        const auto keep = [&](Result<void> finished, const std::filesystem::path& file) {
+            if (!written_) written_.emplace();
+            if (finished && !is_standard_output(file)) written_->push_back(file.string());
+            done.push_back(std::move(finished));
+        };
+        if (forces_) keep(forces_->finish(), *options_.forces);
+        if (device_log_) keep(device_log_->finish(), *options_.device_log);
+        if (record_) keep(finish_record(force_hash, setup), *options_.record);
+        if (json_) keep(write_report(report, *json_), *options_.json);
+        if (picture_)
+            keep(is_drawn_ ? Result<void>() : picture_->finish(setup, report.value("interrupted", false)),
+                 *options_.picture.file);
+        return all_ok(done);
+    }
+    /// The files completed by `finish`, without standard output; nothing: none requested.
+    const std::optional<std::vector<std::string>>& written() const { return written_; }
+    /// A remark to print after the table; may be empty.
+    std::string remark() const { return picture_ ? picture_->line() : std::string(); }
+
+private:
+    explicit TouchOutputs(const TouchOptions& options) : options_(options) {}
+    Result<void> finish_record(const std::string& force_hash, const TouchSetup& setup) {
+        if (setup.film) {
+            TRY(setup.film->finish());
+            if (const auto fault = setup.film->fault())
+                record_->end_with_frame(setup.film->last_frame(), *fault);
+        }
+        nlohmann::ordered_json facts = recorded_facts(setup);
+        facts["force_hash"] = force_hash;
+        return record_->finish(facts, setup.options.playback);
+    }
+
+    const TouchOptions& options_;
+    std::optional<std::vector<std::string>> written_;
+    std::unique_ptr<TickTable> forces_, device_log_;
+    std::unique_ptr<RecordingFile> record_;
+    std::unique_ptr<OutputFile> json_;
+    std::optional<TouchPicture> picture_;
+    bool only_forces_ = false;             // nothing else is written, checked or felt
+    bool is_drawn_ = false;                // the picture is drawn
+    std::shared_ptr<CameraCapture> film_;  // beside the recording
+    std::set<const void*> told_;           // outputs whose fault was reported
+};
 
 /// Keys for a held device: Enter toggles forces, c and Enter recentres. Listens only if standard input is a
 /// terminal.
@@ -327,186 +568,7 @@ Result<void> touch(const TouchOptions& options, std::string& at_work) {
     return strictly(options, report);
 }
 
-/// The tick that a picture shows by default: 60 % of the run, or of the clip's, at least 3 s, if the run's
-/// length is unknown.
-std::int64_t usual_picture_tick(const TouchSetup& setup, const std::optional<std::int64_t>& ticks) {
-    if (ticks) return *ticks * 6 / 10;
-    if (!setup.options.playback.empty()) return shortest_run_ns / tick_ns * 6 / 10;
-    const auto frames = setup.feed->reader().frame_count();
-    const std::int64_t clip_ms = frames ? setup.scene.rate.time_ns(*frames) / 1'000'000 : 0;
-    return std::max<std::int64_t>(clip_ms, 3000) * 6 / 10;
-}
-
 }  // namespace
-
-Result<void> TouchPicture::consume(const TouchTick& tick) {
-    if (reached_) return {};
-    trails_.resize(tick.contacts.size());
-    for (std::size_t k = 0; k < trails_.size(); ++k) {
-        const Contact& contact = tick.contacts[k];
-        if (!contact.touching || !std::isfinite(contact.pixel_x) || !std::isfinite(contact.pixel_y)) {
-            trails_[k].clear();
-            continue;
-        }
-        trails_[k].emplace_back(contact.pixel_x, contact.pixel_y);
-        if (trails_[k].size() > trail_ticks) trails_[k].pop_front();
-    }
-    reached_ = tick.tick >= tick_;
-    moment_ = Moment{tick.pair.epoch, tick.pair.prev.number, tick.pair.next.number, tick.pair.blend, {}};
-    for (std::size_t k = 0; k < trails_.size(); ++k) {
-        const Contact& contact = tick.contacts[k];
-        moment_->fingers.push_back({contact.goal, contact.proxy, tick.sent(k), contact.touching, {}});
-    }
-    return {};
-}
-
-std::vector<FingerMark> TouchPicture::fingers_on(const HeightField& field) const {
-    const FieldProbe probe(field);
-    std::vector<FingerMark> fingers = moment_->fingers;
-    for (std::size_t k = 0; k < fingers.size(); ++k) {
-        const std::deque<Place>& trail = trails_[k];
-        for (std::size_t at = trail.empty() ? 0 : (trail.size() - 1) % trail_step; at < trail.size();
-             at += trail_step)
-            if (const auto depth = probe.depth_under(trail[at].x, trail[at].y))
-                fingers[k].trail.push_back(probe.unproject(trail[at].x, trail[at].y, *depth));
-    }
-    return fingers;
-}
-
-Result<void> TouchPicture::finish(const TouchSetup& setup, bool cut_short) {
-    if (!moment_ || !(reached_ || cut_short))
-        return usage_error("--picture: the run ended before " + std::to_string(tick_) +
-                           " ms, the moment to draw; --picture-at says another");
-    const StopScope drawing = StopScope::after_stop();  // the run may have been stopped by the user
-    TRY_ASSIGN(auto reader, setup.options.clip.open());
-    // If the GPU built the frames, it builds and draws them; otherwise build whole frames on the CPU.
-    const bool on_gpu = setup.feed->builder_name() == "vulkan";
-    TRY_ASSIGN(const auto builder, make_builder(on_gpu ? setup.options.builder : BuilderChoice{}, setup.scene,
-                                                *setup.options.gpu));
-    const std::int64_t first = first_read(setup, moment_->epoch, moment_->frame_prev);
-    TRY(reader->seek(first));
-    FrameAgain prev, next;
-    const auto is_part = [&](std::int64_t number) {
-        return setup.scene.filter.temporal && !setup.feed->has_dropped(moment_->epoch, number);
-    };
-    TRY(read_frame(*reader, *builder, moment_->frame_prev, is_part, prev));
-    const bool between = moment_->frame_next != moment_->frame_prev;
-    if (between) TRY(read_frame(*reader, *builder, moment_->frame_next, is_part, next));
-
-    FramePair pair;
-    pair.prev = {moment_->frame_prev, 0, &prev.surface};
-    pair.next = {moment_->frame_next, 0, between ? &next.surface : &prev.surface};
-    pair.blend = moment_->blend;
-    const HeightField field(setup.scene, pair);
-    const RawFrame& nearer = field.blend() >= 0.5 ? next.raw : prev.raw;
-    TRY(order_.deliver(field, pair, nearer.colour, fingers_on(field)));
-    const std::string gpu = order_.painter->gpu_name();
-    line_ = "picture: " + one_line(order_.file->target().string()) + " by the " +
-            std::string(order_.painter->name()) + " painter" + (gpu.empty() ? "" : " on " + gpu) +
-            formatted("; 1 N is %g units long\n",
-                      mark_sizes(setup.scene, subject_of(field).middle).length_per_newton);
-    return {};
-}
-
-Result<std::unique_ptr<TouchOutputs>> TouchOutputs::open(const TouchOptions& options, const TouchSetup& setup,
-                                                         std::optional<std::int64_t> ticks) {
-    TRY(check_picture_moment(options, setup, ticks));
-    if (options.record && is_standard_output(*options.record))
-        return usage_error("--record -: a recording does not go to standard output; give it a file's name");
-    TRY(check_outputs(outputs_of(options, setup), inputs_of(options, setup)));
-    std::unique_ptr<TouchOutputs> out(new TouchOutputs(options));
-    const Pace pace = setup.options.live && !options.replay ? Pace::wall_clock : Pace::own;
-    if (options.forces)
-        TRY(assign(out->forces_,
-                   TickTable::create_forces(*options.forces, options.existing, pace, "--forces")));
-    out->only_forces_ = options.forces && !options.device_log && !options.record && !options.json &&
-                        !options.picture.file && !options.replay && !options.strict && !setup.options.control;
-    if (options.device_log) {
-        if (!setup.device_log)
-            return usage_error("--device-log is of a --device that you hold; --forces has what a hand does");
-        TRY_ASSIGN(out->device_log_, TickTable::create_device_log(*options.device_log, options.existing,
-                                                                  *setup.device_log, "--device-log"));
-    }
-    if (options.record)
-        TRY(assign(out->record_, RecordingFile::create(*options.record, setup.options.fingers,
-                                                       options.existing, pace, "--record")));
-    if (options.record && setup.film) {
-        out->film_ = setup.film;
-        TRY(setup.film->open(film_beside(*options.record), options.existing));
-    }
-    if (options.json)
-        TRY(assign(out->json_, OutputFile::create("--json", *options.json, options.existing, pace)));
-    TRY_ASSIGN(auto order,
-               order_picture(options.picture, options.existing, setup.options.builder, *setup.options.gpu));
-    if (order)
-        out->picture_.emplace(std::move(*order),
-                              options.picture_tick.value_or(usual_picture_tick(setup, ticks)));
-    return out;
-}
-
-std::vector<TouchSink*> TouchOutputs::sinks() {
-    std::vector<TouchSink*> sinks;
-    if (forces_) sinks.push_back(forces_.get());
-    if (device_log_) sinks.push_back(device_log_.get());
-    if (record_) sinks.push_back(record_.get());
-    if (picture_) sinks.push_back(&*picture_);
-    return sinks;
-}
-
-std::string TouchOutputs::name_of(const TouchSink* sink) const {
-    if (sink == forces_.get()) return forces_->name();
-    if (sink == device_log_.get()) return device_log_->name();
-    return sink == record_.get() ? record_->name() : "";
-}
-
-const SurfacePainter* TouchOutputs::painter() const {
-    return picture_ ? &picture_->painter() : nullptr;
-}
-
-Result<void> TouchOutputs::end_part(const TouchSetup& setup) {
-    if (!picture_ || is_drawn_ || !picture_->is_reached()) return {};
-    is_drawn_ = true;
-    return picture_->finish(setup, false);
-}
-
-std::vector<std::string> TouchOutputs::new_faults() {
-    std::vector<std::string> faults;
-    for (const OutputSink* const file :
-         std::initializer_list<const OutputSink*>{forces_.get(), device_log_.get(), record_.get()})
-        if (const auto fault = file ? file->fault() : std::nullopt; fault && told_.insert(file).second)
-            faults.push_back(fault->message);
-    if (const auto fault = film_ ? film_->fault() : std::nullopt; fault && told_.insert(film_.get()).second)
-        faults.push_back("the film of --record: " + fault->message);
-    return faults;
-}
-
-Result<void> TouchOutputs::finish_record(const std::string& force_hash, const TouchSetup& setup) {
-    if (setup.film) {
-        TRY(setup.film->finish());
-        if (const auto fault = setup.film->fault()) record_->end_with_frame(setup.film->last_frame(), *fault);
-    }
-    nlohmann::ordered_json facts = recorded_facts(setup);
-    facts["force_hash"] = force_hash;
-    return record_->finish(facts, setup.options.playback);
-}
-
-Result<void> TouchOutputs::finish(const nlohmann::ordered_json& report, const std::string& force_hash,
-                                  const TouchSetup& setup) {
-    std::vector<Result<void>> done;
-    const auto keep = [&](Result<void> finished, const std::filesystem::path& file) {
-        if (!written_) written_.emplace();
-        if (finished && !is_standard_output(file)) written_->push_back(file.string());
-        done.push_back(std::move(finished));
-    };
-    if (forces_) keep(forces_->finish(), *options_.forces);
-    if (device_log_) keep(device_log_->finish(), *options_.device_log);
-    if (record_) keep(finish_record(force_hash, setup), *options_.record);
-    if (json_) keep(write_report(report, *json_), *options_.json);
-    if (picture_)
-        keep(is_drawn_ ? Result<void>() : picture_->finish(setup, report.value("interrupted", false)),
-             *options_.picture.file);
-    return all_ok(done);
-}
 
 Result<void> run_touch(const TouchOptions& options) {
     TouchOptions run = options;

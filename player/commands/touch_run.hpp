@@ -1,9 +1,6 @@
 #pragma once
 
-#include <deque>
-#include <glm/vec2.hpp>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
@@ -49,85 +46,5 @@ struct TouchOptions {
 /// that names tick and finger. A live run ended by the user is complete and returns an error that states its
 /// length.
 Result<void> run_touch(const TouchOptions& options);
-
-/// `touch --picture`: stores the fingers at a moment of the run and their trails just before; after the run,
-/// reads that moment's frames again and draws them.
-class TouchPicture final : public TouchSink {
-public:
-    /// `tick`: the moment; if ticks are skipped, the first tick not before it.
-    TouchPicture(PictureOrder order, std::int64_t tick) : order_(std::move(order)), tick_(tick) {}
-    Result<void> consume(const TouchTick& tick) override;
-    bool is_reached() const { return reached_; }  ///< whether the moment was reached
-    const SurfacePainter& painter() const { return *order_.painter; }
-    /// Draws the moment. If the run ended before it: draws the last tick if `cut_short`,
-    /// otherwise refused (ErrorKind::usage).
-    Result<void> finish(const TouchSetup& setup, bool cut_short);
-    /// A line about the picture; empty before `finish`.
-    const std::string& line() const { return line_; }
-
-private:
-    using Place = glm::dvec2;  // proxy in the image, pixels
-    struct Moment {
-        std::uint64_t epoch = 0;
-        std::int64_t frame_prev = 0, frame_next = 0;
-        double blend = 0;
-        std::vector<FingerMark> fingers;  // trails are still empty
-    };
-    std::vector<FingerMark> fingers_on(const HeightField& field) const;
-
-    PictureOrder order_;
-    std::int64_t tick_;
-    std::vector<std::deque<Place>> trails_;  // per finger, since its last contact began
-    std::optional<Moment> moment_;           // the newest tick, until the moment
-    bool reached_ = false;
-    std::string line_;
-};
-
-/// The requested files of a run: opened before it, so that unwritable places are reported at once, and named
-/// after it, so that a failed run leaves none. A full disk ends neither the run nor the other files.
-class TouchOutputs {
-public:
-    /// Refuses files that are also inputs or named twice, existing files that may not be replaced, and a
-    /// picture of a moment beyond the run's end, if its length is known. `ticks`: length of all parts, if
-    /// known. `options` must outlive this.
-    static Result<std::unique_ptr<TouchOutputs>> open(const TouchOptions& options, const TouchSetup& setup,
-                                                      std::optional<std::int64_t> ticks);
-
-    /// The outputs that take every tick.
-    std::vector<TouchSink*> sinks();
-    /// The file of a sink, for messages: "--forces f.csv"; empty: writes none during the run.
-    std::string name_of(const TouchSink* sink) const;
-    /// The picture's painter; nullptr: no picture.
-    const SurfacePainter* painter() const;
-    /// After a part that is not the last: draws the picture if its moment was in the part.
-    Result<void> end_part(const TouchSetup& setup);
-    /// Whether the run has no more use: its only output is a pipe that its reader has closed.
-    bool are_unread() const { return only_forces_ && forces_->is_unread(); }
-    /// Faults of outputs since the last call; each is reported once.
-    std::vector<std::string> new_faults();
-    /// After the run's last part, that of `setup`: completes every file even if others fail. An error names
-    /// the incomplete ones.
-    Result<void> finish(const nlohmann::ordered_json& report, const std::string& force_hash,
-                        const TouchSetup& setup);
-    /// The files completed by `finish`, without standard output; nothing: none requested.
-    const std::optional<std::vector<std::string>>& written() const { return written_; }
-    /// A remark to print after the table; may be empty.
-    std::string remark() const { return picture_ ? picture_->line() : std::string(); }
-
-private:
-    explicit TouchOutputs(const TouchOptions& options) : options_(options) {}
-    Result<void> finish_record(const std::string& force_hash, const TouchSetup& setup);
-
-    const TouchOptions& options_;
-    std::optional<std::vector<std::string>> written_;
-    std::unique_ptr<TickTable> forces_, device_log_;
-    std::unique_ptr<RecordingFile> record_;
-    std::unique_ptr<OutputFile> json_;
-    std::optional<TouchPicture> picture_;
-    bool only_forces_ = false;             // nothing else is written, checked or felt
-    bool is_drawn_ = false;                // the picture is drawn
-    std::shared_ptr<CameraCapture> film_;  // beside the recording
-    std::set<const void*> told_;           // outputs whose fault was reported
-};
 
 }  // namespace touchable

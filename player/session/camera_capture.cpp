@@ -123,14 +123,10 @@ class KeptCamera final : public ReaderAround {
 public:
     KeptCamera(std::unique_ptr<ClipReader> camera, std::shared_ptr<CameraCapture> film)
         : ReaderAround(std::move(camera)), film_(std::move(film)) {}
-    Result<std::optional<RawFrame>> next() override {
-        auto frame = inner().next();
-        if (!frame || !*frame) return frame;
-        TRY(film_->keep(**frame));
-        return frame;
-    }
 
 private:
+    Result<void> change(RawFrame& frame) override { return film_->keep(frame); }
+
     std::shared_ptr<CameraCapture> film_;
 };
 

@@ -61,6 +61,27 @@ std::optional<std::string> read_words(const std::vector<std::string>& words, Pla
     return in_quotes(verb) + " is no command; it must be " + all_words;
 }
 
+/// The settings that may have given these commands.
+Hints settings_of(const std::vector<PlaybackCommand>& commands) {
+    Hints settings;
+    const auto add = [&settings](Setting::Name setting) {
+        for (const Hint& known : settings)
+            if (known.setting == setting) return;
+        settings.push_back({setting});
+    };
+    for (const PlaybackCommand& command : commands) {
+        const auto begins_loop = [&](const PlaybackCommand& loop) {
+            return loop.tick == 0 && loop.verb == PlaybackVerb::loop && loop.first == command.first;
+        };
+        const bool is_first = command.tick == 0;
+        if (is_first && command.verb == PlaybackVerb::seek && std::ranges::any_of(commands, begins_loop))
+            continue;
+        const auto* const spelling = std::ranges::find(spellings, command.verb, &Spelling::verb);
+        add(is_first && spelling != spellings.end() ? spelling->setting : Setting::playback);
+    }
+    return settings;
+}
+
 // N s/m. Above this, damping throws the hand on a light device back within a tick instead of slowing it down.
 constexpr double most_damping = 100;
 
@@ -368,26 +389,6 @@ Result<std::vector<PlaybackCommand>> read_playback(const std::filesystem::path& 
     Error refused = text.error();
     refused.hints = {{Setting::playback}};
     return refused;
-}
-
-Hints settings_of(const std::vector<PlaybackCommand>& commands) {
-    Hints settings;
-    const auto add = [&settings](Setting::Name setting) {
-        for (const Hint& known : settings)
-            if (known.setting == setting) return;
-        settings.push_back({setting});
-    };
-    for (const PlaybackCommand& command : commands) {
-        const auto begins_loop = [&](const PlaybackCommand& loop) {
-            return loop.tick == 0 && loop.verb == PlaybackVerb::loop && loop.first == command.first;
-        };
-        const bool is_first = command.tick == 0;
-        if (is_first && command.verb == PlaybackVerb::seek && std::ranges::any_of(commands, begins_loop))
-            continue;
-        const auto* const spelling = std::ranges::find(spellings, command.verb, &Spelling::verb);
-        add(is_first && spelling != spellings.end() ? spelling->setting : Setting::playback);
-    }
-    return settings;
 }
 
 std::string in_words(const std::vector<PlaybackCommand>& commands) {

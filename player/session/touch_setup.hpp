@@ -122,8 +122,6 @@ Result<std::vector<PlaybackCommand>> parse_playback(std::string_view text, const
 /// As parse_playback, from a file.
 Result<std::vector<PlaybackCommand>> read_playback(const std::filesystem::path& file);
 
-/// The settings that may have given these commands.
-Hints settings_of(const std::vector<PlaybackCommand>& commands);
 /// The commands as parse_playback's lines, joined by ", ".
 std::string in_words(const std::vector<PlaybackCommand>& commands);
 
