@@ -219,29 +219,26 @@ std::string force_words(const Json& report) {
            limited_words(report);
 }
 
-/// Empty: no force was held back.
-std::string held_back_words(const Json& report) {
-    if (report["held_back_ticks"] == 0) return "";
-    return formatted(
-        "%.3f s of contact with no force or a part of it: forces were off, or the finger had not been free "
-        "since",
-        1e-3 * report["held_back_ticks"].get<double>());
-}
-
-/// Empty: no finger waited.
-std::string waiting_words(const Json& report) {
-    if (report["waiting_ticks"] == 0) return "";
-    return counted(report["waiting_ticks"].get<std::int64_t>(), "tick") +
-           " without force, for a finger that had not been free of the surface; --start-buried pushes "
-           "it out";
-}
-
-/// Empty: the surface was never stale.
-std::string stale_words(const Json& report) {
-    if (report["stale_ticks"] == 0) return "";
-    return formatted(
-        "%.3f s without force, or with a part of it: the surface was too old, because no newer frame came",
-        1e-3 * report["stale_ticks"].get<double>());
+/// Why fingers in contact had less than the surface's force: a line's label and its words. Empty: they had
+/// it.
+std::vector<std::pair<const char*, std::string>> missing_force(const Json& report) {
+    std::vector<std::pair<const char*, std::string>> lines;
+    if (report["held_back_ticks"] != 0)
+        lines.emplace_back("held back",
+                           formatted("%.3f s of contact with no force or a part of it: forces were off, or "
+                                     "the finger had not been free since",
+                                     1e-3 * report["held_back_ticks"].get<double>()));
+    if (report["waiting_ticks"] != 0)
+        lines.emplace_back("began inside",
+                           counted(report["waiting_ticks"].get<std::int64_t>(), "tick") +
+                               " without force, for a finger that had not been free of the surface; "
+                               "--start-buried pushes it out");
+    if (report["stale_ticks"] != 0)
+        lines.emplace_back("old surface",
+                           formatted("%.3f s without force, or with a part of it: the surface was too old, "
+                                     "because no newer frame came",
+                                     1e-3 * report["stale_ticks"].get<double>()));
+    return lines;
 }
 
 /// Number of guesses about the clip. Empty: none.
@@ -267,19 +264,16 @@ std::string fingers_in_words(const Json& report) {
 /// Result of the run's checks.
 std::string verdict_words(const Json& report) {
     std::string faults;
+    const auto add = [&](const std::string& words) { faults += (faults.empty() ? "" : "; ") + words; };
     const auto count = [&](const char* name, const char* words) {
-        if (report[name] == 0) return;
-        faults += (faults.empty() ? "" : "; ") + counted(report[name].get<std::int64_t>(), "tick") + words;
+        if (report[name] != 0) add(counted(report[name].get<std::int64_t>(), "tick") + words);
     };
     count("nonfinite_ticks", " without a finite force");
     count("proxy_behind_mesh_ticks", " with a finger behind the surface");
     count("capped_ticks", " that met more edges than a tick can follow");
     count("late_ticks", " late by 1 ms or more");
-    const std::string forceless =
-        report.value("device_exerts_force", true) ? "" : "the device exerts no force";
-    for (const std::string& words :
-         {forceless, held_back_words(report), waiting_words(report), stale_words(report)})
-        if (!words.empty()) faults += (faults.empty() ? "" : "; ") + words;
+    if (!report.value("device_exerts_force", true)) add("the device exerts no force");
+    for (const auto& [label, words] : missing_force(report)) add(words);
     return faults.empty() ? "sound: every force is finite, and no finger got behind the surface" : faults;
 }
 
@@ -381,8 +375,8 @@ std::string report_to_text(const Json& r) {
     auto line = [&text](const char* name, const std::string& value) { text += labelled(name, value); };
     auto number = [](double value, const char* format) { return formatted(format, value); };
     auto count = [&r](const char* name, const char* one = nullptr) {
-        const auto number = r[name].get<std::int64_t>();
-        return one ? counted(number, one) : std::to_string(number);
+        const auto amount = r[name].get<std::int64_t>();
+        return one ? counted(amount, one) : std::to_string(amount);
     };
     auto spread = [&](const Json& s) {
         return number(s["mean"], "%.3g mean") + number(s["p50"], ", %.3g median") +
@@ -418,9 +412,7 @@ std::string report_to_text(const Json& r) {
     if (!was_never_there(r))
         line("guard", count("guarded_ticks", "tick") + " changed by it" +
                           (r.value("placeless_ticks", 0) > 0 ? ", those without a position among them" : ""));
-    if (const auto words = held_back_words(r); !words.empty()) line("held back", words);
-    if (const auto words = waiting_words(r); !words.empty()) line("began inside", words);
-    if (const auto words = stale_words(r); !words.empty()) line("old surface", words);
+    for (const auto& [label, words] : missing_force(r)) line(label, words);
     const auto& limited = r["stiffness_limited"];
     line("stiffness", number(limited["largest_n_mm"], "%.3g N/mm at most in the clip; limited in ") +
                           counted(limited["ticks"].get<std::int64_t>(), "tick"));
