@@ -259,61 +259,50 @@ private:
     }
 
     Result<FieldValue> value(FieldType type, NodeSlot slot, int depth) {
-        switch (type) {
-            case FieldType::boolean:
-                return FieldValue(bits_.flag());
-            case FieldType::integer:
-                return FieldValue(static_cast<std::int32_t>(bits_.get(32)));
-            case FieldType::time: {
-                const auto seconds = std::bit_cast<double>(bits_.get(64));
-                if (!std::isfinite(seconds)) return wrong("a time that is no number");
-                return FieldValue(seconds);
+        FieldValue made = zero_of(type);
+        const auto read = [&](auto& each) -> Result<void> {
+            using T = std::decay_t<decltype(each)>;
+            if constexpr (std::is_same_v<T, bool>) {
+                each = bits_.flag();
+            } else if constexpr (std::is_same_v<T, std::int32_t>) {
+                each = static_cast<std::int32_t>(bits_.get(32));
+            } else if constexpr (std::is_same_v<T, double>) {
+                each = std::bit_cast<double>(bits_.get(64));
+                if (!std::isfinite(each)) return wrong("a time that is no number");
+            } else if constexpr (std::is_same_v<T, float>) {
+                TRY(assign(each, real()));
+            } else if constexpr (std::is_same_v<T, std::string>) {
+                TRY(assign(each, string()));
+            } else if constexpr (std::is_same_v<T, NodePtr>) {
+                TRY(assign(each, node(slot, depth)));
+            } else if constexpr (std::is_same_v<T, Url>) {
+                TRY(assign(each, url()));
+            } else {
+                for (float& number : each) TRY(assign(number, real()));
             }
-            case FieldType::real: {
-                TRY_ASSIGN(const auto read, real());
-                return FieldValue(read);
-            }
-            case FieldType::vec2:
-                return reals<2>();
-            case FieldType::vec3:
-            case FieldType::colour:
-                return reals<3>();
-            case FieldType::rotation:
-                return reals<4>();
-            case FieldType::string: {
-                TRY_ASSIGN(auto text, string());
-                return FieldValue(std::move(text));
-            }
-            case FieldType::node: {
-                TRY_ASSIGN(auto made, node(slot, depth));
-                return FieldValue(std::move(made));
-            }
-            case FieldType::url:
-                break;
-        }
+            return {};
+        };
+        TRY(std::visit(read, made));
+        return made;
+    }
+
+    Result<Url> url() {
         Url made;
         if (bits_.flag()) {
             made.object = static_cast<std::uint16_t>(bits_.get(10));
             if (made.object == 0) return wrong("an object descriptor of number 0: must be 1 to 1023");
-            return FieldValue(std::move(made));
+            return made;
         }
         TRY_ASSIGN(auto text, string());
-        auto url = url_of(std::move(text));
-        if (!url) return wrong("the number of an object descriptor in a URL: must be 1 to 1023");
-        return FieldValue(std::move(*url));
+        auto read = url_of(std::move(text));
+        if (!read) return wrong("the number of an object descriptor in a URL: must be 1 to 1023");
+        return std::move(*read);
     }
 
     Result<float> real() {
         const auto value = std::bit_cast<float>(static_cast<std::uint32_t>(bits_.get(32)));
         if (!std::isfinite(value)) return wrong("a number that is none");
         return value;
-    }
-
-    template <std::size_t n>
-    Result<FieldValue> reals() {
-        std::array<float, n> all{};
-        for (float& each : all) TRY(assign(each, real()));
-        return FieldValue(all);
     }
 
     BitReader bits_;
@@ -350,34 +339,6 @@ std::vector<const Node*> named_nodes(const SceneTree& scene) {
     return found;
 }
 
-/// The value of a field of an EXTERNPROTO, which states none.
-FieldValue zero_of(FieldType type) {
-    switch (type) {
-        case FieldType::boolean:
-            return false;
-        case FieldType::real:
-            return 0.0F;
-        case FieldType::time:
-            return 0.0;
-        case FieldType::string:
-            return std::string();
-        case FieldType::integer:
-            return std::int32_t{0};
-        case FieldType::vec2:
-            return std::array<float, 2>{};
-        case FieldType::vec3:
-        case FieldType::colour:
-            return std::array<float, 3>{};
-        case FieldType::rotation:
-            return std::array<float, 4>{};
-        case FieldType::node:
-            return NodePtr();
-        case FieldType::url:
-            break;
-    }
-    return Url();
-}
-
 class SceneEncoder {
 public:
     SceneEncoder(const SceneTree& scene, const BifsConfig& config) : scene_(scene), config_(config) {
@@ -405,6 +366,7 @@ private:
             bits_.put(static_cast<std::uint64_t>(spec.event), 2);
             bits_.put(static_cast<std::uint64_t>(spec.kind.type) + (spec.kind.is_list ? 32 : 0), 6);
             name(spec.name);
+            // A field of an EXTERNPROTO states no value.
             const bool is_said = spec.kind.is_list || !spec.initial.empty();
             const std::vector<FieldValue> initial =
                 is_said ? spec.initial : std::vector{zero_of(spec.kind.type)};

@@ -89,19 +89,30 @@ const std::vector<NodeType>& types() {
     return all;
 }
 
-constexpr std::array<std::pair<FieldType, std::array<std::string_view, 2>>, 11> kind_names{{
-    {FieldType::boolean, {"SFBool", "MFBool"}},
-    {FieldType::real, {"SFFloat", "MFFloat"}},
-    {FieldType::time, {"SFTime", "MFTime"}},
-    {FieldType::string, {"SFString", "MFString"}},
-    {FieldType::integer, {"SFInt32", "MFInt32"}},
-    {FieldType::vec3, {"SFVec3f", "MFVec3f"}},
-    {FieldType::vec2, {"SFVec2f", "MFVec2f"}},
-    {FieldType::colour, {"SFColor", "MFColor"}},
-    {FieldType::rotation, {"SFRotation", "MFRotation"}},
-    {FieldType::node, {"SFNode", "MFNode"}},
-    {FieldType::url, {"SFURL", "MFURL"}},
-}};
+/// A type of field: its names, for one value and for a list, and its zero.
+struct TypeFacts {
+    FieldType type;
+    std::array<std::string_view, 2> names;
+    FieldValue zero;
+};
+
+const std::vector<TypeFacts>& type_facts() {
+    using enum FieldType;
+    static const std::vector<TypeFacts> all{
+        {boolean, {"SFBool", "MFBool"}, false},
+        {real, {"SFFloat", "MFFloat"}, 0.0F},
+        {time, {"SFTime", "MFTime"}, 0.0},
+        {string, {"SFString", "MFString"}, std::string()},
+        {integer, {"SFInt32", "MFInt32"}, std::int32_t{0}},
+        {vec3, {"SFVec3f", "MFVec3f"}, std::array<float, 3>{}},
+        {vec2, {"SFVec2f", "MFVec2f"}, std::array<float, 2>{}},
+        {colour, {"SFColor", "MFColor"}, std::array<float, 3>{}},
+        {rotation, {"SFRotation", "MFRotation"}, std::array<float, 4>{}},
+        {node, {"SFNode", "MFNode"}, NodePtr()},
+        {url, {"SFURL", "MFURL"}, Url()},
+    };
+    return all;
+}
 
 }  // namespace
 
@@ -206,16 +217,22 @@ void name_by_fields(Prototype& prototype) {
 }
 
 std::string_view kind_name(FieldKind kind) {
-    for (const auto& [type, names] : kind_names)
-        if (type == kind.type) return names[kind.is_list ? 1 : 0];
+    for (const TypeFacts& each : type_facts())
+        if (each.type == kind.type) return each.names[kind.is_list ? 1 : 0];
     return "?";
 }
 
 std::optional<FieldKind> kind_named(std::string_view name) {
-    for (const auto& [type, names] : kind_names)
+    for (const TypeFacts& each : type_facts())
         for (const bool is_list : {false, true})
-            if (names[is_list ? 1 : 0] == name) return FieldKind{type, is_list};
+            if (each.names[is_list ? 1 : 0] == name) return FieldKind{each.type, is_list};
     return std::nullopt;
+}
+
+FieldValue zero_of(FieldType type) {
+    for (const TypeFacts& each : type_facts())
+        if (each.type == type) return each.zero;
+    return {};
 }
 
 }  // namespace touchable::mpeg4

@@ -169,5 +169,7 @@ void name_by_fields(Prototype& prototype);
 /// "SFFloat", "MFURL".
 std::string_view kind_name(FieldKind kind);
 std::optional<FieldKind> kind_named(std::string_view name);
+/// False, 0, an empty text, NULL: a value that a reader fills in, or that stands where a field states none.
+FieldValue zero_of(FieldType type);
 
 }  // namespace touchable::mpeg4

@@ -269,51 +269,38 @@ private:
     }
 
     Result<FieldValue> value(FieldType type, int depth) {
-        switch (type) {
-            case FieldType::node: {
-                TRY_ASSIGN(auto made, node(depth));
-                return FieldValue(std::move(made));
-            }
-            case FieldType::url:
-                return url();
-            case FieldType::boolean: {
-                const bool is_true = token_.is("TRUE") || token_.is("true");
-                if (!is_true && !token_.is("FALSE") && !token_.is("false"))
+        FieldValue made = zero_of(type);
+        const auto read = [&](auto& each) -> Result<void> {
+            using T = std::decay_t<decltype(each)>;
+            if constexpr (std::is_same_v<T, bool>) {
+                each = token_.is("TRUE") || token_.is("true");
+                if (!each && !token_.is("FALSE") && !token_.is("false"))
                     return wrong(found() + ": must be TRUE or FALSE");
-                TRY(advance());
-                return FieldValue(is_true);
-            }
-            case FieldType::string: {
+                return advance();
+            } else if constexpr (std::is_same_v<T, std::string>) {
                 if (token_.kind != Token::Kind::quoted)
                     return wrong(found() + ": must be a string in quotes");
-                FieldValue text(std::move(token_.text));
-                TRY(advance());
-                return text;
-            }
-            case FieldType::time: {
-                TRY_ASSIGN(const auto seconds, number<double>());
-                return FieldValue(seconds);
-            }
-            case FieldType::integer: {
+                each = std::move(token_.text);
+                return advance();
+            } else if constexpr (std::is_same_v<T, std::int32_t>) {
                 const auto whole = parsed_as<std::int32_t>(token_.text);
                 if (token_.kind != Token::Kind::word || !whole)
                     return wrong(found() + ": must be a whole number");
-                TRY(advance());
-                return FieldValue(*whole);
+                each = *whole;
+                return advance();
+            } else if constexpr (std::is_arithmetic_v<T>) {
+                return assign(each, number<T>());
+            } else if constexpr (std::is_same_v<T, NodePtr>) {
+                return assign(each, node(depth));
+            } else if constexpr (std::is_same_v<T, Url>) {
+                return assign(each, url());
+            } else {
+                for (float& number_in : each) TRY(assign(number_in, number<float>()));
+                return {};
             }
-            case FieldType::real: {
-                TRY_ASSIGN(const auto read, number<float>());
-                return FieldValue(read);
-            }
-            case FieldType::vec2:
-                return numbers<2>();
-            case FieldType::vec3:
-            case FieldType::colour:
-                return numbers<3>();
-            case FieldType::rotation:
-                return numbers<4>();
-        }
-        return wrong("a field of this type");
+        };
+        TRY(std::visit(read, made));
+        return made;
     }
 
     template <class T>
@@ -325,22 +312,15 @@ private:
         return *value;
     }
 
-    template <std::size_t n>
-    Result<FieldValue> numbers() {
-        std::array<float, n> all{};
-        for (float& each : all) TRY(assign(each, number<float>()));
-        return FieldValue(all);
-    }
-
     /// A file in quotes, or the number of an object descriptor: 10, "od:10".
-    Result<FieldValue> url() {
+    Result<Url> url() {
         const bool is_quoted = token_.kind == Token::Kind::quoted;
         auto made = is_quoted ? url_of(token_.text) : url_of("od:" + token_.text);
         if (!made)
             return wrong(found() +
                          ": must be a file in quotes, or the number of an object descriptor, 1 to 1023");
         TRY(advance());
-        return FieldValue(std::move(*made));
+        return std::move(*made);
     }
 
     Tokens tokens_;
