@@ -1,5 +1,4 @@
 // Clips in MP4: a track of H.264 for each plane, and the MPEG-4 scene, or fragments with tags alone.
-#include <algorithm>
 #include <array>
 
 #include "engine/base/files.hpp"
@@ -12,28 +11,9 @@
 namespace touchable {
 namespace {
 
-/// Ordinary players show the first track.
-constexpr PlaneRole track_order[] = {PlaneRole::colour, PlaneRole::depth, PlaneRole::haptic,
-                                     PlaneRole::height};
-
 /// Object numbers in the MPEG-4 scene, by PlaneRole.
 constexpr std::array<std::uint16_t, all_roles.size()> objects{mpeg4::depth_object, mpeg4::colour_object,
                                                               mpeg4::haptic_object, mpeg4::height_object};
-
-struct Mp4Track {
-    PlaneRole role;
-    PlanePart part = PlanePart::whole;
-    int low_bits = 0;  // of a sample that is in two parts
-    std::unique_ptr<TrackEncoder> encoder{};
-    std::vector<std::uint8_t> bytes{};  // of the newest picture of a part
-    std::string name() const {
-        return std::string(role_name(role)) + (part == PlanePart::low ? low_track_suffix : "");
-    }
-};
-
-PlaneView part_of(const PlaneView& plane, Mp4Track& track) {
-    return part_of(plane, track.part, track.low_bits, track.bytes);
-}
 
 /// Longest fragment, ns, unless a frame is longer.
 constexpr std::int64_t fragment_ns = 500'000'000;
@@ -50,35 +30,24 @@ private:
         if (tracks_.empty()) TRY(open_tracks(frame));
         TRY(write_sound(time_ms(frame.number)));
         choose_access_point();
-        for (std::size_t k = 0; k < tracks_.size(); ++k)
-            TRY(encode(k, part_of(plane_of(frame, tracks_[k].role), tracks_[k])));
+        for (std::size_t k = 0; k < tracks_.size(); ++k) TRY(encode(k, tracks_[k].of(frame)));
         return {};
     }
 
     Result<void> amend() override { return storage_.fragmented ? Result<void>() : add_scene(); }
-    /// Tracks with low bits come last: the scene does not name them.
+    /// The scene does not name tracks of low bits, which come last.
     Result<void> open_tracks(const RawFrame& first) {
-        for (const PlanePart part : {PlanePart::high, PlanePart::low}) {
-            for (const PlaneRole role : track_order) {
-                const PlaneView& plane = plane_of(first, role);
-                const bool is_wide = plane.bytes_per_sample == 2;
-                if (plane.empty() || (part == PlanePart::low && !is_wide)) continue;
-                const int bits = role == PlaneRole::depth ? scene_.depth_bits
-                                                          : std::max(8, height_bits(scene_.height_coding));
-                Mp4Track track{role, is_wide ? part : PlanePart::whole, is_wide ? bits - 8 : 0};
-                TRY(open_track(std::move(track), plane));
-            }
-        }
+        for (PartTrack& track : part_tracks(first, scene_)) TRY(open_track(std::move(track), first));
         if (!storage_.fragmented) TRY(make_scene_stream());
         return begin_file();
     }
 
-    Result<void> open_track(Mp4Track track, const PlaneView& first) {
+    Result<void> open_track(PartTrack track, const RawFrame& first) {
         const bool is_seen = track.role == PlaneRole::colour && !storage_.exact_colour;
         const TrackCoding coding = is_seen                             ? TrackCoding::h264_visual
                                    : storage_.archive == Archive::fast ? TrackCoding::h264_quick
                                                                        : TrackCoding::h264_thrifty;
-        TRY_ASSIGN(track.encoder, TrackEncoder::open(track.role, coding, part_of(first, track), scene_));
+        TRY_ASSIGN(track.encoder, TrackEncoder::open(track.role, coding, track.of(first), scene_));
         AVStream* const stream = avformat_new_stream(muxer_.get(), nullptr);
         if (!stream) return refuse("out of memory");
         TRY(track.encoder->describe(*stream->codecpar));
@@ -199,7 +168,7 @@ private:
         return {};
     }
 
-    std::vector<Mp4Track> tracks_;   // track k is stream k, and has number k + 1
+    std::vector<PartTrack> tracks_;  // track k is stream k, and has number k + 1
     std::int64_t access_point_ = 0;  // the newest frame that decoding can begin with
     mpeg4::SceneStream scene_stream_;
     std::unique_ptr<ReadAlong> reader_;  // of colour as stored; null: not requested

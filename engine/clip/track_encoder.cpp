@@ -1,4 +1,5 @@
 // Planes into packets: samples laid out as each codec takes them.
+#include <algorithm>
 #include <cstring>
 
 #include "engine/base/try.hpp"
@@ -178,21 +179,42 @@ Result<std::unique_ptr<TrackEncoder>> TrackEncoder::open(PlaneRole role, TrackCo
     return encoder;
 }
 
-PlaneView part_of(const PlaneView& plane, PlanePart part, int low_bits, std::vector<std::uint8_t>& memory) {
+std::string PartTrack::name() const {
+    return std::string(role_name(role)) + (part == PlanePart::low ? low_track_suffix : "");
+}
+
+PlaneView PartTrack::of(const RawFrame& frame) {
+    const PlaneView& plane = plane_of(frame, role);
     if (part == PlanePart::whole) return plane;
     const auto width = static_cast<std::size_t>(plane.width);
-    memory.resize(width * static_cast<std::size_t>(plane.height));
+    bytes.resize(width * static_cast<std::size_t>(plane.height));
+    const int low_bits = bits - 8;
     const unsigned low = (1U << low_bits) - 1;
     for (int y = 0; y < plane.height; ++y) {
         const std::uint8_t* from = plane.row(y);
-        std::uint8_t* to = memory.data() + width * static_cast<std::size_t>(y);
+        std::uint8_t* to = bytes.data() + width * static_cast<std::size_t>(y);
         for (std::size_t x = 0; x < width; ++x) {
             std::uint16_t sample;
             std::memcpy(&sample, from + 2 * x, 2);
             to[x] = static_cast<std::uint8_t>(part == PlanePart::high ? sample >> low_bits : sample & low);
         }
     }
-    return {memory.data(), plane.width, plane.width, plane.height, 1, 1};
+    return {bytes.data(), plane.width, plane.width, plane.height, 1, 1};
+}
+
+std::vector<PartTrack> part_tracks(const RawFrame& first, const Scene& scene) {
+    std::vector<PartTrack> tracks;
+    for (const PlanePart part : {PlanePart::high, PlanePart::low})
+        for (const PlaneRole role :
+             {PlaneRole::colour, PlaneRole::depth, PlaneRole::haptic, PlaneRole::height}) {
+            const PlaneView& plane = plane_of(first, role);
+            const bool is_wide = plane.bytes_per_sample == 2;
+            if (plane.empty() || (part == PlanePart::low && !is_wide)) continue;
+            const int bits =
+                role == PlaneRole::depth ? scene.depth_bits : std::max(8, height_bits(scene.height_coding));
+            tracks.push_back({role, is_wide ? part : PlanePart::whole, is_wide ? bits : 8});
+        }
+    return tracks;
 }
 
 }  // namespace touchable

@@ -141,9 +141,21 @@ public:
 /// Two-byte samples go into one-byte codecs as two planes: the high eight bits, and the bits below them.
 enum class PlanePart { whole, high, low };
 
-/// The plane of this part of each sample, in `memory` unless it is the plane itself; `low_bits`: bits of a
-/// two-byte sample that are in the low part.
-PlaneView part_of(const PlaneView& plane, PlanePart part, int low_bits, std::vector<std::uint8_t>& memory);
+/// A track of a plane for a one-byte codec.
+struct PartTrack {
+    PlaneRole role;
+    PlanePart part;
+    int bits;  ///< of the plane's samples; 8 if the part is whole
+    std::unique_ptr<TrackEncoder> encoder{};
+    std::vector<std::uint8_t> bytes{};  ///< of the newest picture of a part
+    /// "depth", "depth_low".
+    std::string name() const;
+    /// What the track has of a frame: in `bytes`, unless it is the plane itself.
+    PlaneView of(const RawFrame& frame);
+};
+/// The tracks of a frame's planes, without encoders. Colour comes first, which ordinary players show, and low
+/// parts last.
+std::vector<PartTrack> part_tracks(const RawFrame& first, const Scene& scene);
 
 // Into Matroska, a file or a stream, before the muxer's header is written; errors if memory runs out.
 

@@ -96,9 +96,6 @@ std::optional<PictureMessage> read_message(std::string_view text) {
 
 // --- Helpers of the encoder
 
-constexpr PlaneRole labelled_order[] = {PlaneRole::colour, PlaneRole::depth, PlaneRole::haptic,
-                                        PlaneRole::height};
-
 /// Frames with individual times are sent with their mean rate: each picture states when it was taken.
 std::string sent_scene(const SceneDescription& described) {
     SceneDescription said = said_of_clip(described);
@@ -212,46 +209,29 @@ bool is_sound(const ReadSei& sei, const PlaneView& samples) {
 
 // --- LabelledEncoder
 
-Result<void> LabelledEncoder::add_track(Track track, const RawFrame& first, const Scene& scene,
-                                        TrackCoding coding) {
-    const PlaneView& plane = plane_of(first, track.role);
-    track.form = plane;
-    TRY_ASSIGN(track.encoder,
-               TrackEncoder::open(track.role, coding, part_of(plane, track.part, track.bits - 8, track.bytes),
-                                  scene));
-    tracks_.push_back(std::move(track));
-    return {};
-}
-
 Result<LabelledEncoder> LabelledEncoder::open(const RawFrame& first, const SceneDescription& described,
                                               TrackCoding touch, TrackCoding colour) {
     silence_ffmpeg();
     LabelledEncoder made;
     made.scene_sei_ = sei_of_scene(sent_scene(described));
-    const Scene& scene = described.scene;
-    for (const PlanePart part : {PlanePart::high, PlanePart::low})
-        for (const PlaneRole role : labelled_order) {
-            const PlaneView& plane = plane_of(first, role);
-            const bool is_wide = plane.bytes_per_sample == 2;
-            if (plane.empty() || (part == PlanePart::low && !is_wide)) continue;
-            const int bits =
-                role == PlaneRole::depth ? scene.depth_bits : std::max(8, height_bits(scene.height_coding));
-            Track track{role, is_wide ? part : PlanePart::whole, is_wide ? bits : 8};
-            const TrackCoding coding = role == PlaneRole::colour ? colour : touch;
-            TRY(made.add_track(std::move(track), first, scene, coding));
-        }
+    made.form_ = first;
+    made.form_.storage = made.form_.filled = nullptr;
+    made.tracks_ = part_tracks(first, described.scene);
+    for (PartTrack& track : made.tracks_) {
+        const TrackCoding coding = track.role == PlaneRole::colour ? colour : touch;
+        TRY_ASSIGN(track.encoder, TrackEncoder::open(track.role, coding, track.of(first), described.scene));
+    }
     return made;
 }
 
 Result<std::vector<PacketPtr>> LabelledEncoder::encode(const RawFrame& frame, const PictureLabel& label,
                                                        bool is_key) {
     std::vector<PacketPtr> packets;
-    for (Track& track : tracks_) {
-        const PlaneView& plane = plane_of(frame, track.role);
-        if (!fits(plane, track.form))
+    for (PartTrack& track : tracks_) {
+        if (!fits(plane_of(frame, track.role), plane_of(form_, track.role)))
             return input_error("frame " + std::to_string(frame.number) + ": its plane " +
                                std::string(role_name(track.role)) + " is not like that of the first frame");
-        const PlaneView part = part_of(plane, track.part, track.bits - 8, track.bytes);
+        const PlaneView part = track.of(frame);
         std::vector<std::string> messages{sei_of({track.role, track.part, track.bits, label}, part)};
         if (is_key && is_begin_of_plane(track.role, track.part)) messages.push_back(scene_sei_);
         TRY_ASSIGN(auto packet, track.encoder->encode(part, is_key, messages));

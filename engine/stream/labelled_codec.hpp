@@ -68,10 +68,7 @@ public:
     /// Number of tracks, in this order: colour first, which ordinary players show; low parts last.
     std::size_t tracks() const { return tracks_.size(); }
     /// "depth", "depth_low": for tools that show names.
-    std::string name(std::size_t track) const {
-        const Track& named = tracks_[track];
-        return std::string(role_name(named.role)) + (named.part == PlanePart::low ? low_track_suffix : "");
-    }
+    std::string name(std::size_t track) const { return tracks_[track].name(); }
     /// Stores in a container how a track is encoded.
     Result<void> describe(std::size_t track, AVCodecParameters& stored) const {
         return tracks_[track].encoder->describe(stored);
@@ -82,18 +79,10 @@ public:
     Result<std::vector<PacketPtr>> encode(const RawFrame& frame, const PictureLabel& label, bool is_key);
 
 private:
-    struct Track {
-        PlaneRole role;
-        PlanePart part;
-        int bits;  // of the plane's samples
-        std::unique_ptr<TrackEncoder> encoder{};
-        PlaneView form{};                   // of the plane; without samples
-        std::vector<std::uint8_t> bytes{};  // of the newest picture of a part
-    };
     LabelledEncoder() = default;
-    Result<void> add_track(Track track, const RawFrame& first, const Scene& scene, TrackCoding coding);
 
-    std::vector<Track> tracks_;
+    std::vector<PartTrack> tracks_;
+    RawFrame form_;  // the first frame, for its planes' sizes: their samples are gone
     std::string scene_sei_;
 };
 
