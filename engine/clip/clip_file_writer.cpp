@@ -46,7 +46,14 @@ Result<void> MuxedClipWriter::check_status(int status) const {
     return refuse("cannot be written: " + ffmpeg_text(status));
 }
 
+Result<std::unique_ptr<ClipWriter>> MuxedClipWriter::opened(std::unique_ptr<MuxedClipWriter> writer,
+                                                            const std::optional<SoundPart>& sound) {
+    TRY(writer->open(sound));
+    return writer;
+}
+
 Result<void> MuxedClipWriter::open(const std::optional<SoundPart>& sound) {
+    TRY(check_storable(output_.target(), described_));
     silence_ffmpeg();
     if (sound) TRY(assign(sound_, StoredSound::open(*sound)));
     TRY(output_.check());
@@ -60,12 +67,6 @@ Result<void> MuxedClipWriter::open(const std::optional<SoundPart>& sound) {
                       avcodec_get_name(sound_->codec().codec_id));
     status = room_.open(output_.path(), *muxer_);
     return status < 0 ? refuse("cannot be written: " + ffmpeg_text(status)) : Result<void>{};
-}
-
-SceneDescription MuxedClipWriter::to_be_said() const {
-    SceneDescription described(scene_);
-    described.unstated = unstated_;
-    return said_of_clip(described);
 }
 
 Result<void> MuxedClipWriter::add_sound_stream() {

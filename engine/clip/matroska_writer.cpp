@@ -334,7 +334,8 @@ private:
     }
 
     Result<void> attach_scene() {
-        TRY(attach_text(*muxer_, clip_tags::scene_file, "application/json", scene_to_json(to_be_said())));
+        TRY(attach_text(*muxer_, clip_tags::scene_file, "application/json",
+                        scene_to_json(said_of_clip(described_))));
         if (scene_.path)
             TRY(attach_text(*muxer_, clip_tags::poses_file, "text/plain",
                             timed_poses_text(*scene_.path, scene_.rate, scene_.metres_per_unit)));
@@ -356,7 +357,8 @@ Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& pat
     if (storage.fragmented)
         return usage_error(path.string() +
                            ": only MP4 is written in fragments: must be a name that ends in .mp4");
-    return MuxedClipWriter::create<MatroskaWriter>(path, described, storage, existing, sound);
+    return MuxedClipWriter::opened(std::make_unique<MatroskaWriter>(path, described, storage, existing),
+                                   sound);
 }
 
 }  // namespace touchable

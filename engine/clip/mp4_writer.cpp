@@ -102,7 +102,7 @@ private:
     Result<void> tag_scene() {
         add_clip_tags(*muxer_, scene_.rate, storage_.fragmented ? clip_format_version : mp4_format_version);
         AVDictionary*& tags = muxer_->metadata;
-        av_dict_set(&tags, mp4_scene_tag, scene_to_json(to_be_said()).c_str(), 0);
+        av_dict_set(&tags, mp4_scene_tag, scene_to_json(said_of_clip(described_)).c_str(), 0);
         if (scene_.rate.own_times)
             av_dict_set(&tags, mp4_times_tag, frame_times_text(scene_.rate).c_str(), 0);
         if (scene_.path)
@@ -180,7 +180,7 @@ Result<std::unique_ptr<ClipWriter>> create_mp4_clip(const std::filesystem::path&
                                                     const SceneDescription& described,
                                                     const ClipStorage& storage, Existing existing,
                                                     const std::optional<SoundPart>& sound) {
-    return MuxedClipWriter::create<Mp4Writer>(path, described, storage, existing, sound);
+    return MuxedClipWriter::opened(std::make_unique<Mp4Writer>(path, described, storage, existing), sound);
 }
 
 }  // namespace touchable

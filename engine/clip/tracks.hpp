@@ -433,18 +433,10 @@ class MuxedClipWriter : public ClipWriter {
 public:
     using Muxer = std::unique_ptr<AVFormatContext, ReleasedBy<avformat_free_context>>;
 
-    /// Creates and opens a derived writer. Refused: a scene that cannot be stored, and sound that the
-    /// container cannot hold.
-    template <class Writer>
-    static Result<std::unique_ptr<ClipWriter>> create(const std::filesystem::path& path,
-                                                      const SceneDescription& described,
-                                                      const ClipStorage& storage, Existing existing,
-                                                      const std::optional<SoundPart>& sound) {
-        if (auto storable = check_storable(path, described); !storable) return storable.error();
-        auto writer = std::make_unique<Writer>(path, described, storage, existing);
-        if (auto opened = writer->open(sound); !opened) return opened.error();
-        return writer;
-    }
+    /// Opens a writer just made. Refused: a scene that cannot be stored, and sound that the container cannot
+    /// hold.
+    static Result<std::unique_ptr<ClipWriter>> opened(std::unique_ptr<MuxedClipWriter> writer,
+                                                      const std::optional<SoundPart>& sound);
 
     Result<void> write(const RawFrame& frame) final { return keep(write_frame(frame)); }
     bool is_full() const final { return room_.is_full(); }
@@ -455,11 +447,7 @@ protected:
     /// `format`: the container, as FFmpeg calls it.
     MuxedClipWriter(const std::filesystem::path& path, const SceneDescription& described,
                     const ClipStorage& storage, Existing existing, const char* format)
-        : scene_(described.scene),
-          unstated_(described.unstated),
-          storage_(storage),
-          output_(path, existing),
-          format_(format) {}
+        : described_(described), storage_(storage), output_(path, existing), format_(format) {}
 
     /// Writes a frame that FrameCheck has passed.
     virtual Result<void> add(const RawFrame& frame) = 0;
@@ -473,8 +461,6 @@ protected:
     }
     /// An error if FFmpeg's status is one, or the file could not be written.
     Result<void> check_status(int status) const;
-    /// The scene as stored in the clip (said_of_clip).
-    SceneDescription to_be_said() const;
     /// Adds the stream after those of the pictures, if there is sound.
     Result<void> add_sound_stream();
     Result<void> write_header(AVDictionary* options = nullptr);
@@ -485,8 +471,8 @@ protected:
     /// When a frame is shown, to the nearest millisecond.
     std::int64_t time_ms(std::int64_t frame) const;
 
-    const Scene scene_;
-    const SceneDescription::Unstated unstated_;
+    const SceneDescription described_;
+    const Scene& scene_ = described_.scene;
     const ClipStorage storage_;
     FrameCheck check_;
     NewFile output_;

@@ -185,10 +185,8 @@ Result<std::optional<LeRobotDepth>> read_description(const fs::path& file, const
 
 class LeRobotWriter final : public MuxedClipWriter {
 public:
-    LeRobotWriter(const fs::path& path, const SceneDescription& described, const ClipStorage& storage,
-                  Existing existing)
-        : MuxedClipWriter(path, described, storage, existing, "mp4"),
-          info_(lerobot_info_file(path), existing) {}
+    LeRobotWriter(const fs::path& path, const Scene& scene, Existing existing)
+        : MuxedClipWriter(path, scene, {}, existing, "mp4"), info_(lerobot_info_file(path), existing) {}
     Result<void> finish() override {
         TRY(info_.write(description()));
         TRY(MuxedClipWriter::finish());
@@ -396,7 +394,7 @@ fs::path lerobot_info_file(const fs::path& video) {
 
 Result<std::unique_ptr<ClipWriter>> create_lerobot_video(const fs::path& path, const Scene& scene,
                                                          Existing existing) {
-    return MuxedClipWriter::create<LeRobotWriter>(path, scene, {}, existing, {});
+    return MuxedClipWriter::opened(std::make_unique<LeRobotWriter>(path, scene, existing), {});
 }
 
 }  // namespace touchable
