@@ -131,8 +131,7 @@ Result<void> DrivenDevice::take_hold() {
     auto held = answer_of(name_, [this] { return driver_->connect(); });
     const auto packet = held && settings_.watchdog ? driver_->zero_force_packet() : std::nullopt;
     if (packet && !kept_) {
-        TRY_ASSIGN(auto kept, SafetyWatchdog::keep(settings_.watchdog));
-        kept_.emplace(std::move(kept));
+        TRY_ASSIGN(kept_, SafetyWatchdog::keep(settings_.watchdog));
     }
     if (packet) held = kept_->set_packet(*packet);
     if (!held) return held;

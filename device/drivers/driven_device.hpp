@@ -172,7 +172,7 @@ private:
     bool held_ = false;  // false: the hardware is looked for
     std::int64_t gone_ns_ = 0, looked_ns_ = 0;
     Error lost_why_;  // while the hardware is looked for
-    std::optional<SafetyWatchdog::Kept> kept_;
+    std::unique_ptr<SafetyWatchdog::Kept> kept_;
     // Haptic thread only.
     std::uint32_t buttons_ = 0;
     std::int64_t received_ns_ = 0;

@@ -300,7 +300,7 @@ Result<void> SafetyWatchdog::health() const {
         "; there is no force without it: start the program again");
 }
 
-Result<SafetyWatchdog::Kept> SafetyWatchdog::keep(std::shared_ptr<SafetyWatchdog> watchdog) {
+Result<std::unique_ptr<SafetyWatchdog::Kept>> SafetyWatchdog::keep(std::shared_ptr<SafetyWatchdog> watchdog) {
     const std::lock_guard lock(watchdog->mutex_);
     const auto free = std::ranges::find(watchdog->taken_, false);
     if (free == std::end(watchdog->taken_))
@@ -308,7 +308,7 @@ Result<SafetyWatchdog::Kept> SafetyWatchdog::keep(std::shared_ptr<SafetyWatchdog
                             " devices can be used at a time");
     *free = true;
     const auto place = static_cast<std::size_t>(free - std::begin(watchdog->taken_));
-    return Kept(std::move(watchdog), place);
+    return std::unique_ptr<Kept>(new Kept(std::move(watchdog), place));
 }
 
 /// Waits for the answer to an order; late answers to earlier ones are skipped.
@@ -361,16 +361,7 @@ Result<void> SafetyWatchdog::give_order(std::size_t place, const ZeroForcePacket
                         std::to_string(process_) + ") does not answer");
 }
 
-SafetyWatchdog::Kept& SafetyWatchdog::Kept::operator=(Kept&& other) noexcept {
-    std::swap(watchdog_, other.watchdog_);
-    std::swap(place_, other.place_);
-    std::swap(silences_, other.silences_);
-    std::swap(watch_, other.watch_);
-    return *this;
-}
-
 SafetyWatchdog::Kept::~Kept() {
-    if (!watchdog_) return;
     if (!watchdog_->give_order(place_, nullptr)) return;
     const std::lock_guard lock(watchdog_->mutex_);
     watchdog_->taken_[place_] = false;

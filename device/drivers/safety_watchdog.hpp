@@ -95,14 +95,8 @@ public:
     Result<void> health() const;
 
     /// A device that the process looks after, until this is destroyed.
-    class Kept {
+    class Kept : NonCopyable {
     public:
-        Kept(Kept&& other) noexcept
-            : watchdog_(std::move(other.watchdog_)),
-              place_(other.place_),
-              silences_(other.silences_),
-              watch_(other.watch_) {}
-        Kept& operator=(Kept&& other) noexcept;
         ~Kept();
         /// Sets what to send, and to which descriptor. To be set again for hardware that came back: its new
         /// descriptor may have the old one's number. No beat is expected until the first one comes.
@@ -119,13 +113,13 @@ public:
         friend class SafetyWatchdog;
         Kept(std::shared_ptr<SafetyWatchdog> watchdog, std::size_t place)
             : watchdog_(std::move(watchdog)), place_(place) {}
-        std::shared_ptr<SafetyWatchdog> watchdog_;
-        std::size_t place_ = 0;
+        const std::shared_ptr<SafetyWatchdog> watchdog_;
+        const std::size_t place_;
         std::uint32_t silences_ = 0;  // count that is known
         WatchdogMonitor watch_;
     };
     /// Error (device): `most_devices` are already kept.
-    static Result<Kept> keep(std::shared_ptr<SafetyWatchdog> watchdog);
+    static Result<std::unique_ptr<Kept>> keep(std::shared_ptr<SafetyWatchdog> watchdog);
 
 private:
     SafetyWatchdog(int socket, pid_t process, WatchdogHeartbeats& hearts)

@@ -246,8 +246,8 @@ TEST(ZeroForcePacket, ReachesDeviceAfterReplug) {
         auto watchdog = SafetyWatchdog::start();
         if (!watchdog) _exit(1);
         auto kept = SafetyWatchdog::keep(*watchdog);
-        if (!kept || !kept->set_packet(word)) _exit(1);
-        if (dup2(found[1], lost[1]) < 0 || !kept->set_packet(word)) _exit(1);
+        if (!kept || !(*kept)->set_packet(word)) _exit(1);
+        if (dup2(found[1], lost[1]) < 0 || !(*kept)->set_packet(word)) _exit(1);
         _exit(0);
     }
     close(lost[1]);

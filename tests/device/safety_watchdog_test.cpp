@@ -60,7 +60,7 @@ std::string zero_force_packet_of_one_that(End&& ends) {
         auto watchdog = SafetyWatchdog::start();
         if (!watchdog) _exit(1);
         auto kept = SafetyWatchdog::keep(*watchdog);
-        if (!kept || !kept->set_packet({device[1], bytes_of("zero"), {}})) _exit(1);
+        if (!kept || !(*kept)->set_packet({device[1], bytes_of("zero"), {}})) _exit(1);
         for (int force = 0; force < 100; ++force)
             if (::send(device[1], "force", 5, 0) != 5) _exit(1);
         ends(*kept);
@@ -101,18 +101,18 @@ TEST(SafetyWatchdog, SendsZeroAfterImmediateExit) {
 }
 
 TEST(SafetyWatchdog, IgnoresReleasedDevice) {
-    EXPECT_EQ(zero_force_packet_of_one_that([](SafetyWatchdog::Kept& kept) {
-                  { const SafetyWatchdog::Kept let_go(std::move(kept)); }
+    EXPECT_EQ(zero_force_packet_of_one_that([](auto& kept) {
+                  kept.reset();
                   raise(SIGKILL);
               }),
               "force");
 }
 
 TEST(SafetyWatchdog, KeepsNewestPacket) {
-    EXPECT_EQ(zero_force_packet_of_one_that([](SafetyWatchdog::Kept& kept) {
+    EXPECT_EQ(zero_force_packet_of_one_that([](auto& kept) {
                   int other[2];
                   if (socketpair(AF_UNIX, SOCK_SEQPACKET, 0, other) != 0) _exit(1);
-                  if (!kept.set_packet({other[1], bytes_of("other"), {}})) _exit(1);
+                  if (!kept->set_packet({other[1], bytes_of("other"), {}})) _exit(1);
                   ::close(other[1]);
                   raise(SIGKILL);
               }),
@@ -125,14 +125,14 @@ TEST(SafetyWatchdog, RejectsLongPacket) {
     ASSERT_TRUE(watchdog);
     auto kept = SafetyWatchdog::keep(*watchdog);
     ASSERT_TRUE(kept);
-    EXPECT_FALSE(kept->set_packet({0, std::vector<std::byte>(SafetyWatchdog::most_bytes + 1), {}}));
+    EXPECT_FALSE((*kept)->set_packet({0, std::vector<std::byte>(SafetyWatchdog::most_bytes + 1), {}}));
 }
 
 TEST(SafetyWatchdog, LimitsDevicesAndReusesSlots) {
     auto watchdog = SafetyWatchdog::start();
     ASSERT_TRUE(watchdog);
     for (int again = 0; again < 3; ++again) {
-        std::vector<SafetyWatchdog::Kept> kept;
+        std::vector<std::unique_ptr<SafetyWatchdog::Kept>> kept;
         for (int device = 0; device < SafetyWatchdog::most_devices; ++device) {
             auto one = SafetyWatchdog::keep(*watchdog);
             ASSERT_TRUE(one) << device;
@@ -344,9 +344,9 @@ TEST(ReplugWatchdog, SendsToLastOpenedDevice) {
         auto kept = SafetyWatchdog::keep(*watchdog);
         if (!kept) _exit(1);
         const ZeroForcePacket word{old_device[1], {std::byte{'0'}}, {}};
-        if (!kept->set_packet(word)) _exit(1);
+        if (!(*kept)->set_packet(word)) _exit(1);
         dup2(new_device[1], old_device[1]);
-        _exit(kept->set_packet(word) ? 0 : 1);
+        _exit((*kept)->set_packet(word) ? 0 : 1);
     }
     for (const int theirs : {old_device[1], new_device[1]}) close(theirs);
     EXPECT_EQ(heard_at(new_device[0]), "0");
@@ -443,20 +443,20 @@ private:
     [[noreturn]] static void live(int device, int told, Way way, int beside) {
         auto watchdog = SafetyWatchdog::start();
         if (!watchdog) _exit(1);
-        std::optional<SafetyWatchdog::Kept> other;  // which is spoken to first
+        std::unique_ptr<SafetyWatchdog::Kept> other;  // which is spoken to first
         if (beside >= 0) {
             auto also_kept = SafetyWatchdog::keep(*watchdog);
-            if (!also_kept || !also_kept->set_packet({beside, word("last"), {}, {}})) _exit(1);
-            other.emplace(std::move(*also_kept));
+            if (!also_kept || !(*also_kept)->set_packet({beside, word("last"), {}, {}})) _exit(1);
+            other = std::move(*also_kept);
         }
         auto kept = SafetyWatchdog::keep(*watchdog);
-        if (!kept || !kept->set_packet({device, word("last"), {}, word("meanwhile")})) _exit(1);
+        if (!kept || !(*kept)->set_packet({device, word("last"), {}, word("meanwhile")})) _exit(1);
         // Opened again, the other has the higher descriptor.
         if (other && !other->set_packet({beside, word("last"), {}, {}})) _exit(1);
         const pid_t guardian = (*watchdog)->process();
         if (write(told, &guardian, sizeof guardian) != sizeof guardian) _exit(1);
         for (int force = 0;; ++force) {
-            const auto beat = kept->beat();
+            const auto beat = (*kept)->beat();
             if (!beat || (other && !other->beat())) _exit(2);
             ::send(device, *beat ? "force" : "anew", *beat ? 5 : 4, 0);
             if (way == Way::aborts && force == 100) std::abort();
@@ -578,10 +578,10 @@ TEST(WatchdogProcess, SurvivesTerminationSignals) {
     ASSERT_TRUE(watchdog);
     auto kept = SafetyWatchdog::keep(*watchdog);
     ASSERT_TRUE(kept);
-    ASSERT_TRUE(kept->set_packet({0, word("zero"), {}, {}})) << "it has begun";
+    ASSERT_TRUE((*kept)->set_packet({0, word("zero"), {}, {}})) << "it has begun";
     for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGPIPE}) {
         kill((*watchdog)->process(), signal);
-        EXPECT_TRUE(kept->set_packet({0, word("zero"), {}, {}})) << signal;
+        EXPECT_TRUE((*kept)->set_packet({0, word("zero"), {}, {}})) << signal;
     }
     EXPECT_TRUE((*watchdog)->health());
 }
@@ -600,10 +600,10 @@ TEST(WatchdogProcess, IgnoresReplyToEarlierOrder) {
     const pid_t process = (*watchdog)->process();
     int ends[2];
     ASSERT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends), 0);
-    ASSERT_TRUE(kept->set_packet({ends[1], word("zero"), {}, {}}));
+    ASSERT_TRUE((*kept)->set_packet({ends[1], word("zero"), {}, {}}));
     ::close(ends[1]);
     kill(process, SIGSTOP);
-    EXPECT_FALSE(kept->set_packet({0, word("zero"), {}, {}}));
+    EXPECT_FALSE((*kept)->set_packet({0, word("zero"), {}, {}}));
     kill(process, SIGCONT);
     char byte = 0;
     EXPECT_EQ(recv(ends[0], &byte, 1, 0), 0) << "it obeys, and lets go of what it held";
@@ -613,9 +613,9 @@ TEST(WatchdogProcess, IgnoresReplyToEarlierOrder) {
     };
     while (!sleeps()) usleep(1000);  // it has answered
     kill(process, SIGSTOP);
-    EXPECT_FALSE(kept->set_packet({0, word("zero"), {}, {}}));
+    EXPECT_FALSE((*kept)->set_packet({0, word("zero"), {}, {}}));
     kill(process, SIGCONT);
-    EXPECT_TRUE(kept->set_packet({0, word("zero"), {}, {}})) << "it is relied on again";
+    EXPECT_TRUE((*kept)->set_packet({0, word("zero"), {}, {}})) << "it is relied on again";
     ::close(ends[0]);
 }
 
@@ -650,7 +650,7 @@ TEST(WatchdogProcess, ClosesUnneededDescriptors) {
     ASSERT_TRUE(watchdog);
     auto kept = SafetyWatchdog::keep(*watchdog);
     ASSERT_TRUE(kept);
-    ASSERT_TRUE(kept->set_packet({0, word("zero"), {}, {}})) << "it has begun";
+    ASSERT_TRUE((*kept)->set_packet({0, word("zero"), {}, {}})) << "it has begun";
     ::close(ends[1]);
     pollfd end{ends[0], POLLIN, 0};
     EXPECT_EQ(poll(&end, 1, 0), 1);
@@ -727,18 +727,18 @@ TEST(WatchdogProcess, DeathIsDetected) {
     ASSERT_TRUE(watchdog);
     auto kept = SafetyWatchdog::keep(*watchdog);
     ASSERT_TRUE(kept);
-    EXPECT_TRUE(kept->beat());
+    EXPECT_TRUE((*kept)->beat());
     kill((*watchdog)->process(), SIGKILL);
     siginfo_t ended{};
     ASSERT_EQ(waitid(P_PID, static_cast<id_t>((*watchdog)->process()), &ended, WEXITED | WNOWAIT), 0);
-    const auto beat = kept->beat();
+    const auto beat = (*kept)->beat();
     ASSERT_FALSE(beat);
     EXPECT_EQ(beat.error().kind, ErrorKind::device);
     EXPECT_NE(beat.error().message.find("(safety-watchdog, " + std::to_string((*watchdog)->process()) +
                                         ") is gone"),
               std::string::npos)
         << beat.error().message;
-    EXPECT_FALSE(kept->set_packet({0, word("zero"), {}, {}}));
+    EXPECT_FALSE((*kept)->set_packet({0, word("zero"), {}, {}}));
 }
 
 TEST(WatchdogProcess, StallIsDetected) {
@@ -746,13 +746,13 @@ TEST(WatchdogProcess, StallIsDetected) {
     ASSERT_TRUE(watchdog);
     auto kept = SafetyWatchdog::keep(*watchdog);
     ASSERT_TRUE(kept);
-    ASSERT_TRUE(kept->set_packet({0, word("zero"), {}, {}}));
+    ASSERT_TRUE((*kept)->set_packet({0, word("zero"), {}, {}}));
     kill((*watchdog)->process(), SIGSTOP);
     int beats = 0;
     Result<bool> beat = true;
     for (; beat && beats < 10'000; ++beats) {
         usleep(1000);
-        beat = kept->beat();
+        beat = (*kept)->beat();
     }
     ASSERT_FALSE(beat);
     EXPECT_EQ(beat.error().kind, ErrorKind::device);
@@ -762,8 +762,8 @@ TEST(WatchdogProcess, StallIsDetected) {
         << beat.error().message;
     EXPECT_GE(beats, 50) << "a busy machine may keep it waiting for a while";
     kill((*watchdog)->process(), SIGCONT);
-    EXPECT_FALSE(kept->beat()) << "it is not relied on again";
-    EXPECT_FALSE(kept->set_packet({0, word("zero"), {}, {}}));
+    EXPECT_FALSE((*kept)->beat()) << "it is not relied on again";
+    EXPECT_FALSE((*kept)->set_packet({0, word("zero"), {}, {}}));
 }
 
 /// The program may or may not know that it is stopped. (In a process of its own, which would hang.)
