@@ -116,15 +116,6 @@ bool is_below(const std::string& at, const std::string& device) {
     return !device.empty() && at.starts_with(device + "/");
 }
 
-/// "/dev/bus/usb/001/004"
-std::string usbfs_node(const std::string& bus, const std::string& number) {
-    const auto padded = [](const std::string& digits) {
-        return std::string(digits.size() < 3 ? 3 - digits.size() : 0, '0') + digits;
-    };
-    return bus.empty() || number.empty() ? std::string()
-                                         : "/dev/bus/usb/" + padded(bus) + "/" + padded(number);
-}
-
 /// "bcdDevice" is four digits: 0110 is release 1.10.
 std::string release_in_words(const std::string& digits) {
     if (digits.size() != 4) return {};
@@ -204,9 +195,7 @@ std::optional<ConnectedDevice> usb_device(const ConnectedSystem& system, const s
     const std::string there = system.resolved(at);
     for (const SystemNode& other : others)
         if (is_below(other.at, there)) device.nodes.push_back(other.node);
-    if (std::string node = usbfs_node(system.text(at + "/busnum"), system.text(at + "/devnum"));
-        !node.empty())
-        device.nodes.push_back(std::move(node));
+    if (std::string node = usbfs_node(system, at); !node.empty()) device.nodes.push_back(std::move(node));
     judge(system, *known, device);
     return device;
 }
@@ -322,6 +311,15 @@ std::string ConnectedSystem::resolved(const std::string& path) const {
     return "/" + whole.lexically_relative(top).string();
 }
 
+std::string usbfs_node(const ConnectedSystem& system, const std::string& at) {
+    const std::string bus = system.text(at + "/busnum"), number = system.text(at + "/devnum");
+    const auto padded = [](const std::string& digits) {
+        return std::string(digits.size() < 3 ? 3 - digits.size() : 0, '0') + digits;
+    };
+    return bus.empty() || number.empty() ? std::string()
+                                         : "/dev/bus/usb/" + padded(bus) + "/" + padded(number);
+}
+
 bool has_listener(const ConnectedSystem& system, std::uint16_t port) {
     constexpr std::size_t many_sockets = 1 << 20;
     for (const char* table : {"/proc/net/tcp", "/proc/net/tcp6"}) {
@@ -344,7 +342,7 @@ std::vector<ConnectedDevice> connected_devices(const ConnectedSystem& system) {
     std::vector<ConnectedDevice> devices;
     for (const std::string& name : system.names("/sys/bus/usb/devices"))
         if (auto device = usb_device(system, name, nodes)) devices.push_back(std::move(*device));
-    for (const HidNode& hid : hid_nodes(system.root())) {
+    for (const HidNode& hid : hid_nodes(system)) {
         const bool is_listed = std::ranges::any_of(devices, [&](const ConnectedDevice& each) {
             return std::ranges::find(each.nodes, hid.node) != each.nodes.end();
         });

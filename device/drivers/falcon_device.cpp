@@ -4,6 +4,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "device/drivers/known_devices.hpp"
 #include "device/hand.hpp"
 #include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"
@@ -396,7 +397,8 @@ Result<FalconSettings> read_falcon_settings(std::string_view keys) {
 
 Result<std::unique_ptr<DeviceDriver>> make_falcon_driver(std::string_view keys) {
     TRY_ASSIGN(auto settings, read_falcon_settings(keys));
-    auto driver = std::make_unique<FalconDriver>(std::move(settings), [] { return open_falcon(); });
+    auto driver =
+        std::make_unique<FalconDriver>(std::move(settings), [] { return open_falcon(ConnectedSystem()); });
     return driver;
 }
 

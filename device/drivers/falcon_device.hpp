@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
@@ -18,6 +17,8 @@
 #include "engine/base/result.hpp"
 
 namespace touchable {
+
+class ConnectedSystem;
 
 // ---- USB
 
@@ -60,20 +61,9 @@ public:
     virtual int usbfs() const { return -1; }
 };
 
-/// Where Linux describes USB devices, and where their nodes are.
-struct UsbFolders {
-    std::filesystem::path devices = "/sys/bus/usb/devices";
-    std::filesystem::path nodes = "/dev/bus/usb";
-};
-
-/// Node in `nodes` of the first device, by bus and number, with that vendor and product (four hexadecimal
-/// digits each); empty: none is plugged in.
-std::filesystem::path find_usb_device(const std::string& vendor, const std::string& product,
-                                      const UsbFolders& folders);
-
-/// Opens the first Novint Falcon that is plugged in, through libusb. Error (ErrorKind::device): why it cannot
-/// be used, and what would change that.
-Result<std::unique_ptr<UsbPort>> open_falcon(const UsbFolders& folders = {});
+/// Opens the first Novint Falcon that is plugged in, by bus and number, through libusb. Error
+/// (ErrorKind::device): why it cannot be used, and what would change that.
+Result<std::unique_ptr<UsbPort>> open_falcon(const ConnectedSystem& system);
 
 // ---- The serial converter in it
 

@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
-#include <fstream>
 
 #include "device/drivers/falcon_device.hpp"
 #include "device/drivers/known_devices.hpp"
@@ -21,7 +20,6 @@ namespace {
 
 // ---- The USB port
 
-namespace fs = std::filesystem;
 using std::chrono::microseconds;
 
 constexpr unsigned char endpoint_out = 0x02, endpoint_in = 0x81;
@@ -31,14 +29,6 @@ constexpr unsigned longest_transfer_ms = 50;  // not longer than HapticDevice::s
 Error usb_error(const std::string& name, const std::string& doing, int code) {
     if (code == LIBUSB_ERROR_NO_DEVICE) return device_error(name + ": was unplugged");
     return device_error(name + ": " + doing + " failed: " + libusb_strerror(code));
-}
-
-/// First word of a small file: a device's number or identity.
-std::string word_in(const fs::path& file) {
-    std::ifstream in(file);
-    std::string word;
-    in >> word;
-    return word;
 }
 
 class LibusbPort final : public UsbPort {
@@ -168,7 +158,7 @@ private:
 
 /// Opens a USB device with one interface by its node: endpoint 0x02 out, 0x81 in. A kernel driver is detached
 /// while the port is open. `name` is the device's, for messages.
-Result<std::unique_ptr<UsbPort>> open_usb_port(const fs::path& node, const std::string& name) {
+Result<std::unique_ptr<UsbPort>> open_usb_port(const std::filesystem::path& node, const std::string& name) {
     const std::string named = name + " at " + node.string();
     const int descriptor = ::open(node.c_str(), O_RDWR | O_CLOEXEC);
     if (descriptor < 0 && (errno == EACCES || errno == EPERM)) return not_permitted(named);
@@ -180,7 +170,6 @@ Result<std::unique_ptr<UsbPort>> open_usb_port(const fs::path& node, const std::
 
 // ---- Firmware
 
-using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
 // 3 MHz over 312.5, 21 and 2.
@@ -254,28 +243,18 @@ Result<void> send_and_compare(FtdiTransport& transport, std::span<const std::byt
 
 // ---- The USB port
 
-fs::path find_usb_device(const std::string& vendor, const std::string& product, const UsbFolders& folders) {
-    std::vector<fs::path> nodes;
-    std::error_code fault;
-    for (fs::directory_iterator entry(folders.devices, fault), end; !fault && entry != end;
-         entry.increment(fault)) {
-        const fs::path& device = entry->path();
-        if (word_in(device / "idVendor") != vendor || word_in(device / "idProduct") != product) continue;
-        const auto three_digits = [](const std::string& word) {
-            return std::string(3 - std::min<std::size_t>(3, word.size()), '0') + word;
-        };
-        nodes.push_back(folders.nodes / three_digits(word_in(device / "busnum")) /
-                        three_digits(word_in(device / "devnum")));
+Result<std::unique_ptr<UsbPort>> open_falcon(const ConnectedSystem& system) {
+    std::string first;
+    for (const std::string& name : system.names("/sys/bus/usb/devices")) {
+        const std::string at = "/sys/bus/usb/devices/" + name;
+        if (system.text(at + "/idVendor") != "0403" || system.text(at + "/idProduct") != "cb48") continue;
+        const std::string node = usbfs_node(system, at);
+        if (first.empty() || (!node.empty() && node < first)) first = node;
     }
-    return nodes.empty() ? fs::path() : *std::ranges::min_element(nodes);
-}
-
-Result<std::unique_ptr<UsbPort>> open_falcon(const UsbFolders& folders) {
-    const fs::path node = find_usb_device("0403", "cb48", folders);
-    if (node.empty())
+    if (first.empty())
         return device_error(
             "no Novint Falcon is plugged in (USB 0403:cb48); plug in its power, then its USB cable");
-    return open_usb_port(node, "Novint Falcon");
+    return open_usb_port(system.below(first), "Novint Falcon");
 }
 
 Result<void> FtdiTransport::purge() {

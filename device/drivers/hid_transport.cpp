@@ -8,8 +8,6 @@
 
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 
 #include "device/drivers/known_devices.hpp"
 #include "engine/base/try.hpp"
@@ -91,28 +89,16 @@ std::optional<HidNode> read_hid_uevent(std::string_view text) {
     return known ? std::optional(node) : std::nullopt;
 }
 
-std::vector<HidNode> hid_nodes(const std::filesystem::path& root) {
+std::vector<HidNode> hid_nodes(const ConnectedSystem& system) {
     std::vector<HidNode> nodes;
-    std::error_code ignored;
-    for (std::filesystem::directory_iterator each(root / "sys/class/hidraw", ignored), end; each != end;
-         each.increment(ignored)) {
-        std::ifstream in(each->path() / "device/uevent");
-        const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-        auto node = read_hid_uevent(text);
+    for (const std::string& name : system.names("/sys/class/hidraw")) {
+        auto node = read_hid_uevent(system.text("/sys/class/hidraw/" + name + "/device/uevent"));
         if (!node) continue;
-        node->node = "/dev/" + each->path().filename().string();
+        node->node = "/dev/" + name;
         nodes.push_back(std::move(*node));
     }
     std::ranges::sort(nodes, node_comes_before);
     return nodes;
-}
-
-std::optional<HidNode> find_hid_node(
-    const std::function<bool(std::uint16_t vendor, std::uint16_t product)>& is_one,
-    const std::filesystem::path& root) {
-    for (const HidNode& node : hid_nodes(root))
-        if (is_one(node.vendor, node.product)) return node;
-    return std::nullopt;
 }
 
 // ---- The transport
@@ -162,8 +148,10 @@ Result<std::unique_ptr<ReportTransport>> open_hid(const std::string& node,
                                                   const Error& none) {
     std::string at = node;
     if (at.empty()) {
-        const auto found = find_hid_node(is_one);
-        if (!found) return none;
+        const auto nodes = hid_nodes(ConnectedSystem());
+        const auto found = std::ranges::find_if(
+            nodes, [&](const HidNode& each) { return is_one(each.vendor, each.product); });
+        if (found == nodes.end()) return none;
         at = found->node;
     }
     TRY_ASSIGN(auto opened, HidTransport::open(at));

@@ -3,7 +3,6 @@
 // HID devices: their nodes in Linux, and their reports through hidapi.
 
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -16,6 +15,8 @@
 struct hid_device_;
 
 namespace touchable {
+
+class ConnectedSystem;
 
 /// Carries HID reports. A sent report begins with its number, 0 if the device does not number reports; a
 /// received report begins with its number only if the device does.
@@ -45,12 +46,8 @@ std::optional<std::uint16_t> hexadecimal_id(std::string_view text);
 /// Parses a device's `uevent` ("HID_ID=0003:0000046D:0000C626" and others); nothing: it has no id.
 std::optional<HidNode> read_hid_uevent(std::string_view text);
 
-/// All HID nodes, by their numbers. `root` is the folder that stands for "/".
-std::vector<HidNode> hid_nodes(const std::filesystem::path& root = "/");
-/// The first node whose ids `is_one` accepts; nothing: none.
-std::optional<HidNode> find_hid_node(
-    const std::function<bool(std::uint16_t vendor, std::uint16_t product)>& is_one,
-    const std::filesystem::path& root = "/");
+/// All HID nodes, by their numbers.
+std::vector<HidNode> hid_nodes(const ConnectedSystem& system);
 
 /// A hidraw node of Linux, through hidapi. A failed read or an incomplete write means that the device is
 /// gone.

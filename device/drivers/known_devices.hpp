@@ -68,7 +68,8 @@ public:
     explicit ConnectedSystem(std::filesystem::path root = "/") : root_(std::move(root)) {}
     virtual ~ConnectedSystem() = default;
 
-    const std::filesystem::path& root() const { return root_; }
+    /// Where a path is in fact, for opening it.
+    std::filesystem::path below(const std::string& path) const;
     /// Names in a folder, sorted.
     std::vector<std::string> names(const std::string& folder) const;
     bool has(const std::string& path) const;
@@ -85,12 +86,13 @@ public:
     }
 
 private:
-    std::filesystem::path below(const std::string& path) const;
     const std::filesystem::path root_;
 };
 
 /// `connected_devices` of another system.
 std::vector<ConnectedDevice> connected_devices(const ConnectedSystem& system);
+/// The usbfs node, such as "/dev/bus/usb/001/004", of a device at its path in /sys; empty: it states none.
+std::string usbfs_node(const ConnectedSystem& system, const std::string& at);
 /// Whether a program listens at a TCP port of this machine.
 bool has_listener(const ConnectedSystem& system, std::uint16_t port);
 /// Lines of `udev_rules` for devices of a vendor.

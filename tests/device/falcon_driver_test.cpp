@@ -28,6 +28,7 @@
 
 #include "device/drivers/driven_device.hpp"
 #include "device/drivers/falcon_device.hpp"
+#include "device/drivers/known_devices.hpp"
 #include "tests/device/fault_sessions.hpp"
 #include "tests/temporary_files.hpp"
 
@@ -701,46 +702,50 @@ class UsbDiscovery : public ::testing::Test {
 protected:
     void plug(const std::string& name, const std::string& vendor, const std::string& product,
               const std::string& bus, const std::string& number) {
-        const fs::path device = folders.devices / name;
+        const fs::path device = folder / "sys/bus/usb/devices" / name;
         write_file(device / "idVendor", vendor + "\n");
         write_file(device / "idProduct", product + "\n");
         write_file(device / "busnum", bus + "\n");
         write_file(device / "devnum", number + "\n");
     }
+    Result<std::unique_ptr<UsbPort>> opened() const { return open_falcon(ConnectedSystem(folder.path())); }
     TemporaryFolder folder;
-    UsbFolders folders{folder / "devices", folder / "nodes"};
 };
 
-TEST_F(UsbDiscovery, FindsFirstMatchingDevice) {
-    EXPECT_EQ(find_usb_device("0403", "cb48", folders), fs::path());
+TEST_F(UsbDiscovery, OpensFirstMatchingDevice) {
+    const auto is_refused_with = [&](const std::string& words) {
+        const auto falcon = opened();
+        return !falcon && falcon.error().message.find(words) != std::string::npos;
+    };
     plug("usb1", "1d6b", "0002", "1", "1");
     plug("1-2", "0403", "6001", "1", "3");
-    EXPECT_EQ(find_usb_device("0403", "cb48", folders), fs::path());
+    EXPECT_TRUE(is_refused_with("no Novint Falcon is plugged in"));
     plug("2-1", "0403", "cb48", "2", "4");
     plug("1-1", "0403", "cb48", "1", "12");
-    EXPECT_EQ(find_usb_device("0403", "cb48", folders), folders.nodes / "001" / "012");
-    fs::create_directories(folders.devices / "1-1:1.0");  // an interface, which has no identity of its own
-    EXPECT_EQ(find_usb_device("0403", "cb48", folders), folders.nodes / "001" / "012");
+    EXPECT_TRUE(is_refused_with("/dev/bus/usb/001/012: No such file"));
+    // An interface has no identity of its own.
+    fs::create_directories(folder / "sys/bus/usb/devices/1-1:1.0");
+    EXPECT_TRUE(is_refused_with("/dev/bus/usb/001/012: No such file"));
 }
 
 TEST_F(UsbDiscovery, ExplainsEachOpenFailure) {
-    const auto absent = open_falcon(folders);
+    const auto absent = opened();
     ASSERT_FALSE(absent);
     EXPECT_EQ(absent.error().kind, ErrorKind::device);
     EXPECT_NE(absent.error().message.find("0403:cb48"), std::string::npos);
     plug("1-1", "0403", "cb48", "1", "2");
-    const auto no_node = open_falcon(folders);
+    const auto no_node = opened();
     ASSERT_FALSE(no_node);
     EXPECT_NE(no_node.error().message.find("001/002: No such file"), std::string::npos)
         << no_node.error().message;
-    write_file(folders.nodes / "001" / "002", "no USB device");
-    const auto no_device = open_falcon(folders);
+    write_file(folder / "dev/bus/usb/001/002", "no USB device");
+    const auto no_device = opened();
     ASSERT_FALSE(no_device);
     EXPECT_NE(no_device.error().message.find("Novint Falcon at "), std::string::npos);
     EXPECT_EQ(no_device.error().message.find('\n'), std::string::npos);
     if (geteuid() == 0) return;  // root may open anything
-    fs::permissions(folders.nodes / "001" / "002", fs::perms::none);
-    const auto forbidden = open_falcon(folders);
+    fs::permissions(folder / "dev/bus/usb/001/002", fs::perms::none);
+    const auto forbidden = opened();
     ASSERT_FALSE(forbidden);
     EXPECT_NE(forbidden.error().message.find("70-touchable.rules"), std::string::npos);
 }
