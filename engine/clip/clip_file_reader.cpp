@@ -20,10 +20,6 @@ constexpr std::size_t packets_ahead = 2;
 /// Pictures of at least this many pixels are decoded on a thread.
 constexpr std::int64_t pixels_for_thread = 50'000;
 
-std::optional<TrackDecoder::Picture> end_of_track() {
-    return {};
-}
-
 /// Decodes a track of a file ahead of its reader: large pictures on a separate thread, small ones on demand.
 /// Both ways give the same pictures and errors in the same order.
 class TrackThread : NonCopyable {
@@ -38,14 +34,7 @@ public:
           threaded_(decoder_.pixels() >= pixels_for_thread) {}
 
     /// Waits until the picture being decoded is done.
-    ~TrackThread() {
-        {
-            const std::lock_guard lock(mutex_);
-            stopping_ = true;
-        }
-        changed_.notify_all();
-        if (thread_.joinable()) thread_.join();
-    }
+    ~TrackThread() { stop_thread(mutex_, stopping_, changed_, thread_); }
 
     PlaneRole role() const { return decoder_.role(); }
     int stream() const { return stream_; }
@@ -72,7 +61,7 @@ public:
                 push(file);
             }
         }
-        return *final_ ? Outcome(end_of_track()) : Outcome(final_->error());
+        return *final_;
     }
 
     /// Leaves out the planes of later packets if that saves decoding.
@@ -177,7 +166,7 @@ private:
             if (!*decoded) break;
             give(fitted(std::move(**decoded)));
         }
-        if (!packet) give(end_of_track());
+        if (!packet) give(std::optional<TrackDecoder::Picture>());
     }
 
     void give(Outcome outcome) {
