@@ -181,11 +181,8 @@ public:
     /// ones.
     Result<std::size_t> column(std::string_view name_or_number) const;
     /// All values of a column, in order. Refuses (file, line, column) a value that is not a finite number.
-    Result<std::vector<double>> numbers(std::size_t column) const { return numbers(column, false); }
-    /// The same, but an empty field is NaN.
-    Result<std::vector<double>> numbers_where_given(std::size_t column) const {
-        return numbers(column, true);
-    }
+    /// `may_be_empty`: an empty field is NaN.
+    Result<std::vector<double>> numbers(std::size_t column, bool may_be_empty = false) const;
     /// "FILE: line N" of row `row`, for messages.
     std::string place(std::size_t row) const {
         return file_ + ": line " + std::to_string(row + (has_header_ ? 2 : 1));
@@ -194,7 +191,6 @@ public:
 
 private:
     CsvTable() = default;
-    Result<std::vector<double>> numbers(std::size_t column, bool may_be_empty) const;
     Result<void> find_lines();
     Result<void> check_fields();
     std::size_t fields_by(char separator);

@@ -27,7 +27,7 @@ Result<LogValues> log_values(const CsvTable& table) {
                                "'; a device's log has time_s, finger, x, y, z, buttons");
         TRY_ASSIGN(const auto column, table.column(log_columns[at]));
         const bool a_place = at == log_x || at == log_y || at == log_z;
-        TRY_ASSIGN(values[at], a_place ? table.numbers_where_given(column) : table.numbers(column));
+        TRY_ASSIGN(values[at], table.numbers(column, a_place));
     }
     return values;
 }

@@ -146,14 +146,14 @@ TEST(CsvTable, AllowsEmptyFieldsOnRequest) {
     const TemporaryFile file("table.csv", "a,b\n1,2\n,x\n3,4\n");
     const Result<CsvTable> table = CsvTable::read(file.path());
     ASSERT_TRUE(table) << table.error().message;
-    const Result<std::vector<double>> given = table->numbers_where_given(0);
+    const Result<std::vector<double>> given = table->numbers(0, true);
     ASSERT_TRUE(given) << given.error().message;
     ASSERT_EQ(given->size(), 3u);
     EXPECT_EQ((*given)[0], 1);
     EXPECT_TRUE(std::isnan((*given)[1]));
     EXPECT_EQ((*given)[2], 3);
     EXPECT_FALSE(table->numbers(0));
-    const Result<std::vector<double>> letter = table->numbers_where_given(1);
+    const Result<std::vector<double>> letter = table->numbers(1, true);
     ASSERT_FALSE(letter);
     EXPECT_TRUE(letter.error().message.ends_with("line 3, column 'b' holds 'x'; expected a finite number"));
 }
