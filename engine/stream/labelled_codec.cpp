@@ -1,7 +1,5 @@
 #include "engine/stream/labelled_codec.hpp"
 
-#include <charconv>
-
 #include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -18,17 +16,13 @@ constexpr std::array<std::string_view, 3> part_names{"whole", "high", "low"};
 constexpr std::string_view hash_key = " xxh64=", scene_key = "touchable_scene=1 xxh64=";
 constexpr std::size_t hash_digits = 16, longest_message = std::size_t{1} << 20;
 
-std::uint64_t hash_of(std::string_view text, const PlaneView& samples) {
+/// Has `hash_digits`.
+std::string hash_of(std::string_view text, const PlaneView& samples) {
     ByteHash hash;
     hash.add(text.data(), text.size());
     for (int y = 0; y < samples.height; ++y)
         hash.add(samples.row(y), static_cast<std::size_t>(samples.width * samples.channels));
-    return hash.value();
-}
-
-std::string hex(std::uint64_t number) {
-    static_assert(hash_digits == 16);
-    return formatted("%016llx", static_cast<unsigned long long>(number));
+    return hash.hex();
 }
 
 std::string with_uuid(const std::string& text) {
@@ -54,13 +48,6 @@ private:
     std::string_view rest_;
 };
 
-template <class Number>
-bool read_number(std::string_view digits, Number& number) {
-    const char* const end = digits.data() + digits.size();
-    const auto [last, failure] = std::from_chars(digits.data(), end, number);
-    return failure == std::errc() && last == end;
-}
-
 std::optional<PlanePart> part_named(std::string_view name) {
     const auto* const found = std::ranges::find(part_names, name);
     if (found == part_names.end()) return std::nullopt;
@@ -76,22 +63,19 @@ std::string text_of(const PictureMessage& message) {
 
 std::optional<PictureMessage> read_message(std::string_view text) {
     WordReader words(text);
-    PictureMessage message;
     if (words.value("touchable") != "1") return std::nullopt;
     const auto role = role_named(words.value("role"));
     const auto part = part_named(words.value("part"));
-    if (!role || !part || !read_number(words.value("bits"), message.bits) ||
-        !read_number(words.value("frame"), message.label.frame) ||
-        !read_number(words.value("taken_ns"), message.label.taken_ns) || !words.at_end())
-        return std::nullopt;
-    message.role = *role;
-    message.part = *part;
-    const bool can_be = *part == PlanePart::whole
-                            ? message.bits == 8
-                            : message.bits >= 8 && message.bits <= 16 &&
-                                  (*role == PlaneRole::depth || *role == PlaneRole::height);
-    if (!can_be || message.label.frame < 0 || message.label.taken_ns < 0) return std::nullopt;
-    return message;
+    const auto bits = parsed_as<int>(words.value("bits"));
+    const auto frame = parsed_as<std::int64_t>(words.value("frame"));
+    const auto taken_ns = parsed_as<std::int64_t>(words.value("taken_ns"));
+    if (!role || !part || !bits || !frame || !taken_ns || !words.at_end()) return std::nullopt;
+    const bool can_be =
+        *part == PlanePart::whole
+            ? *bits == 8
+            : *bits >= 8 && *bits <= 16 && (*role == PlaneRole::depth || *role == PlaneRole::height);
+    if (!can_be || *frame < 0 || *taken_ns < 0) return std::nullopt;
+    return PictureMessage{*role, *part, *bits, {*frame, *taken_ns}};
 }
 
 // --- Helpers of the encoder
@@ -173,11 +157,11 @@ std::optional<Plane> joined_plane(const PlaneView& high, const PlaneView& low, i
 std::string sei_of(const PictureMessage& message, const PlaneView& samples) {
     const std::string text = text_of(message);
     const bool is_exact = message.role != PlaneRole::colour;
-    return with_uuid(text + std::string(hash_key) + hex(hash_of(text, is_exact ? samples : PlaneView{})));
+    return with_uuid(text + std::string(hash_key) + hash_of(text, is_exact ? samples : PlaneView{}));
 }
 
 std::string sei_of_scene(std::string_view json) {
-    return with_uuid(std::string(scene_key) + hex(hash_of(json, {})) + " " + std::string(json));
+    return with_uuid(std::string(scene_key) + hash_of(json, {}) + " " + std::string(json));
 }
 
 std::optional<ReadSei> read_sei(std::span<const std::uint8_t> content) {
@@ -192,7 +176,7 @@ std::optional<ReadSei> read_sei(std::span<const std::uint8_t> content) {
         if (text.size() < json_at || text[json_at - 1] != ' ') return std::nullopt;
         read.hash = text.substr(scene_key.size(), hash_digits);
         read.scene = text.substr(json_at);
-        return hex(hash_of(*read.scene, {})) == read.hash ? std::optional(std::move(read)) : std::nullopt;
+        return hash_of(*read.scene, {}) == read.hash ? std::optional(std::move(read)) : std::nullopt;
     }
     const std::size_t hash_at = text.rfind(hash_key);
     if (hash_at == std::string_view::npos) return std::nullopt;
@@ -204,7 +188,7 @@ std::optional<ReadSei> read_sei(std::span<const std::uint8_t> content) {
 
 bool is_sound(const ReadSei& sei, const PlaneView& samples) {
     const bool is_exact = sei.picture->role != PlaneRole::colour;
-    return hex(hash_of(sei.hashed, is_exact ? samples : PlaneView{})) == sei.hash;
+    return hash_of(sei.hashed, is_exact ? samples : PlaneView{}) == sei.hash;
 }
 
 // --- LabelledEncoder
@@ -299,17 +283,15 @@ Result<void> LabelledDecoder::send(Track& track, const AVPacket* packet, Picture
 }
 
 Result<void> LabelledDecoder::take(Track& track, FramePtr frame, Pictures& pictures) {
+    const auto left_out = [&track](std::int64_t& cause) -> Result<void> {
+        ++cause;
+        track.is_broken = true;
+        return {};
+    };
     SaidOf said = messages_in(*frame);
-    if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0) {
-        ++faults_.undecodable;
-        track.is_broken = true;
-        return {};
-    }
-    if (!said.picture || !said.is_one) {
-        ++faults_.unlabelled;
-        track.is_broken = true;
-        return {};
-    }
+    if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0)
+        return left_out(faults_.undecodable);
+    if (!said.picture || !said.is_one) return left_out(faults_.unlabelled);
     const PictureMessage message = said.picture->picture.value();
     LabelledPicture picture{message.role, message.label, is_key_frame(*frame), {}, std::move(said.scene)};
     if (!follows(track, message, picture.is_key)) {
@@ -317,11 +299,7 @@ Result<void> LabelledDecoder::take(Track& track, FramePtr frame, Pictures& pictu
         return {};
     }
     auto plane = plane_in(track, std::move(frame), *said.picture);
-    if (!plane) {
-        ++faults_.damaged;
-        track.is_broken = true;
-        return {};
-    }
+    if (!plane) return left_out(faults_.damaged);
     picture.plane = std::move(*plane);
     if (message.part == PlanePart::whole)
         pictures.push_back(std::move(picture));

@@ -32,12 +32,12 @@ TrackCoding coding_in_stream(PlaneRole role, const PlaneView& plane) {
 
 class MatroskaStream final : public StreamMuxer {
 public:
-    MatroskaStream(const SceneDescription& described, std::optional<StreamSound> sound)
-        : described_(described), scene_(described_.scene), sound_(std::move(sound)) {}
-    Result<void> open() {
-        TRY_ASSIGN(muxer_, MemoryMuxer::open("matroska"));
-        return {};
-    }
+    MatroskaStream(const SceneDescription& described, std::optional<StreamSound> sound,
+                   std::unique_ptr<MemoryMuxer> muxer)
+        : described_(described),
+          scene_(described_.scene),
+          sound_(std::move(sound)),
+          muxer_(std::move(muxer)) {}
 
     std::span<const std::uint8_t> header() const override { return header_; }
     std::span<const std::uint8_t> padding() const override {
@@ -115,7 +115,7 @@ private:
     std::optional<StreamSound> sound_;
     int sound_stream_ = 0;
     std::vector<std::uint8_t> header_;
-    std::unique_ptr<MemoryMuxer> muxer_;
+    const std::unique_ptr<MemoryMuxer> muxer_;
 };
 
 // --- MPEG-TS
@@ -183,14 +183,13 @@ Result<std::unique_ptr<StreamMuxer>> open_matroska_stream(const SceneDescription
     TRY(check_storable("the stream", described));
     std::optional<StreamSound> opened;
     if (sound) TRY(assign(opened, StreamSound::open(*sound)));
-    auto stream = std::make_unique<MatroskaStream>(described, std::move(opened));
-    TRY(stream->open());
-    return std::unique_ptr<StreamMuxer>(std::move(stream));
+    TRY_ASSIGN(auto muxer, MemoryMuxer::open("matroska"));
+    return std::make_unique<MatroskaStream>(described, std::move(opened), std::move(muxer));
 }
 
 Result<std::unique_ptr<StreamMuxer>> make_mpegts_muxer(const SceneDescription& described) {
     TRY(check_storable("the stream", described));
-    return std::unique_ptr<StreamMuxer>(std::make_unique<MpegtsMuxer>(described));
+    return std::make_unique<MpegtsMuxer>(described);
 }
 
 }  // namespace touchable
