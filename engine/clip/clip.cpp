@@ -202,12 +202,6 @@ std::vector<Remark> remarks_of(const ClipReader& clip) {
     return remarks;
 }
 
-std::vector<std::string> clip_notes(const ClipReader& clip) {
-    std::vector<std::string> told;
-    for (const Remark& remark : remarks_of(clip)) told.push_back(remark_in_words(remark));
-    return told;
-}
-
 std::string_view role_name(PlaneRole role) {
     return role_names[static_cast<std::size_t>(role)];
 }

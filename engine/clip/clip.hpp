@@ -146,8 +146,6 @@ const std::filesystem::path& sound_file_of(const ClipReader& clip);
 
 /// All remarks for the user: what was guessed or remarked on the scene, then the reader's notes.
 std::vector<Remark> remarks_of(const ClipReader& clip);
-/// The same in words (remark_in_words).
-std::vector<std::string> clip_notes(const ClipReader& clip);
 
 /// Writes a clip frame by frame, in any form: Matroska, MP4, a folder of pictures.
 class ClipWriter {

@@ -20,6 +20,7 @@
 #include "engine/clip/clip_file.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/scene/scene.hpp"
+#include "tests/clip_notes.hpp"
 #include "tests/must.hpp"
 #include "tests/sweep.hpp"
 #include "tests/temporary_files.hpp"

@@ -13,6 +13,7 @@
 #include "engine/formats/formats_read.hpp"
 #include "engine/formats/value_evidence.hpp"
 #include "engine/scene/frames.hpp"
+#include "tests/clip_notes.hpp"
 #include "tests/picture/results.hpp"
 
 namespace touchable::test {

@@ -30,6 +30,7 @@
 #include "engine/picture/number_pictures.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
+#include "tests/clip_notes.hpp"
 #include "tests/limits.hpp"
 #include "tests/picture/results.hpp"
 #include "tests/real_data.hpp"

@@ -14,6 +14,7 @@
 #include "engine/formats/realsense_raw.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
+#include "tests/clip_notes.hpp"
 #include "tests/import/bag_bytes.hpp"
 #include "tests/import/foreign_video.hpp"
 #include "tests/limits.hpp"

@@ -10,6 +10,7 @@
 #include "engine/scene/frames.hpp"
 #include "player/commands/clip_options.hpp"
 #include "player/commands/commands.hpp"
+#include "tests/clip_notes.hpp"
 #include "tests/import/source_writer.hpp"
 #include "tests/picture/results.hpp"
 

@@ -15,6 +15,7 @@
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
+#include "tests/clip_notes.hpp"
 #include "tests/limits.hpp"
 #include "tests/picture/results.hpp"
 #include "tests/sweep.hpp"

@@ -1,0 +1,18 @@
+#pragma once
+
+// The remarks on a clip, in words.
+
+#include <string>
+#include <vector>
+
+#include "engine/clip/clip.hpp"
+
+namespace touchable::test {
+
+inline std::vector<std::string> clip_notes(const ClipReader& clip) {
+    std::vector<std::string> told;
+    for (const Remark& remark : remarks_of(clip)) told.push_back(remark_in_words(remark));
+    return told;
+}
+
+}  // namespace touchable::test
