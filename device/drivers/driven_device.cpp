@@ -2,7 +2,6 @@
 
 #include <poll.h>
 #include <sys/eventfd.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -55,8 +54,8 @@ DrivenDevice::DrivenDevice(std::unique_ptr<DeviceDriver> driver, DrivenSettings 
 
 Result<void> DrivenDevice::open() {
     close();
-    wake_ = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
-    if (wake_ < 0) return internal_error("no eventfd can be had for the " + name_);
+    wake_ = Descriptor(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC));
+    if (wake_.get() < 0) return internal_error("no eventfd can be had for the " + name_);
     stopping_ = std::stop_source();
     misuse_ = nullptr;
     latest_.write({});
@@ -67,7 +66,7 @@ Result<void> DrivenDevice::open() {
         held = start_thread(thread_, "device", "of the device", [this] { drive(); });
     if (!held) {
         driver_->disconnect();
-        ::close(std::exchange(wake_, -1));
+        wake_.reset();
         return held;
     }
     open_ = true;
@@ -77,11 +76,11 @@ Result<void> DrivenDevice::open() {
 void DrivenDevice::close() {
     open_ = false;
     stopping_.request_stop();
-    if (wake_ >= 0) wake();
+    if (wake_.get() >= 0) wake();
     if (thread_.joinable()) thread_.join();
     if (!settings_.own_thread) driver_->disconnect();
     kept_.reset();
-    if (wake_ >= 0) ::close(std::exchange(wake_, -1));
+    wake_.reset();
 }
 
 bool DrivenDevice::read_positions(std::span<glm::dvec3> device_metres) {
@@ -120,8 +119,7 @@ bool DrivenDevice::write_forces(std::span<const glm::dvec3> newtons) {
 }
 
 void DrivenDevice::wake() const {
-    const std::uint64_t one = 1;
-    [[maybe_unused]] const auto written = ::write(wake_, &one, sizeof one);
+    (void)eventfd_write(wake_.get(), 1);
 }
 
 // ---- The device's thread.
@@ -163,14 +161,14 @@ Result<void> DrivenDevice::serve() {
         TRY(send());
         return receive(slowest_bus);
     }
-    pollfd waited_for[] = {{wake_, POLLIN, 0}, {descriptor, POLLIN, 0}};
+    pollfd waited_for[] = {{wake_.get(), POLLIN, 0}, {descriptor, POLLIN, 0}};
     const timespec patience{0, settings_.own_thread ? std::chrono::nanoseconds(a_tick).count() : 0};
     ppoll(waited_for, 2, &patience, nullptr);
     if (waited_for[1].revents != 0) TRY(receive(microseconds(0)));
     const bool asked = waited_for[0].revents != 0;
     if (asked) {
-        std::uint64_t count = 0;
-        [[maybe_unused]] const auto read = ::read(wake_, &count, sizeof count);
+        eventfd_t count = 0;
+        (void)eventfd_read(wake_.get(), &count);
     }
     // A force for an older position is skipped: one for the newest position follows.
     const bool answers = asked && asked_.read().received_ns >= received_.time_ns;

@@ -13,6 +13,7 @@
 #include "device/drivers/device_driver.hpp"
 #include "device/drivers/safety_watchdog.hpp"
 #include "device/point_motion.hpp"
+#include "engine/base/files.hpp"
 
 namespace touchable {
 
@@ -147,7 +148,7 @@ private:
     const DeviceCapabilities capabilities_;
 
     std::thread thread_;
-    int wake_ = -1;  // eventfd: a new force, or the end
+    Descriptor wake_;  // eventfd: a new force, or the end
     std::stop_source stopping_;
     std::atomic<bool> open_{false}, lost_{false}, over_{false};
     std::atomic<const char*> misuse_{nullptr};

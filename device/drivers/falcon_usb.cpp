@@ -2,7 +2,6 @@
 #include <fcntl.h>
 #include <libusb.h>
 #include <sys/time.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -33,13 +32,12 @@ Error usb_error(const std::string& name, const std::string& doing, int code) {
 
 class LibusbPort final : public UsbPort {
 public:
-    LibusbPort(std::string name, int node) : name_(std::move(name)), node_(node) {}
+    LibusbPort(std::string name, Descriptor node) : name_(std::move(name)), node_(std::move(node)) {}
     ~LibusbPort() override {
         cancel_readings();
         if (claimed_) libusb_release_interface(handle_, its_interface);
         if (handle_) libusb_close(handle_);
         if (context_) libusb_exit(context_);
-        ::close(node_);
     }
 
     Result<void> hold() {
@@ -47,7 +45,7 @@ public:
         libusb_set_option(nullptr, LIBUSB_OPTION_NO_DEVICE_DISCOVERY);
         if (const int code = libusb_init(&context_); code != 0)
             return usb_error(name_, "starting libusb", code);
-        if (const int code = libusb_wrap_sys_device(context_, node_, &handle_); code != 0)
+        if (const int code = libusb_wrap_sys_device(context_, node_.get(), &handle_); code != 0)
             return usb_error(name_, "taking hold of it", code);
         libusb_set_auto_detach_kernel_driver(handle_, 1);
         const int code = libusb_claim_interface(handle_, its_interface);
@@ -110,7 +108,7 @@ public:
         return given;
     }
 
-    int usbfs() const override { return node_; }
+    int usbfs() const override { return node_.get(); }
 
 private:
     /// Two readings alternate, so that one is always waiting for the next packet.
@@ -147,7 +145,7 @@ private:
     }
 
     const std::string name_;
-    int node_;
+    const Descriptor node_;
     libusb_context* context_ = nullptr;
     libusb_device_handle* handle_ = nullptr;
     bool claimed_ = false;
@@ -160,10 +158,10 @@ private:
 /// while the port is open. `name` is the device's, for messages.
 Result<std::unique_ptr<UsbPort>> open_usb_port(const std::filesystem::path& node, const std::string& name) {
     const std::string named = name + " at " + node.string();
-    const int descriptor = ::open(node.c_str(), O_RDWR | O_CLOEXEC);
-    if (descriptor < 0 && (errno == EACCES || errno == EPERM)) return not_permitted(named);
-    if (descriptor < 0) return device_error(named + ": " + std::strerror(errno));
-    auto port = std::make_unique<LibusbPort>(named, descriptor);
+    Descriptor opened(::open(node.c_str(), O_RDWR | O_CLOEXEC));
+    if (opened.get() < 0 && (errno == EACCES || errno == EPERM)) return not_permitted(named);
+    if (opened.get() < 0) return device_error(named + ": " + std::strerror(errno));
+    auto port = std::make_unique<LibusbPort>(named, std::move(opened));
     TRY(port->hold());
     return port;
 }

@@ -4,7 +4,6 @@
 #include <hidapi.h>
 #include <linux/hidraw.h>
 #include <sys/ioctl.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -104,24 +103,19 @@ std::vector<HidNode> hid_nodes(const ConnectedSystem& system) {
 // ---- The transport
 
 Result<std::unique_ptr<HidTransport>> HidTransport::open(const std::string& node) {
-    const int spare = ::open(node.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
-    if (spare < 0) return hid_not_opened(node, errno);
+    Descriptor spare(::open(node.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC));
+    if (spare.get() < 0) return hid_not_opened(node, errno);
     // hidapi 0.13 frees memory that it does not own if a node is no HID device.
-    if (int bytes = 0; ioctl(spare, HIDIOCGRDESCSIZE, &bytes) < 0) {
-        ::close(spare);
+    if (int bytes = 0; ioctl(spare.get(), HIDIOCGRDESCSIZE, &bytes) < 0)
         return device_error(node + ": is no HID device; must be a node such as /dev/hidraw0");
-    }
     const std::lock_guard lock(hid_opening);
     if (hid_device* const device = hid_open_path(node.c_str()))
-        return std::unique_ptr<HidTransport>(new HidTransport(node, device, spare));
-    const std::string why = in_plain_letters(hid_error(nullptr));
-    ::close(spare);
-    return device_error(node + ": hidapi cannot use it (" + why + ")");
+        return std::unique_ptr<HidTransport>(new HidTransport(node, device, std::move(spare)));
+    return device_error(node + ": hidapi cannot use it (" + in_plain_letters(hid_error(nullptr)) + ")");
 }
 
 HidTransport::~HidTransport() {
     hid_close(device_);
-    ::close(spare_);
 }
 
 Error HidTransport::gone(const char* doing) const {

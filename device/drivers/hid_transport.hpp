@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "device/drivers/device_driver.hpp"
+#include "engine/base/files.hpp"
 
 struct hid_device_;
 
@@ -59,16 +60,16 @@ public:
 
     Result<void> send(std::span<const std::byte> report) override;
     Result<std::size_t> receive(std::span<std::byte> room, std::chrono::microseconds patience) override;
-    int spare_descriptor() const override { return spare_; }
+    int spare_descriptor() const override { return spare_.get(); }
 
 private:
-    HidTransport(std::string node, hid_device_* device, int spare)
-        : node_(std::move(node)), device_(device), spare_(spare) {}
+    HidTransport(std::string node, hid_device_* device, Descriptor spare)
+        : node_(std::move(node)), device_(device), spare_(std::move(spare)) {}
     Error gone(const char* doing) const;
 
     const std::string node_;
     hid_device_* const device_;
-    const int spare_;
+    const Descriptor spare_;
 };
 
 /// Opens `node` or, if empty, the first device whose ids `is_one` accepts. Error: HidTransport::open's, or

@@ -3,7 +3,6 @@
 #include <arpa/inet.h>
 #include <poll.h>
 #include <sys/socket.h>
-#include <unistd.h>
 #include <zlib.h>
 
 #include <bit>
@@ -188,12 +187,12 @@ Result<void> UdpSocket::bind(const std::string& address, std::uint16_t port) {
     const std::string where = "UDP " + address + ":" + std::to_string(port);
     auto own = read_udp_address(address);
     if (!own) return device_error(where + ": is no address in figures; use 127.0.0.1, 0.0.0.0 or ::1");
-    descriptor_ = socket(AF_INET6, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-    if (descriptor_ < 0) return socket_error(where);
+    descriptor_ = Descriptor(socket(AF_INET6, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+    if (descriptor_.get() < 0) return socket_error(where);
     const int off = 0;
-    setsockopt(descriptor_, IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);
+    setsockopt(descriptor_.get(), IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);
     own->words.sin6_port = htons(port);
-    if (::bind(descriptor_, reinterpret_cast<const sockaddr*>(&own->words), sizeof own->words) == 0)
+    if (::bind(descriptor_.get(), reinterpret_cast<const sockaddr*>(&own->words), sizeof own->words) == 0)
         return {};
     Error error = socket_error(where);
     if (errno == EADDRINUSE) {
@@ -205,14 +204,10 @@ Result<void> UdpSocket::bind(const std::string& address, std::uint16_t port) {
     return error;
 }
 
-void UdpSocket::close() {
-    if (descriptor_ >= 0) ::close(std::exchange(descriptor_, -1));
-}
-
 std::uint16_t UdpSocket::port() const {
     sockaddr_in6 own{};
     socklen_t size = sizeof own;
-    getsockname(descriptor_, reinterpret_cast<sockaddr*>(&own), &size);
+    getsockname(descriptor_.get(), reinterpret_cast<sockaddr*>(&own), &size);
     return ntohs(own.sin6_port);
 }
 
@@ -220,7 +215,7 @@ std::optional<std::size_t> UdpSocket::receive(std::span<std::byte> room, UdpAddr
     // A peer that has gone is reported once, as an error instead of a datagram: try again.
     for (int again = 0; again < 2; ++again) {
         socklen_t size = sizeof from.words;
-        const auto came = recvfrom(descriptor_, room.data(), room.size(), 0,
+        const auto came = recvfrom(descriptor_.get(), room.data(), room.size(), 0,
                                    reinterpret_cast<sockaddr*>(&from.words), &size);
         if (came >= 0) return static_cast<std::size_t>(came);
         if (errno != ECONNREFUSED && errno != EINTR) break;
@@ -229,7 +224,7 @@ std::optional<std::size_t> UdpSocket::receive(std::span<std::byte> room, UdpAddr
 }
 
 bool UdpSocket::send(std::span<const std::byte> datagram) {
-    const auto sent = ::send(descriptor_, datagram.data(), datagram.size(), MSG_NOSIGNAL);
+    const auto sent = ::send(descriptor_.get(), datagram.data(), datagram.size(), MSG_NOSIGNAL);
     return sent >= 0 || errno == EAGAIN || errno == ENOBUFS;
 }
 
@@ -237,8 +232,8 @@ Result<void> UdpSocket::settle(const std::optional<UdpAddress>& peer) {
     sockaddr any_peer{};
     any_peer.sa_family = AF_UNSPEC;
     const int settled =
-        peer ? connect(descriptor_, reinterpret_cast<const sockaddr*>(&peer->words), sizeof peer->words)
-             : connect(descriptor_, &any_peer, sizeof any_peer);
+        peer ? connect(descriptor_.get(), reinterpret_cast<const sockaddr*>(&peer->words), sizeof peer->words)
+             : connect(descriptor_.get(), &any_peer, sizeof any_peer);
     if (settled == 0) return {};
     return socket_error("UDP " + (peer ? peer->in_words() : std::string("without a peer")));
 }

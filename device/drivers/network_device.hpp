@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "device/drivers/device_driver.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
 
 namespace touchable {
@@ -100,17 +101,16 @@ public:
 /// UDP over IPv4 or IPv6.
 class UdpSocket final : public DatagramSocket {
 public:
-    ~UdpSocket() override { UdpSocket::close(); }
     Result<void> bind(const std::string& address, std::uint16_t port) override;
-    void close() override;
-    int descriptor() const override { return descriptor_; }
+    void close() override { descriptor_.reset(); }
+    int descriptor() const override { return descriptor_.get(); }
     std::uint16_t port() const override;
     std::optional<std::size_t> receive(std::span<std::byte> room, UdpAddress& from) override;
     bool send(std::span<const std::byte> datagram) override;
     Result<void> settle(const std::optional<UdpAddress>& peer) override;
 
 private:
-    int descriptor_ = -1;
+    Descriptor descriptor_;
 };
 
 // ---- The driver and its keys
