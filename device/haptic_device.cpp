@@ -8,7 +8,6 @@
 
 #include "device/force_gate.h"
 #include "device/hand.hpp"
-#include "device/point_motion.hpp"
 #include "engine/base/try.hpp"
 
 namespace touchable {
@@ -160,13 +159,6 @@ SimulatedDevice::SimulatedDevice(int fingers, DeviceLimits limits, const HandleD
     assert(fingers > 0 && limits.max_force > 0 && limits.max_stiffness > 0);
 }
 
-SimulatedDevice::SimulatedDevice(int fingers, DeviceLimits limits)
-    : SimulatedDevice(fingers, limits, standard_handle) {}
-
-SimulatedDevice::~SimulatedDevice() {
-    close();
-}
-
 bool SimulatedDevice::read_positions(std::span<glm::dvec3> device_metres) {
     if (!open_ || fault_) return false;
     assert(device_metres.size() == handles_.size());
@@ -266,9 +258,7 @@ PointerDevice::PointerDevice(int fingers, const glm::dvec3& refuge, const Pointe
     retreat();
 }
 
-PointerDevice::~PointerDevice() {
-    close();
-}
+PointerDevice::~PointerDevice() = default;
 
 int PointerDevice::fingers() const {
     return static_cast<int>(led_.size());

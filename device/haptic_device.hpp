@@ -18,13 +18,11 @@
 #include <glm/vec3.hpp>
 #include <span>
 
+#include "device/point_motion.hpp"
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"
 
 namespace touchable {
-
-class HeldHandle;
-struct HandleDynamics;
 
 /// ns of a clock that goes on while the machine is suspended (CLOCK_BOOTTIME), so that positions from before
 /// that are old afterwards. Never backward, even if the time of day is set.
@@ -118,10 +116,7 @@ std::unique_ptr<HapticDevice> make_device_group(std::vector<std::unique_ptr<Hapt
 /// code that drives devices can be tested, and a scene's stability checked, without hardware.
 class SimulatedDevice final : public HapticDevice {
 public:
-    SimulatedDevice(int fingers, DeviceLimits limits, const HandleDynamics& handle);
-    /// With a usual handle.
-    SimulatedDevice(int fingers, DeviceLimits limits);
-    ~SimulatedDevice() override;
+    SimulatedDevice(int fingers, DeviceLimits limits, const HandleDynamics& handle = {});
 
     std::string name() const override { return "simulated"; }
     DeviceLimits limits() const override { return limits_; }
