@@ -10,6 +10,14 @@ namespace {
 
 constexpr std::uint64_t most_sample_bytes = 64 << 10;
 
+// Tags and numbers of ISO/IEC 14496-1.
+constexpr std::uint8_t es_descriptor = 0x03, decoder_config = 0x04, decoder_info = 0x05, sync_config = 0x06,
+                       track_included = 0x0E, track_referenced = 0x0F, initial_object = 0x10, object = 0x11,
+                       object_in_stream = 0x01, object_update = 0x01;
+constexpr int object_stream = 1, scene_stream = 3;
+constexpr std::uint8_t object_stream_type = 1;  // objectTypeIndication: MPEG-4 Systems
+constexpr std::uint32_t timescale = 1000;
+
 /// A descriptor of MPEG-4 Systems: a tag, a length, and a content.
 struct Descriptor {
     std::uint8_t tag = 0;
@@ -94,7 +102,7 @@ Result<BifsConfig> config_of(const Track& track) {
     const BytesView esds = content_at(entry.subspan(std::min(entry_head, entry.size())), {"esds"});
     if (esds.size() < 4) return input_error("its scene has no description (esds)");
     TRY_ASSIGN(const auto outer, descriptors_in(esds.subspan(4)));
-    const Descriptor* const stream = with_tag(outer, 3);
+    const Descriptor* const stream = with_tag(outer, es_descriptor);
     if (!stream || stream->content.size() < 3) return input_error("its scene has no descriptor of a stream");
     const std::uint8_t flags = stream->content[2];
     std::size_t skipped = 3;
@@ -103,12 +111,12 @@ Result<BifsConfig> config_of(const Track& track) {
     if (flags & 0x20) skipped += 2;                                           // a clock
     TRY_ASSIGN(const auto inner,
                descriptors_in(stream->content.subspan(std::min(skipped, stream->content.size()))));
-    const Descriptor* const decoder = with_tag(inner, 4);
+    const Descriptor* const decoder = with_tag(inner, decoder_config);
     constexpr std::size_t decoder_head = 13;
     if (!decoder || decoder->content.size() < decoder_head)
         return input_error("its scene does not say what decodes it");
     TRY_ASSIGN(const auto info, descriptors_in(decoder->content.subspan(decoder_head)));
-    const Descriptor* const config = with_tag(info, 5);
+    const Descriptor* const config = with_tag(info, decoder_info);
     if (!config) return input_error("its scene has no configuration");
     return decode_config(config->content, decoder->content[0]);
 }
@@ -118,14 +126,14 @@ Result<std::map<std::uint16_t, std::uint32_t>> objects_in(BytesView sample, Byte
     std::map<std::uint16_t, std::uint32_t> objects;
     TRY_ASSIGN(const auto commands, descriptors_in(sample));
     for (const Descriptor& command : commands) {
-        if (command.tag != 1) continue;
+        if (command.tag != object_update) continue;
         TRY_ASSIGN(const auto found, descriptors_in(command.content));
-        for (const Descriptor& object : found) {
-            if ((object.tag != 0x11 && object.tag != 1) || object.content.size() < 2) continue;
-            const auto number = static_cast<std::uint16_t>(number_at(object.content, 0, 2) >> 6);
-            if (number_at(object.content, 0, 2) & 0x20) continue;  // elsewhere, by an address
-            TRY_ASSIGN(const auto streams, descriptors_in(object.content.subspan(2)));
-            const Descriptor* const reference = with_tag(streams, 0x0F);
+        for (const Descriptor& each : found) {
+            if ((each.tag != object && each.tag != object_in_stream) || each.content.size() < 2) continue;
+            const auto number = static_cast<std::uint16_t>(number_at(each.content, 0, 2) >> 6);
+            if (number_at(each.content, 0, 2) & 0x20) continue;  // elsewhere, by an address
+            TRY_ASSIGN(const auto streams, descriptors_in(each.content.subspan(2)));
+            const Descriptor* const reference = with_tag(streams, track_referenced);
             const std::uint64_t place = reference ? number_at(reference->content, 0, 2) : 0;
             if (place == 0 || 4 * place > referred.size())
                 return input_error("object " + std::to_string(number) + " is stream " +
@@ -136,14 +144,6 @@ Result<std::map<std::uint16_t, std::uint32_t>> objects_in(BytesView sample, Byte
     }
     return objects;
 }
-
-// Tags and numbers of ISO/IEC 14496-1.
-constexpr std::uint8_t es_descriptor = 0x03, decoder_config = 0x04, decoder_info = 0x05, sync_config = 0x06,
-                       track_included = 0x0E, track_referenced = 0x0F, initial_object = 0x10, object = 0x11,
-                       object_update = 0x01;
-constexpr int object_stream = 1, scene_stream = 3;
-constexpr std::uint8_t object_stream_type = 1;  // objectTypeIndication: MPEG-4 Systems
-constexpr std::uint32_t timescale = 1000;
 
 /// The length takes more than one byte from 128 bytes on.
 Bytes descriptor(std::uint8_t tag, BytesView content) {
