@@ -240,9 +240,7 @@ Result<std::unique_ptr<StreamReceiver>> StreamReceiver::open(const StreamSource&
                                                              const std::optional<SceneDescription>& described,
                                                              std::function<std::int64_t()> now_ns) {
     std::unique_ptr<StreamReceiver> receiver(new StreamReceiver(source, wait));
-    const bool is_called =
-        source.url.transport == StreamTransport::srt && source.url.value("mode") == "listener";
-    const auto until_called = is_called ? source.patience.caller : std::chrono::milliseconds(0);
+    const auto until_called = source.url.is_called() ? source.patience.caller : std::chrono::milliseconds(0);
     if (!wait->is_together()) wait->together_at_most(until_called + source.patience.opening);
     auto begun = receiver->connect(source, described, std::move(now_ns));
     if (begun) begun = receiver->read_first();

@@ -249,8 +249,7 @@ Result<std::shared_ptr<StreamBytes>> StreamBytes::connect(const StreamUrl& url,
                                                           std::shared_ptr<StreamWait> wait,
                                                           const StreamSource::Patience& patience) {
     silence_ffmpeg();
-    const bool listens = url.transport == StreamTransport::srt && url.value("mode") == "listener";
-    wait->at_most(listens ? patience.caller : patience.connection);
+    wait->at_most(url.is_called() ? patience.caller : patience.connection);
     if (url.transport == StreamTransport::pipe) return open_pipe(url, std::move(wait));
     return wait->in_time([&]() -> Result<std::shared_ptr<StreamBytes>> {
         if (url.transport == StreamTransport::srt) return connect_by_srt(url, wait);

@@ -49,6 +49,8 @@ struct StreamUrl {
     bool is_playlist() const { return transport == StreamTransport::http && path.ends_with(".m3u8"); }
     /// The query's value of this key; empty if it is missing.
     std::string value(std::string_view key) const;
+    /// Whether a receiver of this stream waits for the sender to call.
+    bool is_called() const { return transport == StreamTransport::srt && value("mode") == "listener"; }
 };
 
 /// A playlist of HTTP Live Streaming in a folder of this machine.
