@@ -1,7 +1,6 @@
 #include "device/drivers/driven_device.hpp"
 
 #include <poll.h>
-#include <sys/eventfd.h>
 
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -54,8 +53,8 @@ DrivenDevice::DrivenDevice(std::unique_ptr<DeviceDriver> driver, DrivenSettings 
 
 Result<void> DrivenDevice::open() {
     close();
-    wake_ = Descriptor(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC));
-    if (wake_.get() < 0) return internal_error("no eventfd can be had for the " + name_);
+    if (wake_.descriptor() < 0) return internal_error("no eventfd can be had for the " + name_);
+    wake_.forget();
     stopping_ = std::stop_source();
     misuse_ = nullptr;
     latest_.write({});
@@ -66,7 +65,6 @@ Result<void> DrivenDevice::open() {
         held = start_thread(thread_, "device", "of the device", [this] { drive(); });
     if (!held) {
         driver_->disconnect();
-        wake_.reset();
         return held;
     }
     open_ = true;
@@ -76,11 +74,10 @@ Result<void> DrivenDevice::open() {
 void DrivenDevice::close() {
     open_ = false;
     stopping_.request_stop();
-    if (wake_.get() >= 0) wake();
+    wake_.wake();
     if (thread_.joinable()) thread_.join();
     if (!settings_.own_thread) driver_->disconnect();
     kept_.reset();
-    wake_.reset();
 }
 
 bool DrivenDevice::read_positions(std::span<glm::dvec3> device_metres) {
@@ -106,7 +103,7 @@ bool DrivenDevice::write_forces(std::span<const glm::dvec3> newtons) {
     for (std::size_t finger = 0; finger < newtons.size(); ++finger) {
         if (!std::isfinite(glm::length(newtons[finger]))) {
             misuse_ = "was given a force that is not finite";
-            wake();
+            wake_.wake();
             return false;
         }
         asked.newtons[finger] = newtons[finger];
@@ -114,12 +111,8 @@ bool DrivenDevice::write_forces(std::span<const glm::dvec3> newtons) {
     asked.time_ns = settings_.clock();
     asked.received_ns = received_ns_;
     asked_.write(asked);
-    wake();
+    wake_.wake();
     return true;
-}
-
-void DrivenDevice::wake() const {
-    (void)eventfd_write(wake_.get(), 1);
 }
 
 // ---- The device's thread.
@@ -161,15 +154,12 @@ Result<void> DrivenDevice::serve() {
         TRY(send());
         return receive(slowest_bus);
     }
-    pollfd waited_for[] = {{wake_.get(), POLLIN, 0}, {descriptor, POLLIN, 0}};
+    pollfd waited_for[] = {{wake_.descriptor(), POLLIN, 0}, {descriptor, POLLIN, 0}};
     const timespec patience{0, settings_.own_thread ? std::chrono::nanoseconds(a_tick).count() : 0};
     ppoll(waited_for, 2, &patience, nullptr);
     if (waited_for[1].revents != 0) TRY(receive(microseconds(0)));
     const bool asked = waited_for[0].revents != 0;
-    if (asked) {
-        eventfd_t count = 0;
-        (void)eventfd_read(wake_.get(), &count);
-    }
+    if (asked) wake_.forget();
     // A force for an older position is skipped: one for the newest position follows.
     const bool answers = asked && asked_.read().received_ns >= received_.time_ns;
     return answers || settings_.clock() - sent_ns_ >= sent_again_ns ? send() : Result<void>{};

@@ -137,7 +137,6 @@ private:
         fault_ = std::move(fault);
         prompt_ = std::move(prompt);
     }
-    void wake() const;
 
     const std::unique_ptr<DeviceDriver> driver_;
     DrivenSettings settings_;
@@ -148,7 +147,7 @@ private:
     const DeviceCapabilities capabilities_;
 
     std::thread thread_;
-    Descriptor wake_;  // eventfd: a new force, or the end
+    const Wake wake_;  // a new force, or the end
     std::stop_source stopping_;
     std::atomic<bool> open_{false}, lost_{false}, over_{false};
     std::atomic<const char*> misuse_{nullptr};

@@ -13,6 +13,7 @@
 // ErrorKind::interrupted once the program is asked to stop.
 // Threads: one at a time may use an object.
 
+#include <sys/eventfd.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -46,6 +47,19 @@ public:
 
 private:
     int of_;
+};
+/// Ends a wait in poll, from any thread; its descriptor is -1 if the system has none left.
+class Wake : NonCopyable {
+public:
+    int descriptor() const { return event_.get(); }
+    void forget() const {
+        eventfd_t ignored = 0;
+        (void)::eventfd_read(descriptor(), &ignored);
+    }
+    void wake() const { (void)::eventfd_write(descriptor(), 1); }
+
+private:
+    const Descriptor event_{::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
 };
 /// Returns true if a non-blocking call failed with this errno only because it would block, or was
 /// interrupted.

@@ -4,7 +4,6 @@
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
-#include <sys/eventfd.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -205,20 +204,6 @@ private:
     std::shared_ptr<const void> piece_;
     std::span<const std::uint8_t> rest_;
     bool is_frameset_ = false;
-};
-
-/// Ends a wait in poll, from any thread; its descriptor is -1 if the system has none left.
-class Wake : NonCopyable {
-public:
-    int descriptor() const { return event_.get(); }
-    void forget() const {
-        eventfd_t ignored = 0;
-        (void)!::eventfd_read(descriptor(), &ignored);
-    }
-    void wake() const { (void)!::eventfd_write(descriptor(), 1); }
-
-private:
-    const Descriptor event_{::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
 };
 
 /// StreamServer, with its own thread or turn by turn.
