@@ -397,9 +397,7 @@ Result<FalconSettings> read_falcon_settings(std::string_view keys) {
 
 Result<std::unique_ptr<DeviceDriver>> make_falcon_driver(std::string_view keys) {
     TRY_ASSIGN(auto settings, read_falcon_settings(keys));
-    auto driver =
-        std::make_unique<FalconDriver>(std::move(settings), [] { return open_falcon(ConnectedSystem()); });
-    return driver;
+    return std::make_unique<FalconDriver>(std::move(settings), [] { return open_falcon(ConnectedSystem()); });
 }
 
 }  // namespace touchable

@@ -21,7 +21,7 @@ namespace {
 
 using std::chrono::microseconds;
 
-constexpr unsigned char endpoint_out = 0x02, endpoint_in = 0x81;
+constexpr unsigned char endpoint_in = 0x81;
 constexpr int its_interface = 0;
 constexpr unsigned longest_transfer_ms = 50;  // not longer than HapticDevice::silence_s
 
@@ -77,7 +77,7 @@ public:
         if (bytes.size() > room.size()) return usb_error(name_, "writing", LIBUSB_ERROR_INVALID_PARAM);
         std::memcpy(room.data(), bytes.data(), bytes.size());
         int written = 0;
-        const int code = libusb_bulk_transfer(handle_, endpoint_out, room.data(),
+        const int code = libusb_bulk_transfer(handle_, FalconDriver::usb_endpoint_out, room.data(),
                                               static_cast<int>(bytes.size()), &written, longest_transfer_ms);
         if (code != 0) return usb_error(name_, "writing", code);
         if (written != static_cast<int>(bytes.size())) return usb_error(name_, "writing", LIBUSB_ERROR_IO);
