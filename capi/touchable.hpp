@@ -29,14 +29,25 @@ private:
 
 namespace detail {
 
-inline touch_error no_error() noexcept {
-    return {sizeof(touch_error), TOUCH_OK, {}};
-}
-
 /// Throws an Error unless the status is TOUCH_OK, TOUCH_FULL or TOUCH_END.
-inline touch_status check(touch_status status, const touch_error& error = no_error()) {
+inline touch_status check(touch_status status, const touch_error& error = {}) {
     if (status == TOUCH_OK || status == TOUCH_FULL || status == TOUCH_END) return status;
     throw Error(status, error.line[0] ? error.line : touch_status_name(status));
+}
+
+/// Calls a function whose last argument is a touch_error, and throws its error.
+template <class Function, class... Arguments>
+touch_status call(Function function, Arguments... arguments) {
+    touch_error error{sizeof(touch_error), TOUCH_OK, {}};
+    return check(function(arguments..., &error), error);
+}
+
+/// The handle that a function writes to the argument before its touch_error.
+template <class Handle, class Function, class... Arguments>
+Handle made_by(Function function, Arguments... arguments) {
+    Handle made{};
+    call(function, arguments..., &made);
+    return made;
 }
 
 /// An owning handle.
@@ -90,18 +101,10 @@ inline touch_tick tick_at(std::int64_t tick) noexcept {
 class Scene : public detail::Owner<touch_scene, touch_scene_destroy> {
 public:
     using Owner::Owner;
-    explicit Scene(const touch_camera& camera) {
-        touch_error error = detail::no_error();
-        touch_scene made{};
-        detail::check(touch_scene_from_camera(&camera, &made, &error), error);
-        *this = Scene(made);
-    }
-    explicit Scene(std::string_view text) {
-        touch_error error = detail::no_error();
-        touch_scene made{};
-        detail::check(touch_scene_from_text(text.data(), text.size(), &made, &error), error);
-        *this = Scene(made);
-    }
+    explicit Scene(const touch_camera& camera)
+        : Owner(detail::made_by<touch_scene>(touch_scene_from_camera, &camera)) {}
+    explicit Scene(std::string_view text)
+        : Owner(detail::made_by<touch_scene>(touch_scene_from_text, text.data(), text.size())) {}
     touch_scene_facts facts() const {
         touch_scene_facts facts{};
         facts.struct_size = sizeof facts;
@@ -117,18 +120,12 @@ public:
     }
     /// Depth in metres, row after row without gaps: the scene's width x height.
     void metres(const touch_plane& depth, float* metres) const {
-        touch_error error = detail::no_error();
-        detail::check(touch_scene_metres(get(), &depth, metres, std::int64_t{4} * facts().width, &error),
-                      error);
+        detail::call(touch_scene_metres, get(), &depth, metres, std::int64_t{4} * facts().width);
     }
     /// touch_scene_with_filters.
     Scene with_filters(const std::vector<touch_frame>& frames) const {
-        touch_error error = detail::no_error();
-        touch_scene made{};
-        detail::check(
-            touch_scene_with_filters(get(), frames.data(), sizeof(touch_frame), frames.size(), &made, &error),
-            error);
-        return Scene(made);
+        return Scene(detail::made_by<touch_scene>(touch_scene_with_filters, get(), frames.data(),
+                                                  sizeof(touch_frame), frames.size()));
     }
 };
 
@@ -136,21 +133,13 @@ public:
 class Surface : public detail::Owner<touch_surface, touch_surface_destroy> {
 public:
     using Owner::Owner;
-    explicit Surface(const Scene& scene, const touch_surface_settings& settings = surface_settings()) {
-        touch_error error = detail::no_error();
-        touch_surface made{};
-        detail::check(touch_surface_create(scene.get(), &settings, &made, &error), error);
-        *this = Surface(made);
-    }
+    explicit Surface(const Scene& scene, const touch_surface_settings& settings = surface_settings())
+        : Owner(detail::made_by<touch_surface>(touch_surface_create, scene.get(), &settings)) {}
     /// False: no room yet (TOUCH_FULL).
     bool push(const touch_frame& frame) {
-        touch_error error = detail::no_error();
-        return detail::check(touch_surface_push(get(), &frame, &error), error) == TOUCH_OK;
+        return detail::call(touch_surface_push, get(), &frame) == TOUCH_OK;
     }
-    void begin_epoch(std::uint64_t epoch) {
-        touch_error error = detail::no_error();
-        detail::check(touch_surface_begin_epoch(get(), epoch, &error), error);
-    }
+    void begin_epoch(std::uint64_t epoch) { detail::call(touch_surface_begin_epoch, get(), epoch); }
     void end_epoch() { detail::check(touch_surface_end_epoch(get())); }
     /// INT64_MIN before the first frame.
     std::int64_t newest_ns() const noexcept {
@@ -159,20 +148,17 @@ public:
         return newest;
     }
     double hand_scale() const {
-        touch_error error = detail::no_error();
         double scale = 0;
-        detail::check(touch_surface_hand_scale(get(), &scale, &error), error);
+        detail::call(touch_surface_hand_scale, get(), &scale);
         return scale;
     }
     /// touch_surface_forces_at.
     std::vector<touch_contact> forces_at(const touch_tick& moment, const std::vector<touch_vec3>& points,
                                          std::int32_t friction = TOUCH_FRICTION_OFF,
                                          const touch_solver_settings& settings = solver_settings()) const {
-        touch_error error = detail::no_error();
         std::vector<touch_contact> contacts(points.size());
-        detail::check(touch_surface_forces_at(get(), &settings, &moment, friction, points.data(),
-                                              points.size(), contacts.data(), sizeof(touch_contact), &error),
-                      error);
+        detail::call(touch_surface_forces_at, get(), &settings, &moment, friction, points.data(),
+                     points.size(), contacts.data(), sizeof(touch_contact));
         return contacts;
     }
 };
@@ -181,12 +167,8 @@ public:
 class Solver : public detail::Owner<touch_solver, touch_solver_destroy> {
 public:
     using Owner::Owner;
-    explicit Solver(const Surface& surface, const touch_solver_settings& settings = solver_settings()) {
-        touch_error error = detail::no_error();
-        touch_solver made{};
-        detail::check(touch_solver_create(surface.get(), &settings, &made, &error), error);
-        *this = Solver(made);
-    }
+    explicit Solver(const Surface& surface, const touch_solver_settings& settings = solver_settings())
+        : Owner(detail::made_by<touch_solver>(touch_solver_create, surface.get(), &settings)) {}
     /// An element per finger in both. Real-time: it does not throw.
     touch_status tick(const touch_tick& tick, const touch_vec3* goals, touch_contact* contacts) noexcept {
         return touch_solver_tick(get(), &tick, goals, contacts, sizeof(touch_contact));
@@ -228,12 +210,8 @@ public:
 class Clip : public detail::Owner<touch_clip, touch_clip_close> {
 public:
     using Owner::Owner;
-    explicit Clip(const std::string& path, const touch_clip_settings& settings = clip_settings()) {
-        touch_error error = detail::no_error();
-        touch_clip made{};
-        detail::check(touch_clip_open(path.c_str(), &settings, &made, &error), error);
-        *this = Clip(made);
-    }
+    explicit Clip(const std::string& path, const touch_clip_settings& settings = clip_settings())
+        : Owner(detail::made_by<touch_clip>(touch_clip_open, path.c_str(), &settings)) {}
     touch_clip_facts facts() const {
         touch_clip_facts facts{};
         facts.struct_size = sizeof facts;
@@ -258,22 +236,15 @@ public:
     }
     /// `filters`: TOUCH_FILTERS_STATED or TOUCH_FILTERS_CHOSEN.
     Scene scene(std::int32_t filters = TOUCH_FILTERS_CHOSEN) {
-        touch_error error = detail::no_error();
-        touch_scene made{};
-        detail::check(touch_clip_scene(get(), filters, &made, &error), error);
-        return Scene(made);
+        return Scene(detail::made_by<touch_scene>(touch_clip_scene, get(), filters));
     }
     /// Nothing: no more frames.
     std::optional<Frameset> next() {
-        touch_error error = detail::no_error();
         touch_frameset next{};
-        if (detail::check(touch_clip_next(get(), &next, &error), error) == TOUCH_END) return std::nullopt;
+        if (detail::call(touch_clip_next, get(), &next) == TOUCH_END) return std::nullopt;
         return Frameset(next);
     }
-    void seek(std::int64_t frame) {
-        touch_error error = detail::no_error();
-        detail::check(touch_clip_seek(get(), frame, &error), error);
-    }
+    void seek(std::int64_t frame) { detail::call(touch_clip_seek, get(), frame); }
     /// Any thread.
     void interrupt() noexcept { touch_clip_interrupt(get()); }
 };
@@ -283,21 +254,11 @@ class Writer : public detail::Owner<touch_writer, touch_writer_abandon> {
 public:
     using Owner::Owner;
     Writer(const std::string& path, const Scene& scene,
-           const touch_writer_settings& settings = writer_settings()) {
-        touch_error error = detail::no_error();
-        touch_writer made{};
-        detail::check(touch_writer_create(path.c_str(), scene.get(), &settings, &made, &error), error);
-        *this = Writer(made);
-    }
-    void write(const touch_frame& frame) {
-        touch_error error = detail::no_error();
-        detail::check(touch_writer_write(get(), &frame, &error), error);
-    }
+           const touch_writer_settings& settings = writer_settings())
+        : Owner(detail::made_by<touch_writer>(touch_writer_create, path.c_str(), scene.get(), &settings)) {}
+    void write(const touch_frame& frame) { detail::call(touch_writer_write, get(), &frame); }
     /// Once, after the last frame.
-    void finish() {
-        touch_error error = detail::no_error();
-        detail::check(touch_writer_finish(get(), &error), error);
-    }
+    void finish() { detail::call(touch_writer_finish, get()); }
 };
 
 }  // namespace touch
