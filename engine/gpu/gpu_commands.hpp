@@ -136,15 +136,9 @@ public:
     std::shared_ptr<const void> keep_alive() const { return state_; }
 
 private:
-    struct State {
-        ~State();
-
-        std::shared_ptr<VulkanDevice> vulkan;
+    struct State : VulkanDevice::Pipeline {
         std::string name;
         GpuLayout layout;
-        VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
-        VkPipelineLayout pipeline_layout = VK_NULL_HANDLE;
-        VkPipeline pipeline = VK_NULL_HANDLE;
     };
     std::shared_ptr<const State> state_;
 };
@@ -153,7 +147,7 @@ private:
 /// limits.min_storage_buffer_alignment; texels are always the whole buffer.
 struct GpuBinding {
     GpuBinding(const GpuBuffer& whole) : buffer(whole) {}
-    GpuBinding(const GpuBuffer& part_of, std::size_t offset_bytes, std::size_t size_bytes)
+    GpuBinding(const GpuBuffer& part_of, std::size_t offset_bytes, std::optional<std::size_t> size_bytes)
         : buffer(part_of), offset(offset_bytes), bytes(size_bytes) {}
 
     /// Texels of one uint32 each, not four.

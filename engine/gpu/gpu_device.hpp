@@ -27,6 +27,14 @@
 
 namespace touchable {
 
+/// One of Vulkan's structs, which state their own type; all else in it is 0.
+template <class T>
+T vulkan_struct(VkStructureType type) {
+    T made{};
+    made.sType = type;
+    return made;
+}
+
 /// `software` is a Vulkan that computes on the CPU, such as Mesa's lavapipe.
 enum class GpuKind { discrete, integrated, virtualised, software, other };
 
@@ -100,6 +108,20 @@ Result<void> keep_programs(const ProgramsToKeep& programs);
 /// The raw Vulkan: instance, device and queue. Everything made from them (buffers, programs, images) holds a
 /// shared_ptr to this, never to GpuDevice, so that objects in flight do not keep GpuDevice alive for ever.
 struct VulkanDevice : NonCopyable {
+    /// A pipeline and its layouts. Set 0 is made of push descriptors.
+    struct Pipeline : NonCopyable {
+        ~Pipeline();
+
+        /// Makes both layouts: a descriptor of each type in set 0, and push constants, for these stages.
+        Result<void> make_layouts(std::span<const VkDescriptorType> types, std::uint32_t push_bytes,
+                                  VkShaderStageFlags stages);
+
+        std::shared_ptr<VulkanDevice> vulkan;
+        VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
+        VkPipelineLayout pipeline_layout = VK_NULL_HANDLE;
+        VkPipeline pipeline = VK_NULL_HANDLE;
+    };
+
     ~VulkanDevice();  ///< waits until the device is idle
 
     GpuFacts facts;

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "engine/base/try.hpp"
 #include "engine/gpu/gpu_commands.hpp"
 #include "engine/gpu/gpu_recording.hpp"
@@ -63,46 +65,15 @@ std::string beyond(const GpuLayout& layout, const GpuFacts::Limits& limits) {
     return {};
 }
 
-Result<VkDescriptorSetLayout> make_set_layout(VulkanDevice& gpu, const GpuLayout& layout) {
-    std::vector<VkDescriptorSetLayoutBinding> bindings;
-    for (const GpuBindingKind kind : layout.bindings) {
-        VkDescriptorSetLayoutBinding binding{};
-        binding.binding = static_cast<std::uint32_t>(bindings.size());
-        binding.descriptorType = descriptor_type(kind);
-        binding.descriptorCount = 1;
-        binding.stageFlags = VK_SHADER_STAGE_COMPUTE_BIT;
-        bindings.push_back(binding);
-    }
-    VkDescriptorSetLayoutCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
-    info.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR;
-    info.bindingCount = static_cast<std::uint32_t>(bindings.size());
-    info.pBindings = bindings.data();
-    VkDescriptorSetLayout made = VK_NULL_HANDLE;
-    TRY(gpu.checked("vkCreateDescriptorSetLayout",
-                    vkCreateDescriptorSetLayout(gpu.device, &info, nullptr, &made)));
-    return made;
-}
+/// Makes a kernel's layouts and its pipeline.
+Result<void> make_pipeline(VulkanDevice::Pipeline& made, const GpuLayout& layout,
+                           std::span<const std::uint32_t> spirv, std::span<const std::uint32_t> constants) {
+    VulkanDevice& gpu = *made.vulkan;
+    std::vector<VkDescriptorType> types;
+    for (const GpuBindingKind kind : layout.bindings) types.push_back(descriptor_type(kind));
+    TRY(made.make_layouts(types, layout.push_bytes, VK_SHADER_STAGE_COMPUTE_BIT));
 
-Result<VkPipelineLayout> make_pipeline_layout(VulkanDevice& gpu, VkDescriptorSetLayout set,
-                                              std::uint32_t push_bytes) {
-    const VkPushConstantRange range{VK_SHADER_STAGE_COMPUTE_BIT, 0, push_bytes};
-    VkPipelineLayoutCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
-    info.setLayoutCount = 1;
-    info.pSetLayouts = &set;
-    info.pushConstantRangeCount = push_bytes > 0;
-    info.pPushConstantRanges = &range;
-    VkPipelineLayout made = VK_NULL_HANDLE;
-    TRY(gpu.checked("vkCreatePipelineLayout", vkCreatePipelineLayout(gpu.device, &info, nullptr, &made)));
-    return made;
-}
-
-Result<VkPipeline> make_pipeline(VulkanDevice& gpu, VkPipelineLayout layout,
-                                 std::span<const std::uint32_t> spirv,
-                                 std::span<const std::uint32_t> constants) {
-    VkShaderModuleCreateInfo code{};
-    code.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
+    auto code = vulkan_struct<VkShaderModuleCreateInfo>(VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO);
     code.codeSize = spirv.size_bytes();
     code.pCode = spirv.data();
     VkShaderModule shader = VK_NULL_HANDLE;
@@ -112,19 +83,17 @@ Result<VkPipeline> make_pipeline(VulkanDevice& gpu, VkPipelineLayout layout,
     for (std::uint32_t i = 0; i < constants.size(); ++i) entries.push_back({i, i * 4, 4});
     const VkSpecializationInfo special{static_cast<std::uint32_t>(entries.size()), entries.data(),
                                        constants.size_bytes(), constants.data()};
-    VkComputePipelineCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
+    auto info = vulkan_struct<VkComputePipelineCreateInfo>(VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO);
     info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
     info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
     info.stage.module = shader;
     info.stage.pName = "main";
     info.stage.pSpecializationInfo = &special;
-    info.layout = layout;
-    VkPipeline pipeline = VK_NULL_HANDLE;
-    const VkResult result = vkCreateComputePipelines(gpu.device, gpu.programs, 1, &info, nullptr, &pipeline);
+    info.layout = made.pipeline_layout;
+    const VkResult result =
+        vkCreateComputePipelines(gpu.device, gpu.programs, 1, &info, nullptr, &made.pipeline);
     vkDestroyShaderModule(gpu.device, shader, nullptr);
-    TRY(gpu.checked("vkCreateComputePipelines", result));
-    return pipeline;
+    return gpu.checked("vkCreateComputePipelines", result);
 }
 
 }  // namespace
@@ -170,15 +139,14 @@ Result<std::shared_ptr<GpuBuffer::State>> GpuBuffer::make_state(const GpuDevice&
         return refusal(gpu, state->name, bytes, "at most " + std::to_string(most) + " in one piece");
     state->size = (bytes + texel_bytes - 1) / texel_bytes * texel_bytes;
 
-    VkBufferCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
+    auto info = vulkan_struct<VkBufferCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO);
     info.size = state->size;
     info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
                  VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
                  VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
                  VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
-    VkExternalMemoryBufferCreateInfo external{};
-    external.sType = VK_STRUCTURE_TYPE_EXTERNAL_MEMORY_BUFFER_CREATE_INFO;
+    auto external =
+        vulkan_struct<VkExternalMemoryBufferCreateInfo>(VK_STRUCTURE_TYPE_EXTERNAL_MEMORY_BUFFER_CREATE_INFO);
     external.handleTypes = VK_EXTERNAL_MEMORY_HANDLE_TYPE_HOST_ALLOCATION_BIT_EXT;
     if (imported) {
         info.pNext = &external;
@@ -196,12 +164,11 @@ Result<void> GpuBuffer::allocate(State& state, std::uint32_t memory_type, std::s
     if (bytes > heap_bytes(gpu, memory_type))
         return refusal(gpu, state.name, state.bytes,
                        "the memory has only " + std::to_string(heap_bytes(gpu, memory_type)));
-    VkImportMemoryHostPointerInfoEXT import{};
-    import.sType = VK_STRUCTURE_TYPE_IMPORT_MEMORY_HOST_POINTER_INFO_EXT;
+    auto import = vulkan_struct<VkImportMemoryHostPointerInfoEXT>(
+        VK_STRUCTURE_TYPE_IMPORT_MEMORY_HOST_POINTER_INFO_EXT);
     import.handleType = VK_EXTERNAL_MEMORY_HANDLE_TYPE_HOST_ALLOCATION_BIT_EXT;
     import.pHostPointer = state.imported ? state.imported->data() : nullptr;
-    VkMemoryAllocateInfo memory{};
-    memory.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
+    auto memory = vulkan_struct<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
     memory.pNext = state.imported ? &import : nullptr;
     memory.allocationSize = bytes;
     memory.memoryTypeIndex = memory_type;
@@ -222,8 +189,7 @@ Result<void> GpuBuffer::make_views(State& state) {
                  {state.words, VK_FORMAT_R32_UINT, 4}};
     for (const auto& each : views) {
         if (state.size / each.texel_bytes > gpu.facts.limits.max_texel_buffer_elements) continue;
-        VkBufferViewCreateInfo view{};
-        view.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO;
+        auto view = vulkan_struct<VkBufferViewCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO);
         view.buffer = state.buffer;
         view.format = each.format;
         view.range = state.size;
@@ -262,8 +228,8 @@ Result<GpuBuffer> GpuBuffer::import(const GpuDevice& device, std::string name,
         reinterpret_cast<std::uintptr_t>(block->data()) % alignment != 0)
         return refusal(gpu, state->name, block->bytes(), "it cannot be imported");
     state->imported = std::move(block);
-    VkMemoryHostPointerPropertiesEXT host{};
-    host.sType = VK_STRUCTURE_TYPE_MEMORY_HOST_POINTER_PROPERTIES_EXT;
+    auto host =
+        vulkan_struct<VkMemoryHostPointerPropertiesEXT>(VK_STRUCTURE_TYPE_MEMORY_HOST_POINTER_PROPERTIES_EXT);
     TRY(checked(gpu, state->name, state->bytes, "vkGetMemoryHostPointerPropertiesEXT",
                 gpu.host_memory_types(gpu.device, VK_EXTERNAL_MEMORY_HANDLE_TYPE_HOST_ALLOCATION_BIT_EXT,
                                       state->imported->data(), &host)));
@@ -279,10 +245,32 @@ Result<GpuBuffer> GpuBuffer::import(const GpuDevice& device, std::string name,
     return buffer;
 }
 
-GpuProgram::State::~State() {
+VulkanDevice::Pipeline::~Pipeline() {
     if (pipeline) vkDestroyPipeline(vulkan->device, pipeline, nullptr);
     if (pipeline_layout) vkDestroyPipelineLayout(vulkan->device, pipeline_layout, nullptr);
     if (set_layout) vkDestroyDescriptorSetLayout(vulkan->device, set_layout, nullptr);
+}
+
+Result<void> VulkanDevice::Pipeline::make_layouts(std::span<const VkDescriptorType> types,
+                                                  std::uint32_t push_bytes, VkShaderStageFlags stages) {
+    std::vector<VkDescriptorSetLayoutBinding> bindings;
+    for (const VkDescriptorType type : types)
+        bindings.push_back({static_cast<std::uint32_t>(bindings.size()), type, 1, stages, nullptr});
+    auto set =
+        vulkan_struct<VkDescriptorSetLayoutCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO);
+    set.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR;
+    set.bindingCount = static_cast<std::uint32_t>(bindings.size());
+    set.pBindings = bindings.data();
+    TRY(vulkan->checked("vkCreateDescriptorSetLayout",
+                        vkCreateDescriptorSetLayout(vulkan->device, &set, nullptr, &set_layout)));
+    const VkPushConstantRange push{stages, 0, push_bytes};
+    auto info = vulkan_struct<VkPipelineLayoutCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO);
+    info.setLayoutCount = 1;
+    info.pSetLayouts = &set_layout;
+    info.pushConstantRangeCount = push_bytes > 0;
+    info.pPushConstantRanges = &push;
+    return vulkan->checked("vkCreatePipelineLayout",
+                           vkCreatePipelineLayout(vulkan->device, &info, nullptr, &pipeline_layout));
 }
 
 Result<GpuProgram> GpuProgram::create(const GpuDevice& device, std::string name,
@@ -301,17 +289,10 @@ Result<GpuProgram> GpuProgram::create(const GpuDevice& device, std::string name,
     state->vulkan = device.vulkan();
     state->name = name;
     state->layout = std::move(layout);
-    VulkanDevice& gpu = *state->vulkan;
-    const auto set = make_set_layout(gpu, state->layout);
-    if (!set) return refusal(ErrorKind::gpu, set.error().message);
-    state->set_layout = *set;
-    const auto pipeline_layout = make_pipeline_layout(gpu, *set, state->layout.push_bytes);
-    if (!pipeline_layout) return refusal(ErrorKind::gpu, pipeline_layout.error().message);
-    state->pipeline_layout = *pipeline_layout;
-    const auto pipeline = make_pipeline(gpu, *pipeline_layout, spirv, constants);
-    if (!pipeline) return refusal(ErrorKind::gpu, pipeline.error().message);
-    state->pipeline = *pipeline;
-    gpu.name_object(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(*pipeline), name);
+    if (auto made = make_pipeline(*state, state->layout, spirv, constants); !made)
+        return refusal(ErrorKind::gpu, made.error().message);
+    state->vulkan->name_object(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(state->pipeline),
+                               name);
     GpuProgram program;
     program.state_ = std::move(state);
     return program;

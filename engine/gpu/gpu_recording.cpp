@@ -6,14 +6,12 @@ namespace touchable {
 
 void record_barrier(VkCommandBuffer commands, VkPipelineStageFlags2 from, VkAccessFlags2 written,
                     VkPipelineStageFlags2 to, VkAccessFlags2 used) {
-    VkMemoryBarrier2 barrier{};
-    barrier.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2;
+    auto barrier = vulkan_struct<VkMemoryBarrier2>(VK_STRUCTURE_TYPE_MEMORY_BARRIER_2);
     barrier.srcStageMask = from;
     barrier.srcAccessMask = written;
     barrier.dstStageMask = to;
     barrier.dstAccessMask = used;
-    VkDependencyInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO;
+    auto info = vulkan_struct<VkDependencyInfo>(VK_STRUCTURE_TYPE_DEPENDENCY_INFO);
     info.memoryBarrierCount = 1;
     info.pMemoryBarriers = &barrier;
     vkCmdPipelineBarrier2(commands, &info);
@@ -29,13 +27,11 @@ Result<std::unique_ptr<GpuRecording>> GpuRecording::create(std::shared_ptr<Vulka
     made->vulkan = std::move(vulkan);
     VulkanDevice& gpu = *made->vulkan;
 
-    VkCommandPoolCreateInfo pool{};
-    pool.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
+    auto pool = vulkan_struct<VkCommandPoolCreateInfo>(VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO);
     pool.queueFamilyIndex = gpu.queue_family;
     TRY(gpu.checked("vkCreateCommandPool", vkCreateCommandPool(gpu.device, &pool, nullptr, &made->pool)));
 
-    VkCommandBufferAllocateInfo buffer{};
-    buffer.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
+    auto buffer = vulkan_struct<VkCommandBufferAllocateInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO);
     buffer.commandPool = made->pool;
     buffer.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
     buffer.commandBufferCount = 1;
@@ -43,8 +39,7 @@ Result<std::unique_ptr<GpuRecording>> GpuRecording::create(std::shared_ptr<Vulka
                     vkAllocateCommandBuffers(gpu.device, &buffer, &made->commands)));
 
     if (gpu.facts.limits.timestamp_period_ns > 0) {
-        VkQueryPoolCreateInfo stamps{};
-        stamps.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO;
+        auto stamps = vulkan_struct<VkQueryPoolCreateInfo>(VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO);
         stamps.queryType = VK_QUERY_TYPE_TIMESTAMP;
         stamps.queryCount = max_marks + 1;
         TRY(gpu.checked("vkCreateQueryPool", vkCreateQueryPool(gpu.device, &stamps, nullptr, &made->stamps)));
@@ -62,8 +57,7 @@ Result<void> GpuRecording::begin(GpuTiming timing) {
     is_timed = stamps && timing == GpuTiming::by_marks;
     times = std::make_shared<std::vector<GpuDevice::Time>>();
     TRY(vulkan->checked("vkResetCommandPool", vkResetCommandPool(vulkan->device, pool, 0)));
-    VkCommandBufferBeginInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
+    auto info = vulkan_struct<VkCommandBufferBeginInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO);
     info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
     TRY(vulkan->checked("vkBeginCommandBuffer", vkBeginCommandBuffer(commands, &info)));
     record_barrier(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT,

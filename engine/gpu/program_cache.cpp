@@ -85,8 +85,7 @@ void VulkanDevice::open_programs(const std::filesystem::path& folder) {
         if (is_there && !kept && kept.error().kind != ErrorKind::input) programs_file.clear();
         if (kept) data = take_kept(std::move(*kept));
     }
-    VkPipelineCacheCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO;
+    auto info = vulkan_struct<VkPipelineCacheCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO);
     info.initialDataSize = data.size();
     info.pInitialData = data.data();
     if (vkCreatePipelineCache(device, &info, nullptr, &programs) != VK_SUCCESS) programs = VK_NULL_HANDLE;

@@ -63,12 +63,7 @@ struct StoredRows {
     std::size_t offset = 0;              ///< bytes before the first row, if read as a storage buffer
     std::optional<std::size_t> bytes{};  ///< of all rows; none: to the buffer's end
 
-    GpuBinding binding() const {
-        GpuBinding bound(buffer);
-        bound.offset = offset;
-        bound.bytes = bytes;
-        return bound;
-    }
+    GpuBinding binding() const { return {buffer, offset, bytes}; }
 
     bool may_be_invalid() const {
         return valid.valid_min > 0 || valid.valid_span < (sample_bytes == 1 ? 255U : 65535U) ||

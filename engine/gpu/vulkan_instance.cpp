@@ -32,8 +32,8 @@ VKAPI_ATTR VkBool32 VKAPI_CALL take_message(VkDebugUtilsMessageSeverityFlagBitsE
 }
 
 VkDebugUtilsMessengerCreateInfoEXT messenger_info(GpuMessages* messages) {
-    VkDebugUtilsMessengerCreateInfoEXT info{};
-    info.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT;
+    auto info = vulkan_struct<VkDebugUtilsMessengerCreateInfoEXT>(
+        VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT);
     info.messageSeverity =
         VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
     info.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
@@ -185,18 +185,15 @@ Result<std::unique_ptr<VulkanInstance>> VulkanInstance::create(
     const VkValidationFeatureEnableEXT synchronisation =
         VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
     VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(made->messages_.get());
-    VkValidationFeaturesEXT checks{};
-    checks.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT;
+    auto checks = vulkan_struct<VkValidationFeaturesEXT>(VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT);
     checks.pNext = &messenger;  // also reports on the instance's creation and destruction
     checks.enabledValidationFeatureCount = 1;
     checks.pEnabledValidationFeatures = &synchronisation;
 
-    VkApplicationInfo program{};
-    program.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO;
+    auto program = vulkan_struct<VkApplicationInfo>(VK_STRUCTURE_TYPE_APPLICATION_INFO);
     program.pApplicationName = "touchable";
     program.apiVersion = VK_API_VERSION_1_3;
-    VkInstanceCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO;
+    auto info = vulkan_struct<VkInstanceCreateInfo>(VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO);
     info.pApplicationInfo = &program;
     std::vector<const char*> extensions;
     if (made->validates_) {
@@ -281,8 +278,8 @@ Result<void> VulkanDevice::checked(std::string_view call, VkResult result) {
 
 void VulkanDevice::name_object(VkObjectType type, std::uint64_t handle, const std::string& name) const {
     if (!set_name) return;
-    VkDebugUtilsObjectNameInfoEXT info{};
-    info.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT;
+    auto info =
+        vulkan_struct<VkDebugUtilsObjectNameInfoEXT>(VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT);
     info.objectType = type;
     info.objectHandle = handle;
     info.pObjectName = name.c_str();

@@ -19,8 +19,7 @@ bool has_light(VkFormat format) {
 }
 
 VkImageCreateInfo image_info(VkExtent2D extent, VkFormat format) {
-    VkImageCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO;
+    auto info = vulkan_struct<VkImageCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO);
     info.imageType = VK_IMAGE_TYPE_2D;
     info.format = format;
     info.extent = {extent.width, extent.height, 1};
@@ -37,8 +36,7 @@ VkImageCreateInfo image_info(VkExtent2D extent, VkFormat format) {
 }
 
 Result<VkImageView> make_view(VulkanDevice& gpu, VkImage image, VkFormat format, VkImageAspectFlags aspect) {
-    VkImageViewCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO;
+    auto info = vulkan_struct<VkImageViewCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO);
     info.image = image;
     info.viewType = VK_IMAGE_VIEW_TYPE_2D;
     info.format = format;
@@ -66,8 +64,7 @@ struct Shaders : NonCopyable {
             if (each) vkDestroyShaderModule(gpu.device, each, nullptr);
     }
     Result<void> load(std::span<const std::uint32_t> words, VkShaderModule& made) {
-        VkShaderModuleCreateInfo info{};
-        info.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
+        auto info = vulkan_struct<VkShaderModuleCreateInfo>(VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO);
         info.codeSize = words.size_bytes();
         info.pCode = words.data();
         return gpu.checked("vkCreateShaderModule", vkCreateShaderModule(gpu.device, &info, nullptr, &made));
@@ -78,8 +75,8 @@ struct Shaders : NonCopyable {
 };
 
 VkPipelineDepthStencilStateCreateInfo depth_state(DrawDepth depth) {
-    VkPipelineDepthStencilStateCreateInfo state{};
-    state.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO;
+    auto state = vulkan_struct<VkPipelineDepthStencilStateCreateInfo>(
+        VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO);
     state.depthTestEnable = depth != DrawDepth::ignored;
     state.depthWriteEnable = depth == DrawDepth::replaced || depth == DrawDepth::nearest;
     state.depthCompareOp = depth == DrawDepth::replaced  ? VK_COMPARE_OP_ALWAYS
@@ -103,8 +100,8 @@ VkPipelineColorBlendAttachmentState blend_state(DrawBlend blend) {
     return state;
 }
 
-Result<VkPipeline> make_graphics_pipeline(VulkanDevice& gpu, VkPipelineLayout layout,
-                                          const GraphicsLook& look) {
+Result<void> make_graphics_pipeline(VulkanDevice::Pipeline& made, const GraphicsLook& look) {
+    VulkanDevice& gpu = *made.vulkan;
     std::vector<VkSpecializationMapEntry> entries;
     for (std::uint32_t k = 0; k < look.constants.size(); ++k) entries.push_back({k, 4 * k, 4});
     const VkSpecializationInfo special{static_cast<std::uint32_t>(entries.size()), entries.data(),
@@ -120,41 +117,40 @@ Result<VkPipeline> make_graphics_pipeline(VulkanDevice& gpu, VkPipelineLayout la
         stages[k].pSpecializationInfo = &special;
     }
 
-    VkPipelineVertexInputStateCreateInfo input{};
-    input.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO;
-    VkPipelineInputAssemblyStateCreateInfo assembly{};
-    assembly.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO;
+    auto input = vulkan_struct<VkPipelineVertexInputStateCreateInfo>(
+        VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO);
+    auto assembly = vulkan_struct<VkPipelineInputAssemblyStateCreateInfo>(
+        VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO);
     assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
-    VkPipelineViewportStateCreateInfo viewport{};
-    viewport.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO;
+    auto viewport = vulkan_struct<VkPipelineViewportStateCreateInfo>(
+        VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO);
     viewport.viewportCount = viewport.scissorCount = 1;
-    VkPipelineRasterizationStateCreateInfo raster{};
-    raster.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO;
+    auto raster = vulkan_struct<VkPipelineRasterizationStateCreateInfo>(
+        VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO);
     raster.polygonMode = VK_POLYGON_MODE_FILL;
     raster.cullMode = VK_CULL_MODE_NONE;
     raster.lineWidth = 1;
-    VkPipelineMultisampleStateCreateInfo samples{};
-    samples.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO;
+    auto samples = vulkan_struct<VkPipelineMultisampleStateCreateInfo>(
+        VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO);
     samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
     const VkPipelineDepthStencilStateCreateInfo depth = depth_state(look.depth);
     const VkPipelineColorBlendAttachmentState blend = blend_state(look.blend);
-    VkPipelineColorBlendStateCreateInfo blending{};
-    blending.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO;
+    auto blending = vulkan_struct<VkPipelineColorBlendStateCreateInfo>(
+        VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO);
     blending.attachmentCount = 1;
     blending.pAttachments = &blend;
     constexpr VkDynamicState dynamic_states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-    VkPipelineDynamicStateCreateInfo dynamic{};
-    dynamic.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO;
+    auto dynamic =
+        vulkan_struct<VkPipelineDynamicStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO);
     dynamic.dynamicStateCount = 2;
     dynamic.pDynamicStates = dynamic_states;
-    VkPipelineRenderingCreateInfo rendering{};
-    rendering.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO;
+    auto rendering =
+        vulkan_struct<VkPipelineRenderingCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO);
     rendering.colorAttachmentCount = 1;
     rendering.pColorAttachmentFormats = &look.colour_format;
     if (look.depth != DrawDepth::ignored) rendering.depthAttachmentFormat = GraphicsLook::z_format;
 
-    VkGraphicsPipelineCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO;
+    auto info = vulkan_struct<VkGraphicsPipelineCreateInfo>(VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO);
     info.pNext = &rendering;
     info.stageCount = 2;
     info.pStages = stages.data();
@@ -166,16 +162,15 @@ Result<VkPipeline> make_graphics_pipeline(VulkanDevice& gpu, VkPipelineLayout la
     info.pDepthStencilState = &depth;
     info.pColorBlendState = &blending;
     info.pDynamicState = &dynamic;
-    info.layout = layout;
-    VkPipeline made = VK_NULL_HANDLE;
-    TRY(gpu.checked("vkCreateGraphicsPipelines",
-                    vkCreateGraphicsPipelines(gpu.device, gpu.programs, 1, &info, nullptr, &made)));
-    return made;
+    info.layout = made.pipeline_layout;
+    return gpu.checked(
+        "vkCreateGraphicsPipelines",
+        vkCreateGraphicsPipelines(gpu.device, gpu.programs, 1, &info, nullptr, &made.pipeline));
 }
 
 VkRenderingAttachmentInfo attachment(VkImageView view, VkImageLayout layout, VkAttachmentLoadOp load) {
-    VkRenderingAttachmentInfo info{};  // clear values are zero: black, and z at infinity
-    info.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO;
+    // Clear values are zero: black, and z at infinity.
+    auto info = vulkan_struct<VkRenderingAttachmentInfo>(VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO);
     info.imageView = view;
     info.imageLayout = layout;
     info.loadOp = load;
@@ -185,8 +180,7 @@ VkRenderingAttachmentInfo attachment(VkImageView view, VkImageLayout layout, VkA
 
 void record_change(GpuCommands& commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
                    VkImageLayout to) {
-    VkImageMemoryBarrier2 barrier{};
-    barrier.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2;
+    auto barrier = vulkan_struct<VkImageMemoryBarrier2>(VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2);
     barrier.srcStageMask = barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
     barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
     barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
@@ -195,8 +189,7 @@ void record_change(GpuCommands& commands, VkImage image, VkImageAspectFlags aspe
     barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
     barrier.image = image;
     barrier.subresourceRange = {aspect, 0, 1, 0, 1};
-    VkDependencyInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO;
+    auto info = vulkan_struct<VkDependencyInfo>(VK_STRUCTURE_TYPE_DEPENDENCY_INFO);
     info.imageMemoryBarrierCount = 1;
     info.pImageMemoryBarriers = &barrier;
     vkCmdPipelineBarrier2(commands.handle(), &info);
@@ -242,8 +235,7 @@ Result<GpuImage> GpuImage::create(const GpuDevice& device, const std::string& na
     vkGetImageMemoryRequirements(gpu.device, state->image, &needs);
     const auto type = choose_memory_type(gpu.memory, needs.memoryTypeBits, GpuMemory::device);
     if (!type) return gpu_error(gpu.facts.name + " has no memory for picture '" + name + "'");
-    VkMemoryAllocateInfo memory{};
-    memory.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
+    auto memory = vulkan_struct<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
     memory.allocationSize = needs.size;
     memory.memoryTypeIndex = *type;
     TRY(gpu.checked("vkAllocateMemory", vkAllocateMemory(gpu.device, &memory, nullptr, &state->memory)));
@@ -276,45 +268,15 @@ Result<GpuBuffer> UploadPool::lease(const std::string& name, std::size_t bytes) 
     return made;
 }
 
-GraphicsProgram::State::~State() {
-    if (pipeline) vkDestroyPipeline(vulkan->device, pipeline, nullptr);
-    if (layout) vkDestroyPipelineLayout(vulkan->device, layout, nullptr);
-    if (set_layout) vkDestroyDescriptorSetLayout(vulkan->device, set_layout, nullptr);
-}
-
-Result<void> GraphicsProgram::make_layout(State& state, std::uint32_t push_bytes) {
-    VulkanDevice& gpu = *state.vulkan;
-    std::vector<VkDescriptorSetLayoutBinding> bindings;
-    for (const VkDescriptorType type : state.bindings)
-        bindings.push_back({static_cast<std::uint32_t>(bindings.size()), type, 1, both_stages, nullptr});
-    VkDescriptorSetLayoutCreateInfo set{};
-    set.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
-    set.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR;
-    set.bindingCount = static_cast<std::uint32_t>(bindings.size());
-    set.pBindings = bindings.data();
-    TRY(gpu.checked("vkCreateDescriptorSetLayout",
-                    vkCreateDescriptorSetLayout(gpu.device, &set, nullptr, &state.set_layout)));
-    const VkPushConstantRange push{both_stages, 0, push_bytes};
-    VkPipelineLayoutCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
-    info.setLayoutCount = 1;
-    info.pSetLayouts = &state.set_layout;
-    info.pushConstantRangeCount = push_bytes > 0;
-    info.pPushConstantRanges = &push;
-    return gpu.checked("vkCreatePipelineLayout",
-                       vkCreatePipelineLayout(gpu.device, &info, nullptr, &state.layout));
-}
-
 Result<GraphicsProgram> GraphicsProgram::create(const GpuDevice& device, const std::string& name,
                                                 const GraphicsLook& look) {
     auto state = std::make_shared<State>();
     state->vulkan = device.vulkan();
     state->bindings = look.bindings;
-    VulkanDevice& gpu = *state->vulkan;
-    TRY(make_layout(*state, look.push_bytes));
-    TRY_ASSIGN(const auto pipeline, make_graphics_pipeline(gpu, state->layout, look));
-    state->pipeline = pipeline;
-    gpu.name_object(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(pipeline), name);
+    TRY(state->make_layouts(look.bindings, look.push_bytes, both_stages));
+    TRY(make_graphics_pipeline(*state, look));
+    state->vulkan->name_object(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(state->pipeline),
+                               name);
     GraphicsProgram program;
     program.state_ = std::move(state);
     return program;
@@ -345,10 +307,10 @@ void GraphicsProgram::bind_bytes(GpuCommands& commands, std::span<const std::byt
         ++count;
     }
     vkCmdBindPipeline(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, state_->pipeline);
-    state_->vulkan->push_descriptors(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS, state_->layout, 0,
-                                     count, writes.data());
+    state_->vulkan->push_descriptors(commands.handle(), VK_PIPELINE_BIND_POINT_GRAPHICS,
+                                     state_->pipeline_layout, 0, count, writes.data());
     if (!push.empty())
-        vkCmdPushConstants(commands.handle(), state_->layout, both_stages, 0,
+        vkCmdPushConstants(commands.handle(), state_->pipeline_layout, both_stages, 0,
                            static_cast<std::uint32_t>(push.size()), push.data());
     commands.keep(state_);
 }
@@ -358,8 +320,7 @@ void begin_drawing(GpuCommands& commands, const DrawTarget& target) {
     const VkRenderingAttachmentInfo to_colour =
         attachment(target.as_light ? target.colour.light_view() : target.colour.view(),
                    VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, target.load);
-    VkRenderingInfo rendering{};
-    rendering.sType = VK_STRUCTURE_TYPE_RENDERING_INFO;
+    auto rendering = vulkan_struct<VkRenderingInfo>(VK_STRUCTURE_TYPE_RENDERING_INFO);
     rendering.renderArea = {{0, 0}, extent};
     rendering.layerCount = 1;
     rendering.colorAttachmentCount = 1;

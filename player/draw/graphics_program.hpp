@@ -81,16 +81,9 @@ public:
     }
 
 private:
-    struct State {
-        ~State();
-
-        std::shared_ptr<VulkanDevice> vulkan;
+    struct State : VulkanDevice::Pipeline {
         std::vector<VkDescriptorType> bindings;
-        VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
-        VkPipelineLayout layout = VK_NULL_HANDLE;
-        VkPipeline pipeline = VK_NULL_HANDLE;
     };
-    static Result<void> make_layout(State& state, std::uint32_t push_bytes);
     void bind_bytes(GpuCommands& commands, std::span<const std::byte> push,
                     std::initializer_list<DrawBinding> bindings) const;
 
