@@ -67,10 +67,9 @@ PlaneView view_of(const touch_plane& plane, std::vector<std::uint8_t>& packed) {
     const auto place =
         reinterpret_cast<std::uintptr_t>(plane.data) | static_cast<std::uintptr_t>(plane.stride_bytes);
     if (view.stride > 0 && place % static_cast<unsigned>(plane.sample) == 0) return view;
-    const auto bytes = static_cast<std::size_t>(row_bytes(plane));
+    const std::size_t bytes = view.row_bytes();
     packed.resize(bytes * static_cast<std::size_t>(view.height));
-    for (int y = 0; y < view.height; ++y)
-        std::memcpy(packed.data() + bytes * static_cast<std::size_t>(y), view.row(y), bytes);
+    view.copy_rows(packed.data(), bytes);
     view.data = packed.data();
     view.stride = static_cast<std::ptrdiff_t>(bytes);
     return view;

@@ -12,11 +12,8 @@ StoredImage picture_of(const PlaneView& depth) {
     StoredImage picture;
     picture.image = {depth.width, depth.height, 2, 1, {}};
     picture.bits = 16;
-    const std::size_t row_bytes = 2 * static_cast<std::size_t>(depth.width);
-    picture.image.samples.resize(row_bytes * static_cast<std::size_t>(depth.height));
-    for (int y = 0; y < depth.height; ++y)
-        std::memcpy(picture.image.samples.data() + row_bytes * static_cast<std::size_t>(y), depth.row(y),
-                    row_bytes);
+    picture.image.samples.resize(2 * pixel_count(depth.width, depth.height));
+    depth.copy_rows(picture.image.samples.data(), depth.row_bytes());
     return picture;
 }
 

@@ -30,9 +30,7 @@ constexpr std::size_t most_strays = std::size_t{256} << 20U;
 constexpr std::size_t checks_per_byte = 4, most_credit = 8 * 5 * most_frameset_pixels;
 
 std::uint64_t number_at(std::span<const std::uint8_t> bytes, std::size_t at, std::size_t size) {
-    std::uint64_t number = 0;
-    for (std::size_t k = size; k-- > 0;) number = number << 8U | bytes[at + k];
-    return number;
+    return number_in_bytes({reinterpret_cast<const char*>(&bytes[at]), size}, false);
 }
 std::uint32_t whole_at(std::span<const std::uint8_t> bytes, std::size_t at) {
     return static_cast<std::uint32_t>(number_at(bytes, at, 4));
@@ -340,12 +338,8 @@ Result<void> check_address(const std::string& address) {
 
 PlaneView Frameset::colour() const {
     if (!header.has_colour()) return {};
-    return {payload->data() + header.depth_bytes(),
-            3 * static_cast<std::ptrdiff_t>(header.colour_width),
-            header.colour_width,
-            header.colour_height,
-            1,
-            3};
+    return packed_plane(payload->data() + header.depth_bytes(), header.colour_width, header.colour_height, 1,
+                        3);
 }
 
 void FramesetParser::take(std::span<const std::uint8_t> bytes) {

@@ -31,21 +31,16 @@ struct FramesetHeader {
     bool colour_is_registered = false;        ///< seen from where depth is seen from, by the same lens
 
     bool has_colour() const { return colour_width > 0; }
-    std::size_t depth_bytes() const {
-        return std::size_t{2} * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-    }
+    std::size_t depth_bytes() const { return 2 * pixel_count(width, height); }
     /// Bytes of depth and colour.
-    std::size_t payload_bytes() const {
-        return depth_bytes() + std::size_t{3} * static_cast<std::size_t>(colour_width) *
-                                   static_cast<std::size_t>(colour_height);
-    }
+    std::size_t payload_bytes() const { return depth_bytes() + 3 * pixel_count(colour_width, colour_height); }
     /// All but number and time.
-    bool means_the_same_as(const FramesetHeader& other) const {
-        return width == other.width && height == other.height && metres_per_unit == other.metres_per_unit &&
-               fx == other.fx && fy == other.fy && cx == other.cx && cy == other.cy &&
-               colour_width == other.colour_width && colour_height == other.colour_height &&
-               colour_is_registered == other.colour_is_registered;
+    bool means_the_same_as(FramesetHeader other) const {
+        other.number = number;
+        other.time_ns = time_ns;
+        return *this == other;
     }
+    bool operator==(const FramesetHeader&) const = default;
 };
 
 inline constexpr std::size_t frameset_header_bytes = 100;
@@ -58,14 +53,7 @@ struct Frameset {
     std::shared_ptr<std::vector<std::uint8_t>> payload;  ///< depth in host order, then colour
 
     /// 1 channel, 16 bits; 0 is no depth.
-    PlaneView depth() const {
-        return {payload->data(),
-                2 * static_cast<std::ptrdiff_t>(header.width),
-                header.width,
-                header.height,
-                2,
-                1};
-    }
+    PlaneView depth() const { return packed_plane(payload->data(), header.width, header.height, 2, 1); }
     PlaneView colour() const;  ///< RGB of 8 bits; without colour none
 };
 

@@ -21,7 +21,7 @@ constexpr std::size_t frame_count = 4;
 
 /// Noise of all codes, in the memory that decoders write to.
 Result<std::vector<RawFrame>> noisy_frames() {
-    constexpr std::size_t row_bytes = 2 * race_width, bytes = row_bytes * race_height;
+    constexpr std::size_t bytes = std::size_t{2} * race_width * race_height;
     std::vector<RawFrame> frames(frame_count);
     std::uint64_t state = 1;
     for (std::size_t n = 0; n < frame_count; ++n) {
@@ -32,8 +32,7 @@ Result<std::vector<RawFrame>> noisy_frames() {
             std::memcpy(plane.get() + k, &state, sizeof(state));
         }
         frames[n].number = static_cast<std::int64_t>(n);
-        frames[n].depth = {
-            plane.get(), static_cast<std::ptrdiff_t>(row_bytes), race_width, race_height, 2, 1};
+        frames[n].depth = packed_plane(plane.get(), race_width, race_height, 2, 1);
         frames[n].storage = plane;
     }
     return frames;

@@ -304,8 +304,7 @@ Result<void> StoredPlane::upload(const PlaneView& depth, const RowRange& rows, s
     const std::size_t bytes = pitch * static_cast<std::size_t>(depth.height);
     if (!buffer || buffer.bytes() != bytes)
         TRY(assign(buffer, GpuBuffer::create(*device_, "stored values", bytes, GpuMemory::upload)));
-    const std::size_t row_bytes = static_cast<std::size_t>(depth.width) *
-                                  static_cast<std::size_t>(depth.channels * depth.bytes_per_sample);
+    const std::size_t row_bytes = depth.row_bytes();
     std::byte* to = buffer.mapped<std::byte>().data() + pitch * rows.first;
     const std::uint8_t* from = depth.row(static_cast<int>(rows.first));
     if (depth.stride == static_cast<std::ptrdiff_t>(pitch)) {
@@ -368,18 +367,14 @@ Result<VulkanPlanes> VulkanPlanes::create(const GpuDevice& device, int width, in
                                           const SurfacePlan& plan) {
     VulkanPlanes made{device.vulkan(), width, height, plan.packs_rows(width)};
     const auto rows = static_cast<std::size_t>(height), columns = static_cast<std::size_t>(width);
-    const TileGrid grid = TileGrid::of(width, height);
     const std::size_t codes_bytes = rows * ((columns + 7) / 8) * 16;
     const struct {
         Plane& plane;
         const char* name;
         std::size_t bytes, copied_bytes;
-    } planes[] = {
-        {made.codes, "codes", codes_bytes, made.packed ? 2 * rows * columns : codes_bytes},
-        {made.validity, "validity", rows * ((columns + 31) / 32) * sizeof(std::uint32_t), 0},
-        {made.tiles, "tiles",
-         static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y) * sizeof(TileBounds),
-         0}};
+    } planes[] = {{made.codes, "codes", codes_bytes, made.packed ? 2 * rows * columns : codes_bytes},
+                  {made.validity, "validity", rows * ((columns + 31) / 32) * sizeof(std::uint32_t), 0},
+                  {made.tiles, "tiles", TileGrid::of(width, height).count() * sizeof(TileBounds), 0}};
     for (const auto& each : planes) {
         const std::size_t copied = each.copied_bytes > 0 ? each.copied_bytes : each.bytes;
         TRY_ASSIGN(each.plane, Plane::create(device, each.name, each.bytes,

@@ -13,18 +13,6 @@ namespace {
 constexpr TileDepths no_depths{std::numeric_limits<double>::infinity(),
                                -std::numeric_limits<double>::infinity(), false};
 
-std::size_t row_bytes(const PlaneView& plane) {
-    return static_cast<std::size_t>(plane.width) * static_cast<std::size_t>(plane.channels) *
-           static_cast<std::size_t>(plane.bytes_per_sample);
-}
-
-void copy_bytes(const PlaneView& plane, std::vector<std::uint8_t>& out) {
-    out.resize(row_bytes(plane) * static_cast<std::size_t>(plane.height));
-    for (int y = 0; y < plane.height; ++y)
-        std::memcpy(out.data() + row_bytes(plane) * static_cast<std::size_t>(y), plane.row(y),
-                    row_bytes(plane));
-}
-
 void copy_codes(const PlaneView& plane, std::vector<std::uint16_t>& out) {
     const auto width = static_cast<std::size_t>(plane.width);
     out.resize(width * static_cast<std::size_t>(plane.height));
@@ -51,7 +39,7 @@ RawFrame kept_frame(const RawFrame& frame) {
     std::size_t bytes = 0;
     PlaneView* const planes[] = {&kept.depth, &kept.colour, &kept.haptic, &kept.height};
     const auto stride = [](const PlaneView& plane) {
-        return aligned_bytes(row_bytes(plane), plane_row_alignment);
+        return aligned_bytes(plane.row_bytes(), plane_row_alignment);
     };
     const auto room = [&](const PlaneView& plane) {
         return aligned_bytes(stride(plane) * static_cast<std::size_t>(plane.height), plane_alignment);
@@ -66,8 +54,7 @@ RawFrame kept_frame(const RawFrame& frame) {
         const PlaneView from = *plane;
         plane->data = to;
         plane->stride = static_cast<std::ptrdiff_t>(stride(from));
-        for (int y = 0; y < from.height; ++y)
-            std::memcpy(to + static_cast<std::size_t>(y) * stride(from), from.row(y), row_bytes(from));
+        from.copy_rows(to, stride(from));
         to += room(from);
     }
     kept.storage = storage;
@@ -84,7 +71,7 @@ bool same_samples(const PlaneView& a, const PlaneView& b) {
     if (!same_form(a, b)) return false;
     if (a.empty() || (a.data == b.data && a.stride == b.stride)) return true;
     for (int y = 0; y < a.height; ++y)
-        if (std::memcmp(a.row(y), b.row(y), row_bytes(a)) != 0) return false;
+        if (std::memcmp(a.row(y), b.row(y), a.row_bytes()) != 0) return false;
     return true;
 }
 
@@ -118,7 +105,7 @@ ExactVertices::ExactVertices(int width, int height, std::vector<double> depths)
     : width_(std::max(width, 0)), height_(std::max(height, 0)), depths_(std::move(depths)) {
     depths_.resize(pixel_count(width_, height_), std::numeric_limits<double>::quiet_NaN());
     const TileGrid grid = TileGrid::of(width_, height_);
-    tiles_.reserve(static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y));
+    tiles_.reserve(grid.count());
     for (int ty = 0; ty < grid.tiles_y; ++ty)
         for (int tx = 0; tx < grid.tiles_x; ++tx) tiles_.push_back(bound(tx, ty));
 }
@@ -163,7 +150,8 @@ void copy_touch_planes(const RawFrame& raw, SurfaceFrame& out) {
         out.haptic.clear();
     } else {
         assert(raw.haptic.channels == 3 && raw.haptic.bytes_per_sample == 1);
-        copy_bytes(raw.haptic, out.haptic);
+        out.haptic.resize(3 * pixel_count(raw.haptic.width, raw.haptic.height));
+        raw.haptic.copy_rows(out.haptic.data(), raw.haptic.row_bytes());
     }
     if (raw.height.empty()) {
         out.heights.clear();

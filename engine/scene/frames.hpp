@@ -67,11 +67,25 @@ struct PlaneView {
         std::memcpy(&value, p, 2);
         return value;
     }
+    /// Bytes of a row's samples.
+    std::size_t row_bytes() const {
+        return pixel_count(width, channels) * static_cast<std::size_t>(bytes_per_sample);
+    }
+    /// Copies all rows; their copies begin `pitch` bytes apart.
+    void copy_rows(std::uint8_t* to, std::size_t pitch) const {
+        for (int y = 0; y < height; ++y, to += pitch) std::memcpy(to, row(y), row_bytes());
+    }
 };
 
+/// Samples that are stored row by row without gaps, as a plane.
+inline PlaneView packed_plane(const std::uint8_t* data, int width, int height, int bytes_per_sample,
+                              int channels) {
+    const std::ptrdiff_t stride = std::ptrdiff_t{width} * bytes_per_sample * channels;
+    return {data, stride, width, height, bytes_per_sample, channels};
+}
 /// Codes of two bytes that are stored row by row, as a plane of one channel.
 inline PlaneView plane_of_codes(const std::uint16_t* codes, int width, int height) {
-    return {reinterpret_cast<const std::uint8_t*>(codes), std::ptrdiff_t{2} * width, width, height, 2, 1};
+    return packed_plane(reinterpret_cast<const std::uint8_t*>(codes), width, height, 2, 1);
 }
 
 /// The planes of one moment as stored, all of the scene's width and height. Only depth is always present.
@@ -298,6 +312,7 @@ struct TileGrid {
         auto count = [](int pixels) { return pixels <= 1 ? 1 : (pixels - 1 + cells - 1) / cells; };
         return {count(width), count(height)};
     }
+    std::size_t count() const { return pixel_count(tiles_x, tiles_y); }
     int column_of_cell(int i) const { return i < 0 ? 0 : (i / cells < tiles_x ? i / cells : tiles_x - 1); }
     int row_of_cell(int j) const { return j < 0 ? 0 : (j / cells < tiles_y ? j / cells : tiles_y - 1); }
 };

@@ -208,13 +208,13 @@ public:
     /// To be called when the frame has got another raw plane, before it is read.
     void restart() {
         const TileGrid grid = TileGrid::of(frame_.width, frame_.height);
-        restart_all(tiles_, static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y));
+        restart_all(tiles_, grid.count());
         for (auto& word : recent_) word.store(0, std::memory_order_relaxed);
         if (!terraces_) return;
         block_ = terrace_block(terraces_->reach);
         blocks_x_ = (frame_.width + block_ - 1) / block_;
         const int blocks_y = (frame_.height + block_ - 1) / block_;
-        restart_all(blocks_, static_cast<std::size_t>(blocks_x_) * static_cast<std::size_t>(blocks_y));
+        restart_all(blocks_, pixel_count(blocks_x_, blocks_y));
         const std::size_t pixels = frame_.index(0, frame_.height);
         if (finer_.size() != pixels) finer_ = std::vector<std::atomic<std::uint16_t>>(pixels);
     }

@@ -227,7 +227,7 @@ void TileBounder::bound_row(int ty, int thread, SurfaceFrame& frame) {
 
 void TileBounder::begin(int threads, int width, int height, SurfaceFrame& frame) {
     const TileGrid grid = TileGrid::of(width, height);
-    frame.tiles.resize(static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y));
+    frame.tiles.resize(grid.count());
     columns_.resize(static_cast<std::size_t>(threads));
     for (Columns& columns : columns_) columns.resize(BlockGrid::of(width, height).columns);
     bounded_.assign(static_cast<std::size_t>(grid.tiles_y), 0);

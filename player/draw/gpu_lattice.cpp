@@ -84,11 +84,6 @@ std::size_t parts_of(int count, int size) {
     return static_cast<std::size_t>((count + size - 1) / size);
 }
 
-std::size_t tiles_in(int width, int height) {
-    const TileGrid grid = TileGrid::of(width, height);
-    return static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y);
-}
-
 void write_tiles(const ViewSurface::Tiles& tiles, const GpuBuffer& buffer) {
     const TileListsHeader header = tile_lists_header(static_cast<std::uint32_t>(tiles.whole.size()),
                                                      static_cast<std::uint32_t>(tiles.mixed.size()));
@@ -186,14 +181,11 @@ Result<GpuBuffer> PlaneUploads::upload(GpuCommands& commands, const PlaneView& p
 /// plane crosses the bus once, however many pictures read it.
 Result<void> PlaneUploads::fill(GpuCommands& commands, Kept& kept) {
     const PlaneView& plane = kept.plane;
-    const std::size_t bytes = kept.pitch * static_cast<std::size_t>(plane.height),
-                      row_bytes = static_cast<std::size_t>(plane.width) *
-                                  static_cast<std::size_t>(plane.channels * plane.bytes_per_sample);
+    const std::size_t bytes = kept.pitch * static_cast<std::size_t>(plane.height);
     const bool is_copied = !device_->facts().unified_memory;
     if (!is_copied) kept.buffer = {};
     TRY_ASSIGN(const auto written, uploads_.lease(name_, bytes));
-    std::byte* to = written.mapped<std::byte>().data();
-    for (int y = 0; y < plane.height; ++y, to += kept.pitch) std::memcpy(to, plane.row(y), row_bytes);
+    plane.copy_rows(written.mapped<std::uint8_t>().data(), kept.pitch);
     if (!is_copied) {
         kept.buffer = written;
         kept.made.by_cpu();
@@ -352,7 +344,7 @@ Result<void> GpuLattices::record(GpuCommands& commands, const HeightField& field
 }
 
 std::size_t GpuLattices::tile_list_bytes(int width, int height) {
-    return 4 * (header_words + tiles_in(width, height));
+    return 4 * (header_words + TileGrid::of(width, height).count());
 }
 
 Result<void> GpuLattices::make_programs() {
@@ -383,16 +375,16 @@ Result<void> GpuLattices::make_edge_program() {
 
 Result<void> GpuLattices::record_tiles(GpuCommands& commands, GpuLattice& lattice) {
     const int width = lattice.width, height = lattice.height;
-    const std::size_t tiles = tiles_in(width, height);
+    const TileGrid grid = TileGrid::of(width, height);
     TRY(reserve(lattice.tiles, "lattice tiles", tile_list_bytes(width, height), kernel_memory(*device_)));
-    TRY(reserve(lattice.classes, "tile classes", 4 * tiles, GpuMemory::device));
+    TRY(reserve(lattice.classes, "tile classes", 4 * grid.count(), GpuMemory::device));
     TRY(make_tile_programs());
     CutTilesPush push{};
     push.width = static_cast<std::uint32_t>(width);
     push.height = static_cast<std::uint32_t>(height);
     push.pitch = static_cast<std::uint32_t>(lattice.pitch / 4);
-    push.tiles_x = static_cast<std::uint32_t>(TileGrid::of(width, height).tiles_x);
-    push.tiles = static_cast<std::uint32_t>(tiles);
+    push.tiles_x = static_cast<std::uint32_t>(grid.tiles_x);
+    push.tiles = static_cast<std::uint32_t>(grid.count());
     commands.barrier(GpuStage::compute, GpuStage::compute);
     commands.dispatch(cut_tiles_, push, {lattice.q, lattice.classes},
                       {groups_for(push.tiles, CUT_TILES_LANES)});

@@ -230,8 +230,7 @@ private:
                                   {mixed_colour, "some of it is drawn"}};
         const TileGrid grid = TileGrid::of(field.width(), field.height());
         const ViewSurface::Tiles tiles = lattices_.tiles_of(field.width(), field.height(), q_);
-        std::vector<PackedColour> colours(
-            static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y), 0);
+        std::vector<PackedColour> colours(grid.count());
         for (const std::uint32_t tile : tiles.whole) colours[tile] = whole_colour;
         for (const std::uint32_t tile : tiles.mixed) colours[tile] = mixed_colour;
         for (int y = 0; y < field.height(); ++y)

@@ -45,12 +45,7 @@ public:
         scene_.depth.code_max = scene_.depth.valid_max = 65535;
         const std::vector<std::uint16_t> codes = codes_of_hills();
         RawFrame raw;
-        raw.depth = {reinterpret_cast<const std::uint8_t*>(codes.data()),
-                     std::ptrdiff_t{2} * painted_width,
-                     painted_width,
-                     painted_height,
-                     2,
-                     1};
+        raw.depth = plane_of_codes(codes.data(), painted_width, painted_height);
         TRY_ASSIGN(builder_, make_vulkan_builder(scene_, device_));
         TRY(builder_->build(raw, frame_));
         TRY_ASSIGN(target_, GpuImage::create(*device_, "picture", painted_width, painted_height,
