@@ -68,9 +68,8 @@ Result<LiveReader::Meaning> settled(const SceneDescription& described,
                                     std::vector<std::filesystem::path> inputs,
                                     std::span<const PlaneView> first, const std::string& node) {
     SceneDescription::FoundInClip found;
-    if (described.unstated.far) {
-        TRY_ASSIGN(found.far, error_at(node, far_beyond(first, described.scene.depth)));
-    }
+    if (described.unstated.far)
+        TRY(assign(found.far, error_at(node, far_beyond(first, described.scene.depth))));
     TRY_ASSIGN(auto scene, error_at(node, settle(described, found)));
     if (found.far)
         add_remark(scene.remarks,

@@ -48,6 +48,9 @@ public:
     static Result<GpuBuffer> import(const GpuDevice& device, std::string name,
                                     std::shared_ptr<const PlaneBlock> block);
 
+    /// Keeps the buffer if it is large enough; else replaces it by a new one, as `create` makes it.
+    Result<void> reserve(const GpuDevice& device, const char* name, std::size_t bytes, GpuMemory memory);
+
     explicit operator bool() const { return state_ != nullptr; }
     const std::string& name() const { return state_->name; }
     std::size_t bytes() const { return state_->bytes; }  ///< as asked for

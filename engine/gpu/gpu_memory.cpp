@@ -219,6 +219,12 @@ Result<GpuBuffer> GpuBuffer::create(const GpuDevice& device, std::string name, s
     return buffer;
 }
 
+Result<void> GpuBuffer::reserve(const GpuDevice& device, const char* name, std::size_t bytes,
+                                GpuMemory memory) {
+    if (state_ && state_->bytes >= bytes) return {};
+    return assign(*this, create(device, name, bytes, memory));
+}
+
 Result<GpuBuffer> GpuBuffer::import(const GpuDevice& device, std::string name,
                                     std::shared_ptr<const PlaneBlock> block) {
     TRY_ASSIGN(auto state, make_state(device, std::move(name), block->bytes(), true));

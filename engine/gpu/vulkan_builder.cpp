@@ -252,9 +252,8 @@ void BlockList::list(const FrameChanges::StaleBlocks& stale) {
 }
 
 Result<void> StoredPlane::make_own(std::size_t bytes) {
-    if (!copies_ || (own_ && own_.bytes() >= bytes)) return {};
-    TRY_ASSIGN(own_, GpuBuffer::create(*device_, "stored values of the GPU", bytes, GpuMemory::device));
-    return {};
+    if (!copies_) return {};
+    return own_.reserve(*device_, "stored values of the GPU", bytes, GpuMemory::device);
 }
 
 /// Finds the plane's block, imported once, if it can be copied in place, with rows of whole texels.

@@ -153,12 +153,11 @@ MarksPush push_of(const ViewCamera& camera, bool is_veil, bool is_behind) {
 
 Result<DentDrawing> DentDrawing::create(const std::shared_ptr<GpuDevice>& device) {
     DentDrawing made(device);
-    GraphicsLook look;
-    look.vertex = view_dent_vert_spv;
-    look.fragment = view_dent_frag_spv;
-    look.bindings = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE,
-                     VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE};
-    look.depth = DrawDepth::ignored;
+    const GraphicsLook look{.vertex = view_dent_vert_spv,
+                            .fragment = view_dent_frag_spv,
+                            .bindings = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE,
+                                         VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE},
+                            .depth = DrawDepth::ignored};
     TRY_ASSIGN(made.program_, GraphicsProgram::create(*device, "dents", look));
     return made;
 }
@@ -178,10 +177,9 @@ Result<GpuBuffer> DentDrawing::upload(const ViewCamera& camera) {
 
 /// Copies the source pixels of each dent: at most the dent's displacement away from its pixels.
 Result<void> DentDrawing::copy_flat(GpuCommands& commands, const ViewCamera& camera, const GpuImage& colour) {
-    if (!flat_ || !flat_.is_of_size(camera.width, camera.height)) {
-        TRY_ASSIGN(flat_, GpuImage::create(*device_, "picture without dents", camera.width, camera.height,
-                                           VK_FORMAT_R8G8B8A8_UNORM));
-    }
+    if (!flat_ || !flat_.is_of_size(camera.width, camera.height))
+        TRY(assign(flat_, GpuImage::create(*device_, "picture without dents", camera.width, camera.height,
+                                           VK_FORMAT_R8G8B8A8_UNORM)));
     std::vector<VkImageCopy> regions;
     for (const SurfaceDent& dent : dents_) {
         const double reach = dent.reach + most_dented / dent_reach * dent.reach;
@@ -362,15 +360,14 @@ Result<FingerDrawing> FingerDrawing::create(const std::shared_ptr<GpuDevice>& de
                     {"hidden rods", made.hidden_veil_.frustum, frustum, DrawDepth::behind}};
     for (const auto& [name, program, stages, depth] : programs) {
         const bool is_shadow = &stages == &shadow;
-        GraphicsLook look;
-        look.vertex = stages.vertex;
-        look.fragment = stages.fragment;
-        look.push_bytes = sizeof(MarksPush);
-        look.bindings = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
+        GraphicsLook look{.vertex = stages.vertex,
+                          .fragment = stages.fragment,
+                          .push_bytes = sizeof(MarksPush),
+                          .bindings = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},
+                          .colour_format = VK_FORMAT_R8G8B8A8_SRGB,
+                          .depth = depth,
+                          .blend = is_shadow ? DrawBlend::multiplied : DrawBlend::over};
         if (is_shadow) look.bindings.push_back(VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE);
-        look.colour_format = VK_FORMAT_R8G8B8A8_SRGB;
-        look.depth = depth;
-        look.blend = is_shadow ? DrawBlend::multiplied : DrawBlend::over;
         TRY_ASSIGN(program, GraphicsProgram::create(*device, name, look));
     }
     TRY_ASSIGN(made.pattern_, make_frustum_pattern(*device));

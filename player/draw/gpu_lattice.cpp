@@ -191,9 +191,8 @@ Result<void> PlaneUploads::fill(GpuCommands& commands, Kept& kept) {
         kept.made.by_cpu();
         return {};
     }
-    if (!kept.buffer || kept.buffer.bytes() != bytes) {
-        TRY_ASSIGN(kept.buffer, GpuBuffer::create(*device_, name_, bytes, GpuMemory::device));
-    }
+    if (!kept.buffer || kept.buffer.bytes() != bytes)
+        TRY(assign(kept.buffer, GpuBuffer::create(*device_, name_, bytes, GpuMemory::device)));
     commands.barrier(GpuStage::compute, GpuStage::transfer);
     commands.copy(written, 0, kept.buffer, 0, bytes);
     commands.barrier(GpuStage::transfer, GpuStage::compute);
@@ -246,9 +245,7 @@ Result<void> SurfaceUnproject::record(GpuCommands& commands, const HeightField& 
                                       const GpuBuffer& q) {
     TRY_ASSIGN(const auto prev, planes_of(commands, *pair.prev.frame));
     Planes next = prev;
-    if (field.blend() > 0) {
-        TRY_ASSIGN(next, planes_of(commands, *pair.next.frame));
-    }
+    if (field.blend() > 0) TRY(assign(next, planes_of(commands, *pair.next.frame)));
 
     auto [push, constants] = unproject_terms(field, pair);
     // Few lanes that process whole rows on a CPU, many with a word each elsewhere.
@@ -297,10 +294,8 @@ void GpuLattices::set_size(int width, int height, GpuLattice& lattice) const {
 }
 
 Result<void> GpuLattices::reserve(GpuBuffer& buffer, const char* name, std::size_t bytes, GpuMemory memory) {
-    if (buffer && buffer.bytes() >= bytes) return {};
     TRY(check_size(name, bytes));
-    TRY_ASSIGN(buffer, GpuBuffer::create(*device_, name, bytes, memory));
-    return {};
+    return buffer.reserve(*device_, name, bytes, memory);
 }
 
 Result<void> GpuLattices::reserve_colours(GpuLattice& lattice) {
@@ -497,9 +492,8 @@ Result<void> SurfaceLighting::record(GpuCommands& commands, const HeightField& f
     const bool has_colour = !colour.empty(), is_lit = !has_colour || lighting == Lighting::lit;
     TRY(check_colour(colour, lattice.width, lattice.height));
     GpuBuffer rgb = lattice.q;
-    if (has_colour) {
-        TRY_ASSIGN(rgb, rgb_.upload(commands, colour, 3 * static_cast<std::size_t>(lattice.pitch)));
-    }
+    if (has_colour)
+        TRY(assign(rgb, rgb_.upload(commands, colour, 3 * static_cast<std::size_t>(lattice.pitch))));
     TRY_ASSIGN(const auto program, program_for(has_colour, is_lit));
 
     const Scene& scene = field.scene();

@@ -79,8 +79,7 @@ public:
             {"picture colour", VK_FORMAT_R8G8B8A8_UNORM, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, {}, {}},
             {"picture z", GraphicsLook::z_format, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL, {}, {}}};
         auto& [colour, z] = planes;
-        const std::size_t bytes =
-            std::size_t{4} * static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+        const std::size_t bytes = 4 * pixel_count(camera.width, camera.height);
         for (auto& [name, format, drawn, image, back] : planes) {
             TRY_ASSIGN(image, GpuImage::create(*device_, name, camera.width, camera.height, format));
             TRY_ASSIGN(back, GpuBuffer::create(*device_, name + " read back", bytes, GpuMemory::readback));
@@ -189,15 +188,13 @@ Result<MeshPipeline> MeshPipeline::create(const GpuDevice& device) {
             {{Setting::painter, "raster"}}};
     MeshPipeline pipeline;
     for (const bool is_mixed : {false, true}) {
-        GraphicsLook look;
-        look.vertex = view_mesh_vert_spv;
-        look.fragment = view_mesh_frag_spv;
-        look.push_bytes = sizeof(MeshPush);
-        look.bindings.assign(4, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER);
-        look.constants = {is_mixed ? 1U : 0U};
-        TRY_ASSIGN(auto made,
-                   GraphicsProgram::create(device, is_mixed ? "mixed tiles" : "whole tiles", look));
-        (is_mixed ? pipeline.mixed_ : pipeline.whole_) = std::move(made);
+        const GraphicsLook look{.vertex = view_mesh_vert_spv,
+                                .fragment = view_mesh_frag_spv,
+                                .push_bytes = sizeof(MeshPush),
+                                .bindings = std::vector(4, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER),
+                                .constants = {is_mixed ? 1U : 0U}};
+        TRY(assign(is_mixed ? pipeline.mixed_ : pipeline.whole_,
+                   GraphicsProgram::create(device, is_mixed ? "mixed tiles" : "whole tiles", look)));
     }
     TRY_ASSIGN(pipeline.pattern_, make_tile_pattern(device));
     return pipeline;

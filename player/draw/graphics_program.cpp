@@ -4,6 +4,7 @@
 
 #include "engine/base/result.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 
 // Images, upload buffers and graphics pipelines: Vulkan objects, made once and kept by handles.
 
@@ -226,8 +227,7 @@ Result<GpuImage> GpuImage::create(const GpuDevice& device, const std::string& na
         gpu.physical, format, info.imageType, info.tiling, info.usage, info.flags, &most);
     if (result != VK_SUCCESS || state->extent.width > most.maxExtent.width ||
         state->extent.height > most.maxExtent.height)
-        return gpu_error(gpu.facts.name + " has no picture '" + name + "' of " + std::to_string(width) + "x" +
-                         std::to_string(height));
+        return gpu_error(gpu.facts.name + " has no picture '" + name + "' of " + size_text(width, height));
 
     TRY(gpu.checked("vkCreateImage", vkCreateImage(gpu.device, &info, nullptr, &state->image)));
     gpu.name_object(VK_OBJECT_TYPE_IMAGE, reinterpret_cast<std::uint64_t>(state->image), name);
@@ -242,9 +242,8 @@ Result<GpuImage> GpuImage::create(const GpuDevice& device, const std::string& na
     TRY(gpu.checked("vkBindImageMemory", vkBindImageMemory(gpu.device, state->image, state->memory, 0)));
 
     TRY_ASSIGN(state->view, make_view(gpu, state->image, format, state->aspect));
-    if (has_light(format)) {
-        TRY_ASSIGN(state->light_view, make_view(gpu, state->image, VK_FORMAT_R8G8B8A8_SRGB, state->aspect));
-    }
+    if (has_light(format))
+        TRY(assign(state->light_view, make_view(gpu, state->image, VK_FORMAT_R8G8B8A8_SRGB, state->aspect)));
     GpuImage image;
     image.state_ = std::move(state);
     return image;

@@ -40,8 +40,8 @@ struct GraphicsLook {
 
     std::span<const std::uint32_t> vertex, fragment;  ///< SPIR-V
     std::uint32_t push_bytes = 0;
-    std::vector<VkDescriptorType> bindings;
-    std::vector<std::uint32_t> constants;
+    std::vector<VkDescriptorType> bindings = {};
+    std::vector<std::uint32_t> constants = {};
     VkFormat colour_format = VK_FORMAT_R8G8B8A8_UNORM;
     DrawDepth depth = DrawDepth::nearest;
     DrawBlend blend = DrawBlend::replaced;

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "engine/gpu/gpu_commands.hpp"
 #include "player/draw/cpu_painting.hpp"
 #include "player/draw/gpu_painting.hpp"
@@ -50,13 +51,11 @@ public:
             TRY(lattices_.make_programs());
             TRY(lighting_.make_program());
         }
-        GraphicsLook look;
-        look.vertex = view_screen_vert_spv;
-        look.fragment = view_background_frag_spv;
-        look.bindings = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
-        look.depth = DrawDepth::replaced;
-        TRY_ASSIGN(background_, GraphicsProgram::create(*device_, "background", look));
-        return {};
+        return assign(background_, GraphicsProgram::create(*device_, "background",
+                                                           {.vertex = view_screen_vert_spv,
+                                                            .fragment = view_background_frag_spv,
+                                                            .bindings = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},
+                                                            .depth = DrawDepth::replaced}));
     }
 
     std::string_view painter() const override { return raster_ ? "raster" : "mesh"; }
@@ -135,10 +134,9 @@ private:
 
     /// Resources for pictures of the camera's size.
     Result<void> reserve(const ViewCamera& camera) {
-        if (!z_ || !z_.is_of_size(camera.width, camera.height)) {
-            TRY_ASSIGN(z_, GpuImage::create(*device_, "picture z", camera.width, camera.height,
-                                            GraphicsLook::z_format));
-        }
+        if (!z_ || !z_.is_of_size(camera.width, camera.height))
+            TRY(assign(z_, GpuImage::create(*device_, "picture z", camera.width, camera.height,
+                                            GraphicsLook::z_format)));
         if (rows_height_ == camera.height) return {};
         TRY_ASSIGN(auto rows, GpuBuffer::create(
                                   *device_, "background", 4 * static_cast<std::size_t>(camera.height),
@@ -155,33 +153,21 @@ private:
         const std::size_t pixels = pixel_count(SurfaceRaster::resolve_pitch(camera.width), camera.height);
         const GpuMemory memory = device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::device;
         if (8 * pixels > device_->facts().limits.max_storage_buffer_range)
-            return gpu_error("a picture of " + std::to_string(camera.width) + "x" +
-                                 std::to_string(camera.height) +
+            return gpu_error("a picture of " + size_text(camera.width, camera.height) +
                                  " pixels is too large for the painter raster on " + device_->facts().name +
                                  "; mesh draws it",
                              {{Setting::painter, "mesh"}});
-        const struct {
-            GpuBuffer& buffer;
-            const char* name;
-            std::size_t bytes;
-            GpuMemory memory;
-        } needed[] = {{pixels_, "picture pixels", 8 * pixels, GpuMemory::device},
-                      {colours_, "picture colours", 4 * pixels, memory},
-                      {z_values_, "picture z", 4 * pixels, memory},
-                      {large_, "large cells", SurfaceRaster::large_bytes(lattice_.width, lattice_.height),
-                       GpuMemory::device}};
-        for (const auto& each : needed) {
-            if (each.buffer && each.buffer.bytes() >= each.bytes) continue;
-            TRY_ASSIGN(each.buffer, GpuBuffer::create(*device_, each.name, each.bytes, each.memory));
-        }
-        return {};
+        TRY(pixels_.reserve(*device_, "picture pixels", 8 * pixels, GpuMemory::device));
+        TRY(colours_.reserve(*device_, "picture colours", 4 * pixels, memory));
+        TRY(z_values_.reserve(*device_, "picture z", 4 * pixels, memory));
+        return large_.reserve(*device_, "large cells",
+                              SurfaceRaster::large_bytes(lattice_.width, lattice_.height), GpuMemory::device);
     }
 
     /// Draws into memory that no commands read: earlier recorded pictures keep theirs.
     Result<void> draw_by_cpu(const GpuCommands& commands, const ViewCamera& camera) {
         const int pitch = SurfaceRaster::resolve_pitch(camera.width);
-        const std::size_t bytes =
-            4 * static_cast<std::size_t>(pitch) * static_cast<std::size_t>(camera.height);
+        const std::size_t bytes = 4 * pixel_count(pitch, camera.height);
         for (auto& [buffer, name] :
              {std::pair<GpuBuffer&, const char*>{colours_, "picture colours"}, {z_values_, "picture z"}}) {
             buffer = {};
