@@ -13,7 +13,8 @@ import numpy
 from numpy.typing import ArrayLike, NDArray
 
 from . import _library, _planes
-from ._library import ClipFacts, ClipSettings, FrameStruct, Handle, call, encoded, flag, made, of_kind, refuse_copies, text_of
+from ._library import (ClipFacts, ClipSettings, Closable, FrameStruct, Handle, call, encoded, flag, made, of_kind, refuse_copies,
+                       text_of)
 from ._scene import Camera, Scene
 from .errors import Error, MissingFileError, Status
 
@@ -119,7 +120,7 @@ def _next_of(clip: Handle) -> Handle | None:
         raise
 
 
-class Clip:
+class Clip(Closable):
     """A clip that is open: a sequence of Frames. touchable.open makes it.
 
     `for frame in clip` begins at the first frame each time (a stream, which cannot go back, only once). clip[5] and
@@ -135,8 +136,6 @@ class Clip:
     frame_count: how many frames; None: only reading tells.
     notes: lines of text that a person should know of the clip, such as what was guessed of it.
     """
-
-    __reduce__ = refuse_copies
 
     def __init__(self, path: str | os.PathLike, settings: _library.Struct) -> None:
         """Programs use touchable.open."""
@@ -228,11 +227,6 @@ class Clip:
         it. Closing twice does nothing."""
         self._handle.close(f"another thread is reading {self.path}; close it after that")
 
-    @property
-    def closed(self) -> bool:
-        """Whether it was closed."""
-        return self._handle.closed
-
     def _check_open(self) -> None:
         self._handle.check_open(f"the clip {self.path} was closed; open it again")
 
@@ -263,12 +257,6 @@ class Clip:
             count = "" if self.frame_count is None else f", which has {self.frame_count}"
             raise IndexError(f"there is no frame {wanted} in {self.path}{count}")
         return frame
-
-    def __enter__(self) -> Clip:
-        return self
-
-    def __exit__(self, *problem: Any) -> None:
-        self.close()
 
     def __repr__(self) -> str:
         count = "?" if self.frame_count is None else self.frame_count

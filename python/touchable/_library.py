@@ -14,7 +14,7 @@ import os
 import pathlib
 import weakref
 from ctypes import POINTER, c_char, c_char_p, c_double, c_int32, c_int64, c_size_t, c_uint32, c_uint64, c_void_p
-from typing import Any, Callable, NoReturn
+from typing import Any, Callable, NoReturn, Self
 
 import numpy
 
@@ -314,6 +314,27 @@ class Handle:
     @property
     def closed(self) -> bool:
         return not self._end.alive
+
+
+class Closable:
+    """What holds a C object until it is closed, at the latest where its `with` ends."""
+
+    __reduce__ = refuse_copies
+    _handle: Handle
+
+    def close(self) -> None:
+        """Ends the object."""
+
+    @property
+    def closed(self) -> bool:
+        """Whether it was closed."""
+        return self._handle.closed
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *problem: Any) -> None:
+        self.close()
 
 
 def made(name: str, end: str, *arguments: Any, needs: tuple = (), at_exit: bool = True) -> Handle:

@@ -12,14 +12,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _library, _planes
 from ._clip import Frame
-from ._library import SurfaceSettings, call, made, refuse_copies
+from ._library import Closable, SurfaceSettings, call, made
 from ._scene import Camera, Scene, scene_of
 
 if TYPE_CHECKING:
     from ._touch import ForcesAt, Touched
 
 
-class Surface:
+class Surface(Closable):
     """A surface made of depth pictures, still or moving.
 
     A still one: Surface(depth, camera).touch(path). One that moves: Surface(camera=camera), then push() a picture for
@@ -27,8 +27,6 @@ class Surface:
 
     scene: the Scene that says what the pictures mean.
     """
-
-    __reduce__ = refuse_copies
 
     def __init__(self, depth: ArrayLike | Frame | None = None, camera: Camera | Scene | None = None, *,
                  haptic: ArrayLike | None = None, height: ArrayLike | None = None, threads: int = 1,
@@ -169,19 +167,8 @@ class Surface:
         """Ends the surface. Raises Error with Status.BUSY while a Solver of it is open. Closing twice does nothing."""
         self._handle.close("a solver of the surface is open, or another thread pushes a picture; end that first")
 
-    @property
-    def closed(self) -> bool:
-        """Whether it was closed."""
-        return self._handle.closed
-
     def _check_open(self) -> None:
         self._handle.check_open("the surface was closed; make another one")
-
-    def __enter__(self) -> Surface:
-        return self
-
-    def __exit__(self, *problem: Any) -> None:
-        self.close()
 
 
 def metres_of(depth: NDArray[Any] | None, scene: Scene) -> NDArray[numpy.float32]:

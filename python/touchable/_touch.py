@@ -15,7 +15,7 @@ import numpy
 from numpy.typing import ArrayLike, NDArray
 
 from . import _clip, _library, _planes
-from ._library import Contact, SolverStruct, Tick, call, flag, made, number, of_kind, refuse_copies, whole
+from ._library import Closable, Contact, SolverStruct, Tick, call, flag, made, number, of_kind, whole
 from ._scene import Scene
 from ._surface import Surface, metres_of
 from .errors import Status, error_of
@@ -254,7 +254,7 @@ def path_of(path: ArrayLike) -> NDArray[numpy.float64]:
     return goals
 
 
-class Solver:
+class Solver(Closable):
     """One to 256 fingers on a surface, which has one solver at a time. Use it in `with`, or close() it.
 
     surface: what is touched. fingers: how many, 1 to 256. settings: SolverSettings, how they touch.
@@ -262,8 +262,6 @@ class Solver:
     contacts: what the fingers met in the last tick() (run() leaves it): (fingers,) records with the members of Touched,
         overwritten by the next one.
     """
-
-    __reduce__ = refuse_copies
 
     def __init__(self, surface: Surface, fingers: int = 1, **settings: Any) -> None:
         """Fingers on a surface, of which a picture was pushed (or metres_per_scene_unit is given).
@@ -376,19 +374,8 @@ class Solver:
         tick() or run(). Closing twice does nothing."""
         self._handle.close("another thread is in tick() or run(); close the solver after that")
 
-    @property
-    def closed(self) -> bool:
-        """Whether it was closed."""
-        return self._handle.closed
-
     def _check_open(self) -> None:
         self._handle.check_open("the solver was closed; make another one")
-
-    def __enter__(self) -> Solver:
-        return self
-
-    def __exit__(self, *problem: Any) -> None:
-        self.close()
 
 
 def touch(clip: _clip.Clip | str | os.PathLike, path: ArrayLike, **settings: Any) -> Touched:
