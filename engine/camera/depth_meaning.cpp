@@ -18,10 +18,11 @@ StoredImage picture_of(const PlaneView& depth) {
 }
 
 /// The picture with most depth, the later of equal ones: cameras need some frames until they see.
-const PlaneView& fullest(std::span<const PlaneView> pictures) {
-    const PlaneView* best = &pictures.front();
+const PlaneView& fullest(std::span<const RawFrame> frames) {
+    const PlaneView* best = nullptr;
     std::int64_t most = -1;
-    for (const PlaneView& picture : pictures) {
+    for (const RawFrame& frame : frames) {
+        const PlaneView& picture = frame.depth;
         std::int64_t seen = 0;
         for (int y = 0; y < picture.height; ++y)
             for (int x = 0; x < picture.width; ++x) seen += picture.sample(x, y) != 0;
@@ -33,13 +34,13 @@ const PlaneView& fullest(std::span<const PlaneView> pictures) {
 }
 
 /// The code that a thousandth of the valid codes reach or exceed: single wrong pixels may lie far behind.
-std::optional<std::uint16_t> deep_code(std::span<const PlaneView> pictures, const DepthCoding& coding) {
+std::optional<std::uint16_t> deep_code(std::span<const RawFrame> frames, const DepthCoding& coding) {
     std::vector<std::int64_t> counts(65536);
     std::int64_t all = 0;
-    for (const PlaneView& picture : pictures)
-        for (int y = 0; y < picture.height; ++y)
-            for (int x = 0; x < picture.width; ++x) {
-                const std::uint16_t code = picture.sample(x, y);
+    for (const RawFrame& frame : frames)
+        for (int y = 0; y < frame.depth.height; ++y)
+            for (int x = 0; x < frame.depth.width; ++x) {
+                const std::uint16_t code = frame.depth.sample(x, y);
                 if (!coding.is_valid(code)) continue;
                 ++counts[code];
                 ++all;
@@ -54,7 +55,7 @@ std::optional<std::uint16_t> deep_code(std::span<const PlaneView> pictures, cons
 }
 
 /// Twice as far as the first frames show: a hand that goes away may uncover what was behind it.
-Result<double> far_beyond(std::span<const PlaneView> first, const DepthCoding& depth) {
+Result<double> far_beyond(std::span<const RawFrame> first, const DepthCoding& depth) {
     const auto deep = deep_code(first, depth);
     if (!deep)
         return input_error(
@@ -66,7 +67,7 @@ Result<double> far_beyond(std::span<const PlaneView> first, const DepthCoding& d
 /// Sets an unstated far plane well beyond what the first pictures show.
 Result<LiveReader::Meaning> settled(const SceneDescription& described,
                                     std::vector<std::filesystem::path> inputs,
-                                    std::span<const PlaneView> first, const std::string& node) {
+                                    std::span<const RawFrame> first, const std::string& node) {
     SceneDescription::FoundInClip found;
     if (described.unstated.far)
         TRY(assign(found.far, error_at(node, far_beyond(first, described.scene.depth))));
@@ -109,7 +110,7 @@ SourceDescription with_card(const NodeFacts& facts, std::uint32_t format, Source
 }
 
 /// The meaning by a scene file, whose size must be that of the pictures.
-Result<LiveReader::Meaning> meaning_in_file(const std::string& node, std::span<const PlaneView> first,
+Result<LiveReader::Meaning> meaning_in_file(const std::string& node, std::span<const RawFrame> first,
                                             const std::filesystem::path& scene_file) {
     TRY_ASSIGN(auto described, read_scene_file(scene_file));
     Scene& made = described.scene;
@@ -122,9 +123,10 @@ Result<LiveReader::Meaning> meaning_in_file(const std::string& node, std::span<c
                            "metric, linear or inverse");
     if (described.unstated.camera)
         return input_error(of_file + "camera is missing: must be given, as folder.cameras are of pictures");
-    if (made.width != first.front().width || made.height != first.front().height)
+    const PlaneView& picture = first.front().depth;
+    if (made.width != picture.width || made.height != picture.height)
         return input_error(of_file + "is of " + size_text(made.width, made.height) + ", the camera gives " +
-                           size_text(first.front().width, first.front().height) + " (size=)");
+                           size_text(picture.width, picture.height) + " (size=)");
     if (made.lens.any() || made.colour_camera)
         return input_error(of_file +
                            "camera.distortion and colour_camera are of recordings: of a camera that is "
@@ -135,7 +137,7 @@ Result<LiveReader::Meaning> meaning_in_file(const std::string& node, std::span<c
 }  // namespace
 
 Result<LiveReader::Meaning> meaning_of_depth(const NodeFacts& facts, std::uint32_t format,
-                                             std::span<const PlaneView> first, const SourceDescription& known,
+                                             std::span<const RawFrame> first, const SourceDescription& known,
                                              const std::optional<std::filesystem::path>& scene_file) {
     if (scene_file) return meaning_in_file(facts.node, first, *scene_file);
     std::vector<Remark> remarks;

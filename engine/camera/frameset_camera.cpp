@@ -9,6 +9,7 @@
 
 #include <bit>
 #include <cerrno>
+#include <variant>
 
 #include "engine/base/child_process.hpp"
 #include "engine/base/threads.hpp"
@@ -125,50 +126,23 @@ FrameRate rate_of(const std::vector<std::int64_t>& sent_ns) {
 
 constexpr std::int64_t longest_way_ns = 100'000'000;  // believed from being taken to arrival
 
-/// Bytes of a running program: its standard output, or a connection. Its destructor ends what it began.
-class LiveBytes {
-public:
-    virtual ~LiveBytes() = default;
-    /// Reads what is there into `into` without waiting and returns its length; 0: nothing yet; nullopt: it
-    /// has ended.
-    virtual std::optional<std::size_t> read(std::span<std::uint8_t> into) = 0;
-    /// Descriptors for poll, which ignores -1.
-    virtual std::array<pollfd, 2> waits() const = 0;
-    /// How it ended, such as "ended with status 1"; waits for that a fifth of a second at most. Call after
-    /// the end.
-    virtual std::string how_it_ended() = 0;
-};
-
 std::string failure_text(int failure) {
     return std::generic_category().message(failure);
 }
 
-/// The standard output of a command that /bin/sh runs.
-class Command final : public LiveBytes {
-public:
-    explicit Command(std::unique_ptr<ChildProcess> process) : process_(std::move(process)) {}
-    std::optional<std::size_t> read(std::span<std::uint8_t> into) override { return process_->read(into); }
-    std::array<pollfd, 2> waits() const override { return process_->waits(); }
-    std::string how_it_ended() override { return process_->how_it_ended(); }
-
-private:
-    std::unique_ptr<ChildProcess> process_;
-};
-
-class Connection final : public LiveBytes {
+/// What a connection sends, to be read like the output of a ChildProcess.
+class Connection {
 public:
     explicit Connection(Descriptor socket) : socket_(std::move(socket)) {}
-    std::optional<std::size_t> read(std::span<std::uint8_t> into) override {
+    std::optional<std::size_t> read(std::span<std::uint8_t> into) {
         const auto got = ::recv(socket_.get(), into.data(), into.size(), MSG_DONTWAIT);
         if (got > 0) return static_cast<std::size_t>(got);
         if (got < 0 && would_wait(errno)) return std::size_t{0};
         if (got < 0) failure_ = errno;
         return std::nullopt;
     }
-    std::array<pollfd, 2> waits() const override {
-        return {pollfd{socket_.get(), POLLIN, 0}, {-1, POLLIN, 0}};
-    }
-    std::string how_it_ended() override {
+    std::array<pollfd, 2> waits() const { return {pollfd{socket_.get(), POLLIN, 0}, {-1, POLLIN, 0}}; }
+    std::string how_it_ended() const {
         return failure_ == 0 ? "closed the connection" : "was lost (" + failure_text(failure_) + ")";
     }
 
@@ -176,6 +150,9 @@ private:
     Descriptor socket_;
     int failure_ = 0;
 };
+
+/// Bytes of a running program: the standard output of a command that /bin/sh runs, or a connection.
+using LiveBytes = std::variant<std::unique_ptr<ChildProcess>, std::unique_ptr<Connection>>;
 
 Result<SocketAddress> read_address(const std::string& words) {
     const auto url = read_stream_url("tcp://" + words);
@@ -199,15 +176,15 @@ Result<int> wait_for_connection(int socket) {
     return ::getsockopt(socket, SOL_SOCKET, SO_ERROR, &failure, &length) == 0 ? failure : errno;
 }
 
-Result<std::unique_ptr<LiveBytes>> start_command(const std::string& command) {
+Result<LiveBytes> start_command(const std::string& command) {
     TRY_ASSIGN(auto process,
                error_at("pipe:" + printable(command), ChildProcess::start({"/bin/sh", "-c", command})));
     if (!process) return input_error("pipe:" + printable(command) + ": there is no /bin/sh to start it");
-    return std::unique_ptr<LiveBytes>(std::make_unique<Command>(std::move(process)));
+    return process;
 }
 
 /// Connects within 5 s, or returns an error, which is of kind interrupted if the program is to stop.
-Result<std::unique_ptr<LiveBytes>> connect_to(const std::string& address) {
+Result<LiveBytes> connect_to(const std::string& address) {
     TRY_ASSIGN(const auto read, read_address(address));
     Descriptor socket(::socket(read.storage.ss_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
     const auto no_connection = [&](int failure) {
@@ -219,7 +196,7 @@ Result<std::unique_ptr<LiveBytes>> connect_to(const std::string& address) {
         return no_connection(errno);
     TRY_ASSIGN(const auto failure, wait_for_connection(socket.get()));
     if (failure != 0) return no_connection(failure);
-    return std::unique_ptr<LiveBytes>(std::make_unique<Connection>(std::move(socket)));
+    return std::make_unique<Connection>(std::move(socket));
 }
 
 class FramesetCamera final : public LiveReader {
@@ -232,14 +209,12 @@ public:
         TRY_ASSIGN(source_,
                    choice_.command.empty() ? connect_to(choice_.address) : start_command(choice_.command));
         std::vector<RawFrame> frames;
-        std::vector<PlaneView> views;
         std::vector<std::int64_t> sent_ns;
         FramesetHeader sent;
         for (int k = 0; k < first_framesets; ++k) {
             TRY_ASSIGN(auto first, first_frame());
             if (k == 0) sent = newest_;
             sent_ns.push_back(newest_.time_ns);
-            views.push_back(first.frame.depth);
             frames.push_back(std::move(first.frame));
         }
         if (!known.intrinsics && !known.fov && known.preset.empty())
@@ -248,7 +223,7 @@ public:
         NodeFacts facts;
         facts.node = name_;
         facts.card = "a sender of framesets";
-        TRY_ASSIGN(auto meaning, meaning_of_depth(facts, V4L2_PIX_FMT_Z16, views, known, scene_file));
+        TRY_ASSIGN(auto meaning, meaning_of_depth(facts, V4L2_PIX_FMT_Z16, frames, known, scene_file));
         meaning.scene.rate = rate_of(sent_ns);
         take_meaning(std::move(meaning));
         notes_.push_back(name_ + " sends depth of " +
@@ -287,9 +262,9 @@ private:
                 if (!has_begun()) break;
                 continue;
             }
-            const auto got = source_->read(chunk_);
+            const auto got = std::visit([&](auto& source) { return source->read(chunk_); }, source_);
             if (!got && best) break;
-            if (!got) return gone(source_->how_it_ended());
+            if (!got) return gone(std::visit([](auto& source) { return source->how_it_ended(); }, source_));
             if (*got == 0) break;
             if (!heard_) heard_ = std::chrono::steady_clock::now();
             read += *got;
@@ -306,7 +281,7 @@ private:
     }
 
     void wait() override {
-        auto sources = source_->waits();
+        auto sources = std::visit([](auto& source) { return source->waits(); }, source_);
         (void)::poll(sources.data(), sources.size(), static_cast<int>(stop_look.count()));
     }
 
@@ -320,7 +295,7 @@ private:
     }
 
     const FramesetChoice choice_;
-    std::unique_ptr<LiveBytes> source_;
+    LiveBytes source_;
     FramesetParser parser_;
     JitterBuffer clock_{0, longest_way_ns};
     std::vector<std::uint8_t> chunk_ = std::vector<std::uint8_t>(std::size_t{1} << 18U);
@@ -332,8 +307,8 @@ private:
 }  // namespace
 
 Result<void> check_address(const std::string& address) {
-    const auto read = read_address(address);
-    return read ? Result<void>() : read.error();
+    TRY(read_address(address));
+    return {};
 }
 
 PlaneView Frameset::colour() const {
@@ -411,7 +386,7 @@ Result<std::unique_ptr<ClipReader>> open_frameset_camera(
     const std::optional<std::filesystem::path>& scene_file) {
     auto camera = std::make_unique<FramesetCamera>(choice);
     TRY(camera->open(known, scene_file));
-    return std::unique_ptr<ClipReader>(std::move(camera));
+    return camera;
 }
 
 }  // namespace touchable

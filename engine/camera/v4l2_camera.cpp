@@ -15,20 +15,14 @@ namespace touchable {
 namespace {
 
 AVPixelFormat pixels_as_ffmpeg_has_them(std::uint32_t code) {
-    switch (code) {
-        case V4L2_PIX_FMT_RGB24:
-            return AV_PIX_FMT_RGB24;
-        case V4L2_PIX_FMT_BGR24:
-            return AV_PIX_FMT_BGR24;
-        case V4L2_PIX_FMT_YUYV:
-            return AV_PIX_FMT_YUYV422;
-        case V4L2_PIX_FMT_UYVY:
-            return AV_PIX_FMT_UYVY422;
-        case V4L2_PIX_FMT_NV12:
-            return AV_PIX_FMT_NV12;
-        default:
-            return AV_PIX_FMT_NONE;
-    }
+    constexpr std::pair<std::uint32_t, AVPixelFormat> formats[] = {{V4L2_PIX_FMT_RGB24, AV_PIX_FMT_RGB24},
+                                                                   {V4L2_PIX_FMT_BGR24, AV_PIX_FMT_BGR24},
+                                                                   {V4L2_PIX_FMT_YUYV, AV_PIX_FMT_YUYV422},
+                                                                   {V4L2_PIX_FMT_UYVY, AV_PIX_FMT_UYVY422},
+                                                                   {V4L2_PIX_FMT_NV12, AV_PIX_FMT_NV12}};
+    for (const auto& [known, pixels] : formats)
+        if (code == known) return pixels;
+    return AV_PIX_FMT_NONE;
 }
 
 /// FFmpeg's frame around the bytes, which the picture still owns.
@@ -170,14 +164,12 @@ private:
                             const std::optional<std::filesystem::path>& scene_file) {
         constexpr int looked_at = 8;
         std::vector<RawFrame> frames;
-        std::vector<PlaneView> views;
         for (int k = 0; k < looked_at; ++k) {
             TRY_ASSIGN(auto first, first_frame());
-            views.push_back(first.frame.depth);
             frames.push_back(std::move(first.frame));
         }
         const StreamFormat& format = depth_->format();
-        TRY_ASSIGN(auto meaning, meaning_of_depth(facts_, format.code, views, known, scene_file));
+        TRY_ASSIGN(auto meaning, meaning_of_depth(facts_, format.code, frames, known, scene_file));
         meaning.scene.rate = depth_->rate().value_or(FrameRate{30, 1});
         take_meaning(std::move(meaning));
         const bool sized = choice_.width > 0 || scene_file;
@@ -297,7 +289,7 @@ Result<std::unique_ptr<ClipReader>> open_v4l2_camera(const V4l2Choice& choice, c
                                                      const std::optional<std::filesystem::path>& scene_file) {
     auto camera = std::make_unique<V4l2Camera>(choice);
     TRY(camera->open(known, scene_file));
-    return std::unique_ptr<ClipReader>(std::move(camera));
+    return camera;
 }
 
 }  // namespace touchable

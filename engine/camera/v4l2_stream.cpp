@@ -228,14 +228,13 @@ Result<NodeMode> choose_size(const NodeFormat& format, const ModeWish& wish) {
         return *std::ranges::max_element(format.modes, {},
                                          [wanted](const NodeMode& mode) { return usual_mark(mode, wanted); });
     }
-    std::string there;
-    for (const NodeMode& mode : format.modes) {
+    for (const NodeMode& mode : format.modes)
         if (mode.width == wish.width && mode.height == wish.height) return mode;
-        there += (there.empty() ? "" : ", ") + size_text(mode.width, mode.height);
-    }
     if (format.any_size) return NodeMode{wish.width, wish.height, format.modes.front().rates};
     return usage_error("offers no " + format_text(format.code) + " of " + size_text(wish.width, wish.height) +
-                       " (size=); there are " + there);
+                       " (size=); there are " + listed(format.modes, [](const NodeMode& mode) {
+                           return size_text(mode.width, mode.height);
+                       }));
 }
 
 // Enough for the driver to fill one while others wait, few enough that none is old.
@@ -297,7 +296,7 @@ std::string users_of_node(const std::string& node) {
     std::error_code ignored;
     for (const auto& process : fs::directory_iterator("/proc", ignored)) {
         const std::string number = process.path().filename().string();
-        if (number.find_first_not_of("0123456789") != std::string::npos) continue;
+        if (!is_digits(number)) continue;
         std::error_code hidden;
         for (const auto& file : fs::directory_iterator(process.path() / "fd", hidden)) {
             struct stat open = {};
@@ -315,7 +314,7 @@ std::string users_of_node(const std::string& node) {
 }
 
 bool is_depth_format(std::uint32_t code) {
-    return std::find(depth_formats.begin(), depth_formats.end(), code) != depth_formats.end();
+    return std::ranges::find(depth_formats, code) != depth_formats.end();
 }
 
 Result<const NodeFormat*> depth_of_node(const NodeFacts& facts) {
@@ -334,7 +333,7 @@ Result<const NodeFormat*> depth_of_node(const NodeFacts& facts) {
 }
 
 bool is_colour_format(std::uint32_t code) {
-    return std::find(colour_formats.begin(), colour_formats.end(), code) != colour_formats.end();
+    return std::ranges::find(colour_formats, code) != colour_formats.end();
 }
 
 std::string format_text(std::uint32_t code) {
