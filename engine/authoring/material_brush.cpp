@@ -219,26 +219,24 @@ public:
 
     /// A person's choice takes precedence over a guess, and the first segment over the second.
     Result<std::string> operator()(const Join& join) {
-        auto a = label_of(*segments_, join.a), b = label_of(*segments_, join.b);
-        if (!a) return a.error();
-        if (!b) return b.error();
-        const NamedSegment *of_a = find_name(*segments_, names_, *a),
-                           *of_b = find_name(*segments_, names_, *b);
-        if (*a == *b) return usage_error("both places are on " + segment_in_words(*a));
-        const std::string both = segment_in_words(*a) + " and " + segment_in_words(*b);
+        TRY_ASSIGN(auto a, label_of(*segments_, join.a));
+        TRY_ASSIGN(auto b, label_of(*segments_, join.b));
+        const NamedSegment *of_a = find_name(*segments_, names_, a), *of_b = find_name(*segments_, names_, b);
+        if (a == b) return usage_error("both places are on " + segment_in_words(a));
+        const std::string both = segment_in_words(a) + " and " + segment_in_words(b);
         if (of_a != nullptr && of_a == of_b) return usage_error(both + " are one already");
         PixelOfFrame at_a = join.a, at_b = join.b;
         if (of_b != nullptr && !of_b->is_guess && (of_a == nullptr || of_a->is_guess)) {
             std::swap(of_a, of_b);
             std::swap(at_a, at_b);
-            std::swap(*a, *b);
+            std::swap(a, b);
         }
-        NamedSegment joined = of_a != nullptr ? *of_a : new_name(*a, at_a, now_.by_label.at(*a));
+        NamedSegment joined = of_a != nullptr ? *of_a : new_name(a, at_a, now_.by_label.at(a));
         const std::vector<PixelOfFrame> places = of_b != nullptr ? of_b->at : std::vector{at_b};
         joined.at.insert(joined.at.end(), places.begin(), places.end());
         std::erase_if(names_.segments, [&](const NamedSegment& name) {
             const auto labels = labels_of(*segments_, name);
-            return labels.contains(*a) || labels.contains(*b);
+            return labels.contains(a) || labels.contains(b);
         });
         names_.segments.push_back(std::move(joined));
         return both + " are one";

@@ -293,7 +293,7 @@ void RegionCleaning::find_runs(const std::vector<std::uint16_t>& regions, int wi
     row_begins_.clear();
     for (int y = 0; y < height; ++y) {
         row_begins_.push_back(static_cast<std::uint32_t>(runs_.size()));
-        const std::uint16_t* row = &regions[static_cast<std::size_t>(y) * static_cast<std::size_t>(width)];
+        const std::uint16_t* row = &regions[pixel_place(0, y, width)];
         for (int x = 0, first = 0; x < width; ++x)
             if (x + 1 == width || row[x + 1] != row[x]) {
                 const auto island = static_cast<std::uint32_t>(runs_.size());

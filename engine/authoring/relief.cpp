@@ -317,7 +317,7 @@ void ReliefFilter::part_surfaces(const RawFrame& frame) {
             std::fill(weights_.row(y) + std::max(0, x0), weights_.row(y) + std::min(width, x1), 0);
     };
     for (int y = 0; y < height; ++y) {
-        const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+        const std::size_t row = pixel_place(0, y, width);
         cut_line(&depths[row], 1, width, &runs_.across[row],
                  [&](int x) { forget(x + 1 - bleeding, x + 1 + bleeding, y + 1 - bleeding, y + bleeding); });
     }

@@ -22,12 +22,8 @@ struct NumberField {
 
     NumberField() = default;
     NumberField(int columns, int rows) : width(columns), height(rows), numbers(pixel_count(columns, rows)) {}
-    std::int32_t* row(int y) {
-        return numbers.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
-    }
-    const std::int32_t* row(int y) const {
-        return numbers.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
-    }
+    std::int32_t* row(int y) { return numbers.data() + pixel_place(0, y, width); }
+    const std::int32_t* row(int y) const { return numbers.data() + pixel_place(0, y, width); }
 };
 
 /// Where surfaces end: for each pixel the first and the last column, and the first and the last row, of the

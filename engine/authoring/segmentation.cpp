@@ -206,9 +206,7 @@ private:
         const auto pixels = pixel_count(width, height);
         brightness_.resize(pixels);
         deviations_.assign(pixels, 0);
-        const auto row_of = [&](auto& plane, int y) {
-            return plane.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
-        };
+        const auto row_of = [&](auto& plane, int y) { return plane.data() + pixel_place(0, y, width); };
         bands.for_each_band(height, 1, [&](const RowBand& band) {
             for (int y = band.first; y < band.last; ++y)
                 for (int x = 0; x < width; ++x) {

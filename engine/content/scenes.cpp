@@ -58,13 +58,8 @@ double pixel_width(const Preset& preset, int width) {
 
 PlaneView plane(const void* data, bool present, const Scene& scene, int bytes_per_sample, int channels) {
     if (!present) return {};
-    const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(scene.width) * bytes_per_sample * channels;
-    return {static_cast<const std::uint8_t*>(data),
-            stride,
-            scene.width,
-            scene.height,
-            bytes_per_sample,
-            channels};
+    return packed_plane(static_cast<const std::uint8_t*>(data), scene.width, scene.height, bytes_per_sample,
+                        channels);
 }
 
 /// Analytic depths of a whole picture at time t, row-major, scene units.
@@ -72,7 +67,7 @@ std::vector<double> sample_depths(const AnalyticScene& scene, double t, RowBands
     const int width = scene.scene().width, height = scene.scene().height;
     std::vector<double> depths(pixel_count(width, height));
     rows.for_each_band(height, 1, [&](const RowBand& band) {
-        double* out = &depths[static_cast<std::size_t>(band.first) * static_cast<std::size_t>(width)];
+        double* out = &depths[pixel_place(0, band.first, width)];
         for (int y = band.first; y < band.last; ++y, out += width) scene.row_depths(y, t, out);
     });
     return depths;

@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "engine/surface/surface_builder.hpp"
 
 namespace touchable {
@@ -129,7 +130,7 @@ Result<void> write_ply(NewFile& file, const Mesh& mesh, const PlaneView& colour,
                             colour.channels != 3 || colour.bytes_per_sample != 1))
         return input_error(file.target().string() +
                            ": the colours are not three channels of 8 bits of the mesh's picture, " +
-                           std::to_string(mesh.width) + "x" + std::to_string(mesh.height));
+                           size_text(mesh.width, mesh.height));
 
     TRY(file.check());
     std::ofstream stream(file.path(), std::ios::binary | std::ios::trunc);

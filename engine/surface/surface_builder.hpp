@@ -81,9 +81,7 @@ struct CodePicture {
     int width = 0, height = 0;
     std::vector<int> codes;
 
-    const int* row(int y) const {
-        return codes.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
-    }
+    const int* row(int y) const { return codes.data() + pixel_place(0, y, width); }
 };
 CodePicture code_picture(const PlaneView& depth, const DepthCoding& coding);
 

@@ -142,7 +142,7 @@ LightPicture on_background(PicturePlanes planes) {
 
 Image developed(const LightPicture& picture, int samples) {
     Image image{picture.width / samples, picture.height / samples, 1, 3, {}};
-    image.samples.reserve(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * 3);
+    image.samples.reserve(3 * pixel_count(image.width, image.height));
     const float share = 1.0F / static_cast<float>(samples * samples);
     for (int y = 0; y < image.height; ++y)
         for (int x = 0; x < image.width; ++x) {
