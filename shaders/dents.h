@@ -72,6 +72,11 @@ DENT_FUNCTION DentLight dent_light(vec3 before, vec3 after) {
 
 #ifdef __cplusplus
 }  // namespace touchable
+#else
+layout(set = 0, binding = 0, std430) readonly buffer Dents {
+    DentHeader header;
+    DentRecord dents[];
+};
 #endif
 #undef DENT_FUNCTION
 

@@ -7,9 +7,6 @@
 #include "shaders/view_marks.h"
 #include "shaders/view_quad.h"
 
-layout(push_constant, std430) uniform Push {
-    MarksPush push;
-};
 layout(set = 0, binding = 0, std430) readonly buffer Solids {
     SolidRecord solids[];
 };

@@ -8,10 +8,6 @@
 #include "shaders/cut_rule.h"
 #include "shaders/dents.h"
 
-layout(set = 0, binding = 0, std430) readonly buffer Dents {
-    DentHeader header;
-    DentRecord dents[];
-};
 layout(set = 0, binding = 1) uniform texture2D z_image;
 layout(set = 0, binding = 2) uniform texture2D picture;
 

@@ -6,11 +6,6 @@
 #include "shaders/dents.h"
 #include "shaders/view_quad.h"
 
-layout(set = 0, binding = 0, std430) readonly buffer Dents {
-    DentHeader header;
-    DentRecord dents[];
-};
-
 void main() {
     const vec4 bounds = dents[gl_InstanceIndex].bounds;
     gl_Position = vec4(mix(bounds.xy, bounds.zw, quad_corner()), 0.0f, 1.0f);

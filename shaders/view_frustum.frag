@@ -6,10 +6,6 @@
 #include "shaders/solid_light.h"
 #include "shaders/view_marks.h"
 
-layout(push_constant, std430) uniform Push {
-    MarksPush push;
-};
-
 layout(location = 0) in vec3 normal;
 layout(location = 1) flat in vec3 to_eye;
 layout(location = 2) flat in vec4 light;

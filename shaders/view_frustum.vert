@@ -5,9 +5,6 @@
 
 #include "shaders/view_marks.h"
 
-layout(push_constant, std430) uniform Push {
-    MarksPush push;
-};
 layout(set = 0, binding = 0, std430) readonly buffer Solids {
     SolidRecord solids[];
 };

@@ -48,6 +48,10 @@ struct MarksPush {
 
 #ifdef __cplusplus
 }  // namespace touchable
+#else
+layout(push_constant, std430) uniform Push {
+    MarksPush push;
+};
 #endif
 
 #endif
