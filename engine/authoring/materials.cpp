@@ -302,16 +302,12 @@ Result<std::unique_ptr<ClipReader>> with_cut_materials(std::unique_ptr<ClipReade
     TRY_ASSIGN(auto cut, with_cuts(std::move(read), settings.names));
     TRY_ASSIGN(auto named, find_named_segments(cut, settings.names, settings.map));
     TRY(clip->rewind());
-    struct Known {
-        SegmentStore segments;
-        Segmentation now;
-    };
-    const auto known = std::make_shared<Known>(Known{std::move(cut), {}});
+    const auto known = std::make_shared<const SegmentStore>(std::move(cut));
     return begin_reading(
         std::move(clip), settings, std::move(named),
         [known](const Scene&) {
-            return [known](const RawFrame& frame, bool) -> const Segmentation& {
-                return known->now = known->segments.segmentation(frame.number);
+            return [known, now = Segmentation()](const RawFrame& frame, bool) mutable -> const Segmentation& {
+                return now = known->segmentation(frame.number);
             };
         },
         std::move(report));
