@@ -1,6 +1,8 @@
 // The measurements of the first frames, put together, and the filters chosen by them.
 #include "engine/surface/depth_estimator.hpp"
 
+#include "engine/base/same_bits.hpp"
+
 namespace touchable {
 namespace {
 
@@ -126,9 +128,7 @@ double times_as_deep(const std::vector<float>& one, const std::vector<float>& ot
     for (std::size_t k = 0; k < std::min(one.size(), other.size()); ++k)
         if (one[k] > 0 && other[k] > 0) ratios.push_back(one[k] / other[k]);
     if (ratios.empty()) return 1;
-    const auto middle = ratios.begin() + std::ssize(ratios) / 2;
-    std::ranges::nth_element(ratios, middle);
-    const double times = *middle;
+    const double times = sorted_element(ratios, ratios.size() / 2);
     return std::max(times, 1 / times);
 }
 

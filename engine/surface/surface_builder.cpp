@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <deque>
 
+#include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/words.hpp"
 
@@ -181,10 +182,7 @@ std::vector<double> valid_depths(const Scene& scene, const SurfaceFrame& given) 
 }
 
 double quantile(std::vector<double>& depths, double share) {
-    const auto at =
-        depths.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(depths.size() - 1));
-    std::ranges::nth_element(depths, at);
-    return *at;
+    return sorted_element(depths, static_cast<std::size_t>(share * static_cast<double>(depths.size() - 1)));
 }
 
 }  // namespace touchable

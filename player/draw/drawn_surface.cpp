@@ -3,6 +3,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "engine/base/same_bits.hpp"
 #include "shaders/blend_rule.h"
 #include "shaders/surface_light.h"
 
@@ -131,9 +132,7 @@ UsualQ usual_q(int width, int height, const std::function<float(int x, int y)>& 
             if (const float q = q_at(x, y); q > 0) valid.push_back(q);
     if (valid.empty()) return {0, 1};
     auto quantile = [&valid](std::size_t percent) {
-        const auto at = valid.begin() + static_cast<std::ptrdiff_t>((valid.size() - 1) * percent / 100);
-        std::ranges::nth_element(valid, at);
-        return *at;
+        return sorted_element(valid, (valid.size() - 1) * percent / 100);
     };
     return {quantile(4), quantile(96)};
 }

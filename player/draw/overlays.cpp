@@ -1,5 +1,6 @@
 #include "player/draw/overlays.hpp"
 
+#include "engine/base/same_bits.hpp"
 #include "player/draw/cpu_painting.hpp"
 #include "player/draw/drawn_surface.hpp"
 #include "player/draw/overlay_rows.hpp"
@@ -74,9 +75,7 @@ SeenValues seen_values(Scalar scalar, const HeightField& field, ScalarRows& rows
     }
     if (values.empty()) return seen;
     const auto quantile = [&](std::size_t percent) {
-        const auto at = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) * percent / 100);
-        std::ranges::nth_element(values, at);
-        return static_cast<double>(*at);
+        return static_cast<double>(sorted_element(values, (values.size() - 1) * percent / 100));
     };
     const std::size_t outermost = scalar == Scalar::depth ? 1 : 0;
     seen.shown = {quantile(outermost), quantile(100 - outermost)};
@@ -123,8 +122,7 @@ public:
         assert(kind != Overlay::colour);
         picture_.width = field.width();
         picture_.height = field.height();
-        picture_.rgb.resize(std::size_t{3} * static_cast<std::size_t>(field.width()) *
-                            static_cast<std::size_t>(field.height()));
+        picture_.rgb.resize(3 * pixel_count(field.width(), field.height()));
         picture_.scale = {};
         if (kind == Overlay::normals || kind == Overlay::tiles) lattices_.q_of(field, pair, q_);
         if (kind == Overlay::normals)

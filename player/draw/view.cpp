@@ -409,10 +409,9 @@ double whole_zoom(const Viewpoint& viewpoint, const Scene& scene, const glm::dve
         distances.push_back(glm::dot(from, back) + std::max(reach.x * std::abs(glm::dot(from, right)),
                                                             reach.y * std::abs(glm::dot(from, up))));
     }
-    const auto at =
-        distances.end() - 1 - static_cast<std::ptrdiff_t>(outliers * static_cast<double>(distances.size()));
-    std::ranges::nth_element(distances, at);
-    return std::clamp(-centre.z / std::max(*at, -centre.z), 0.1, 1.0);
+    const std::size_t beyond = static_cast<std::size_t>(outliers * static_cast<double>(distances.size()));
+    const double farthest = sorted_element(distances, distances.size() - 1 - beyond);
+    return std::clamp(-centre.z / std::max(farthest, -centre.z), 0.1, 1.0);
 }
 
 ViewCamera make_view(const Viewpoint& viewpoint, const Scene& scene, const glm::dvec3& centre, int width,
@@ -439,9 +438,7 @@ Viewpoint::Subject subject_of(const HeightField& field) {
     for (int axis = 0; axis < 3; ++axis) {
         std::transform(subject.points.begin(), subject.points.end(), values.begin(),
                        [axis](const glm::dvec3& point) { return point[axis]; });
-        const auto at = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
-        std::ranges::nth_element(values, at);
-        subject.middle[axis] = *at;
+        subject.middle[axis] = sorted_element(values, (values.size() - 1) / 2);
     }
     return subject;
 }
