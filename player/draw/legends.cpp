@@ -3,7 +3,6 @@
 #include <cairo.h>
 
 #include <glm/common.hpp>
-#include <iterator>
 
 #include "engine/base/words.hpp"
 #include "player/draw/finger_marks.hpp"
@@ -274,19 +273,11 @@ void draw_bar(cairo_t* c, const Overlays::Scale& scale, const panel::Frame& fram
     }
 }
 
-constexpr struct {
-    Overlay overlay;
-    const char* name;
-} named_overlays[] = {{Overlay::colour, "colour"},
-                      {Overlay::depth, "depth"},
-                      {Overlay::depth_linear, "depth-linear"},
-                      {Overlay::stiffness, "stiffness"},
-                      {Overlay::static_friction, "friction"},
-                      {Overlay::dynamic_friction, "dynamic-friction"},
-                      {Overlay::height, "height"},
-                      {Overlay::normals, "normals"},
-                      {Overlay::tiles, "tiles"},
-                      {Overlay::validity, "validity"}};
+/// In Overlay's order.
+constexpr std::array<std::string_view, 10> names_of_overlays{
+    "colour",           "depth",  "depth-linear", "stiffness", "friction",
+    "dynamic-friction", "height", "normals",      "tiles",     "validity"};
+static_assert(static_cast<std::size_t>(Overlay::validity) + 1 == names_of_overlays.size());
 
 /// Linear light of sRGB's primaries (OKLab: Ottosson 2020).
 glm::dvec3 linear_rgb(double lightness, double a, double b) {
@@ -308,25 +299,20 @@ std::uint32_t byte_of_light(double light_share) {
 }  // namespace
 
 std::string name_of(Overlay overlay) {
-    for (const auto& named : named_overlays)
-        if (named.overlay == overlay) return named.name;
-    return "";
+    return std::string(names_of_overlays[static_cast<std::size_t>(overlay)]);
 }
 
 std::vector<std::string> overlay_names() {
-    std::vector<std::string> names;
-    for (const auto& named : named_overlays) names.emplace_back(named.name);
-    return names;
+    return {names_of_overlays.begin(), names_of_overlays.end()};
 }
 
 Result<Overlay> overlay_after(Overlay now, const std::string& name) {
-    for (std::size_t k = 0; k < std::size(named_overlays); ++k) {
-        if (name.empty() && named_overlays[k].overlay == now)
-            return named_overlays[(k + 1) % std::size(named_overlays)].overlay;
-        if (name == named_overlays[k].name) return named_overlays[k].overlay;
-    }
+    constexpr std::size_t count = names_of_overlays.size();
+    if (name.empty()) return static_cast<Overlay>((static_cast<std::size_t>(now) + 1) % count);
+    const auto named = std::ranges::find(names_of_overlays, name);
+    if (named != names_of_overlays.end()) return static_cast<Overlay>(named - names_of_overlays.begin());
     return usage_error("unknown overlay '" + printable(name) + "'; must be one of " +
-                       listed(overlay_names()));
+                       listed(names_of_overlays));
 }
 
 double Overlays::Scale::share_of(double value) const {
