@@ -215,8 +215,7 @@ Result<RawFrame> raw_frame(const touch_frame& frame, const Scene& scene, FrameSc
         std::int64_t lost = 0;
         auto codes = codes_of_metres(from, scene, scratch.codes, lost);
         if (given.lost_pixels) *given.lost_pixels = lost;
-        if (!codes) return codes.error();
-        to = *codes;
+        TRY(assign(to, std::move(codes)));
     }
     if (auto fits = check_raw_frame(raw, scene); !fits) return usage_error(fits.error().message);
     return raw;

@@ -223,7 +223,7 @@ Result<std::optional<MeasuredDepth>> measure(ClipObject& clip) {
     const auto looked = look_ahead(ahead, estimator);
     TRY_ASSIGN(clip.reader, ahead.finish());
     if (clip.next_frame != 0) TRY(clip.reader->seek(clip.next_frame));
-    if (!looked) return looked.error();
+    TRY(looked);
     return estimator.measured();
 }
 

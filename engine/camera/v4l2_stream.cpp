@@ -530,7 +530,7 @@ Result<std::optional<TakenPicture>> V4l2Stream::take(Which which) {
     for (std::size_t looks = 0; looks < buffers_.size() && (which == Which::newest || !best); ++looks) {
         const auto next = dequeue();
         if (!next && best) break;  // the error comes again
-        if (!next) return next.error();
+        TRY(next);
         if (!*next) break;
         const bool whole = is_whole(**next);
         damaged_ += !whole;
