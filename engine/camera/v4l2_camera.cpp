@@ -155,8 +155,7 @@ private:
             wish.width = described.scene.width;
             wish.height = described.scene.height;
         }
-        TRY_ASSIGN(depth_, V4l2Stream::open(system_, facts_, *format, wish));
-        return {};
+        return assign(depth_, V4l2Stream::open(system_, facts_, *format, wish));
     }
 
     /// Finds the stream's form and meaning by its first frames.

@@ -75,8 +75,7 @@ void GpuRecording::stamp() {
 Result<void> GpuRecording::end() {
     record_barrier(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_WRITE_BIT,
                    VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT | VK_ACCESS_2_HOST_WRITE_BIT);
-    TRY(vulkan->checked("vkEndCommandBuffer", vkEndCommandBuffer(commands)));
-    return {};
+    return vulkan->checked("vkEndCommandBuffer", vkEndCommandBuffer(commands));
 }
 
 void GpuRecording::read_times() {

@@ -353,19 +353,17 @@ Result<void> GpuLattices::make_tile_programs() {
     TRY_ASSIGN(cut_tiles_, GpuProgram::create(
                                *device_, "cut_tiles", cut_tiles_spv,
                                {sizeof(CutTilesPush), {texel_kind, storage_kind}, {CUT_TILES_LANES, 1, 1}}));
-    TRY_ASSIGN(
+    return assign(
         list_tiles_,
         GpuProgram::create(*device_, "list_tiles", list_tiles_spv,
                            {sizeof(CutTilesPush), {storage_kind, storage_kind}, {LIST_TILES_LANES, 1, 1}}));
-    return {};
 }
 
 Result<void> GpuLattices::make_edge_program() {
     if (edges_) return {};
-    TRY_ASSIGN(edges_,
-               GpuProgram::create(*device_, "edges", edges_spv,
-                                  {sizeof(EdgesPush), {texel_kind, storage_kind}, {EDGES_LANES, 1, 1}}));
-    return {};
+    return assign(edges_,
+                  GpuProgram::create(*device_, "edges", edges_spv,
+                                     {sizeof(EdgesPush), {texel_kind, storage_kind}, {EDGES_LANES, 1, 1}}));
 }
 
 Result<void> GpuLattices::record_tiles(GpuCommands& commands, GpuLattice& lattice) {

@@ -48,9 +48,8 @@ public:
         raw.depth = plane_of_codes(codes.data(), painted_width, painted_height);
         TRY_ASSIGN(builder_, make_vulkan_builder(scene_, device_));
         TRY(builder_->build(raw, frame_));
-        TRY_ASSIGN(target_, GpuImage::create(*device_, "picture", painted_width, painted_height,
-                                             VK_FORMAT_R8G8B8A8_UNORM));
-        return {};
+        return assign(target_, GpuImage::create(*device_, "picture", painted_width, painted_height,
+                                                VK_FORMAT_R8G8B8A8_UNORM));
     }
 
     /// The minimum over several pictures.
