@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "bench/touch/touch_run.hpp"
-#include "engine/content/height_fields.hpp"
+#include "tests/content/goal_paths.hpp"
 
 namespace touchable {
 namespace {

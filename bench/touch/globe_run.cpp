@@ -7,7 +7,7 @@
 
 #include "bench/touch/touch_run.hpp"
 #include "engine/base/same_bits.hpp"
-#include "engine/content/height_fields.hpp"
+#include "tests/content/goal_paths.hpp"
 
 namespace touchable {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "bench/clocks.hpp"
 #include "bench/touch/touch_run.hpp"
-#include "engine/content/height_fields.hpp"
+#include "tests/content/goal_paths.hpp"
 #include "tests/reference/solver.hpp"
 
 namespace touchable {

@@ -1,7 +1,7 @@
 #include "bench/touch/timing_run.hpp"
 
 #include "bench/touch/touch_run.hpp"
-#include "engine/content/height_fields.hpp"
+#include "tests/content/goal_paths.hpp"
 
 namespace touchable {
 namespace {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "engine/base/same_bits.hpp"
-#include "engine/content/height_fields.hpp"
 #include "engine/content/scenes.hpp"
+#include "tests/content/goal_paths.hpp"
 #include "tests/content/made_maps.hpp"
 #include "tests/must.hpp"
 

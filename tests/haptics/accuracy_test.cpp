@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "engine/content/height_fields.hpp"
+#include "tests/content/goal_paths.hpp"
 #include "tests/haptics/touch_rig.hpp"
 #include "tests/reference/solver.hpp"
 #include "tests/sweep.hpp"

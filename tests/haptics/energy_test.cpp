@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "engine/content/height_fields.hpp"
 #include "haptics_cpu/force_guard.hpp"
+#include "tests/content/goal_paths.hpp"
 #include "tests/haptics/touch_rig.hpp"
 
 namespace touchable::test {

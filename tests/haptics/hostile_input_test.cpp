@@ -7,13 +7,13 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/content/height_fields.hpp"
 #include "engine/content/seeded_noise.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/force_guard.hpp"
 #include "haptics_cpu/haptic_loop.hpp"
 #include "haptics_cpu/touch_step.hpp"
 #include "haptics_cpu/world_space.hpp"
+#include "tests/content/goal_paths.hpp"
 #include "tests/haptics/touch_rig.hpp"
 #include "tests/limits.hpp"
 #include "tests/stress/drawn_scene.hpp"

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <optional>
 
-#include "engine/content/height_fields.hpp"
 #include "haptics_cpu/surface_carry.hpp"
 #include "haptics_cpu/touch_step.hpp"
 #include "haptics_cpu/world_space.hpp"
+#include "tests/content/goal_paths.hpp"
 #include "tests/haptics/touch_rig.hpp"
 #include "tests/reference/solver.hpp"
 #include "tests/sweep.hpp"

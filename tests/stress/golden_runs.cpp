@@ -4,8 +4,8 @@
 #include <sstream>
 #include <variant>
 
-#include "engine/content/height_fields.hpp"
 #include "engine/surface/surface_builder.hpp"
+#include "tests/content/goal_paths.hpp"
 #include "tests/stress/golden_runs.hpp"
 #include "tests/stress/suites.hpp"
 

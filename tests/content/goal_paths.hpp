@@ -1,0 +1,179 @@
+#pragma once
+
+// The goal paths that tests and benchmarks share (docs/content.md): one goal per tick of 1 ms, world, scene
+// units.
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstdint>
+#include <glm/vec3.hpp>
+
+#include "engine/base/same_bits.hpp"
+#include "engine/content/height_fields.hpp"
+#include "engine/content/seeded_noise.hpp"
+
+namespace touchable {
+
+namespace goal_paths {
+
+inline constexpr double tick_seconds = 0.001;
+
+/// Outward normal at T seconds into the stroke.
+inline glm::dvec3 stroke_normal(double seconds) {
+    const double widest = 50 * pi / 180, limit = 0.72;
+    double nx = sine(widest * sine(2 * pi * 0.37 * seconds));
+    double ny = sine(widest * sine(2 * pi * 0.29 * seconds + 1));
+    const double lateral = nx * nx + ny * ny;
+    if (lateral > limit) {
+        const double shrink = std::sqrt(limit / lateral);
+        nx *= shrink;
+        ny *= shrink;
+    }
+    return {nx, ny, std::sqrt(1 - nx * nx - ny * ny)};
+}
+
+/// Folds a position beyond +-limit back; returns true if it did.
+inline bool reflect(double& position, double limit) {
+    if (std::fabs(position) <= limit) return false;
+    position = position > 0 ? 2 * limit - position : -2 * limit - position;
+    return true;
+}
+
+/// A position folded back between two walls that it has passed by less than their distance.
+inline double fold(double position, double low, double high) {
+    if (position < low) return 2 * low - position;
+    return position > high ? 2 * high - position : position;
+}
+
+}  // namespace goal_paths
+
+/// The accuracy stroke: a straight approach along the first normal, then 1 mm of device space under the
+/// globe.
+class GlobeStroke {
+public:
+    static constexpr int approach_ticks = 200, stroke_ticks = 20000;
+
+    /// For the globe without properties at this size.
+    GlobeStroke(CameraPreset preset, int width, int height)
+        : sphere_(globe_sphere(preset, width, height)),
+          units_per_metre_(sphere_.radius / globe_device_radius) {}
+
+    struct Goal {
+        glm::dvec3 goal;
+        glm::dvec3 normal;   ///< of the sphere under which the goal lies: the true direction of the force
+        double polar_angle;  ///< of that normal from the axis to the camera, radians, at most 58.1 degrees
+    };
+    /// 0 <= tick < approach_ticks + stroke_ticks.
+    Goal at(int tick) const;
+
+private:
+    GlobeSphere sphere_;
+    double units_per_metre_;  // scene units per metre of device space
+};
+
+/// The stroke over a height field: constant lateral speed on a winding path, reflected 12 mm from the
+/// picture's edges (at depth 1000), under the surface by 3.5 mm + 1.5 sin(2 pi 0.9 t) once the first 0.25 s
+/// have brought it down from 50 mm above.
+class ReliefStroke {
+public:
+    /// Speed in m/s (device and scene are one to one); the picture's height must leave more than 24 mm of
+    /// surface.
+    ReliefStroke(Relief relief, int width, int height, double speed);
+
+    struct Goal {
+        glm::dvec3 goal;
+        double under;  ///< depth under the surface along Z, scene units; negative: above it
+    };
+    /// Returns the goals of ticks 0, 1, 2, ... in turn.
+    Goal next();
+
+private:
+    void advance();
+
+    Relief relief_;
+    double limit_x_, limit_y_;  // the path stays within +-limit
+    double step_;               // scene units per tick
+    std::int64_t tick_ = 0;
+    double x_ = 0, y_ = 0, heading_ = 0.3;
+};
+
+/// A goal path for the stress scenes: each tick moves by up to 1 pixel in x and y and 3 units of planar
+/// depth, and every 50th tick on average jumps anywhere. It leaves the picture by up to 2 pixels, and the
+/// depths of the scene a little.
+class RandomWalk {
+public:
+    RandomWalk(const Scene& scene, std::uint64_t seed);
+    glm::dvec3 next();
+
+private:
+    void jump() {
+        for (int axis = 0; axis < 3; ++axis) at_[axis] = random_.within(low_[axis], high_[axis]);
+    }
+
+    Camera camera_;
+    glm::dvec3 low_, high_;  // of column, row, planar depth
+    SplitMix64 random_;
+    glm::dvec3 at_;
+};
+
+inline GlobeStroke::Goal GlobeStroke::at(int tick) const {
+    assert(tick >= 0 && tick < approach_ticks + stroke_ticks);
+    const int stroke_tick = std::max(0, tick - approach_ticks);
+    const glm::dvec3 normal = goal_paths::stroke_normal(stroke_tick * goal_paths::tick_seconds);
+    const double approach = static_cast<double>(std::min(tick, approach_ticks)) / approach_ticks;
+    const double outside = 0.010 + (-0.001 - 0.010) * approach;  // metres of device space
+    const double lateral = std::sqrt(normal.x * normal.x + normal.y * normal.y);
+    return {sphere_.centre + (sphere_.radius + outside * units_per_metre_) * normal, normal,
+            arcsine(lateral)};
+}
+
+inline ReliefStroke::ReliefStroke(Relief relief, int width, int height, double speed) : relief_(relief) {
+    const double margin = 12;
+    limit_x_ = 0.5 * tabletop_width - margin;
+    limit_y_ = 0.5 * tabletop_width * (height - 1) / (width - 1) - margin;
+    step_ = speed * 1000 * goal_paths::tick_seconds;
+    assert(limit_y_ > step_);
+}
+
+inline ReliefStroke::Goal ReliefStroke::next() {
+    const double t = static_cast<double>(tick_) * goal_paths::tick_seconds, entry = 0.25, above = 50;
+    double under = 3.5 + 1.5 * sine(2 * pi * 0.9 * t);
+    if (t < entry) under = -above + (under + above) * (t / entry);
+    const Goal goal{{x_, y_, relief_z(relief_, x_, y_, t) - under}, under};
+    advance();
+    return goal;
+}
+
+inline void ReliefStroke::advance() {
+    const double t = static_cast<double>(tick_) * goal_paths::tick_seconds;
+    x_ += step_ * cosine(heading_);
+    y_ += step_ * sine(heading_);
+    if (goal_paths::reflect(x_, limit_x_)) heading_ = pi - heading_;
+    if (goal_paths::reflect(y_, limit_y_)) heading_ = -heading_;
+    heading_ += (0.9 * sine(2 * pi * 0.37 * t) + 0.4) * goal_paths::tick_seconds;
+    ++tick_;
+}
+
+inline RandomWalk::RandomWalk(const Scene& scene, std::uint64_t seed)
+    : camera_(scene.camera),
+      low_(-2, -2, 0.9 * scene.depth.near),
+      high_(scene.width + 1, scene.height + 1, 1.05 * scene.depth.far),
+      random_(seed),
+      at_(0) {
+    jump();
+}
+
+inline glm::dvec3 RandomWalk::next() {
+    if (random_.next() % 50 == 0) {
+        jump();
+    } else {
+        const glm::dvec3 reach{1, 1, 3};
+        for (int axis = 0; axis < 3; ++axis)
+            at_[axis] = goal_paths::fold(at_[axis] + random_.within(-reach[axis], reach[axis]), low_[axis],
+                                         high_[axis]);
+    }
+    return unproject(camera_, at_.x, at_.y, at_.z);
+}
+
+}  // namespace touchable
