@@ -7,9 +7,9 @@
 #include <string>
 
 #include "engine/base/try.hpp"
-#include "engine/content/height_fields.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/touch_solver.hpp"
+#include "tests/content/exact_touch.hpp"
 
 namespace touchable {
 namespace {

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "bench/touch/touch_run.hpp"
-#include "tests/content/goal_paths.hpp"
+#include "tests/content/exact_touch.hpp"
 
 namespace touchable {
 namespace {

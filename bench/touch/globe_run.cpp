@@ -7,7 +7,7 @@
 
 #include "bench/touch/touch_run.hpp"
 #include "engine/base/same_bits.hpp"
-#include "tests/content/goal_paths.hpp"
+#include "tests/content/exact_touch.hpp"
 
 namespace touchable {
 namespace {

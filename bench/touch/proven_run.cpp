@@ -6,7 +6,7 @@
 
 #include "bench/clocks.hpp"
 #include "bench/touch/touch_run.hpp"
-#include "tests/content/goal_paths.hpp"
+#include "tests/content/exact_touch.hpp"
 #include "tests/reference/solver.hpp"
 
 namespace touchable {

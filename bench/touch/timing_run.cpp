@@ -1,7 +1,7 @@
 #include "bench/touch/timing_run.hpp"
 
 #include "bench/touch/touch_run.hpp"
-#include "tests/content/goal_paths.hpp"
+#include "tests/content/exact_touch.hpp"
 
 namespace touchable {
 namespace {

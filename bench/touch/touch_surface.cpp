@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "engine/surface/surface_builder.hpp"
+#include "tests/content/exact_touch.hpp"
 
 namespace touchable {
 namespace {
@@ -46,7 +47,7 @@ Result<void> TouchSurface::build(const TouchCase& c) {
     for (std::size_t n = 0; n < frames_.size(); ++n) {
         const auto number = static_cast<std::int64_t>(n);
         if (c.bits == TouchCase::exact) {
-            content_->exact_frame(number, frames_[n]);
+            exact_frame(*content_, number, frames_[n]);
         } else if (auto built = builder->build(content_->frame(number), frames_[n]); !built) {
             return built;
         }

@@ -120,12 +120,6 @@ private:
 
 }  // namespace
 
-double relief_z(Relief relief, double x, double y, double t) {
-    double z = lift(relief, t) - tabletop_distance;
-    for (const Wave& wave : waves_of(relief)) z += wave.amplitude * sine(angle(wave, x, y));
-    return z;
-}
-
 ReliefPoint relief_at(Relief relief, double x, double y, double t) {
     ReliefPoint sum{lift(relief, t) - tabletop_distance, 0, 0, 0, 0, 0};
     for (const Wave& wave : waves_of(relief)) {

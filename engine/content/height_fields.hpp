@@ -14,7 +14,5 @@ struct ReliefPoint {
     double z, zx, zy, zxx, zxy, zyy;
 };
 ReliefPoint relief_at(Relief relief, double x, double y, double t);
-/// Z alone.
-double relief_z(Relief relief, double x, double y, double t);
 
 }  // namespace touchable

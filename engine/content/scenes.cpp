@@ -94,26 +94,6 @@ RawFrame AnalyticScene::frame(std::int64_t n) const {
     return view_of(still_, scene_, n);
 }
 
-void AnalyticScene::exact_frame(std::int64_t n, SurfaceFrame& out) const {
-    const double t = time_of(n);
-    out.width = scene_.width;
-    out.height = scene_.height;
-    out.coding = scene_.depth;
-    out.codes.clear();
-    out.tiles.clear();
-    out.validity.assign(
-        static_cast<std::size_t>(out.validity_words_per_row()) * static_cast<std::size_t>(out.height), 0);
-    for (int y = 0; y < out.height; ++y)
-        for (int x = 0; x < out.width; ++x) out.validity_row(y)[x >> 5] |= std::uint32_t{1} << (x & 31);
-    auto touch = std::make_shared<AnalyticScene::Planes>();
-    RowBands rows(threads_of_a_frame());
-    std::vector<double> depths = sample_depths(*this, t, rows);
-    paint(t, depths, rows, *touch);
-    copy_touch_planes(view_of(std::move(touch), scene_, n), out);
-    out.raw = {};
-    out.vertices = std::make_unique<ExactVertices>(out.width, out.height, std::move(depths));
-}
-
 Error refuse_scene(std::string_view name, const std::string& what) {
     return usage_error("scene '" + std::string(name) + "': " + what);
 }

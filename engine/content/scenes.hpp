@@ -5,8 +5,8 @@
 //
 // make_scene makes a scene by its name and SceneOptions; scene_names lists the names. An AnalyticScene
 // returns frames as a recording of it would store them (frame: codes in the scene's depth coding, haptic and
-// height planes, colour), and the truth that tests and benchmarks measure against (depth, closest,
-// exact_frame). The same options give the same bits on every machine: random numbers come from a seed
+// height planes, colour), and the truth that tests and benchmarks measure against (depth, closest). The same
+// options give the same bits on every machine: random numbers come from a seed
 // (engine/content/seeded_noise.hpp), and sines from engine/base/same_bits.hpp.
 //
 // Threads: one at a time may request frames of a scene; it makes those of large pictures with more
@@ -78,9 +78,6 @@ public:
 
     /// All planes of frame n, quantised.
     RawFrame frame(std::int64_t n) const;
-    /// Frame n with unquantised depth, for the solver: `vertices` is an ExactVertices; codes and tiles are
-    /// empty.
-    void exact_frame(std::int64_t n, SurfaceFrame& out) const;
 
 protected:
     explicit AnalyticScene(Scene scene) : scene_(std::move(scene)) {}

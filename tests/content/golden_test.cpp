@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/base/same_bits.hpp"
-#include "tests/content/goal_paths.hpp"
+#include "tests/content/exact_touch.hpp"
 #include "tests/content/made_maps.hpp"
 
 // Generated scenes and strokes are the same bits on every compiler, optimisation level and machine: these

@@ -9,7 +9,7 @@
 
 #include "engine/base/same_bits.hpp"
 #include "engine/content/scenes.hpp"
-#include "tests/content/goal_paths.hpp"
+#include "tests/content/exact_touch.hpp"
 #include "tests/content/made_maps.hpp"
 #include "tests/must.hpp"
 
@@ -95,7 +95,7 @@ TEST(Scenes, GiveExactFrames) {
     const auto scene = made("globe", options);
     SurfaceFrame exact;
     exact.codes.assign(3, 7);  // of a slot used before
-    scene->exact_frame(40, exact);
+    exact_frame(*scene, 40, exact);
     const RawFrame frame = scene->frame(40);
     EXPECT_TRUE(exact.codes.empty());
     EXPECT_TRUE(exact.tiles.empty());
@@ -219,7 +219,6 @@ TEST_P(HeightFields, HaveRightDerivatives) {
         };
         const real h = 1e-4L;
         ASSERT_NEAR(at.z, static_cast<double>(z(0, 0) - 1000), 1e-12 * 1000);
-        ASSERT_EQ(at.z, relief_z(relief_of(GetParam()), x, y, t));
         ASSERT_NEAR(at.zx, static_cast<double>((z(h, 0) - z(-h, 0)) / (2 * h)), 1e-8);
         ASSERT_NEAR(at.zy, static_cast<double>((z(0, h) - z(0, -h)) / (2 * h)), 1e-8);
         ASSERT_NEAR(at.zxx, static_cast<double>((z(h, 0) - 2 * z(0, 0) + z(-h, 0)) / (h * h)), 1e-6);

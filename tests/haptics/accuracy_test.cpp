@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "tests/content/goal_paths.hpp"
+#include "tests/content/exact_touch.hpp"
 #include "tests/haptics/touch_rig.hpp"
 #include "tests/reference/solver.hpp"
 #include "tests/sweep.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "haptics_cpu/force_guard.hpp"
-#include "tests/content/goal_paths.hpp"
+#include "tests/content/exact_touch.hpp"
 #include "tests/haptics/touch_rig.hpp"
 
 namespace touchable::test {

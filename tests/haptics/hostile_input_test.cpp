@@ -13,7 +13,7 @@
 #include "haptics_cpu/haptic_loop.hpp"
 #include "haptics_cpu/touch_step.hpp"
 #include "haptics_cpu/world_space.hpp"
-#include "tests/content/goal_paths.hpp"
+#include "tests/content/exact_touch.hpp"
 #include "tests/haptics/touch_rig.hpp"
 #include "tests/limits.hpp"
 #include "tests/stress/drawn_scene.hpp"

@@ -9,7 +9,7 @@
 #include "haptics_cpu/surface_carry.hpp"
 #include "haptics_cpu/touch_step.hpp"
 #include "haptics_cpu/world_space.hpp"
-#include "tests/content/goal_paths.hpp"
+#include "tests/content/exact_touch.hpp"
 #include "tests/haptics/touch_rig.hpp"
 #include "tests/reference/solver.hpp"
 #include "tests/sweep.hpp"

@@ -20,6 +20,7 @@
 #include "haptics_cpu/height_field.hpp"
 #include "haptics_cpu/touch_solver.hpp"
 #include "haptics_cpu/touch_step.hpp"
+#include "tests/content/exact_touch.hpp"
 
 namespace touchable::test {
 
@@ -88,7 +89,7 @@ public:
     }
 
     void load(std::int64_t number, Depth depth, SurfaceFrame& frame) {
-        if (depth == Depth::exact) return content_->exact_frame(number, frame);
+        if (depth == Depth::exact) return exact_frame(*content_, number, frame);
         const auto built = make_cpu_builder(scene_)->build(content_->frame(number), frame);
         ASSERT_TRUE(built);
     }

@@ -23,6 +23,7 @@
 #include "player/run/terminal.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/touch_setup.hpp"
+#include "tests/content/exact_touch.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 #include "tests/temporary_files.hpp"
@@ -908,7 +909,7 @@ public:
 class HeldDevice : public ::testing::Test {
 protected:
     HeldDevice() : content_(std::move(make_scene("plane", {.width = 16, .height = 12})).value()) {
-        content_->exact_frame(0, frame_);
+        exact_frame(*content_, 0, frame_);
         pair_.prev = pair_.next = {0, 0, &frame_};
         EXPECT_TRUE(device_.open());
     }

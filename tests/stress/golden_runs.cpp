@@ -5,7 +5,7 @@
 #include <variant>
 
 #include "engine/surface/surface_builder.hpp"
-#include "tests/content/goal_paths.hpp"
+#include "tests/content/exact_touch.hpp"
 #include "tests/stress/golden_runs.hpp"
 #include "tests/stress/suites.hpp"
 

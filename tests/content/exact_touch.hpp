@@ -1,15 +1,19 @@
 #pragma once
 
-// The goal paths that tests and benchmarks share (docs/content.md): one goal per tick of 1 ms, world, scene
-// units.
+// Generated scenes as tests and benchmarks touch them (docs/content.md): frames with unquantised depth, and
+// goal paths, of one goal per tick of 1 ms, world, scene units.
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <memory>
+#include <utility>
+#include <vector>
 
 #include "engine/base/same_bits.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/content/height_fields.hpp"
 #include "engine/content/seeded_noise.hpp"
 
@@ -47,6 +51,36 @@ inline double fold(double position, double low, double high) {
 }
 
 }  // namespace goal_paths
+
+/// Frame n of a scene with unquantised depth, for the solver: `vertices` is an ExactVertices; codes and tiles
+/// are empty.
+inline void exact_frame(const AnalyticScene& content, std::int64_t n, SurfaceFrame& out) {
+    const Scene& scene = content.scene();
+    const double t = content.time_of(n);
+    out.width = scene.width;
+    out.height = scene.height;
+    out.coding = scene.depth;
+    out.codes.clear();
+    out.tiles.clear();
+    out.validity.assign(
+        static_cast<std::size_t>(out.validity_words_per_row()) * static_cast<std::size_t>(out.height), 0);
+    for (int y = 0; y < out.height; ++y)
+        for (int x = 0; x < out.width; ++x) out.validity_row(y)[x >> 5] |= std::uint32_t{1} << (x & 31);
+    std::vector<double> depths(pixel_count(out.width, out.height));
+    RowBands rows(threads_for_pixels(0, std::int64_t{out.width} * out.height));
+    rows.for_each_band(out.height, 1, [&](const RowBand& band) {
+        for (int y = band.first; y < band.last; ++y)
+            content.row_depths(y, t, &depths[pixel_place(0, y, out.width)]);
+    });
+    copy_touch_planes(content.frame(n), out);
+    out.raw = {};
+    out.vertices = std::make_unique<ExactVertices>(out.width, out.height, std::move(depths));
+}
+
+/// Z of a height field's surface.
+inline double relief_z(Relief relief, double x, double y, double t) {
+    return relief_at(relief, x, y, t).z;
+}
 
 /// The accuracy stroke: a straight approach along the first normal, then 1 mm of device space under the
 /// globe.
