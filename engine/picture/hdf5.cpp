@@ -188,59 +188,40 @@ std::string other_depths(const std::vector<Hdf5DataSet>& all, const Hdf5DataSet&
 
 // --- Its pictures
 
-class Hdf5Stack final : public ImageStack {
+class Hdf5Stack final : public NumberStack {
 public:
     /// `sets`: one, or several of one picture each. `pictures`: as stored. `is_turned`: MATLAB's, which
     /// stores its last index first: rows become columns.
     Hdf5Stack(SourceFile file, std::vector<Hdf5DataSet> sets, const ArrayPictures& pictures, bool is_turned,
               std::string left_out)
-        : file_(std::move(file)),
+        : NumberStack(file.string() + ": " + printable(sets.front().path), std::move(left_out)),
+          file_(std::move(file)),
           path_(std::filesystem::absolute(file_.path()).string()),
           sets_(std::move(sets)),
           pictures_(pictures),
-          is_turned_(is_turned),
-          left_out_(std::move(left_out)) {}
+          is_turned_(is_turned) {}
 
     std::int64_t count() const override { return is_row() ? std::ssize(sets_) : pictures_.count; }
     int width() const override { return is_turned_ ? pictures_.height : pictures_.width; }
     int height() const override { return is_turned_ ? pictures_.width : pictures_.height; }
-    std::optional<double> least_confidence() const override { return {}; }
-    std::string left_out() const override { return left_out_; }
     std::string array() const override {
         return sets_.front().path.substr(sets_.front().path.rfind('/') + 1);
     }
 
-    Result<StoredImage> image(std::int64_t number) override {
-        if (number < 0 || number >= count())
-            return usage_error(where() + ": has no picture " + std::to_string(number) +
-                               ": must be from 0 to " + std::to_string(count() - 1));
-        TRY_ASSIGN(auto picture, read(number));
-        StoredImage image = std::move(picture).finish("hdf5", floats_);
-        if (stop_requested()) return interrupted_error();
-        return image;
-    }
-
-    /// Refuses more data than the file can hold, and sets floats_ if integers of any picture are beyond 16
-    /// bits.
+    /// Call first. Refuses more data than the file can hold.
     Result<void> check() {
         if (picture_bytes() > largest_hdf5_picture)
-            return input_error(where() + ": has pictures of " + std::to_string(picture_bytes()) +
+            return input_error(where_ + ": has pictures of " + std::to_string(picture_bytes()) +
                                " bytes: must be " + in_bytes(largest_hdf5_picture) + " at most");
         TRY_ASSIGN(const auto bytes, bytes_of_file(file_));
-        TRY(check_expansion(picture_bytes() * static_cast<std::uint64_t>(count()), bytes->size(), where()));
-        const bool codes = format().kind == NumberFormat::Kind::unsigned_integer && format().bytes <= 2;
-        if (codes || format().kind == NumberFormat::Kind::floating) return {};
-        for (std::int64_t number = 0; number < count() && count() > 1 && !floats_; ++number) {
-            TRY_ASSIGN(const auto picture, read(number));
-            floats_ = !picture.has_codes();
-        }
-        return {};
+        TRY(check_expansion(picture_bytes() * static_cast<std::uint64_t>(count()), bytes->size(), where_));
+        return find_floats(format());
     }
 
 private:
     bool is_row() const { return sets_.size() > 1; }
     const NumberFormat& format() const { return *sets_.front().format; }
-    std::string where(std::int64_t number = 0) const {
+    std::string where(std::int64_t number) const {
         return file_.string() + ": " + printable(set_of(number).path);
     }
     const Hdf5DataSet& set_of(std::int64_t number) const {
@@ -253,7 +234,7 @@ private:
 
     /// Pictures are read in blocks that begin at multiples of their length, so that playing backward reads no
     /// more blocks.
-    Result<NumberPicture> read(std::int64_t number) {
+    Result<StoredImage> read(std::int64_t number, bool floats_anyway) override {
         const auto fit = static_cast<std::int64_t>(bytes_at_once / picture_bytes());
         const auto together = is_row() ? 1 : std::max(std::int64_t{1}, fit);
         const std::int64_t first = number - number % together;
@@ -271,7 +252,7 @@ private:
             picture.put(0, 0, {numbers, width(), height(), line, bytes});
         else
             picture.put(0, 0, {numbers, width(), height(), bytes, line});
-        return picture;
+        return std::move(picture).finish("hdf5", floats_anyway);
     }
 
     /// The command that writes the file anew with chunks of a picture, or of as many rows as h5dump keeps.
@@ -320,8 +301,7 @@ private:
     std::string path_;
     std::vector<Hdf5DataSet> sets_;
     ArrayPictures pictures_;
-    bool is_turned_, floats_ = false;
-    std::string left_out_;
+    bool is_turned_;
     std::string block_;  // pictures from block_first_ on
     std::int64_t block_first_ = -1;
 };
@@ -380,23 +360,19 @@ Result<std::vector<Hdf5DataSet>> hdf5_data_sets(std::string_view listing) {
 }
 
 Result<std::shared_ptr<ImageStack>> open_hdf5_stack(const SourceFile& file, const std::string& dataset) {
-    const auto here = [&](const Error& error) { return error_at(file.string(), error); };
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(file.path(), ignored))
         return input_error(file.string() + ": is HDF5 on a server: must be a file of this machine");
     const std::string path = std::filesystem::absolute(file.path()).string();
-    const auto listing = ask_tool({"h5ls", "-r", "-v", path}, largest_listing);
-    if (!listing) return here(listing.error());
-    const auto sets = hdf5_data_sets(*listing);
-    if (!sets) return here(sets.error());
-    auto read = dataset.empty() ? chosen(*sets) : named(*sets, dataset);
-    if (!read) return here(read.error());
-    TRY_ASSIGN(const auto pictures, pictures_of_array(read->front().shape, file.string()));
+    TRY_ASSIGN(const auto listing,
+               error_at(file.string(), ask_tool({"h5ls", "-r", "-v", path}, largest_listing)));
+    TRY_ASSIGN(const auto sets, error_at(file.string(), hdf5_data_sets(listing)));
+    TRY_ASSIGN(auto read, error_at(file.string(), dataset.empty() ? chosen(sets) : named(sets, dataset)));
+    TRY_ASSIGN(const auto pictures, pictures_of_array(read.front().shape, file.string()));
     std::string left_out =
-        dataset.empty() && read->size() == 1 ? other_depths(*sets, read->front()) : std::string();
+        dataset.empty() && read.size() == 1 ? other_depths(sets, read.front()) : std::string();
     const bool is_matlab = first_bytes(file, matlab_magic.size()) == matlab_magic;
-    auto stack =
-        std::make_shared<Hdf5Stack>(file, std::move(*read), pictures, is_matlab, std::move(left_out));
+    auto stack = std::make_shared<Hdf5Stack>(file, std::move(read), pictures, is_matlab, std::move(left_out));
     TRY(stack->check());
     return std::shared_ptr<ImageStack>(std::move(stack));
 }

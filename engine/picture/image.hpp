@@ -166,7 +166,7 @@ public:
     /// The name of the array or data set, the first one's of several; empty: it has none.
     virtual std::string array() const { return ""; }
     /// The limit of a .npz's confidence: where that is below it, there is no depth (NaN, or 0 for integers).
-    virtual std::optional<double> least_confidence() const = 0;
+    virtual std::optional<double> least_confidence() const { return {}; }
     /// In words, what else the file has that is not read, and which mask removes depth; empty: nothing.
     virtual std::string left_out() const { return ""; }
     /// Arrays of at most 65536 numbers in the same .npz, such as the cameras' matrices; at most 64.

@@ -320,7 +320,6 @@ public:
         grey_->put(x, y, block);
         return true;
     }
-    bool has_codes() const { return !grey_ || grey_->has_codes(); }
     StoredImage finish(bool floats_anyway = false) && {
         if (grey_) return std::move(*grey_).finish("tiff", floats_anyway);
         return {std::move(rgb_), "tiff", "rgb24"};
@@ -511,14 +510,11 @@ private:
     Result<std::string> bytes_at(std::uint64_t at, std::size_t count) {
         if (at > bytes_.size() || bytes_.size() - at < count) return damage();
         std::string read(count, '\0');
-        if (auto got = bytes_.read(at, read.data(), count); !got) return error_at(where_, got.error());
+        TRY(error_at(where_, bytes_.read(at, read.data(), count)));
         return read;
     }
     std::uint64_t number(std::string_view bytes, std::size_t at, std::size_t size) const {
-        std::uint64_t value = 0;
-        for (std::size_t k = 0; k < size; ++k)
-            value = value << 8U | static_cast<std::uint8_t>(bytes[at + (is_big_endian_ ? k : size - 1 - k)]);
-        return value;
+        return number_in_bytes(bytes.substr(at, size), is_big_endian_);
     }
     Error damage() const { return input_error(where_ + ": is damaged: its list of pages is cut"); }
 
@@ -534,41 +530,28 @@ private:
 };
 
 /// The pages of a TIFF, each unpacked on demand.
-class TiffStack final : public ImageStack {
+class TiffStack final : public NumberStack {
 public:
     TiffStack(std::unique_ptr<ByteSource> bytes, std::string where, std::vector<TiffPage> pages,
               std::string left_out)
-        : bytes_(std::move(bytes)),
-          where_(std::move(where)),
-          pages_(std::move(pages)),
-          left_out_(std::move(left_out)) {}
+        : NumberStack(std::move(where), std::move(left_out), "page"),
+          bytes_(std::move(bytes)),
+          pages_(std::move(pages)) {}
 
     Result<void> open() {
         tiff_ = open_tiff(file_);
         if (!tiff_ || TIFFSetSubDirectory(tiff_.get(), pages_.front().at) != 1)
             return tiff_damage(file_, where_);
         TRY_ASSIGN(layout_, checked_layout(tiff_.get(), bytes_->size(), where_));
-        return find_floats();
+        return find_floats(layout_.numbers());
     }
 
     std::int64_t count() const override { return std::ssize(pages_); }
     int width() const override { return static_cast<int>(layout_.width); }
     int height() const override { return static_cast<int>(layout_.height); }
-    std::optional<double> least_confidence() const override { return {}; }
-    std::string left_out() const override { return left_out_; }
-
-    Result<StoredImage> image(std::int64_t number) override {
-        if (number < 0 || number >= count())
-            return usage_error(where_ + ": has no page " + std::to_string(number) + ": must be from 0 to " +
-                               std::to_string(count() - 1));
-        TRY_ASSIGN(auto page, read(number));
-        StoredImage image = std::move(page).finish(floats_);
-        if (stop_requested()) return interrupted_error();
-        return image;
-    }
 
 private:
-    Result<TiffPixels> read(std::int64_t number) {
+    Result<StoredImage> read(std::int64_t number, bool floats_anyway) override {
         const std::string where = where_ + ": page " + std::to_string(number);
         file_.wrong.clear();
         if (TIFFSetSubDirectory(tiff_.get(), pages_[static_cast<std::size_t>(number)].at) != 1)
@@ -576,27 +559,14 @@ private:
         const TiffLayout layout = layout_of(tiff_.get());
         if (layout.width != layout_.width || layout.height != layout_.height)  // by a duplicate tag
             return tiff_damage(file_, where);
-        return tiff_page(tiff_.get(), file_, where);
-    }
-    /// Sets floats_ if integers of any page are beyond 16 bits.
-    Result<void> find_floats() {
-        const NumberFormat format = layout_.numbers();
-        const bool codes = format.kind == NumberFormat::Kind::unsigned_integer && format.bytes <= 2;
-        if (codes || format.kind == NumberFormat::Kind::floating) return {};
-        for (std::int64_t number = 0; number < count() && count() > 1 && !floats_; ++number) {
-            TRY_ASSIGN(const auto page, read(number));
-            floats_ = !page.has_codes();
-        }
-        return {};
+        TRY_ASSIGN(auto pixels, tiff_page(tiff_.get(), file_, where));
+        return std::move(pixels).finish(floats_anyway);
     }
 
     std::unique_ptr<ByteSource> bytes_;
-    std::string where_;
     std::vector<TiffPage> pages_;
-    std::string left_out_;
     TiffBytes file_{*bytes_};
     TiffLayout layout_;
-    bool floats_ = false;
     TiffPtr tiff_;  // reads by file_
 };
 
@@ -759,7 +729,7 @@ NumberPicture::NumberPicture(int width, int height, const NumberFormat& format)
         memory.reserve(count * each);
         is_whole_ = until_stopped(count, [&](std::size_t, std::size_t last) { memory.resize(last * each); });
     };
-    if (stored_as_codes()) {
+    if (format_.is_codes()) {
         picture_.image.bytes_per_sample = format.bytes;
         fill(picture_.image.samples, static_cast<std::size_t>(format.bytes));
     } else {
@@ -813,7 +783,7 @@ StoredImage NumberPicture::finish(const std::string& codec, bool floats_anyway) 
     picture_.codec = codec;
     picture_.bits = 8 * format_.bytes;
     picture_.pixel_format = number_format_name(format_);
-    if (stored_as_codes()) return std::move(picture_);
+    if (format_.is_codes()) return std::move(picture_);
     if (codes_ && !floats_anyway) {
         std::vector<float>& values = picture_.values;
         std::vector<std::uint8_t>& samples = picture_.image.samples;
@@ -836,13 +806,30 @@ StoredImage NumberPicture::finish(const std::string& codec, bool floats_anyway) 
     return std::move(picture_);
 }
 
+Result<StoredImage> NumberStack::image(std::int64_t number) {
+    if (number < 0 || number >= count())
+        return usage_error(where_ + ": has no " + unit_ + ' ' + std::to_string(number) +
+                           ": must be from 0 to " + std::to_string(count() - 1));
+    auto picture = read(number, floats_);
+    return stop_requested() ? interrupted_error() : std::move(picture);
+}
+
+Result<void> NumberStack::find_floats(const NumberFormat& format) {
+    if (format.is_codes() || format.kind == NumberFormat::Kind::floating) return {};
+    for (std::int64_t number = 0; number < count() && count() > 1 && !floats_; ++number) {
+        TRY_ASSIGN(const auto picture, read(number, false));
+        floats_ = !picture.values.empty();
+    }
+    return {};
+}
+
 Result<StoredImage> decode_netpbm(std::string_view bytes, const std::string& where) {
     NetpbmWords words(bytes);
     TRY_ASSIGN(const auto header, netpbm_header(words, where));
     const std::size_t needed = header.sample_count() * static_cast<std::size_t>(header.bytes_per_sample());
     if (header.text) {
-        const auto samples = bytes_of_words(words, header, where);
-        return samples ? netpbm_picture(*samples, header, where) : samples.error();
+        TRY_ASSIGN(const auto samples, bytes_of_words(words, header, where));
+        return netpbm_picture(samples, header, where);
     }
     if (words.data().size() < needed) return cut_picture(where);
     return netpbm_picture(words.data().substr(0, needed), header, where);

@@ -24,6 +24,9 @@ struct NumberFormat {
     Kind kind = Kind::unsigned_integer;
     int bytes = 1;  ///< integers 1, 2, 4 or 8; floating 2, 4 or 8
     bool big_endian = false;
+
+    /// Whether a picture of these numbers stays as it is stored: integers from 0 to 65535.
+    bool is_codes() const { return kind == Kind::unsigned_integer && bytes <= 2; }
 };
 
 /// A number as a file holds it; NaN for a floating number of two bytes.
@@ -80,8 +83,6 @@ public:
     NumberPicture(int width, int height, const NumberFormat& format);
     /// Puts the block's upper left number at x, y. The block lies within the picture.
     void put(int x, int y, const NumberBlock& block);
-    /// Whether all numbers so far are stored as they are: integers from 0 to 65535.
-    bool has_codes() const { return codes_; }
     /// Unsigned integers of 8 and 16 bits stay as they are. Other integers become 16 bits if all fit and not
     /// `floats_anyway`, otherwise floats; floating numbers become floats, rounded to the nearest. Unfinished
     /// if a stop comes meanwhile.
@@ -90,13 +91,33 @@ public:
 private:
     template <class Number>
     void put_as(int x, int y, const NumberBlock& block);
-    bool stored_as_codes() const {
-        return format_.kind == NumberFormat::Kind::unsigned_integer && format_.bytes <= 2;
-    }
 
     NumberFormat format_;
     StoredImage picture_;
     bool codes_, is_whole_ = false;
+};
+
+/// A stack whose pictures are made of numbers (NumberPicture): once one of them has to be floats, all are.
+class NumberStack : public ImageStack {
+public:
+    Result<StoredImage> image(std::int64_t number) final;
+    std::string left_out() const final { return left_out_; }
+
+protected:
+    /// Errors begin with `where`; `unit`: what a picture of this file is called in them.
+    NumberStack(std::string where, std::string left_out = "", const char* unit = "picture")
+        : where_(std::move(where)), left_out_(std::move(left_out)), unit_(unit) {}
+    /// Reads a picture of the stack (NumberPicture::finish). Unfinished if a stop comes meanwhile.
+    virtual Result<StoredImage> read(std::int64_t number, bool floats_anyway) = 0;
+    /// Call before `image`: reads integers that may be beyond 16 bits, to find out whether any picture has to
+    /// be floats.
+    Result<void> find_floats(const NumberFormat& format);
+
+    std::string where_, left_out_;
+
+private:
+    const char* unit_;
+    bool floats_ = false;
 };
 
 /// PGM and PPM, binary (P5, P6) and text (P2, P3). Samples stay as stored, whatever the greatest value.

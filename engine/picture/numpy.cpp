@@ -153,9 +153,7 @@ Result<NpyHeader> read_npy_header(ByteSource& bytes, const std::string& where) {
 struct NpzArray {
     std::string name;  // without ".npy"
     ZipMember member;
-    std::uint64_t size;
     std::optional<NpyHeader> header{};  // if it can be read
-    bool is_possible = true;            // it can unpack to its stated size
 };
 
 /// A .npy file inside a .npz file, which is a zip archive.
@@ -182,8 +180,7 @@ std::vector<NpzArray> npz_arrays(const ZipArchive& archive) {
     std::vector<NpzArray> arrays;
     for (const ZipMember& member : zip_members(archive)) {
         if (!member.name.ends_with(".npy")) continue;
-        NpzArray array{member.name.substr(0, member.name.size() - 4), member, member.size};
-        array.is_possible = member.is_possible();
+        NpzArray array{member.name.substr(0, member.name.size() - 4), member};
         if (auto header = read_npy_header(*unpacked(archive, array), "")) array.header = std::move(*header);
         arrays.push_back(std::move(array));
     }
@@ -197,17 +194,17 @@ std::vector<SmallArray> small_arrays_of(const ZipArchive& archive, const std::ve
     std::vector<SmallArray> small;
     for (const NpzArray& array : arrays) {
         if (small.size() >= most_arrays || stop_requested()) break;
-        if (!array.is_possible || array.member.size > 8 * most_numbers + 70000) continue;
-        const auto bytes = unpacked(archive, array);
-        const auto header = read_npy_header(*bytes, "");
+        if (!array.member.is_possible() || array.member.size > 8 * most_numbers + 70000) continue;
+        const auto& header = array.header;
         if (!header || (header->columns_first && header->shape.size() > 1)) continue;
         std::uint64_t count = 1;
         for (const std::int64_t extent : header->shape)
             count = count > most_numbers ? count : count * static_cast<std::uint64_t>(extent);
         const auto each = static_cast<std::size_t>(header->format.bytes);
-        if (count == 0 || count > most_numbers || bytes->size() < header->data_at + count * each) continue;
+        if (count == 0 || count > most_numbers || array.member.size < header->data_at + count * each)
+            continue;
         std::vector<char> held(static_cast<std::size_t>(count) * each);
-        if (!bytes->read(header->data_at, held.data(), held.size())) continue;
+        if (!unpacked(archive, array)->read(header->data_at, held.data(), held.size())) continue;
         SmallArray read{array.name, header->shape, {}};
         for (std::size_t k = 0; k < count; ++k)
             read.numbers.push_back(stored_number(held.data() + k * each, header->format));
@@ -304,9 +301,9 @@ Result<NpzMember> depth_member_of(ZipArchive archive, const std::string& where, 
     const auto named = named_arrays(arrays);
     TRY_ASSIGN(const auto places, error_at(where, depth_places(named, wanted)));
     for (const std::size_t place : places)
-        if (!arrays[place].is_possible)
+        if (const ZipMember& member = arrays[place].member; !member.is_possible())
             return input_error(where + ": " + printable(arrays[place].name) +
-                               ": is damaged: is said to unpack to " + std::to_string(arrays[place].size) +
+                               ": is damaged: is said to unpack to " + std::to_string(member.size) +
                                " bytes");
     NpzMember found{nullptr, where};
     found.small_arrays = small_arrays_of(archive, arrays);
@@ -347,7 +344,7 @@ std::size_t pixels_of(const StoredImage& picture) {
     return pixel_count(picture.image.width, picture.image.height);
 }
 
-class NpyStack final : public ImageStack {
+class NpyStack final : public NumberStack {
 public:
     /// Opens a .npy file's bytes; booleans are allowed if `is_mask`. Messages begin with `where`.
     static Result<NpyStack> of(std::unique_ptr<ByteSource> bytes, std::string where, bool is_mask = false) {
@@ -359,19 +356,16 @@ public:
         TRY_ASSIGN(const auto pictures, pictures_of_array(header.shape, where));
         NpyStack stack(std::move(bytes), std::move(where), std::move(header), pictures);
         TRY(stack.check());
-        TRY(stack.find_floats());
+        TRY(stack.find_floats(stack.header_.format));
         return stack;
     }
 
     std::int64_t count() const override { return pictures_.count; }
     int width() const override { return pictures_.width; }
     int height() const override { return pictures_.height; }
-    Result<StoredImage> image(std::int64_t number) override {
-        if (number < 0 || number >= count())
-            return usage_error(where_ + ": has no picture " + std::to_string(number) +
-                               ": must be from 0 to " + std::to_string(count() - 1));
-        TRY_ASSIGN(auto picture, read(number));
-        StoredImage image = std::move(picture).finish("npy", floats_);
+    Result<StoredImage> read(std::int64_t number, bool floats_anyway) override {
+        TRY_ASSIGN(auto picture, numbers(number));
+        StoredImage image = std::move(picture).finish("npy", floats_anyway);
         if (stop_requested()) return interrupted_error();
         if (confidence_) TRY(drop(image, *confidence_, number, *least_confidence_));
         if (mask_) TRY(drop(image, *mask_, number, 1));
@@ -379,20 +373,11 @@ public:
     }
 
     std::optional<double> least_confidence() const override { return least_confidence_; }
-    std::string left_out() const override { return left_out_; }
     void leave_out(const std::string& what) { left_out_ += (left_out_.empty() ? "" : "; ") + what; }
     std::string array() const override { return array_; }
     void set_array(std::string name) { array_ = std::move(name); }
     std::span<const SmallArray> small_arrays() const override { return small_arrays_; }
     void set_small_arrays(std::vector<SmallArray> arrays) { small_arrays_ = std::move(arrays); }
-
-    /// Whether the first picture is integers from 0 to 65535.
-    Result<bool> has_codes() {
-        TRY_ASSIGN(const auto picture, read(0));
-        return picture.has_codes();
-    }
-    /// All pictures become floats.
-    void use_floats() { floats_ = true; }
 
     /// Removes depth where `confidence` is below `least`. Refused if its pictures differ in number or size.
     Result<void> trust(NpyStack confidence, std::optional<double> least) {
@@ -442,8 +427,8 @@ private:
     }
 
     NpyStack(std::unique_ptr<ByteSource> bytes, std::string where, NpyHeader header, ArrayPictures pictures)
-        : bytes_(std::move(bytes)),
-          where_(std::move(where)),
+        : NumberStack(std::move(where)),
+          bytes_(std::move(bytes)),
           header_(std::move(header)),
           pictures_(pictures) {}
     Result<void> check() const {
@@ -459,19 +444,7 @@ private:
         return {};
     }
 
-    /// Sets floats_ if integers of any picture are beyond 16 bits.
-    Result<void> find_floats() {
-        const bool codes =
-            header_.format.kind == NumberFormat::Kind::unsigned_integer && header_.format.bytes <= 2;
-        if (codes || header_.format.kind == NumberFormat::Kind::floating) return {};
-        for (std::int64_t number = 0; number < count() && count() > 1 && !floats_; ++number) {
-            TRY_ASSIGN(const auto picture, read(number));
-            floats_ = !picture.has_codes();
-        }
-        return {};
-    }
-
-    Result<NumberPicture> read(std::int64_t number) {
+    Result<NumberPicture> numbers(std::int64_t number) {
         const int bytes = header_.format.bytes, width = pictures_.width, height = pictures_.height;
         const bool columns = header_.columns_first;
         const int lines = columns ? width : height, line = bytes * (columns ? height : width);
@@ -497,72 +470,47 @@ private:
     }
 
     std::unique_ptr<ByteSource> bytes_;
-    std::string where_;
     NpyHeader header_;
     ArrayPictures pictures_;
-    bool floats_ = false;
     std::unique_ptr<NpyStack> confidence_, mask_;
     std::optional<double> least_confidence_;
-    std::string left_out_, array_;
+    std::string array_;
     std::vector<SmallArray> small_arrays_;
 };
 
 /// Arrays of an archive, one picture each.
-class NpzRow final : public ImageStack {
+class NpzRow final : public NumberStack {
 public:
-    NpzRow(NpzMember member, int width, int height)
-        : archive_(std::move(member.archive)),
+    NpzRow(NpzMember member, const ArrayPictures& size)
+        : NumberStack(std::move(member.where)),
+          archive_(std::move(member.archive)),
           row_(std::move(member.row)),
-          where_(std::move(member.where)),
           small_arrays_(std::move(member.small_arrays)),
-          width_(width),
-          height_(height) {}
+          size_(size) {}
     static Result<std::shared_ptr<ImageStack>> of(NpzMember member) {
         TRY_ASSIGN(const auto size, pictures_of_array(member.row.front().header->shape, member.where));
-        auto row = std::make_shared<NpzRow>(std::move(member), size.width, size.height);
-        TRY(row->find_floats());
+        auto row = std::make_shared<NpzRow>(std::move(member), size);
+        TRY(row->find_floats(row->row_.front().header->format));
         return std::shared_ptr<ImageStack>(std::move(row));
     }
 
     std::int64_t count() const override { return std::ssize(row_); }
-    int width() const override { return width_; }
-    int height() const override { return height_; }
-    std::optional<double> least_confidence() const override { return {}; }
+    int width() const override { return size_.width; }
+    int height() const override { return size_.height; }
     std::string array() const override { return row_.front().name; }
     std::span<const SmallArray> small_arrays() const override { return small_arrays_; }
-    Result<StoredImage> image(std::int64_t number) override {
-        if (number < 0 || number >= count())
-            return usage_error(where_ + ": has no picture " + std::to_string(number) +
-                               ": must be from 0 to " + std::to_string(count() - 1));
-        TRY_ASSIGN(auto picture, array(number));
-        if (floats_) picture.use_floats();
-        return picture.image(0);
-    }
 
 private:
-    Result<NpyStack> array(std::int64_t number) {
+    Result<StoredImage> read(std::int64_t number, bool floats_anyway) override {
         const NpzArray& own = row_[static_cast<std::size_t>(number)];
-        return NpyStack::of(unpacked(archive_, own), where_ + ": " + printable(own.name));
-    }
-    /// Sets floats_ if integers of any picture are beyond 16 bits.
-    Result<void> find_floats() {
-        const NumberFormat& format = row_.front().header->format;
-        const bool codes = format.kind == NumberFormat::Kind::unsigned_integer && format.bytes <= 2;
-        if (codes || format.kind == NumberFormat::Kind::floating) return {};
-        for (std::int64_t number = 0; number < count() && !floats_; ++number) {
-            TRY_ASSIGN(auto picture, array(number));
-            TRY_ASSIGN(const bool has_codes, picture.has_codes());
-            floats_ = !has_codes;
-        }
-        return {};
+        TRY_ASSIGN(auto array, NpyStack::of(unpacked(archive_, own), where_ + ": " + printable(own.name)));
+        return array.read(0, floats_anyway);
     }
 
     ZipArchive archive_;
     std::vector<NpzArray> row_;
-    std::string where_;
     std::vector<SmallArray> small_arrays_;
-    int width_, height_;
-    bool floats_ = false;
+    ArrayPictures size_;  // of each
 };
 
 Result<StoredImage> only_image(Result<NpyStack> stack, const std::string& where) {
