@@ -22,6 +22,7 @@ namespace {
 constexpr std::uint64_t samples_per_byte = 64;
 constexpr int most_nested = 10;
 constexpr std::size_t head_bytes = 16;  // of a box, or of a table
+constexpr std::size_t most_disparities = 16;  // tracks, of which a video has one
 
 struct Box {
     std::string_view type;
@@ -63,8 +64,9 @@ public:
         return {};
     }
 
-    Result<void> check_edits() const {
-        if (samples_ == 0 || edits_ <= samples_per_byte * end_ / samples_) return {};
+    /// After `boxes`: checks what all of them claim together.
+    Result<DisparityTracks> end() {
+        if (samples_ == 0 || edits_ <= samples_per_byte * end_ / samples_) return std::move(disparities_);
         return input_error("its " + std::to_string(edits_) + " edits of " + std::to_string(samples_) +
                            " samples are more than the file has bytes for: it is damaged");
     }
@@ -90,6 +92,8 @@ private:
         if (box.type == "trun") return run(box);
         if (box.type == "elst") return edits(box);
         if (box.type == "sbgp" || box.type == "sgpd") return groups(box);
+        if (box.type == "tkhd") return track(box);
+        if (box.type == "stsd") return sample_entry(box);
         for (const TableKind& kind : table_kinds)
             if (box.type == kind.type) return table(box, kind);
         return {};
@@ -98,6 +102,24 @@ private:
     Result<void> table(const Box& box, const TableKind& kind) {
         TRY_ASSIGN(const auto head, head_of(box));
         return hold(box, AV_RB32(head.data() + 4), 8 * kind.entry_bytes, 8);
+    }
+
+    Result<void> track(const Box& box) {
+        TRY_ASSIGN(const auto head, head_at<24>(bytes_, box.content, end_));
+        track_ = static_cast<int>(AV_RB32(head.data() + (head[0] == 1 ? 20 : 12)));  // after its times
+        return {};
+    }
+
+    Result<void> sample_entry(const Box& box) {
+        constexpr std::uint64_t name_at = 12;  // after version, count, and the entry's length
+        TRY_ASSIGN(const auto head, head_of(box));
+        const std::string_view name(reinterpret_cast<const char*>(head.data()) + name_at, 4);
+        if (name != "dish" || box.content + head_bytes > box.end ||
+            disparities_.ids.size() == most_disparities)
+            return {};
+        disparities_.ids.push_back(track_);
+        disparities_.names_at.push_back(box.content + name_at);
+        return {};
     }
 
     /// QuickTime's metadata are boxes only; MP4's follow a version.
@@ -164,6 +186,8 @@ private:
     ByteSource& bytes_;
     std::uint64_t end_;
     std::uint64_t unsized_ = 0, samples_ = 0, edits_ = 0;
+    DisparityTracks disparities_;
+    int track_ = 0;  // number of the newest track
 };
 
 // Element identifiers of EBML (RFC 8794) and Matroska, with their length markers.
@@ -282,10 +306,15 @@ Result<MatroskaEnd> check_segment(ElementReader& reader, const Element& segment,
 
 }  // namespace
 
-Result<void> check_box_tables(ByteSource& bytes, std::uint64_t end) {
+Result<DisparityTracks> checked_boxes(ByteSource& bytes, std::uint64_t end) {
     Walk walk(bytes, end);
     TRY(walk.boxes(0, end, 0));
-    return walk.check_edits();
+    return walk.end();
+}
+
+Result<void> check_box_tables(ByteSource& bytes, std::uint64_t end) {
+    TRY(checked_boxes(bytes, end));
+    return {};
 }
 
 Result<MatroskaEnd> check_matroska(ByteSource& bytes, const std::string& file) {

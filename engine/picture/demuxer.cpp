@@ -1,7 +1,3 @@
-extern "C" {
-#include <libavutil/intreadwrite.h>
-}
-
 #include <algorithm>
 #include <cstdio>
 
@@ -14,66 +10,7 @@ extern "C" {
 namespace touchable {
 namespace {
 
-/// iPhone's Cinematic videos have a track of disparity: HEVC, but its sample entry is called `dish`, which
-/// FFmpeg does not know.
-struct DisparityTracks {
-    std::vector<int> ids;                 ///< track numbers, from tkhd; empty: no such tracks
-    std::vector<std::uint64_t> names_at;  ///< places of the bytes `dish`
-};
-
-constexpr std::string_view disparity = "dish", hevc = "hvc1";
-/// Depth of nested boxes, down to a table of samples; and tracks of disparity, of which a video has one.
-constexpr int deepest = 6;
-constexpr std::size_t most_tracks = 16;
-
-class TrackSearch {
-public:
-    explicit TrackSearch(ByteSource& bytes) : bytes_(bytes) {}
-    Result<void> boxes(std::uint64_t place, std::uint64_t end) {
-        while (place + 8 <= end) {
-            TRY_ASSIGN(const auto head, head_at<16>(bytes_, place, end));
-            const std::uint64_t stated = AV_RB32(head.data()), before = stated == 1 ? 16 : 8;
-            const std::uint64_t size = stated == 0   ? end - place
-                                       : stated == 1 ? AV_RB64(head.data() + 8)
-                                                     : stated;
-            if (size < before || size > end - place) return {};
-            const std::string_view type(reinterpret_cast<const char*>(head.data()) + 4, 4);
-            TRY(box(type, place + before, place + size));
-            place += size;
-        }
-        return {};
-    }
-
-    DisparityTracks take() { return std::move(found_); }
-
-private:
-    Result<void> box(std::string_view type, std::uint64_t content, std::uint64_t end) {
-        for (const char* each : {"moov", "trak", "mdia", "minf", "stbl"})
-            if (type == each && depth_ < deepest) {
-                ++depth_;
-                auto searched = boxes(content, end);
-                --depth_;
-                return searched;
-            }
-        if (type == "tkhd" && content < end) {
-            TRY_ASSIGN(const auto head, head_at<24>(bytes_, content, end));
-            track_ = static_cast<int>(AV_RB32(head.data() + (head[0] == 1 ? 20 : 12)));  // after its times
-        }
-        constexpr std::uint64_t entry = 8;  // after version and count
-        if (type == "stsd" && content + entry + 8 <= end) {
-            TRY_ASSIGN(const auto head, head_at<16>(bytes_, content, end));
-            const std::string_view name(reinterpret_cast<const char*>(head.data()) + entry + 4, 4);
-            if (name != disparity || found_.ids.size() == most_tracks) return {};
-            found_.ids.push_back(track_);
-            found_.names_at.push_back(content + entry + 4);
-        }
-        return {};
-    }
-
-    ByteSource& bytes_;
-    DisparityTracks found_;
-    int track_ = 0, depth_ = 0;
-};
+constexpr std::string_view hevc = "hvc1";
 
 /// Bytes of a file with `hvc1` in place of each of these names.
 class ShownAsHevc final : public ByteSource {
@@ -127,21 +64,12 @@ Result<std::unique_ptr<Demuxer>> Demuxer::open_quicktime(const SourceFile& file)
 
 Result<std::unique_ptr<Demuxer>> Demuxer::open_quicktime(std::unique_ptr<ByteSource> bytes,
                                                          const std::string& file) {
-    DisparityTracks disparity;
-    const auto end = [&]() -> Result<std::optional<std::uint64_t>> {
-        auto boxes = end_of_boxes(*bytes);
-        if (!boxes || !*boxes) return boxes;
-        TRY(check_box_tables(*bytes, **boxes));
-        TrackSearch search(*bytes);
-        TRY(search.boxes(0, **boxes));
-        disparity = search.take();
-        return boxes;
-    }();
-    if (!end) return error_at(file, end.error());
-    if (!*end) return input_error(file + ": is truncated, or no QuickTime or MP4 file");
+    TRY_ASSIGN(const auto end, error_at(file, end_of_boxes(*bytes)));
+    if (!end) return input_error(file + ": is truncated, or no QuickTime or MP4 file");
+    TRY_ASSIGN(auto disparity, error_at(file, checked_boxes(*bytes, *end)));
     if (!disparity.ids.empty())
         bytes = std::make_unique<ShownAsHevc>(std::move(bytes), std::move(disparity.names_at));
-    auto demuxer = open(std::move(bytes), **end, file, "mov", "QuickTime or MP4");
+    auto demuxer = open(std::move(bytes), *end, file, "mov", "QuickTime or MP4");
     if (demuxer) (*demuxer)->disparities_ = std::move(disparity.ids);
     return demuxer;
 }

@@ -47,11 +47,8 @@ struct StoredBytes final : InputBytes {
         if (stop_requested()) return failed(interrupted_error());
         if (at >= end) return AVERROR_EOF;
         const auto some = std::min<std::uint64_t>(static_cast<std::uint64_t>(count), end - at);
-        if (auto read = source->read(at, reinterpret_cast<char*>(to), static_cast<std::size_t>(some));
-            !read) {
-            failure = read.error();
-            return AVERROR(EIO);
-        }
+        if (auto read = source->read(at, reinterpret_cast<char*>(to), static_cast<std::size_t>(some)); !read)
+            return failed(read.error());
         at += some;
         return static_cast<int>(some);
     }

@@ -37,6 +37,15 @@ Result<InputPtr> open_flow(std::shared_ptr<Demuxer::ByteFlow> flow, const InputK
 /// Why reading failed with this status: its bytes' error, or FFmpeg's.
 Error input_failure(const AVFormatContext& container, int status);
 
+/// iPhone's Cinematic videos have a track of disparity: HEVC, but its sample entry is called `dish`, which
+/// FFmpeg does not know.
+struct DisparityTracks {
+    std::vector<int> ids;                 ///< track numbers, from tkhd; empty: no such tracks
+    std::vector<std::uint64_t> names_at;  ///< places of the bytes `dish`
+};
+/// Checks the boxes' tables (check_box_tables), and finds tracks of disparity.
+Result<DisparityTracks> checked_boxes(ByteSource& bytes, std::uint64_t end);
+
 /// End of QuickTime and MP4, after the outermost boxes, each a length, a type and a content; nullopt if one
 /// is truncated, which FFmpeg would accept. Record3D puts JSON after the last box.
 Result<std::optional<std::uint64_t>> end_of_boxes(ByteSource& bytes);
