@@ -331,16 +331,6 @@ std::optional<PlaneView> first_plane(const AVFrame& frame) {
     return PlaneView{frame.data[0], frame.linesize[0], frame.width, frame.height, bytes, 1};
 }
 
-/// 8-bit RGB of `count` rows from `first` on; the frame is_rgb8.
-Image rgb_rows(const AVFrame& frame, int first, int count) {
-    const std::size_t row_bytes = 3 * static_cast<std::size_t>(frame.width);
-    Image image{frame.width, count, 1, 3, {}};
-    image.samples.resize(row_bytes * static_cast<std::size_t>(count));
-    for (int y = 0; y < count; ++y)
-        move_rgb_row(frame, first + y, image.samples.data() + row_bytes * static_cast<std::size_t>(y));
-    return image;
-}
-
 /// Returns the whole pages of these rows to the system: they may not be read again. The frame must have no
 /// other owner.
 void drop_rows(AVFrame& frame, int first, int count) {
@@ -357,16 +347,16 @@ void drop_rows(AVFrame& frame, int first, int count) {
 /// Rows copied before their memory is returned, so that a picture is held once and not twice.
 constexpr int rows_at_once = 64;
 
-/// A picture whose rows `append(samples, first, count)` adds at the end.
+/// A picture whose row y `append(samples, y)` adds at the end.
 template <class Append>
 Result<Image> gathered(AVFrame& frame, int bytes, int channels, Append&& append) {
     Image image{frame.width, frame.height, bytes, channels, {}};
-    image.samples.reserve(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height) *
+    image.samples.reserve(pixel_count(frame.width, frame.height) *
                           static_cast<std::size_t>(bytes * channels));
     for (int first = 0; first < frame.height; first += rows_at_once) {
         if (stop_requested()) return interrupted_error();
         const int count = std::min(rows_at_once, frame.height - first);
-        append(image.samples, first, count);
+        for (int y = first; y < first + count; ++y) append(image.samples, y);
         drop_rows(frame, first, count);
     }
     return image;
@@ -375,19 +365,14 @@ Result<Image> gathered(AVFrame& frame, int bytes, int channels, Append&& append)
 using Samples = std::vector<std::uint8_t>;
 
 auto packed_grey(const PlaneView& plane) {
-    return [plane](Samples& to, int first, int count) {
+    return [plane](Samples& to, int y) {
         const auto row_bytes = static_cast<std::ptrdiff_t>(plane.width) * plane.bytes_per_sample;
-        for (int y = first; y < first + count; ++y)
-            to.insert(to.end(), plane.row(y), plane.row(y) + row_bytes);
+        to.insert(to.end(), plane.row(y), plane.row(y) + row_bytes);
     };
 }
 
 bool is_colour_of_16_bits(const AVFrame& frame) {
     return frame.format == AV_PIX_FMT_RGB48BE || frame.format == AV_PIX_FMT_RGBA64BE;
-}
-
-int channels_of(const AVFrame& frame) {
-    return av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format))->nb_components;
 }
 
 /// The channel of 16-bit red, green and blue that holds numbers.
@@ -403,7 +388,7 @@ std::optional<NumbersInColour> numbers_in_colour(const AVFrame& frame) {
     std::array<std::vector<bool>, 3> seen;
     for (auto& values : seen) values.resize(65536);
     std::array<bool, 3> differs{};  // from the next channel
-    const int step = 2 * channels_of(frame);
+    const int step = 2 * descriptor(frame).nb_components;
     for (int y = 0; y < frame.height; ++y) {
         if (stop_requested()) return std::nullopt;
         const std::uint8_t* from = frame.data[0] + std::ptrdiff_t{frame.linesize[0]} * y;
@@ -439,39 +424,35 @@ struct GreyOfPng {
                is_colour_of_16_bits(frame);
     }
     bool is_it() const { return is_deep() || frame.format == AV_PIX_FMT_YA8; }
-    void operator()(Samples& to, int first, int count) const {
+    void operator()(Samples& to, int y) const {
         const bool deep = is_deep();
-        const int step = (deep ? 2 : 1) * channels_of(frame);
-        for (int y = first; y < first + count; ++y) {
-            const std::uint8_t* from =
-                frame.data[0] + static_cast<std::ptrdiff_t>(frame.linesize[0]) * y + 2 * channel;
-            for (int x = 0; x < frame.width; ++x, from += step) {
-                const auto sample = static_cast<std::uint16_t>(deep ? from[0] << 8 | from[1] : from[0]);
-                const auto bytes = std::bit_cast<std::array<std::uint8_t, 2>>(sample);
-                if (deep)
-                    to.insert(to.end(), bytes.begin(), bytes.end());
-                else
-                    to.push_back(from[0]);
-            }
+        const int step = (deep ? 2 : 1) * descriptor(frame).nb_components;
+        const std::uint8_t* from =
+            frame.data[0] + static_cast<std::ptrdiff_t>(frame.linesize[0]) * y + 2 * channel;
+        for (int x = 0; x < frame.width; ++x, from += step) {
+            const auto sample = static_cast<std::uint16_t>(deep ? from[0] << 8 | from[1] : from[0]);
+            const auto bytes = std::bit_cast<std::array<std::uint8_t, 2>>(sample);
+            if (deep)
+                to.insert(to.end(), bytes.begin(), bytes.end());
+            else
+                to.push_back(from[0]);
         }
     }
 };
 
 /// Grey of 1 bit, eight pixels a byte, the first one highest.
 auto black_and_white(const AVFrame& frame) {
-    return [&frame](Samples& to, int first, int count) {
-        for (int y = first; y < first + count; ++y) {
-            const std::uint8_t* row = frame.data[0] + static_cast<std::ptrdiff_t>(frame.linesize[0]) * y;
-            for (int x = 0; x < frame.width; ++x)
-                to.push_back((row[x / 8] >> (7 - x % 8) & 1) != 0 ? 255 : 0);
-        }
+    return [&frame](Samples& to, int y) {
+        const std::uint8_t* row = frame.data[0] + static_cast<std::ptrdiff_t>(frame.linesize[0]) * y;
+        for (int x = 0; x < frame.width; ++x) to.push_back((row[x / 8] >> (7 - x % 8) & 1) != 0 ? 255 : 0);
     };
 }
 
+/// 8-bit RGB; the frame is_rgb8.
 auto rgb_of(const AVFrame& frame) {
-    return [&frame](Samples& to, int first, int count) {
-        const Image rows = rgb_rows(frame, first, count);
-        to.insert(to.end(), rows.samples.begin(), rows.samples.end());
+    return [&frame](Samples& to, int y) {
+        to.resize(to.size() + 3 * static_cast<std::size_t>(frame.width));
+        move_rgb_row(frame, y, to.data() + to.size() - 3 * static_cast<std::size_t>(frame.width));
     };
 }
 
@@ -499,7 +480,7 @@ Result<Image> image_from(const std::string& where, FramePtr frame, std::string& 
     if (const GreyOfPng grey{*frame}; grey.is_it()) return gathered(*frame, grey.is_deep() ? 2 : 1, 1, grey);
     if (const auto plane = grey_samples(*frame))
         return gathered(*frame, plane->bytes_per_sample, 1, packed_grey(*plane));
-    if (av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame->format))->comp[0].depth != 8) return unread;
+    if (sample_bits(*frame) != 8) return unread;
     if (!is_rgb8(*frame)) {
         auto rgb = unless_stopped([frame = std::move(frame)] { return rgb_to_gather(*frame); });
         if (!rgb) return interrupted_error();
@@ -601,7 +582,10 @@ void move_rgb_row(const AVFrame& frame, int y, std::uint8_t* rgb) {
 }
 
 Image rgb_exact(const AVFrame& frame) {
-    return rgb_rows(frame, 0, frame.height);
+    Image image{frame.width, frame.height, 1, 3, {}};
+    image.samples.reserve(3 * pixel_count(frame.width, frame.height));
+    for (int y = 0; y < frame.height; ++y) rgb_of(frame)(image.samples, y);
+    return image;
 }
 
 Result<StoredImage> decode_coded_image(std::string_view bytes, const std::string& where) {

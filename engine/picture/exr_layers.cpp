@@ -274,13 +274,9 @@ bool is_exr_depth_of_unreal(const std::string& channel) {
     return std::ranges::any_of(words_of(small_letters(channel)), is_depth_of_unreal);
 }
 
-ExrLayers exr_layers(const ExrChannelNames& channels) {
-    return layers_among(in_small_letters(channels));
-}
-
 ExrLayers exr_layers(const ExrChannelNames& named, const std::string& depth) {
-    if (depth.empty()) return exr_layers(named);
     const ExrChannelNames channels = in_small_letters(named);
+    if (depth.empty()) return layers_among(channels);
     const std::string small = small_letters(depth);
     ExrLayers layers;
     if (const auto exact = std::ranges::find(named, depth, &ExrChannelName::name); exact != named.end())

@@ -36,10 +36,9 @@ struct ExrLayers {
     /// Number of view layers that have depth.
     int depths = 0;
 };
-ExrLayers exr_layers(const std::vector<ExrChannelName>& channels);
-/// The same if depth is given by the name of its channel, or of its layer (its R, or else its first channel);
-/// case matters only if names differ in nothing else. Without depth if no name fits.
-ExrLayers exr_layers(const std::vector<ExrChannelName>& channels, const std::string& depth);
+/// `depth`: the name of its channel, or of its layer (its R, or else its first channel); empty: found as
+/// above. Case matters only if names differ in nothing else. Without depth if no name fits.
+ExrLayers exr_layers(const std::vector<ExrChannelName>& channels, const std::string& depth = {});
 
 /// Colour of a file with or without depth: of the depth's view layer, else of the first layer that has any.
 std::optional<std::array<std::size_t, 3>> exr_colour(const std::vector<ExrChannelName>& channels);
