@@ -137,19 +137,15 @@ public:
         std::ranges::copy(rgb, colour_.begin() + static_cast<std::ptrdiff_t>(3 * pixel));
     }
 
-    /// `codec` is that of the picture. `what` is the cloud in words, for messages.
-    Result<OrganisedCloud> finish(const std::string& codec, const std::string& what,
-                                  const std::string& where) && {
+    /// `kind`: PCD or PLY.
+    Result<OrganisedCloud> finish(const std::string& kind, const std::string& where) && {
         const float side = is_ahead_ ? 1.0F : -1.0F;
         for (float& depth : depth_) depth = depth * side > 0 ? depth * side : no_depth;
-        std::optional<Intrinsics> camera;
-        if (std::ranges::any_of(depth_, [](float depth) { return depth > 0; })) {
-            TRY_ASSIGN(camera, find_camera(what, where));
-        }
         OrganisedCloud cloud;
-        cloud.camera = camera;
+        if (std::ranges::any_of(depth_, [](float depth) { return depth > 0; }))
+            TRY(assign(cloud.camera, find_camera(kind, where)));
         cloud.depth.image = {width_, height_, 4, 1, {}};
-        cloud.depth.codec = codec;
+        cloud.depth.codec = small_letters(kind);
         cloud.depth.pixel_format = "grayf32le";
         cloud.depth.bits = 32;
         cloud.depth.values = std::move(depth_);
@@ -157,7 +153,7 @@ public:
         cloud.depth.beside = std::make_shared<BesideDepth>();
         StoredImage& colour = cloud.depth.beside->colour.emplace();
         colour.image = {width_, height_, 1, 3, std::move(colour_)};
-        colour.codec = codec;
+        colour.codec = cloud.depth.codec;
         colour.pixel_format = "rgb24";
         return cloud;
     }
@@ -172,7 +168,7 @@ private:
                 if (depth_[k] > 0) act(x, y, double{across_[k]}, double{down_[k]});
     }
 
-    Result<Intrinsics> find_camera(const std::string& what, const std::string& where) {
+    Result<Intrinsics> find_camera(const std::string& kind, const std::string& where) {
         SlopeFit columns, rows;
         for_each_point([&](int x, int y, double across, double down) {
             columns.add(across, x);
@@ -189,8 +185,8 @@ private:
         const bool is_pinhole =
             std::isfinite(fx * fy) && fx != 0 && fy != 0 && off <= largest_share * columns.count;
         if (!is_pinhole)
-            return input_error(where + ": is a " + what +
-                               " whose rows and columns are not the pixels of one pinhole camera (" +
+            return input_error(where + ": is a " + kind + " cloud of " + size_text(width_, height_) +
+                               " points whose rows and columns are not the pixels of one pinhole camera (" +
                                short_number(100 * off / columns.count, 2) +
                                " % of them lie more than a pixel off in the best one): project it into a "
                                "camera (t.geometry.PointCloud.project_to_depth_image of Open3D) and save "
@@ -378,17 +374,17 @@ Result<OrganisedCloud> decode_pcd(std::string_view bytes, const std::string& whe
     const PcdField* colour = header->field("rgb");
     if (colour == nullptr) colour = header->field("rgba");
     if (colour != nullptr && (!colour->is_one_number() || colour->scalar.bytes != 4)) colour = nullptr;
-    const auto made = [&](CloudPicture picture) {
-        const std::string what = "PCD cloud of " + size_text(header->width, header->height) + " points";
-        return std::move(picture).finish("pcd", what, where);
-    };
     const int width = static_cast<int>(header->width), height = static_cast<int>(header->height);
-    if (header->data == "ascii") {
-        const std::string_view text = bytes.substr(header->end);
-        // Each number takes at least two bytes: a digit and a separator.
-        if (points * header->point_words * 2 > text.size() + 1) return cut_short(where);
-        CloudPicture picture(width, height, colour != nullptr);
-        TextWords words(text);
+    const bool is_text = header->data == "ascii";
+    std::string_view data = bytes.substr(header->end);
+    std::string unpacked;
+    // In text, each number takes at least two bytes: a digit and a separator.
+    if (is_text && points * header->point_words * 2 > data.size() + 1) return cut_short(where);
+    if (!is_text)
+        TRY(assign(data, pcd_points(*header, bytes, points * header->point_bytes, unpacked, where)));
+    CloudPicture picture(width, height, colour != nullptr);
+    if (is_text) {
+        TextWords words(data);
         std::vector<double> numbers(header->point_words);
         for (std::size_t k = 0; k < points; ++k) {
             for (double& number : numbers) {
@@ -403,12 +399,8 @@ Result<OrganisedCloud> decode_pcd(std::string_view bytes, const std::string& whe
             picture.put(k, numbers[axes[0]->words], numbers[axes[1]->words], numbers[axes[2]->words]);
             if (colour) picture.paint(k, colour_in_text(numbers[colour->words]));
         }
-        return made(std::move(picture));
+        return std::move(picture).finish("PCD", where);
     }
-    std::string unpacked;
-    TRY_ASSIGN(const std::string_view data,
-               pcd_points(*header, bytes, points * header->point_bytes, unpacked, where));
-    CloudPicture picture(width, height, colour != nullptr);
     // Packed points are stored field by field: first one field of all points, then the next.
     const bool by_fields = header->data == "binary_compressed";
     const auto at = [&](const PcdField& field, std::size_t k) {
@@ -422,7 +414,7 @@ Result<OrganisedCloud> decode_pcd(std::string_view bytes, const std::string& whe
         picture.put(k, point[0], point[1], point[2]);
         if (colour) picture.paint(k, packed_colour(number_in_bytes({at(*colour, k), 4}, false)));
     }
-    return made(std::move(picture));
+    return std::move(picture).finish("PCD", where);
 }
 
 // --- PLY
@@ -634,8 +626,7 @@ Result<OrganisedCloud> decode_ply(std::string_view bytes, const std::string& whe
         }
         if (&element == (grid ? grid : &vertices)) break;
     }
-    const std::string what = "PLY cloud of " + size_text(header->width, header->height) + " points";
-    return std::move(picture).finish("ply", what, where);
+    return std::move(picture).finish("PLY", where);
 }
 
 bool is_ply(std::string_view begin) {

@@ -63,10 +63,14 @@ private:
     std::size_t digits_ = 1;
 };
 
-Error missing(const fs::path& file, std::string_view what, std::size_t frame, const std::string& more) {
+std::string why_missing(const fs::path& file) {
     std::error_code ignored;
+    return fs::exists(file, ignored) ? " is no regular file" : " is missing";
+}
+
+Error missing(const fs::path& file, std::string_view what, std::size_t frame, const std::string& more) {
     return input_error(file.string() + " (" + std::string(what) + ", frame " + std::to_string(frame) +
-                       "): " + (fs::exists(file, ignored) ? "is no regular file" : "is missing") + more);
+                       "):" + why_missing(file) + more);
 }
 
 /// A hint if depth's first picture is missing and later ones exist; otherwise empty.
@@ -77,20 +81,26 @@ std::string first_of(const fs::path& folder, const Numbered& pattern, std::int64
                                ": give folder.first";
 }
 
+/// Which numbers an ascending row leaves out from `expected` on, each `step` after the one before: "3, 7 to
+/// 9".
+std::string gaps_in(const std::vector<std::int64_t>& row, std::int64_t expected, std::int64_t step) {
+    std::string gaps;
+    for (const std::int64_t number : row) {
+        if (number > expected) gaps += (gaps.empty() ? "" : ", ") + std::to_string(expected);
+        if (number > expected + step) gaps += " to " + std::to_string(number - step);
+        expected = number + step;
+    }
+    return gaps;
+}
+
 /// If depth's picture `expected` is missing and later ones of its row exist: which numbers are missing.
 std::string beyond(const fs::path& folder, const Numbered& pattern, std::int64_t expected,
                    std::int64_t step) {
     auto later = pattern.numbers(folder, expected);
     std::erase_if(later, [&](std::int64_t number) { return (number - expected) % step != 0; });
     if (later.empty()) return "";
-    std::string gaps;
-    for (const std::int64_t number : later) {
-        if (number > expected) gaps += (gaps.empty() ? "" : ", ") + std::to_string(expected);
-        if (number > expected + step) gaps += " to " + std::to_string(number - step);
-        expected = number + step;
-    }
     return ", though later ones exist up to number " + std::to_string(later.back()) +
-           "; missing numbers: " + printable(gaps, 120);
+           "; missing numbers: " + printable(gaps_in(later, expected, step), 120);
 }
 
 Result<PictureFiles> numbered_files(const fs::path& folder, const FolderSource& source) {
@@ -112,8 +122,7 @@ Result<PictureFiles> numbered_files(const fs::path& folder, const FolderSource& 
         std::error_code ignored;
         if (!later.empty() || fs::exists(file, ignored))
             found.remark = "ends after " + std::to_string(found.count()) +
-                           " frames: " + file.filename().string() +
-                           (fs::exists(file, ignored) ? " is no regular file" : " is missing") + later;
+                           " frames: " + file.filename().string() + why_missing(file) + later;
         break;
     }
     return found;
@@ -293,25 +302,19 @@ Result<PictureFiles> listed_files(const fs::path& list) {
     found.list = list;
     std::size_t number = 0;
     for (std::string line; std::getline(in, line);) {
-        ++number;
-        if (line.size() > 4096)
-            return input_error(list.string() + ", line " + std::to_string(number) + ": is too long");
+        const std::string where = list.string() + ", line " + std::to_string(++number) + ": ";
+        if (line.size() > 4096) return input_error(where + "is too long");
         std::istringstream words(line.substr(0, line.find('#')));
         std::string first, second;
         if (!(words >> first)) continue;
         const bool has_time = static_cast<bool>(words >> second);
         const auto time = parsed_number(first);
-        if (has_time && !time)
-            return input_error(list.string() + ", line " + std::to_string(number) +
-                               ": must be a time in seconds and a file's name");
+        if (has_time && !time) return input_error(where + "must be a time in seconds and a file's name");
         found.files.push_back(list.parent_path() / (has_time ? second : first));
         if (has_time) found.keys.push_back(*time);
         found.has_decimals |= has_time && first.find('.') != std::string::npos;
-        if (std::error_code ignored; !is_file(found.files.back()))
-            return input_error(
-                list.string() + ", line " + std::to_string(number) + ": " +
-                printable(found.files.back().string()) +
-                (fs::exists(found.files.back(), ignored) ? " is no regular file" : " is missing"));
+        if (const fs::path& file = found.files.back(); !is_file(file))
+            return input_error(where + printable(file.string()) + why_missing(file));
         if (found.count() > most_files) return input_error(list.string() + ": has too many lines");
     }
     if (found.files.empty()) return input_error(list.string() + ": names no picture");
@@ -335,36 +338,27 @@ std::optional<double> seconds_per_key(const PictureFiles& pictures) {
     return 1;
 }
 
-/// Seconds after the first picture; nothing if keys only count.
-std::optional<std::vector<double>> seconds_of(const PictureFiles& pictures) {
-    const auto unit = seconds_per_key(pictures);
-    if (!unit) return {};
+/// Seconds of the pictures, after the first one or of the day; empty if keys only count.
+std::vector<double> seconds_of(const PictureFiles& pictures, bool after_first = true) {
     std::vector<double> seconds;
-    for (const double key : pictures.keys) seconds.push_back((key - pictures.keys.front()) * *unit);
+    if (const auto unit = seconds_per_key(pictures))
+        for (const double key : pictures.keys)
+            seconds.push_back((key - (after_first ? pictures.keys.front() : 0)) * *unit);
     return seconds;
 }
 
 /// Says which numbers are missing in a row of evenly counted files; empty if no two are one step apart, as of
 /// chosen frames, and for times.
-std::string gaps_in(const PictureFiles& found, const std::string& pattern) {
+std::string gaps_of(const PictureFiles& found, const std::string& pattern) {
     if (found.count() < 3 || found.keys.empty() || found.has_decimals || seconds_per_key(found)) return "";
     constexpr double largest = 1e15;  // whole numbers, exactly
     if (found.keys.front() < -largest || found.keys.back() > largest) return "";
+    const std::vector<std::int64_t> row(found.keys.begin(), found.keys.end());
     std::int64_t step = 0;
-    for (std::size_t n = 1; n < found.keys.size(); ++n)
-        step = std::gcd(step, static_cast<std::int64_t>(found.keys[n] - found.keys[n - 1]));
-    if (step == 0) return "";
-    std::string gaps;
-    bool is_a_row = false;
-    for (std::size_t n = 1; n < found.keys.size(); ++n) {
-        const auto first = static_cast<std::int64_t>(found.keys[n - 1]) + step,
-                   last = static_cast<std::int64_t>(found.keys[n]) - step;
-        is_a_row |= last - first == -step;
-        if (last < first) continue;
-        gaps += (gaps.empty() ? "" : ", ") + std::to_string(first);
-        if (last > first) gaps += " to " + std::to_string(last);
-    }
-    if (gaps.empty() || !is_a_row) return "";
+    for (std::size_t n = 1; n < row.size(); ++n) step = std::gcd(step, row[n] - row[n - 1]);
+    const auto is_next = [&](std::int64_t number, std::int64_t next) { return next - number == step; };
+    const std::string gaps = step > 0 ? gaps_in(row, row.front(), step) : "";
+    if (gaps.empty() || std::ranges::adjacent_find(row, is_next) == row.end()) return "";
     return pattern + ": missing numbers: " + printable(gaps, 120);
 }
 
@@ -382,7 +376,7 @@ std::string close_times(const PictureFiles& found, const std::string& pattern) {
 
 /// A remark on missing numbers or impossible times; empty: none.
 std::string row_remark(const PictureFiles& found, const std::string& pattern) {
-    return rate_of(found) ? close_times(found, pattern) : gaps_in(found, pattern);
+    return rate_of(found) ? close_times(found, pattern) : gaps_of(found, pattern);
 }
 
 /// The rate of frames that are `step` seconds apart: a whole number a second if it is nearly one.
@@ -726,35 +720,29 @@ std::optional<FrameRate> rate_of_seconds(const std::vector<double>& seconds) {
 }
 
 std::vector<double> seconds_of_day(const PictureFiles& pictures) {
-    const auto unit = seconds_per_key(pictures);
-    std::vector<double> seconds;
-    if (unit)
-        for (const double key : pictures.keys) seconds.push_back(key * *unit);
-    return seconds;
+    return seconds_of(pictures, false);
 }
 
 std::optional<FrameRate> rate_of(const PictureFiles& pictures) {
-    const auto seconds = seconds_of(pictures);
-    return seconds ? rate_of_seconds(*seconds) : std::nullopt;
+    return rate_of_seconds(seconds_of(pictures));
 }
 
 std::string unusable_times(const PictureFiles& pictures) {
     if (pictures.list.empty() || pictures.keys.size() < 2 || rate_of(pictures)) return "";
     const std::string list = "the times of " + printable(pictures.list.filename().string()) + " are ";
     const auto seconds = seconds_of(pictures);
-    if (!seconds)
+    if (seconds.empty())
         return list +
                "whole numbers that only count (times are seconds with a point, or milli-, micro- or "
                "nanoseconds since 1970)";
-    const double mean = seconds->back() / static_cast<double>(seconds->size() - 1);
+    const double mean = seconds.back() / static_cast<double>(seconds.size() - 1);
     return list + short_number(mean) + " s apart on average, as no frames are (times are seconds)";
 }
 
 std::optional<FrameRate> own_rate_of(const PictureFiles& pictures) {
     const auto seconds = seconds_of(pictures);
-    if (!seconds) return {};
-    auto own = rate_of_own_times(nanoseconds(*seconds));
-    return own ? own : rate_of_seconds(*seconds);
+    auto own = rate_of_own_times(nanoseconds(seconds));
+    return own ? own : rate_of_seconds(seconds);
 }
 
 std::vector<PictureGroup> picture_groups(const fs::path& folder) {
