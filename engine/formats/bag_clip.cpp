@@ -46,19 +46,19 @@ bool is_of(const BagConnection& connection, const RosType& type) {
     return connection.type == type.name && connection.md5 == type.md5;
 }
 
-/// The first message of a topic; nothing if it has none of that type.
-Result<std::optional<std::string>> first_message(BagFile& bag, const std::string& topic,
-                                                 const RosType& type) {
+/// All messages of this type to a topic. Its writer may have been started twice.
+Result<std::vector<BagMessage>> messages_of(BagFile& bag, const std::string& topic, const RosType& type) {
     std::vector<std::uint32_t> ids;
     for (const BagConnection& connection : bag.connections())
         if (connection.topic == topic && is_of(connection, type)) ids.push_back(connection.id);
-    if (ids.empty()) return std::optional<std::string>();
-    TRY_ASSIGN(const auto messages, bag.messages(ids));
-    if (messages.empty()) return std::optional<std::string>();
-    auto bytes = bag.read_first(messages);
-    if (!bytes && bag.is_given_up(messages.front())) return std::optional<std::string>();
-    if (!bytes) return bytes.error();
-    return std::optional(std::move(*bytes));
+    return ids.empty() ? std::vector<BagMessage>() : bag.messages(ids);
+}
+
+/// The first message of this type to a topic; nothing if there is none that can be read.
+Result<std::optional<std::string>> first_message(BagFile& bag, const std::string& topic,
+                                                 const RosType& type) {
+    TRY_ASSIGN(const auto messages, messages_of(bag, topic, type));
+    return bag.read_first(messages);
 }
 
 /// All topics of pictures that have messages.
@@ -76,15 +76,10 @@ Result<std::vector<BagPictures>> topics_of_pictures(BagFile& bag) {
             continue;
         if (++looked_at > most_topics) break;
         BagPictures pictures{connection.topic, is_compressed, RosPictureKind::none, "", {}};
-        std::vector<std::uint32_t> ids;  // its writer may have been started twice
-        for (const BagConnection& other : bag.connections())
-            if (other.topic == pictures.topic && other.type == connection.type && other.md5 == connection.md5)
-                ids.push_back(other.id);
-        TRY_ASSIGN(pictures.messages, bag.messages(ids));
-        if (pictures.messages.empty()) continue;
-        const auto bytes = bag.read_first(pictures.messages);
-        if (!bytes && bag.is_given_up(pictures.messages.front())) continue;
-        if (!bytes) return bytes.error();
+        TRY_ASSIGN(pictures.messages,
+                   messages_of(bag, pictures.topic, is_compressed ? ros_compressed_image : ros_image));
+        TRY_ASSIGN(const auto bytes, bag.read_first(pictures.messages));
+        if (!bytes) continue;
         if (!is_compressed) {
             if (const auto image = parse_ros_image(*bytes)) {
                 pictures.encoding = image->encoding;

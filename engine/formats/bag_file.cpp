@@ -285,9 +285,7 @@ private:
     }
 
     Result<BagRecord> record_at(ByteSource& bytes, std::uint64_t at, std::uint64_t end) const {
-        auto record = read_bag_record(bytes, at, end);
-        if (!record) return error_at(name(), record.error());
-        return record;
+        return error_at(name(), read_bag_record(bytes, at, end));
     }
 
     /// Reads connections and chunks from the index at the file's end.
@@ -406,12 +404,13 @@ Result<std::unique_ptr<BagFile>> BagFile::open(const SourceFile& file) {
     return std::unique_ptr<BagFile>(std::move(bag));
 }
 
-Result<std::string> BagFile::read_first(std::span<const BagMessage> messages) {
+Result<std::optional<std::string>> BagFile::read_first(std::span<const BagMessage> messages) {
     for (const BagMessage& each : messages) {
         auto bytes = read(each);
-        if (bytes || !is_given_up(each)) return bytes;
+        if (bytes) return std::optional(std::move(*bytes));
+        if (!is_given_up(messages.front())) return bytes.error();
     }
-    return *why_given_up(messages.front().chunk);
+    return std::optional<std::string>();
 }
 
 std::string BagFile::left_out() const {

@@ -53,8 +53,9 @@ public:
     const std::string& name() const { return name_; }
     /// Whether an earlier read failed on damage in the message's chunk.
     bool is_given_up(const BagMessage& message) const { return why_given_up(message.chunk) != nullptr; }
-    /// Reads the first of these messages that can be read.
-    Result<std::string> read_first(std::span<const BagMessage> messages);
+    /// Reads the first of these messages that can be read. Nothing if there are none, or if the first is
+    /// given up and no other can be read.
+    Result<std::optional<std::string>> read_first(std::span<const BagMessage> messages);
     /// For a person: what reads so far found damaged and left out; empty: nothing.
     virtual std::string left_out() const;
 

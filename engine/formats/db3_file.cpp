@@ -236,9 +236,7 @@ public:
 
     Result<void> open(const SourceFile& file) {
         TRY_ASSIGN(bytes_, bytes_of_file(file));
-        auto database = SqliteBytes::open(*bytes_);
-        if (!database) return at_file(database.error());
-        database_ = std::move(*database);
+        TRY_ASSIGN(database_, error_at(name(), SqliteBytes::open(*bytes_)));
         TRY(check_tables());
         TRY(add_topics());
         TRY(find_messages());
@@ -259,18 +257,17 @@ public:
     }
 
     Result<std::string> read(const BagMessage& message, std::size_t most) override {
-        auto size = database_->find_blob("messages", "data", static_cast<std::int64_t>(message.offset));
-        if (!size) return at_file(size.error());
-        if (*size > bytes_->size()) return damaged("a message is longer than the file");
-        if (most <= ros_stamp_bytes) *size = std::min<std::uint64_t>(*size, cdr_stamp_bytes);
-        if (*size > largest_message) return too_large(*size);
-        const auto data = database_->read_blob(static_cast<std::size_t>(*size));
-        if (!data) return at_file(data.error());
-        if (data->starts_with("\x28\xb5\x2f\xfd"))
+        const auto row = static_cast<std::int64_t>(message.offset);
+        TRY_ASSIGN(auto size, error_at(name(), database_->find_blob("messages", "data", row)));
+        if (size > bytes_->size()) return damaged("a message is longer than the file");
+        if (most <= ros_stamp_bytes) size = std::min<std::uint64_t>(size, cdr_stamp_bytes);
+        if (size > largest_message) return too_large(size);
+        TRY_ASSIGN(const auto data, error_at(name(), database_->read_blob(static_cast<std::size_t>(size))));
+        if (data.starts_with("\x28\xb5\x2f\xfd"))
             return input_error(name() +
                                ": its messages are packed by zstd (compression_mode: message), which is not "
                                "read: ros2 bag convert makes a plain recording of it");
-        return ros1_of_cdr(*data, types_[message.connection]);
+        return ros1_of_cdr(data, types_[message.connection]);
     }
 
     std::string left_out() const override { return left_out_; }
@@ -292,7 +289,7 @@ private:
                     computed += sqlite3_column_int(&row, hidden) != 0;
                     return {};
                 });
-        if (!counted) return at_file(counted.error());
+        TRY(error_at(name(), std::move(counted)));
         if (tables == 2 && computed == 0) return {};
         return input_error(
             name() +
@@ -301,7 +298,7 @@ private:
 
     /// Adds the topics; other types and encodings are left out.
     Result<void> add_topics() {
-        const auto added = database_->each_row(
+        auto added = database_->each_row(
             "SELECT id, name, type, serialization_format FROM topics",
             [this](sqlite3_stmt& row) -> Result<void> {
                 const auto type = ros2_type(column_text(row, 2));
@@ -312,13 +309,13 @@ private:
                 add_connection({id, column_text(row, 1), std::string(type->name), std::string(type->md5)});
                 return {};
             });
-        return added ? added : at_file(added.error());
+        return error_at(name(), std::move(added));
     }
 
     /// Adds all messages. Rows must ascend by number: those of a damaged table may never end.
     Result<void> find_messages() {
         std::optional<std::int64_t> last;
-        const auto found = database_->each_row(
+        auto found = database_->each_row(
             "SELECT rowid, topic_id, timestamp FROM messages NOT INDEXED",
             [&](sqlite3_stmt& row) -> Result<void> {
                 const std::int64_t number = sqlite3_column_int64(&row, 0);
@@ -333,10 +330,8 @@ private:
                     {sqlite3_column_int64(&row, 2), topic->second, 0, static_cast<std::uint64_t>(number)});
                 return {};
             });
-        return found ? found : at_file(found.error());
+        return error_at(name(), std::move(found));
     }
-
-    Error at_file(const Error& why) const { return error_at(name(), why); }
 
     std::unique_ptr<ByteSource> bytes_;
     std::unique_ptr<SqliteBytes> database_;

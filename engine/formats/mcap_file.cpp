@@ -112,8 +112,7 @@ private:
     };
 
     Result<void> read_bytes(ByteSource& from, std::uint64_t at, char* to, std::size_t count) const {
-        auto read = from.read(at, to, count);
-        return read ? read : error_at(name(), read.error());
+        return error_at(name(), from.read(at, to, count));
     }
 
     /// Reads the records of the file or of an unpacked chunk, up to one that is cut.

@@ -46,9 +46,7 @@ bool is_snapshot(const fs::path& file) {
 std::optional<fs::path> realsense_metadata_of(const fs::path& raw) {
     if (small_letters(raw.extension().string()) != ".raw") return {};
     fs::path metadata = raw.parent_path() / (raw.stem().string() + std::string(metadata_ending));
-    std::error_code ignored;
-    if (!fs::is_regular_file(metadata, ignored)) return {};
-    return metadata;
+    return is_file(metadata) ? std::optional(std::move(metadata)) : std::nullopt;
 }
 
 std::optional<fs::path> realsense_snapshot_in(const fs::path& folder) {

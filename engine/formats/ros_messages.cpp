@@ -188,8 +188,7 @@ Result<Image> rgb_of_yuv(const RosImage& image, AVPixelFormat format, const std:
     for (int y = 0; y < frame->height; ++y)
         std::memcpy(frame->data[0] + std::ptrdiff_t{frame->linesize[0]} * y, row_of(image, y),
                     2 * std::size_t{image.width});
-    TRY_ASSIGN(auto rgb, error_at(where, rgb_converted(*frame)));
-    return rgb;
+    return error_at(where, rgb_converted(*frame));
 }
 
 Image rgb_of(const RosImage& image, const RosEncoding& encoding) {

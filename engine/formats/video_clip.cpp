@@ -116,7 +116,7 @@ public:
         if (!found)
             return refuse(
                 "is a video in colour in which no depth was found: frame 0, " +
-                std::to_string(picture.width()) + "x" + std::to_string(picture.height()) +
+                size_text(picture.width(), picture.height()) +
                 ", has no grey half and is no map of hues; a preset says that it is hue, or the mean "
                 "of colours; a "
                 "scene file with \"video\" says where depth "
@@ -313,8 +313,7 @@ public:
         const int bar = bar_of(width, height);
         const auto part = depth_part(source_.layout, width, height, bar);
         if (!part)
-            return input_error(depth_->where(frame) + ": is " + std::to_string(width) + "x" +
-                               std::to_string(height) +
+            return input_error(depth_->where(frame) + ": is " + size_text(width, height) +
                                ": does not divide into two halves, as video.layout says");
         const bool is_depth = role == PlaneRole::depth;
         TRY_ASSIGN(auto plane, is_depth ? picture->depth(source_.values, *part) : picture->rgb());
@@ -434,9 +433,7 @@ Opened open_videos(const fs::path& folder, const GuessedScene& described, Colour
     clip.inputs = {folder / source.depth};
     clip.alignment = alignment;
     std::shared_ptr<VideoFile> depth = described.video;
-    if (!depth) {
-        TRY_ASSIGN(depth, VideoFile::open(clip.inputs.front(), PlaneRole::depth));
-    }
+    if (!depth) TRY(assign(depth, VideoFile::open(clip.inputs.front(), PlaneRole::depth)));
     clip.count = depth->count();
     clip.found.rate = depth->rate();
     if (depth->note()) clip.notes.push_back(*depth->note());
