@@ -567,7 +567,8 @@ void describe_heif_depth(const heif_depth_representation_info* info, const std::
     const auto type = info != nullptr ? representation(*info) : std::nullopt;
     if (type && describe_by_codec(*info, *type, photo)) return;
     photo.has_scale = false;
-    photo.coding.near_is_high = type != heif_depth_representation_type_uniform_Z;
+    photo.coding.near_is_high = type.value_or(heif_depth_representation_type_uniform_disparity) !=
+                                heif_depth_representation_type_uniform_Z;
     photo.coding.kind = photo.coding.near_is_high ? DepthCodingKind::inverse : DepthCodingKind::linear;
 }
 
