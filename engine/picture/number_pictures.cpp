@@ -302,7 +302,7 @@ std::string refusal_of(const TiffLayout& layout) {
 /// Collects pixels: numbers of grey, or RGB of 8 bits.
 class TiffPixels {
 public:
-    explicit TiffPixels(const TiffLayout& layout) : layout_(layout) {
+    TiffPixels(const TiffLayout& layout, const std::string& where) : layout_(layout), where_(where) {
         const int width = static_cast<int>(layout.width), height = static_cast<int>(layout.height);
         if (!layout.is_rgb() || layout.bits > 8) {
             grey_.emplace(width, height, layout.numbers());
@@ -311,22 +311,25 @@ public:
         rgb_ = {width, height, 1, 3, {}};
         rgb_.samples.resize(std::size_t{layout.width} * layout.height * 3);
     }
-    /// `across`: pixels of a row in memory. False for colour if only grey is read.
-    bool put(int x, int y, const char* pixels, int width, int height, int across) {
+    /// `across`: pixels of a row in memory. Refuses colour of 16 bits.
+    Result<void> put(int x, int y, const char* pixels, int width, int height, int across) {
         const int step = layout_.pixel_bytes();
         const NumberBlock block{pixels, width, height, step, std::ptrdiff_t{step} * across};
-        if (!grey_) return put_rgb(x, y, block);
-        if (layout_.is_rgb() && !is_grey(block)) return false;
-        grey_->put(x, y, block);
-        return true;
+        if (layout_.is_rgb() && grey_ && !is_grey(block))
+            return input_error(where_ + ": is in colour of 16 bits: must be grey, or RGB of 8 bits");
+        if (grey_)
+            grey_->put(x, y, block);
+        else
+            put_rgb(x, y, block);
+        return {};
     }
-    StoredImage finish(bool floats_anyway = false) && {
+    StoredImage finish(bool floats_anyway) && {
         if (grey_) return std::move(*grey_).finish("tiff", floats_anyway);
         return {std::move(rgb_), "tiff", "rgb24"};
     }
 
 private:
-    bool put_rgb(int x, int y, const NumberBlock& block) {
+    void put_rgb(int x, int y, const NumberBlock& block) {
         for (int row = 0; row < block.height; ++row) {
             const char* from = block.first + block.row_step * row;
             std::uint8_t* to =
@@ -335,7 +338,6 @@ private:
             for (int column = 0; column < block.width; ++column, to += 3, from += block.column_step)
                 std::memcpy(to, from, 3);
         }
-        return true;
     }
     /// Whether red, green and blue of 16 bits are the same.
     static bool is_grey(const NumberBlock& block) {
@@ -348,50 +350,50 @@ private:
     }
 
     TiffLayout layout_;
+    std::string where_;
     std::optional<NumberPicture> grey_;
     Image rgb_;
 };
 
-enum class TiffOutcome { read, damaged, coloured, interrupted };
+Error tiff_damage(const TiffBytes& file, const std::string& where) {
+    if (stop_requested()) return interrupted_error();  // which makes reads fail
+    return input_error(where + ": is damaged" + (file.wrong.empty() ? "" : ": " + file.wrong));
+}
 
-TiffOutcome read_tiles(TIFF* tiff, const TiffLayout& layout, TiffPixels& pixels) {
+Result<void> read_tiles(TIFF* tiff, const TiffBytes& file, const TiffLayout& layout, TiffPixels& pixels,
+                        const std::string& where) {
     std::uint32_t across = 0, down = 0;
     TIFFGetField(tiff, TIFFTAG_TILEWIDTH, &across);
     TIFFGetField(tiff, TIFFTAG_TILELENGTH, &down);
     const tmsize_t size = TIFFTileSize(tiff);
     const auto needed = std::uint64_t{across} * down * static_cast<std::uint64_t>(layout.pixel_bytes());
     if (size < 1 || size > largest_tile || static_cast<std::uint64_t>(size) != needed)
-        return TiffOutcome::damaged;
+        return tiff_damage(file, where);
     std::vector<char> tile(static_cast<std::size_t>(size));
     for (std::uint32_t y = 0; y < layout.height; y += down)
         for (std::uint32_t x = 0; x < layout.width; x += across) {
-            if (stop_requested()) return TiffOutcome::interrupted;
+            if (stop_requested()) return interrupted_error();
             if (TIFFReadEncodedTile(tiff, TIFFComputeTile(tiff, x, y, 0, 0), tile.data(), size) != size)
-                return TiffOutcome::damaged;
-            if (!pixels.put(static_cast<int>(x), static_cast<int>(y), tile.data(),
-                            static_cast<int>(std::min(across, layout.width - x)),
-                            static_cast<int>(std::min(down, layout.height - y)), static_cast<int>(across)))
-                return TiffOutcome::coloured;
+                return tiff_damage(file, where);
+            TRY(pixels.put(static_cast<int>(x), static_cast<int>(y), tile.data(),
+                           static_cast<int>(std::min(across, layout.width - x)),
+                           static_cast<int>(std::min(down, layout.height - y)), static_cast<int>(across)));
         }
-    return TiffOutcome::read;
+    return {};
 }
 
-TiffOutcome read_rows(TIFF* tiff, const TiffLayout& layout, TiffPixels& pixels) {
+Result<void> read_rows(TIFF* tiff, const TiffBytes& file, const TiffLayout& layout, TiffPixels& pixels,
+                       const std::string& where) {
     const tmsize_t size = TIFFScanlineSize(tiff);
-    if (size != static_cast<tmsize_t>(layout.width) * layout.pixel_bytes()) return TiffOutcome::damaged;
+    if (size != static_cast<tmsize_t>(layout.width) * layout.pixel_bytes()) return tiff_damage(file, where);
     std::vector<char> row(static_cast<std::size_t>(size));
     const int width = static_cast<int>(layout.width);
     for (std::uint32_t y = 0; y < layout.height; ++y) {
-        if (stop_requested()) return TiffOutcome::interrupted;
-        if (TIFFReadScanline(tiff, row.data(), y, 0) != 1) return TiffOutcome::damaged;
-        if (!pixels.put(0, static_cast<int>(y), row.data(), width, 1, width)) return TiffOutcome::coloured;
+        if (stop_requested()) return interrupted_error();
+        if (TIFFReadScanline(tiff, row.data(), y, 0) != 1) return tiff_damage(file, where);
+        TRY(pixels.put(0, static_cast<int>(y), row.data(), width, 1, width));
     }
-    return TiffOutcome::read;
-}
-
-Error tiff_damage(const TiffBytes& file, const std::string& where) {
-    if (stop_requested()) return interrupted_error();  // which makes reads fail
-    return input_error(where + ": is damaged" + (file.wrong.empty() ? "" : ": " + file.wrong));
+    return {};
 }
 
 /// Refuses a page that is not read, before memory is taken for it.
@@ -408,20 +410,13 @@ Result<TiffLayout> checked_layout(TIFF* tiff, std::uint64_t packed, const std::s
 }
 
 /// Reads the current page of libtiff.
-Result<TiffPixels> tiff_page(TIFF* tiff, const TiffBytes& file, const std::string& where) {
+Result<StoredImage> tiff_page(TIFF* tiff, const TiffBytes& file, const std::string& where,
+                              bool floats_anyway = false) {
     TRY_ASSIGN(const auto layout, checked_layout(tiff, file.bytes.size(), where));
-    TiffPixels pixels(layout);
-    switch (TIFFIsTiled(tiff) ? read_tiles(tiff, layout, pixels) : read_rows(tiff, layout, pixels)) {
-        case TiffOutcome::damaged:
-            return tiff_damage(file, where);
-        case TiffOutcome::coloured:
-            return input_error(where + ": is in colour of 16 bits: must be grey, or RGB of 8 bits");
-        case TiffOutcome::interrupted:
-            return interrupted_error();
-        case TiffOutcome::read:
-            break;
-    }
-    return pixels;
+    TiffPixels pixels(layout, where);
+    TRY(TIFFIsTiled(tiff) ? read_tiles(tiff, file, layout, pixels, where)
+                          : read_rows(tiff, file, layout, pixels, where));
+    return std::move(pixels).finish(floats_anyway);
 }
 
 /// The tags that decide how a page's pixels are stored, as the file has them. Pages with the same tags are
@@ -559,8 +554,7 @@ private:
         const TiffLayout layout = layout_of(tiff_.get());
         if (layout.width != layout_.width || layout.height != layout_.height)  // by a duplicate tag
             return tiff_damage(file_, where);
-        TRY_ASSIGN(auto pixels, tiff_page(tiff_.get(), file_, where));
-        return std::move(pixels).finish(floats_anyway);
+        return tiff_page(tiff_.get(), file_, where, floats_anyway);
     }
 
     std::unique_ptr<ByteSource> bytes_;
@@ -869,8 +863,7 @@ Result<StoredImage> decode_tiff(std::string_view bytes, const std::string& where
     if (const auto pages = directories.pages(); pages && pages->size() > 1)
         if (const std::size_t place = first_frame_of(*pages); place > 0)
             if (TIFFSetSubDirectory(tiff.get(), (*pages)[place].at) != 1) return tiff_damage(file, where);
-    TRY_ASSIGN(auto pixels, tiff_page(tiff.get(), file, where));
-    return std::move(pixels).finish();
+    return tiff_page(tiff.get(), file, where);
 }
 
 Result<std::shared_ptr<ImageStack>> open_tiff_stack(const SourceFile& file) {
