@@ -1,4 +1,4 @@
-// Depthkit's metadata (DepthkitMetadata), and the video that they describe (DepthkitPictures).
+// Depthkit's metadata (DepthkitMetadata), and the video that they describe.
 
 #include "engine/formats/formats_read.hpp"
 
@@ -11,7 +11,6 @@
 #include "engine/clip/tracks.hpp"
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/stored_clip.hpp"
-#include "engine/picture/ffmpeg.hpp"
 
 namespace touchable {
 namespace {
@@ -147,154 +146,6 @@ Result<SceneDescription> scene_from(const DepthkitMetadata& metadata) {
     return described;
 }
 
-/// Reads pictures at an even rate, each of which holds both planes.
-class DepthkitPictures final : public FrameSource {
-public:
-    explicit DepthkitPictures(const SourceFile& video) : source_(video), file_(video.string()) {}
-
-    Result<void> open() {
-        TRY(rewind());
-        is_all_keys_ = demuxer_->is_all_keys(stream_);
-        return read_rate();
-    }
-
-    std::int64_t count() const { return count_; }
-    const FrameRate& rate() const { return rate_; }
-
-    std::string where(PlaneRole role, std::int64_t frame) const override {
-        return where(frame) + ", " + std::string(role_name(role));
-    }
-
-    /// Both planes are views of one picture.
-    Result<TrackPicture> picture(PlaneRole role, std::int64_t frame) override {
-        if (newest_number_ != frame) {
-            newest_number_ = -1;
-            newest_ = {};
-            TRY(seek(frame));
-            TRY_ASSIGN(newest_, next());
-            newest_number_ = frame;
-        }
-        PlaneView half = newest_.view;
-        if (half.channels != 3 || half.height % 2 != 0)
-            return input_error(where(frame) + ": is " + size_text(half.width, half.height) +
-                               (half.channels == 3 ? "" : " grey") +
-                               ": a Depthkit video has colour above depth, both of the same size, in RGB");
-        half.height /= 2;
-        if (role == PlaneRole::depth) half.data = half.row(half.height);
-        return lent_picture(decoder_->info(), {half, newest_.storage});
-    }
-
-    std::int64_t access_point(std::int64_t frame) const override { return is_all_keys_ ? frame : 0; }
-
-private:
-    Result<void> rewind() {
-        TRY_ASSIGN(auto demuxer, Demuxer::open_quicktime(source_));
-        decoder_.reset();
-        demuxer_ = std::move(demuxer);
-        const AVFormatContext& container = demuxer_->container();
-        const int streams = static_cast<int>(container.nb_streams);
-        stream_ = 0;
-        while (stream_ < streams && container.streams[stream_]->codecpar->codec_type != AVMEDIA_TYPE_VIDEO)
-            ++stream_;
-        if (stream_ == streams) return input_error(file_ + ": has no video track");
-        TRY_ASSIGN(decoder_, TrackDecoder::open(stream(), PlaneRole::colour, file_));
-        demuxer_->select(stream_);
-        number_ = 0;
-        return {};
-    }
-
-    /// The rate by frame count and duration, exact if all frames are equally long; `check_time` checks that.
-    Result<void> read_rate() {
-        count_ = stream().nb_frames;
-        const AVRational base = stream().time_base;
-        constexpr std::int64_t most = std::int64_t{1} << 31;
-        int num = 0, den = 0;
-        if (count_ > 0 && count_ < most && stream().duration > 0 && stream().duration < most) {
-            const AVRational per_tick = av_make_q(base.den, base.num);
-            av_reduce(&num, &den, count_, stream().duration, 1'000'000'000);
-            av_reduce(&num, &den, std::int64_t{num} * per_tick.num, std::int64_t{den} * per_tick.den,
-                      1'000'000'000);
-        }
-        if (num <= 0 || den <= 0)
-            return input_error(file_ + ": does not say how many frames it has, or how long");
-        rate_ = {num, den};
-        return {};
-    }
-
-    Result<void> seek(std::int64_t frame) {
-        if (frame == number_) return {};
-        const bool is_led = is_all_keys_ && frame > 0 && begin_at(frame);
-        if (!is_led && (is_all_keys_ || frame < number_)) TRY(rewind());
-        while (number_ < frame) TRY(next());
-        return {};
-    }
-
-    /// Seeks by the index. False if that does not lead there; then the reading position is undefined.
-    bool begin_at(std::int64_t frame) {
-        const double time = static_cast<double>(origin_) + ticks_of(frame);
-        const bool is_somewhere = demuxer_->seek(stream_, std::llround(time));
-        const auto packet = is_somewhere ? demuxer_->peek(stream_) : Result<const AVPacket*>(nullptr);
-        const double nearest = std::min(1.0, ticks_of(1) / 2);
-        if (!packet || !*packet || std::fabs(static_cast<double>((*packet)->pts) - time) > nearest)
-            return false;
-        decoder_->restart(frame);
-        number_ = frame;
-        return true;
-    }
-
-    Result<Plane> next() {
-        while (true) {
-            TRY_ASSIGN(auto decoded, decoder_->receive());
-            if (decoded) {
-                TRY(check_time(*decoded));
-                ++number_;
-                return std::move(decoded->plane);
-            }
-            if (decoder_->drained()) break;
-            TRY_ASSIGN(const auto packet, demuxer_->next(stream_));
-            TRY(decoder_->send(packet.get()));
-        }
-        return input_error(where(number_) + ": is where the video ends, but it promises " +
-                           std::to_string(count_) + " frames: it is truncated or damaged");
-    }
-
-    /// A frame's time after frame 0, in the stream's time base.
-    double ticks_of(std::int64_t frame) const {
-        const AVRational base = stream().time_base;
-        return static_cast<double>(frame) * static_cast<double>(rate_.den) / static_cast<double>(rate_.num) *
-               base.den / base.num;
-    }
-
-    /// An error if a picture is more than one tick of the stream's clock off its frame number's time.
-    Result<void> check_time(const TrackDecoder::Picture& picture) {
-        if (number_ == 0) origin_ = picture.timestamp;
-        const double expected = ticks_of(number_);
-        const double actual = static_cast<double>(picture.timestamp) - static_cast<double>(origin_);
-        if (picture.timestamp != AV_NOPTS_VALUE && std::fabs(actual - expected) <= 1.0) return {};
-        return input_error(where(number_) + ": is not at its time: must be evenly spaced frames, " +
-                           clip_tags::rate_text(rate_) + " a second");
-    }
-
-    const AVStream& stream() const { return *demuxer_->container().streams[stream_]; }
-    std::string where(std::int64_t frame) const { return file_ + ": frame " + std::to_string(frame); }
-
-    SourceFile source_;
-    std::string file_;
-    FrameRate rate_;
-    std::int64_t count_ = 0;
-    bool is_all_keys_ = false;  // decoding can begin with any frame
-
-    // The reading position; `rewind` resets it.
-    std::unique_ptr<Demuxer> demuxer_;
-    int stream_ = 0;
-    std::optional<TrackDecoder> decoder_;
-    std::int64_t number_ = 0;  // of the frame that `next` gives
-    std::int64_t origin_ = 0;  // timestamp of frame 0
-
-    Plane newest_{};
-    std::int64_t newest_number_ = -1;
-};
-
 }  // namespace
 
 std::filesystem::path depthkit_metadata_name(const std::filesystem::path& video) {
@@ -324,13 +175,15 @@ Result<SceneDescription> read_depthkit_metadata(const std::filesystem::path& fil
 Opened open_depthkit_clip(const Candidate& video) {
     const std::filesystem::path& file = video.source.path();
     const std::filesystem::path metadata = file.parent_path() / depthkit_metadata_name(file);
-    auto pictures = std::make_unique<DepthkitPictures>(video.source);
-    TRY(pictures->open());
+    TRY_ASSIGN(std::shared_ptr<VideoFile> pictures, VideoFile::open(video.source, PlaneRole::depth));
+    const FrameRate& rate = pictures->rate();
+    if (rate.own_times)
+        return input_error(file.string() + ": its frames are not evenly spaced: must be, as Depthkit's are");
     TRY_ASSIGN(auto scene,
                video.scene ? Result<SceneDescription>(*video.scene) : read_depthkit_metadata(metadata));
     if (!video.scene) scene.scene.name = file.stem().string();
     StoredClip clip{file.string(), std::move(scene)};
-    const FrameRate& rate = pictures->rate();
+    if (pictures->note()) clip.notes.push_back(*pictures->note());
     if (!clip.described.unstated.rate)
         if (auto note = clip_tags::rate_note(clip.described.scene.rate, rate))
             clip.notes.push_back(std::move(*note));
@@ -338,7 +191,8 @@ Opened open_depthkit_clip(const Candidate& video) {
     clip.roles = {PlaneRole::depth, PlaneRole::colour};
     clip.found.rate = rate;
     clip.inputs = {file, metadata};
-    clip.pictures = std::move(pictures);
+    clip.pictures =
+        pictures_of_halves({file.filename().string(), "", VideoLayout::bottom, VideoValues::hue}, pictures);
     return open_stored_clip(std::move(clip));
 }
 

@@ -100,6 +100,9 @@ Result<GuessedScene> guess_video(const SourceFile& file, const SourceDescription
 Opened open_videos(const std::filesystem::path& folder, const GuessedScene& described,
                    Colour colour = Colour::wanted, DepthAlignment alignment = DepthAlignment::automatic);
 
+/// The pictures of a video whose halves are depth and colour, with nothing between them.
+std::shared_ptr<FrameSource> pictures_of_halves(const VideoSource& source, std::shared_ptr<VideoFile> video);
+
 // lerobot.cpp
 
 /// LeRobot's depth video: 12-bit grey in HEVC, metres.

@@ -284,8 +284,9 @@ private:
 /// Reads depth in a track of one file, and colour in the same pictures or in a track of its own.
 class VideoPictures final : public FrameSource {
 public:
-    VideoPictures(const VideoSource& source, const Scene& scene, std::shared_ptr<VideoFile> depth)
-        : source_(source), width_(scene.width), height_(scene.height), depth_(std::move(depth)) {}
+    /// `depth_size`: of depth's part, which tells if there is a bar between both; 0: there is none.
+    VideoPictures(const VideoSource& source, PictureSize depth_size, std::shared_ptr<VideoFile> depth)
+        : source_(source), depth_size_(depth_size), depth_(std::move(depth)) {}
     /// Adds colour in a track of its own, which begins `late` seconds before depth.
     void add_colour(std::unique_ptr<VideoFile> colour, double late) {
         colour_ = std::move(colour);
@@ -354,12 +355,13 @@ private:
     /// The bar between two parts that are less than halves; 0: none.
     int bar_of(int width, int height) const {
         const bool is_beside = is_side_by_side(source_.layout);
-        const int side = is_beside ? width : height, bar = side - 2 * (is_beside ? width_ : height_);
+        const int side = is_beside ? width : height;
+        const int bar = side - 2 * (is_beside ? depth_size_.width : depth_size_.height);
         return may_be_bar(bar, side) ? bar : 0;
     }
 
     VideoSource source_;
-    int width_, height_;  // of depth
+    PictureSize depth_size_;
     std::shared_ptr<VideoFile> depth_;
     std::unique_ptr<VideoFile> colour_;
     RgbConverter depth_converter_, colour_converter_;
@@ -440,7 +442,8 @@ Opened open_videos(const fs::path& folder, const GuessedScene& described, Colour
     if (!described.unstated.rate)
         if (auto note = clip_tags::rate_note(described.scene.rate, depth->rate()))
             clip.notes.push_back(std::move(*note));
-    auto pictures = std::make_unique<VideoPictures>(source, described.scene, depth);
+    auto pictures = std::make_unique<VideoPictures>(
+        source, PictureSize{described.scene.width, described.scene.height}, depth);
     if (!source.colour.empty()) TRY(add_colour(folder, *depth, *pictures, clip));
     if (stored.kind == StoredDepth::Kind::relative) {
         TRY_ASSIGN(const auto range, pictures->code_range());
@@ -455,6 +458,10 @@ Opened open_videos(const fs::path& folder, const GuessedScene& described, Colour
     if (!source.haptic.empty()) maps.haptic = folder / source.haptic;
     if (!source.height.empty()) maps.height = folder / source.height;
     return with_still_maps(open_stored_clip(std::move(clip), colour), maps);
+}
+
+std::shared_ptr<FrameSource> pictures_of_halves(const VideoSource& source, std::shared_ptr<VideoFile> video) {
+    return std::make_shared<VideoPictures>(source, PictureSize(), std::move(video));
 }
 
 }  // namespace touchable

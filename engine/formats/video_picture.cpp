@@ -191,6 +191,7 @@ Result<Plane> VideoPicture::rgb() {
 Result<Plane> VideoPicture::depth(VideoValues values, const PicturePart& part) {
     if (values == VideoValues::grey) return grey(part);
     if (values == VideoValues::mean) return mean(part);
+    if (!has_colours()) return input_error(where_ + ": is grey, where depth was to be hue");
     auto plane = rgb();
     if (plane) plane->view = part_of(plane->view, part);
     return plane;

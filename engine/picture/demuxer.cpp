@@ -239,12 +239,4 @@ std::int64_t Demuxer::key_picture(int stream, std::int64_t picture) const {
     return at - first;
 }
 
-bool Demuxer::is_all_keys(int stream) const {
-    AVStream* const of = container_->streams[stream];
-    const int entries = avformat_index_get_entries_count(of);
-    for (int k = 0; k < entries; ++k)
-        if ((avformat_index_get_entry(of, k)->flags & AVINDEX_KEYFRAME) == 0) return false;
-    return entries > 0;
-}
-
 }  // namespace touchable

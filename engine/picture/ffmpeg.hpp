@@ -158,8 +158,6 @@ public:
     std::int64_t pictures(int stream) const;
     /// The last keyframe at or before this picture.
     std::int64_t key_picture(int stream, std::int64_t picture) const;
-    /// Whether decoding can begin with any packet of `stream`, as far as the index goes.
-    bool is_all_keys(int stream) const;
     /// The packet that `next` will return; null at the end.
     Result<const AVPacket*> peek(int stream);
 
