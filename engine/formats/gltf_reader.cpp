@@ -27,7 +27,6 @@ using checked_json::Refusal;
 struct GltfVideo {
     std::string file;                   ///< as its uri says
     std::vector<std::uint32_t> tracks;  ///< their numbers in that file; empty: not stated
-    std::string format;                 ///< such as "RGB", "DEPTH_COMPONENT"
     int width = 0, height = 0;          ///< pixels
 };
 
@@ -142,10 +141,8 @@ public:
         const auto moving = gltf_extension(texture, "MPEG_texture_video");
         if (!moving) return std::nullopt;
         GltfVideo video;
-        constexpr int longest_side = 16384;
-        video.width = (*moving)["width"].whole(1, longest_side);
-        video.height = (*moving)["height"].whole(1, longest_side);
-        video.format = moving->has("format") ? (*moving)["format"].text() : "RGB";
+        video.width = (*moving)["width"].whole(1, largest_picture_side);
+        video.height = (*moving)["height"].whole(1, largest_picture_side);
         const Node view = element("bufferViews", element("accessors", (*moving)["accessor"])["bufferView"]);
         const Node buffer = element("buffers", view["buffer"]);
         const auto frames = gltf_extension(buffer, "MPEG_buffer_circular");

@@ -192,21 +192,17 @@ private:
             plane = picture.depth(VideoValues::mean, part);
         }
         if (!plane) return plane.error();
-        const int bits = source_.values == VideoValues::mean ? 8 : picture.bits(),
-                  bytes = bits < fewest_of_lengths ? 1 : 2;
+        const int bits = source_.values == VideoValues::mean ? 8 : picture.bits();
         StoredImage stored;
         stored.bits = bits < fewest_of_lengths ? 8 : bits;
-        stored.image = {part.width, part.height, bytes, 1, {}};
-        for (int y = 0; y < part.height; ++y)
-            for (int x = 0; x < part.width; ++x) {
-                const auto code =
-                    static_cast<std::uint16_t>(plane->view.sample(x, y) >> (bytes == 1 ? bits - 8 : 0));
-                const auto* bytes_of = reinterpret_cast<const std::uint8_t*>(&code);
-                if (bytes == 1)
-                    stored.image.samples.push_back(static_cast<std::uint8_t>(code));
-                else
-                    stored.image.samples.insert(stored.image.samples.end(), bytes_of, bytes_of + 2);
-            }
+        stored.image = packed_image(plane->view);
+        if (bits > stored.bits) {
+            stored.image = {part.width, part.height, 1, 1, {}};
+            for (int y = 0; y < part.height; ++y)
+                for (int x = 0; x < part.width; ++x)
+                    stored.image.samples.push_back(
+                        static_cast<std::uint8_t>(plane->view.sample(x, y) >> (bits - 8)));
+        }
         TRY_ASSIGN(auto guessed, guess_scene(file_.path(), stored, known_));
         Scene& scene = guessed.scene;
         scene.depth_bits = bits;
