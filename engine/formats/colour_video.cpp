@@ -76,11 +76,9 @@ std::optional<ColourVideo> colour_video_beside(const fs::path& depth) {
     /// Smaller is better: the order of the words for colour, and depth's own extension.
     const auto rank = [&](const fs::path& video) -> std::optional<std::size_t> {
         const std::string stem = small_stem(video);
-        std::size_t n = 0;
-        for (const char* word : colour_words) {
-            if (without_word(stem, word) == *rest) break;
-            ++n;
-        }
+        const auto is_rest = [&](const char* word) { return without_word(stem, word) == *rest; };
+        const auto n =
+            static_cast<std::size_t>(std::ranges::find_if(colour_words, is_rest) - std::begin(colour_words));
         if (n == std::size(colour_words) && (rest->empty() || stem != *rest)) return {};
         return 2 * n + (video.extension() == depth.extension() ? 0 : 1);
     };

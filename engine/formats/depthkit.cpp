@@ -120,13 +120,11 @@ Result<SceneDescription> scene_from(const DepthkitMetadata& metadata) {
     Scene& scene = described.scene;
     scene.metres_per_unit = 1;
     scene.filter = usual_filter;
-    TRY_ASSIGN(const auto width,
+    TRY_ASSIGN(scene.width,
                whole_pixels(metadata, "depthImageSize", metadata.component("depthImageSize", "x")));
-    TRY_ASSIGN(const auto height,
+    TRY_ASSIGN(scene.height,
                whole_pixels(metadata, "depthImageSize", metadata.component("depthImageSize", "y")));
-    TRY(check_layout(metadata, width, height));
-    scene.width = width;
-    scene.height = height;
+    TRY(check_layout(metadata, scene.width, scene.height));
     TRY_ASSIGN(scene.camera.fx, metadata.component("depthFocalLength", "x"));
     TRY_ASSIGN(scene.camera.fy, metadata.component("depthFocalLength", "y"));
     TRY_ASSIGN(scene.camera.cx, metadata.component("depthPrincipalPoint", "x"));

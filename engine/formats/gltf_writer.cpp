@@ -221,12 +221,13 @@ private:
         const int buffer =
             add("buffers", {{"uri", as_uri(files_.mesh)}, {"byteLength", 4 * corners + (12 + 8) * vertices}});
         std::size_t at = 0;
-        const auto view = [&](std::size_t bytes, int target) {
-            const int number =
+        const auto accessor = [&](std::size_t bytes, int target, int component, std::size_t count,
+                                  const char* type) -> OrderedJson {
+            const int view =
                 add("bufferViews",
                     {{"buffer", buffer}, {"byteOffset", at}, {"byteLength", bytes}, {"target", target}});
             at += bytes;
-            return number;
+            return {{"bufferView", view}, {"componentType", component}, {"count", count}, {"type", type}};
         };
         std::array<float, 3> least = mesh_.positions.front(), most = least;
         for (const auto& position : mesh_.positions)
@@ -234,20 +235,14 @@ private:
                 least[k] = std::min(least[k], position[k]);
                 most[k] = std::max(most[k], position[k]);
             }
-        indices_ = add("accessors", {{"bufferView", view(4 * corners, gl_element_array_buffer)},
-                                     {"componentType", gl_uint},
-                                     {"count", corners},
-                                     {"type", "SCALAR"}});
-        attributes_["POSITION"] = add("accessors", {{"bufferView", view(12 * vertices, gl_array_buffer)},
-                                                    {"componentType", gl_float},
-                                                    {"count", vertices},
-                                                    {"type", "VEC3"},
-                                                    {"min", least},
-                                                    {"max", most}});
-        attributes_["TEXCOORD_0"] = add("accessors", {{"bufferView", view(8 * vertices, gl_array_buffer)},
-                                                      {"componentType", gl_float},
-                                                      {"count", vertices},
-                                                      {"type", "VEC2"}});
+        indices_ =
+            add("accessors", accessor(4 * corners, gl_element_array_buffer, gl_uint, corners, "SCALAR"));
+        OrderedJson positions = accessor(12 * vertices, gl_array_buffer, gl_float, vertices, "VEC3");
+        positions["min"] = least;
+        positions["max"] = most;
+        attributes_["POSITION"] = add("accessors", std::move(positions));
+        attributes_["TEXCOORD_0"] =
+            add("accessors", accessor(8 * vertices, gl_array_buffer, gl_float, vertices, "VEC2"));
     }
 
     /// The first texture is drawn, with a picture for programs without video support; the others are data.

@@ -33,11 +33,6 @@ bool is_cut(AVCodecID codec, std::string_view bytes) {
     return end == std::string_view::npos || scan == std::string_view::npos || end < scan;
 }
 
-/// FFmpeg skips whatever precedes the header of a PNG, but png_header reads it only in first place.
-bool has_late_header(AVCodecID codec, std::string_view bytes) {
-    return codec == AV_CODEC_ID_PNG && bytes.substr(0, 16).substr(12) != "IHDR";
-}
-
 /// Facts of a PNG's header that its decoder does not give.
 struct PngHeader {
     int bits = 8;
@@ -506,7 +501,8 @@ Result<FramePtr> decode_picture(std::string_view bytes, const std::string& where
     const AVCodecID codec = codec_of(bytes);
     if (codec == AV_CODEC_ID_NONE) return input_error(where + ": is neither PNG nor JPEG");
     if (is_cut(codec, bytes)) return input_error(where + ": is cut short");
-    if (has_late_header(codec, bytes))
+    // FFmpeg skips whatever precedes the header of a PNG, but png_header reads it only in first place.
+    if (codec == AV_CODEC_ID_PNG && bytes.substr(0, 16).substr(12) != "IHDR")
         return input_error(where + ": is damaged: a PNG must begin with its header, IHDR");
     const PngHeader header = png_header(bytes);
     TRY(check_packed_pixels(codec, header, bytes, where));

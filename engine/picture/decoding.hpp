@@ -80,15 +80,12 @@ public:
                                std::uint8_t* rgb, std::ptrdiff_t stride);
 
 private:
-    bool is_set_up_for(const AVFrame& frame) const;
     bool set_up_for(const AVFrame& frame);
     bool set_up_scaler(const AVFrame& frame);
 
     ScalerPtr scaler_;                   // null: bytes are only moved, or factors_ is set
     std::optional<YuvFactors> factors_;  // of convert_yuv420
-    int width_ = 0, height_ = 0, format_ = AV_PIX_FMT_NONE;
-    AVColorRange range_ = AVCOL_RANGE_UNSPECIFIED;
-    AVColorSpace space_ = AVCOL_SPC_UNSPECIFIED;
+    std::array<int, 5> kind_{};          // of frames that all is set up for: size, format, range, space
 };
 /// The same for one frame.
 Result<Image> rgb_converted(const AVFrame& frame);

@@ -87,9 +87,9 @@ std::optional<std::vector<std::int64_t>> extents_of(std::string_view text) {
     return extents;
 }
 
-std::string numbers_in_row(const std::vector<std::int64_t>& all, std::string_view between = ",") {
+std::string numbers_in_row(const std::vector<std::int64_t>& all) {
     return listed(
-        all, [](std::int64_t each) { return std::to_string(each); }, between);
+        all, [](std::int64_t each) { return std::to_string(each); }, ",");
 }
 
 /// The format of a type in h5ls's words, one line or several. Nullopt: it is not numbers of whole bytes.
@@ -263,7 +263,7 @@ private:
         if (const auto rows = std::ranges::find_if(chunk, is_several); rows != chunk.end())
             *rows = std::clamp<std::int64_t>(
                 largest_kept_chunk * static_cast<std::uint64_t>(*rows) / picture_bytes(), 1, *rows);
-        return "h5repack -l " + shell_word(set.path + ":CHUNK=" + numbers_in_row(chunk, "x")) + ' ' +
+        return "h5repack -l " + shell_word(set.path + ":CHUNK=" + shape_text(chunk)) + ' ' +
                shell_word(file_.string()) + " repacked.h5";
     }
 

@@ -672,12 +672,8 @@ std::string some_of(std::span<const NamedArray> arrays) {
 }
 
 std::string shape_text(const std::vector<std::int64_t>& shape) {
-    std::string text;
-    for (const std::int64_t extent : shape) {
-        if (!text.empty()) text += 'x';
-        text += std::to_string(extent);
-    }
-    return text.empty() ? "a single number" : text;
+    const auto text = [](std::int64_t extent) { return std::to_string(extent); };
+    return shape.empty() ? "a single number" : listed(shape, text, "x");
 }
 
 double stored_number(const char* bytes, const NumberFormat& format) {

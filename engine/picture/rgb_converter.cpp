@@ -93,6 +93,11 @@ bool is_yuv420(const AVFrame& frame) {
            frame.width % 2 == 0 && frame.height % 2 == 0 && frame.width >= 10 && frame.height >= 10;
 }
 
+/// What a conversion depends on, beside samples.
+std::array<int, 5> kind_of(const AVFrame& frame) {
+    return {frame.width, frame.height, frame.format, frame.color_range, frame.colorspace};
+}
+
 /// Whether black and white are 0 and 255, as a range tag or the format says.
 bool is_full_range(const AVFrame& frame) {
     return frame.color_range == AVCOL_RANGE_UNSPECIFIED ? frame.format == AV_PIX_FMT_YUVJ420P
@@ -168,24 +173,15 @@ void RgbConverter::convert_yuv420(VectorUnit unit, const AVFrame& frame, const Y
     }
 }
 
-bool RgbConverter::is_set_up_for(const AVFrame& frame) const {
-    return frame.width == width_ && frame.height == height_ && frame.format == format_ &&
-           frame.color_range == range_ && frame.colorspace == space_;
-}
-
 bool RgbConverter::set_up_for(const AVFrame& frame) {
-    format_ = AV_PIX_FMT_NONE;  // nothing is set up if this fails
+    kind_ = {};  // nothing is set up if this fails
     scaler_.reset();
     factors_.reset();
     if (is_yuv420(frame))
         factors_ = yuv_factors(sws_getCoefficients(frame.colorspace), is_full_range(frame));
     else if (!is_rgb8(frame) && !set_up_scaler(frame))
         return false;
-    width_ = frame.width;
-    height_ = frame.height;
-    format_ = frame.format;
-    range_ = frame.color_range;
-    space_ = frame.colorspace;
+    kind_ = kind_of(frame);
     return true;
 }
 
@@ -219,7 +215,7 @@ Result<FramePtr> RgbConverter::converted(const AVFrame& frame) {
 Result<void> RgbConverter::convert(const AVFrame& frame, AVFrame& rgb) {
     const Error unsupported =
         input_error("pixel format " + format_name(frame) + " cannot be turned into RGB");
-    if (!is_set_up_for(frame) && !set_up_for(frame)) return unsupported;
+    if (kind_of(frame) != kind_ && !set_up_for(frame)) return unsupported;
     if (factors_) {
         convert_yuv420(usable_vector_units().front(), frame, *factors_, rgb.data[0], rgb.linesize[0]);
     } else if (!scaler_) {
