@@ -87,11 +87,10 @@ private:
     std::string file_, text_;
 };
 
-Result<int> whole_pixels(const DepthkitMetadata& metadata, std::string_view field,
-                         const Result<double>& number) {
-    if (!number) return number.error();
-    if (*number >= 1 && *number <= 32768 && *number == std::floor(*number)) return static_cast<int>(*number);
-    return metadata.refuse(field, std::to_string(*number), "a whole number of pixels, 1 to 32768");
+Result<int> whole_pixels(const DepthkitMetadata& metadata, std::string_view field, Result<double> number) {
+    TRY_ASSIGN(const double pixels, std::move(number));
+    if (pixels >= 1 && pixels <= 32768 && pixels == std::floor(pixels)) return static_cast<int>(pixels);
+    return metadata.refuse(field, std::to_string(pixels), "a whole number of pixels, 1 to 32768");
 }
 
 /// Refuses other layouts, whose meaning these fields do not tell.

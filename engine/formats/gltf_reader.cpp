@@ -30,6 +30,13 @@ struct GltfVideo {
     int width = 0, height = 0;          ///< pixels
 };
 
+/// The value of a Result; throws its error.
+template <class T>
+T or_throw(Result<T> result) {
+    if (!result) throw result.error();
+    return std::move(*result);
+}
+
 std::vector<Node> gltf_array(const Node& array) {
     constexpr std::size_t most = 1'000'000;
     return array.elements(0, most, "an array");
@@ -165,11 +172,7 @@ public:
     }
 
     /// The file that a URI in this file names.
-    LinkedFile linked(const std::string& uri) const {
-        auto link = follow_link(uri, file_);
-        if (!link) throw link.error();
-        return std::move(*link);
-    }
+    LinkedFile linked(const std::string& uri) const { return or_throw(follow_link(uri, file_)); }
 
     /// Other files that were read for pictures.
     const std::vector<std::filesystem::path>& read_files() const { return read_files_; }
@@ -186,10 +189,8 @@ private:
         std::string_view bytes;
         if (buffer.has("uri")) {
             const LinkedFile link = linked(buffer["uri"].text());
-            auto read = bytes_of(link);
-            if (!read) throw read.error();
+            owned = or_throw(bytes_of(link));
             if (!link.file.empty()) read_files_.push_back(link.file);
-            owned = std::move(*read);
             bytes = *owned;
         } else if (carried_) {
             bytes = *carried_;
@@ -567,10 +568,8 @@ private:
 
     SceneDescription described() const {
         if (!own_) return assumed();
-        auto scene =
-            parse_scene((*own_)["scene"].json(), gltf_.file().string() + ": the scene in its mesh's extras");
-        if (!scene) throw scene.error();
-        return std::move(*scene);
+        return or_throw(
+            parse_scene((*own_)["scene"].json(), gltf_.file().string() + ": the scene in its mesh's extras"));
     }
 
     /// The scene for depth without stated lengths: larger values are farther, as in a depth buffer.
@@ -587,9 +586,8 @@ private:
             .semantics = DepthSemantics::planar, .near_is_high = false, .near = near, .far = far};
         StoredImage size;
         size.image = {video->width, video->height, 1, 1, {}};
-        auto guessed = guess_scene(gltf_.file(), size, {}, &coding);
-        if (!guessed) throw guessed.error();
-        Scene& scene = guessed->scene;
+        SceneDescription guessed = or_throw(guess_scene(gltf_.file(), size, {}, &coding));
+        Scene& scene = guessed.scene;
         for (Remark& remark : scene.remarks)
             if (remark.is_guess || !remark.hints.empty()) remark.hints = {{Setting::scene_file, "FILE"}};
         add_remark(scene.remarks, {"depth goes from 0.5 m, black, to 1.5 m, white",
@@ -597,7 +595,7 @@ private:
                                    "a scene file's depth.near and far say otherwise",
                                    {{Setting::scene_file, "FILE"}},
                                    RemarkKind::scale});
-        return std::move(*guessed);
+        return guessed;
     }
 
     /// Takes the ranges beside textures, where a person may have changed them. Returns whether they differ.

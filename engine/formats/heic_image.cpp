@@ -477,8 +477,8 @@ Opened open_heic_image(const Candidate& file) {
         }
     });
     if (!read) return interrupted_error();
-    if (!*read) return read->error();
-    return open_depth_photo(file, std::move(**read));
+    TRY_ASSIGN(auto photo, std::move(*read));
+    return open_depth_photo(file, std::move(photo));
 }
 
 std::map<std::uint32_t, Orientation> read_heif_turns(std::string_view file) {

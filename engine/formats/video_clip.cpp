@@ -186,22 +186,22 @@ private:
     /// Samples of up to 11 bits are treated as 8-bit ones: so few bits are no lengths.
     Result<GuessedScene> of_grey(VideoPicture& picture, const PicturePart& part) {
         constexpr int fewest_of_lengths = 12;
-        auto plane = picture.depth(source_.values, part);
-        if (!plane && source_.values == VideoValues::grey) {
+        auto read = picture.depth(source_.values, part);
+        if (!read && source_.values == VideoValues::grey) {
             source_.values = VideoValues::mean;
-            plane = picture.depth(VideoValues::mean, part);
+            read = picture.depth(VideoValues::mean, part);
         }
-        if (!plane) return plane.error();
+        TRY_ASSIGN(const auto plane, std::move(read));
         const int bits = source_.values == VideoValues::mean ? 8 : picture.bits();
         StoredImage stored;
         stored.bits = bits < fewest_of_lengths ? 8 : bits;
-        stored.image = packed_image(plane->view);
+        stored.image = packed_image(plane.view);
         if (bits > stored.bits) {
             stored.image = {part.width, part.height, 1, 1, {}};
             for (int y = 0; y < part.height; ++y)
                 for (int x = 0; x < part.width; ++x)
                     stored.image.samples.push_back(
-                        static_cast<std::uint8_t>(plane->view.sample(x, y) >> (bits - 8)));
+                        static_cast<std::uint8_t>(plane.view.sample(x, y) >> (bits - 8)));
         }
         TRY_ASSIGN(auto guessed, guess_scene(file_.path(), stored, known_));
         Scene& scene = guessed.scene;

@@ -513,11 +513,11 @@ private:
     ArrayPictures size_;  // of each
 };
 
-Result<StoredImage> only_image(Result<NpyStack> stack, const std::string& where) {
-    if (!stack) return stack.error();
-    if (stack->count() == 1) return stack->image(0);
-    return input_error(where + ": is a stack of " + std::to_string(stack->count()) + " pictures of " +
-                       size_text(stack->width(), stack->height()) + ": must be one picture here");
+Result<StoredImage> only_image(Result<NpyStack> opened, const std::string& where) {
+    TRY_ASSIGN(auto stack, std::move(opened));
+    if (stack.count() == 1) return stack.image(0);
+    return input_error(where + ": is a stack of " + std::to_string(stack.count()) + " pictures of " +
+                       size_text(stack.width(), stack.height()) + ": must be one picture here");
 }
 
 /// The stack of a member that is one array.
