@@ -188,25 +188,24 @@ std::string other_depths(const std::vector<Hdf5DataSet>& all, const Hdf5DataSet&
 
 // --- Its pictures
 
-class Hdf5Stack final : public NumberStack {
+class Hdf5Stack final : public ImageStack {
 public:
     /// `sets`: one, or several of one picture each. `pictures`: as stored. `is_turned`: MATLAB's, which
     /// stores its last index first: rows become columns.
     Hdf5Stack(SourceFile file, std::vector<Hdf5DataSet> sets, const ArrayPictures& pictures, bool is_turned,
               std::string left_out)
-        : NumberStack(file.string() + ": " + printable(sets.front().path), std::move(left_out)),
+        : ImageStack(file.string() + ": " + printable(sets.front().path), std::move(left_out)),
           file_(std::move(file)),
           path_(std::filesystem::absolute(file_.path()).string()),
           sets_(std::move(sets)),
           pictures_(pictures),
-          is_turned_(is_turned) {}
+          is_turned_(is_turned) {
+        array_ = sets_.front().path.substr(sets_.front().path.rfind('/') + 1);
+    }
 
     std::int64_t count() const override { return is_row() ? std::ssize(sets_) : pictures_.count; }
     int width() const override { return is_turned_ ? pictures_.height : pictures_.width; }
     int height() const override { return is_turned_ ? pictures_.width : pictures_.height; }
-    std::string array() const override {
-        return sets_.front().path.substr(sets_.front().path.rfind('/') + 1);
-    }
 
     /// Call first. Refuses more data than the file can hold.
     Result<void> check() {
@@ -215,7 +214,7 @@ public:
                                " bytes: must be " + in_bytes(largest_hdf5_picture) + " at most");
         TRY_ASSIGN(const auto bytes, bytes_of_file(file_));
         TRY(check_expansion(picture_bytes() * static_cast<std::uint64_t>(count()), bytes->size(), where_));
-        return find_floats(format());
+        return format().is_decided() ? Result<void>{} : find_floats();
     }
 
 private:

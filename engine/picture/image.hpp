@@ -162,15 +162,35 @@ public:
     virtual int width() const = 0;
     virtual int height() const = 0;
     /// A picture, from 0 on. All are floats if any picture has a number that is no integer from 0 to 65535.
-    virtual Result<StoredImage> image(std::int64_t number) = 0;
+    Result<StoredImage> image(std::int64_t number);
     /// The name of the array or data set, the first one's of several; empty: it has none.
-    virtual std::string array() const { return ""; }
+    const std::string& array() const { return array_; }
     /// The limit of a .npz's confidence: where that is below it, there is no depth (NaN, or 0 for integers).
-    virtual std::optional<double> least_confidence() const { return {}; }
+    std::optional<double> least_confidence() const { return least_confidence_; }
     /// In words, what else the file has that is not read, and which mask removes depth; empty: nothing.
-    virtual std::string left_out() const { return ""; }
+    const std::string& left_out() const { return left_out_; }
     /// Arrays of at most 65536 numbers in the same .npz, such as the cameras' matrices; at most 64.
-    virtual std::span<const SmallArray> small_arrays() const { return {}; }
+    std::span<const SmallArray> small_arrays() const { return small_arrays_; }
+
+protected:
+    /// Errors begin with `where`; `unit`: what a picture of this file is called in them.
+    explicit ImageStack(std::string where, std::string left_out = "", const char* unit = "picture")
+        : where_(std::move(where)), left_out_(std::move(left_out)), unit_(unit) {}
+    ImageStack(ImageStack&&) = default;
+    /// Reads a picture of the stack, as floats if its numbers are no codes, or `floats_anyway`. Unfinished if
+    /// a stop comes meanwhile.
+    virtual Result<StoredImage> read(std::int64_t number, bool floats_anyway) = 0;
+    /// Call before `image` if pictures may have integers beyond 16 bits: reads them, and finds out whether
+    /// all have to be floats.
+    Result<void> find_floats();
+
+    std::string where_, left_out_, array_;
+    std::optional<double> least_confidence_;
+    std::vector<SmallArray> small_arrays_;
+
+private:
+    const char* unit_;
+    bool floats_ = false;
 };
 
 /// Opens a .npy file, or the depth array of a .npz file, told apart by their bytes: the `array` of this name;

@@ -525,11 +525,11 @@ private:
 };
 
 /// The pages of a TIFF, each unpacked on demand.
-class TiffStack final : public NumberStack {
+class TiffStack final : public ImageStack {
 public:
     TiffStack(std::unique_ptr<ByteSource> bytes, std::string where, std::vector<TiffPage> pages,
               std::string left_out)
-        : NumberStack(std::move(where), std::move(left_out), "page"),
+        : ImageStack(std::move(where), std::move(left_out), "page"),
           bytes_(std::move(bytes)),
           pages_(std::move(pages)) {}
 
@@ -538,7 +538,7 @@ public:
         if (!tiff_ || TIFFSetSubDirectory(tiff_.get(), pages_.front().at) != 1)
             return tiff_damage(file_, where_);
         TRY_ASSIGN(layout_, checked_layout(tiff_.get(), bytes_->size(), where_));
-        return find_floats(layout_.numbers());
+        return layout_.numbers().is_decided() ? Result<void>{} : find_floats();
     }
 
     std::int64_t count() const override { return std::ssize(pages_); }
@@ -796,7 +796,7 @@ StoredImage NumberPicture::finish(const std::string& codec, bool floats_anyway) 
     return std::move(picture_);
 }
 
-Result<StoredImage> NumberStack::image(std::int64_t number) {
+Result<StoredImage> ImageStack::image(std::int64_t number) {
     if (number < 0 || number >= count())
         return usage_error(where_ + ": has no " + unit_ + ' ' + std::to_string(number) +
                            ": must be from 0 to " + std::to_string(count() - 1));
@@ -804,8 +804,7 @@ Result<StoredImage> NumberStack::image(std::int64_t number) {
     return stop_requested() ? interrupted_error() : std::move(picture);
 }
 
-Result<void> NumberStack::find_floats(const NumberFormat& format) {
-    if (format.is_codes() || format.kind == NumberFormat::Kind::floating) return {};
+Result<void> ImageStack::find_floats() {
     for (std::int64_t number = 0; number < count() && count() > 1 && !floats_; ++number) {
         TRY_ASSIGN(const auto picture, read(number, false));
         floats_ = !picture.values.empty();

@@ -27,6 +27,8 @@ struct NumberFormat {
 
     /// Whether a picture of these numbers stays as it is stored: integers from 0 to 65535.
     bool is_codes() const { return kind == Kind::unsigned_integer && bytes <= 2; }
+    /// Whether these numbers tell alone how pictures of them are stored: as codes or as floats.
+    bool is_decided() const { return is_codes() || kind == Kind::floating; }
 };
 
 /// A number as a file holds it; NaN for a floating number of two bytes.
@@ -95,29 +97,6 @@ private:
     NumberFormat format_;
     StoredImage picture_;
     bool codes_, is_whole_ = false;
-};
-
-/// A stack whose pictures are made of numbers (NumberPicture): once one of them has to be floats, all are.
-class NumberStack : public ImageStack {
-public:
-    Result<StoredImage> image(std::int64_t number) final;
-    std::string left_out() const final { return left_out_; }
-
-protected:
-    /// Errors begin with `where`; `unit`: what a picture of this file is called in them.
-    NumberStack(std::string where, std::string left_out = "", const char* unit = "picture")
-        : where_(std::move(where)), left_out_(std::move(left_out)), unit_(unit) {}
-    /// Reads a picture of the stack (NumberPicture::finish). Unfinished if a stop comes meanwhile.
-    virtual Result<StoredImage> read(std::int64_t number, bool floats_anyway) = 0;
-    /// Call before `image`: reads integers that may be beyond 16 bits, to find out whether any picture has to
-    /// be floats.
-    Result<void> find_floats(const NumberFormat& format);
-
-    std::string where_, left_out_;
-
-private:
-    const char* unit_;
-    bool floats_ = false;
 };
 
 /// PGM and PPM, binary (P5, P6) and text (P2, P3). Samples stay as stored, whatever the greatest value.

@@ -344,7 +344,7 @@ std::size_t pixels_of(const StoredImage& picture) {
     return pixel_count(picture.image.width, picture.image.height);
 }
 
-class NpyStack final : public NumberStack {
+class NpyStack final : public ImageStack {
 public:
     /// Opens a .npy file's bytes; booleans are allowed if `is_mask`. Messages begin with `where`.
     static Result<NpyStack> of(std::unique_ptr<ByteSource> bytes, std::string where, bool is_mask = false) {
@@ -356,7 +356,35 @@ public:
         TRY_ASSIGN(const auto pictures, pictures_of_array(header.shape, where));
         NpyStack stack(std::move(bytes), std::move(where), std::move(header), pictures);
         TRY(stack.check());
-        TRY(stack.find_floats(stack.header_.format));
+        if (!stack.header_.format.is_decided()) TRY(stack.find_floats());
+        return stack;
+    }
+
+    /// Opens a .npz file's member that is one array, with those of `file` that rate it.
+    static Result<NpyStack> of(NpzMember member, const std::string& file,
+                               std::optional<double> least_confidence) {
+        TRY_ASSIGN(auto stack, of(std::move(member.bytes), member.where));
+        stack.left_out_ = member.left_out;
+        stack.array_ = member.array;
+        stack.small_arrays_ = std::move(member.small_arrays);
+        if (member.confidence.empty() && member.mask.empty()) return stack;
+        const auto arrays = npz_arrays(member.archive);
+        const auto beside = [&](const std::string& name) {
+            return of(unpacked(member.archive, *std::ranges::find(arrays, name, &NpzArray::name)),
+                      file + ": " + printable(name), true);
+        };
+        if (!member.confidence.empty()) {
+            TRY_ASSIGN(auto confidence, beside(member.confidence));
+            TRY(stack.trust(std::move(confidence), least_confidence));
+        }
+        if (!member.mask.empty()) {
+            TRY_ASSIGN(auto mask, beside(member.mask));
+            TRY_ASSIGN(const bool is_taken, stack.take_mask(std::move(mask)));
+            stack.left_out_ +=
+                (stack.left_out_.empty() ? "" : "; ") +
+                (is_taken ? "where its array " + printable(member.mask) + " is 0 there is no depth"
+                          : "its array " + printable(member.mask) + " is not used, as most of it is not 1");
+        }
         return stack;
     }
 
@@ -372,13 +400,7 @@ public:
         return image;
     }
 
-    std::optional<double> least_confidence() const override { return least_confidence_; }
-    void leave_out(const std::string& what) { left_out_ += (left_out_.empty() ? "" : "; ") + what; }
-    std::string array() const override { return array_; }
-    void set_array(std::string name) { array_ = std::move(name); }
-    std::span<const SmallArray> small_arrays() const override { return small_arrays_; }
-    void set_small_arrays(std::vector<SmallArray> arrays) { small_arrays_ = std::move(arrays); }
-
+private:
     /// Removes depth where `confidence` is below `least`. Refused if its pictures differ in number or size.
     Result<void> trust(NpyStack confidence, std::optional<double> least) {
         if (confidence.count() != count() || confidence.width() != width() || confidence.height() != height())
@@ -408,7 +430,6 @@ public:
         return true;
     }
 
-private:
     /// Removes depth where `trust`'s picture of the same number is below `least`.
     static Result<void> drop(StoredImage& image, NpyStack& trust, std::int64_t number, double least) {
         TRY_ASSIGN(const auto numbers, trust.image(number));
@@ -427,7 +448,7 @@ private:
     }
 
     NpyStack(std::unique_ptr<ByteSource> bytes, std::string where, NpyHeader header, ArrayPictures pictures)
-        : NumberStack(std::move(where)),
+        : ImageStack(std::move(where)),
           bytes_(std::move(bytes)),
           header_(std::move(header)),
           pictures_(pictures) {}
@@ -473,32 +494,29 @@ private:
     NpyHeader header_;
     ArrayPictures pictures_;
     std::unique_ptr<NpyStack> confidence_, mask_;
-    std::optional<double> least_confidence_;
-    std::string array_;
-    std::vector<SmallArray> small_arrays_;
 };
 
 /// Arrays of an archive, one picture each.
-class NpzRow final : public NumberStack {
+class NpzRow final : public ImageStack {
 public:
     NpzRow(NpzMember member, const ArrayPictures& size)
-        : NumberStack(std::move(member.where)),
+        : ImageStack(std::move(member.where)),
           archive_(std::move(member.archive)),
           row_(std::move(member.row)),
-          small_arrays_(std::move(member.small_arrays)),
-          size_(size) {}
+          size_(size) {
+        array_ = row_.front().name;
+        small_arrays_ = std::move(member.small_arrays);
+    }
     static Result<std::shared_ptr<ImageStack>> of(NpzMember member) {
         TRY_ASSIGN(const auto size, pictures_of_array(member.row.front().header->shape, member.where));
         auto row = std::make_shared<NpzRow>(std::move(member), size);
-        TRY(row->find_floats(row->row_.front().header->format));
+        if (!row->row_.front().header->format.is_decided()) TRY(row->find_floats());
         return std::shared_ptr<ImageStack>(std::move(row));
     }
 
     std::int64_t count() const override { return std::ssize(row_); }
     int width() const override { return size_.width; }
     int height() const override { return size_.height; }
-    std::string array() const override { return row_.front().name; }
-    std::span<const SmallArray> small_arrays() const override { return small_arrays_; }
 
 private:
     Result<StoredImage> read(std::int64_t number, bool floats_anyway) override {
@@ -509,7 +527,6 @@ private:
 
     ZipArchive archive_;
     std::vector<NpzArray> row_;
-    std::vector<SmallArray> small_arrays_;
     ArrayPictures size_;  // of each
 };
 
@@ -518,32 +535,6 @@ Result<StoredImage> only_image(Result<NpyStack> opened, const std::string& where
     if (stack.count() == 1) return stack.image(0);
     return input_error(where + ": is a stack of " + std::to_string(stack.count()) + " pictures of " +
                        size_text(stack.width(), stack.height()) + ": must be one picture here");
-}
-
-/// The stack of a member that is one array.
-Result<NpyStack> stack_of(NpzMember member, const std::string& file, std::optional<double> least_confidence) {
-    TRY_ASSIGN(auto stack, NpyStack::of(std::move(member.bytes), member.where));
-    stack.leave_out(member.left_out);
-    stack.set_array(member.array);
-    stack.set_small_arrays(std::move(member.small_arrays));
-    if (member.confidence.empty() && member.mask.empty()) return stack;
-    const auto arrays = npz_arrays(member.archive);
-    const auto beside = [&](const std::string& name) {
-        return NpyStack::of(unpacked(member.archive, *std::ranges::find(arrays, name, &NpzArray::name)),
-                            file + ": " + printable(name), true);
-    };
-    if (!member.confidence.empty()) {
-        TRY_ASSIGN(auto confidence, beside(member.confidence));
-        TRY(stack.trust(std::move(confidence), least_confidence));
-    }
-    if (!member.mask.empty()) {
-        TRY_ASSIGN(auto mask, beside(member.mask));
-        TRY_ASSIGN(const bool is_taken, stack.take_mask(std::move(mask)));
-        stack.leave_out(is_taken
-                            ? "where its array " + printable(member.mask) + " is 0 there is no depth"
-                            : "its array " + printable(member.mask) + " is not used, as most of it is not 1");
-    }
-    return stack;
 }
 
 }  // namespace
@@ -564,7 +555,7 @@ Result<std::shared_ptr<ImageStack>> open_npy_stack(const SourceFile& file,
     if (is_npz(first_bytes(*member.bytes, 4)))
         TRY(assign(member, open_npz(std::move(member.bytes), file.string(), array)));
     if (!member.row.empty()) return NpzRow::of(std::move(member));
-    TRY_ASSIGN(auto stack, stack_of(std::move(member), file.string(), least_confidence));
+    TRY_ASSIGN(auto stack, NpyStack::of(std::move(member), file.string(), least_confidence));
     return std::shared_ptr<ImageStack>(std::make_shared<NpyStack>(std::move(stack)));
 }
 
@@ -588,7 +579,7 @@ Result<StoredImage> decode_npz(std::string_view bytes, const std::string& where)
         return input_error(where + ": has " + std::to_string(member.row.size()) +
                            " pictures: must have one here");
     const std::string name = member.where;
-    return only_image(stack_of(std::move(member), where, {}), name);
+    return only_image(NpyStack::of(std::move(member), where, {}), name);
 }
 
 }  // namespace touchable
