@@ -188,7 +188,8 @@ Result<Image> rgb_of_yuv(const RosImage& image, AVPixelFormat format, const std:
     for (int y = 0; y < frame->height; ++y)
         std::memcpy(frame->data[0] + std::ptrdiff_t{frame->linesize[0]} * y, row_of(image, y),
                     2 * std::size_t{image.width});
-    return error_at(where, rgb_converted(*frame));
+    TRY_ASSIGN(const auto rgb, error_at(where, RgbConverter().converted(*frame)));
+    return rgb_exact(*rgb);
 }
 
 Image rgb_of(const RosImage& image, const RosEncoding& encoding) {

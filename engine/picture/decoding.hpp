@@ -87,8 +87,6 @@ private:
     std::optional<YuvFactors> factors_;  // of convert_yuv420
     std::array<int, 5> kind_{};          // of frames that all is set up for: size, format, range, space
 };
-/// The same for one frame.
-Result<Image> rgb_converted(const AVFrame& frame);
 
 /// PNG or JPEG by its first bytes. Refused if it is truncated, damaged, or has data for only a part.
 Result<FramePtr> decode_picture(std::string_view bytes, const std::string& where);

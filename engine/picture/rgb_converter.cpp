@@ -228,10 +228,4 @@ Result<void> RgbConverter::convert(const AVFrame& frame, AVFrame& rgb) {
     return {};
 }
 
-Result<Image> rgb_converted(const AVFrame& frame) {
-    if (is_rgb8(frame)) return rgb_exact(frame);
-    TRY_ASSIGN(const auto rgb, RgbConverter().converted(frame));
-    return rgb_exact(*rgb);
-}
-
 }  // namespace touchable
