@@ -47,12 +47,10 @@ public:
         for (const auto& entry : fs::directory_iterator((folder / before_).parent_path() / "", ignored)) {
             const std::string name = entry.path().filename().string();
             if (!name.starts_with(before) || name.size() <= before.size() + after_.size()) continue;
-            const char* digits = name.data() + before.size();
-            std::int64_t number = 0;
-            const auto [end, failure] =
-                std::from_chars(digits, name.data() + name.size() - after_.size(), number);
-            const bool named_so = failure == std::errc() && file(folder, number).filename() == name;
-            if (named_so && number >= first) found.push_back(number);
+            const std::size_t digits = name.size() - before.size() - after_.size();
+            const auto number = parsed_as<std::int64_t>(std::string_view(name).substr(before.size(), digits));
+            if (number && *number >= first && file(folder, *number).filename() == name)
+                found.push_back(*number);
         }
         std::ranges::sort(found);
         return found;

@@ -56,12 +56,9 @@ std::string take_path(std::string_view& line) {
             path += line[at];
             continue;
         }
-        unsigned code = 0;
-        const char* const digits = line.data() + at + 1;
-        const std::size_t most = std::min<std::size_t>(3, line.size() - at - 1);
-        if (const auto [end, failure] = std::from_chars(digits, digits + most, code, 8);
-            failure == std::errc() && end == digits + 3) {
-            path += static_cast<char>(code);
+        const std::string_view digits = line.substr(at + 1, 3);
+        if (const auto code = parsed_as<unsigned>(digits, 8); code && digits.size() == 3) {
+            path += static_cast<char>(*code);
             at += 3;
             continue;
         }
