@@ -1,5 +1,6 @@
-// Guesses the scene of depth pictures without a scene file (SceneGuess). Stated values (SourceDescription)
-// are kept; the rest comes from files beside the pictures, from their names and from their values.
+// Guesses the scene of depth pictures without a scene file. Stated values (SourceDescription) are kept; the
+// rest comes from files beside the pictures and from their names (DepthEvidence), and from their values
+// (ValuesGuess). Each guess is a remark of the scene (SceneDraft).
 
 #include <cmath>
 #include <iterator>
@@ -17,6 +18,7 @@
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/read_pictures.hpp"
 #include "engine/formats/realsense_raw.hpp"
+#include "engine/formats/sidecar_text.hpp"
 #include "engine/formats/value_evidence.hpp"
 #include "engine/picture/image.hpp"
 
@@ -44,20 +46,11 @@ FrameRate stated_rate(double per_second) {
     return {thousandths / common, 1000 / common};
 }
 
-/// Whether a name has one of these words, all letters small, as a word of its own: "disp" of "disp0.pfm" and
-/// "disp_occ/1.png", not of "display.png".
+/// Whether a name has one of these words as a word of its own: "disp" of "disp0.pfm" and "disp_occ/1.png",
+/// not of "display.png".
 bool has_whole_word(const std::string& name, std::initializer_list<std::string_view> words) {
-    const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
-    std::string word;
-    for (const char c : name + '.') {
-        if (is_letter(c)) {
-            word += static_cast<char>(c | 0x20);
-            continue;
-        }
-        if (std::ranges::count(words, std::string_view(word)) > 0) return true;
-        word.clear();
-    }
-    return false;
+    return std::ranges::any_of(words_in_name(name),
+                               [&](std::string_view word) { return std::ranges::count(words, word) > 0; });
 }
 
 bool is_named_disparity(const std::string& name) {
@@ -94,14 +87,13 @@ bool holds_words(const StoredImage& picture) {
 
 /// The stated preset, an error if it is none for pictures; null: none is stated.
 Result<const SourceDescription::Preset*> known_preset(const SourceDescription& known) {
-    if (known.preset.empty()) return static_cast<const SourceDescription::Preset*>(nullptr);
-    if (const SourceDescription::Preset* preset = preset_named(known.preset)) return preset;
-    if (video_values_named(known.preset))
-        return usage_error("preset " + known.preset + " is for depth videos, not for pictures",
-                           {{Setting::preset}});
-    return usage_error("preset " + known.preset + " is not known: must be one of " +
-                           listed(all_presets(), &SourceDescription::Preset::name),
-                       {{Setting::preset}});
+    const SourceDescription::Preset* const preset = preset_named(known.preset);
+    if (preset || known.preset.empty()) return preset;
+    const std::string why =
+        video_values_named(known.preset)
+            ? "for depth videos, not for pictures"
+            : "not known: must be one of " + listed(all_presets(), &SourceDescription::Preset::name);
+    return usage_error("preset " + known.preset + " is " + why, {{Setting::preset}});
 }
 
 /// What arrays beside depth in its own file say of the camera.
@@ -123,436 +115,294 @@ void know_own_camera(const Intrinsics& camera, const fs::path& file, PicturesOfC
     place.own_file = fs::weakly_canonical(file, ignored);
 }
 
-/// Makes a scene of depth as in one picture: its camera, unit, values and rate. What is not stated is
-/// guessed, and each guess is a remark.
-class SceneGuess {
-public:
-    /// `evident`: the preset if neither a person nor a file says how depth is stored.
-    SceneGuess(const SourceDescription& known, const SourceDescription::Preset* preset,
-               EvidentPreset evident = {})
-        : known_(known), preset_(evident.preset ? evident.preset : preset), evident_(std::move(evident)) {}
+/// What is known of depth besides its values: by a person, by names, by files beside it.
+struct DepthEvidence {
+    const SourceDescription& known;
+    const SourceDescription::Preset* preset = nullptr;
+    std::string why_preset{};                ///< its evidence; empty: a person or a file says it
+    std::optional<GuessedCameras> frames{};  ///< cameras of frames that have one each
+    std::string list{};                      ///< of pictures and their times; empty: there is none
+    bool is_named = false;                   ///< whether the following names were looked at
+    bool says_disparity = false, says_range = false;
+    std::optional<UnitInName> unit{};
+    bool are_points = false;  ///< of a cloud
+    CameraBeside beside{};
 
-    /// Describes depth as in this picture; `coding`, if any, is kept, whatever the values are.
-    Result<void> describe(const fs::path& folder, const StoredImage& depth,
-                          const DepthCoding* coding = nullptr) {
-        scene_.width = depth.image.width;
-        scene_.height = depth.image.height;
-        scene_.metres_per_unit = 1;
-        scene_.depth_bits = depth.values.empty() && depth.image.bytes_per_sample == 1 ? 8 : 16;
-        scene_.depth.semantics = DepthSemantics::planar;
-        scene_.depth.near_is_high = true;
-        described_.unstated.filters = all_unstated;
-        scene_.hole_stiffness = Scene::soft_holes;
-        TRY(find_camera(folder));
-        if (coding) {
-            scene_.depth = *coding;
-        } else {
-            const EstimatedValues values = estimate_values(depth);
-            if (stop_requested()) return interrupted_error();
-            TRY(find_unit(values));
-            scene_.stored.packed = is_unpacked(depth);
-            doubt_unit(values);
-            set_invalid(depth, values.has_negative_none);
-            find_semantics(!depth.values.empty());
-        }
-        if (known_.semantics) scene_.depth.semantics = *known_.semantics;
-        derive_valid_range(scene_.depth);
-        const auto valid = validate(described_);
-        if (valid) return {};
-        if (known_ == SourceDescription())
-            return error_at((beside_.camera    ? beside_.file
-                             : inputs_.empty() ? folder
-                                               : inputs_.back())
-                                .string(),
-                            valid.error());
-        return usage_error(
-            "with the camera and the unit that were said: " + valid.error().message,
-            {{Setting::intrinsics}, {Setting::field_of_view}, {Setting::depth_unit}, {Setting::preset}});
+    void set_preset(EvidentPreset evident) {
+        preset = evident.preset;
+        why_preset = std::move(evident.why);
     }
-
-    /// Describes depth in files, of which `first` was read: its camera is sought in `place`, and `name` is
-    /// evidence.
-    Result<void> describe_files(const StoredImage& depth, ReadPictures& pictures, const fs::path& first,
-                                const fs::path& name, PicturesOfCamera place) {
-        const auto files = place.frames.empty() ? std::vector{first} : place.frames;
-        if (files.size() == 1) TRY(add_own_arrays(files.front(), pictures, place));
-        if (const auto camera = pictures.camera_in(files)) know_own_camera(*camera, first, place);
-        place_ = std::move(place);
-        are_points_ = is_named_cloud(first);
-        if (!are_points_) know_name(name);
-        if (const auto arrays = pictures.stack_in(first); arrays && *arrays) know_array((*arrays)->array());
-        if (auto described = describe(place_.folder, depth); !described)
-            return error_at((place_.is_whole_folder ? place_.folder : first).string(), described.error());
-        tell_of_preset();
-        tell_of_jpeg(depth);
-        return {};
-    }
-
-    GuessedScene made() { return {std::move(described_), std::move(inputs_)}; }
-    Scene& scene() { return scene_; }
-    void say(std::string guess, std::string otherwise = {}, Hints hints = {},
-             RemarkKind kind = RemarkKind::other) {
-        add_remark(scene_.remarks, {std::move(guess), true, std::move(otherwise), std::move(hints), kind});
-    }
-    void say(std::string guess, Hints hints, RemarkKind kind = RemarkKind::other) {
-        say(std::move(guess), {}, std::move(hints), kind);
-    }
-    /// Adds what a file or a person stated, with the settings that override it.
-    void tell(std::string fact, std::string otherwise = {}, Hints hints = {}) {
-        add_remark(scene_.remarks, {std::move(fact), false, std::move(otherwise), std::move(hints)});
-    }
-    /// Tells the channels of a rendering, which may have colour in depth's own files.
-    void tell_of_layers(const BesideDepth& beside, bool takes_colour) {
-        if (beside.depth_name.empty()) return;  // a cloud's
-        std::string said = "depth is channel " + beside.depth_name;
-        if (beside.depths > 1) said += ", the first of " + std::to_string(beside.depths) + " in a file";
-        if (takes_colour)
-            said += ", colour is " + (beside.colour_name.empty() ? "R, G, B" : beside.colour_name) +
-                    " beside it, linear light shown as sRGB";
-        say(std::move(said));
-    }
-
-    void know_cameras(const GuessedCameras& cameras) { frames_ = cameras; }
-    void know_list(const std::string& file) { list_ = file; }
-    /// Cameras that differ from frame to frame, as FolderSource::cameras.
-    const std::string& frame_cameras() const { return beside_.frame_cameras; }
-    bool takes_frame_cameras() const {
-        return !beside_.frame_cameras.empty() && !known_.intrinsics && !known_.fov && !frames_;
-    }
-    /// Takes the rate of a colour video with as many frames as depth.
-    void take_rate(const ColourVideo& video) {
-        scene_.rate = video.file->rate();
-        tell(short_number(scene_.rate.per_second()) + " frames a second, as " + printable(video.name) +
-                 " has as many frames at that rate",
-             "a scene file's rate says otherwise");
-    }
-    /// Takes the rate that a file beside depth states; false if none does.
-    bool take_stated_rate() {
-        constexpr double slowest = 0.01;
-        if (beside_.frames_per_second < slowest) return false;
-        scene_.rate = stated_rate(beside_.frames_per_second);
-        add_input(beside_.rate_file);
-        tell(short_number(scene_.rate.per_second()) + " frames a second, as " +
-                 printable(beside_.rate_file.filename().string()) + " says",
-             "a scene file's rate says otherwise");
-        return true;
-    }
-    /// Sets the rate by the frames' times, a file beside them, or a colour video with as many frames.
-    Result<void> find_rate(const fs::path& folder, std::int64_t frames,
-                           const std::optional<ColourVideo>& video) {
-        TRY_ASSIGN(const auto files, depth_files(folder, *scene_.folder));
-        const auto rate = rate_of(files);
-        if (!rate && take_stated_rate()) return {};
-        if (!rate && video && video->file->count() == frames) {
-            take_rate(*video);
-            return {};
-        }
-        if (rate) scene_.rate = *rate;
-        const std::string why = unusable_times(files);
-        const std::string words =
-            short_number(scene_.rate.per_second()) + " frames a second" +
-            (scene_.rate.own_times ? " on average, each at its own time"
-             : rate                ? (files.remark.empty() ? ", by their times" : ", the mean of their times")
-             : why.empty()         ? ""
-                                   : ", as " + why);
-        add_remark(scene_.remarks, {words, !rate, "a scene file's rate says otherwise"});
-        return {};
-    }
-
-    /// If files there say that colour does not lie on depth's pixels, takes colour's camera from them, or
-    /// adds a remark that colour is nevertheless taken to lie there.
-    void place_colour(const fs::path& folder, const fs::path& colour, ReadPictures& pictures) {
-        const fs::path here = folder.empty() ? fs::path(".") : folder;
-        const auto picture = pictures.look(colour);
-        std::string why;
-        if (const auto file = colour_movement_in(here)) {
-            add_input(*file);
-            if (picture && take_colour_camera(*file, (*picture)->image)) return;
-            why = file->filename().string() + " says how its camera stands";
-        } else if (picture && has_camera_of_depth_) {
-            const auto other =
-                camera_of_colour_in(here, scene_, (*picture)->image.width, (*picture)->image.height);
-            if (!other) return;
-            why = other->filename().string() + " is of another camera than depth's";
-            add_input(*other);
-        } else {
-            return;
-        }
-        say("colour lies on depth's pixels, though " + why, "a scene file's colour_camera says otherwise", {},
-            RemarkKind::colour_place);
-    }
-
-private:
-    void tell_of_preset() {
-        if (evident_.preset == nullptr) return;
-        say("depth is as preset " + std::string(evident_.preset->name) + " has it (" + evident_.preset->what +
-                "), as " + evident_.why,
-            Hints{{Setting::preset}, {Setting::depth_unit}}, RemarkKind::storage);
-    }
-
-    /// Tells what a JPEG has lost, which cannot be restored.
-    void tell_of_jpeg(const StoredImage& depth) {
-        if (depth.codec != "mjpeg") return;
-        const DepthCoding& coding = scene_.depth;
-        const double middle = coding.depth(128), step = std::abs(coding.depth(129) - middle);
-        tell("depth is a JPEG, and has lost what is finer than 256 levels (" + short_number(step, 2) +
-             " m at " + short_number(middle, 2) + " m); JPEG moved pixels by some of these, most of all " +
-             "beside edges. Where there is a PNG of 16 bits or an array of the same, take that");
-    }
-
     /// Takes evidence from the pictures' name, or their folder's if theirs has no letters (disp/0001.png).
     void know_name(const fs::path& path) {
         const std::string own = path.stem().string();
-        const bool has_letters =
-            std::ranges::any_of(own, [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); });
-        const std::string name = has_letters ? own : path.parent_path().filename().string();
-        is_named_ = true;
-        says_disparity_ = is_named_disparity(name);
-        says_range_ = is_named_range(name);
-        unit_in_name_ = unit_in_name(name);
+        const std::string name = words_in_name(own).empty() ? path.parent_path().filename().string() : own;
+        is_named = true;
+        says_disparity = is_named_disparity(name);
+        says_range = is_named_range(name);
+        unit = unit_in_name(name);
     }
     /// Takes evidence from the name of depth's array, which says more than the file's.
     void know_array(const std::string& name) {
-        says_disparity_ =
-            is_named_disparity(name) || (says_disparity_ && small_letters(name).find("depth") == name.npos);
-        says_range_ = says_range_ || is_named_range(name);
+        says_disparity =
+            is_named_disparity(name) || (says_disparity && small_letters(name).find("depth") == name.npos);
+        says_range = says_range || is_named_range(name);
     }
-    /// Counts a file as read for the scene; the pictures' own one is so in any case.
+    bool has_unit() const { return preset != nullptr || known.metres_per_code.has_value(); }
+    /// Whether a person or the frames' own files state the camera, which counts for more than `beside`.
+    bool has_stated_camera() const { return known.intrinsics || known.fov || frames; }
+    bool has_camera() const { return has_stated_camera() || beside.camera; }
+};
+
+/// A scene as far as it is guessed.
+struct SceneDraft : GuessedScene {
+    fs::path own_file{};  ///< the pictures', which is an input in any case
+
+    /// Adds a guess, with the settings that override it.
+    void say(std::string guess, Hints hints = {}, RemarkKind kind = RemarkKind::other,
+             std::string otherwise = {}) {
+        add_remark(scene.remarks, {std::move(guess), true, std::move(otherwise), std::move(hints), kind});
+    }
+    /// Adds what a file or a person stated, with the settings that override it.
+    void tell(std::string fact, Hints hints = {}, std::string otherwise = {}) {
+        add_remark(scene.remarks, {std::move(fact), false, std::move(otherwise), std::move(hints)});
+    }
+    /// Counts a file as read for the scene.
     void add_input(const fs::path& file) {
-        if (file != place_.own_file && std::ranges::find(inputs_, file) == inputs_.end())
-            inputs_.push_back(file);
+        if (file != own_file && std::ranges::find(inputs, file) == inputs.end()) inputs.push_back(file);
     }
-    bool preset_is_packed() const { return preset_ && preset_->stored.packed; }
-    std::uint16_t largest_code() const { return scene_.depth_bits == 8 ? 255 : 65535; }
-    /// A person's camera file, scaled as one that is found; an error if it is for other pictures.
-    Result<Intrinsics> named_intrinsics() {
-        if (known_.file.empty()) return *known_.intrinsics;
-        std::string doubt;
-        const Intrinsics camera = trusted_intrinsics(*known_.intrinsics, scene_.width, scene_.height, doubt);
-        const std::string name = printable(known_.file.filename().string());
-        const auto is_beside = [](const std::optional<double>& at, int side) {
-            return at && (*at < -0.5 || *at > side - 0.5);
-        };
-        if (camera.width <= 0 && (is_beside(camera.cx, scene_.width) || is_beside(camera.cy, scene_.height)))
-            return input_error(
-                printable(known_.file.string()) + ": is of other pictures: its principal point, " +
-                    short_number(camera.cx.value_or(0)) + ", " + short_number(camera.cy.value_or(0)) +
-                    ", is not in these of " + std::to_string(scene_.width) + "x" +
-                    std::to_string(scene_.height) + " pixels; must say the width and height that it is of",
-                {{Setting::intrinsics}});
-        if (!doubt.empty()) tell("the camera is that of " + name + ", " + doubt, {}, {{Setting::intrinsics}});
-        return camera;
-    }
+};
 
-    /// Takes depth's scale from a camera's file that a person named, if it states one.
-    void take_scale_of(const fs::path& file) {
-        const auto said = read_camera_text(file);
-        if (!said) return;
-        if (said->codes_per_metre > 0) {
-            beside_.codes_per_metre = said->codes_per_metre;
-            beside_.scale_file = file;
-        }
-        if (said->metres_per_value > 0) {
-            beside_.metres_per_value = said->metres_per_value;
-            beside_.unit_file = file;
-        }
-    }
+// --- The camera
 
-    Result<void> find_camera(const fs::path& folder) {
-        place_.folder = folder;
-        place_.width = scene_.width;
-        place_.height = scene_.height;
-        beside_ = camera_beside(place_);
-        if (known_.intrinsics && !known_.file.empty()) take_scale_of(known_.file);
-        if (evident_.preset && beside_.codes_per_metre > 0 && !preset_is_packed()) {
-            evident_ = {};
-            preset_ = nullptr;
-        }
-        if (beside_.camera) {
-            file_ = *beside_.camera;
-            if (!known_.intrinsics && !known_.fov && !frames_) add_input(beside_.file);
-        }
-        has_camera_of_depth_ = known_.intrinsics || known_.fov || frames_ || beside_.camera;
-        if (known_.intrinsics) {
-            TRY_ASSIGN(const Intrinsics named, named_intrinsics());
-            take(named, "the camera that was said");
-            if (!known_.file.empty()) say_middle(named, printable(known_.file.filename().string()));
-            const Camera& camera = scene_.camera;
-            const auto is_far = [](double at, int side) { return at < -0.5 * side || at > 1.5 * side; };
-            if (is_far(camera.cx, scene_.width) || is_far(camera.cy, scene_.height))
-                tell("the principal point that was said, " + short_number(camera.cx) + ", " +
-                     short_number(camera.cy) + ", is far beside the picture");
-        } else if (known_.fov) {
-            scene_.camera = camera_of_fov(*known_.fov, scene_.width, scene_.height);
-        } else if (frames_) {
-            scene_.camera = frames_->median;
-            tell("the camera is that of " + frames_->files + (is_still(frames_->files) ? "" : ", the median"),
-                 {}, {{Setting::intrinsics}});
-        } else if (beside_.camera) {
-            const std::string name = printable(beside_.file.filename().string());
-            take(file_.intrinsics, name);
-            say_middle(file_.intrinsics, name);
-            std::error_code ignored;
-            const fs::path here = fs::weakly_canonical(folder.empty() ? fs::path(".") : folder, ignored);
-            fs::path from_here = beside_.file.lexically_relative(here);
-            if (file_.frames > 1 && file_.is_of_files)
-                from_here.replace_filename('*' + from_here.extension().string());
-            std::string whose = "the camera is that of " + printable(from_here.string());
-            if (!file_.name.empty()) whose += " (" + printable(file_.name, 60) + ')';
-            if (file_.differs)
-                whose += ", the median of those of " + std::to_string(file_.frames) + " frames, which differ";
-            if (!beside_.doubt.empty()) whose += ", " + beside_.doubt;
-            if (file_.has_distortion) whose += "; its lens's distortion is not undone";
-            tell(whose + not_understood(), {}, {{Setting::intrinsics}});
-            for (const std::string& guess : beside_.guesses)
-                say(guess, Hints{{Setting::intrinsics}}, RemarkKind::camera);
-        } else if (preset_ && preset_->intrinsics.fx > 0) {
-            take(preset_->intrinsics, "the camera of preset " + std::string(preset_->name));
-        } else {
-            const double fov = preset_ && preset_->fov > 0 ? preset_->fov : usual_fov;
-            scene_.camera = camera_of_fov(fov, scene_.width, scene_.height);
-            say(guessed_field_of_view(fov) + not_understood(),
-                Hints{{Setting::field_of_view}, {Setting::intrinsics}}, RemarkKind::camera);
-        }
-        tell_of_unused();
+/// A person's camera file, scaled as one that is found; an error if it is for other pictures.
+Result<Intrinsics> named_intrinsics(const SourceDescription& known, SceneDraft& draft) {
+    if (known.file.empty()) return *known.intrinsics;
+    const int width = draft.scene.width, height = draft.scene.height;
+    std::string doubt;
+    const Intrinsics camera = trusted_intrinsics(*known.intrinsics, width, height, doubt);
+    const auto is_beside = [](const std::optional<double>& at, int side) {
+        return at && (*at < -0.5 || *at > side - 0.5);
+    };
+    if (camera.width <= 0 && (is_beside(camera.cx, width) || is_beside(camera.cy, height)))
+        return input_error(printable(known.file.string()) + ": is of other pictures: its principal point, " +
+                               short_number(camera.cx.value_or(0)) + ", " +
+                               short_number(camera.cy.value_or(0)) + ", is not in these of " +
+                               size_text(width, height) +
+                               " pixels; must say the width and height that it is of",
+                           {{Setting::intrinsics}});
+    if (!doubt.empty())
+        draft.tell("the camera is that of " + printable(known.file.filename().string()) + ", " + doubt,
+                   {{Setting::intrinsics}});
+    return camera;
+}
+
+/// Takes depth's scale from a camera's file that a person named, if it states one.
+void take_scale_of(const fs::path& file, CameraBeside& beside) {
+    const auto said = read_camera_text(file);
+    if (!said) return;
+    if (said->codes_per_metre > 0) {
+        beside.codes_per_metre = said->codes_per_metre;
+        beside.scale_file = file;
+    }
+    if (said->metres_per_value > 0) {
+        beside.metres_per_value = said->metres_per_value;
+        beside.unit_file = file;
+    }
+}
+
+/// Sets the camera. `file`: the camera's file, which may state focal lengths alone; empty: there is none.
+void take_camera(const Intrinsics& intrinsics, const std::string& whose, const std::string& file,
+                 SceneDraft& draft) {
+    Scene& scene = draft.scene;
+    if (intrinsics.width > 0 && intrinsics.height > 0 &&
+        (intrinsics.width != scene.width || intrinsics.height != scene.height))
+        draft.tell(whose + " is of " + size_text(intrinsics.width, intrinsics.height) +
+                       " pixels and is scaled to these pictures",
+                   {{Setting::intrinsics}});
+    scene.camera = scaled_camera(intrinsics, scene.width, scene.height);
+    // A field of view is that of a whole picture.
+    if (file.empty() || intrinsics.fx == 0 || (intrinsics.cx && intrinsics.cy)) return;
+    draft.say("the principal point is the middle of the picture, " + short_number(scene.camera.cx) + ", " +
+                  short_number(scene.camera.cy) + ", as " + file + " states none",
+              {{Setting::intrinsics, "FX,FY,CX,CY"}});
+}
+
+/// Names files that look like a camera's and are not understood.
+std::string not_understood(const CameraBeside& beside) {
+    const std::string names = listed(beside.not_understood);
+    return names.empty() ? "" : "; not understood as a camera's file: " + printable(names, 200);
+}
+
+/// Takes the camera of a file beside the pictures.
+void take_camera_beside(const CameraBeside& beside, const fs::path& folder, SceneDraft& draft) {
+    const CameraFile& camera = *beside.camera;
+    const std::string name = printable(beside.file.filename().string());
+    take_camera(camera.intrinsics, name, name, draft);
+    std::error_code ignored;
+    const fs::path here = fs::weakly_canonical(folder.empty() ? fs::path(".") : folder, ignored);
+    fs::path from_here = beside.file.lexically_relative(here);
+    if (camera.frames > 1 && camera.is_of_files)
+        from_here.replace_filename('*' + from_here.extension().string());
+    std::string whose = "the camera is that of " + printable(from_here.string());
+    if (!camera.name.empty()) whose += " (" + printable(camera.name, 60) + ')';
+    if (camera.differs)
+        whose += ", the median of those of " + std::to_string(camera.frames) + " frames, which differ";
+    if (!beside.doubt.empty()) whose += ", " + beside.doubt;
+    if (camera.has_distortion) whose += "; its lens's distortion is not undone";
+    draft.tell(whose + not_understood(beside), {{Setting::intrinsics}});
+    for (const std::string& guess : beside.guesses)
+        draft.say(guess, {{Setting::intrinsics}}, RemarkKind::camera);
+}
+
+void tell_of_unused(const std::vector<std::string>& names, SceneDraft& draft) {
+    constexpr std::size_t most = 6;
+    if (names.empty()) return;
+    std::string told = "beside the pictures, and not used: " +
+                       printable(listed(std::span(names).first(std::min(most, names.size()))), 200);
+    if (names.size() > most) told += " and " + std::to_string(names.size() - most) + " more";
+    draft.tell(std::move(told));
+}
+
+/// Sets the camera: as stated, from a file, by preset, or 60 degrees wide.
+Result<void> find_scene_camera(const DepthEvidence& evidence, const fs::path& folder, SceneDraft& draft) {
+    const SourceDescription& known = evidence.known;
+    const CameraBeside& beside = evidence.beside;
+    const auto* const preset = evidence.preset;
+    Scene& scene = draft.scene;
+    if (beside.camera && !evidence.has_stated_camera()) draft.add_input(beside.file);
+    if (known.intrinsics) {
+        TRY_ASSIGN(const Intrinsics named, named_intrinsics(known, draft));
+        take_camera(named, "the camera that was said", printable(known.file.filename().string()), draft);
+        const auto is_far = [](double at, int side) { return at < -0.5 * side || at > 1.5 * side; };
+        if (is_far(scene.camera.cx, scene.width) || is_far(scene.camera.cy, scene.height))
+            draft.tell("the principal point that was said, " + short_number(scene.camera.cx) + ", " +
+                       short_number(scene.camera.cy) + ", is far beside the picture");
+    } else if (known.fov) {
+        scene.camera = camera_of_fov(*known.fov, scene.width, scene.height);
+    } else if (const auto& frames = evidence.frames) {
+        scene.camera = frames->median;
+        draft.tell("the camera is that of " + frames->files + (is_still(frames->files) ? "" : ", the median"),
+                   {{Setting::intrinsics}});
+    } else if (beside.camera) {
+        take_camera_beside(beside, folder, draft);
+    } else if (preset && preset->intrinsics.fx > 0) {
+        take_camera(preset->intrinsics, "the camera of preset " + std::string(preset->name), "", draft);
+    } else {
+        const double fov = preset && preset->fov > 0 ? preset->fov : usual_fov;
+        scene.camera = camera_of_fov(fov, scene.width, scene.height);
+        draft.say(guessed_field_of_view(fov) + not_understood(beside),
+                  {{Setting::field_of_view}, {Setting::intrinsics}}, RemarkKind::camera);
+    }
+    tell_of_unused(beside.not_used, draft);
+    return {};
+}
+
+// --- The values
+
+/// Finds what depth's values mean: their unit, the axis along which they go, and which are no depth.
+class ValuesGuess {
+public:
+    ValuesGuess(const StoredImage& depth, DepthEvidence& evidence, SceneDraft& draft)
+        : depth_(depth), evidence_(evidence), draft_(draft), values_(estimate_values(depth)) {}
+
+    Result<void> find() {
+        if (stop_requested()) return interrupted_error();
+        TRY(find_unit());
+        scene_.stored.packed = is_unpacked(depth_);
+        doubt_unit();
+        set_invalid();
+        find_semantics();
         return {};
     }
 
-    /// Of a camera's file that states focal lengths alone. A field of view is that of a whole picture.
-    void say_middle(const Intrinsics& camera, const std::string& file) {
-        if (camera.fx == 0 || (camera.cx && camera.cy)) return;
-        say("the principal point is the middle of the picture, " + short_number(scene_.camera.cx) + ", " +
-                short_number(scene_.camera.cy) + ", as " + file + " states none",
-            Hints{{Setting::intrinsics, "FX,FY,CX,CY"}});
-    }
-
-    void tell_of_unused() {
-        constexpr std::size_t most = 6;
-        const auto& names = beside_.not_used;
-        if (names.empty()) return;
-        std::string told = "beside the pictures, and not used: " +
-                           printable(listed(std::span(names).first(std::min(most, names.size()))), 200);
-        if (names.size() > most) told += " and " + std::to_string(names.size() - most) + " more";
-        tell(std::move(told));
-    }
-
-    void take(const Intrinsics& intrinsics, const std::string& whose) {
-        if (intrinsics.width > 0 && intrinsics.height > 0 &&
-            (intrinsics.width != scene_.width || intrinsics.height != scene_.height))
-            tell(whose + " is of " + std::to_string(intrinsics.width) + "x" +
-                     std::to_string(intrinsics.height) + " pixels and is scaled to these pictures",
-                 {}, {{Setting::intrinsics}});
-        scene_.camera = scaled_camera(intrinsics, scene_.width, scene_.height);
-    }
-
-    /// Names files that look like a camera's and are not understood.
-    std::string not_understood() const {
-        const std::string names = listed(beside_.not_understood);
-        return names.empty() ? "" : "; not understood as a camera's file: " + printable(names, 200);
-    }
+private:
+    std::uint16_t largest_code() const { return scene_.depth_bits == 8 ? 255 : 65535; }
 
     /// Sets the unit: as stated, by preset, by names or files beside depth, or by the size of the values.
-    Result<void> find_unit(const EstimatedValues& values) {
-        if (!values.any)
+    Result<void> find_unit() {
+        if (!values_.any)
             return input_error(
-                values.has_background
+                values_.has_background
                     ? "has no depth: all values are 0 or a renderer's background (1e9 and beyond, 65504)"
                     : "has no depth: all values are 0 or 65535, or none is finite");
-        if (known_.metres_per_code) {
-            set_metric(*known_.metres_per_code);
+        const CameraBeside& beside = evidence_.beside;
+        const double codes = beside.codes_per_metre, metres = beside.metres_per_value;
+        const bool are_codes = !values_.is_float && values_.bits > 8;  // 8 bits are hardly ever lengths
+        const auto& named = evidence_.unit;
+        const auto*& preset = evidence_.preset;
+        if (!evidence_.has_unit() && evidence_.says_disparity && codes == 0 && !take_named_disparities())
             return {};
+        if (const auto& stated = evidence_.known.metres_per_code) {
+            set_metric(*stated);
+        } else if (preset && preset->stored.kind == StoredDepth::Kind::disparity) {
+            return set_disparities(*preset);
+        } else if (preset && preset->stored.kind == StoredDepth::Kind::relative) {
+            set_relative(true);
+        } else if (preset && preset->metres_per_code > 0) {
+            scene_.stored = preset->stored;
+            set_metric(preset->metres_per_code);
+        } else if (codes > 0 && are_codes) {
+            take_unit(1 / codes, "a code is " + short_number(1000 / codes) + " mm", beside.scale_file);
+        } else if (named &&
+                   (values_.is_float || (are_codes && named->metres < 1))) {  // integers are no metres
+            take_unit(named->metres, std::string("values are ") + named->words, {});
+        } else if (metres > 0 && values_.is_float) {
+            take_unit(metres, "a value of 1 is " + short_number(1000 * metres) + " mm", beside.unit_file);
+        } else {
+            guess_unit();
+            is_unit_guessed_ = true;
         }
-        if (!preset_ && says_disparity_ && beside_.codes_per_metre == 0) {
-            const std::string guess = "depth is disparities, as the name says";
-            if (file_.baseline > 0) {
-                preset_ = preset_named("middlebury");
-                say(guess + "; baseline and focal length are those of " +
-                        printable(beside_.file.filename().string()),
-                    Hints{{Setting::preset}, {Setting::depth_unit}}, RemarkKind::storage);
-            } else {
-                say(guess + ", and no calib.txt beside it has their baseline",
-                    "with a calib.txt that has it they have a scale",
-                    {{Setting::preset, "middlebury"}, {Setting::depth_unit}}, RemarkKind::storage);
-                set_relative(true, true);
-                scene_.depth.invalid_code_count = 1;  // 0 is infinitely far
-                return {};
-            }
+        return {};
+    }
+
+    /// Takes values for disparities: Middlebury's, if a file has their baseline; otherwise without a scale,
+    /// which is settled then: false.
+    bool take_named_disparities() {
+        const std::string guess = "depth is disparities, as the name says";
+        const CameraBeside& beside = evidence_.beside;
+        if (beside.camera && beside.camera->baseline > 0) {
+            evidence_.preset = preset_named("middlebury");
+            draft_.say(guess + "; baseline and focal length are those of " +
+                           printable(beside.file.filename().string()),
+                       {{Setting::preset}, {Setting::depth_unit}}, RemarkKind::storage);
+            return true;
         }
-        if (preset_ && preset_->stored.kind == StoredDepth::Kind::disparity) {
-            scene_.stored = preset_->stored;
-            if (scene_.stored.baseline == 0) {
-                if (file_.baseline == 0)
-                    return input_error("preset " + std::string(preset_->name) +
-                                           " needs the calib.txt of the pictures beside them",
-                                       {{Setting::preset}});
-                scene_.stored.baseline = file_.baseline;
-                scene_.stored.offset = file_.offset * scene_.camera.fx / file_.intrinsics.fx;
-                add_input(beside_.file);
-            } else if (preset_->intrinsics.fx > 0) {  // baseline x fx is what is known
-                scene_.stored.baseline *= preset_->intrinsics.fx / scene_.camera.fx;
-            }
-            scene_.depth.kind = DepthCodingKind::inverse;
-            scene_.depth.code_max = largest_code();
-            scene_.depth.near = scene_.camera.fx * scene_.stored.baseline / 65536;
-            scene_.depth.far = scene_.camera.fx * scene_.stored.baseline;
-            return {};
+        draft_.say(guess + ", and no calib.txt beside it has their baseline",
+                   {{Setting::preset, "middlebury"}, {Setting::depth_unit}}, RemarkKind::storage,
+                   "with a calib.txt that has it they have a scale");
+        set_relative(true);
+        scene_.depth.invalid_code_count = 1;  // 0 is infinitely far
+        return false;
+    }
+
+    Result<void> set_disparities(const SourceDescription::Preset& preset) {
+        StoredDepth& stored = scene_.stored = preset.stored;
+        if (stored.baseline == 0) {
+            const auto& camera = evidence_.beside.camera;
+            if (!camera || camera->baseline == 0)
+                return input_error(
+                    "preset " + std::string(preset.name) + " needs the calib.txt of the pictures beside them",
+                    {{Setting::preset}});
+            stored.baseline = camera->baseline;
+            stored.offset = camera->offset * scene_.camera.fx / camera->intrinsics.fx;
+            draft_.add_input(evidence_.beside.file);
+        } else if (preset.intrinsics.fx > 0) {  // baseline x fx is what is known
+            stored.baseline *= preset.intrinsics.fx / scene_.camera.fx;
         }
-        if (preset_ && preset_->stored.kind == StoredDepth::Kind::relative) {
-            set_relative(true, true);
-            return {};
-        }
-        if (preset_ && preset_->metres_per_code > 0) {
-            scene_.stored = preset_->stored;
-            set_metric(preset_->metres_per_code);
-            return {};
-        }
-        // Numbers of 8 bits are hardly ever lengths.
-        if (const double codes = beside_.codes_per_metre; codes > 0 && !values.is_float && values.bits > 8) {
-            take_unit(1 / codes, "a code is " + short_number(1000 / codes) + " mm", beside_.scale_file);
-            return {};
-        }
-        // Integers are no metres.
-        if (unit_in_name_ && values.bits > 8 && (values.is_float || unit_in_name_->metres < 1)) {
-            take_unit(unit_in_name_->metres, std::string("values are ") + unit_in_name_->words, {});
-            return {};
-        }
-        if (const double metres = beside_.metres_per_value; metres > 0 && values.is_float) {
-            take_unit(metres, "a value of 1 is " + short_number(1000 * metres) + " mm", beside_.unit_file);
-            return {};
-        }
-        guess_unit(values);
-        is_unit_guessed_ = true;
+        scene_.depth.kind = DepthCodingKind::inverse;
+        scene_.depth.code_max = largest_code();
+        scene_.depth.near = scene_.camera.fx * stored.baseline / 65536;
+        scene_.depth.far = scene_.camera.fx * stored.baseline;
         return {};
     }
 
     /// Takes the unit that a file states, or depth's name if that is empty.
-    void take_unit(double metres, std::string fact, const fs::path& file) {
+    void take_unit(double metres, const std::string& fact, const fs::path& file) {
         set_metric(metres);
-        if (!file.empty()) add_input(file);
-        tell(std::move(fact) + ", as " + (file.empty() ? "the name" : printable(file.filename().string())) +
-                 " says",
-             {}, {{Setting::depth_unit}});
-    }
-
-    /// Decides whether lengths go along each pixel's ray, as the name may say, or along the camera's axis, as
-    /// depth cameras record them. Floats in files may be either, as a renderer or a laser has them.
-    void find_semantics(bool is_float) {
-        if (known_.semantics || scene_.depth.kind != DepthCodingKind::metric) return;
-        if (says_range_) {
-            scene_.depth.semantics = DepthSemantics::range;
-            say("depth goes along each pixel's ray, as the name says", Hints{{Setting::depth_kind, "planar"}},
-                RemarkKind::axis);
-            return;
-        }
-        if (!is_named_ || preset_ != nullptr || (!is_float && (!is_unit_guessed_ || has_camera_of_depth_)))
-            return;
-        const double nearer = 100 * (1 - 1 / scene_.camera.longest_ray(scene_.width, scene_.height));
-        constexpr double least_felt = 5;  // per cent
-        if (nearer < least_felt) return;
-        say("depth goes along the camera's axis (planar); if it goes along each pixel's ray, the corners "
-            "are " +
-                short_number(nearer, 2) + " % nearer",
-            Hints{{Setting::depth_kind, "range"}}, RemarkKind::axis);
+        if (!file.empty()) draft_.add_input(file);
+        draft_.tell(
+            fact + ", as " + (file.empty() ? "the name" : printable(file.filename().string())) + " says",
+            {{Setting::depth_unit}});
     }
 
     void set_metric(double metres_per_code) {
@@ -561,73 +411,72 @@ private:
         depth.scale = metres_per_code;
         depth.code_max = largest_code();
         depth.far = depth.scale * depth.code_max;
-        described_.unstated.far = true;
+        draft_.unstated.far = true;
     }
 
-    void set_relative(bool near_is_high, bool is_inverse) {
+    /// Values that are larger for near pixels are 1/depth, as most networks guess it; others are depth.
+    void set_relative(bool near_is_high) {
         DepthCoding& depth = scene_.depth;
         scene_.stored.kind = StoredDepth::Kind::relative;
-        depth.kind = is_inverse ? DepthCodingKind::inverse : DepthCodingKind::linear;
+        depth.kind = near_is_high ? DepthCodingKind::inverse : DepthCodingKind::linear;
         depth.near_is_high = near_is_high;
         depth.near = assumed_near;
         depth.far = assumed_far;
         depth.code_max = largest_code();
-        say("depth has no scale: its nearest is taken for " + short_number(assumed_near) +
-                " m and its farthest for " + short_number(assumed_far) + " m, " +
-                (near_is_high ? "large" : "small") + " values near",
-            "a scene file says otherwise, touchable init-scene writes one to begin with; where values are "
-            "lengths, their unit",
-            {{Setting::depth_unit}}, RemarkKind::scale);
+        draft_.say("depth has no scale: its nearest is taken for " + short_number(assumed_near) +
+                       " m and its farthest for " + short_number(assumed_far) + " m, " +
+                       (near_is_high ? "large" : "small") + " values near",
+                   {{Setting::depth_unit}}, RemarkKind::scale,
+                   "a scene file says otherwise, touchable init-scene writes one to begin with; where "
+                   "values are lengths, their unit");
     }
 
-    void guess_unit(const EstimatedValues& values) {
+    void guess_unit() {
         const Hints otherwise{{Setting::depth_unit}};
-        const bool is_signed = values.negative > 0.01;
-        if (values.is_of_bytes())
-            say("values are 8 bits stored as 16, as all are multiples of " + std::to_string(values.divisor),
+        const bool is_signed = values_.negative > 0.01;
+        if (values_.is_of_bytes())
+            draft_.say(
+                "values are 8 bits stored as 16, as all are multiples of " + std::to_string(values_.divisor),
                 otherwise, RemarkKind::unit);
-        if (values.bits == 8 || values.is_of_bytes() || values.is_normalised || is_signed) {
-            // Values that are larger for near pixels are 1/depth, as most networks guess it; others are
-            // depth.
-            const bool near_is_high = is_signed || values.lower >= values.upper;
-            set_relative(near_is_high, near_is_high);
-        } else if (values.is_float) {
+        if (values_.bits == 8 || values_.is_of_bytes() || values_.is_normalised || is_signed) {
+            set_relative(is_signed || values_.lower >= values_.upper);
+        } else if (values_.is_float) {
             constexpr double most_metres = 30, least_millimetres = 600;
-            const bool metres = values.median < most_metres;
-            const bool may_be_centimetres = !metres && values.median < least_millimetres;
-            set_metric(metres ? 1 : 0.001);
-            say(std::string("values are ") + (metres ? "metres" : "millimetres") +
-                    median_in_words(values, metres ? 1 : 0.001),
-                may_be_centimetres ? short_number(0.01 * values.median, 3) + " m if they are centimetres"
-                                   : "",
-                may_be_centimetres ? Hints{{Setting::depth_unit, "0.01"}} : otherwise,
-                may_be_centimetres ? RemarkKind::unclear_unit : RemarkKind::unit);
-            // The lower part of a picture is mostly nearer.
-            if (values.lower > most_of_lengths * values.upper && !are_points_)
-                say("values are lengths, though they are larger in the lower third of the picture, as "
-                    "1/depth of networks is",
-                    Hints{{Setting::preset, "relative-inverse"}}, RemarkKind::direction);
-        } else if (!list_.empty() || !guess_unit_of_multiples(values)) {
-            const bool fine = values.median > 12000, coarse = values.median < 100;
-            const double unit = fine || !list_.empty() ? 1.0 / 5000 : coarse ? 0.01 : 0.001;
+            const bool metres = values_.median < most_metres;
+            const bool may_be_centimetres = !metres && values_.median < least_millimetres;
+            const double unit = metres ? 1 : 0.001;
             set_metric(unit);
-            say_unit(values, unit);
+            draft_.say(std::string("values are ") + (metres ? "metres" : "millimetres") + median_words(unit),
+                       may_be_centimetres ? Hints{{Setting::depth_unit, "0.01"}} : otherwise,
+                       may_be_centimetres ? RemarkKind::unclear_unit : RemarkKind::unit,
+                       may_be_centimetres
+                           ? short_number(0.01 * values_.median, 3) + " m if they are centimetres"
+                           : "");
+            // The lower part of a picture is mostly nearer.
+            if (values_.lower > most_of_lengths * values_.upper && !evidence_.are_points)
+                draft_.say(
+                    "values are lengths, though they are larger in the lower third of the picture, as "
+                    "1/depth of networks is",
+                    {{Setting::preset, "relative-inverse"}}, RemarkKind::direction);
+        } else if (!evidence_.list.empty()) {
+            set_metric(1.0 / 5000);
+            draft_.say("a code is 0.2 mm, as recordings with a " + evidence_.list + " have it (TUM RGB-D)",
+                       otherwise, RemarkKind::unit);
+        } else if (!guess_unit_of_multiples()) {
+            const bool fine = values_.median > 12000, coarse = values_.median < 100;
+            const double unit = fine ? 1.0 / 5000 : coarse ? 0.01 : 0.001;
+            set_metric(unit);
+            say_unit(unit);
         }
     }
 
-    static std::string median_in_words(const EstimatedValues& values, double unit) {
-        return ": their median, " + short_number(values.median) + ", would be " +
-               short_number(values.median * unit, 3) + " m";
+    std::string median_words(double unit) const {
+        return ": their median, " + short_number(values_.median) + ", would be " +
+               short_number(values_.median * unit, 3) + " m";
     }
 
     /// Tells the guessed unit of 16-bit values and others that fit, with the scene's size in each.
-    void say_unit(const EstimatedValues& values, double unit) {
-        const std::string millimetres = short_number(1000 * unit) + " mm";
-        if (!list_.empty()) {
-            say("a code is " + millimetres + ", as recordings with a " + list_ + " have it (TUM RGB-D)",
-                Hints{{Setting::depth_unit}}, RemarkKind::unit);
-            return;
-        }
+    void say_unit(double unit) {
         constexpr double near_for_a_camera = 1000, far_for_a_room = 3000;  // of a median, millimetres
         constexpr double most_of_lidar = 0.5, least_sky = 0.01;            // shares of the pixels
         struct Reading {
@@ -635,22 +484,19 @@ private:
             const char* unit;
             const char* when;
         };
-        const bool is_millimetre = unit == 0.001;
+        const bool is_millimetre = unit == 0.001, is_far = values_.median > far_for_a_room;
         const Reading readings[] = {
-            {is_millimetre && values.largest > least_sky && values.zeros == 0, "0.01",
+            {is_millimetre && values_.largest > least_sky && values_.zeros == 0, "0.01",
              "if they are centimetres and 65535 is the sky (Virtual KITTI)"},
-            {is_millimetre && (values.median < near_for_a_camera || values.median > far_for_a_room ||
-                               values.zeros > most_of_lidar),
+            {is_millimetre && (values_.median < near_for_a_camera || is_far || values_.zeros > most_of_lidar),
              "0.00390625", "if 256 codes are a metre (KITTI, VOID, ZoeDepth)"},
-            {is_millimetre && values.median < near_for_a_camera, "0.001953125",
+            {is_millimetre && values_.median < near_for_a_camera, "0.001953125",
              "if 512 codes are a metre (Taskonomy)"},
-            {is_millimetre && values.median > far_for_a_room, "0.00025",
-             "if 4000 codes are a metre (Matterport3D)"},
-            {is_millimetre && values.median > far_for_a_room, "0.0002", "if 5000 codes are a metre (TUM)"},
+            {is_millimetre && is_far, "0.00025", "if 4000 codes are a metre (Matterport3D)"},
+            {is_millimetre && is_far, "0.0002", "if 5000 codes are a metre (TUM)"},
             {!is_millimetre, "0.001", "if they are millimetres"},
-            {unit < 0.001 || (is_millimetre && values.median > far_for_a_room), "0.0001",
-             "if they are tenths of a millimetre"}};
-        const auto size = [&](double metres) { return short_number(values.median * metres, 3) + " m"; };
+            {unit < 0.001 || (is_millimetre && is_far), "0.0001", "if they are tenths of a millimetre"}};
+        const auto size = [&](double metres) { return short_number(values_.median * metres, 3) + " m"; };
         std::string others;
         Hints hints;
         for (const auto& [is_possible, other, when] : readings) {
@@ -663,112 +509,276 @@ private:
                 hints.push_back({Setting::depth_unit, other});
         }
         if (unit < 0.001) {
-            const double below = 0.001 * (static_cast<int>(values.median) & 0x1fff);
+            const double below = 0.001 * (static_cast<int>(values_.median) & 0x1fff);
             others += "; " + short_number(below, 3) + " m if the 3 highest bits are a confidence (DEPTH16)";
             hints.push_back({Setting::preset, "depth16"});
         }
         if (hints.empty()) hints = {{Setting::depth_unit}};
         const RemarkKind kind = others.empty() ? RemarkKind::unit : RemarkKind::unclear_unit;
-        say("depth codes are " + (is_millimetre ? "millimetres" : millimetres) +
-                median_in_words(values, unit),
-            std::move(others), std::move(hints), kind);
+        draft_.say("depth codes are " + (is_millimetre ? "millimetres" : short_number(1000 * unit) + " mm") +
+                       median_words(unit),
+                   std::move(hints), kind, std::move(others));
     }
 
     /// Guesses the unit by the values' divisor: cameras measure whole millimetres, and files may have these
     /// times 5, 10 or 100. False if that does not settle it.
-    bool guess_unit_of_multiples(const EstimatedValues& values) {
+    bool guess_unit_of_multiples() {
         constexpr double nearest = 250, deepest = 12'000;  // millimetres, of a median
-        const int divisor = values.divisor;
-        if (divisor == 1 || values.is_of_bytes()) return false;
+        const int divisor = values_.divisor;
+        if (divisor == 1) return false;
         const std::string multiples = "all values are multiples of " + std::to_string(divisor);
-        const double median = values.median / divisor;
+        const double median = values_.median / divisor;
         const bool is_usual = divisor == 5 || divisor == 10 || divisor == 100;
         if (!is_usual || median < nearest || median > deepest) {
-            say(multiples + ", which tells nothing of their unit", Hints{{Setting::depth_unit}});
+            draft_.say(multiples + ", which tells nothing of their unit", {{Setting::depth_unit}});
             return false;
         }
         set_metric(0.001 / divisor);
-        say("a code is " + short_number(1.0 / divisor) + " mm, as " + multiples +
-                " and their median is then " + short_number(median) + " mm",
-            Hints{{Setting::depth_unit, values.median <= deepest ? "0.001" : ""}}, RemarkKind::unit);
+        draft_.say("a code is " + short_number(1.0 / divisor) + " mm, as " + multiples +
+                       " and their median is then " + short_number(median) + " mm",
+                   {{Setting::depth_unit, values_.median <= deepest ? "0.001" : ""}}, RemarkKind::unit);
         return true;
     }
 
     /// Adds a remark if the unit is doubtful, with one by which the values are in a hand's reach, if any.
-    void doubt_unit(const EstimatedValues& values) {
+    void doubt_unit() {
         if (scene_.depth.kind != DepthCodingKind::metric || !scene_.stored.is_plain()) return;
         std::string otherwise = "a unit is the metres that a stored 1 stands for, such as 0.001";
         Hint hint{Setting::depth_unit};
         constexpr std::pair<const char*, const char*> usual[] = {
             {"0.0001", "tenths of a millimetre"}, {"1", "metres"}, {"0.001", "millimetres"}};
         for (const auto& [unit, name] : usual) {
-            const double median = values.median * *parsed_number(unit);
+            const double median = values_.median * *parsed_number(unit);
             if (median < 0.1 || median > 10) continue;
             otherwise = short_number(median) + " m if values are " + name;
             hint.value = unit;
         }
         if (auto doubt =
-                unit_doubt(values.median * scene_.depth.scale, std::move(otherwise), {std::move(hint)}))
+                unit_doubt(values_.median * scene_.depth.scale, std::move(otherwise), {std::move(hint)}))
             add_remark(scene_.remarks, std::move(*doubt));
     }
 
     /// Sets the codes that are no depth: cameras write 0. Depth without a scale has none.
-    void set_invalid(const StoredImage& depth, bool has_negative_none) {
+    void set_invalid() {
         if (scene_.stored.kind == StoredDepth::Kind::relative) return;
-        const bool is_told = preset_ != nullptr || known_.metres_per_code.has_value();
-        const int other = preset_ ? preset_->invalid : holds_words(depth) && !is_told ? 65535 : 0;
+        const bool is_told = evidence_.has_unit();
+        const auto* const preset = evidence_.preset;
+        const int other = preset ? preset->invalid : holds_words(depth_) && !is_told ? 65535 : 0;
         DepthCoding& coding = scene_.depth;
-        const int above = is_told ? 0 : none_above_all(depth).value_or(0);
+        const int above = is_told ? 0 : none_above_all(depth_).value_or(0);
         for (const int code : {0, other, above})
             if (coding.invalid_code_count == 0 || (code > 0 && code <= coding.code_max))
                 coding.invalid_codes[static_cast<std::size_t>(coding.invalid_code_count++)] =
                     static_cast<std::uint16_t>(code);
         if (above > 0)
-            say(std::to_string(above) + " is no depth, as many pixels have it and no other comes near it");
+            draft_.say(std::to_string(above) +
+                       " is no depth, as many pixels have it and no other comes near it");
         if (!is_told)
-            say(other > 0           ? "0 and 65535 are no depth"
-                : has_negative_none ? "0 and what is below it are no depth"
-                                    : "0 is no depth");
+            draft_.say(other > 0                   ? "0 and 65535 are no depth"
+                       : values_.has_negative_none ? "0 and what is below it are no depth"
+                                                   : "0 is no depth");
     }
 
-    /// Takes colour's camera from ViSP's files, which are in metres; false if there is none, or depth is not.
-    bool take_colour_camera(const fs::path& movement, const Image& colour) {
-        if (scene_.stored.kind == StoredDepth::Kind::relative) return false;
-        const auto found = visp_colour_camera(movement, beside_.file, colour.width, colour.height);
-        if (!found) return false;
-        scene_.colour_camera = found->camera;
-        if (!validate(described_)) {
-            scene_.colour_camera.reset();
-            return false;
+    /// Decides whether lengths go along each pixel's ray, as the name may say, or along the camera's axis, as
+    /// depth cameras record them. Floats in files may be either, as a renderer or a laser has them.
+    void find_semantics() {
+        if (evidence_.known.semantics || scene_.depth.kind != DepthCodingKind::metric) return;
+        if (evidence_.says_range) {
+            scene_.depth.semantics = DepthSemantics::range;
+            draft_.say("depth goes along each pixel's ray, as the name says",
+                       {{Setting::depth_kind, "planar"}}, RemarkKind::axis);
+            return;
         }
-        add_input(found->file);
-        const bool is_unit_told = preset_ != nullptr || known_.metres_per_code.has_value();
-        add_remark(scene_.remarks,
-                   {"colour is brought onto depth's pixels, as " + printable(movement.filename().string()) +
-                        " and " + printable(found->file.filename().string()) + " say" +
-                        (is_unit_told ? "" : ", by the unit that is guessed"),
-                    !is_unit_told, "a scene file's colour_camera says otherwise",
-                    is_unit_told ? Hints{} : Hints{{Setting::depth_unit, ""}}});
-        return true;
+        const bool is_open = values_.is_float || (is_unit_guessed_ && !evidence_.has_camera());
+        if (!evidence_.is_named || evidence_.preset != nullptr || !is_open) return;
+        const double nearer = 100 * (1 - 1 / scene_.camera.longest_ray(scene_.width, scene_.height));
+        constexpr double least_felt = 5;  // per cent
+        if (nearer < least_felt) return;
+        draft_.say(
+            "depth goes along the camera's axis (planar); if it goes along each pixel's ray, the corners "
+            "are " +
+                short_number(nearer, 2) + " % nearer",
+            {{Setting::depth_kind, "range"}}, RemarkKind::axis);
     }
 
-    const SourceDescription& known_;
-    const SourceDescription::Preset* preset_;
-    EvidentPreset evident_;
-    SceneDescription described_;
-    Scene& scene_ = described_.scene;
-    std::vector<fs::path> inputs_;
-    PicturesOfCamera place_;
-    CameraBeside beside_;
-    CameraFile file_;                       // beside_'s camera, if any
-    std::optional<GuessedCameras> frames_;  // cameras of frames that have one each
-    bool is_named_ = false, says_disparity_ = false, says_range_ = false;  // the pictures' names
-    std::optional<UnitInName> unit_in_name_;
+    const StoredImage& depth_;
+    DepthEvidence& evidence_;  // gets the preset that names and files show together
+    SceneDraft& draft_;
+    Scene& scene_ = draft_.scene;
+    const EstimatedValues values_;
     bool is_unit_guessed_ = false;
-    std::string list_;                  // of pictures and their times; empty: there is none
-    bool has_camera_of_depth_ = false;  // stated, or read
-    bool are_points_ = false;           // of a cloud
 };
+
+// --- The whole scene
+
+/// Describes depth as in this picture; its camera is sought in `place`. `coding`, if any, is kept, whatever
+/// the values are.
+Result<void> describe_depth(const StoredImage& depth, PicturesOfCamera place, DepthEvidence& evidence,
+                            SceneDraft& draft, const DepthCoding* coding = nullptr) {
+    draft.own_file = place.own_file;
+    draft.unstated.filters = all_unstated;
+    Scene& scene = draft.scene;
+    scene.width = place.width = depth.image.width;
+    scene.height = place.height = depth.image.height;
+    scene.metres_per_unit = 1;
+    scene.depth_bits = depth.values.empty() && depth.image.bytes_per_sample == 1 ? 8 : 16;
+    scene.depth.semantics = DepthSemantics::planar;
+    scene.depth.near_is_high = true;
+    scene.hole_stiffness = Scene::soft_holes;
+    const SourceDescription& known = evidence.known;
+    CameraBeside& beside = evidence.beside = camera_beside(place);
+    if (known.intrinsics && !known.file.empty()) take_scale_of(known.file, beside);
+    const bool is_evident = !evidence.why_preset.empty();
+    if (is_evident && beside.codes_per_metre > 0 && !evidence.preset->stored.packed) evidence.set_preset({});
+    TRY(find_scene_camera(evidence, place.folder, draft));
+    if (coding)
+        scene.depth = *coding;
+    else
+        TRY(ValuesGuess(depth, evidence, draft).find());
+    if (known.semantics) scene.depth.semantics = *known.semantics;
+    derive_valid_range(scene.depth);
+    const auto valid = validate(draft);
+    if (valid) return {};
+    if (known == SourceDescription()) {
+        const auto& where = beside.camera          ? beside.file
+                            : draft.inputs.empty() ? place.folder
+                                                   : draft.inputs.back();
+        return error_at(where.string(), valid.error());
+    }
+    return usage_error(
+        "with the camera and the unit that were said: " + valid.error().message,
+        {{Setting::intrinsics}, {Setting::field_of_view}, {Setting::depth_unit}, {Setting::preset}});
+}
+
+/// Tells what a JPEG has lost, which cannot be restored.
+void tell_of_jpeg(const StoredImage& depth, SceneDraft& draft) {
+    if (depth.codec != "mjpeg") return;
+    const DepthCoding& coding = draft.scene.depth;
+    const double middle = coding.depth(128), step = std::abs(coding.depth(129) - middle);
+    draft.tell("depth is a JPEG, and has lost what is finer than 256 levels (" + short_number(step, 2) +
+               " m at " + short_number(middle, 2) + " m); JPEG moved pixels by some of these, most of all " +
+               "beside edges. Where there is a PNG of 16 bits or an array of the same, take that");
+}
+
+/// Describes depth in files, of which `first` was read: its camera is sought in `place`, and `name` is
+/// evidence.
+Result<void> describe_files(const StoredImage& depth, ReadPictures& pictures, const fs::path& first,
+                            const fs::path& name, PicturesOfCamera place, DepthEvidence& evidence,
+                            SceneDraft& draft) {
+    const auto files = place.frames.empty() ? std::vector{first} : place.frames;
+    if (files.size() == 1) TRY(add_own_arrays(files.front(), pictures, place));
+    if (const auto camera = pictures.camera_in(files)) know_own_camera(*camera, first, place);
+    evidence.are_points = is_named_cloud(first);
+    if (!evidence.are_points) evidence.know_name(name);
+    if (const auto arrays = pictures.stack_in(first); arrays && *arrays)
+        evidence.know_array((*arrays)->array());
+    const std::string where = (place.is_whole_folder ? place.folder : first).string();
+    TRY(error_at(where, describe_depth(depth, std::move(place), evidence, draft)));
+    if (!evidence.why_preset.empty())
+        draft.say("depth is as preset " + std::string(evidence.preset->name) + " has it (" +
+                      evidence.preset->what + "), as " + evidence.why_preset,
+                  {{Setting::preset}, {Setting::depth_unit}}, RemarkKind::storage);
+    tell_of_jpeg(depth, draft);
+    return {};
+}
+
+/// Tells the channels of a rendering, which may have colour in depth's own files.
+void tell_of_layers(const BesideDepth& beside, bool takes_colour, SceneDraft& draft) {
+    if (beside.depth_name.empty()) return;  // a cloud's
+    std::string said = "depth is channel " + beside.depth_name;
+    if (beside.depths > 1) said += ", the first of " + std::to_string(beside.depths) + " in a file";
+    if (takes_colour)
+        said += ", colour is " + (beside.colour_name.empty() ? "R, G, B" : beside.colour_name) +
+                " beside it, linear light shown as sRGB";
+    draft.say(std::move(said));
+}
+
+constexpr const char* rate_otherwise = "a scene file's rate says otherwise";
+
+void set_rate(const FrameRate& rate, const std::string& why, SceneDraft& draft) {
+    draft.scene.rate = rate;
+    draft.tell(short_number(rate.per_second()) + " frames a second, as " + why, {}, rate_otherwise);
+}
+/// Takes the rate of a colour video; false if there is none with as many frames as depth.
+bool take_video_rate(const std::optional<ColourVideo>& video, std::int64_t frames, SceneDraft& draft) {
+    if (!video || video->file->count() != frames) return false;
+    set_rate(video->file->rate(), printable(video->name) + " has as many frames at that rate", draft);
+    return true;
+}
+/// Takes the rate that a file beside depth states; false if none does.
+bool take_stated_rate(const CameraBeside& beside, SceneDraft& draft) {
+    constexpr double slowest = 0.01;
+    if (beside.frames_per_second < slowest) return false;
+    draft.add_input(beside.rate_file);
+    set_rate(stated_rate(beside.frames_per_second), printable(beside.rate_file.filename().string()) + " says",
+             draft);
+    return true;
+}
+/// Sets the rate by the frames' times, a file beside them, or a colour video with as many frames.
+Result<void> find_rate(const fs::path& folder, std::int64_t frames, const std::optional<ColourVideo>& video,
+                       const CameraBeside& beside, SceneDraft& draft) {
+    Scene& scene = draft.scene;
+    TRY_ASSIGN(const auto files, depth_files(folder, *scene.folder));
+    const auto rate = rate_of(files);
+    if (!rate && (take_stated_rate(beside, draft) || take_video_rate(video, frames, draft))) return {};
+    if (rate) scene.rate = *rate;
+    const std::string why = unusable_times(files);
+    const std::string words =
+        short_number(scene.rate.per_second()) + " frames a second" +
+        (scene.rate.own_times ? " on average, each at its own time"
+         : rate               ? (files.remark.empty() ? ", by their times" : ", the mean of their times")
+         : why.empty()        ? ""
+                              : ", as " + why);
+    add_remark(scene.remarks, {words, !rate, rate_otherwise});
+    return {};
+}
+
+/// Takes colour's camera from ViSP's files, which are in metres; false if there is none, or depth is not.
+bool take_colour_camera(const fs::path& movement, const Image& colour, const DepthEvidence& evidence,
+                        SceneDraft& draft) {
+    Scene& scene = draft.scene;
+    if (scene.stored.kind == StoredDepth::Kind::relative) return false;
+    const auto found = visp_colour_camera(movement, evidence.beside.file, colour.width, colour.height);
+    if (!found) return false;
+    scene.colour_camera = found->camera;
+    if (!validate(draft)) {
+        scene.colour_camera.reset();
+        return false;
+    }
+    draft.add_input(found->file);
+    const bool is_unit_told = evidence.has_unit();
+    add_remark(scene.remarks,
+               {"colour is brought onto depth's pixels, as " + printable(movement.filename().string()) +
+                    " and " + printable(found->file.filename().string()) + " say" +
+                    (is_unit_told ? "" : ", by the unit that is guessed"),
+                !is_unit_told, "a scene file's colour_camera says otherwise",
+                is_unit_told ? Hints{} : Hints{{Setting::depth_unit, ""}}});
+    return true;
+}
+
+/// If files there say that colour does not lie on depth's pixels, takes colour's camera from them, or adds a
+/// remark that colour is nevertheless taken to lie there.
+void place_colour(const fs::path& folder, const fs::path& colour, ReadPictures& pictures,
+                  const DepthEvidence& evidence, SceneDraft& draft) {
+    const fs::path here = folder.empty() ? fs::path(".") : folder;
+    const auto picture = pictures.look(colour);
+    std::string why;
+    if (const auto file = colour_movement_in(here)) {
+        draft.add_input(*file);
+        if (picture && take_colour_camera(*file, (*picture)->image, evidence, draft)) return;
+        why = file->filename().string() + " says how its camera stands";
+    } else if (picture && evidence.has_camera()) {
+        const Image& image = (*picture)->image;
+        const auto other = camera_of_colour_in(here, draft.scene, image.width, image.height);
+        if (!other) return;
+        why = other->filename().string() + " is of another camera than depth's";
+        draft.add_input(*other);
+    } else {
+        return;
+    }
+    draft.say("colour lies on depth's pixels, though " + why, {}, RemarkKind::colour_place,
+              "a scene file's colour_camera says otherwise");
+}
 
 /// The pattern if each frame's camera can be read by it; otherwise empty.
 std::string usable_cameras(const fs::path& folder, FolderSource source, const std::string& pattern,
@@ -802,30 +812,31 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     TRY_ASSIGN(const auto told,
                telling_depth(files ? files->files : std::vector{depth.first}, *pictures, preset));
     const StoredImage& stored = *told;
-    std::optional<GuessedCameras> cameras;
-    if (!known.intrinsics && !known.fov) {
-        TRY_ASSIGN(cameras, guess_cameras(folder, depth.pattern, stored.image.width, stored.image.height));
-    }
-    EvidentPreset evident;
-    if (preset == nullptr && !known.metres_per_code)
-        evident = cameras && holds_words(stored)
-                      ? EvidentPreset{preset_named("arkitscenes"), "each frame has a .pincam file"}
-                      : evident_in(stored);
-    SceneGuess guess(known, preset, std::move(evident));
-    if (cameras) guess.know_cameras(*cameras);
-    if (is_list(depth.pattern)) guess.know_list(depth.pattern);
+    DepthEvidence evidence{known, preset};
+    const std::optional<GuessedCameras>& cameras = evidence.frames;
+    if (!evidence.has_stated_camera())
+        TRY(assign(evidence.frames,
+                   guess_cameras(folder, depth.pattern, stored.image.width, stored.image.height)));
+    if (!evidence.has_unit())
+        evidence.set_preset(cameras && holds_words(stored)
+                                ? EvidentPreset{preset_named("arkitscenes"), "each frame has a .pincam file"}
+                                : evident_in(stored));
+    if (is_list(depth.pattern)) evidence.list = depth.pattern;
     PicturesOfCamera place{.folder = folder, .within = folder_of(depth), .is_whole_folder = true};
     if (files) place.frames = files->files;
-    TRY(guess.describe_files(stored, *pictures, depth.first, fs::weakly_canonical(folder) / depth.pattern,
-                             std::move(place)));
-    Scene& scene = guess.scene();
+    SceneDraft guess;
+    TRY(describe_files(stored, *pictures, depth.first, fs::weakly_canonical(folder) / depth.pattern,
+                       std::move(place), evidence, guess));
+    Scene& scene = guess.scene;
     scene.name = fs::weakly_canonical(folder).filename().string();
     scene.folder.emplace();
     scene.folder->depth = depth.pattern;
     if (cameras && !is_still(cameras->files) && scene.stored.kind != StoredDepth::Kind::disparity)
         scene.folder->cameras = cameras->files;
-    if (guess.takes_frame_cameras() && scene.stored.kind != StoredDepth::Kind::disparity)
-        scene.folder->cameras = usable_cameras(folder, *scene.folder, guess.frame_cameras(), scene);
+    const std::string& frame_cameras = evidence.beside.frame_cameras;
+    if (!frame_cameras.empty() && !evidence.has_stated_camera() &&
+        scene.stored.kind != StoredDepth::Kind::disparity)
+        scene.folder->cameras = usable_cameras(folder, *scene.folder, frame_cameras, scene);
     const BesideDepth* const beside = stored.beside.get();
     TRY_ASSIGN(const auto stack, depth.count == 1 ? pictures->stack_in(depth.first)
                                                   : Result<std::shared_ptr<ImageStack>>(nullptr));
@@ -850,45 +861,44 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     if (const auto arrays = camera_arrays(folder); !arrays.empty())
         guess.tell("arrays beside the pictures, and not used: " +
                        printable(listed(arrays, &PictureGroup::pattern), 200),
-                   "their numbers can be said", {{Setting::intrinsics, "FX,FY,CX,CY"}});
-    if (beside != nullptr) guess.tell_of_layers(*beside, has_own_colour);
+                   {{Setting::intrinsics, "FX,FY,CX,CY"}}, "their numbers can be said");
+    if (beside != nullptr) tell_of_layers(*beside, has_own_colour, guess);
     if (!chosen.left_out_by_path.empty())
-        guess.say("left out: " + printable(listed(chosen.left_out_by_path), 200),
+        guess.say("left out: " + printable(listed(chosen.left_out_by_path), 200), {}, RemarkKind::other,
                   "name one of these to open it");
     if (!chosen.left_out_by_pattern.empty())
-        guess.say("left out: " + printable(listed(chosen.left_out_by_pattern), 200),
+        guess.say("left out: " + printable(listed(chosen.left_out_by_pattern), 200), {}, RemarkKind::other,
                   "a scene file's folder.depth names one of these to open it");
-    if (colour) guess.place_colour(folder, colour->first, *pictures);
+    if (colour) place_colour(folder, colour->first, *pictures, evidence, guess);
     if (video && !video->others.empty())
-        guess.say("left out: " + printable(listed(video->others), 200) + ", which may be colour as well",
-                  "a scene file's folder.colour names another one");
-    if (depth.count > 1 || video) TRY(guess.find_rate(folder, frames, video));
-    GuessedScene made = guess.made();
+        guess.say("left out: " + printable(listed(video->others), 200) + ", which may be colour as well", {},
+                  RemarkKind::other, "a scene file's folder.colour names another one");
+    if (depth.count > 1 || video) TRY(find_rate(folder, frames, video, evidence.beside, guess));
     pictures->keep_only({depth.first, colour ? colour->first : fs::path()});
-    made.pictures = pictures;
-    if (video) made.video = video->file;
-    return made;
+    guess.pictures = pictures;
+    if (video) guess.video = video->file;
+    return GuessedScene(std::move(guess));
 }
 
 Result<GuessedScene> guess_scene(const fs::path& file, const StoredImage& depth,
                                  const SourceDescription& known, const DepthCoding* coding) {
-    const auto preset = known_preset(known);
-    if (!preset) return error_at(file.string(), preset.error());
-    SceneGuess guess(known, *preset);
-    if (auto described = guess.describe(file.parent_path(), depth, coding); !described)
-        return error_at(file.string(), described.error());
-    guess.scene().name = file.stem().string();
-    return guess.made();
+    TRY_ASSIGN(const auto preset, error_at(file.string(), known_preset(known)));
+    DepthEvidence evidence{known, preset};
+    SceneDraft guess;
+    TRY(error_at(file.string(),
+                 describe_depth(depth, {.folder = file.parent_path()}, evidence, guess, coding)));
+    guess.scene.name = file.stem().string();
+    return GuessedScene(std::move(guess));
 }
 
 Result<SceneDescription> guess_camera(const StoredImage& first, const SourceDescription& known,
                                       std::vector<fs::path>& inputs) {
     TRY_ASSIGN(const auto preset, known_preset(known));
-    SceneGuess guess(known, preset);
-    TRY(guess.describe("/dev", first));  // has no camera's file
-    GuessedScene guessed = guess.made();
-    inputs = std::move(guessed.inputs);
-    return SceneDescription(std::move(guessed));
+    DepthEvidence evidence{known, preset};
+    SceneDraft guess;
+    TRY(describe_depth(first, {.folder = "/dev"}, evidence, guess));  // has no camera's file
+    inputs = std::move(guess.inputs);
+    return SceneDescription(std::move(guess));
 }
 
 Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescription& known) {
@@ -898,45 +908,47 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
     const auto pictures = std::make_shared<ReadPictures>(known, source);
     TRY_ASSIGN(const auto told, telling_depth({file}, *pictures, preset));
     const StoredImage& stored = *told;
-    const bool is_open = preset == nullptr && !known.metres_per_code;
     const auto metadata = realsense_metadata_of(file);
-    const bool is_of_viewer = is_open && metadata;
-    SceneGuess guess(known, is_of_viewer ? preset_named("realsense") : preset,
-                     is_open && !metadata ? evident_in(stored) : EvidentPreset());
-    if (is_of_viewer)
-        guess.tell("a code is 1 mm, as the RealSense Viewer writes it", {}, {{Setting::depth_unit}});
+    DepthEvidence evidence{known, preset};
+    SceneDraft guess;
+    if (!evidence.has_unit() && metadata) {
+        evidence.preset = preset_named("realsense");
+        guess.tell("a code is 1 mm, as the RealSense Viewer writes it", {{Setting::depth_unit}});
+    } else if (!evidence.has_unit()) {
+        evidence.set_preset(evident_in(stored));
+    }
     PicturesOfCamera place{.folder = file.parent_path(), .within = {}, .stem = file.stem().string()};
     if (metadata) {
         TRY_ASSIGN(const auto camera, read_realsense_metadata(*metadata));
         know_own_camera(camera, *metadata, place);
     }
-    TRY(guess.describe_files(stored, *pictures, file, fs::weakly_canonical(file), std::move(place)));
-    guess.scene().name = file.stem().string();
-    FolderSource& folder = guess.scene().folder.emplace();
+    TRY(describe_files(stored, *pictures, file, fs::weakly_canonical(file), std::move(place), evidence,
+                       guess));
+    guess.scene.name = file.stem().string();
+    FolderSource& folder = guess.scene.folder.emplace();
     folder.depth = name;
     if (const auto colour = colour_beside(file, *pictures)) {
         folder.colour = colour->filename().string();
         guess.say("colour is " + folder.colour);
-        guess.place_colour(file.parent_path(), *colour, *pictures);
+        place_colour(file.parent_path(), *colour, *pictures, evidence, guess);
     } else if (stored.beside && stored.beside->colour) {
         folder.colour = name;
     }
-    if (stored.beside) guess.tell_of_layers(*stored.beside, folder.colour == name);
+    if (stored.beside) tell_of_layers(*stored.beside, folder.colour == name, guess);
     TRY_ASSIGN(const auto stack, pictures->stack_in(file));
     std::optional<ColourVideo> video;
     if (stack && stack->count() > 1 && folder.colour.empty()) video = colour_video_beside(file);
     if (video) {
         folder.colour = video->name;
         guess.say("colour is " + printable(video->name));
-        if (video->file->count() == stack->count()) guess.take_rate(*video);
+        take_video_rate(video, stack->count(), guess);
     } else if (stack && stack->count() > 1) {
-        guess.take_stated_rate();
+        take_stated_rate(evidence.beside, guess);
     }
-    GuessedScene made = guess.made();
-    if (metadata) made.inputs.push_back(*metadata);
-    made.pictures = pictures;
-    if (video) made.video = video->file;
-    return made;
+    if (metadata) guess.inputs.push_back(*metadata);
+    guess.pictures = pictures;
+    if (video) guess.video = video->file;
+    return GuessedScene(std::move(guess));
 }
 
 std::optional<Remark> unit_doubt(double median_m, std::string otherwise, Hints hints) {

@@ -12,6 +12,7 @@
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/read_pictures.hpp"
 #include "engine/formats/realsense_raw.hpp"
+#include "engine/formats/sidecar_text.hpp"
 #include "engine/formats/value_evidence.hpp"
 #include "engine/picture/image.hpp"
 
@@ -59,17 +60,9 @@ Result<bool> holds_values(const StoredImage& picture) {
 
 /// Whether a name has a word for infrared pictures, which look like depth and are none.
 bool names_infrared(const std::string& name) {
-    std::string word;
-    for (const char c : small_letters(name) + ' ') {
-        if (c >= 'a' && c <= 'z') {
-            word += c;
-            continue;
-        }
-        if (word == "ir" || word.starts_with("infra") || word == "amplitude" || word == "ambient")
-            return true;
-        word.clear();
-    }
-    return false;
+    return std::ranges::any_of(words_in_name(name), [](std::string_view word) {
+        return word == "ir" || word.starts_with("infra") || word == "amplitude" || word == "ambient";
+    });
 }
 
 /// How likely a group is depth; 0: not at all.

@@ -298,6 +298,18 @@ std::string bare_name(std::string_view name) {
     return bare;
 }
 
+std::vector<std::string> words_in_name(std::string_view name) {
+    std::vector<std::string> words;
+    bool in_word = false;
+    for (const char c : small_letters(std::string(name))) {
+        const bool is_letter = c >= 'a' && c <= 'z';
+        if (is_letter && !in_word) words.emplace_back();
+        if (is_letter) words.back() += c;
+        in_word = is_letter;
+    }
+    return words;
+}
+
 std::string number_in(std::string_view stem, int from_end) {
     constexpr const char* digits = "0123456789";
     for (;; --from_end) {

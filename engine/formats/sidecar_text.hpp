@@ -15,6 +15,9 @@ namespace touchable {
 /// The name in small letters and digits alone: fl_x, FL.x and flx are one name.
 std::string bare_name(std::string_view name);
 
+/// The words of a name in small letters: its runs of letters.
+std::vector<std::string> words_in_name(std::string_view name);
+
 /// A number in a stem, without leading zeros: the last run of digits, or the one `from_end` runs before it;
 /// empty: there is none.
 std::string number_in(std::string_view stem, int from_end);
