@@ -20,40 +20,19 @@ float steepest_margin(double focal_length, double cells) {
     return static_cast<float>(std::min(cells * slope / focal_length, most));
 }
 
-std::int32_t nearest_pixel(double at) {
-    return static_cast<std::int32_t>(std::clamp(std::floor(at + 0.5), -1.0, 1e6));
-}
-
-/// For each pixel of the clip's camera, the pixel of a picture by camera `stored` that shows the same ray;
-/// -1: none. Columns depend on columns alone, and rows on rows.
-std::vector<std::int32_t> shifted_pixels(const Scene& scene, const Camera& stored) {
-    const Camera& camera = scene.camera;
-    std::vector<std::int32_t> columns, from;
-    for (int x = 0; x < scene.width; ++x) {
-        const std::int32_t column = nearest_pixel(stored.fx * ((x - camera.cx) / camera.fx) + stored.cx);
-        columns.push_back(column < scene.width ? column : -1);
-    }
-    from.reserve(pixel_count(scene.width, scene.height));
-    for (int y = 0; y < scene.height; ++y) {
-        const std::int32_t row = nearest_pixel(stored.fy * ((y - camera.cy) / camera.fy) + stored.cy);
-        const bool is_there = row >= 0 && row < scene.height;
-        for (const std::int32_t column : columns)
-            from.push_back(is_there && column >= 0 ? row * scene.width + column : -1);
-    }
-    return from;
-}
-
-/// The same for pictures with a lens's distortion.
-std::vector<std::int32_t> unbent_pixels(const Scene& scene, const LensDistortion& lens,
+/// For each pixel of the clip's camera, the pixel of a picture by camera `stored`, behind the lens, that
+/// shows the same ray; -1: none.
+std::vector<std::int32_t> stored_pixels(const Scene& scene, const LensDistortion& lens,
                                         const Camera& stored) {
     const Camera& camera = scene.camera;
-    const double reach = lens.reach();
+    const bool bends = lens.any();
+    const double reach = bends ? lens.reach() : std::numeric_limits<double>::infinity();
     std::vector<std::int32_t> from;
-    from.reserve(static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(scene.height));
+    from.reserve(pixel_count(scene.width, scene.height));
     for (int y = 0; y < scene.height; ++y)
         for (int x = 0; x < scene.width; ++x) {
             const LensDistortion::Point point{(x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy};
-            const LensDistortion::Point shown = lens.distorted(point);
+            const LensDistortion::Point shown = bends ? lens.distorted(point) : point;
             const double column = std::floor(stored.fx * shown.x + stored.cx + 0.5),
                          row = std::floor(stored.fy * shown.y + stored.cy + 0.5);
             const bool is_there = point.x * point.x + point.y * point.y <= reach * reach && column >= 0 &&
@@ -164,10 +143,8 @@ private:
         if (from_camera_ == stored) return;
         from_camera_ = stored;
         from_.clear();
-        if (lens_.any())
-            from_ = unbent_pixels(scene_, lens_, stored);
-        else if (shift_between(scene_.camera, stored, scene_.width, scene_.height).moves())
-            from_ = shifted_pixels(scene_, stored);
+        if (lens_.any() || shift_between(scene_.camera, stored, scene_.width, scene_.height).moves())
+            from_ = stored_pixels(scene_, lens_, stored);
     }
 
     Plane unbent(const PlaneView& plane, std::uint16_t beyond) const {
