@@ -86,9 +86,8 @@ Result<GuessedScene> guess_picture(const SourceFile& file, const SourceDescripti
 // image_folder.cpp
 
 /// Opens the pictures in `folder` that match the patterns of the scene's FolderSource.
-Opened open_image_folder(const std::filesystem::path& folder, const GuessedScene& described,
-                         Colour colour = Colour::wanted,
-                         DepthAlignment alignment = DepthAlignment::automatic);
+Opened open_image_folder(const std::filesystem::path& folder, const GuessedScene& described, Colour colour,
+                         DepthAlignment alignment);
 
 // video_clip.cpp
 
@@ -97,8 +96,8 @@ Opened open_image_folder(const std::filesystem::path& folder, const GuessedScene
 /// everywhere. Camera and unit as for a picture. An error says what was seen and what would open it.
 Result<GuessedScene> guess_video(const SourceFile& file, const SourceDescription& known);
 /// Opens the one or two videos in `folder` that the scene's VideoSource names.
-Opened open_videos(const std::filesystem::path& folder, const GuessedScene& described,
-                   Colour colour = Colour::wanted, DepthAlignment alignment = DepthAlignment::automatic);
+Opened open_videos(const std::filesystem::path& folder, const GuessedScene& described, Colour colour,
+                   DepthAlignment alignment);
 
 /// The pictures of a video whose halves are depth and colour, with nothing between them.
 std::shared_ptr<FrameSource> pictures_of_halves(const VideoSource& source, std::shared_ptr<VideoFile> video);

@@ -46,6 +46,11 @@ void add_inputs(const PictureFiles& found, StoredClip& clip) {
         if (clip.inputs.empty() || clip.inputs.back() != file) clip.inputs.push_back(file);
 }
 
+FrameRate rate_of_clip(const StoredClip& clip) {
+    const FrameRate& described = clip.described.scene.rate;
+    return clip.described.unstated.rate ? clip.found.rate.value_or(described) : described;
+}
+
 /// Reads a file for each picture, or one that holds all frames.
 class FolderPictures final : public FrameSource {
 public:
@@ -66,9 +71,7 @@ public:
         TRY_ASSIGN(auto stack, depth.files.size() == 1 ? pictures_->stack_in(depth.files.front())
                                                        : Result<std::shared_ptr<ImageStack>>(nullptr));
         if (stack) depth.frames = static_cast<std::size_t>(stack->count());
-        if (stack && !stack->left_out().empty())
-            clip.notes.push_back(depth.files.front().filename().string() + ": " + stack->left_out());
-        if (!stack) tell_of_pages(depth, clip);
+        tell_of_pages(depth, clip);
         TRY(check_named_depth(pictures_->known(), depth.files.front()));
         const bool has_confidence = stack && stack->least_confidence();
         if (pictures_->known().least_confidence && !has_confidence)
@@ -112,9 +115,8 @@ public:
         find_poses(depth, clip);
         if (!source.cameras.empty()) TRY(find_cameras(depth, clip));
         if (!described.unstated.rate) return {};
-        const FrameRate rate = clip.found.rate.value_or(described.scene.rate);
         if (const std::string why = unusable_times(depth); !why.empty())
-            clip.notes.push_back(why + ": played at " + short_number(rate.per_second()) +
+            clip.notes.push_back(why + ": played at " + short_number(rate_of_clip(clip).per_second()) +
                                  " frames a second (the scene's rate says otherwise)");
         return {};
     }
@@ -210,8 +212,7 @@ private:
             return;
         }
         numbers_.clear();
-        pairing_rate_ = clip.described.unstated.rate ? clip.found.rate.value_or(clip.described.scene.rate)
-                                                     : clip.described.scene.rate;
+        pairing_rate_ = rate_of_clip(clip);
         clip.notes.push_back(had + "each depth has the frame that is nearest in time from their beginning");
     }
     std::int64_t colour_frame(std::int64_t frame) const {
@@ -227,13 +228,15 @@ private:
         return lent_picture(colour_video_->info(), std::move(rgb));
     }
 
-    /// Notes that each of several files is one frame, even if it has several pages.
+    /// Notes what is left out of the first file, and that each of several files is one frame, even if it has
+    /// several pages.
     void tell_of_pages(const PictureFiles& depth, StoredClip& clip) const {
         const fs::path& first = depth.files.front();
         const auto pages = pictures_->stack_in(first);
-        if (pages && *pages && !(*pages)->left_out().empty())
+        if (!pages || !*pages) return;
+        if (!(*pages)->left_out().empty())
             clip.notes.push_back(first.filename().string() + ": " + (*pages)->left_out());
-        if (!pages || !*pages || (*pages)->count() < 2) return;
+        if (depth.files.size() == 1 || (*pages)->count() < 2) return;
         clip.notes.push_back("each file is one frame: of the " + std::to_string((*pages)->count()) +
                              " pictures in " + printable(first.filename().string()) +
                              " the first is taken (a file that is opened alone shows all)");
@@ -243,9 +246,7 @@ private:
     void find_poses(const PictureFiles& depth, StoredClip& clip) const {
         Scene& scene = clip.described.scene;
         if (depth.count() < 2) return;
-        const FrameRate rate =
-            clip.described.unstated.rate ? clip.found.rate.value_or(scene.rate) : scene.rate;
-        auto found = poses_beside(folder_, depth, rate, scene.metres_per_unit);
+        auto found = poses_beside(folder_, depth, rate_of_clip(clip), scene.metres_per_unit);
         if (!found) return;
         clip.notes.push_back(std::move(found->remark));
         if (found->path.poses.empty()) return;

@@ -131,6 +131,14 @@ std::optional<fs::path> depth_video_in(const fs::path& folder) {
                                           : std::nullopt;
 }
 
+/// The one recording in a folder, which is opened in its place: of ROS 2, of the RealSense Viewer, or a depth
+/// video; nothing for any other folder.
+Result<std::optional<fs::path>> recording_in(const fs::path& folder) {
+    TRY_ASSIGN(auto recording, ros2_recording_in(folder));
+    if (!recording) recording = realsense_snapshot_in(folder);
+    return recording ? recording : depth_video_in(folder);
+}
+
 /// Finds the folder's one recording, or its pictures, with or without a scene file of its own.
 Result<Candidate> find_in_folder(const fs::path& folder, const OpenSettings& wanted) {
     const auto own = folder / own_scene_file;
@@ -140,13 +148,9 @@ Result<Candidate> find_in_folder(const fs::path& folder, const OpenSettings& wan
             own.string() + ": describes these pictures: leave camera, unit, preset and kind of depth out",
             of_bare_pictures());
     if (has_own) return find_described(folder, true, own, wanted);
-    TRY_ASSIGN(const auto lerobot, lerobot_video_in(folder));
-    TRY_ASSIGN(const auto recording, ros2_recording_in(folder));
-    if (const auto& only = lerobot ? lerobot : recording) return Candidate{*only, {}, {}, wanted};
-    if (const auto snapshot = realsense_snapshot_in(folder); snapshot)
-        return Candidate{*snapshot, {}, {}, wanted};
-    if (const auto video = depth_video_in(folder)) return Candidate{*video, {}, {}, wanted};
-    return Candidate{folder, folder, {}, wanted};
+    TRY_ASSIGN(auto only, lerobot_video_in(folder));
+    if (!only) TRY(assign(only, recording_in(folder)));
+    return only ? Candidate{*only, {}, {}, wanted} : Candidate{folder, folder, {}, wanted};
 }
 
 Result<Candidate> find_clip(const fs::path& path, const std::optional<fs::path>& scene_file,
@@ -269,9 +273,7 @@ Result<GuessedScene> describe_folder(const Candidate& candidate) {
     if (!candidate.scene) return guess_folder(*candidate.folder, candidate.wanted.known);
     GuessedScene made = *candidate.scene;
     made.pictures = std::make_shared<ReadPictures>(candidate.wanted.known);
-    if (made.scene.video) {
-        TRY_ASSIGN(made.video, VideoFile::open(candidate.source, PlaneRole::depth));
-    }
+    if (made.scene.video) TRY(assign(made.video, VideoFile::open(candidate.source, PlaneRole::depth)));
     return made;
 }
 
@@ -437,9 +439,7 @@ Opened open_aligned(const Format& format, Candidate candidate) {
 Opened open_found(Candidate candidate) {
     const Format* const format = probe(candidate);
     if (auto refused = refusal(format, candidate)) return std::move(*refused);
-    if (format->describe) {
-        TRY_ASSIGN(candidate.scene, format->describe(candidate));
-    }
+    if (format->describe) TRY(assign(candidate.scene, format->describe(candidate)));
     const auto inputs = candidate.scene ? candidate.scene->inputs : std::vector<fs::path>();
     auto reader = open_aligned(*format, std::move(candidate));
     if (reader)
@@ -574,11 +574,8 @@ Result<GuessedScene> guess_path(const fs::path& path, const SourceDescription& k
             path.string() +
             ": is a LeRobot data set, and a scene file is of its video: touchable init-scene " +
             shell_word(lerobot->string()));
-    TRY_ASSIGN(const auto recording, ros2_recording_in(path));
-    if (recording) return guess_file(*recording, known);
-    if (const auto snapshot = realsense_snapshot_in(path); snapshot) return guess_file(*snapshot, known);
-    if (const auto video = depth_video_in(path)) return guess_file(*video, known);
-    return guess_folder(path, known);
+    TRY_ASSIGN(const auto recording, recording_in(path));
+    return recording ? guess_file(*recording, known) : guess_folder(path, known);
 }
 
 /// An error if the thread was asked to stop: files may have been read only in part, and the result wrong.
@@ -589,9 +586,8 @@ Result<Made> unless_given_up(Result<Made> made) {
 
 }  // namespace
 
-Opened open_video_clip(const fs::path& folder, const SceneDescription& described, Colour colour,
-                       DepthAlignment alignment) {
-    return open_videos(folder, GuessedScene{described}, colour, alignment);
+Opened open_video_clip(const fs::path& folder, const SceneDescription& described) {
+    return open_videos(folder, GuessedScene{described}, Colour::left_out, DepthAlignment::off);
 }
 
 Result<SceneDescription> guess_clip(const fs::path& path, const SourceDescription& known) {

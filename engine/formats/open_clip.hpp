@@ -55,10 +55,8 @@ Result<std::unique_ptr<ClipReader>> open_clip(const std::filesystem::path& path,
                                               Colour colour = Colour::wanted,
                                               DepthAlignment alignment = DepthAlignment::automatic);
 
-/// Opens the one or two videos in `folder` that the scene's VideoSource names.
+/// Opens the depth video in `folder` that the scene's VideoSource names, without its colour.
 Result<std::unique_ptr<ClipReader>> open_video_clip(const std::filesystem::path& folder,
-                                                    const SceneDescription& described,
-                                                    Colour colour = Colour::wanted,
-                                                    DepthAlignment alignment = DepthAlignment::automatic);
+                                                    const SceneDescription& described);
 
 }  // namespace touchable

@@ -396,7 +396,7 @@ private:
         described.scene.folder.reset();
         described.scene.video =
             VideoSource{written.filename().string(), "", VideoLayout::alone, VideoValues::grey};
-        return open_video_clip(written.parent_path(), described, Colour::left_out, DepthAlignment::off);
+        return open_video_clip(written.parent_path(), described);
     }
 
     /// Refuses unstated losses: dropped planes, recoding or resizing need --allow-lossy.
