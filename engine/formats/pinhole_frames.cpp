@@ -52,14 +52,10 @@ std::optional<std::uint16_t> no_depth_code(const Scene& scene) {
     return {};
 }
 
-class PinholeReader final : public ReaderAround {
+class PinholeReader final : public ChangedClip {
 public:
     explicit PinholeReader(std::unique_ptr<ClipReader> clip)
-        : ReaderAround(std::move(clip)),
-          scene_(inner().scene()),
-          notes_(inner().notes()),
-          lens_(scene_.lens),
-          cameras_(inner().frame_cameras()) {
+        : ChangedClip(std::move(clip)), lens_(scene_.lens), cameras_(inner().frame_cameras()) {
         no_depth_ = no_depth_code(scene_);
         if (scene_.colour_camera) registration_.emplace(scene_);
         scene_.lens = {};
@@ -90,14 +86,10 @@ public:
         return {};
     }
 
-    const Scene& scene() const override { return scene_; }
-    const std::vector<std::string>& notes() const override { return notes_; }
     std::span<const Camera> frame_cameras() const override { return {}; }
 
-    Result<std::optional<RawFrame>> next() override {
-        auto frame = inner().next();
-        if (!frame || !*frame) return frame;
-        RawFrame& raw = **frame;
+private:
+    Result<void> change(RawFrame& raw) override {
         const auto number = static_cast<std::size_t>(raw.number);
         take_pixels_of(number < cameras_.size() ? cameras_[number] : scene_.camera);
         if (!from_.empty())
@@ -109,10 +101,9 @@ public:
             }
         if (registration_ && !raw.colour.empty())
             add_plane(raw, PlaneRole::colour, plane_from(registration_->registered(raw.depth, raw.colour)));
-        return frame;
+        return {};
     }
 
-private:
     Result<void> look_at_cameras() {
         std::size_t moved = 0;
         double largest = 0;
@@ -163,8 +154,6 @@ private:
         return plane_from(std::move(image));
     }
 
-    Scene scene_;
-    std::vector<std::string> notes_;
     LensDistortion lens_;
     std::span<const Camera> cameras_;      // of the frames; empty: the scene's
     std::optional<Camera> from_camera_{};  // for which from_ was made

@@ -112,6 +112,13 @@ Image room_for(const TrackInfo& whole, const Scene& scene) {
     return image;
 }
 
+/// What a property's values are, for a person. `varies`: from black to white in a picture.
+std::string property_words(std::size_t property, const PropertyRange& range, bool varies) {
+    const std::string unit = property == 0 ? " N/mm" : "", name(property_names[property]);
+    if (!varies) return name + " is " + short_number(range.min) + unit + " everywhere";
+    return name + " goes from " + short_number(range.min) + " to " + short_number(range.max) + unit;
+}
+
 /// Joins all layers into one haptic picture, of the size of the first picture, or of the scene if that is
 /// smaller; others are resampled to the nearest pixel. Pictures must be of integers: of grey 8 bits are kept,
 /// of colour a channel. `scene` gets the ranges and remarks.
@@ -124,8 +131,7 @@ Result<StillPlane> join_layers(HapticLayers layers, std::string_view format, Sce
         const auto& [picture, range, channel] = layers.properties[k];
         const std::string property(property_names[k]);
         if (!picture) {
-            notes.push_back(property + " is " + short_number(range.min) + (k == 0 ? " N/mm" : "") +
-                            " everywhere");
+            notes.push_back(property_words(k, range, false));
             continue;
         }
         if (last.image.samples.empty() || !(last.from == *picture) || last.channel != channel) {
@@ -144,8 +150,7 @@ Result<StillPlane> join_layers(HapticLayers layers, std::string_view format, Sce
                             ": resampled to the nearest pixel of " + size_text(info.width, info.height));
         put_channel(last.image.view(), 0, samples_by_way(width, info.width, joined.width),
                     samples_by_way(height, info.height, joined.height), k, joined);
-        notes.push_back(property + " goes from " + short_number(range.min) + " to " +
-                        short_number(range.max) + (k == 0 ? " N/mm" : ""));
+        notes.push_back(property_words(k, range, true));
     }
     const auto& [stiffness, held, sliding] = layers.properties;
     if (sliding.range.max > held.range.max)
@@ -225,32 +230,23 @@ public:
         const std::array<const PropertyRange*, 3> ranges{
             &scene_.haptic.stiffness, &scene_.haptic.static_friction, &scene_.haptic.dynamic_friction};
         for (std::size_t k = 0; k < sources.size(); ++k) {
-            const std::string property(property_names[k]), unit = k == 0 ? " N/mm" : "";
-            if (!sources[k]) {
-                still.notes.push_back(property + " is " + short_number(ranges[k]->min) + unit +
-                                      " everywhere");
-                continue;
-            }
-            still.notes.push_back(property + " goes from " + short_number(ranges[k]->min) + " to " +
-                                  short_number(ranges[k]->max) + unit);
+            still.notes.push_back(property_words(k, *ranges[k], sources[k].has_value()));
+            if (!sources[k]) continue;
             const TouchSource& wanted = *sources[k];
             const bool is_picture = wanted.video.empty();
-            Layer* known = nullptr;
-            for (const auto& layer : layers_) {
+            const auto known = std::ranges::find_if(layers_, [&](const auto& layer) {
                 const TouchSource& source = layer->source;
-                const bool is_same = is_picture
-                                         ? source.video.empty() && source.picture == wanted.picture &&
-                                               source.channel == wanted.channel
-                                         : source.video == wanted.video && source.track == wanted.track;
-                if (is_same) known = layer.get();
-            }
-            if (!known) {
-                known = layers_.emplace_back(std::make_unique<Layer>(Layer{.source = wanted})).get();
-                TRY(open_layer(*known, k, still));
-                const auto& file = is_picture ? wanted.picture.file : wanted.video;
-                if (!file.empty()) still.files.push_back(file);
-            }
-            properties_[k] = {known, wanted.channel};
+                return source.video == wanted.video && source.track == wanted.track &&
+                       source.picture == wanted.picture && (!is_picture || source.channel == wanted.channel);
+            });
+            const bool is_new = known == layers_.end();
+            Layer& layer =
+                is_new ? *layers_.emplace_back(std::make_unique<Layer>(Layer{.source = wanted})) : **known;
+            properties_[k] = {&layer, wanted.channel};
+            if (!is_new) continue;
+            TRY(open_layer(layer, k, still));
+            const auto& file = is_picture ? wanted.picture.file : wanted.video;
+            if (!file.empty()) still.files.push_back(file);
         }
         TRY_ASSIGN(still.plane, at(0, 0));
         for (const auto& layer : layers_) {
@@ -424,14 +420,9 @@ Result<std::unique_ptr<ClipReader>> with_still_maps(Result<std::unique_ptr<ClipR
     if (!clip) return clip;
     Scene scene = (*clip)->scene();
     std::vector<StillPlane> planes;
-    if (maps.haptic) {
-        TRY_ASSIGN(auto read, read_haptic_map(*maps.haptic, scene));
-        planes.push_back(std::move(read));
-    }
-    if (maps.height) {
-        TRY_ASSIGN(auto read, read_height_map(*maps.height, scene));
-        planes.push_back(std::move(read));
-    }
+    for (const auto& [file, read] :
+         {std::pair(&maps.haptic, &read_haptic_map), {&maps.height, &read_height_map}})
+        if (*file) TRY(assign(planes.emplace_back(), read(**file, scene)));
     return with_still_planes(std::move(*clip), std::move(planes), scene);
 }
 

@@ -126,9 +126,8 @@ std::uint64_t disk_room(const fs::path& folder) {
 
 /// Removes all in a folder but `kept`, and follows no link. False: a stop was requested first.
 bool empty_folder(int folder, std::string_view kept) {
-    const auto close_list = [](DIR* list) { closedir(list); };
     const int own = openat(folder, ".", folder_flags);
-    const std::unique_ptr<DIR, decltype(close_list)> list(own < 0 ? nullptr : fdopendir(own));
+    const std::unique_ptr<DIR, ReleasedBy<closedir>> list(own < 0 ? nullptr : fdopendir(own));
     while (const dirent* const each = list ? readdir(list.get()) : nullptr) {
         if (stop_requested()) return false;
         const std::string_view name = each->d_name;
@@ -219,17 +218,16 @@ Result<void> unpack_member(const ZipArchive& archive, const ZipMember& member, c
     fs::create_directories(file.parent_path(), failure);
     if (failure) return failed(failure.value());
     constexpr mode_t private_file = 0600;
-    const int number = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, private_file);
-    if (number < 0) return errno == EEXIST ? input_error(where + ": is there twice") : failed(errno);
-    const auto close_it = [](const int* open_file) { close(*open_file); };
-    const std::unique_ptr<const int, decltype(close_it)> closes(&number, close_it);
+    const Descriptor made(
+        open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, private_file));
+    if (made.get() < 0) return errno == EEXIST ? input_error(where + ": is there twice") : failed(errno);
     const auto bytes = unpacked_member(archive, member);
     std::vector<char> block(std::min<std::uint64_t>(member.size, std::uint64_t{1} << 20));
     for (std::uint64_t at = 0; at < member.size || at == 0;) {
         const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(block.size(), member.size - at));
         TRY(error_at(where, bytes->read(at, block.data(), count)));
         for (std::size_t written = 0; written < count;) {
-            const ssize_t some = write(number, block.data() + written, count - written);
+            const ssize_t some = write(made.get(), block.data() + written, count - written);
             if (some < 0 && errno == EINTR) continue;
             if (some <= 0) return failed(some < 0 ? errno : ENOSPC);
             written += static_cast<std::size_t>(some);
