@@ -725,11 +725,10 @@ CameraText cameras_in_lines(std::string_view text, const FrameKey& wanted) {
     CameraText said;
     std::vector<double> seconds;
     while (!text.empty() && seconds.size() < most_cameras) {
-        const auto end = std::min(text.find('\n'), text.size());
-        CameraText in_line = cameras_in_text(text.substr(0, end), wanted);
-        const Json object = json_in(text.substr(0, end));
-        text.remove_prefix(std::min(end + 1, text.size()));
+        const std::string_view line = cut_line(text);
+        CameraText in_line = cameras_in_text(line, wanted);
         if (in_line.cameras.empty()) continue;
+        const Json object = json_in(line);
         seconds.push_back(Members(object).number({"time", "timestamp", "t"}));
         if (said.cameras.empty()) said = std::move(in_line);
     }
@@ -806,11 +805,8 @@ Result<CameraText> read_camera_text(const std::filesystem::path& file, const Fra
 double rate_in_file_of_times(const std::filesystem::path& file, std::size_t frames) {
     constexpr std::size_t longest = 1 << 22;
     const std::string stem = bare_name(file.stem().string());
-    const auto is_any_of = [&](std::initializer_list<const char*> names) {
-        return std::ranges::find(names, stem) != names.end();
-    };
-    const bool is_rate = is_any_of({"fps", "framerate"});
-    if (!is_rate && !is_any_of({"timestamps", "timestamp", "times", "depthtimestamps", "depthtimes"}))
+    const bool is_rate = is_any_of(stem, {"fps", "framerate"});
+    if (!is_rate && !is_any_of(stem, {"timestamps", "timestamp", "times", "depthtimestamps", "depthtimes"}))
         return 0;
     const auto text = read_given_file(file, file.string(), "times of frames", longest);
     if (!text || text->find_first_not_of("0123456789+-.eE, \t\r\n[];") != std::string::npos) return 0;

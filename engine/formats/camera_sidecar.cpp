@@ -27,10 +27,6 @@ struct CameraCandidate {
     bool is_text = false;   // neither named so nor of members: a camera in it must name its numbers
 };
 
-bool is_any_of(const std::string& name, std::initializer_list<const char*> known) {
-    return std::ranges::find(known, name) != known.end();
-}
-
 /// Whether a file has a name that programs give a camera's file. Files of poses do not count.
 bool is_named_camera(const std::string& name, const std::string& stem) {
     if (has_word(name, {"extrinsic", "pose", "trajector", "groundtruth"})) return false;
@@ -79,7 +75,7 @@ bool is_small_text(const std::string& extension) {
 }
 
 bool has_digit(std::string_view text) {
-    return text.find_first_of("0123456789") != std::string_view::npos;
+    return std::ranges::any_of(text, is_digit);
 }
 
 /// The words of a name, with the numbers behind them: cam2 and depth of depth_cam_02.
@@ -88,8 +84,8 @@ std::set<std::string> words_of(const std::string& name) {
     const std::string letters = small_letters(name) + '.';
     std::string word;
     for (std::size_t k = 0; k < letters.size(); ++k) {
-        const bool is_letter = letters[k] >= 'a' && letters[k] <= 'z', is_digit = has_digit({&letters[k], 1});
-        if (is_digit) {
+        const bool is_letter = letters[k] >= 'a' && letters[k] <= 'z';
+        if (is_digit(letters[k])) {
             const auto end = letters.find_first_not_of("0123456789", k);
             const std::string number = number_in(letters.substr(k, end - k), 0);
             if (!word.empty()) words.insert(word + number);
@@ -97,7 +93,7 @@ std::set<std::string> words_of(const std::string& name) {
             k = end - 1;
         } else if (is_letter) {
             word += letters[k];
-        } else if (!has_digit({&letters[std::min(k + 1, letters.size() - 1)], 1})) {
+        } else if (!is_digit(letters[std::min(k + 1, letters.size() - 1)])) {
             if (!word.empty()) words.insert(word);
             word.clear();
         }
@@ -233,7 +229,7 @@ bool is_folder_of_cameras(const fs::path& folder) {
 std::string shape_of(const std::string& stem) {
     std::string shape;
     for (const char c : stem)
-        if (!has_digit({&c, 1}) || !shape.ends_with('#')) shape += has_digit({&c, 1}) ? '#' : c;
+        if (!is_digit(c) || !shape.ends_with('#')) shape += is_digit(c) ? '#' : c;
     return shape;
 }
 
@@ -381,7 +377,7 @@ CameraMark mark_of(const CameraCandidate& candidate, const CameraFile& camera, c
 /// Whether a text has a number in its first 64 KiB.
 bool has_number(const fs::path& file) {
     constexpr std::size_t enough = 1 << 16;
-    return first_bytes(SourceFile(file), enough).find_first_of("0123456789") != std::string::npos;
+    return has_digit(first_bytes(SourceFile(file), enough));
 }
 
 /// Takes a number that a file states, unless one did before it.
@@ -677,6 +673,25 @@ std::string guess_shape(Intrinsics& camera, int width, int height) {
     return "turned by a quarter: it is of " + sizes;
 }
 
+/// A usual picture size with the shape of these and a width at most a thirtieth off; nothing: there is none.
+std::optional<std::pair<int, int>> usual_size(double near_width, int width, int height) {
+    constexpr std::pair<int, int> usual[] = {
+        {320, 240},   {480, 360},   {512, 384},   {512, 424},   {640, 360},   {640, 480},
+        {640, 576},   {720, 960},   {848, 480},   {960, 540},   {960, 720},   {1024, 576},
+        {1024, 768},  {1080, 1440}, {1280, 720},  {1280, 800},  {1280, 960},  {1280, 1024},
+        {1440, 1080}, {1440, 1920}, {1600, 1200}, {1920, 1080}, {1920, 1440}, {2048, 1536},
+        {2560, 1440}, {2560, 1920}, {3024, 4032}, {3840, 2160}, {4032, 3024}, {4096, 3072}};
+    std::optional<std::pair<int, int>> best;
+    double nearest = near_width / 30;
+    for (const auto& [w, h] : usual) {
+        const bool is_of_shape = std::abs(double(w) * height - double(h) * width) < 0.01 * w * height;
+        if (!is_of_shape || std::abs(w - near_width) > nearest) continue;
+        nearest = std::abs(w - near_width);
+        best = {w, h};
+    }
+    return best;
+}
+
 }  // namespace
 
 Camera camera_of_fov(double degrees, int width, int height) {
@@ -749,29 +764,6 @@ CameraBeside camera_beside(const PicturesOfCamera& pictures_of) {
                                  guess);
     return beside;
 }
-
-namespace {
-
-/// A usual picture size with the shape of these and a width at most a thirtieth off; nothing: there is none.
-std::optional<std::pair<int, int>> usual_size(double near_width, int width, int height) {
-    constexpr std::pair<int, int> usual[] = {
-        {320, 240},   {480, 360},   {512, 384},   {512, 424},   {640, 360},   {640, 480},
-        {640, 576},   {720, 960},   {848, 480},   {960, 540},   {960, 720},   {1024, 576},
-        {1024, 768},  {1080, 1440}, {1280, 720},  {1280, 800},  {1280, 960},  {1280, 1024},
-        {1440, 1080}, {1440, 1920}, {1600, 1200}, {1920, 1080}, {1920, 1440}, {2048, 1536},
-        {2560, 1440}, {2560, 1920}, {3024, 4032}, {3840, 2160}, {4032, 3024}, {4096, 3072}};
-    std::optional<std::pair<int, int>> best;
-    double nearest = near_width / 30;
-    for (const auto& [w, h] : usual) {
-        const bool is_of_shape = std::abs(double(w) * height - double(h) * width) < 0.01 * w * height;
-        if (!is_of_shape || std::abs(w - near_width) > nearest) continue;
-        nearest = std::abs(w - near_width);
-        best = {w, h};
-    }
-    return best;
-}
-
-}  // namespace
 
 Intrinsics trusted_intrinsics(Intrinsics camera, int width, int height, std::string& doubt) {
     if (!camera.cx || !camera.cy || width <= 0 || height <= 0) return camera;

@@ -11,6 +11,7 @@
 
 #include "engine/base/threads.hpp"
 #include "engine/base/words.hpp"
+#include "engine/formats/sidecar_text.hpp"
 
 namespace touchable {
 namespace {
@@ -39,10 +40,8 @@ std::string after_play(const std::string& what) {
 
 /// A line of a header that begins with a word, without the word: "WIDTH 640" gives "640".
 std::string_view header_line(std::string_view header, std::string_view word) {
-    for (std::size_t at = 0; at < header.size();) {
-        const std::size_t end = std::min(header.find('\n', at), header.size());
-        std::string_view line = header.substr(at, end - at);
-        at = end + 1;
+    while (!header.empty()) {
+        std::string_view line = cut_line(header);
         if (!line.starts_with(word) || line.size() <= word.size() || line[word.size()] != ' ') continue;
         line.remove_prefix(word.size() + 1);
         if (line.ends_with('\r')) line.remove_suffix(1);

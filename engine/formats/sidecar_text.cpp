@@ -15,13 +15,6 @@ using checked_json::Json;
 constexpr std::size_t most_columns = 200, most_lines = 4000, longest_name = 200;
 constexpr int deepest_yaml = 16;
 
-std::string_view next_line(std::string_view& rest) {
-    const auto end = rest.find('\n');
-    const std::string_view line = trimmed(rest.substr(0, end));
-    rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
-    return line;
-}
-
 /// Index of the separator that ends a field; those within brackets, as in K[0,2], do not.
 std::size_t end_of_field(std::string_view line, char between) {
     int open = 0;
@@ -136,9 +129,7 @@ class YamlLines {
 public:
     explicit YamlLines(std::string_view text) {
         while (!text.empty()) {
-            const auto end = text.find('\n');
-            const std::string_view line = without_comment(text.substr(0, end));
-            text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+            const std::string_view line = without_comment(cut_line(text));
             const std::string_view inner = trimmed(line);
             if (inner == "---" || inner == "...") {
                 if (!lines_.empty()) break;
@@ -290,6 +281,12 @@ Json json_of(const pugi::xml_node& node, int depth = 0) {
 
 }  // namespace
 
+std::string_view cut_line(std::string_view& text) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+    return line;
+}
+
 std::string bare_name(std::string_view name) {
     std::string bare;
     for (const char c : name.substr(0, longest_name))
@@ -335,11 +332,11 @@ int NumberTable::column(std::initializer_list<const char*> wanted) const {
 
 NumberTable table_in(std::string_view text) {
     std::string_view head;
-    while (head.empty() && !text.empty()) head = next_line(text);
+    while (head.empty() && !text.empty()) head = trimmed(cut_line(text));
     if (head.starts_with('#')) head = trimmed(head.substr(1));
     if (!has_letter(head) || head.starts_with('{') || head.starts_with('<')) return {};
     std::string_view first, rest = text;
-    while (first.empty() && !rest.empty()) first = next_line(rest);
+    while (first.empty() && !rest.empty()) first = trimmed(cut_line(rest));
     for (const char between : {' ', ',', ';'}) {
         const auto names = fields_of(head, between);
         if (names.size() < 2 || names.size() > most_columns) continue;
@@ -347,7 +344,7 @@ NumberTable table_in(std::string_view text) {
         NumberTable table;
         for (const std::string_view name : names) table.names.push_back(bare_name(name));
         while (!text.empty() && table.rows.size() < most_table_rows) {
-            auto row = numbers_of(fields_of(next_line(text), between));
+            auto row = numbers_of(fields_of(trimmed(cut_line(text)), between));
             if (row.size() == names.size()) table.rows.push_back(std::move(row));
         }
         return table;
@@ -359,7 +356,7 @@ Json members_in_lines(std::string_view text) {
     Json made = Json::object();
     Json* within = &made;
     for (std::size_t n = 0; n < most_lines && !text.empty(); ++n) {
-        std::string_view line = next_line(text);
+        std::string_view line = trimmed(cut_line(text));
         line = trimmed(line.substr(0, line.find_first_of("#;")));
         if (line.empty()) continue;
         if (line.front() == '[' && line.back() == ']' && has_letter(line)) {

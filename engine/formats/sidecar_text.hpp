@@ -4,6 +4,8 @@
 // odometry.csv), and lines of a name with its numbers (ScanNet's _info.txt, .ini, .conf, .toml). Pure
 // functions, for any thread.
 
+#include <algorithm>
+#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,6 +13,13 @@
 #include "engine/scene/checked_json.hpp"
 
 namespace touchable {
+
+inline bool is_any_of(std::string_view name, std::initializer_list<std::string_view> known) {
+    return std::ranges::find(known, name) != known.end();
+}
+
+/// Takes the first line off a text; returns it without its end.
+std::string_view cut_line(std::string_view& text);
 
 /// The name in small letters and digits alone: fl_x, FL.x and flx are one name.
 std::string bare_name(std::string_view name);

@@ -84,60 +84,10 @@ const SourceDescription::Preset presets[] = {
      {Kind::relative, 0, 1, 0, false, 0}},
 };
 
-}  // namespace
-
-Camera scaled_camera(const Intrinsics& said, int width, int height) {
-    Intrinsics intrinsics = said;
-    if (said.fx <= 0 && (said.fov_x > 0 || said.fov_y > 0)) {
-        const bool is_of_these = said.width <= 0 || said.height <= 0;
-        const double w = is_of_these ? width : said.width, h = is_of_these ? height : said.height;
-        const auto focal = [](double degrees, double side) {
-            return 0.5 * side * cosine(degrees * pi / 360) / sine(degrees * pi / 360);
-        };
-        intrinsics.fx = said.fov_x > 0 ? focal(said.fov_x, w) : focal(said.fov_y, h);
-        intrinsics.fy = said.fov_y > 0 ? focal(said.fov_y, h) : intrinsics.fx;
-        constexpr double rounded = 0.005;  // relative; a smaller difference means square pixels
-        if (std::abs(intrinsics.fy - intrinsics.fx) < rounded * intrinsics.fx) intrinsics.fy = intrinsics.fx;
-    }
-    Camera camera{intrinsics.fx, intrinsics.fy, 0.5 * (width - 1), 0.5 * (height - 1)};
-    const bool has_size = intrinsics.width > 0 && intrinsics.height > 0;
-    double x = has_size ? static_cast<double>(width) / intrinsics.width : 1,
-           y = has_size ? static_cast<double>(height) / intrinsics.height : 1;
-    // For pictures of another shape: cameras crop and do not stretch.
-    if (std::abs(x - y) > 0.01 * x) x = y = std::max(x, y);
-    camera.fx *= x;
-    camera.fy *= y;
-    const auto centre = [](double at, int from, double scale, int to) {
-        return (at - 0.5 * (from - 1)) * scale + 0.5 * (to - 1);
-    };
-    if (intrinsics.cx)
-        camera.cx = has_size ? centre(*intrinsics.cx, intrinsics.width, x, width) : *intrinsics.cx;
-    if (intrinsics.cy)
-        camera.cy = has_size ? centre(*intrinsics.cy, intrinsics.height, y, height) : *intrinsics.cy;
-    return camera;
-}
-
-std::span<const SourceDescription::Preset> all_presets() {
-    return presets;
-}
-
-const SourceDescription::Preset* preset_named(const std::string& name) {
-    const auto* const found = std::ranges::find(presets, name, &SourceDescription::Preset::name);
-    return found == std::end(presets) ? nullptr : found;
-}
-
 constexpr std::pair<const char*, VideoValues> of_videos[] = {{"hue", VideoValues::hue},
                                                              {"mean", VideoValues::mean}};
 
-std::optional<VideoValues> video_values_named(const std::string& name) {
-    for (const auto& [known, values] : of_videos)
-        if (name == known) return values;
-    return std::nullopt;
-}
-
 // --- The table of settings
-
-namespace {
 
 /// Gives a row its member: a text, empty if not stated, or an optional number.
 template <auto member>
@@ -212,6 +162,52 @@ std::vector<SourceSetting> all_source_settings() {
 }
 
 }  // namespace
+
+Camera scaled_camera(const Intrinsics& said, int width, int height) {
+    Intrinsics intrinsics = said;
+    if (said.fx <= 0 && (said.fov_x > 0 || said.fov_y > 0)) {
+        const bool is_of_these = said.width <= 0 || said.height <= 0;
+        const double w = is_of_these ? width : said.width, h = is_of_these ? height : said.height;
+        const auto focal = [](double degrees, double side) {
+            return 0.5 * side * cosine(degrees * pi / 360) / sine(degrees * pi / 360);
+        };
+        intrinsics.fx = said.fov_x > 0 ? focal(said.fov_x, w) : focal(said.fov_y, h);
+        intrinsics.fy = said.fov_y > 0 ? focal(said.fov_y, h) : intrinsics.fx;
+        constexpr double rounded = 0.005;  // relative; a smaller difference means square pixels
+        if (std::abs(intrinsics.fy - intrinsics.fx) < rounded * intrinsics.fx) intrinsics.fy = intrinsics.fx;
+    }
+    Camera camera{intrinsics.fx, intrinsics.fy, 0.5 * (width - 1), 0.5 * (height - 1)};
+    const bool has_size = intrinsics.width > 0 && intrinsics.height > 0;
+    double x = has_size ? static_cast<double>(width) / intrinsics.width : 1,
+           y = has_size ? static_cast<double>(height) / intrinsics.height : 1;
+    // For pictures of another shape: cameras crop and do not stretch.
+    if (std::abs(x - y) > 0.01 * x) x = y = std::max(x, y);
+    camera.fx *= x;
+    camera.fy *= y;
+    const auto centre = [](double at, int from, double scale, int to) {
+        return (at - 0.5 * (from - 1)) * scale + 0.5 * (to - 1);
+    };
+    if (intrinsics.cx)
+        camera.cx = has_size ? centre(*intrinsics.cx, intrinsics.width, x, width) : *intrinsics.cx;
+    if (intrinsics.cy)
+        camera.cy = has_size ? centre(*intrinsics.cy, intrinsics.height, y, height) : *intrinsics.cy;
+    return camera;
+}
+
+std::span<const SourceDescription::Preset> all_presets() {
+    return presets;
+}
+
+const SourceDescription::Preset* preset_named(const std::string& name) {
+    const auto* const found = std::ranges::find(presets, name, &SourceDescription::Preset::name);
+    return found == std::end(presets) ? nullptr : found;
+}
+
+std::optional<VideoValues> video_values_named(const std::string& name) {
+    for (const auto& [known, values] : of_videos)
+        if (name == known) return values;
+    return std::nullopt;
+}
 
 bool SourceSetting::state(const Value& value, SourceDescription& known) const {
     const auto* const number = std::get_if<double>(&value);

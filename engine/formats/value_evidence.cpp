@@ -478,10 +478,6 @@ std::optional<FloatLattice> of_halves(const Numbers& numbers) {
 
 }  // namespace
 
-int common_divisor(const StoredImage& picture) {
-    return divisor_of(Words(picture));
-}
-
 bool looks_packed(const Image& image) {
     if (image.channels != 3 || image.bytes_per_sample != 1) return false;
     constexpr std::int64_t fewest = 16, one_in = 5;
@@ -636,7 +632,7 @@ EstimatedValues estimate_values(const StoredImage& picture) {
     // The whole range is used, and no value stands for no depth.
     values.is_normalised = values.bits != 8 && !values.has_background && !none && beyond == 0 &&
                            negative == 0 && at_least > 0 && at_most > 0 && 20 * (pixels - usable) < pixels;
-    values.divisor = common_divisor(picture);
+    values.divisor = divisor_of(Words(picture));
     if (counts[0] > 0) values.upper = sums[0] / static_cast<double>(counts[0]);
     if (counts[1] > 0) values.lower = sums[1] / static_cast<double>(counts[1]);
     return values;

@@ -29,11 +29,6 @@ inline std::size_t pixel_count(const Image& image) {
     return static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
 }
 
-/// The largest number up to 1000 of which all 16-bit values are multiples; 1: there is none, or no evidence.
-/// 0 and 65535 are ignored, one pixel in a thousand may differ, and fewer than 20 different values are no
-/// evidence.
-int common_divisor(const StoredImage& picture);
-
 /// Depth of 24 bits in an RGB picture of 8 bits (StoredDepth::packed): red has the lowest bits. Its largest
 /// value is no depth.
 inline constexpr double packed_none = 0xffffff;
@@ -51,7 +46,8 @@ inline bool is_unpacked(const StoredImage& picture) {
 
 /// The preset that 16-bit values show: a Kinect's raw disparities (kinect-raw; nyu with bytes swapped), bits
 /// rotated by 3 (sun), a player's number in the 3 lowest bits (kinect-sdk1), a confidence in the 3 highest
-/// (depth16). For unpacked floats: depth of 24 bits (carla). Null: no evidence, as in `common_divisor`.
+/// (depth16). For unpacked floats: depth of 24 bits (carla). Null: no evidence, as fewer than 20 different
+/// values are (0 and 65535 do not count).
 struct EvidentPreset {
     const SourceDescription::Preset* preset = nullptr;
     std::string why{};  ///< "its values ...", in words
@@ -92,7 +88,9 @@ struct EstimatedValues {
     bool has_negative_none = false;
     double zeros = 0, largest = 0;  ///< shares of the pixels that are 0 and, for 16-bit integers, 65535
     bool is_normalised = false;     ///< uses the whole range that can be stored (floats: 0 to 1)
-    int divisor = 1;                ///< for 16-bit integers (common_divisor)
+    /// The largest number up to 1000 of which all 16-bit values are multiples, but 0, 65535 and one pixel in
+    /// a thousand; 1: there is none, or no evidence (evident_preset).
+    int divisor = 1;
     /// Whether the values are 8 bits stretched to 16.
     bool is_of_bytes() const { return divisor == 256 || divisor == 257; }
 };

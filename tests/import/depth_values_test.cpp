@@ -733,7 +733,7 @@ TEST_F(ValueEvidence, FindsNothingInOrdinaryMillimetres) {
             picture.image.samples.push_back(static_cast<std::uint8_t>(word));
             picture.image.samples.push_back(static_cast<std::uint8_t>(word >> 8));
         }
-        EXPECT_EQ(common_divisor(picture), 1) << round;
+        EXPECT_EQ(estimate_values(picture).divisor, 1) << round;
         EXPECT_EQ(evident_preset(picture).preset, nullptr) << round;
     }
 }
