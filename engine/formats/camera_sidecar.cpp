@@ -380,24 +380,11 @@ bool has_number(const fs::path& file) {
     return has_digit(first_bytes(SourceFile(file), enough));
 }
 
-/// Takes a number that a file states, unless one did before it.
-void take_number(double stated, const fs::path& file, double& number, fs::path& number_file) {
-    if (number > 0 || stated <= 0) return;
-    number = stated;
-    number_file = file;
-}
-void take_rate(double stated, const fs::path& file, CameraBeside& beside) {
-    take_number(stated, file, beside.frames_per_second, beside.rate_file);
-}
-void take_scale(double stated, const fs::path& file, CameraBeside& beside) {
-    take_number(stated, file, beside.codes_per_metre, beside.scale_file);
-}
-
 /// Takes the cameras of a folder in which each frame has its own.
 void take_frames(const fs::path& folder, const Sought& pictures, CameraBeside& beside) {
     auto own = cameras_of_frames(folder, pictures);
     if (!own) return;
-    take_scale(own->median.codes_per_metre, own->first, beside);
+    beside.codes_per_metre.add(own->median.codes_per_metre, own->first);
     const fs::path within = folder.lexically_relative(pictures.folder);
     beside.file = own->first;
     if (own->median.differs && !within.empty() && *within.begin() != "..") {
@@ -475,7 +462,7 @@ void look_in(const fs::path& folder, const Sought& pictures, bool tells, CameraB
         if (stop_requested()) return;
         const std::string name = candidate.file.filename().string();
         if (const double rate = rate_in_file_of_times(candidate.file, pictures.frames.size()); rate > 0) {
-            take_rate(rate, candidate.file, beside);
+            beside.frames_per_second.add(rate, candidate.file);
             continue;
         }
         auto said = said_by(candidate, pictures);
@@ -494,9 +481,9 @@ void look_in(const fs::path& folder, const Sought& pictures, bool tells, CameraB
             beside.not_used.push_back(name);
         }
         if (!said) continue;
-        take_rate(rate, candidate.file, beside);
-        take_scale(scale, candidate.file, beside);
-        take_number(unit, candidate.file, beside.metres_per_value, beside.unit_file);
+        beside.frames_per_second.add(rate, candidate.file);
+        beside.codes_per_metre.add(scale, candidate.file);
+        beside.metres_per_value.add(unit, candidate.file);
         const bool is_one = said->cameras.size() == 1;
         for (CameraFile& camera : said->cameras) {
             if (is_known) break;
@@ -721,8 +708,8 @@ CameraBeside camera_beside(const PicturesOfCamera& pictures_of) {
         beside.file = pictures.own_file;
     }
     beside.not_used = pictures.own_not_used;
-    take_scale(pictures.own.codes_per_metre, pictures.own_file, beside);
-    take_rate(pictures.own.frames_per_second, pictures.own_file, beside);
+    beside.codes_per_metre.add(pictures.own.codes_per_metre, pictures.own_file);
+    beside.frames_per_second.add(pictures.own.frames_per_second, pictures.own_file);
     const fs::path of_depth =
         pictures.within.empty() ? here : (here / pictures.within / "").lexically_normal().parent_path();
     know_names(of_depth, pictures);
@@ -748,15 +735,13 @@ CameraBeside camera_beside(const PicturesOfCamera& pictures_of) {
         if (!goes_on) break;
     }
     // A scale in the pictures' own file, or in one named as the picture, goes before the camera's file.
+    const fs::path& scale_file = beside.codes_per_metre.file;
     const bool has_own_scale =
-        !beside.scale_file.empty() &&
-        (beside.scale_file == pictures.own_file ||
-         small_letters(beside.scale_file.stem().string()) == small_letters(pictures.stem));
-    if (beside.camera && beside.camera->codes_per_metre > 0 && !has_own_scale) {
-        beside.codes_per_metre = beside.camera->codes_per_metre;
-        beside.scale_file = beside.file;
-    }
+        !scale_file.empty() && (scale_file == pictures.own_file ||
+                                small_letters(scale_file.stem().string()) == small_letters(pictures.stem));
     if (!beside.camera) return beside;
+    if (beside.camera->codes_per_metre > 0 && !has_own_scale)
+        beside.codes_per_metre = {beside.camera->codes_per_metre, beside.file};
     Intrinsics& camera = beside.camera->intrinsics;
     camera = trusted_intrinsics(camera, pictures.width, pictures.height, beside.doubt);
     if (auto guess = guess_shape(camera, pictures.width, pictures.height); !guess.empty())

@@ -92,18 +92,25 @@ struct PicturesOfCamera {
     std::vector<std::string> own_not_used{};      ///< what else it has
 };
 
+/// A number, and the file that states it; 0: none does.
+struct StatedNumber {
+    double value = 0;
+    std::filesystem::path file{};
+    /// Takes the number of another file, unless one before it states one.
+    void add(double stated, const std::filesystem::path& in) {
+        if (value <= 0 && stated > 0) *this = {stated, in};
+    }
+};
+
 /// The result of camera_beside.
 struct CameraBeside {
     std::optional<CameraFile> camera;    ///< for pictures of this size, or of any
     std::filesystem::path file{};        ///< the camera's file
     std::string doubt{};                 ///< how it differs from what the file says; empty: it does not
     std::vector<std::string> guesses{};  ///< which camera it is, or how its pictures were cut or turned
-    double frames_per_second = 0;        ///< 0: no file states it
-    std::filesystem::path rate_file{};
-    double codes_per_metre = 0;  ///< of depth; 0: no file states it
-    std::filesystem::path scale_file{};
-    double metres_per_value = 0;  ///< of depth that is no codes; 0: no file states it
-    std::filesystem::path unit_file{};
+    StatedNumber frames_per_second{};
+    StatedNumber codes_per_metre{};             ///< of depth
+    StatedNumber metres_per_value{};            ///< of depth that is no codes
     std::vector<std::string> not_understood{};  ///< files named as a camera's
     /// Names of other files with numbers in them, from which nothing was taken.
     std::vector<std::string> not_used{};

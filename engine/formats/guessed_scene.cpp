@@ -200,14 +200,8 @@ Result<Intrinsics> named_intrinsics(const SourceDescription& known, SceneDraft& 
 void take_scale_of(const fs::path& file, CameraBeside& beside) {
     const auto said = read_camera_text(file);
     if (!said) return;
-    if (said->codes_per_metre > 0) {
-        beside.codes_per_metre = said->codes_per_metre;
-        beside.scale_file = file;
-    }
-    if (said->metres_per_value > 0) {
-        beside.metres_per_value = said->metres_per_value;
-        beside.unit_file = file;
-    }
+    if (said->codes_per_metre > 0) beside.codes_per_metre = {said->codes_per_metre, file};
+    if (said->metres_per_value > 0) beside.metres_per_value = {said->metres_per_value, file};
 }
 
 /// Sets the camera. `file`: the camera's file, which may state focal lengths alone; empty: there is none.
@@ -326,7 +320,8 @@ private:
                     ? "has no depth: all values are 0 or a renderer's background (1e9 and beyond, 65504)"
                     : "has no depth: all values are 0 or 65535, or none is finite");
         const CameraBeside& beside = evidence_.beside;
-        const double codes = beside.codes_per_metre, metres = beside.metres_per_value;
+        const auto& [codes, scale_file] = beside.codes_per_metre;
+        const auto& [metres, unit_file] = beside.metres_per_value;
         const bool are_codes = !values_.is_float && values_.bits > 8;  // 8 bits are hardly ever lengths
         const auto& named = evidence_.unit;
         const auto*& preset = evidence_.preset;
@@ -342,12 +337,12 @@ private:
             scene_.stored = preset->stored;
             set_metric(preset->metres_per_code);
         } else if (codes > 0 && are_codes) {
-            take_unit(1 / codes, "a code is " + short_number(1000 / codes) + " mm", beside.scale_file);
+            take_unit(1 / codes, "a code is " + short_number(1000 / codes) + " mm", scale_file);
         } else if (named &&
                    (values_.is_float || (are_codes && named->metres < 1))) {  // integers are no metres
             take_unit(named->metres, std::string("values are ") + named->words, {});
         } else if (metres > 0 && values_.is_float) {
-            take_unit(metres, "a value of 1 is " + short_number(1000 * metres) + " mm", beside.unit_file);
+            take_unit(metres, "a value of 1 is " + short_number(1000 * metres) + " mm", unit_file);
         } else {
             guess_unit();
             is_unit_guessed_ = true;
@@ -629,7 +624,8 @@ Result<void> describe_depth(const StoredImage& depth, PicturesOfCamera place, De
     CameraBeside& beside = evidence.beside = camera_beside(place);
     if (known.intrinsics && !known.file.empty()) take_scale_of(known.file, beside);
     const bool is_evident = !evidence.why_preset.empty();
-    if (is_evident && beside.codes_per_metre > 0 && !evidence.preset->stored.packed) evidence.set_preset({});
+    if (is_evident && beside.codes_per_metre.value > 0 && !evidence.preset->stored.packed)
+        evidence.set_preset({});
     TRY(find_scene_camera(evidence, place.folder, draft));
     if (coding)
         scene.depth = *coding;
@@ -706,21 +702,20 @@ bool take_video_rate(const std::optional<ColourVideo>& video, std::int64_t frame
     return true;
 }
 /// Takes the rate that a file beside depth states; false if none does.
-bool take_stated_rate(const CameraBeside& beside, SceneDraft& draft) {
+bool take_stated_rate(const StatedNumber& per_second, SceneDraft& draft) {
     constexpr double slowest = 0.01;
-    if (beside.frames_per_second < slowest) return false;
-    draft.add_input(beside.rate_file);
-    set_rate(stated_rate(beside.frames_per_second), printable(beside.rate_file.filename().string()) + " says",
-             draft);
+    if (per_second.value < slowest) return false;
+    draft.add_input(per_second.file);
+    set_rate(stated_rate(per_second.value), printable(per_second.file.filename().string()) + " says", draft);
     return true;
 }
 /// Sets the rate by the frames' times, a file beside them, or a colour video with as many frames.
 Result<void> find_rate(const fs::path& folder, std::int64_t frames, const std::optional<ColourVideo>& video,
-                       const CameraBeside& beside, SceneDraft& draft) {
+                       const StatedNumber& stated, SceneDraft& draft) {
     Scene& scene = draft.scene;
     TRY_ASSIGN(const auto files, depth_files(folder, *scene.folder));
     const auto rate = rate_of(files);
-    if (!rate && (take_stated_rate(beside, draft) || take_video_rate(video, frames, draft))) return {};
+    if (!rate && (take_stated_rate(stated, draft) || take_video_rate(video, frames, draft))) return {};
     if (rate) scene.rate = *rate;
     const std::string why = unusable_times(files);
     const std::string words =
@@ -873,7 +868,8 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     if (video && !video->others.empty())
         guess.say("left out: " + printable(listed(video->others), 200) + ", which may be colour as well", {},
                   RemarkKind::other, "a scene file's folder.colour names another one");
-    if (depth.count > 1 || video) TRY(find_rate(folder, frames, video, evidence.beside, guess));
+    if (depth.count > 1 || video)
+        TRY(find_rate(folder, frames, video, evidence.beside.frames_per_second, guess));
     pictures->keep_only({depth.first, colour ? colour->first : fs::path()});
     guess.pictures = pictures;
     if (video) guess.video = video->file;
@@ -943,7 +939,7 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
         guess.say("colour is " + printable(video->name));
         take_video_rate(video, stack->count(), guess);
     } else if (stack && stack->count() > 1) {
-        take_stated_rate(evidence.beside, guess);
+        take_stated_rate(evidence.beside.frames_per_second, guess);
     }
     if (metadata) guess.inputs.push_back(*metadata);
     guess.pictures = pictures;
