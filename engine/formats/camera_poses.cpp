@@ -55,12 +55,10 @@ Result<PoseRow> poses_of_record3d(const std::string& text, const std::string& na
                checked_json::checked(name, [&] { return checked_json::parse(text, text.size()); }));
     if (!json.is_object() || !json.contains("poses") || !json["poses"].is_array()) return poses;
     for (const Json& each : json["poses"]) {
-        std::array<double, 7> n{};
-        bool is_pose = each.is_array() && each.size() == 7 && poses.size() < most_path_frames;
-        for (std::size_t k = 0; is_pose && k < 7; ++k) {
-            is_pose = each[k].is_number();
-            if (is_pose) n[k] = each[k].get<double>();
-        }
+        const bool is_pose =
+            each.is_array() && each.size() == 7 && poses.size() < most_path_frames &&
+            std::all_of(each.begin(), each.end(), [](const Json& number) { return number.is_number(); });
+        const auto n = is_pose ? each.get<std::array<double, 7>>() : std::array<double, 7>();
         auto rotation = is_pose ? rotation_of(n[0], n[1], n[2], n[3]) : std::nullopt;
         for (std::size_t k = 0; rotation && k < 9; ++k)
             if (k % 3 > 0) (*rotation)[k] *= -1;

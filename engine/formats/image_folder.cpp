@@ -312,10 +312,15 @@ std::string picture_beside(const fs::path& file, PlaneRole role) {
 /// Common part of folders and stills: frames come in order, and all files get their names, or none.
 class PictureWriter : public ClipWriter {
 public:
-    PictureWriter(const fs::path& place, const SceneDescription& described)
+    /// `home`: the folder that the files will be in; `opens_by`: the name of the one that opens the clip.
+    PictureWriter(const fs::path& place, const SceneDescription& described, Existing existing, fs::path home,
+                  std::string opens_by = {})
         : place_(place),
           scene_(described.scene),
           unstated_(described.unstated),
+          existing_(existing),
+          home_(std::move(home)),
+          opens_by_(std::move(opens_by)),
           hidden_(place.parent_path()) {}
     Result<void> open() const {
         return hidden_.failure() ? unwritable(place_, hidden_.failure()) : Result<void>{};
@@ -335,7 +340,7 @@ public:
         TRY(end());
         hidden_.sync();
         complete_ = true;
-        return hidden_.path() / opens_by();
+        return hidden_.path() / opens_by_;
     }
 
     Result<void> finish() override {
@@ -349,16 +354,13 @@ protected:
     virtual Result<void> write_frame(const RawFrame& frame) = 0;
     /// Writes the scene file, last.
     virtual Result<void> end() = 0;
-    virtual fs::path opens_by() const = 0;
     virtual Result<void> name_it() = 0;
-    /// The folder that the files will be in.
-    virtual fs::path home() const = 0;
 
     Result<void> write_picture(PlaneRole role, const std::string& name, const PlaneView& plane) const {
-        return write_png_to(hidden_.path() / name, plane, home() / name, PngEffort::quick, png_colours(role));
+        return write_png_to(hidden_.path() / name, plane, home_ / name, PngEffort::quick, png_colours(role));
     }
     Result<void> write_text(const std::string& name, const std::string& text) const {
-        return hidden_.write(home(), name, text);
+        return hidden_.write(home_, name, text);
     }
     /// The description of the pictures, without their names.
     SceneDescription described_pictures() const {
@@ -373,6 +375,9 @@ protected:
     fs::path place_;
     Scene scene_;
     SceneDescription::Unstated unstated_;
+    Existing existing_;
+    fs::path home_;
+    std::string opens_by_;
     HiddenFolder hidden_;
     std::int64_t frames_ = 0;
     bool complete_ = false;
@@ -381,7 +386,7 @@ protected:
 class FolderWriter final : public PictureWriter {
 public:
     FolderWriter(const fs::path& place, const SceneDescription& described, Existing existing)
-        : PictureWriter(place, described), existing_(existing) {}
+        : PictureWriter(place, described, existing, place) {}
 
 private:
     Result<void> write_frame(const RawFrame& frame) override {
@@ -448,9 +453,6 @@ private:
         return list;
     }
 
-    fs::path opens_by() const override { return {}; }
-    fs::path home() const override { return place_; }
-
     Result<void> name_it() override {
         std::error_code failure;
         const bool is_there = fs::exists(fs::symlink_status(place_, failure));
@@ -482,7 +484,6 @@ private:
         return unwritable(place_, failure);
     }
 
-    Existing existing_;
     RawFrame first_;
     std::array<bool, all_roles.size()> changes_{};
 };
@@ -495,7 +496,7 @@ public:
         std::string (*describe)(const SceneDescription&);  // names are in scene.folder
     };
     StillWriter(const fs::path& place, const SceneDescription& described, Existing existing, Form form)
-        : PictureWriter(place, described), existing_(existing), form_(std::move(form)) {}
+        : PictureWriter(place, described, existing, place.parent_path(), form.text), form_(std::move(form)) {}
 
 private:
     Result<void> write_frame(const RawFrame& frame) override {
@@ -513,12 +514,8 @@ private:
         return write_text(form_.text, form_.describe(described));
     }
     Result<void> end() override { return {}; }
-    fs::path opens_by() const override { return form_.text; }
-    fs::path home() const override { return place_.parent_path(); }
+    Result<void> name_it() override { return hidden_.move_to(home_, names_, existing_); }
 
-    Result<void> name_it() override { return hidden_.move_to(place_.parent_path(), names_, existing_); }
-
-    Existing existing_;
     Form form_;
     std::vector<std::string> names_;  // of its files, in the order in which they appear
 };
@@ -539,9 +536,7 @@ Result<void> check_place(const fs::path& place, const SceneDescription& describe
     SceneDescription pictures = described;
     pictures.scene.folder.reset();
     pictures.scene.video.reset();
-    if (auto valid = validate(pictures); !valid)
-        return input_error(place.string() + ": " + valid.error().message);
-    return {};
+    return error_at(place.string(), validate(pictures));
 }
 
 /// % and * stand for numbers in the names that a scene file has of pictures.

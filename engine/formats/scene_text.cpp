@@ -53,12 +53,9 @@ private:
         if (bytes->size() > longest_scene_text)
             return refuse("is no MPEG-4 scene: its text has more than 1 MiB");
         const std::string text = first_bytes(*bytes, longest_scene_text);
-        const auto scene = mpeg4::parse_scene_text(without_mark(text));
-        if (!scene) return refuse(scene.error().message);
-        auto nodes = mpeg4::clip_nodes_of(*scene);
-        if (!nodes) return refuse("its MPEG-4 scene is no touchable clip: " + nodes.error().message);
-        nodes_ = std::move(*nodes);
-        return {};
+        TRY_ASSIGN(const auto scene, error_at(source_.string(), mpeg4::parse_scene_text(without_mark(text))));
+        return error_at(source_.string() + ": its MPEG-4 scene is no touchable clip",
+                        assign(nodes_, mpeg4::clip_nodes_of(scene)));
     }
 
     /// The file of a texture, in the scene's folder or below.
@@ -81,11 +78,12 @@ private:
 
     Result<SceneDescription> with_pictures(FolderSource pictures) {
         TRY_ASSIGN(const auto first, pictures_->look(folder_ / pictures.depth));
-        auto described = mpeg4::described_by_pictures(nodes_, first->image.width, first->image.height,
-                                                      first->bits, notes_);
-        if (!described) return refuse(described.error().message);
+        const Image& image = first->image;
+        TRY_ASSIGN(auto described,
+                   error_at(source_.string(), mpeg4::described_by_pictures(nodes_, image.width, image.height,
+                                                                           first->bits, notes_)));
         pictures.haptic_may_be_lossy = true;  // the paper's own example is lossy
-        described->scene.folder = std::move(pictures);
+        described.scene.folder = std::move(pictures);
         return described;
     }
 
@@ -94,13 +92,13 @@ private:
         TRY_ASSIGN(const auto first, video_->next());
         if (!first) return refuse(files.depth + " has no pictures");
         constexpr int bits = 8;
-        auto described = mpeg4::described_by(nodes_, first->width, first->height, bits);
-        if (!described) return refuse(described.error().message);
+        TRY_ASSIGN(auto described, error_at(source_.string(),
+                                            mpeg4::described_by(nodes_, first->width, first->height, bits)));
         TRY(video_->seek(0));
         VideoSource source{files.depth, files.colour};
         source.haptic = files.haptic;
         source.height = files.height;
-        described->scene.video = std::move(source);
+        described.scene.video = std::move(source);
         return described;
     }
 
