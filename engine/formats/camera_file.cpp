@@ -392,15 +392,15 @@ struct Around {
     int width = 0, height = 0, depth = 0;
 };
 
-/// Index of the wanted picture among the `keys` of members or elements, one a frame; -1: none, or not sure.
-int place_of(const FrameKey& wanted, const std::vector<std::string>& keys) {
-    if (wanted.stem.empty() || keys.size() < std::max<std::size_t>(wanted.pictures, 2)) return -1;
-    int found = -1;
+/// Index of the wanted picture among the `keys` of members or elements, one a frame; nothing: it is not sure.
+std::optional<std::size_t> place_of(const FrameKey& wanted, const std::vector<std::string>& keys) {
+    std::optional<std::size_t> found;
+    if (wanted.stem.empty() || keys.size() < std::max<std::size_t>(wanted.pictures, 2)) return found;
     for (std::size_t k = 0; k < keys.size(); ++k) {
-        if (keys[k] == wanted.stem) return static_cast<int>(k);
+        if (keys[k] == wanted.stem) return k;
         if (wanted.number.empty() || number_in(keys[k], 0) != wanted.number) continue;
-        if (found >= 0) return -1;
-        found = static_cast<int>(k);
+        if (found) return std::nullopt;
+        found = k;
     }
     return found;
 }
@@ -427,15 +427,15 @@ void find_in_list(const Json& list, std::vector<CameraFile>& found, const FrameK
         keys.push_back(picture_of(*elements.back().object));
     }
     const bool are_frames = around.name == "frames" || std::ranges::none_of(keys, &std::string::empty);
-    const int one = are_frames ? place_of(wanted, keys) : -1;
+    const auto one = are_frames ? place_of(wanted, keys) : std::nullopt;
     const std::string name = around.name;
     for (std::size_t k = 0; k < elements.size() && k < most_cameras; ++k) {
-        const std::size_t at = one < 0 ? k : static_cast<std::size_t>(one);
+        const std::size_t at = one.value_or(k);
         const std::string& key = elements[at].name;
         around.name = key.empty() ? name : name + ' ' + key;
         if (are_frames) around.frame = keys[at].empty() ? '#' + std::to_string(at) : keys[at];
         find_cameras(*elements[at].object, found, wanted, around);
-        if (one >= 0) break;
+        if (one) break;
     }
 }
 
@@ -485,10 +485,7 @@ void find_cameras(const Json& json, std::vector<CameraFile>& found, const FrameK
     if (!wanted.stem.empty())
         for (const auto& [member, value] : json.items())
             if (value.is_object() && is_digits(member)) keys.push_back(member);
-    if (const int one = place_of(wanted, keys); one >= 0) {
-        inner(keys[static_cast<std::size_t>(one)]);
-        return;
-    }
+    if (const auto one = place_of(wanted, keys)) return inner(keys[*one]);
     for (const char* member : first)
         if (json.contains(member)) inner(member);
     for (const auto& [member, value] : json.items())
@@ -622,10 +619,10 @@ void read_rows(const NumberTable& table, const FrameKey& wanted, CameraText& sai
     std::vector<std::string> keys;
     for (const std::vector<double>& row : table.rows)
         keys.push_back(frame < 0 ? "" : short_number(row[static_cast<std::size_t>(frame)], 10));
-    const int one = frame < 0 ? -1 : place_of(wanted, keys);
-    const std::size_t count = one >= 0 ? 1 : std::min(table.rows.size(), most_cameras);
+    const auto one = frame < 0 ? std::nullopt : place_of(wanted, keys);
+    const std::size_t count = one ? 1 : std::min(table.rows.size(), most_cameras);
     for (std::size_t n = 0; n < count; ++n) {
-        const std::size_t at = one >= 0 ? static_cast<std::size_t>(one) : n * table.rows.size() / count;
+        const std::size_t at = one.value_or(n * table.rows.size() / count);
         Json object = Json::object();
         for (std::size_t k = 0; k < table.names.size(); ++k)
             object.emplace(table.names[k], table.rows[at][k]);

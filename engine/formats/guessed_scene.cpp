@@ -222,7 +222,7 @@ void take_camera(const Intrinsics& intrinsics, const std::string& whose, const s
 }
 
 /// Names files that look like a camera's and are not understood.
-std::string not_understood(const CameraBeside& beside) {
+std::string not_understood_words(const CameraBeside& beside) {
     const std::string names = listed(beside.not_understood);
     return names.empty() ? "" : "; not understood as a camera's file: " + printable(names, 200);
 }
@@ -243,7 +243,7 @@ void take_camera_beside(const CameraBeside& beside, const fs::path& folder, Scen
         whose += ", the median of those of " + std::to_string(camera.frames) + " frames, which differ";
     if (!beside.doubt.empty()) whose += ", " + beside.doubt;
     if (camera.has_distortion) whose += "; its lens's distortion is not undone";
-    draft.tell(whose + not_understood(beside), {{Setting::intrinsics}});
+    draft.tell(whose + not_understood_words(beside), {{Setting::intrinsics}});
     for (const std::string& guess : beside.guesses)
         draft.say(guess, {{Setting::intrinsics}}, RemarkKind::camera);
 }
@@ -284,7 +284,7 @@ Result<void> find_scene_camera(const DepthEvidence& evidence, const fs::path& fo
     } else {
         const double fov = preset && preset->fov > 0 ? preset->fov : usual_fov;
         scene.camera = camera_of_fov(fov, scene.width, scene.height);
-        draft.say(guessed_field_of_view(fov) + not_understood(beside),
+        draft.say(guessed_field_of_view(fov) + not_understood_words(beside),
                   {{Setting::field_of_view}, {Setting::intrinsics}}, RemarkKind::camera);
     }
     tell_of_unused(beside.not_used, draft);

@@ -91,15 +91,6 @@ void ReadPictures::keep_only(std::initializer_list<std::filesystem::path> files)
     });
 }
 
-StoredImage ReadPictures::taken(Kept::iterator kept) {
-    auto there = pictures_.extract(kept);
-    bytes_ -= bytes_of(*there.mapped());
-    if (there.mapped().use_count() == 1) return std::move(*there.mapped());
-    StoredImage picture = *there.mapped();
-    if (picture.beside) picture.beside = std::make_shared<BesideDepth>(*picture.beside);
-    return picture;
-}
-
 std::shared_ptr<const StoredImage> ReadPictures::kept(const std::filesystem::path& file,
                                                       StoredImage picture) {
     const auto shared = std::make_shared<StoredImage>(std::move(picture));
@@ -162,7 +153,13 @@ std::optional<StoredImage> ReadPictures::taken_without_reading(const std::filesy
     const auto kept = pictures_.find(name);
     const bool is_kept = kept != pictures_.end() && (layer == PictureLayer::own ||
                                                      (kept->second->codec != "exr" && !is_named_cloud(name)));
-    return is_kept ? std::optional(taken(kept)) : std::nullopt;
+    if (!is_kept) return {};
+    const auto there = pictures_.extract(kept).mapped();
+    bytes_ -= bytes_of(*there);
+    if (there.use_count() == 1) return std::move(*there);
+    StoredImage picture = *there;
+    if (picture.beside) picture.beside = std::make_shared<BesideDepth>(*picture.beside);
+    return picture;
 }
 
 std::vector<int> indices_in(const StoredImage& picture) {

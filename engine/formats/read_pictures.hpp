@@ -51,9 +51,6 @@ public:
 private:
     static constexpr std::size_t most_bytes = std::size_t{256} << 20;
 
-    using Kept = std::map<std::filesystem::path, std::shared_ptr<StoredImage>>;
-
-    StoredImage taken(Kept::iterator kept);
     std::shared_ptr<const StoredImage> kept(const std::filesystem::path& file, StoredImage picture);
     Result<StoredImage> read(const std::filesystem::path& file, PictureLayer layer);
     Result<StoredImage> read_cloud(std::string bytes, const std::filesystem::path& file, PictureLayer layer);
@@ -71,7 +68,7 @@ private:
 
     std::mutex mutex_;  // guards the members below that `take` uses
     // By normal paths: lists and patterns may spell one file in two ways.
-    Kept pictures_;
+    std::map<std::filesystem::path, std::shared_ptr<StoredImage>> pictures_;
     std::map<std::filesystem::path, std::shared_ptr<ImageStack>> stacks_;
     std::optional<SourceFile> newest_;  // stays open until another file is wanted, or it was read
     std::size_t bytes_ = 0;             // of the pictures
