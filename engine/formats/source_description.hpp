@@ -47,7 +47,7 @@ struct SourceDescription {
     struct Preset {
         const char* name;
         const char* what;            ///< in words
-        Intrinsics intrinsics;       ///< fx 0: from `fov` or a file beside the pictures
+        Intrinsics intrinsics{};     ///< fx 0: from `fov` or a file beside the pictures
         double fov = 0;              ///< from edge to edge, degrees
         double metres_per_code = 0;  ///< 0: not metric
         int invalid = 0;             ///< a code other than 0 that is no depth
