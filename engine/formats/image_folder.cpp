@@ -85,7 +85,7 @@ public:
         for (const PlaneRole role : all_roles) {
             if (pattern_of(source, role).empty()) continue;
             if (role == PlaneRole::colour && is_named_as_video(source.colour)) {
-                TRY(open_colour_video(depth, source.colour));
+                TRY(open_colour_video(source.colour));
                 clip.inputs.push_back(folder_ / source.colour);
                 clip.roles.push_back(role);
                 tracks_.push_back(
@@ -185,11 +185,10 @@ private:
 
     bool is_colour_video(PlaneRole role) const { return role == PlaneRole::colour && colour_video_; }
 
-    Result<void> open_colour_video(const PictureFiles& depth, const std::string& name) {
+    Result<void> open_colour_video(const std::string& name) {
         if (!is_file(folder_ / name)) return input_error((folder_ / name).string() + " (colour): is missing");
         if (!colour_video_ || colour_video_->file().path() != folder_ / name)
             TRY(assign(colour_video_, VideoFile::open(folder_ / name, PlaneRole::colour)));
-        numbers_ = depth.keys;
         return {};
     }
 
@@ -199,19 +198,19 @@ private:
         const auto frames = colour_video_->count(), pictures = static_cast<std::int64_t>(depth.count());
         if (colour_video_->note()) clip.notes.push_back(*colour_video_->note());
         // Numbers that are no times, one a frame: a file that is a stack has one for all.
-        const bool counts = numbers_.size() == depth.count() && numbers_.front() >= 0 && !clip.found.rate;
+        const auto& numbers = depth.keys;
+        const bool counts = numbers.size() == depth.count() && numbers.front() >= 0 && !clip.found.rate;
         if (frames == pictures) {
-            numbers_.clear();
             if (!clip.found.rate && clip.described.unstated.rate) clip.found.rate = colour_video_->rate();
             return;
         }
         const std::string had = "colour is a video of " + std::to_string(frames) + " frames for depth's " +
                                 std::to_string(pictures) + ": ";
-        if (counts && numbers_.back() < static_cast<double>(frames)) {
+        if (counts && numbers.back() < static_cast<double>(frames)) {
+            numbers_ = numbers;
             clip.notes.push_back(had + "each depth has the frame of the number in its file's name");
             return;
         }
-        numbers_.clear();
         pairing_rate_ = rate_of_clip(clip);
         clip.notes.push_back(had + "each depth has the frame that is nearest in time from their beginning");
     }

@@ -33,6 +33,7 @@
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/pinhole_frames.hpp"
 #include "engine/formats/realsense_raw.hpp"
+#include "engine/formats/sidecar_text.hpp"
 #include "engine/formats/zip_folder.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/stream/receiving.hpp"
@@ -360,10 +361,6 @@ const Format formats[] = {
      Hints{{Setting::scene_file, "scene.json"}}},
 };
 
-/// How names of videos and recordings end.
-constexpr const char* clip_extensions[] = {".mkv", ".webm", ".mp4",  ".m4v", ".mov",
-                                           ".avi", ".bag",  ".mcap", ".db3"};
-
 /// The first format that recognises a candidate; null: none does.
 const Format* probe(const Candidate& candidate) {
     for (const Format& format : formats)
@@ -508,7 +505,7 @@ Opened open_path(const fs::path& path, const std::optional<fs::path>& scene_file
         return open_found(std::move(found));
     };
     auto reader = open_here();
-    if (reader && wanted.is_known() && !wanted.known.file.empty()) (*reader)->add_input(wanted.known.file);
+    if (reader && !wanted.known.file.empty()) (*reader)->add_input(wanted.known.file);
     return reader;
 }
 
@@ -596,7 +593,8 @@ Result<SceneDescription> guess_clip(const fs::path& path, const SourceDescriptio
 }
 
 bool is_named_as_clip(const fs::path& file) {
-    return std::ranges::count(clip_extensions, small_letters(file.extension().string())) > 0;
+    return is_named_as_video(file) ||
+           is_any_of(small_letters(file.extension().string()), {".bag", ".mcap", ".db3"});
 }
 
 std::vector<ClipFormat> clip_formats() {
