@@ -96,23 +96,21 @@ Result<const SourceDescription::Preset*> known_preset(const SourceDescription& k
     return usage_error("preset " + known.preset + " is " + why, {{Setting::preset}});
 }
 
+void set_own_camera(CameraText said, const fs::path& file, PicturesOfCamera& place) {
+    std::error_code ignored;
+    place.own = std::move(said);
+    place.own_file = fs::weakly_canonical(file, ignored);
+}
+
 /// What arrays beside depth in its own file say of the camera.
 Result<void> add_own_arrays(const fs::path& file, ReadPictures& pictures, PicturesOfCamera& place) {
     TRY_ASSIGN(const auto stack, pictures.stack_in(file));
     if (!stack) return {};
-    place.own = cameras_in_arrays(stack->small_arrays());
-    std::error_code ignored;
-    place.own_file = fs::weakly_canonical(file, ignored);
+    set_own_camera(cameras_in_arrays(stack->small_arrays()), file, place);
     for (const SmallArray& array : stack->small_arrays())
         if (has_word(array.name, {"extrinsic", "pose", "c2w", "w2c"}))
             place.own_not_used.push_back(array.name + " in " + file.filename().string());
     return {};
-}
-
-void know_own_camera(const Intrinsics& camera, const fs::path& file, PicturesOfCamera& place) {
-    std::error_code ignored;
-    place.own.cameras = {{.intrinsics = camera}};
-    place.own_file = fs::weakly_canonical(file, ignored);
 }
 
 /// What is known of depth besides its values: by a person, by names, by files beside it.
@@ -663,7 +661,8 @@ Result<void> describe_files(const StoredImage& depth, ReadPictures& pictures, co
                             SceneDraft& draft) {
     const auto files = place.frames.empty() ? std::vector{first} : place.frames;
     if (files.size() == 1) TRY(add_own_arrays(files.front(), pictures, place));
-    if (const auto camera = pictures.camera_in(files)) know_own_camera(*camera, first, place);
+    if (const auto camera = pictures.camera_in(files))
+        set_own_camera({{{.intrinsics = *camera}}}, first, place);
     evidence.are_points = is_named_cloud(first);
     if (!evidence.are_points) evidence.know_name(name);
     if (const auto arrays = pictures.stack_in(first); arrays && *arrays)
@@ -798,7 +797,7 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     if (const auto foreign = foreign_folder(folder)) return input_error(folder.string() + ": " + *foreign);
     const auto pictures = std::make_shared<ReadPictures>(known);
     const bool is_relative = preset != nullptr && preset->stored.kind == StoredDepth::Kind::relative;
-    TRY_ASSIGN(const auto chosen, choose_pictures(folder, known, is_relative, *pictures));
+    TRY_ASSIGN(const auto chosen, choose_pictures(folder, is_relative, *pictures));
     const PictureGroup& depth = chosen.depth;
     const std::optional<PictureGroup>& colour = chosen.colour;
     FolderSource all;
@@ -916,7 +915,7 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
     PicturesOfCamera place{.folder = file.parent_path(), .within = {}, .stem = file.stem().string()};
     if (metadata) {
         TRY_ASSIGN(const auto camera, read_realsense_metadata(*metadata));
-        know_own_camera(camera, *metadata, place);
+        set_own_camera({{{.intrinsics = camera}}}, *metadata, place);
     }
     TRY(describe_files(stored, *pictures, file, fs::weakly_canonical(file), std::move(place), evidence,
                        guess));

@@ -395,8 +395,7 @@ private:
             if (plane.empty() != plane_of(first_, role).empty())
                 return internal_error(place_.string() + ": frame " + std::to_string(frames_) +
                                       " has other planes than the first");
-            if (plane.empty()) continue;
-            TRY(write_plane(role, plane));
+            if (!plane.empty()) TRY(write_plane(role, plane));
         }
         return {};
     }
@@ -426,8 +425,7 @@ private:
             const std::string name(role_name(role));
             const bool is_still = role != PlaneRole::depth && !changes_[static_cast<std::size_t>(role)];
             pattern_of(*scene.folder, role) = name + (is_still ? ".png" : "_%06d.png");
-            if (!is_still) continue;
-            TRY(write_picture(role, name + ".png", plane));
+            if (is_still) TRY(write_picture(role, name + ".png", plane));
         }
         if (scene.rate.own_times) {
             scene.folder->depth = times_list;

@@ -225,8 +225,7 @@ const PictureGroup* unfetched_among(const std::vector<PictureGroup>& groups, con
 
 }  // namespace
 
-Result<ChosenPictures> choose_pictures(const fs::path& folder, const SourceDescription& known,
-                                       bool is_relative, ReadPictures& pictures) {
+Result<ChosenPictures> choose_pictures(const fs::path& folder, bool is_relative, ReadPictures& pictures) {
     TRY_ASSIGN(const auto groups, readable_groups(folder, pictures));
     std::vector<const PictureGroup*> depths = depths_among(groups, pictures);
     if (depths.empty() &&
@@ -234,7 +233,8 @@ Result<ChosenPictures> choose_pictures(const fs::path& folder, const SourceDescr
         depths = greys_among(groups, pictures);
     if (depths.empty() && stop_requested()) return interrupted_error();
     // A file without the channel or data set that a person named gives an error with those that it has.
-    if (depths.empty() && !(known.channel.empty() && known.dataset.empty()))
+    if (const auto& known = pictures.known();
+        depths.empty() && !(known.channel.empty() && known.dataset.empty()))
         for (const PictureGroup& group : groups) TRY(pictures.look(group.first));
     if (depths.empty()) return without_depth(folder, groups);
     ChosenPictures chosen{.depth = *depths.front()};

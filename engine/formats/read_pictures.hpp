@@ -97,8 +97,8 @@ struct ChosenPictures {
 };
 /// Grey pictures that nothing else shows to be depth count as depth if `is_relative`, or if the folder's name
 /// has that word. An error says what the folder has instead.
-Result<ChosenPictures> choose_pictures(const std::filesystem::path& folder, const SourceDescription& known,
-                                       bool is_relative, ReadPictures& pictures);
+Result<ChosenPictures> choose_pictures(const std::filesystem::path& folder, bool is_relative,
+                                       ReadPictures& pictures);
 
 /// The first of the telling frames that has depth, as cameras may begin blank, or else frame 0. RGB that is
 /// grey everywhere becomes grey, depth of 24 bits floats. `files`: one a frame, or one stack. `preset`: may
