@@ -59,8 +59,8 @@ private:
     }
 
     /// The file of a texture, in the scene's folder or below.
-    Result<std::string> file_of(const PlaneTexture& texture, const char* plane) const {
-        const std::string of_plane = std::string("the texture of ") + plane;
+    Result<std::string> file_of(const PlaneTexture& texture, PlaneRole role) const {
+        const std::string of_plane = "the texture of " + std::string(role_name(role));
         if (texture.url.object > 0)
             return refuse(of_plane + " is object " + std::to_string(texture.url.object) +
                           " of an MP4 file: open that file, or name a picture beside this text");
@@ -70,10 +70,6 @@ private:
             return refuse(of_plane + " is " + in_quotes(texture.url.file) +
                           ": must be a file beside this text or in a folder below");
         return named.string();
-    }
-
-    Result<std::string> file_of(const std::optional<PlaneTexture>& texture, const char* plane) const {
-        return texture ? file_of(*texture, plane) : Result<std::string>(std::string());
     }
 
     Result<SceneDescription> with_pictures(FolderSource pictures) {
@@ -104,10 +100,11 @@ private:
 
     Result<SceneDescription> describe() {
         FolderSource files;
-        TRY_ASSIGN(files.depth, file_of(nodes_.depth, "depth"));
-        TRY_ASSIGN(files.colour, file_of(nodes_.colour, "colour"));
-        TRY_ASSIGN(files.haptic, file_of(nodes_.haptic, "haptic"));
-        TRY_ASSIGN(files.height, file_of(nodes_.height, "height"));
+        TRY_ASSIGN(files.depth, file_of(nodes_.depth, PlaneRole::depth));
+        for (const auto& [texture, role] : {std::pair{&nodes_.colour, PlaneRole::colour},
+                                            {&nodes_.haptic, PlaneRole::haptic},
+                                            {&nodes_.height, PlaneRole::height}})
+            if (*texture) TRY(assign(pattern_of(files, role), file_of(**texture, role)));
         for (const auto& [texture, plane] : {std::pair{&nodes_.haptic, "haptic"}, {&nodes_.height, "height"}})
             if (*texture && (*texture)->is_movie)
                 return refuse(std::string("the texture of ") + plane +
@@ -116,9 +113,9 @@ private:
         const bool is_movie = nodes_.depth.is_movie;
         if (nodes_.colour && nodes_.colour->is_movie != is_movie)
             return refuse("depth and colour must both be an ImageTexture, or both a MovieTexture");
-        for (const std::string* name : {&files.depth, &files.colour, &files.haptic, &files.height})
-            if (!name->empty() && !is_still(*name))
-                return refuse(in_quotes(*name) +
+        for (const PlaneRole role : all_roles)
+            if (const auto& name = pattern_of(files, role); !name.empty() && !is_still(name))
+                return refuse(in_quotes(name) +
                               " has a % or * in its name, which stand for numbers: rename it");
         return is_movie ? with_videos(files) : with_pictures(std::move(files));
     }
