@@ -410,9 +410,11 @@ std::optional<CameraFile> azure_kinect_camera(const fs::path& file, const Sought
                       .has_distortion = read->depth_lens.any()};
 }
 
-/// What a candidate says, without cameras that are too doubtful.
-Result<CameraText> said_by(const CameraCandidate& candidate, const Sought& pictures) {
-    TRY_ASSIGN(auto said, read_camera_text(candidate.file, pictures.key));
+/// What a candidate says, without cameras that are too doubtful; nothing if it cannot be read.
+CameraText said_by(const CameraCandidate& candidate, const Sought& pictures) {
+    auto read = read_camera_text(candidate.file, pictures.key);
+    if (!read) return {};
+    CameraText said = std::move(*read);
     if (said.cameras.empty() && candidate.is_named)
         if (auto found = azure_kinect_camera(candidate.file, pictures)) said.cameras = {std::move(*found)};
     // A camera names its numbers, or is a whole matrix; four or six bare numbers may be anything.
@@ -420,7 +422,7 @@ Result<CameraText> said_by(const CameraCandidate& candidate, const Sought& pictu
     // Beside a single picture an angle alone, in a file of any name, may be that of a window.
     if (!pictures.is_whole_folder && !candidate.is_named && !candidate.is_own)
         std::erase_if(said.cameras, [](const CameraFile& camera) { return camera.intrinsics.fx == 0; });
-    if (said.cameras.empty() && pictures.needs_camera && !candidate.is_named) return CameraText{};
+    if (said.cameras.empty() && pictures.needs_camera && !candidate.is_named) return {};
     return said;
 }
 
@@ -465,13 +467,11 @@ void look_in(const fs::path& folder, const Sought& pictures, bool tells, CameraB
             beside.frames_per_second.add(rate, candidate.file);
             continue;
         }
-        auto said = said_by(candidate, pictures);
-        const bool has_camera = said && !said->cameras.empty();
-        const bool is_odometry = said && said->timed_rows > 0;
-        const double rate = said && (candidate.is_named || has_camera || is_odometry || !candidate.is_text)
-                                ? said->frames_per_second
-                                : 0;
-        const double scale = said ? said->codes_per_metre : 0, unit = said ? said->metres_per_value : 0;
+        CameraText said = said_by(candidate, pictures);
+        const bool has_camera = !said.cameras.empty(), is_odometry = said.timed_rows > 0;
+        const bool may_say_rate = candidate.is_named || has_camera || is_odometry || !candidate.is_text;
+        const double rate = may_say_rate ? said.frames_per_second : 0, scale = said.codes_per_metre,
+                     unit = said.metres_per_value;
         const bool is_silent = !has_camera && rate <= 0 && scale <= 0 && unit <= 0;
         if (is_silent && candidate.is_named && tells && !small_letters(name).starts_with("metadata")) {
             constexpr std::size_t enough = 64;
@@ -480,12 +480,11 @@ void look_in(const fs::path& folder, const Sought& pictures, bool tells, CameraB
         } else if (is_silent && tells && pictures.is_whole_folder && has_number(candidate.file)) {
             beside.not_used.push_back(name);
         }
-        if (!said) continue;
         beside.frames_per_second.add(rate, candidate.file);
         beside.codes_per_metre.add(scale, candidate.file);
         beside.metres_per_value.add(unit, candidate.file);
-        const bool is_one = said->cameras.size() == 1;
-        for (CameraFile& camera : said->cameras) {
+        const bool is_one = said.cameras.size() == 1;
+        for (CameraFile& camera : said.cameras) {
             if (is_known) break;
             if (!best.take(mark_of(candidate, camera, pictures), focal_length(camera, pictures))) continue;
             if (is_one) camera.name = pictures.key.stem.empty() ? "" : camera.frame;

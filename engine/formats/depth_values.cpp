@@ -177,7 +177,7 @@ std::optional<std::string> DepthValues::settle_steps(Scene& scene, const FloatLa
 }
 
 /// Settles floats that are depths themselves.
-Result<std::string> DepthValues::settle_lengths(Scene& scene) {
+std::string DepthValues::settle_lengths(Scene& scene) {
     DepthCoding& depth = scene.depth;
     const auto lattice = lattice_.of_lengths(depth.scale * scene.metres_per_unit);
     const bool are_multiples = lattice && lattice->first == 0 && !lattice->of_reciprocals;

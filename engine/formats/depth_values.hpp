@@ -100,7 +100,7 @@ private:
     double median();
     std::string background_words() const;
     std::string find_far(Scene& scene, double step);
-    Result<std::string> settle_lengths(Scene& scene);
+    std::string settle_lengths(Scene& scene);
     std::string settle_multiples(Scene& scene, const FloatLattice& lattice);
     std::optional<std::string> settle_steps(Scene& scene, const FloatLattice& lattice);
     std::string settle_floats(Scene& scene, double median, double deepest);
