@@ -141,7 +141,6 @@ std::string DepthValues::find_far(Scene& scene, double step) {
 /// Floats that are whole multiples of a unit get the codes of a picture of integers.
 std::string DepthValues::settle_multiples(Scene& scene, const FloatLattice& lattice) {
     DepthCoding& depth = scene.depth;
-    is_metric_ = true;
     none_ = 0;
     code_max_ = std::numeric_limits<std::uint16_t>::max();
     per_value_ = 1 / lattice.step;
@@ -292,12 +291,12 @@ Result<std::string> DepthValues::settle(Scene& scene) {
     if (!said) return said;
     *said += background_words();
     depth.code_max = code_max_;
-    if (!is_metric_) {
+    const bool are_multiples = depth.kind == DepthCodingKind::metric;
+    if (!are_multiples) {
         depth.invalid_code_count = 0;
         depth.scale = 0;
     }
-    is_high_near_ = depth.near_is_high && !is_metric_;
-    keeps_far_ = stored_.kind == Kind::relative;
+    is_high_near_ = depth.near_is_high && !are_multiples;
     scene.depth_bits = 16;
     scene.stored = {};
     derive_valid_range(depth);
@@ -312,6 +311,7 @@ Image DepthValues::codes(StoredImage picture) const {
     const std::size_t pixels = pixel_count(codes);
     codes.samples.reserve(2 * pixels);  // memory is taken as it is filled
     const bool is_float = !picture.values.empty();
+    const bool keeps_far = stored_.kind == StoredDepth::Kind::relative;  // values beyond go to the far plane
     std::size_t done = 0;
     const auto begin = [&](std::size_t first, std::size_t last) {
         if (is_float) give_back(picture.values.data() + done, (first - done) * sizeof(float));
@@ -325,7 +325,7 @@ Image DepthValues::codes(StoredImage picture) const {
         } else if (is_valid(value)) {
             const double place = ((of_reciprocal_ ? 1 / value : value) - first_) * per_value_;
             const bool is_far = is_high_near_ ? place <= -0.5 : place >= code_max_ + 0.5;
-            if (!is_far || keeps_far_)
+            if (!is_far || keeps_far)
                 code =
                     static_cast<std::uint16_t>(std::clamp(place, 0.0, static_cast<double>(code_max_)) + 0.5);
         }

@@ -122,8 +122,6 @@ private:
 
     // Code = (value or its reciprocal - first) * per_value, rounded for floats.
     bool is_settled_ = false, of_reciprocal_ = false, is_high_near_ = true;
-    bool is_metric_ = false;                                         // codes are multiples of a unit
-    bool keeps_far_ = false;                                         // values beyond the far plane go to it
     double lower_ = 0, upper_ = std::numeric_limits<double>::max();  // of lengths
     double first_ = 0, per_value_ = 1;
     std::uint16_t code_max_ = 65534;  // larger ones are not valid
