@@ -184,8 +184,7 @@ std::vector<CameraCandidate> candidates_in(const fs::path& folder, const Sought&
         const bool is_own = !stem.empty() && (stem == own_stem || has_stem_of(own_stem, stem));
         if (!is_own && !pictures.is_whole_folder && is_of_another(own_stem, stem, stems_alike)) continue;
         if (is_named_camera(name, stem)) {
-            if (has_members || is_any_of(extension, {"", ".txt", ".ini", ".toml", ".cfg", ".conf", ".cal",
-                                                     ".bin", ".mat", ".csv", ".pincam"}))
+            if (is_small_text(extension) || is_any_of(extension, {"", ".bin", ".mat", ".pincam"}))
                 if (named.size() < most_named) named.push_back({file, true, is_own});
         } else if (!pictures.only_named && is_small_text(extension) && !is_of_others(name)) {
             // For one picture of a folder: a file that is no other picture's may serve all.

@@ -7,6 +7,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <set>
+
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -20,6 +22,7 @@
 #include "engine/formats/read_pictures.hpp"
 #include "engine/formats/stored_clip.hpp"
 #include "engine/formats/touch_maps.hpp"
+#include "engine/formats/value_evidence.hpp"
 #include "engine/formats/video_picture.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/picture/image.hpp"
@@ -45,6 +48,60 @@ void add_inputs(const PictureFiles& found, StoredClip& clip) {
     for (const auto& file : found.files)
         if (clip.inputs.empty() || clip.inputs.back() != file) clip.inputs.push_back(file);
 }
+
+constexpr std::size_t no_index = largest_material_index + 1;
+
+std::size_t index_at(const StoredImage& picture, std::size_t k) {
+    if (picture.values.empty()) return sample_at(picture.image, k);
+    const float value = picture.values[k];
+    const bool is_index = value >= 0 && value <= largest_material_index && value == std::floor(value);
+    return is_index ? static_cast<std::size_t>(value) : no_index;
+}
+
+/// The whole numbers in a picture of material indices: the first 12 met, sorted.
+std::set<int> indices_in(const StoredImage& picture) {
+    constexpr std::size_t most = 12;
+    std::set<int> found;
+    for (std::size_t k = 0; k < pixel_count(picture.image) && found.size() < most; ++k)
+        if (const std::size_t index = index_at(picture, k); index != no_index)
+            found.insert(static_cast<int>(index));
+    return found;
+}
+
+/// Turns pictures of material indices into haptic pictures: each pixel gets its material's properties, by the
+/// scene's haptic ranges. An index without an entry, or a value that is no whole number from 0 to 65535, gets
+/// the scene's default properties.
+class MaterialPictures {
+public:
+    explicit MaterialPictures(const SceneDescription& described) : samples_(3 * (no_index + 1)) {
+        const Scene& scene = described.scene;
+        const auto set = [&](std::size_t index, const HapticProperties& properties) {
+            samples_[3 * index] = scene.haptic.stiffness.nearest(properties.stiffness / 1000);
+            samples_[3 * index + 1] = scene.haptic.static_friction.nearest(properties.static_friction);
+            samples_[3 * index + 2] = scene.haptic.dynamic_friction.nearest(properties.dynamic_friction);
+        };
+        for (std::size_t index = 0; index <= no_index; ++index) set(index, scene.default_properties);
+        for (const SceneDescription::Material& material : described.materials)
+            set(static_cast<std::size_t>(material.index), material.properties);
+    }
+
+    /// `indices` has one channel. An error does not name the file.
+    Result<StoredImage> haptic(const StoredImage& indices) const {
+        if (indices.image.channels != 1)
+            return input_error(
+                "is in colour: where the scene has haptic.materials, haptic pictures are of material "
+                "indices");
+        StoredImage made{{indices.image.width, indices.image.height, 1, 3, {}}, indices.codec, "rgb24"};
+        made.image.samples.resize(3 * pixel_count(indices.image));
+        std::uint8_t* to = made.image.samples.data();
+        for (std::size_t k = 0; k < pixel_count(indices.image); ++k, to += 3)
+            std::memcpy(to, &samples_[3 * index_at(indices, k)], 3);
+        return made;
+    }
+
+private:
+    std::vector<std::uint8_t> samples_;  // red, green, blue of each index, and of all others
+};
 
 FrameRate rate_of_clip(const StoredClip& clip) {
     const FrameRate& described = clip.described.scene.rate;

@@ -1,8 +1,6 @@
 #include "engine/formats/read_pictures.hpp"
 #include "engine/picture/image.hpp"
 
-#include <set>
-
 #include "engine/base/try.hpp"
 #include "engine/formats/organised_cloud.hpp"
 #include "engine/formats/realsense_raw.hpp"
@@ -11,21 +9,12 @@
 namespace touchable {
 namespace {
 
-constexpr std::size_t no_index = largest_material_index + 1, most_told = 12;
-
 std::size_t bytes_of(const StoredImage& picture) {
     std::size_t bytes = picture.image.samples.size() + picture.values.size() * sizeof(float);
     if (!picture.beside) return bytes;
     for (const auto* other : {&picture.beside->colour, &picture.beside->materials})
         if (*other) bytes += bytes_of(**other);
     return bytes;
-}
-
-std::size_t index_at(const StoredImage& picture, std::size_t k) {
-    if (picture.values.empty()) return sample_at(picture.image, k);
-    const float value = picture.values[k];
-    const bool is_index = value >= 0 && value <= largest_material_index && value == std::floor(value);
-    return is_index ? static_cast<std::size_t>(value) : no_index;
 }
 
 /// Opens HDF5 or NumPy's arrays.
@@ -160,38 +149,6 @@ std::optional<StoredImage> ReadPictures::taken_without_reading(const std::filesy
     StoredImage picture = *there;
     if (picture.beside) picture.beside = std::make_shared<BesideDepth>(*picture.beside);
     return picture;
-}
-
-std::vector<int> indices_in(const StoredImage& picture) {
-    std::set<int> found;
-    for (std::size_t k = 0; k < pixel_count(picture.image) && found.size() < most_told; ++k)
-        if (const std::size_t index = index_at(picture, k); index != no_index)
-            found.insert(static_cast<int>(index));
-    return {found.begin(), found.end()};
-}
-
-MaterialPictures::MaterialPictures(const SceneDescription& described) : samples_(3 * (no_index + 1)) {
-    const Scene& scene = described.scene;
-    const auto set = [&](std::size_t index, const HapticProperties& properties) {
-        samples_[3 * index] = scene.haptic.stiffness.nearest(properties.stiffness / 1000);
-        samples_[3 * index + 1] = scene.haptic.static_friction.nearest(properties.static_friction);
-        samples_[3 * index + 2] = scene.haptic.dynamic_friction.nearest(properties.dynamic_friction);
-    };
-    for (std::size_t index = 0; index <= no_index; ++index) set(index, scene.default_properties);
-    for (const SceneDescription::Material& material : described.materials)
-        set(static_cast<std::size_t>(material.index), material.properties);
-}
-
-Result<StoredImage> MaterialPictures::haptic(const StoredImage& indices) const {
-    if (indices.image.channels != 1)
-        return input_error(
-            "is in colour: where the scene has haptic.materials, haptic pictures are of material indices");
-    StoredImage made{{indices.image.width, indices.image.height, 1, 3, {}}, indices.codec, "rgb24"};
-    made.image.samples.resize(3 * pixel_count(indices.image));
-    std::uint8_t* to = made.image.samples.data();
-    for (std::size_t k = 0; k < pixel_count(indices.image); ++k, to += 3)
-        std::memcpy(to, &samples_[3 * index_at(indices, k)], 3);
-    return made;
 }
 
 }  // namespace touchable

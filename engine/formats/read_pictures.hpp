@@ -112,20 +112,4 @@ Result<std::shared_ptr<const StoredImage>> telling_depth(const std::vector<std::
 std::optional<std::filesystem::path> colour_beside(const std::filesystem::path& depth,
                                                    ReadPictures& pictures);
 
-/// The whole numbers in a picture of material indices: the first 12 met, sorted.
-std::vector<int> indices_in(const StoredImage& picture);
-
-/// Turns pictures of material indices into haptic pictures: each pixel gets its material's properties, by the
-/// scene's haptic ranges. An index without an entry, or a value that is no whole number from 0 to 65535, gets
-/// the scene's default properties.
-class MaterialPictures {
-public:
-    explicit MaterialPictures(const SceneDescription& described);
-    /// `indices` has one channel. An error does not name the file.
-    Result<StoredImage> haptic(const StoredImage& indices) const;
-
-private:
-    std::vector<std::uint8_t> samples_;  // red, green, blue of each index, and of all others
-};
-
 }  // namespace touchable

@@ -104,11 +104,10 @@ void put_channel(const PlaneView& from, int channel, const std::vector<int>& col
 
 /// A picture to fill, no larger than the scene: 16000x16000 pixels for a small clip need not be held.
 Image room_for(const TrackInfo& whole, const Scene& scene) {
-    const auto pixels = [](int width, int height) { return std::int64_t{width} * height; };
-    const std::int64_t wanted = pixels(scene.width, scene.height);
-    const bool is_smaller = wanted > 0 && wanted < pixels(whole.width, whole.height);
+    const std::size_t wanted = pixel_count(scene.width, scene.height);
+    const bool is_smaller = wanted > 0 && wanted < pixel_count(whole.width, whole.height);
     Image image{is_smaller ? scene.width : whole.width, is_smaller ? scene.height : whole.height, 1, 3, {}};
-    image.samples.resize(3 * static_cast<std::size_t>(pixels(image.width, image.height)));
+    image.samples.resize(3 * pixel_count(image.width, image.height));
     return image;
 }
 
