@@ -1,11 +1,10 @@
 #include "player/window/finger_halos.hpp"
 
-#include <imgui.h>
-
 #include <glm/geometric.hpp>
 #include <numbers>
 
 #include "engine/base/words.hpp"
+#include "player/window/panel_parts.hpp"
 
 namespace touchable {
 namespace {
@@ -21,14 +20,10 @@ bool is_hidden(const glm::dvec3& place, double radius, const glm::dvec3& screen,
     return met && met->drawn;
 }
 
-ImVec2 point(const glm::dvec2& at) {
-    return {static_cast<float>(at.x), static_cast<float>(at.y)};
-}
-
 /// Draws a share `turns` of the circle, clockwise from straight up.
 void draw_arc(ImDrawList& list, const FingerHalo& halo, double turns, float thick, ImU32 colour) {
     constexpr double upward = -0.5 * std::numbers::pi;
-    list.PathArcTo(point(halo.at), static_cast<float>(halo.ring), static_cast<float>(upward),
+    list.PathArcTo(point_of(halo.at), static_cast<float>(halo.ring), static_cast<float>(upward),
                    static_cast<float>(upward + 2 * std::numbers::pi * turns), 64);
     list.PathStroke(colour, 0, thick);
 }
@@ -42,15 +37,15 @@ void draw_newtons(ImDrawList& list, const FingerHalo& halo, std::vector<LabelBox
     const auto place = place_label(halo.at, halo.ring + 5.0 * static_cast<double>(scale), size, labels);
     if (!place) return;
     labels.push_back({*place, *place + size});
-    const ImVec2 at = point(*place);
-    list.AddRectFilled(at, point(*place + size), IM_COL32(14, 17, 22, 190), 5 * scale);
+    const ImVec2 at = point_of(*place);
+    list.AddRectFilled(at, point_of(*place + size), IM_COL32(14, 17, 22, 190), 5 * scale);
     list.AddText(ImVec2(at.x + x, at.y + y), light_ink, words.c_str());
 }
 
 /// Draws the sign for an arrow that is too short on the screen.
 void draw_end_on(ImDrawList& list, const FingerHalo& halo, float scale) {
     const float arm = static_cast<float>(halo.radius) * 0.42F;
-    const ImVec2 at = point(halo.at);
+    const ImVec2 at = point_of(halo.at);
     if (halo.towards_eye) {
         list.AddCircleFilled(at, arm * 0.75F + scale, dark_ink);
         list.AddCircleFilled(at, arm * 0.75F, light_ink);
@@ -91,13 +86,11 @@ double ring_radii(double radii_above, double newtons, double limit_newtons) {
 std::vector<FingerHalo> finger_halos(std::span<const FingerMark> fingers, const MarkSizes& sizes,
                                      const HeightField& field, const ViewCamera& camera) {
     std::vector<FingerHalo> halos;
-    for (std::size_t k = 0; k < fingers.size(); ++k) {
-        const FingerMark& finger = fingers[k];
+    for (const FingerMark& finger : fingers) {
         const auto at = camera.project(finger.proxy);
         if (!finger.shown || !at || is_hidden(finger.proxy, sizes.finger_radius, *at, field, camera))
             continue;
         FingerHalo halo;
-        halo.finger = k;
         halo.at = glm::dvec2(*at);
         halo.touching = finger.touching;
         const double distance = glm::distance(finger.proxy, camera.eye);

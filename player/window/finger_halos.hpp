@@ -23,7 +23,6 @@ struct FingerHalo {
     double newtons = 0;
     bool touching = false;
     bool towards_eye = false;  ///< the arrow's direction
-    std::size_t finger = 0;
 };
 
 /// The ring's radius, in finger radii: 1.55 when the finger touches. It grows by 0.4 for each radius above

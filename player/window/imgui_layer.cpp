@@ -189,22 +189,13 @@ void apply_theme(double scale) {
     style.ScaleAllSizes(static_cast<float>(scale));
 }
 
-/// Keys of text fields and sliders, as ImGui 1.86 numbers keys.
-int number_of_key(const std::string& name) {
-    constexpr const char* names[] = {"tab",  "left", "right",  "up",        "down",  "pageup", "pagedown",
-                                     "home", "end",  "delete", "backspace", "enter", "escape"};
-    for (std::size_t k = 0; k < std::size(names); ++k)
-        if (name == names[k]) return static_cast<int>(k);
-    return -1;
-}
-
-void map_keys(ImGuiIO& io) {
-    constexpr ImGuiKey keys[] = {
-        ImGuiKey_Tab,       ImGuiKey_LeftArrow, ImGuiKey_RightArrow, ImGuiKey_UpArrow, ImGuiKey_DownArrow,
-        ImGuiKey_PageUp,    ImGuiKey_PageDown,  ImGuiKey_Home,       ImGuiKey_End,     ImGuiKey_Delete,
-        ImGuiKey_Backspace, ImGuiKey_Enter,     ImGuiKey_Escape};
-    for (int k = 0; k < static_cast<int>(std::size(keys)); ++k) io.KeyMap[keys[k]] = k;
-}
+/// Keys of text fields and sliders; ImGui 1.86 knows a key by its place here.
+constexpr std::pair<std::string_view, ImGuiKey> panel_keys[] = {
+    {"tab", ImGuiKey_Tab},           {"left", ImGuiKey_LeftArrow},      {"right", ImGuiKey_RightArrow},
+    {"up", ImGuiKey_UpArrow},        {"down", ImGuiKey_DownArrow},      {"pageup", ImGuiKey_PageUp},
+    {"pagedown", ImGuiKey_PageDown}, {"home", ImGuiKey_Home},           {"end", ImGuiKey_End},
+    {"delete", ImGuiKey_Delete},     {"backspace", ImGuiKey_Backspace}, {"enter", ImGuiKey_Enter},
+    {"escape", ImGuiKey_Escape}};
 
 int button_of(const std::string& word) {
     return word == "left" ? 0 : (word == "right" ? 1 : 2);
@@ -228,8 +219,8 @@ void tell(ImGuiIO& io, const InputEvent& event) {
             break;
         case Kind::key:
         case Kind::key_released:
-            if (const int key = number_of_key(event.word); key >= 0)
-                io.KeysDown[key] = event.kind == Kind::key;
+            for (std::size_t k = 0; k < std::size(panel_keys); ++k)
+                if (panel_keys[k].first == event.word) io.KeysDown[k] = event.kind == Kind::key;
             io.KeyCtrl = event.control;
             io.KeyShift = event.shift;
             break;
@@ -287,14 +278,14 @@ std::string right_to_left_letters(const std::string& words) {
 }
 
 ImGuiLayer::ImGuiLayer(double scale, const std::string& words, const std::string& language)
-    : context_(ImGui::CreateContext()), words_(words), fonts_(find_fonts(words, language)), scale_(scale) {
+    : context_(ImGui::CreateContext()), words_(words), fonts_(find_fonts(words, language)) {
     ImGui::SetCurrentContext(context_);
     ImGuiIO& io = ImGui::GetIO();
     io.IniFilename = nullptr;
     io.LogFilename = nullptr;
-    map_keys(io);
-    apply_theme(scale);
-    set_fonts(fonts_, words_, scale);
+    for (std::size_t k = 0; k < std::size(panel_keys); ++k)
+        io.KeyMap[panel_keys[k].second] = static_cast<int>(k);
+    set_scale(scale);
 }
 
 void ImGuiLayer::set_scale(double scale) {

@@ -64,7 +64,7 @@ private:
     ImGuiContext* context_;
     std::string words_;
     FontFallback fonts_;
-    double scale_;
+    double scale_ = 1;
     // Events after a button release that came in the same picture as its press.
     std::vector<InputEvent> later_;
 };

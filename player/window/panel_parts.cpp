@@ -134,12 +134,9 @@ void explain_row(const char* words) {
         !ImGui::IsMouseHoveringRect(least, most, false))
         return;
     const float gap = ImGui::GetStyle().ItemSpacing.x, room = panel.x - 2 * gap;
-    ImGui::SetNextWindowPos(ImVec2(panel.x - gap, least.y - gap), ImGuiCond_Always, ImVec2(1, 0));
     ImGui::SetNextWindowBgAlpha(0.95F);
-    ImGui::Begin("explanation", nullptr,
-                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs |
-                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing |
-                     ImGuiWindowFlags_AlwaysAutoResize);
+    begin_box("explanation",
+              {.x = panel.x - gap, .y = least.y - gap, .pivot_x = 1, .flags = ImGuiWindowFlags_NoInputs});
     ImGui::PushTextWrapPos(std::min(18 * ImGui::GetFontSize(), room - 2 * gap));
     ImGui::TextUnformatted(words);
     ImGui::PopTextWrapPos();

@@ -16,6 +16,10 @@
 
 namespace touchable {
 
+inline ImVec2 point_of(const glm::dvec2& at) {
+    return {static_cast<float>(at.x), static_cast<float>(at.y)};
+}
+
 /// A section title that a click folds; returns whether it is open. `out`: initially open.
 bool draw_fold(const char* words, bool out);
 /// Dim text, wrapped.

@@ -325,13 +325,10 @@ void draw_overlay_scale(const Overlays::Scale& scale_of, float right, float bott
 void draw_measured_line(const MeasureFacts& facts, float scale) {
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     const ImU32 ink = facts.is_frozen ? frozen_ink : light_ink;
-    const auto point = [](const glm::dvec2& at) {
-        return ImVec2(static_cast<float>(at.x), static_cast<float>(at.y));
-    };
-    if (facts.next) draw_end(list, point(*facts.next), light_ink, scale);
-    if (facts.ends.size() == 1) draw_end(list, point(facts.ends[0]), ink, scale);
+    if (facts.next) draw_end(list, point_of(*facts.next), light_ink, scale);
+    if (facts.ends.size() == 1) draw_end(list, point_of(facts.ends[0]), ink, scale);
     if (facts.ends.size() != 2) return;
-    const ImVec2 from = point(facts.ends[0]), to = point(facts.ends[1]);
+    const ImVec2 from = point_of(facts.ends[0]), to = point_of(facts.ends[1]);
     list.AddLine(from, to, dark_ink, 5 * scale);
     list.AddLine(from, to, ink, 2 * scale);
     draw_end(list, from, ink, scale);
@@ -342,8 +339,7 @@ void draw_measured_line(const MeasureFacts& facts, float scale) {
 void draw_brush_line(const BrushFacts& facts, float scale) {
     if (facts.line.empty()) return;
     std::vector<ImVec2> points;
-    for (const glm::dvec2& at : facts.line)
-        points.emplace_back(static_cast<float>(at.x), static_cast<float>(at.y));
+    for (const glm::dvec2& at : facts.line) points.push_back(point_of(at));
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     const auto count = static_cast<int>(points.size());
     list.AddPolyline(points.data(), count, dark_ink, 0, 5 * scale);
@@ -377,24 +373,22 @@ void begin_help(const PanelFacts& facts, float width, float height, float scale)
     const float m = panel_margin * scale, tall_room = height - 3 * m - panel_bar_height * scale,
                 wide_room = width - 2 * m, full_line = ImGui::GetFontSize() + 2 * scale;
     const float gap = 14 * scale, between = 34 * scale;
-    // Scrolling takes the scrollbar's width.
-    const auto share_of = [&](const std::vector<HelpColumn>& columns) {
-        float wide = between * static_cast<float>(columns.size() - 1), lines = 0;
-        for (const HelpColumn& column : columns) wide += column.whole, lines = std::max(lines, column.lines);
-        return std::pair((wide_room - 2 * padding.x - style.ScrollbarSize) / wide,
-                         (tall_room - 2 * padding.y) / (lines * full_line));
-    };
     std::vector<HelpColumn> columns = two_columns(groups, gap);
-    if (share_of(columns).first < smallest_help_words) columns = {HelpColumn(groups, gap)};
-    const auto [by_width, by_height] = share_of(columns);
-    const float share = std::clamp(std::min(by_width, by_height), smallest_help_words, 1.0F),
+    const auto full_width = [&] {
+        float wide = between * static_cast<float>(columns.size() - 1);
+        for (const HelpColumn& column : columns) wide += column.whole;
+        return wide;
+    };
+    // Scrolling takes the scrollbar's width.
+    const float words_room = wide_room - 2 * padding.x - style.ScrollbarSize;
+    if (words_room / full_width() < smallest_help_words) columns = {HelpColumn(groups, gap)};
+    const float lines = std::ranges::max(columns, {}, &HelpColumn::lines).lines,
+                by_height = (tall_room - 2 * padding.y) / (lines * full_line);
+    const float share = std::clamp(std::min(words_room / full_width(), by_height), smallest_help_words, 1.0F),
                 line = share * full_line;
     const bool scrolls = by_height < smallest_help_words;
-    float wide = 2 * padding.x + (scrolls ? style.ScrollbarSize : 0), lines = 0;
-    for (const HelpColumn& column : columns)
-        wide += share * column.whole, lines = std::max(lines, column.lines);
-    wide += share * between * static_cast<float>(columns.size() - 1);
-    const float tall = lines * line + 2 * padding.y;
+    const float wide = 2 * padding.x + (scrolls ? style.ScrollbarSize : 0) + share * full_width(),
+                tall = lines * line + 2 * padding.y;
     begin_box("help", {.x = width / 2,
                        .y = m + tall_room / 2,
                        .pivot_x = 0.5F,

@@ -21,6 +21,17 @@ constexpr ImU32 bar_ground = IM_COL32(10, 13, 18, 110), button_ground = IM_COL32
                 button_ink = IM_COL32(240, 243, 247, 255), button_lit = IM_COL32(110, 197, 243, 255),
                 button_dim = IM_COL32(128, 136, 150, 255), button_dark = IM_COL32(10, 14, 20, 255);
 
+/// An ImGui window of which nothing is seen but what is drawn in it.
+void begin_canvas(const char* name, ImVec2 at, ImVec2 size) {
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0);
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));  // drawing is clipped to it
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, ImVec2(1, 1));
+    begin_box(
+        name,
+        {.x = at.x, .y = at.y, .width = size.x, .height = size.y, .flags = ImGuiWindowFlags_NoBackground});
+    ImGui::PopStyleVar(3);
+}
+
 float letters_width(const std::string& words, float size) {
     return font_of_size(size)->CalcTextSizeA(size, 1e6F, 0, words.c_str()).x;
 }
@@ -59,15 +70,7 @@ public:
 
     /// Call between ImGuiLayer's `begin` and `end`.
     void draw(std::vector<WindowCommand>& asked) const {
-        ImGui::SetNextWindowPos(ImVec2(left_, top_));
-        ImGui::SetNextWindowSize(ImVec2(right_ - left_, bottom_ - top_));
-        ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));  // drawing is clipped to it
-        ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, ImVec2(1, 1));
-        ImGui::Begin("kiosk", nullptr,
-                     ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
-                         ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |
-                         ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoBackground);
-        ImGui::PopStyleVar(2);
+        begin_canvas("kiosk", ImVec2(left_, top_), ImVec2(right_ - left_, bottom_ - top_));
         ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(left_, top_), ImVec2(right_, bottom_), bar_ground,
                                                   2.2F * gap_);
         float x = left_ + gap_;
@@ -420,15 +423,7 @@ void draw_go_on(const StudyFacts& facts, float right, float bottom, float high, 
 }
 
 void begin_window(ImVec2 at, ImVec2 size, float opacity) {
-    ImGui::SetNextWindowPos(at);
-    ImGui::SetNextWindowSize(size);
-    ImGui::SetNextWindowBgAlpha(0);
-    ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0);
-    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));  // drawing is clipped to it
-    ImGui::Begin("study", nullptr,
-                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
-                     ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoFocusOnAppearing);
-    ImGui::PopStyleVar(2);
+    begin_canvas("study", at, size);
     const ImU32 back = (page_ground & 0x00FFFFFFU) | static_cast<ImU32>(255 * opacity) << IM_COL32_A_SHIFT;
     ImDrawList& list = *ImGui::GetWindowDrawList();
     list.PushClipRectFullScreen();  // to the last pixel
