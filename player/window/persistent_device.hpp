@@ -67,9 +67,7 @@ private:
 
 /// Whether a haptic device exerts forces, and what the user may do.
 struct HandState {
-    enum class Mood { off, on, away };
     enum class What { away, has_no_force, repositioned, on, off };
-    Mood mood = Mood::off;
     What what = What::off;
     std::string words;             ///< always visible in the picture
     std::string remark;            ///< what the user has to do (HapticDevice::prompt); empty: nothing

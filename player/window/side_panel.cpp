@@ -53,9 +53,10 @@ void draw_hand(const HandFacts& hand, float scale) {
         "What moves the fingers. C held down: the hand moves, the fingers stay. R: its present place becomes "
         "the middle.");
     draw_label("forces", scale);
-    ImGui::TextUnformatted(hand.state.mood == HandState::Mood::on    ? "on"
-                           : hand.state.mood == HandState::Mood::off ? "off"
-                                                                     : "off: no device");
+    using What = HandState::What;
+    ImGui::TextUnformatted(hand.state.what == What::on     ? "on"
+                           : hand.state.what == What::away ? "off: no device"
+                                                           : "off");
     explain_row("Whether the device pushes back. F turns forces on or off.");
     draw_label("position", scale);
     if (std::isfinite(hand.age_s))
@@ -306,15 +307,14 @@ void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
                             std::vector<WindowCommand>& asked) {
     const bool roomy = is_roomy(width), tall = height > 600 * scale_;
     const float m = panel_margin * scale_, scale = roomy ? scale_ : 0.86F * scale_;
-    ImGui::SetNextWindowPos(ImVec2(width - m, m), ImGuiCond_Always, ImVec2(1, 0));
-    ImGui::SetNextWindowSize(ImVec2(side_width(width), height - 3 * m - panel_bar_height * scale_));
     // Keeps the picture visible, as the settings affect it.
     if (!roomy) ImGui::SetNextWindowBgAlpha(0.7F);
-    // Overflowing content scrolls.
-    ImGui::Begin("panel", nullptr,
-                 ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-                     ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings |
-                     ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav);
+    begin_box("panel", {.x = width - m,
+                        .y = m,
+                        .pivot_x = 1,
+                        .width = side_width(width),
+                        .height = height - 3 * m - panel_bar_height * scale_,
+                        .scrolls = true});
     note_box();
     ImGui::SetWindowFontScale(scale / scale_);
     const ImGuiStyle& style = ImGui::GetStyle();

@@ -225,9 +225,9 @@ void WindowPanel::draw_state(const PanelFacts& facts, float width) {
     const float m = panel_margin * scale_;
     begin_box("state", {.x = (from + to) / 2, .y = m, .pivot_x = 0.5F, .flags = ImGuiWindowFlags_NoInputs});
     ImGui::PushTextWrapPos(to - from - m);
-    using Mood = HandState::Mood;
+    using What = HandState::What;
     const ImVec4 on(0.55F, 0.90F, 0.55F, 1), off(0.95F, 0.78F, 0.35F, 1);
-    const ImVec4& colour = state.mood == Mood::on ? on : (state.mood == Mood::off ? off : bad_words);
+    const ImVec4& colour = state.what == What::on ? on : (state.what == What::away ? bad_words : off);
     ImGui::TextColored(colour, "%s", state.words.c_str());
     if (!state.remark.empty()) ImGui::TextUnformatted(state.remark.c_str());
     ImGui::PopTextWrapPos();

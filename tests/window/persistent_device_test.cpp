@@ -70,10 +70,10 @@ TEST_F(DeviceClip, ForcesReachDeviceOnRequest) {
     EXPECT_EQ(glm::length(felt().force.force), 0) << "shown as it is in the hand";
     EXPECT_EQ(fake_->most_newtons, 0);
     feel();
-    EXPECT_EQ(state().mood, HandState::Mood::on);
+    EXPECT_EQ(state().what, HandState::What::on);
     clip_->set_force(false);
     EXPECT_TRUE(comes_true([this] { return fake_->newtons == 0; }));
-    EXPECT_EQ(state().mood, HandState::Mood::off);
+    EXPECT_EQ(state().what, HandState::What::off);
 }
 
 TEST_F(DeviceClip, CentreIsInTheAir) {
@@ -204,7 +204,7 @@ TEST_F(DeviceClip, IsFoundAgainAfterLoss) {
     EXPECT_EQ(fake_->openings, 2);
     fake_->is_unplugged = false;
     options_.hand->look_again();
-    ASSERT_TRUE(comes_true([this] { return state().mood == HandState::Mood::off; }));
+    ASSERT_TRUE(comes_true([this] { return state().what == HandState::What::off; }));
     clip_->set_force(false);
     feel();
 }
