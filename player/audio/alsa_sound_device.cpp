@@ -33,9 +33,7 @@ public:
     Result<bool> wait_for(int samples, std::chrono::milliseconds longest) override {
         if (auto there = room(); !there || *there >= samples) return there ? Result(true) : there.error();
         const int waited = snd_pcm_wait(pcm_, static_cast<int>(longest.count()));
-        if (waited < 0) {
-            TRY(mend(waited));
-        }
+        if (waited < 0) TRY(mend(waited));
         TRY_ASSIGN(const auto there, room());
         // Some devices report room at once, but have none.
         if (there < samples && waited > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -193,9 +193,7 @@ Result<std::unique_ptr<WindowSound>> WindowSound::create(bool loudspeakers,
                                                          const std::optional<std::filesystem::path>& file,
                                                          Existing existing, std::string name) {
     std::unique_ptr<WindowSound> made(new WindowSound);
-    if (file) {
-        TRY_ASSIGN(made->file_, WavFile::create(*file, existing, std::move(name)));
-    }
+    if (file) TRY(assign(made->file_, WavFile::create(*file, existing, std::move(name))));
     if (loudspeakers) made->output_ = std::make_unique<Loudspeakers>(made->ticks_);
     return made;
 }

@@ -31,8 +31,14 @@ TintRgb tint_of(const PaintedSegments::Paint& paint) {
 
 constexpr double small_newtons = 0.01;
 
-std::size_t shown_of(const WatchedMoment& moment, int count) {
-    return std::min(moment.felt.fingers.size(), static_cast<std::size_t>(count));
+std::span<const WatchedTick::Finger> shown_of(const WatchedMoment& moment, int count) {
+    const std::span fingers(moment.felt.fingers);
+    return fingers.first(std::min(fingers.size(), static_cast<std::size_t>(count)));
+}
+
+ShownFrames frames_of(const WatchedMoment& moment) {
+    const FramePair& pair = moment.held.pair;
+    return {pair.epoch, pair.prev.number, pair.next.number, pair.blend, moment.colour().data};
 }
 
 }  // namespace
@@ -94,7 +100,7 @@ void ClipPicture::set_overlay(Overlay overlay) {
 Result<void> ClipPicture::show(const WatchedMoment& moment, const HeightField& field, int step) {
     const FramePair& pair = moment.held.pair;
     const PlaneView colour = moment.colour();
-    const Shown now{pair.epoch, pair.prev.number, pair.next.number, pair.blend, colour.data, tinted_, step};
+    const Shown now{frames_of(moment), tinted_, step};
     if (shown_ == now) return {};
     shown_.reset();
     Result<void> shown;
@@ -120,32 +126,19 @@ Result<void> ClipPicture::draw(const WatchedMoment& moment, const HeightField& f
 }
 
 bool DrawnState::differs(const WatchedMoment& moment, int count, double small) const {
-    const FramePair& pair = moment.held.pair;
-    if (is_other_frame(moment) || pair.next.number != next_ || pair.blend != blend_ ||
-        moment.colour().data != colour_ || shown_of(moment, count) != fingers_.size())
-        return true;
-    for (std::size_t k = 0; k < fingers_.size(); ++k) {
-        const WatchedTick::Finger& now = moment.felt.fingers[k];
-        if (glm::distance(now.contact.goal, fingers_[k].goal) > small ||
-            glm::distance(now.contact.proxy, fingers_[k].proxy) > small ||
-            glm::distance(now.force.force, fingers_[k].force) > small_newtons)
-            return true;
-    }
-    return false;
+    // A finger without a position, whose distances are no numbers, looks the same.
+    const auto looks_same = [small](const WatchedTick::Finger& a, const WatchedTick::Finger& b) {
+        return !(glm::distance(a.contact.goal, b.contact.goal) > small ||
+                 glm::distance(a.contact.proxy, b.contact.proxy) > small ||
+                 glm::distance(a.force.force, b.force.force) > small_newtons);
+    };
+    return frames_of(moment) != frames_ || !std::ranges::equal(shown_of(moment, count), fingers_, looks_same);
 }
 
 void DrawnState::remember(const WatchedMoment& moment, int count) {
-    const FramePair& pair = moment.held.pair;
-    epoch_ = pair.epoch;
-    prev_ = pair.prev.number;
-    next_ = pair.next.number;
-    blend_ = pair.blend;
-    colour_ = moment.colour().data;
-    fingers_.resize(shown_of(moment, count));
-    for (std::size_t k = 0; k < fingers_.size(); ++k) {
-        const WatchedTick::Finger& now = moment.felt.fingers[k];
-        fingers_[k] = {now.contact.goal, now.contact.proxy, now.force.force};
-    }
+    frames_ = frames_of(moment);
+    const auto fingers = shown_of(moment, count);
+    fingers_.assign(fingers.begin(), fingers.end());
 }
 
 void PictureGovernor::go_to(std::size_t level, double now_s) {

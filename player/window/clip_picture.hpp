@@ -22,22 +22,32 @@
 
 namespace touchable {
 
+/// The frames that a picture shows.
+struct ShownFrames {
+    std::uint64_t epoch = 0;
+    std::int64_t prev = -1, next = -1;
+    double blend = 0;
+    const void* colour = nullptr;
+    bool operator==(const ShownFrames&) const = default;
+};
+
 /// Makes the window's pictures, one after another, and shows them. For each: `begin`, `show` if the surface
-/// has changed, `draw`, ImGui calls, `finish`. Main thread only.
+/// has changed, `draw`, ImGui calls, `finish`. Defaults are those of a drawing in the CPU's memory. Main
+/// thread only.
 class WindowGraphics {
 public:
     virtual ~WindowGraphics() = default;
     virtual std::string_view painter() const = 0;  ///< cpu, raster or mesh
-    virtual std::string gpu() const = 0;           ///< the drawing GPU; empty: none
+    virtual std::string gpu() const { return {}; }  ///< the drawing GPU; empty: none
     /// Whether that GPU or its surface is lost: these graphics can draw no more.
-    virtual bool is_lost() const = 0;
-    virtual bool can_stretch() const = 0;
+    virtual bool is_lost() const { return false; }
+    virtual bool can_stretch() const { return false; }
     /// Whether `show` uses its step.
-    virtual bool thins_vertices() const = 0;
+    virtual bool thins_vertices() const { return false; }
 
     /// Reloads the font; call after ImGuiLayer::set_scale.
-    virtual Result<void> take_letters() = 0;
-    virtual Result<void> begin() = 0;
+    virtual Result<void> take_letters() { return {}; }
+    virtual Result<void> begin() { return {}; }
     /// As SurfaceDrawing::show.
     virtual Result<void> show(const HeightField& field, const FramePair& pair, const PlaneView& colour,
                               Lighting lighting, int step) = 0;
@@ -45,7 +55,7 @@ public:
     virtual Result<void> draw(const ViewCamera& camera, std::span<const FingerMark> fingers,
                               const MarkSizes& sizes, int width, int height) = 0;
     /// Draws ImGui's draw data on top, and shows the picture. Its inputs are not read afterwards.
-    virtual Result<void> finish() = 0;
+    virtual Result<void> finish() { return {}; }
     /// The last finished picture, RGB; ErrorKind::usage before the first.
     virtual Result<Image> picture() const = 0;
 };
@@ -114,10 +124,7 @@ private:
     Result<void> show(const WatchedMoment& moment, const HeightField& field, int step);
 
     struct Shown {
-        std::uint64_t epoch = 0;
-        std::int64_t prev = -1, next = -1;
-        double blend = 0;
-        const void* colour = nullptr;
+        ShownFrames frames;
         std::shared_ptr<const PaintedSegments> tinted;
         int step = 1;
         bool operator==(const Shown&) const = default;
@@ -138,7 +145,7 @@ public:
     /// Whether the moment's frame differs from the last picture's, ignoring the blend.
     bool is_other_frame(const WatchedMoment& moment) const {
         const FramePair& pair = moment.held.pair;
-        return pair.epoch != epoch_ || pair.prev.number != prev_;
+        return pair.epoch != frames_.epoch || pair.prev.number != frames_.prev;
     }
     /// Whether frames, blend, colour or a finger have changed. `count`: shown fingers; `small`: movement that
     /// is not visible, scene units.
@@ -146,14 +153,8 @@ public:
     void remember(const WatchedMoment& moment, int count);
 
 private:
-    struct Finger {
-        glm::dvec3 goal{0.0}, proxy{0.0}, force{0.0};
-    };
-    std::uint64_t epoch_ = 0;
-    std::int64_t prev_ = -1, next_ = -1;
-    double blend_ = 0;
-    const void* colour_ = nullptr;
-    std::vector<Finger> fingers_;
+    ShownFrames frames_;
+    std::vector<WatchedTick::Finger> fingers_;
 };
 
 /// What is reduced when pictures come late. If the CPU draws (SurfaceDrawing::thins_vertices), the surface's

@@ -78,14 +78,10 @@ public:
     Result<void> present(GpuCommands commands, const GpuImage& canvas, VkExtent2D wanted) {
         std::uint32_t index = 0;
         bool shown = false;
-        if (chain_ && !outdated_) {
-            TRY_ASSIGN(shown, acquire(index));
-        }
+        if (chain_ && !outdated_) TRY(assign(shown, acquire(index)));
         if (!shown) {
             TRY_ASSIGN(shown, make(wanted));
-            if (shown) {
-                TRY_ASSIGN(shown, acquire(index));
-            }
+            if (shown) TRY(assign(shown, acquire(index)));
         }
         if (shown) record_copy(commands, canvas, images_[index]);
         TRY(std::move(commands).run());

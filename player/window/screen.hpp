@@ -17,31 +17,31 @@ struct ScreenSize {
     double scale = 1;           ///< of text and lines: 2 on a display with pixels half the usual size
 };
 
-/// Displays pictures and delivers input. Main thread only.
+/// Displays pictures and delivers input. Defaults are those of a screen without a display. Main thread only.
 class Screen {
 public:
     virtual ~Screen() = default;
     /// Vulkan extensions that the device must be opened with (GpuOptions::window_extensions).
-    virtual std::vector<std::string> extensions() const = 0;
+    virtual std::vector<std::string> extensions() const { return {}; }
     /// Sets the device that draws the pictures. Call before the first `present`, and after the last device is
     /// lost.
-    virtual Result<void> attach(std::shared_ptr<GpuDevice> device) = 0;
+    virtual Result<void> attach(std::shared_ptr<GpuDevice> /*device*/) { return {}; }
     /// Fails (ErrorKind::gpu) once pictures can no longer be shown, permanently.
-    virtual Result<void> health() const = 0;
+    virtual Result<void> health() const { return {}; }
     virtual ScreenSize size() const = 0;
     /// Waits for input, for `longest` at most, and returns the events.
     virtual std::vector<InputEvent> poll(std::chrono::milliseconds longest) = 0;
     /// How touch screen input is handled, in a few words for the user; empty: no touch screen.
-    virtual std::string touch_state() const = 0;
+    virtual std::string touch_state() const { return {}; }
     /// Submits the commands that draw `canvas` (then in VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL), waits for
     /// them, and shows it, stretched if the screen's size has changed.
     virtual Result<void> present(GpuCommands commands, const GpuImage& canvas) = 0;
-    virtual void set_title(const std::string& title) = 0;
-    virtual void set_fullscreen(bool on) = 0;
+    virtual void set_title(const std::string& /*title*/) {}
+    virtual void set_fullscreen(bool /*on*/) {}
     /// In ScreenOptions' units, for a window that is not full screen.
     virtual void set_size(int width, int height) = 0;
     /// Hides the pointer while a finger is drawn at its place.
-    virtual void hide_pointer(bool hidden) = 0;
+    virtual void hide_pointer(bool /*hidden*/) {}
 };
 
 struct ScreenOptions {

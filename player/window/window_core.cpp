@@ -51,13 +51,12 @@ Result<void> WindowCore::open_screen(const KeptSettings& kept) {
     }
     input_.set_fullscreen(wanted.fullscreen);
     wanted.at_once = [this](InputEvent& event) { hand_.stop_at_once(event); };
-    if (options.make_screen) {
+    if (options.make_screen)
         screen_ = options.make_screen(wanted);
-    } else if (options.headless) {
+    else if (options.headless)
         screen_ = make_headless_screen(wanted);
-    } else {
-        TRY_ASSIGN(screen_, open_glfw_screen(wanted));
-    }
+    else
+        TRY(assign(screen_, open_glfw_screen(wanted)));
     if (!options.gpu)
         options.gpu = std::make_shared<RunGpu>(options.session.builder.gpu, screen_->extensions());
     // One device for the surface and its picture, so that surfaces are drawn without copying.

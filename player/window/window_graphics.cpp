@@ -207,11 +207,10 @@ public:
         : device_(std::move(device)), screen_(screen), uploads_(device_) {}
 
     Result<void> open(std::string_view painter) {
-        if (painter == "cpu") {
+        if (painter == "cpu")
             by_cpu_.emplace();
-        } else {
-            TRY_ASSIGN(drawing_, SurfaceDrawing::create(device_, painter));
-        }
+        else
+            TRY(assign(drawing_, SurfaceDrawing::create(device_, painter)));
         return take_letters();
     }
 
@@ -306,13 +305,6 @@ private:
 class CpuGraphics final : public WindowGraphics {
 public:
     std::string_view painter() const override { return "cpu"; }
-    std::string gpu() const override { return {}; }
-    bool is_lost() const override { return false; }
-    bool can_stretch() const override { return false; }
-    bool thins_vertices() const override { return false; }
-
-    Result<void> take_letters() override { return {}; }
-    Result<void> begin() override { return {}; }
     Result<void> show(const HeightField& field, const FramePair& pair, const PlaneView& colour,
                       Lighting lighting, int) override {
         drawing_.show(field, pair, colour, lighting);
@@ -323,7 +315,6 @@ public:
         TRY_ASSIGN(picture_, drawing_.draw(camera, fingers, sizes));
         return {};
     }
-    Result<void> finish() override { return {}; }
     Result<Image> picture() const override {
         if (!picture_) return usage_error("there is no picture yet that could be kept");
         return *picture_;
@@ -338,20 +329,13 @@ class HeadlessScreen final : public Screen {
 public:
     explicit HeadlessScreen(const ScreenOptions& options) : size_{options.width, options.height, 1} {}
 
-    std::vector<std::string> extensions() const override { return {}; }
-    Result<void> attach(std::shared_ptr<GpuDevice>) override { return {}; }
-    Result<void> health() const override { return {}; }
     ScreenSize size() const override { return size_; }
     std::vector<InputEvent> poll(std::chrono::milliseconds longest) override {
         std::this_thread::sleep_for(longest);
         return {};
     }
-    std::string touch_state() const override { return {}; }
     Result<void> present(GpuCommands commands, const GpuImage&) override { return std::move(commands).run(); }
-    void set_title(const std::string&) override {}
-    void set_fullscreen(bool) override {}
     void set_size(int width, int height) override { size_ = {width, height, 1}; }
-    void hide_pointer(bool) override {}
 
 private:
     ScreenSize size_;

@@ -511,7 +511,7 @@ Result<void> WindowPicture::draw_opening() {
     const int part = graphics.can_stretch() ? 2 : 1;
     const ViewCamera camera =
         own_view(scene, std::max(size.width / part, 1), std::max(size.height / part, 1), 0.1);
-    if (auto drawn = graphics.draw(camera, {{finger}}, {}, size.width, size.height); !drawn) return drawn;
+    TRY(graphics.draw(camera, {{finger}}, {}, size.width, size.height));
     PanelFacts facts;
     const WindowClips& clips = core_.clips();
     facts.is_empty = clips.waits_for_wish() && !clips.is_opening();

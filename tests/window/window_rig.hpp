@@ -127,19 +127,13 @@ private:
 /// A screen whose time is its visitors', on a clock that it puts forward once the window shows pictures.
 class PublicScreen : public Screen {
 public:
-    std::vector<std::string> extensions() const override { return {}; }
-    Result<void> attach(std::shared_ptr<GpuDevice>) override { return {}; }
-    Result<void> health() const override { return {}; }
     std::vector<InputEvent> poll(std::chrono::milliseconds longest) override {
         if (is_open_) return next_events();
         std::this_thread::sleep_for(longest);
         return {};
     }
     Result<void> present(GpuCommands commands, const GpuImage&) override { return std::move(commands).run(); }
-    std::string touch_state() const override { return ""; }
-    void set_title(const std::string&) override {}
     void set_fullscreen(bool) override { ADD_FAILURE() << "a visitor has left full screen"; }
-    void hide_pointer(bool) override {}
 
 protected:
     virtual std::vector<InputEvent> next_events() = 0;
