@@ -16,15 +16,6 @@ float motor(double value) {
 }
 
 constexpr std::chrono::milliseconds between_looks(10);
-constexpr std::uint32_t whole = 65535;
-
-std::uint32_t packed(const Rumble& rumble) {
-    const auto part = [](float share) { return static_cast<std::uint32_t>(std::lround(share * whole)); };
-    return part(rumble.low) << 16U | part(rumble.high);
-}
-Rumble unpacked(std::uint32_t both) {
-    return {static_cast<float>(both >> 16U) / whole, static_cast<float>(both & 0xFFFFU) / whole};
-}
 
 }  // namespace
 
@@ -61,7 +52,8 @@ std::optional<Rumble> RumbleOrders::at(double now_s, const Rumble& rumble, std::
 }
 
 struct GamepadRumble::Shared {
-    std::atomic<std::uint32_t> newest{0};
+    std::atomic<Rumble> newest{};
+    static_assert(std::atomic<Rumble>::is_always_lock_free, "a session's thread does not wait");
     std::atomic<std::int64_t> ticks{0};
     mutable std::mutex mutex;
     std::condition_variable stop;
@@ -100,7 +92,7 @@ void GamepadRumble::run(Shared& shared, const Open& open) {
         if (now != std::exchange(name, now)) orders.forget();
         shared.say(name.empty() ? "rumble: no gamepad that has it" : "rumble: " + name);
         const std::int64_t ticks = shared.ticks.load(std::memory_order_acquire);
-        const Rumble felt = unpacked(shared.newest.load(std::memory_order_relaxed));
+        const Rumble felt = shared.newest.load(std::memory_order_relaxed);
         const double seconds =
             std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
         if (const auto order = orders.at(seconds, felt, ticks))
@@ -109,7 +101,7 @@ void GamepadRumble::run(Shared& shared, const Open& open) {
 }
 
 void GamepadRumble::consume(const HeardTick& tick) {
-    shared_->newest.store(packed(felt_.next(tick)), std::memory_order_relaxed);
+    shared_->newest.store(felt_.next(tick), std::memory_order_relaxed);
     shared_->ticks.fetch_add(1, std::memory_order_release);
 }
 

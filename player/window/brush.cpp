@@ -16,9 +16,6 @@
 namespace touchable {
 namespace {
 
-constexpr BrushTool all_tools[] = {BrushTool::touch, BrushTool::paint, BrushTool::join, BrushTool::cut};
-constexpr const char* tool_names[] = {"touch", "paint", "join", "cut"};  // in the order of BrushTool
-
 using Rgb = std::array<std::uint8_t, 3>;
 constexpr std::pair<std::string_view, Rgb> colours_of_materials[] = {
     {"wood", {186, 128, 66}},       {"metal", {132, 152, 186}},  {"glass", {112, 222, 226}},
@@ -96,17 +93,9 @@ private:
 
 }  // namespace
 
-const char* name_of(BrushTool tool) {
-    return tool_names[static_cast<std::size_t>(tool)];
-}
-
-std::span<const BrushTool> brush_tools() {
-    return all_tools;
-}
-
 std::optional<BrushTool> brush_tool_of(std::string_view name) {
-    for (const BrushTool tool : all_tools)
-        if (name == name_of(tool)) return tool;
+    for (std::size_t k = 0; k < std::size(brush_tools); ++k)
+        if (name == brush_tools[k]) return static_cast<BrushTool>(k);
     return std::nullopt;
 }
 

@@ -26,10 +26,8 @@ enum class BrushTool {
     join,   ///< merges the segments of two clicks
     cut     ///< splits a segment along a dragged stroke
 };
-/// Its name in commands and in the panel.
-const char* name_of(BrushTool tool);
-/// All tools, in the order of the panel.
-std::span<const BrushTool> brush_tools();
+/// The tools' names in commands and in the panel, in the order of BrushTool.
+inline constexpr const char* brush_tools[] = {"touch", "paint", "join", "cut"};
 /// nullopt: no tool has that name.
 std::optional<BrushTool> brush_tool_of(std::string_view name);
 

@@ -237,8 +237,4 @@ const KeyBinding* binding_of(const std::string& key, bool control, bool shift) {
     return stop;
 }
 
-bool goes_by_steps(WindowVerb verb) {
-    return row_of(verb).has(CommandRow::by_steps);
-}
-
 }  // namespace touchable

@@ -80,7 +80,5 @@ std::span<const KeyBinding> key_bindings();
 /// The binding of a key with Ctrl and Shift; null: none. The key that switches the force off works with
 /// either of them held.
 const KeyBinding* binding_of(const std::string& key, bool control, bool shift);
-/// Whether a held key repeats the command.
-bool goes_by_steps(WindowVerb verb);
 
 }  // namespace touchable

@@ -637,10 +637,9 @@ private:
             if (!name.empty())
                 of(window).add({.kind = Kind::key, .word = name, .repeated = of(window).repeats_});
         });
-        glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* window, int width, int height) {
+        glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* window, int, int) {
             of(window).note_size();
-            of(window).add(
-                {.kind = Kind::resized, .x = static_cast<double>(width), .y = static_cast<double>(height)});
+            of(window).add({.kind = Kind::resized});
         });
         glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
             for (int k = 0; k < count; ++k) of(window).add({.kind = Kind::dropped, .word = paths[k]});

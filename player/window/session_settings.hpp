@@ -32,11 +32,8 @@ struct TwoSettings {
     std::optional<SessionSettings> b;  ///< nullopt: not used yet
     bool b_is_on = false;
 
+    SessionSettings& now() { return b_is_on ? *b : a; }
     const SessionSettings& now() const { return b_is_on ? *b : a; }
-    /// Sets a value of the set in effect (SessionSettings::set).
-    Result<void> set(const std::string& name, const std::string& value) {
-        return (b_is_on ? *b : a).set(name, value);
-    }
     /// Initially, B is A without filters.
     void turn_to(bool to_b);
     std::string in_words() const { return (b_is_on ? "B: " : "A: ") + now().in_words(); }

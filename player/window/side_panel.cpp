@@ -180,11 +180,9 @@ void draw_brush_button(const char* words, bool may, float wide, WindowVerb verb,
 
 void draw_materials(const BrushFacts& facts, float scale, std::vector<WindowCommand>& asked) {
     draw_label("left button", scale);
-    std::vector<const char*> names;
-    for (const BrushTool tool : brush_tools()) names.push_back(name_of(tool));
-    const auto held = std::ranges::find(brush_tools(), facts.tool) - brush_tools().begin();
-    const int tool = draw_words("tool", names, static_cast<int>(held), true);
-    if (tool >= 0) asked.push_back({.verb = WindowVerb::tool, .word = names[static_cast<std::size_t>(tool)]});
+    const int tool = draw_words("tool", {std::begin(brush_tools), std::end(brush_tools)},
+                                static_cast<int>(facts.tool), true);
+    if (tool >= 0) asked.push_back({.verb = WindowVerb::tool, .word = brush_tools[tool]});
     explain_row(
         "What the left button does: touch; paint the clicked segment; join two clicked segments to one; or "
         "cut a segment by a stroke across it.");

@@ -205,13 +205,11 @@ constexpr std::size_t largest_number = 999'999;
 constexpr const char* begin_tag = "begin";  // tag of the job that begins a participant
 
 /// The participant's number in a file's name; 0: not a results file.
-std::size_t participant_of(const std::string& name) {
-    if (!name.starts_with(file_stem)) return 0;
-    std::size_t number = 0;
-    const char* const end = name.data() + name.size();
-    const auto [rest, fault] = std::from_chars(name.data() + file_stem.size(), end, number);
-    const bool is_one = fault == std::errc() && rest != end && *rest == '.' && number <= largest_number;
-    return is_one ? number : 0;
+std::size_t participant_of(std::string_view name) {
+    const std::size_t point = name.find('.');
+    if (!name.starts_with(file_stem) || point == std::string_view::npos) return 0;
+    const auto number = parsed_as<std::size_t>(name.substr(file_stem.size(), point - file_stem.size()));
+    return number && *number <= largest_number ? *number : 0;
 }
 
 Result<std::size_t> largest_in(const fs::path& folder) {
@@ -520,16 +518,13 @@ void StudyRun::begin_screen(double now_s) {
     ++turn_;
     began_s_ = now_s;
     chosen_.reset();
-    if (screen() && screen()->is_touch()) meter_->begin(screen()->force());
+    wait(now_s);
 }
 
 /// `rest`: the columns from the condition on.
 std::string StudyRun::row(const std::string& rest, Time time) const {
-    std::string row;
-    for (const std::string& field :
-         {study_.name, std::to_string(number_), language_, hand_, in_universal_time(time)})
-        row += field + ',';
-    return row + rest + '\n';
+    return study_.name + ',' + std::to_string(number_) + ',' + language_ + ',' + hand_ + ',' +
+           in_universal_time(time) + ',' + rest + '\n';
 }
 
 void StudyRun::add_row(double now_s, Time time, const std::string& answer) {
@@ -542,13 +537,9 @@ void StudyRun::add_row(double now_s, Time time, const std::string& answer) {
         touched = formatted("%.3f,%d,%.4f,%.4f", m.contact_s, m.touches, m.mean_newtons, m.most_newtons);
     }
     const std::string question = now.question ? now.question->id : std::string();
-    std::string rest = condition;
-    for (const std::string& field :
-         {now.step->id, question, answer, formatted("%.2f", now_s - began_s_), touched}) {
-        rest += ',';
-        rest += field;
-    }
-    add(row(rest, time));
+    add(row(condition + ',' + now.step->id + ',' + question + ',' + answer +
+                formatted(",%.2f,", now_s - began_s_) + touched,
+            time));
 }
 
 void StudyRun::leave(double now_s, Time time) {
@@ -568,9 +559,7 @@ void StudyRun::finish(bool is_whole, double now_s) {
     write([is_whole](Tables& tables) { return tables.end(is_whole); });
     screens_.clear();
     at_ = 0;
-    chosen_.reset();
-    began_s_ = now_s;
-    ++turn_;
+    begin_screen(now_s);
 }
 
 /// The file of an unfinished participant stays partial.

@@ -137,15 +137,10 @@ std::vector<fs::path> clips_of(const fs::path& named) {
     return clips;
 }
 
-const ClipChoice* Playlist::next() {
-    if (place_ + 1 >= clips_.size() && !(wraps_ && clips_.size() > 1)) return nullptr;
-    place_ = (place_ + 1) % clips_.size();
-    return &clips_[place_];
-}
-
-const ClipChoice* Playlist::previous() {
-    if (place_ == 0 && !(wraps_ && clips_.size() > 1)) return nullptr;
-    place_ = (place_ + clips_.size() - 1) % clips_.size();
+const ClipChoice* Playlist::go(int by) {
+    const bool is_end = by > 0 ? place_ + 1 >= clips_.size() : place_ == 0;
+    if (is_end && !(wraps_ && clips_.size() > 1)) return nullptr;
+    place_ = (place_ + (by > 0 ? 1 : clips_.size() - 1)) % clips_.size();
     return &clips_[place_];
 }
 

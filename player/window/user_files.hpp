@@ -25,10 +25,8 @@ public:
     std::size_t size() const { return clips_.size(); }
     std::size_t place() const { return place_; }              ///< of the clip, from 0
     const ClipChoice& now() const { return clips_[place_]; }  ///< of a non-empty list
-    /// Moves to the next or previous clip; null: there is none, and the place stays.
-    const ClipChoice* next();
-    const ClipChoice* previous();
-    const ClipChoice* go(int by) { return by > 0 ? next() : previous(); }
+    /// Moves to the next clip, 1, or to the previous one, -1; null: there is none, and the place stays.
+    const ClipChoice* go(int by);
     /// Moves to that place, which must exist.
     void go_to(std::size_t place) { place_ = place; }
 

@@ -131,7 +131,7 @@ Result<WindowClips::Ready> WindowClips::open_clip(ClipChoice choice, const TwoSe
     TwoSettings tried = kept;
     for (const bool all : {false, true}) {
         TwoSettings in_effect = kept;
-        (kept.b_is_on ? *in_effect.b : in_effect.a) = all ? SessionSettings{} : without_relief(kept.now());
+        in_effect.now() = all ? SessionSettings{} : without_relief(kept.now());
         if (in_effect == tried || stop_requested()) continue;
         tried = in_effect;
         opened = OpenedClip::open(core_.options, choice, in_effect.now(), core_.sound());
@@ -403,7 +403,8 @@ void WindowClips::feel(const WindowCommand& command) {
         if (is_of_brush && settings == &wanted.kept) continue;
         if (command.verb == WindowVerb::settings) {
             settings->turn_to(to_b);
-        } else if (auto set = settings->set(command.word.substr(0, space), command.word.substr(space + 1));
+        } else if (auto set =
+                       settings->now().set(command.word.substr(0, space), command.word.substr(space + 1));
                    !set) {
             return core_.say(set.error());
         }

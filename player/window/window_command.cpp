@@ -18,10 +18,8 @@ constexpr int most_column = 16383;
 constexpr std::int64_t most_frame = 999'999'999;
 
 std::optional<std::int64_t> whole_number(std::string_view word, std::int64_t most) {
-    std::int64_t value = 0;
-    const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), value);
-    const bool is_one = failure == std::errc() && end == word.data() + word.size();
-    return is_one && value >= 0 && value <= most ? std::optional(value) : std::nullopt;
+    const auto value = parsed_as<std::int64_t>(word);
+    return value && *value >= 0 && *value <= most ? value : std::nullopt;
 }
 
 /// Whether the text has the pixels that the command takes, and no more.
@@ -242,11 +240,11 @@ Result<WindowCommand> parse_window_command(const std::string& words) {
     }
     const CommandRow* const row = command_named(name);
     if (!row) {
-        std::string known;
+        std::vector<std::string> known;
         for (const CommandRow& any : command_rows())
-            if (any.name) known += (known.empty() ? "" : ", ") + std::string(any.name);
-        for (const SessionSetting& setting : session_settings()) known += ", " + setting.name;
-        return usage_error("unknown command '" + name + "'; must be one of " + known);
+            if (any.name) known.emplace_back(any.name);
+        return usage_error("unknown command '" + name + "'; must be one of " + listed(known) + ", " +
+                           listed(session_settings(), &SessionSetting::name));
     }
     WindowCommand command{.verb = row->verb};
     TRY_ASSIGN(const bool fits, read_rest(*row, rest, command));

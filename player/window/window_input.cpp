@@ -56,7 +56,7 @@ void WindowInput::take_key(const InputEvent& event) {
         return;
     }
     const KeyBinding* const binding = binding_of(event.word, event.control, event.shift);
-    if (binding && (!event.repeated || goes_by_steps(binding->verb)))
+    if (binding && (!event.repeated || row_of(binding->verb).has(CommandRow::by_steps)))
         core_.take(WindowCommand{binding->verb, event.stopped_force ? -1 : binding->number, ""});
 }
 

@@ -63,7 +63,7 @@ void PlaylistMode::go_on(double) {
     if (touched_s_ && now_s < *touched_s_ + between_strokes_s) return;
     went_on_s_ = now_s;
     Playlist list = list_;
-    if (list.next()) core_.clips().open_instead(std::move(list), 1);
+    if (list.go(1)) core_.clips().open_instead(std::move(list), 1);
 }
 
 void PlaylistMode::begin_clip(bool) {
@@ -154,7 +154,7 @@ bool BrushMode::handle_pointer(const InputEvent& event, bool is_of_panel) {
 
 bool BrushMode::leave() {
     if (!brush_.is_held()) return false;
-    core_.take(WindowCommand{.verb = WindowVerb::tool, .word = name_of(BrushTool::touch)});
+    core_.take(WindowCommand{.verb = WindowVerb::tool, .word = "touch"});
     return true;
 }
 

@@ -84,7 +84,8 @@ TEST(WindowCommand, ControlArrowsTurnView) {
             ASSERT_TRUE(binding_of("f", control, shift)) << "the stop, also with another key held";
             EXPECT_EQ(binding_of("f", control, shift)->verb, WindowVerb::force);
         }
-    EXPECT_TRUE(goes_by_steps(WindowVerb::turn) && goes_by_steps(WindowVerb::tilt));
+    for (const WindowVerb verb : {WindowVerb::turn, WindowVerb::tilt})
+        EXPECT_TRUE(row_of(verb).has(CommandRow::by_steps)) << "a held key repeats it";
 }
 
 TEST(WindowCommand, ParsesNumberAndWord) {
@@ -330,11 +331,11 @@ TEST(SessionSettings, ReliefNeedsAnAmount) {
 
 TEST(TwoSettings, BStartsUnfiltered) {
     TwoSettings two;
-    EXPECT_TRUE(two.set("median", "5"));
-    EXPECT_TRUE(two.set("metric", "scaled"));
+    EXPECT_TRUE(two.now().set("median", "5"));
+    EXPECT_TRUE(two.now().set("metric", "scaled"));
     two.turn_to(true);
     EXPECT_EQ(two.now(), felt({{"metric", "scaled"}, {"filters", "off"}}));
-    EXPECT_TRUE(two.set("median", "3"));
+    EXPECT_TRUE(two.now().set("median", "3"));
     two.turn_to(false);
     EXPECT_EQ(two.now(), felt({{"metric", "scaled"}, {"median", "5"}}));
     two.turn_to(true);
@@ -346,9 +347,9 @@ TEST(WindowSettings, TellPaintAndSettings) {
     EXPECT_EQ(settings.in_words(), "A: as the clip says");
     settings.painted = std::make_shared<PaintedSegments>();
     EXPECT_EQ(settings.in_words(), "A: as painted");
-    EXPECT_TRUE(settings.in_effect.set("median", "5"));
+    EXPECT_TRUE(settings.in_effect.now().set("median", "5"));
     EXPECT_EQ(settings.in_words(), "A: median 5, as painted");
-    EXPECT_TRUE(settings.in_effect.set("materials", "off"));
+    EXPECT_TRUE(settings.in_effect.now().set("materials", "off"));
     EXPECT_FALSE(contains(settings.in_words(), "painted")) << "it is not felt";
 }
 

@@ -198,23 +198,23 @@ Playlist list_of(const std::vector<std::string>& names, bool wraps = false) {
 
 TEST(Playlist, StopsAtBothEnds) {
     Playlist list = list_of({"a", "b"});
-    EXPECT_EQ(list.previous(), nullptr);
+    EXPECT_EQ(list.go(-1), nullptr);
     EXPECT_EQ(list.now().file, "a");
-    ASSERT_NE(list.next(), nullptr);
+    ASSERT_NE(list.go(1), nullptr);
     EXPECT_EQ(list.now().file, "b");
-    EXPECT_EQ(list.next(), nullptr);
+    EXPECT_EQ(list.go(1), nullptr);
     EXPECT_EQ(list.place(), 1U);
-    ASSERT_NE(list.previous(), nullptr);
+    ASSERT_NE(list.go(-1), nullptr);
     EXPECT_EQ(list.now().file, "a");
 }
 
 TEST(Playlist, WrapsAround) {
     Playlist list = list_of({"a", "b", "c"}, true);
-    EXPECT_EQ(list.previous()->file, "c");
-    EXPECT_EQ(list.next()->file, "a");
+    EXPECT_EQ(list.go(-1)->file, "c");
+    EXPECT_EQ(list.go(1)->file, "a");
     Playlist alone = list_of({"a"}, true);
-    EXPECT_EQ(alone.next(), nullptr) << "it would be opened again and again";
-    EXPECT_EQ(alone.previous(), nullptr);
+    EXPECT_EQ(alone.go(1), nullptr) << "it would be opened again and again";
+    EXPECT_EQ(alone.go(-1), nullptr);
 }
 
 TEST(Playlist, FolderIsSortedByName) {

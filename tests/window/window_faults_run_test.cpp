@@ -465,9 +465,7 @@ private:
             event.word = "nowhere.mkv";
         } else {
             size_ = {160 + below(300), 120 + below(240), 1};
-            event = {.kind = Kind::resized,
-                     .x = static_cast<double>(size_.width),
-                     .y = static_cast<double>(size_.height)};
+            event = {.kind = Kind::resized};
         }
         return event;
     }
