@@ -4,8 +4,6 @@
 
 #include <alsa/asoundlib.h>
 
-#include <cmath>
-#include <cstdint>
 #include <string>
 #include <thread>
 #include <vector>
@@ -42,9 +40,7 @@ public:
 
     Result<void> write(std::span<const StereoSample> samples) override {
         integers_.clear();
-        for (const StereoSample& sample : samples)
-            for (const float value : {sample.left, sample.right})
-                integers_.push_back(static_cast<std::int16_t>(std::lround(value * 32767)));
+        for (const StereoSample& sample : samples) integers_.push_back(in_16_bits(sample));
         const auto written = snd_pcm_writei(pcm_, integers_.data(), samples.size());
         return written < 0 ? mend(static_cast<int>(written)) : Result<void>();
     }
@@ -64,7 +60,7 @@ private:
     }
 
     snd_pcm_t* pcm_;
-    std::vector<std::int16_t> integers_;
+    std::vector<std::array<std::int16_t, 2>> integers_;
 };
 
 }  // namespace

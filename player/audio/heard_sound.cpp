@@ -10,14 +10,6 @@ namespace {
 
 constexpr std::size_t samples_read = 4096;
 
-std::array<std::int16_t, 2> in_16_bits(const StereoSample& sample) {
-    const auto whole = [](float value) {
-        const float bounded = std::isfinite(value) ? std::clamp(value, -1.0F, 1.0F) : 0;
-        return static_cast<std::int16_t>(std::lround(bounded * 32767));
-    };
-    return {whole(sample.left), whole(sample.right)};
-}
-
 constexpr double samples_per_ns = SoundTrack::rate * 1e-9;
 constexpr double farthest = 0.06 * SoundTrack::rate;  // samples; a larger error is corrected by a jump
 constexpr double most_correction = 0.003, correction_s = 1;
@@ -45,6 +37,14 @@ constexpr std::int64_t fade_ms = 60;            // of the last sound when a sess
 constexpr std::int64_t longest_skip_ms = 1000;  // of unknown ticks; longer means that the computer slept
 
 }  // namespace
+
+std::array<std::int16_t, 2> in_16_bits(const StereoSample& sample) {
+    const auto whole = [](float value) {
+        const float bounded = std::isfinite(value) ? std::clamp(value, -1.0F, 1.0F) : 0;
+        return static_cast<std::int16_t>(std::lround(bounded * 32767));
+    };
+    return {whole(sample.left), whole(sample.right)};
+}
 
 /// A track's length is not known: it is silent beyond its end.
 Result<std::shared_ptr<const SpokenSound>> SpokenSound::read(const std::filesystem::path& file) {

@@ -16,10 +16,6 @@ void put(std::string& to, std::uint32_t value, int bytes) {
     for (int k = 0; k < bytes; ++k) to += static_cast<char>(value >> (8 * k) & 0xFFU);
 }
 
-void put(std::string& to, float value) {
-    put(to, static_cast<std::uint32_t>(std::lround(value * 32767)), 2);
-}
-
 std::string header_of(std::uint32_t bytes) {
     std::string header = "RIFF";
     put(header, header_bytes - 8 + bytes, 4);
@@ -147,10 +143,9 @@ public:
         const auto bytes = static_cast<std::uint32_t>(samples.size()) * sample_bytes;
         if (is_faulty_ || bytes > most_wav_bytes - bytes_) return;
         words_.clear();
-        for (const StereoSample& sample : samples) {
-            put(words_, sample.left);
-            put(words_, sample.right);
-        }
+        for (const StereoSample& sample : samples)
+            for (const std::int16_t value : in_16_bits(sample))
+                put(words_, static_cast<std::uint16_t>(value), 2);
         bytes_ += bytes;
         const auto written = file_->write(words_);
         if (written) return;

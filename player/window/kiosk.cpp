@@ -199,19 +199,11 @@ std::string KioskTexts::all() const {
 }
 
 const std::string& KioskTexts::of_device(HandState::What what) const {
-    using What = HandState::What;
-    switch (what) {
-        case What::away:
-            return device_is_away;
-        case What::has_no_force:
-            return device_has_no_force;
-        case What::repositioned:
-            return device_is_moved;
-        case What::on:
-            return device_is_on;
-        default:
-            return device_is_off;
-    }
+    // In the order of HandState::What.
+    constexpr std::string KioskTexts::*texts[] = {
+        &KioskTexts::device_is_away, &KioskTexts::device_has_no_force, &KioskTexts::device_is_moved,
+        &KioskTexts::device_is_on, &KioskTexts::device_is_off};
+    return this->*texts[static_cast<std::size_t>(what)];
 }
 
 Result<KioskTexts> parse_kiosk_texts(std::string_view json, std::string_view where) {

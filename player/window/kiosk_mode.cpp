@@ -168,7 +168,7 @@ void KioskMode::restore() {
     // Releases buttons still pressed on the surface or the panel.
     if (!is_inviting_) core_.input().leave_picture();
     core_.input().release_panel();
-    clip.device().set_force(true);
+    clip.device()->set_force(true);
     if (HandControl* const control = clip.control()) control->begin_anew();
     core_.picture().surface().set_overlay(Overlay::colour);
     core_.sound().set_muted(false);

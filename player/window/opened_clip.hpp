@@ -69,7 +69,6 @@ public:
     /// clip does not support the settings.
     Result<Change> prepare(const SessionSettings& settings,
                            std::shared_ptr<const PaintedSegments> painted) const;
-    Result<Change> prepare(const SessionSettings& settings) const { return prepare(settings, clip_.painted); }
     /// Whether the playing clip has reached the change's start, or never will.
     bool has_come_to(const Change& change) const;
     /// Ends the session, and begins another one with those settings at the current moment, speed and loop.
@@ -79,8 +78,7 @@ public:
 
     WatchedSession& session() { return *session_; }
     const WatchedSession& session() const { return *session_; }
-    PointerDevice& device() { return *device_; }
-    std::shared_ptr<PointerDevice> shared_device() const { return device_; }
+    const std::shared_ptr<PointerDevice>& device() const { return device_; }
     PointerFingers& fingers() { return *fingers_; }
     const PointerFingers& fingers() const { return *fingers_; }
     /// The device that moves the fingers; null: the pointer does.
@@ -122,7 +120,6 @@ public:
     bool is_camera() const { return clip_.is_camera(); }
     std::int64_t frames() const { return frames_; }  ///< 0 if unknown
     double seconds() const { return static_cast<double>(scene_->rate.time_ns(frames_)) * 1e-9; }
-    const PointerDevice& device() const { return *device_; }
     /// Sum over its sessions.
     WatchedFigures figures() const;
     /// Ends the session, and completes its recording.

@@ -30,12 +30,21 @@ void draw_title(const PanelFacts& facts, float scale, std::vector<WindowCommand>
     if (ImGui::Button("reset", ImVec2(-1, 0))) asked.push_back({WindowVerb::reset});
 }
 
+/// A row of adjacent words, one of them chosen by hand; returns the clicked one, or -1. `what`: its
+/// explanation.
+int draw_words_row(const char* label, const std::vector<const char*>& words, int chosen, float scale,
+                   const char* what) {
+    draw_label(label, scale);
+    const int clicked = draw_words(label, words, chosen, true);
+    explain_row(what);
+    return clicked;
+}
+
 void draw_pointer(const PanelFacts& facts, float scale, std::vector<WindowCommand>& asked) {
-    draw_label("fingers", scale);
-    const std::vector<const char*> counts{"1", "2", "3", "4", "5"};
-    const int count = draw_words("fingers", counts, static_cast<int>(facts.forces.size()) - 1, true);
+    const int count =
+        draw_words_row("fingers", {"1", "2", "3", "4", "5"}, static_cast<int>(facts.forces.size()) - 1, scale,
+                       "Number of fingers round the pointer.");
     if (count >= 0) asked.push_back({WindowVerb::fingers, static_cast<double>(count + 1)});
-    explain_row("Number of fingers round the pointer.");
     draw_label("depth, mm", scale);
     auto depth = static_cast<float>(facts.pressed_mm);
     const std::string depth_words = pressed_in_words(facts.pressed_mm);
@@ -90,13 +99,12 @@ void draw_view(float scale, std::vector<WindowCommand>& asked) {
 }
 
 void draw_measure(const MeasureFacts& facts, float scale, std::vector<WindowCommand>& asked) {
-    draw_label("measure", scale);
-    const int clicked = draw_words("measure", {"off", "on"}, facts.is_held ? 1 : 0, true);
-    if (clicked == 0) asked.push_back({.verb = WindowVerb::measure, .word = "off"});
-    if (clicked == 1 && !facts.is_held) asked.push_back({.verb = WindowVerb::measure});
-    explain_row(
+    const int clicked = draw_words_row(
+        "measure", {"off", "on"}, facts.is_held, scale,
         "The distance of two places of the surface, in the scene: click both, or drag from one to the "
         "other. T puts the tool away and leaves the line; off removes it.");
+    if (clicked == 0) asked.push_back({.verb = WindowVerb::measure, .word = "off"});
+    if (clicked == 1 && !facts.is_held) asked.push_back({.verb = WindowVerb::measure});
 }
 
 /// The state of the finger and the clip.
@@ -120,12 +128,11 @@ void draw_finger(const PanelFacts& facts, float scale, std::vector<WindowCommand
     if (ImGui::Button((facts.overlay + "##colours").c_str(), ImVec2(-1, 0)))
         asked.push_back({WindowVerb::overlay});
     explain_row("Colours the surface by depth, stiffness and others. A click, or O: the next.");
-    draw_label("dents", scale);
-    const int dents = draw_words("dents", {"off", "on"}, facts.is_dented ? 1 : 0, true);
-    if (dents >= 0) asked.push_back({WindowVerb::dent, static_cast<double>(dents)});
-    explain_row(
+    const int dents = draw_words_row(
+        "dents", {"off", "on"}, facts.is_dented, scale,
         "Whether you see the surface give way under a finger, and stretch where it sticks. It changes no "
         "force.");
+    if (dents >= 0) asked.push_back({WindowVerb::dent, static_cast<double>(dents)});
     draw_view(scale, asked);
     draw_measure(facts.measure, scale, asked);
     const float half = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
@@ -179,28 +186,24 @@ void draw_brush_button(const char* words, bool may, float wide, WindowVerb verb,
 }
 
 void draw_materials(const BrushFacts& facts, float scale, std::vector<WindowCommand>& asked) {
-    draw_label("left button", scale);
-    const int tool = draw_words("tool", {std::begin(brush_tools), std::end(brush_tools)},
-                                static_cast<int>(facts.tool), true);
-    if (tool >= 0) asked.push_back({.verb = WindowVerb::tool, .word = brush_tools[tool]});
-    explain_row(
+    const int tool = draw_words_row(
+        "left button", {std::begin(brush_tools), std::end(brush_tools)}, static_cast<int>(facts.tool), scale,
         "What the left button does: touch; paint the clicked segment; join two clicked segments to one; or "
         "cut a segment by a stroke across it.");
+    if (tool >= 0) asked.push_back({.verb = WindowVerb::tool, .word = brush_tools[tool]});
     draw_palette(facts, scale, asked);
     if (facts.is_there) {
-        draw_label("all others", scale);
         // Their material, if it is one for all, or the selected one as an alternative.
         const std::string& one = facts.otherwise.empty() ? facts.material : facts.otherwise;
         const int others =
-            draw_words("others", {"guessed", one.c_str()}, facts.otherwise.empty() ? 0 : 1, true);
+            draw_words_row("all others", {"guessed", one.c_str()}, !facts.otherwise.empty(), scale,
+                           "Unpainted places: a guess for each segment, or the material in hand for all.");
         if (others >= 0)
             asked.push_back({.verb = WindowVerb::otherwise, .word = others == 0 ? "" : facts.material});
-        explain_row("Unpainted places: a guess for each segment, or the material in hand for all.");
-        draw_label("felt", scale);
-        const int felt = draw_words("felt", {"before", "as painted"}, facts.materials_are_on ? 1 : 0, true);
+        const int felt = draw_words_row("felt", {"before", "as painted"}, facts.materials_are_on, scale,
+                                        "Without the painted materials, or with them. B switches.");
         if (felt >= 0)
             asked.push_back({.verb = WindowVerb::feel, .word = felt == 1 ? "materials on" : "materials off"});
-        explain_row("Without the painted materials, or with them. B switches.");
     }
     const float gap = ImGui::GetStyle().ItemInnerSpacing.x,
                 wide = std::floor((ImGui::GetContentRegionAvail().x - 2 * gap) / 3);
@@ -343,12 +346,11 @@ void SettingsPanel::draw(SettingOf of, const SettingsFacts& facts, float scale,
                          std::vector<WindowCommand>& asked) {
     scale_ = scale;
     if (of == SettingOf::felt) {
-        draw_label("settings", scale_);
-        if (const int set = draw_words("settings", {"A", "B"}, facts.b_is_on ? 1 : 0, true); set >= 0)
-            asked.push_back({WindowVerb::settings, 0, set == 0 ? "a" : "b"});
-        explain_row(
+        const int set = draw_words_row(
+            "settings", {"A", "B"}, facts.b_is_on, scale_,
             "Two sets of settings, to feel the difference. The key B switches. Set B begins without filters, "
             "or, where materials are painted, without those.");
+        if (set >= 0) asked.push_back({WindowVerb::settings, 0, set == 0 ? "a" : "b"});
     }
     for (const SessionSetting& setting : session_settings())
         if (setting.of == of ||

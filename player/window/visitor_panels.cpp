@@ -32,8 +32,26 @@ void begin_canvas(const char* name, ImVec2 at, ImVec2 size) {
     ImGui::PopStyleVar(3);
 }
 
-float letters_width(const std::string& words, float size) {
-    return font_of_size(size)->CalcTextSizeA(size, 1e6F, 0, words.c_str()).x;
+/// Spacing between lines, in addition to their height.
+float pause_between(float size) {
+    return 0.35F * size;
+}
+
+std::vector<std::string> lines_of(const std::string& words) {
+    std::vector<std::string> lines;
+    std::istringstream in(words);
+    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    return lines;
+}
+
+/// Size of its lines, each wrapped at `wrap`; 0: not wrapped.
+ImVec2 size_of(const std::string& words, float size, float wrap) {
+    ImVec2 all(0, 0);
+    for (const std::string& line : lines_of(words)) {
+        const ImVec2 one = font_of_size(size)->CalcTextSizeA(size, 1e6F, wrap, line.c_str());
+        all = ImVec2(std::max(all.x, one.x), all.y + one.y + (all.y > 0 ? pause_between(size) : 0));
+    }
+    return all;
 }
 
 /// A few large buttons for visitors of a kiosk, sized for fingers, in the middle of the picture's lower edge.
@@ -53,7 +71,7 @@ public:
         float longest = 0;
         for (const Button& button : buttons_)
             for (const std::string* const words : {&button.words, button.or_words})
-                if (words) longest = std::max(longest, letters_width(*words, text_));
+                if (words) longest = std::max(longest, size_of(*words, text_, 0).x);
         const float room = (width - 2 * gap_ - (count + 1) * gap_) / count;
         wide_ = std::min(std::max(1.4F * high_, longest + text_), room);
         text_ *= std::min(1.0F, (wide_ - 0.4F * text_) / longest);
@@ -146,7 +164,7 @@ private:
         const float top = text_ > 0 ? at.y + 0.02F * high_ : at.y + (high_ - sign) / 2;
         draw_sign(button.sign, ImVec2(at.x + (wide_ - sign) / 2, top), sign, ink);
         if (text_ == 0) return;
-        const float x = at.x + (wide_ - letters_width(button.words, text_)) / 2;
+        const float x = at.x + (wide_ - size_of(button.words, text_, 0).x) / 2;
         list.AddText(font_of_size(text_), text_, ImVec2(x, end.y - 0.1F * high_ - text_), ink,
                      button.words.c_str());
     }
@@ -280,28 +298,6 @@ struct StudyPage {
     float button_height = std::max(0.115F * height, 2.2F * text);
     float bottom = height - 0.06F * height - button_height;  ///< top of the button
 };
-
-/// Spacing between lines, in addition to their height.
-float pause_between(float size) {
-    return 0.35F * size;
-}
-
-std::vector<std::string> lines_of(const std::string& words) {
-    std::vector<std::string> lines;
-    std::istringstream in(words);
-    for (std::string line; std::getline(in, line);) lines.push_back(line);
-    return lines;
-}
-
-/// Size of its lines, each wrapped at `wrap`; 0: not wrapped.
-ImVec2 size_of(const std::string& words, float size, float wrap) {
-    ImVec2 all(0, 0);
-    for (const std::string& line : lines_of(words)) {
-        const ImVec2 one = font_of_size(size)->CalcTextSizeA(size, 1e6F, wrap, line.c_str());
-        all = ImVec2(std::max(all.x, one.x), all.y + one.y + (all.y > 0 ? pause_between(size) : 0));
-    }
-    return all;
-}
 
 /// The largest size, up to `size`, at which it fits into that height and width.
 float fitting(const std::string& words, float size, float wide, float high) {

@@ -320,7 +320,7 @@ Result<void> WindowClips::show(Ready& ready) {
         note_failure();
         clip.fingers().set_count(before->fingers().count());
         // Stopped forces stay stopped for every clip.
-        clip.device().set_force(before->device().force_is_on());
+        clip.device()->set_force(before->device()->force_is_on());
     } else {
         clip.fingers().set_count(core_.settings_file().read().fingers);
     }

@@ -29,7 +29,7 @@ void WindowHand::stop_at_once(InputEvent& event) {
 
 void WindowHand::lead() {
     const std::lock_guard lock(mutex_);
-    pointer_ = core_.clip()->shared_device();
+    pointer_ = core_.clip()->device();
     control_ = core_.clip()->session().setup().options.control;
 }
 

@@ -213,18 +213,20 @@ WindowPanel::Box WindowPanel::note_box() {
 
 WindowPanel::Free WindowPanel::free_of(const PanelFacts& facts, float width) const {
     const bool is_narrow = width < 480 * scale_ && !facts.is_empty;  // no force is shown there
-    return {shown || facts.hand || is_narrow ? 104 * scale_ : 0.0F,
-            shown ? width - side_width(width) - 2 * panel_margin * scale_ : width};
+    const float m = panel_margin * scale_, from = shown || facts.hand || is_narrow ? 104 * scale_ : 0.0F,
+                to = shown ? width - side_width(width) - 2 * m : width, room = to - from - m;
+    return {(from + to) / 2, words_bottom_ > 0 ? words_bottom_ + m / 2 : m, room,
+            shown ? room : std::min(room, width * 0.6F)};
 }
 
 /// Draws the state of forces, always visible.
 void WindowPanel::draw_state(const PanelFacts& facts, float width) {
     if (!facts.hand) return;
     const HandState& state = facts.hand->state;
-    const auto [from, to] = free_of(facts, width);
-    const float m = panel_margin * scale_;
-    begin_box("state", {.x = (from + to) / 2, .y = m, .pivot_x = 0.5F, .flags = ImGuiWindowFlags_NoInputs});
-    ImGui::PushTextWrapPos(to - from - m);
+    const Free free = free_of(facts, width);
+    begin_box("state",
+              {.x = free.middle, .y = free.top, .pivot_x = 0.5F, .flags = ImGuiWindowFlags_NoInputs});
+    ImGui::PushTextWrapPos(free.width);
     using What = HandState::What;
     const ImVec4 on(0.55F, 0.90F, 0.55F, 1), off(0.95F, 0.78F, 0.35F, 1);
     const ImVec4& colour = state.what == What::on ? on : (state.what == What::away ? bad_words : off);
@@ -238,11 +240,10 @@ void WindowPanel::draw_state(const PanelFacts& facts, float width) {
 /// Draws a fault until it is dismissed.
 void WindowPanel::draw_fault(const PanelFacts& facts, float width, std::vector<WindowCommand>& asked) {
     if (facts.faults.empty()) return;
-    const auto [from, to] = free_of(facts, width);
-    const float m = panel_margin * scale_, top = words_bottom_ > 0 ? words_bottom_ + m / 2 : m;
-    begin_box("fault", {.x = (from + to) / 2, .y = top, .pivot_x = 0.5F});
+    const Free free = free_of(facts, width);
+    begin_box("fault", {.x = free.middle, .y = free.top, .pivot_x = 0.5F});
     note_box();
-    ImGui::PushTextWrapPos(std::min(to - from - m, shown ? to : width * 0.6F));
+    ImGui::PushTextWrapPos(free.wrap);
     ImGui::TextColored(bad_words, "%s", facts.faults.front().c_str());
     const std::size_t more = facts.faults.size() - 1;
     ImGui::TextDisabled("click, or Escape: read%s",
@@ -257,16 +258,14 @@ void WindowPanel::draw_fault(const PanelFacts& facts, float width, std::vector<W
 /// Draws a message above the middle of the panel's free space.
 void WindowPanel::draw_message(const PanelFacts& facts, float width) {
     if (facts.message.empty()) return;
-    const auto [from, to] = free_of(facts, width);
-    const float m = panel_margin * scale_, top = words_bottom_ > 0 ? words_bottom_ + m / 2 : m;
-    const float wrap = std::min(to - from - m, shown ? to : width * 0.6F);
+    const Free free = free_of(facts, width);
     // Sets the size, as ImGui's own is that of the previous text.
     const ImVec2 padding = ImGui::GetStyle().WindowPadding;
-    const ImVec2 words = ImGui::CalcTextSize(facts.message.c_str(), nullptr, false, wrap - padding.x);
+    const ImVec2 words = ImGui::CalcTextSize(facts.message.c_str(), nullptr, false, free.wrap - padding.x);
     ImGui::SetNextWindowSize(ImVec2(words.x + 2 * padding.x, words.y + 2 * padding.y));
     begin_box("message",
-              {.x = (from + to) / 2, .y = top, .pivot_x = 0.5F, .flags = ImGuiWindowFlags_NoInputs});
-    ImGui::PushTextWrapPos(wrap);
+              {.x = free.middle, .y = free.top, .pivot_x = 0.5F, .flags = ImGuiWindowFlags_NoInputs});
+    ImGui::PushTextWrapPos(free.wrap);
     ImGui::TextColored(facts.message_is_bad ? bad_words : ImGui::GetStyle().Colors[ImGuiCol_Text], "%s",
                        facts.message.c_str());
     ImGui::PopTextWrapPos();

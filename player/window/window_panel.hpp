@@ -111,9 +111,10 @@ private:
     void draw_state(const PanelFacts& facts, float width);
     void draw_message(const PanelFacts& facts, float width);
     void draw_fault(const PanelFacts& facts, float width, std::vector<WindowCommand>& asked);
-    /// The horizontal range that the panel and the forces leave free.
+    /// The place of the next words above the picture, between the forces and the panel: the middle of its
+    /// upper edge, the width there, and the width at which messages wrap.
     struct Free {
-        float from, to;
+        float middle, top, width, wrap;
     };
     Free free_of(const PanelFacts& facts, float width) const;
     float side_width(float width) const;

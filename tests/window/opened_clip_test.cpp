@@ -65,7 +65,7 @@ TEST_F(ChangedClip, KeepsPlaybackState) {
 
 TEST_F(ChangedClip, FollowsCommandsGivenMeanwhile) {
     ASSERT_TRUE(comes_true([this] { return now().moment.time_ns > 0; }));
-    auto change = clip_->prepare(clip_->settings());
+    auto change = clip_->prepare(clip_->settings(), nullptr);
     ASSERT_TRUE(change) << change.error().message;
     WatchedSession& before = clip_->session();
     ASSERT_TRUE(before.ask(PlaybackVerb::rate, 700));
@@ -84,14 +84,14 @@ TEST_F(ChangedClip, FollowsCommandsGivenMeanwhile) {
 TEST_F(ChangedClip, LosesNoCommandDuringChange) {
     ASSERT_TRUE(clip_->session().ask(PlaybackVerb::loop, 0, 1'500'000'000));
     ASSERT_TRUE(comes_true([this] { return now().loops; }));
-    auto change = clip_->prepare(clip_->settings());
+    auto change = clip_->prepare(clip_->settings(), nullptr);
     ASSERT_TRUE(change) << change.error().message;
     ASSERT_TRUE(comes_true([&] { return clip_->has_come_to(*change); }));
     ASSERT_TRUE(clip_->session().ask(PlaybackVerb::loop, 0, 1'800'000'000));
     ASSERT_TRUE(comes_true([&] { return clip_->has_come_to(*change); }));
     ASSERT_TRUE(clip_->take(std::move(*change)));
     EXPECT_TRUE(comes_true([this] { return now().loop_end_ns == 1'800'000'000; })) << now().loop_end_ns;
-    auto other = clip_->prepare(clip_->settings());
+    auto other = clip_->prepare(clip_->settings(), nullptr);
     ASSERT_TRUE(other) << other.error().message;
     ASSERT_TRUE(comes_true([&] { return clip_->has_come_to(*other); }));
     ASSERT_TRUE(clip_->session().ask(PlaybackVerb::pause));
@@ -101,7 +101,7 @@ TEST_F(ChangedClip, LosesNoCommandDuringChange) {
 }
 
 TEST_F(ChangedClip, ReportsFailureOfEarlierSession) {
-    auto change = clip_->prepare(clip_->settings());
+    auto change = clip_->prepare(clip_->settings(), nullptr);
     ASSERT_TRUE(change) << change.error().message;
     std::filesystem::resize_file(choice_.file, 3000);
     ASSERT_TRUE(comes_true([this] { return clip_->session().clip_failure().has_value(); }));
@@ -137,7 +137,7 @@ TEST_F(ChangedClip, KeepsItsScale) {
     ASSERT_TRUE(anew && anew->begin());
     const double before = scale(first->session().setup());
     ASSERT_NE(scale(anew->session().setup()), before) << "nothing is tested";
-    const auto changed = first->prepare(smooth);
+    const auto changed = first->prepare(smooth, nullptr);
     ASSERT_TRUE(changed) << changed.error().message;
     EXPECT_EQ(scale(*changed->setup), before);
 }
@@ -231,7 +231,7 @@ TEST_F(CountedClip, ChangeFiltersFewFrames) {
          {std::tuple("median", "5", 3), {"temporal", "on", temporal_warm_up_frames + 3}}) {
         SessionSettings settings = clip_->settings();
         ASSERT_TRUE(settings.set(name, value));
-        const auto change = clip_->prepare(settings);
+        const auto change = clip_->prepare(settings, nullptr);
         ASSERT_TRUE(change) << change.error().message;
         int filtered = 0;
         for (const FrameRun& run : change->setup->feed->built()) filtered += static_cast<int>(run.count);
