@@ -15,6 +15,7 @@
 #include <future>
 #include <tuple>
 
+#include "engine/base/files.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/gpu/gpu_device.hpp"
@@ -317,12 +318,11 @@ public:
         swapchain_.reset();
         is_over_ = true;  // polled: GLFW may be gone before it could be woken
         if (thread_.joinable()) thread_.join();
-        if (wake_ >= 0) close(wake_);
     }
 
     Result<void> open(const ScreenOptions& options) {
         at_once_ = options.at_once;
-        wake_ = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+        wake_ = Descriptor(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
         std::promise<Result<void>> opened;
         auto outcome = opened.get_future();
         if (auto started = start_thread(thread_, "window", "that hears keys and mouse",
@@ -438,7 +438,7 @@ private:
     void wake() const {
         if (!connection_.is_open()) return glfwPostEmptyEvent();
         const std::uint64_t one = 1;
-        (void)!write(wake_, &one, sizeof one);
+        (void)!write(wake_.get(), &one, sizeof one);
     }
 
     // The rest runs on the window's thread.
@@ -489,7 +489,7 @@ private:
             if (k % size_again == 0) note_size();
             read_events();
             if (connection_.is_open())
-                connection_.wait(look_again, touches_ ? touches_->socket() : -1, wake_);
+                connection_.wait(look_again, touches_ ? touches_->socket() : -1, wake_.get());
             else
                 glfwWaitEventsTimeout(std::chrono::duration<double>(look_again).count());
         }
@@ -497,7 +497,7 @@ private:
 
     void do_errands() {
         std::uint64_t ignored = 0;
-        (void)!read(wake_, &ignored, sizeof ignored);
+        (void)!read(wake_.get(), &ignored, sizeof ignored);
         std::vector<std::function<void()>> errands;
         {
             const std::lock_guard lock(mutex_);
@@ -649,7 +649,7 @@ private:
     }
 
     std::thread thread_;
-    int wake_ = -1;  // wakes the window's thread
+    Descriptor wake_;  // wakes the window's thread
     std::atomic<bool> is_over_{false};
     XConnection connection_;
     GLFWwindow* window_ = nullptr;

@@ -11,6 +11,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
 #include "player/window/command_table.hpp"
 #include "player/window/window_command.hpp"
@@ -21,36 +22,38 @@ namespace {
 constexpr struct {
     const char* member;
     std::string KioskTexts::*text;
-} kiosk_texts[] = {{"invitation", &KioskTexts::invitation},
-                   {"how_by_mouse", &KioskTexts::how_by_mouse},
-                   {"how_by_touch_screen", &KioskTexts::how_by_touch_screen},
-                   {"how_by_device", &KioskTexts::how_by_device},
-                   {"force_is_off", &KioskTexts::force_is_off},
-                   {"again_by_mouse", &KioskTexts::again_by_mouse},
-                   {"again_by_touch_screen", &KioskTexts::again_by_touch_screen},
-                   {"device_is_on", &KioskTexts::device_is_on},
-                   {"device_is_off", &KioskTexts::device_is_off},
-                   {"device_is_away", &KioskTexts::device_is_away},
-                   {"device_has_no_force", &KioskTexts::device_has_no_force},
-                   {"device_is_moved", &KioskTexts::device_is_moved},
-                   {"come_out", &KioskTexts::come_out},
-                   {"turn_back", &KioskTexts::turn_back},
-                   {"touch", &KioskTexts::touch},
-                   {"turn", &KioskTexts::turn},
-                   {"pause", &KioskTexts::pause},
-                   {"play", &KioskTexts::play},
-                   {"colours", &KioskTexts::colours},
-                   {"next", &KioskTexts::next},
-                   {"limit", &KioskTexts::limit},
-                   {"depth", &KioskTexts::depth},
-                   {"stiffness", &KioskTexts::stiffness},
-                   {"friction", &KioskTexts::friction},
-                   {"height", &KioskTexts::height},
-                   {"everywhere", &KioskTexts::everywhere},
-                   {"study_begin", &KioskTexts::study_begin},
-                   {"study_continue", &KioskTexts::study_continue},
-                   {"study_wait", &KioskTexts::study_wait},
-                   {"study_not_kept", &KioskTexts::study_not_kept}};
+    const char* english;
+} kiosk_texts[] = {
+    {"invitation", &KioskTexts::invitation, "Touch the picture"},
+    {"how_by_mouse", &KioskTexts::how_by_mouse, "Move, hold the button, and feel"},
+    {"how_by_touch_screen", &KioskTexts::how_by_touch_screen, "One finger touches, two turn it"},
+    {"how_by_device", &KioskTexts::how_by_device, "Take the handle, and feel"},
+    {"force_is_off", &KioskTexts::force_is_off, "Force is off"},
+    {"again_by_mouse", &KioskTexts::again_by_mouse, "Press to feel again"},
+    {"again_by_touch_screen", &KioskTexts::again_by_touch_screen, "Touch to feel again"},
+    {"device_is_on", &KioskTexts::device_is_on, "You feel what you touch"},
+    {"device_is_off", &KioskTexts::device_is_off, "Forces are off: press the button of the handle, or F"},
+    {"device_is_away", &KioskTexts::device_is_away, "The device is away: one moment, please"},
+    {"device_has_no_force", &KioskTexts::device_has_no_force, "You see what you touch"},
+    {"device_is_moved", &KioskTexts::device_is_moved, "No force while the handle is moved back"},
+    {"come_out", &KioskTexts::come_out, "Lift the finger off the surface: then you feel it"},
+    {"turn_back", &KioskTexts::turn_back, "Turn it back"},
+    {"touch", &KioskTexts::touch, "Touch"},
+    {"turn", &KioskTexts::turn, "Turn"},
+    {"pause", &KioskTexts::pause, "Pause"},
+    {"play", &KioskTexts::play, "Play"},
+    {"colours", &KioskTexts::colours, "Colours"},
+    {"next", &KioskTexts::next, "Next"},
+    {"limit", &KioskTexts::limit, "limit"},
+    {"depth", &KioskTexts::depth, "Depth"},
+    {"stiffness", &KioskTexts::stiffness, "Stiffness"},
+    {"friction", &KioskTexts::friction, "Friction"},
+    {"height", &KioskTexts::height, "Height"},
+    {"everywhere", &KioskTexts::everywhere, "the same everywhere"},
+    {"study_begin", &KioskTexts::study_begin, "Begin"},
+    {"study_continue", &KioskTexts::study_continue, "Continue"},
+    {"study_wait", &KioskTexts::study_wait, "One moment, please"},
+    {"study_not_kept", &KioskTexts::study_not_kept, "Answers cannot be kept. Please call the staff."}};
 
 KioskTexts read_texts(const checked_json::Node& node) {
     std::vector<std::string> legal{"touchable_kiosk_texts", "language"};
@@ -190,6 +193,10 @@ ShownStroke stroke_at(double seconds) {
     const double angle = 2 * std::numbers::pi * seconds / round_s;
     const double within = std::fmod(seconds, stroke_s);
     return {{0.17 * std::sin(angle), 0.12 * std::sin(2 * angle)}, within > down_s && within < up_s};
+}
+
+KioskTexts::KioskTexts() {
+    for (const auto& one : kiosk_texts) this->*one.text = one.english;
 }
 
 std::string KioskTexts::all() const {
@@ -339,14 +346,14 @@ std::optional<std::size_t> RestingFingers::take(std::span<const LabelledFinger> 
 }
 
 Result<std::unique_ptr<UseLog>> UseLog::open(const std::filesystem::path& file, WriteRow write) {
-    const int out = ::open(file.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NONBLOCK, 0644);
-    if (out < 0) return input_error(file.string() + ": cannot be written: " + std::strerror(errno));
-    const std::shared_ptr<void> closing(nullptr, [out](void*) { close(out); });
-    if (const auto why = why_no_log(out))
+    const auto out = std::make_shared<Descriptor>(
+        ::open(file.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NONBLOCK, 0644));
+    if (out->get() < 0) return input_error(file.string() + ": cannot be written: " + std::strerror(errno));
+    if (const auto why = why_no_log(out->get()))
         return input_error(file.string() + ": " + *why +
                            "; must be a new file, or a log of use to go on with");
     return std::unique_ptr<UseLog>(new UseLog(
-        file, [out, closing, write = std::move(write)](std::string_view row) { return write(out, row); }));
+        file, [out, write = std::move(write)](std::string_view row) { return write(out->get(), row); }));
 }
 
 void UseLog::fault(Time now, const std::string& words) {

@@ -99,36 +99,17 @@ enum class TouchedBy { mouse, touch_screen, device };
 /// All texts that a kiosk shows to visitors, English by default.
 struct KioskTexts {
     std::string language = "en";  ///< the first choice for captions and sounds of labels
-    std::string invitation = "Touch the picture";
-    std::string how_by_mouse = "Move, hold the button, and feel";
-    std::string how_by_touch_screen = "One finger touches, two turn it";
-    std::string how_by_device = "Take the handle, and feel";
-    std::string force_is_off = "Force is off";
-    std::string again_by_mouse = "Press to feel again";
-    std::string again_by_touch_screen = "Touch to feel again";
-    std::string device_is_on = "You feel what you touch";
-    std::string device_is_off = "Forces are off: press the button of the handle, or F";
-    std::string device_is_away = "The device is away: one moment, please";
-    std::string device_has_no_force = "You see what you touch";
-    std::string device_is_moved = "No force while the handle is moved back";
-    std::string come_out = "Lift the finger off the surface: then you feel it";
-    std::string turn_back = "Turn it back";  ///< a button, like those down to `next`
-    std::string touch = "Touch";             ///< the new effect of dragging
-    std::string turn = "Turn";
-    std::string pause = "Pause";
-    std::string play = "Play";
-    std::string colours = "Colours";
-    std::string next = "Next";    ///< clip
-    std::string limit = "limit";  ///< of the largest force
-    std::string depth = "Depth";  ///< meaning of colours, like those down to `height`
-    std::string stiffness = "Stiffness";
-    std::string friction = "Friction";
-    std::string height = "Height";
-    std::string everywhere = "the same everywhere";
-    std::string study_begin = "Begin";
-    std::string study_continue = "Continue";
-    std::string study_wait = "One moment, please";
-    std::string study_not_kept = "Answers cannot be kept. Please call the staff.";
+    std::string invitation, how_by_mouse, how_by_touch_screen, how_by_device;
+    std::string force_is_off, again_by_mouse, again_by_touch_screen;
+    std::string device_is_on, device_is_off, device_is_away, device_has_no_force, device_is_moved, come_out;
+    std::string turn_back, pause, play, colours, next;  ///< buttons
+    std::string touch, turn;                            ///< buttons: the new effect of dragging
+    std::string limit;                                  ///< of the largest force
+    std::string depth, stiffness, friction, height;     ///< meaning of colours
+    std::string everywhere;
+    std::string study_begin, study_continue, study_wait, study_not_kept;
+
+    KioskTexts();
     bool operator==(const KioskTexts&) const = default;
 
     /// All texts concatenated, to find the glyphs that they need.

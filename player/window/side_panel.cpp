@@ -241,22 +241,19 @@ void draw_choice(const SessionSetting& setting, const SettingsFacts& facts,
 
 /// Each filter with its reason, one per line; separators in parentheses do not count.
 void draw_reasons(const std::string& words) {
+    constexpr std::string_view separators = ",;:", stated = "(stated)";
     int depth = 0;
     std::string line;
-    const auto say = [](std::string remark) {
-        constexpr std::string_view stated = "(stated)";
-        if (const std::size_t at = remark.find(stated); at != std::string::npos)
-            remark.replace(at, stated.size(), "(asked for)");
-        draw_remark(remark);
-    };
     for (std::size_t k = 0; k < words.size(); ++k) {
         depth += words[k] == '(' ? 1 : (words[k] == ')' ? -1 : 0);
-        line += words[k];
-        const bool ends = k + 1 == words.size() || (depth == 0 && words[k + 1] == ' ' &&
-                                                    (words[k] == ',' || words[k] == ';' || words[k] == ':'));
-        if (!ends) continue;
-        if (k + 1 < words.size()) line.pop_back();
-        say(line);
+        const bool is_last = k + 1 == words.size(),
+                   ends = !is_last && depth == 0 && words[k + 1] == ' ' &&
+                          separators.find(words[k]) != std::string_view::npos;
+        if (!ends) line += words[k];
+        if (!ends && !is_last) continue;
+        if (const std::size_t at = line.find(stated); at != std::string::npos)
+            line.replace(at, stated.size(), "(asked for)");
+        draw_remark(line);
         line.clear();
         ++k;  // the space
     }

@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <glm/geometric.hpp>
 
+#include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
 #include "player/window/kiosk.hpp"
 
@@ -334,7 +335,6 @@ TouchMeasures TouchMeter::measures() const {
 class StudyRun::Tables : NonCopyable {
 public:
     explicit Tables(fs::path folder) : folder_(std::move(folder)) {}
-    ~Tables() { close_table(); }
 
     const fs::path& folder() const { return folder_; }
     /// The participant's number. The window may read it between the end of `begin` and its next request.
@@ -350,16 +350,16 @@ public:
         const std::size_t last_number = std::min(largest + most_tries, largest_number);
         for (number_ = largest + 1; number_ <= last_number; ++number_) {
             const fs::path name = named(partial_ending);
-            out_ = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0644);
-            if (out_ < 0 && errno == EEXIST) continue;
-            if (out_ < 0) return failed(errno);
+            out_ = Descriptor(::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0644));
+            if (out_.get() < 0 && errno == EEXIST) continue;
+            if (out_.get() < 0) return failed(errno);
             std::error_code ignored;
             const bool is_taken =
                 fs::exists(named(whole_ending), ignored) || fs::exists(named(left_ending), ignored);
             waiting_ = table_header;
             Result<void> begun = write();
             if (begun && !is_taken) return begun;
-            close_table();
+            out_.reset();
             (void)unlink(name.c_str());
             if (!begun) return begun;
         }
@@ -387,7 +387,7 @@ public:
                                std::strerror(why));
         unended_.reset();
         sync_folder(folder_);
-        close_table();
+        out_.reset();
         return {};
     }
     /// Retries ending the table, if that failed.
@@ -404,17 +404,14 @@ private:
     }
     /// Writes all waiting rows, or none.
     Result<void> write() {
-        if (const int why = append_durably(out_, waiting_)) return failed(why);
+        if (const int why = append_durably(out_.get(), waiting_)) return failed(why);
         waiting_.clear();
         return {};
-    }
-    void close_table() {
-        if (out_ >= 0) close(std::exchange(out_, -1));
     }
 
     const fs::path folder_;
     std::size_t number_ = 0;
-    int out_ = -1;
+    Descriptor out_;
     std::string waiting_;          // complete rows
     std::optional<bool> unended_;  // the `is_whole` of a failed `end`
 };
