@@ -52,9 +52,7 @@ Result<std::shared_ptr<const SpokenSound>> SpokenSound::read(const std::filesyst
         return input_error(file.string() + ": " + why +
                            "; expected a sound of up to 60 s, such as a WAV file");
     };
-    if (const auto there = GivenFile::open(file, file.string(), "a sound of up to 60 s, such as a WAV file");
-        !there)
-        return there.error();
+    TRY(GivenFile::open(file, file.string(), "a sound of up to 60 s, such as a WAV file"));
     TRY_ASSIGN(const auto track, SoundTrack::open(file));
     if (!track) return refuse("has no sound");
     auto sound = std::make_shared<SpokenSound>();

@@ -198,9 +198,9 @@ void WindowSound::consume(HeardTick tick, std::int64_t passed) {
     const float share = static_cast<float>(volume()) / 100;
     tick.loudness = share * share * share;
     if (fingers_silent_.load(std::memory_order_relaxed)) tick.fingers = {};
-    if (const std::uint32_t said = said_.load(std::memory_order_relaxed); said != 0) {
-        tick.spoken = spoken_[said % most_spoken].get();
-        tick.spoken_number = said;
+    if (const Said said = said_.load(std::memory_order_relaxed); said.number != 0) {
+        tick.spoken = spoken_[said.sound].get();
+        tick.spoken_number = said.number;
     }
     if (rumble_) rumble_->consume(tick);
     if (output_) ticks_->push(tick);
@@ -229,10 +229,9 @@ void WindowSound::set_spoken(std::vector<std::shared_ptr<const SpokenSound>> sou
 }
 
 void WindowSound::say(std::size_t sound) {
-    if (sound >= spoken_.size() || sound >= most_spoken || !spoken_[sound]) return;
-    const std::uint32_t before = said_.load(std::memory_order_relaxed) / most_spoken;
-    const std::uint32_t number = before + 1 < UINT32_MAX / most_spoken ? before + 1 : 1;
-    said_.store(number * most_spoken + static_cast<std::uint32_t>(sound), std::memory_order_relaxed);
+    if (sound >= spoken_.size() || !spoken_[sound]) return;
+    const std::uint32_t number = said_.load(std::memory_order_relaxed).number + 1;
+    said_.store({number, static_cast<std::uint32_t>(sound)}, std::memory_order_relaxed);
 }
 
 std::string WindowSound::state() const {

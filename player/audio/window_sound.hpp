@@ -92,9 +92,11 @@ private:
 
     std::atomic<bool> muted_{false}, fingers_silent_{false};
     std::atomic<int> volume_{100};
-    static constexpr std::uint32_t most_spoken = 1024;
+    struct Said {
+        std::uint32_t number = 0, sound = 0;  // how many sounds were spoken; the index of the last one
+    };
     std::vector<std::shared_ptr<const SpokenSound>> spoken_;
-    std::atomic<std::uint32_t> said_{0};  // count of spoken sounds times most_spoken, plus the index
+    std::atomic<Said> said_{};
     std::shared_ptr<ClipSound> clip_ = std::make_shared<ClipSound>();
     std::shared_ptr<HeardTicks> ticks_ = std::make_shared<HeardTicks>(clip_);
     std::optional<FilmedSound> film_;

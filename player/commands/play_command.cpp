@@ -236,7 +236,7 @@ Result<TouchLabels> read_labels(const fs::path& file, const std::optional<fs::pa
 }
 
 /// Reads each file once, even if several labels use it.
-Result<void> read_sounds(KioskOptions& kiosk) {
+Result<void> read_sounds(PlayOptions::Kiosk& kiosk) {
     std::map<fs::path, std::shared_ptr<const SpokenSound>> read;
     for (const TouchLabel& label : kiosk.labels.labels) {
         const fs::path* const file = said_in(label.sounds, kiosk.texts.language);
@@ -250,13 +250,13 @@ Result<void> read_sounds(KioskOptions& kiosk) {
 }
 
 /// Reads all files of a kiosk. `segments`: the file of --segments. Nothing: not a kiosk.
-Result<std::optional<KioskOptions>> read_kiosk(const KioskWords& words,
-                                               const std::optional<fs::path>& segments) {
-    if (!words.kiosk) return std::optional<KioskOptions>();
+Result<std::optional<PlayOptions::Kiosk>> read_kiosk(const KioskWords& words,
+                                                     const std::optional<fs::path>& segments) {
+    if (!words.kiosk) return std::optional<PlayOptions::Kiosk>();
     if (!words.idle.empty() && words.idle[1] < words.idle[0])
         return usage_error(
             "--idle: a kiosk begins anew, the second time, no sooner than it invites, the first");
-    KioskOptions kiosk;
+    PlayOptions::Kiosk kiosk;
     if (!words.idle.empty()) kiosk.times = {words.idle[0], words.idle[1]};
     TRY_ASSIGN(kiosk.texts, choose_texts(words.texts));
     kiosk.touched_by = has_touch_screen() ? TouchedBy::touch_screen : TouchedBy::mouse;

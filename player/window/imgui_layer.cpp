@@ -224,12 +224,7 @@ void tell(ImGuiIO& io, const InputEvent& event) {
             io.KeyCtrl = event.control;
             io.KeyShift = event.shift;
             break;
-        case Kind::touch_began:  // touches on a panel arrive as pointer events
-        case Kind::touch_moved:
-        case Kind::touch_ended:
-        case Kind::resized:
-        case Kind::dropped:
-        case Kind::close:
+        default:  // touches on a panel arrive as pointer events
             break;
     }
 }

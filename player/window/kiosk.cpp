@@ -77,16 +77,13 @@ constexpr std::size_t most_corners = 1000;
 
 glm::dvec2 read_corner(const LabelNode& node) {
     const auto numbers = node.elements(2, 2, "a pixel [x, y]");
-    const auto at = [](const LabelNode& number) {
-        return static_cast<double>(number.integer(0, largest_side));
-    };
-    return {at(numbers[0]), at(numbers[1])};
+    return {numbers[0].whole(0, largest_side), numbers[1].whole(0, largest_side)};
 }
 
 std::vector<glm::dvec2> read_rectangle(const LabelNode& node) {
     const auto numbers = node.elements(4, 4, "[left, top, right, bottom], pixels");
     double side[4];
-    for (std::size_t k = 0; k < 4; ++k) side[k] = static_cast<double>(numbers[k].integer(0, largest_side));
+    for (std::size_t k = 0; k < 4; ++k) side[k] = numbers[k].whole(0, largest_side);
     if (side[0] > side[2] || side[1] > side[3])
         node.refuse("[left, top, right, bottom], right not before left and bottom not above top");
     return {{side[0], side[1]}, {side[2], side[1]}, {side[2], side[3]}, {side[0], side[3]}};
@@ -282,8 +279,7 @@ Result<void> TouchLabels::fits(int width, int height, std::int64_t frames) const
                 return input_error(name_of_label(*this, k) + " reaches pixel " +
                                    std::to_string(static_cast<int>(corner.x)) + ", " +
                                    std::to_string(static_cast<int>(corner.y)) + ": the clip is " +
-                                   std::to_string(width) + "x" + std::to_string(height) +
-                                   ", and its pixels begin with 0, 0");
+                                   size_text(width, height) + ", and its pixels begin with 0, 0");
         if (frames > 0 && labels[k].first >= frames)
             return input_error(name_of_label(*this, k) + " begins with frame " +
                                std::to_string(labels[k].first) + ": the clip has " + std::to_string(frames) +

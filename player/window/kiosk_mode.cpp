@@ -249,7 +249,7 @@ void KioskMode::look_for_labels(const WatchedMoment& moment) {
 
 void KioskMode::draw(PanelFacts& facts, const Seen& seen) {
     look_for_labels(seen.moment);
-    const KioskOptions& kiosk = *core_.options.kiosk;
+    const PlayOptions::Kiosk& kiosk = *core_.options.kiosk;
     const OpenedClip& clip = *core_.clip();
     KioskFacts& shown =
         facts.kiosk.emplace(KioskFacts{.texts = kiosk.texts,

@@ -293,8 +293,8 @@ Result<void> OpenedClip::take(Change change) {
         TRY(finish_film());
         record_->file->end_part(facts_of_part(), setup.options.playback);
         TRY(open_film(*change.setup));
+        record_->hash.emplace();
     }
-    if (record_) record_->hash.emplace();
     if (control_) change.setup->options.control->go_on_from(*control_);
     TRY(start_session(std::move(change.setup)));
     begin_listening();

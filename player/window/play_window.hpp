@@ -38,18 +38,6 @@
 
 namespace touchable {
 
-/// A window in a public place that runs unattended.
-struct KioskOptions {
-    KioskTimes times{};
-    KioskTexts texts{};
-    TouchedBy touched_by = TouchedBy::mouse;  ///< without a haptic device
-    bool has_bar = true;                      ///< of large buttons; not in a study
-    TouchLabels labels{};                     ///< of the first clip
-    /// A spoken sound for each label, in the language of the texts; null: none.
-    std::vector<std::shared_ptr<const SpokenSound>> label_sounds{};
-    std::optional<std::filesystem::path> use_log{};  ///< UseLog; nullopt: none is kept
-};
-
 /// The clips named by a path or a dropped file. A folder that is no clip itself stands for the clips in it
 /// (videos, recordings, folders with a scene file), sorted by name with numbers in order: "clip2" before
 /// "clip10". Any other name, and a folder without clips, stands for itself.
@@ -60,6 +48,17 @@ Result<std::filesystem::path> own_settings_file();
 
 /// A window's content, input devices, and output files.
 struct PlayOptions {
+    /// A window in a public place that runs unattended.
+    struct Kiosk {
+        KioskTimes times{};
+        KioskTexts texts{};
+        TouchedBy touched_by = TouchedBy::mouse;  ///< without a haptic device
+        bool has_bar = true;                      ///< of large buttons; not in a study
+        TouchLabels labels{};                     ///< of the first clip
+        /// A spoken sound for each label, in the language of the texts; null: none.
+        std::vector<std::shared_ptr<const SpokenSound>> label_sounds{};
+        std::optional<std::filesystem::path> use_log{};  ///< UseLog; nullopt: none is kept
+    };
     /// Texts for the terminal: the calling program's names of output files and guessed values.
     struct Names {
         std::string record = "the recording", sound = "the sound", video = "the film",
@@ -89,7 +88,7 @@ struct PlayOptions {
     /// The clips in a dropped file or folder; tests replace it to simulate a disk that does not answer.
     std::function<std::vector<std::filesystem::path>(const std::filesystem::path&)> clips_of =
         touchable::clips_of;
-    std::optional<KioskOptions> kiosk{};    ///< loops and keeps no settings
+    std::optional<Kiosk> kiosk{};           ///< loops and keeps no settings
     std::optional<Study> study{};           ///< for a kiosk: its visitors are the participants
     std::filesystem::path study_results{};  ///< a folder
     std::shared_ptr<TouchMeter> meter{};    ///< set by the window: the study's measurements

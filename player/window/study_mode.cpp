@@ -214,7 +214,7 @@ private:
 
 Result<std::unique_ptr<KioskMode>> open_study(WindowCore& core) {
     PlayOptions& options = core.options;
-    const KioskOptions& kiosk = *options.kiosk;
+    const PlayOptions::Kiosk& kiosk = *options.kiosk;
     const bool by_touch = kiosk.touched_by == TouchedBy::touch_screen;
     TRY_ASSIGN(auto run,
                StudyRun::open(*options.study, options.study_results, kiosk.texts.language,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <ctime>
@@ -36,6 +37,23 @@ public:
 
 private:
     static inline std::atomic<rep> ahead_{0}, asleep_{0};
+};
+
+/// The time of a script, and of `seconds`, after which the window closes. After a stall, as on a machine that
+/// was busy or asleep, it continues where it was: separate inputs do not coincide.
+class ScriptClock {
+public:
+    /// Script time at this moment of the window's clock, seconds, monotonic. `stands`: the time since the
+    /// last call does not count.
+    double at(double now_s, bool stands = false) {
+        constexpr double longest_step_s = 0.1;  // a slow picture is no stall
+        if (!stands) time_s_ += std::min(now_s - seen_s_, longest_step_s);
+        seen_s_ = now_s;
+        return time_s_;
+    }
+
+private:
+    double seen_s_ = 0, time_s_ = 0;
 };
 
 /// A window's times, shared by all its parts. The window's thread only.

@@ -99,23 +99,6 @@ struct ScriptedInput {
     std::variant<InputEvent, WindowCommand> what;
 };
 
-/// The time of a script, and of `seconds`, after which the window closes. After a stall, as on a machine that
-/// was busy or asleep, it continues where it was: separate inputs do not coincide.
-class ScriptClock {
-public:
-    /// Script time at this moment of the window's clock, seconds, monotonic. `stands`: the time since the
-    /// last call does not count.
-    double at(double now_s, bool stands = false) {
-        constexpr double longest_step_s = 0.1;  // a slow picture is no stall
-        if (!stands) time_s_ += std::min(now_s - seen_s_, longest_step_s);
-        seen_s_ = now_s;
-        return time_s_;
-    }
-
-private:
-    double seen_s_ = 0, time_s_ = 0;
-};
-
 /// A file of timed inputs (docs/play.md), one a line: SECONDS, then move X Y, press BUTTON, release BUTTON,
 /// wheel NOTCHES, key NAME, key-up NAME, touch N X Y, touch-move N X Y, touch-end N, leave, drop FILE, or a
 /// command of the window. Times must not go backward. Errors name the line.

@@ -89,8 +89,8 @@ void MeasureMode::take(const WindowCommand& command) {
     for (const PixelOfFrame& place : command.places)
         if (place.x >= scene.width || place.y >= scene.height)
             return core_.say("measure: there is no pixel " + std::to_string(place.x) + ", " +
-                                 std::to_string(place.y) + "; the depth has " + std::to_string(scene.width) +
-                                 "x" + std::to_string(scene.height),
+                                 std::to_string(place.y) + "; the depth has " +
+                                 size_text(scene.width, scene.height),
                              Tone::refusal);
     tool_.set({command.places[0].x, command.places[0].y}, {command.places[1].x, command.places[1].y});
     const ScreenSize size = core_.screen().size();

@@ -13,6 +13,7 @@
 #include "player/window/command_table.hpp"
 #include "player/window/user_files.hpp"
 #include "player/window/window_clips.hpp"
+#include "player/window/window_clock.hpp"
 #include "player/window/window_command.hpp"
 #include "tests/window/scripted_window.hpp"
 

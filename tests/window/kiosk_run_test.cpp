@@ -240,7 +240,7 @@ protected:
     void SetUp() override {
         options_ = headless_by_cpu(folder_ / "globe.mkv");
         make_clip(folder_ / "globe.mkv", "globe", 30);
-        options_.kiosk = KioskOptions{.times = times, .use_log = folder_ / "use.csv"};
+        options_.kiosk = PlayOptions::Kiosk{.times = times, .use_log = folder_ / "use.csv"};
     }
     /// The picture that the next visitor sees after so many hours of others, who presses a finger in the
     /// middle: of a moment of the clip, so that it is always the same. `is_stopped`: its force is off.
@@ -449,7 +449,7 @@ TEST_F(KioskBarTest, HidesWhenIdle) {
 /// How often a finger comes to the surface.
 int touches_by(const std::string& script) {
     PlayOptions options = headless_by_cpu(made_clip("bumps", 1));
-    options.kiosk = KioskOptions{};
+    options.kiosk = PlayOptions::Kiosk{};
     options.meter = std::make_shared<TouchMeter>();
     options.script = inputs_of(script + "5.4 quit\n");
     const auto played = play_in_window(options);

@@ -281,7 +281,7 @@ TEST_F(LostWindow, KioskReopensRestoredClip) {
     std::filesystem::copy(file, aside);
     options_.record.reset();
     options_.painter = "cpu";
-    options_.kiosk = KioskOptions{.times = {60, 0.3}};
+    options_.kiosk = PlayOptions::Kiosk{.times = {60, 0.3}};
     options_.seconds = 2.6;
     const auto early = folder_ / "early.png", late = folder_ / "late.png";
     options_.script.push_back({2.3, WindowCommand{WindowVerb::screenshot, 0, early.string()}});
@@ -322,7 +322,7 @@ TEST_F(LostWindow, LostDisplayDecidesExitCode) {
         has_ended_ = false;
         options_.session.playback = {{0, PlaybackVerb::loop, 0, 1'300'000'000}};
         options_.painter = "cpu";
-        if (is_kiosk) options_.kiosk = KioskOptions{.times = {60, 0.3}};
+        if (is_kiosk) options_.kiosk = PlayOptions::Kiosk{.times = {60, 0.3}};
         if (!is_kiosk) options_.kiosk.reset();
         options_.seconds = 60;
         std::atomic<bool> is_gone{false};
@@ -528,7 +528,7 @@ protected:
         options_.next_clips.emplace_back().file = clip("bumps");
         options_.session.builder.name = "cpu";
         options_.headless = true;
-        options_.kiosk = KioskOptions{};
+        options_.kiosk = PlayOptions::Kiosk{};
     }
     std::filesystem::path clip(const std::string& name) const { return folder_ / (name + ".mkv"); }
 

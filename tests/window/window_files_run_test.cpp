@@ -638,7 +638,7 @@ protected:
     static constexpr PicturePart middle{60, 40, 260, 180};
     const TemporaryFolder folder_;
     std::filesystem::path first_ = folder_ / "bumps.mkv", second_ = folder_ / "globe.mkv";
-    std::optional<KioskOptions> kiosk_;
+    std::optional<PlayOptions::Kiosk> kiosk_;
 };
 
 TEST_F(NextClip, ComesPaused) {
