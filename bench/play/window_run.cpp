@@ -74,11 +74,12 @@ Result<void> measure_window(const WindowRun& run, LiveClips& clips, Figures& fig
     figures.push_back({"cpu_ms_per_picture", p.process_cpu_ms / counted, "ms"});
     figures.push_back({"window_cpu_ms", p.window_cpu_ms / counted, "ms"});
     figures.push_back({"least_detail_pct", 100 * p.least_detail, "%"});
-    figures.push_back({"tick_late_us_p99", p.tick_late_us_p99, "us"});
-    figures.push_back({"late_ticks_pct", percent(p.late_ticks, p.ticks), "%"});
-    figures.push_back({"late_frames_pct", percent(p.late_frames, p.frames), "%"});
+    const auto& [feed, ticks, late_frames] = p.sessions;
+    figures.push_back({"tick_late_us_p99", ticks.late_us_p99, "us"});
+    figures.push_back({"late_ticks_pct", percent(ticks.late, ticks.ticks), "%"});
+    figures.push_back({"late_frames_pct", percent(late_frames, feed.frames), "%"});
     figures.push_back(named("painter", p.painter));
-    figures.push_back(named("builder", p.builder));
+    figures.push_back(named("builder", feed.builder));
     return {};
 }
 

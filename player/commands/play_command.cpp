@@ -336,12 +336,13 @@ void print(const PlayFigures& figures) {
     std::printf("%-24sp50 %.1f, p99 %.1f ms\n", "time per picture", draw.p50, draw.p99);
     if (!figures.input_to_picture_ms.values().empty())
         std::printf("%-24sp50 %.1f, p99 %.1f ms\n", "input to picture", input.p50, input.p99);
-    std::printf("%-24s%lld, %lld too late\n", "ticks", static_cast<long long>(figures.ticks),
-                static_cast<long long>(figures.late_ticks));
-    if (!figures.builder.empty())  // empty: there was no clip
+    const auto& [feed, ticks, late_frames] = figures.sessions;
+    std::printf("%-24s%lld, %lld too late\n", "ticks", static_cast<long long>(ticks.ticks),
+                static_cast<long long>(ticks.late));
+    if (!feed.builder.empty())  // empty: there was no clip
         std::printf("%-24s%lld, %lld late, %lld left out, by the %s builder\n", "frames",
-                    static_cast<long long>(figures.frames), static_cast<long long>(figures.late_frames),
-                    static_cast<long long>(figures.dropped_frames), figures.builder.c_str());
+                    static_cast<long long>(feed.frames), static_cast<long long>(late_frames),
+                    static_cast<long long>(feed.dropped), feed.builder.c_str());
     if (!figures.relief.empty()) std::printf("%-24s%s\n", "relief", one_line(figures.relief).c_str());
     if (!figures.materials.empty())
         std::printf("%-24s%s\n", "materials", one_line(figures.materials).c_str());

@@ -325,17 +325,15 @@ public:
         wake_ = Descriptor(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
         std::promise<Result<void>> opened;
         auto outcome = opened.get_future();
-        if (auto started = start_thread(thread_, "window", "that hears keys and mouse",
-                                        [this, opened = std::move(opened), &options]() mutable {
-                                            auto done = open_window(options);
-                                            note_size();
-                                            is_over_ = !done;
-                                            opened.set_value(std::move(done));
-                                            serve();
-                                            leave();
-                                        });
-            !started)
-            return started;
+        TRY(start_thread(thread_, "window", "that hears keys and mouse",
+                         [this, opened = std::move(opened), &options]() mutable {
+                             auto done = open_window(options);
+                             note_size();
+                             is_over_ = !done;
+                             opened.set_value(std::move(done));
+                             serve();
+                             leave();
+                         }));
         return outcome.get();
     }
 

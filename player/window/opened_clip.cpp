@@ -323,16 +323,14 @@ void OpenedClip::lead_from(const Change& change, const PlaybackState& to) {
     if (to.playing != from.playing) ask(to.playing ? PlaybackVerb::play : PlaybackVerb::pause);
 }
 
-WatchedFigures OpenedClip::figures() const {
-    if (!session_) return ended_;
-    WatchedFigures all = session_->figures();
-    all.feed.frames += ended_.feed.frames;
-    all.feed.dropped += ended_.feed.dropped;
-    all.ticks.ticks += ended_.ticks.ticks;
-    all.ticks.late += ended_.ticks.late;
-    all.ticks.late_us_p99 = std::max(all.ticks.late_us_p99, ended_.ticks.late_us_p99);
-    all.late_frames += ended_.late_frames;
-    return all;
+WatchedFigures with_counts_of(const WatchedFigures& earlier, WatchedFigures newest) {
+    newest.feed.frames += earlier.feed.frames;
+    newest.feed.dropped += earlier.feed.dropped;
+    newest.ticks.ticks += earlier.ticks.ticks;
+    newest.ticks.late += earlier.ticks.late;
+    newest.ticks.late_us_p99 = std::max(newest.ticks.late_us_p99, earlier.ticks.late_us_p99);
+    newest.late_frames += earlier.late_frames;
+    return newest;
 }
 
 Result<void> OpenedClip::Record::consume(const TouchTick& tick) {

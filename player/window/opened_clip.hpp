@@ -39,6 +39,9 @@ private:
     std::vector<std::deque<Place>> trails_;
 };
 
+/// The figures of the newest session, with the counts of earlier ones.
+WatchedFigures with_counts_of(const WatchedFigures& earlier, WatchedFigures newest);
+
 /// A clip in the window: its session, the pointer or haptic device that touches it, and its view.
 class OpenedClip {
 public:
@@ -121,7 +124,7 @@ public:
     std::int64_t frames() const { return frames_; }  ///< 0 if unknown
     double seconds() const { return static_cast<double>(scene_->rate.time_ns(frames_)) * 1e-9; }
     /// Sum over its sessions.
-    WatchedFigures figures() const;
+    WatchedFigures figures() const { return session_ ? with_counts_of(ended_, session_->figures()) : ended_; }
     /// Ends the session, and completes its recording.
     Result<void> finish();
     /// Why the first session ended by itself, lost ticks, or its clip broke off; known once a session has

@@ -146,15 +146,14 @@ struct PlayFigures {
     /// CPU time since the first picture, of the drawing thread and of the process.
     double window_cpu_ms = 0, process_cpu_ms = 0;
     double least_detail = 1;  ///< PictureGovernor's
-    double tick_late_us_p99 = 0;
     std::int64_t film_pictures = 0, film_left_out = 0;
-    std::string painter, gpu, builder;  ///< gpu: that draws; empty: none
+    WatchedFigures sessions{};  ///< the last one's, with the counts of all; no builder: there was no clip
+    std::string painter, gpu;   ///< gpu: that draws; empty: none
     std::string sound_fault;            ///< the first fault of a clip's sound; empty: none
     std::string slow_reading;           ///< the first clip whose pictures are read too slowly; empty: none
     std::string relief;                 ///< command that makes a clip of the relief felt at the end; empty:
                                         ///< none
     std::string materials;              ///< unsaved painted materials; empty: none
-    std::int64_t ticks = 0, late_ticks = 0, frames = 0, late_frames = 0, dropped_frames = 0;
 };
 
 /// Shows a clip in a window and lets the user touch it, until the window is closed. Main thread only.

@@ -66,15 +66,7 @@ void tell_skipped(WindowCore& core, std::span<const Error> skipped) {
 
 /// Adds the session's figures to those of earlier clips.
 void count_session(WindowCore& core) {
-    const WatchedFigures sessions = core.clip()->figures();
-    PlayFigures& figures = core.figures;
-    figures.builder = sessions.feed.builder;
-    figures.ticks += sessions.ticks.ticks;
-    figures.late_ticks += sessions.ticks.late;
-    figures.tick_late_us_p99 = std::max(figures.tick_late_us_p99, sessions.ticks.late_us_p99);
-    figures.frames += sessions.feed.frames;
-    figures.late_frames += sessions.late_frames;
-    figures.dropped_frames += sessions.feed.dropped;
+    core.figures.sessions = with_counts_of(core.figures.sessions, core.clip()->figures());
 }
 
 }  // namespace
