@@ -255,7 +255,6 @@ public:
     }
     void fault(Time now, const std::string& words);
     void end(Time now) { add(now, "end,,,"); }
-    std::int64_t visitors() const { return visitors_; }
 
     /// The reason of the first missing row; nullopt: none is missing.
     std::optional<Error> missing();

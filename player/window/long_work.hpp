@@ -27,7 +27,7 @@ public:
 
     /// `words`: the work, for the user. Cancels the previous work.
     void ask(std::string words, Make make) {
-        next_.emplace(Asked{std::move(words), std::move(make)});
+        next_.reset(new Work{std::move(words), std::move(make)});
         if (work_)
             work_->stop.request_stop();
         else
@@ -74,14 +74,10 @@ public:
 
 private:
     using Clock = std::chrono::steady_clock;
-    struct Asked {
-        std::string words;
-        Make make;
-    };
     struct Work {
         std::string words;
         Make make;
-        Clock::time_point begun = Clock::now();
+        Clock::time_point begun{};
         std::stop_source stop{};
         bool is_wanted = true;
         std::optional<Result<Made>> made{};  // the thread's, until it is done
@@ -90,10 +86,8 @@ private:
     };
 
     void start_next() {
-        work_ = std::make_unique<Work>();
-        work_->words = std::move(next_->words);
-        work_->make = std::move(next_->make);
-        next_.reset();
+        work_ = std::move(next_);
+        work_->begun = Clock::now();
         const auto started = start_thread(work_->thread, name_, what_, [work = work_.get()] {
             work->made = made_by(*work);
             work->done.store(true, std::memory_order_release);
@@ -116,8 +110,7 @@ private:
     using ThreadName = char[16];
     ThreadName name_{};
     const char* what_;
-    std::unique_ptr<Work> work_;
-    std::optional<Asked> next_;
+    std::unique_ptr<Work> work_, next_;  // next_: the newest request, until its thread begins
 };
 
 }  // namespace touchable

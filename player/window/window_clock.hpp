@@ -15,10 +15,7 @@ namespace touchable {
 class WindowClock {
 public:
     using duration = std::chrono::steady_clock::duration;
-    using rep = duration::rep;
-    using period = duration::period;
     using time_point = std::chrono::steady_clock::time_point;
-    static constexpr bool is_steady = true;
 
     static time_point now() {
         return std::chrono::steady_clock::now() + duration(ahead_.load(std::memory_order_relaxed));
@@ -36,7 +33,7 @@ public:
     }
 
 private:
-    static inline std::atomic<rep> ahead_{0}, asleep_{0};
+    static inline std::atomic<duration::rep> ahead_{0}, asleep_{0};
 };
 
 /// The time of a script, and of `seconds`, after which the window closes. After a stall, as on a machine that
