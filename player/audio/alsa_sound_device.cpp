@@ -29,10 +29,11 @@ public:
     }
 
     Result<bool> wait_for(int samples, std::chrono::milliseconds longest) override {
-        if (auto there = room(); !there || *there >= samples) return there ? Result(true) : there.error();
+        TRY_ASSIGN(auto there, room());
+        if (there >= samples) return true;
         const int waited = snd_pcm_wait(pcm_, static_cast<int>(longest.count()));
         if (waited < 0) TRY(mend(waited));
-        TRY_ASSIGN(const auto there, room());
+        TRY_ASSIGN(there, room());
         // Some devices report room at once, but have none.
         if (there < samples && waited > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
         return there >= samples;

@@ -447,14 +447,14 @@ void StudyRun::write(std::function<Result<void>(Tables& tables)> work, std::stri
 
 /// Before a participant begins, the study's first clip, so that it is open in time.
 std::size_t StudyRun::clip() const {
-    const std::vector<StudyScreen> first =
-        screens_.empty() ? screens_of(study_, 1) : std::vector<StudyScreen>();
-    const std::vector<StudyScreen>& screens = screens_.empty() ? first : screens_;
-    for (std::size_t k = at_; k < screens.size(); ++k)
-        if (screens[k].is_touch()) return screens[k].clip();
-    for (std::size_t k = std::min(at_, screens.size()); k > 0; --k)
-        if (screens[k - 1].is_touch()) return screens[k - 1].clip();
-    return 0;
+    const std::vector<StudyScreen> screens = screens_.empty() ? screens_of(study_, 1) : screens_;
+    std::size_t last = 0;  // of the touches so far
+    for (std::size_t k = 0; k < screens.size(); ++k) {
+        if (!screens[k].is_touch()) continue;
+        last = screens[k].clip();
+        if (k >= at_) break;
+    }
+    return last;
 }
 
 void StudyRun::choose_by(int by) {

@@ -181,7 +181,7 @@ private:
             ended = core_.picture().draw_opening();
             if (ended) ended = core_.picture().keep(*options_.screenshot);
         }
-        if (ended = finish_screenshots(is_kept, std::move(ended)); !ended) return ended.error();
+        TRY(finish_screenshots(is_kept, std::move(ended)));
         if (stop_requested()) return interruption();
         if (core_.clips().failure()) return *core_.clips().failure();
         core_.figures.seconds = core_.time.now_s();
