@@ -53,7 +53,10 @@ FieldVertex HeightField::vertex(std::int64_t i, std::int64_t j) const {
     if (!is_pixel(i, j)) return {scene_.depth.far, false};
     const int x = static_cast<int>(i), y = static_cast<int>(j);
     const FieldVertex prev = frame_vertex(*prev_, prev_codes_, x, y);
-    if (!next_) return prev;
+    return next_ ? between(prev, x, y) : prev;
+}
+
+FieldVertex HeightField::between(const FieldVertex& prev, int x, int y) const {
     const FieldVertex next = frame_vertex(*next_, next_codes_, x, y);
     if (prev.valid != next.valid) return nearer_ == prev_ ? prev : next;
     return {prev.depth + (next.depth - prev.depth) * blend_, prev.valid};

@@ -645,8 +645,8 @@ template Motion project_on_tangent_cone(const WorldSpace&, const Proxy&, const d
 template Motion project_on_tangent_cone(const PixelSpace&, const Proxy&, const dvec3&, const dvec3&, bool);
 
 template <class Space>
-void slide(const Space& space, Proxy& proxy, const dvec3& goal, const SolveLimits& limits, const Slip& slip,
-           SolveCounts& counts) {
+[[gnu::noinline]] void slide(const Space& space, Proxy& proxy, const dvec3& goal, const SolveLimits& limits,
+                             const Slip& slip, SolveCounts& counts) {
     Slide<Space>(space, proxy, goal, slip, counts).run(limits);
 }
 

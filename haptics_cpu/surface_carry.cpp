@@ -133,7 +133,8 @@ bool lift(const auto& space, Proxy& proxy) {
 }
 
 /// False if the proxy left its ray.
-bool carry_suddenly(const WorldSpace& space, Proxy& proxy, const dvec3& was, double distance) {
+[[gnu::noinline]] bool carry_suddenly(const WorldSpace& space, Proxy& proxy, const dvec3& was,
+                                      double distance) {
     if (proxy.point.z < was.z) {
         proxy = {{}, was};
         return false;
