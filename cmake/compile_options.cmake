@@ -60,14 +60,14 @@ function(touchable_reads target precompiled)
 endfunction()
 
 # touchable_optimise(target release|little). release: sanitizers compile it without optimisation, because its tests
-# are short. little: also Release uses -O1, because it takes long to compile and little time to run, such as a module
-# that reads words. The fuzzer, which runs file readers all the time, compiles everything with -O1.
+# are short. little: also Release uses -Og, because it takes long to compile and little time to run, such as a module
+# that reads words: without loops over pixels. The fuzzer, which runs file readers all the time, compiles everything with -O1.
 function(touchable_optimise target level)
   if(TOUCHABLE_SANITIZE AND NOT TOUCHABLE_SANITIZE MATCHES "fuzzer")
     target_compile_options(${target} PRIVATE -O0)
     touchable_reads(${target} unhurried_precompiled)
   elseif(NOT TOUCHABLE_SANITIZE AND level STREQUAL "little" AND CMAKE_BUILD_TYPE STREQUAL "Release")
-    target_compile_options(${target} PRIVATE -O1)
+    target_compile_options(${target} PRIVATE -Og)
   endif()
 endfunction()
 

@@ -103,7 +103,7 @@ bool is_registered_topic(const std::string& pictures) {
 }
 
 /// How likely a topic is depth; 0: not at all.
-int depth_mark(const BagPictures& pictures) {
+int depth_mark_of_topic(const BagPictures& pictures) {
     if (pictures.kind != RosPictureKind::depth16 && pictures.kind != RosPictureKind::depth_floats) return 0;
     const std::string& name = pictures.topic;
     if (has_word(name, {"infra", "/ir", "confidence", "fisheye", "thermal", "dispar"})) return 0;
@@ -196,7 +196,7 @@ Result<BagStreams> choose_bag_streams(BagFile& bag) {
         const auto chosen = std::ranges::max_element(topics, {}, mark);
         return chosen != topics.end() && mark(*chosen) > 0 ? &*chosen : nullptr;
     };
-    BagPictures* const depth = best(depth_mark);
+    BagPictures* const depth = best(depth_mark_of_topic);
     if (depth == nullptr)
         return input_error(bag.name() + ": has no topic of depth (there are " + found_there(topics) +
                            "): must have sensor_msgs/Image of encoding 16UC1, mono16 or 32FC1, or a "
@@ -204,7 +204,7 @@ Result<BagStreams> choose_bag_streams(BagFile& bag) {
                            (bag.left_out().empty() ? "" : "; " + bag.left_out()));
     BagStreams streams;
     for (const BagPictures& each : topics)
-        if (&each != depth && depth_mark(each) > 0) streams.others.push_back(each.topic);
+        if (&each != depth && depth_mark_of_topic(each) > 0) streams.others.push_back(each.topic);
     BagPictures* const colour = best([&](const BagPictures& each) { return colour_mark(each, *depth); });
     if (colour != nullptr) streams.colour = std::move(*colour);
     streams.depth = std::move(*depth);

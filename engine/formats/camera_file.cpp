@@ -26,7 +26,7 @@ namespace {
 using checked_json::Json;
 
 constexpr std::size_t longest_camera_file = std::size_t{16} << 20;  // Record3D's has a pose for each frame
-constexpr std::size_t most_cameras = 64, longest_name = 200;
+constexpr std::size_t most_cameras = 64, longest_camera_name = 200;
 
 bool is_side(double pixels) {
     return pixels >= 1 && pixels <= 16384;
@@ -379,7 +379,7 @@ std::string picture_of(const Json& object) {
     const Members members(object);
     for (const char* name : {"filepath", "imgname", "imagename", "filename"}) {
         const auto words = members.words(name);
-        if (words.size() >= longest_name) continue;
+        if (words.size() >= longest_camera_name) continue;
         std::string stem = std::filesystem::path(words).stem().string();
         if (!number_in(stem, 0).empty()) return stem;
     }
@@ -463,7 +463,7 @@ void find_cameras(const Json& json, std::vector<CameraFile>& found, const FrameK
     for (const char* member : {"name", "camera_name", "rostopic", "label"})
         if (json.contains(member) && json[member].is_string())
             around.name += ' ' + json[member].get<std::string>();
-    around.name = around.name.substr(0, longest_name);
+    around.name = around.name.substr(0, longest_camera_name);
     if (auto camera = intrinsics_of(json)) {
         std::tie(camera->width, camera->height) =
             around.width > 0 ? std::pair(around.width, around.height) : size_by_name(around.name);
@@ -859,7 +859,7 @@ CameraText cameras_in_arrays(std::span<const SmallArray> arrays) {
         std::erase_if(cameras, is_no_camera);
         if (!cameras.empty() && said.cameras.empty()) {
             said.cameras.push_back(median_camera_file(cameras));
-            said.cameras.back().name = array.name.substr(0, longest_name);
+            said.cameras.back().name = array.name.substr(0, longest_camera_name);
         }
     }
     if (said.cameras.empty()) find_cameras(numbers, said.cameras, {}, {});

@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t most_entries = 100'000;  // looked at in a folder
+constexpr std::size_t most_files_beside = 100'000;  // looked at in a folder
 constexpr const char* video_extensions[] = {".mp4", ".mov", ".mkv", ".webm", ".avi", ".m4v"};
 constexpr const char* depth_words[] = {"depths", "depth", "disparity", "disp", "vis"};
 constexpr const char* colour_words[] = {"src", "rgb", "color", "colour", "image", "video"};
@@ -61,7 +61,7 @@ std::vector<fs::path> video_files_in(const fs::path& folder) {
     std::error_code ignored;
     std::size_t entries = 0;
     for (const auto& entry : fs::directory_iterator(folder.empty() ? fs::path(".") : folder, ignored)) {
-        if (++entries > most_entries) break;
+        if (++entries > most_files_beside) break;
         const fs::path name = entry.path().filename();
         if (!name.string().starts_with(".") && is_named_as_video(name) && is_file(entry.path()))
             videos.push_back(folder / name);

@@ -79,7 +79,7 @@ std::string_view first_member(std::string_view begin) {
     return begin.substr(head, std::size_t{low} + 256 * std::size_t{high});
 }
 
-std::optional<std::string> zip(const Look& look) {
+std::optional<std::string> zip_file(const Look& look) {
     if (!look.begin.starts_with(zip_magic) || look.extension() == ".npz" || look.extension() == ".usdz")
         return {};
     const std::string_view member = first_member(look.begin);
@@ -234,9 +234,9 @@ std::optional<std::string> other_geometry(const Look& look) {
 
 using Recognise = std::optional<std::string> (*)(const Look&);
 /// Tried in this order.
-constexpr Recognise known_kinds[] = {git_lfs, svo,        zip,          packed, sens, oni,           matlab,
+constexpr Recognise known_kinds[] = {git_lfs, svo,        zip_file,     packed, sens, oni,           matlab,
                                      hdf5,    colmap_map, colmap_model, ply,    pcd,  other_geometry};
-constexpr Recognise misleading_kinds[] = {git_lfs, svo, zip, other_geometry};
+constexpr Recognise misleading_kinds[] = {git_lfs, svo, zip_file, other_geometry};
 
 std::optional<std::string> first_said(std::span<const Recognise> kinds, const SourceFile& file,
                                       std::size_t bytes) {

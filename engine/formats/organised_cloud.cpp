@@ -81,7 +81,7 @@ double number_at(const char* from, const Scalar& scalar, bool big_endian) {
 }
 
 /// Parses a number, also nan and inf; beyond the range of a double it is NaN. Nothing: the word is no number.
-std::optional<double> number_in(std::string_view word) {
+std::optional<double> number_of_word(std::string_view word) {
     if (word.starts_with('+')) word.remove_prefix(1);
     double number = 0;
     const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), number);
@@ -390,7 +390,7 @@ Result<OrganisedCloud> decode_pcd(std::string_view bytes, const std::string& whe
             for (double& number : numbers) {
                 const std::string_view word = words.next();
                 if (word.empty()) return cut_short(where);
-                const auto read = number_in(word);
+                const auto read = number_of_word(word);
                 if (!read)
                     return input_error(where + ": point " + std::to_string(k) + " has " + in_quotes(word) +
                                        ": must be a number");
@@ -519,7 +519,7 @@ public:
           words_(data) {}
     /// Nothing at the end, and if a word is no number.
     std::optional<double> next(const Scalar& scalar) {
-        if (is_text_) return number_in(words_.next());
+        if (is_text_) return number_of_word(words_.next());
         if (data_.size() < scalar.bytes) return {};
         const double number = number_at(data_.data(), scalar, big_endian_);
         data_.remove_prefix(scalar.bytes);

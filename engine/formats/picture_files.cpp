@@ -161,7 +161,7 @@ struct NumbersInName {
     std::vector<std::size_t> places;  // where each begins in the name
 };
 
-NumbersInName numbers_in(const std::string& name) {
+NumbersInName numbers_in_name(const std::string& name) {
     const auto is_digit = [&](std::size_t k) { return k < name.size() && name[k] >= '0' && name[k] <= '9'; };
     NumbersInName found;
     for (std::size_t at = 0; at < name.size();) {
@@ -229,7 +229,7 @@ void take_ordering_numbers(std::vector<std::pair<std::string, std::string>>& wor
     std::map<std::string, std::vector<std::size_t>> forms;
     std::vector<NumbersInName> all;
     for (const auto& [words, _] : words_and_names) {
-        all.push_back(numbers_in(words));
+        all.push_back(numbers_in_name(words));
         if (all.back().form.starts_with('*') && all.back().form.ends_with('*'))
             forms[all.back().form].push_back(all.size() - 1);
     }
@@ -547,7 +547,7 @@ void join_by_all_numbers(const fs::path& folder, std::map<std::string, PictureGr
     std::map<std::string, std::vector<std::string>> forms;  // patterns of groups alike outside all numbers
     for (const auto& [pattern, group] : groups) {
         const fs::path within = fs::path(pattern).parent_path();
-        forms[(within / numbers_in(group.first.filename().string()).form).string()].push_back(pattern);
+        forms[(within / numbers_in_name(group.first.filename().string()).form).string()].push_back(pattern);
     }
     std::erase_if(forms, [&](const auto& form) {
         std::size_t largest = 0;
@@ -568,7 +568,7 @@ void join_by_all_numbers(const fs::path& folder, std::map<std::string, PictureGr
         for (const auto& entry : fs::directory_iterator(folder / within / "", ignored)) {
             if (++entries > most_entries || stop_requested()) return;
             const std::string name = entry.path().filename().string();
-            NumbersInName numbers = numbers_in(name);
+            NumbersInName numbers = numbers_in_name(name);
             const std::string of = (within / numbers.form).string();
             const bool is_pattern = name.find_first_of("%*") != std::string::npos;
             if (is_pattern || !forms.contains(of) || !is_file(entry.path())) continue;

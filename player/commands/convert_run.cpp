@@ -295,7 +295,7 @@ void add_recoded_loss(const RawFrame& before, const Scene& scene, const RawFrame
     add_depths(before.depth, scene, now.depth, recoded, loss);
 }
 
-std::string report_to_text(const ConvertOptions& options, const Converted& done) {
+std::string report_of_conversion(const ConvertOptions& options, const Converted& done) {
     const Scene& scene = done.scene;
     const bool resized = options.size.has_value();
     std::string text = one_line(options.out.string()) + ": " + counted(done.frames, "frame") + ", " +
@@ -366,7 +366,7 @@ private:
         TRY_ASSIGN(const auto written, writer_->complete());
         if (auto checked = check(written); !checked) return as_named(checked.error(), options_, written);
         TRY(writer_->finish());
-        std::cout << report_to_text(options_, done_);
+        std::cout << report_of_conversion(options_, done_);
         return {};
     }
 

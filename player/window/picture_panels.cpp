@@ -65,11 +65,11 @@ void draw_ramp(const Overlays::Scale& scale_of, float scale) {
     draw_at(wide, end_of_scale(scale_of.range.greatest, scale_of.is_more ? "> " : ""), 1);
 }
 
-constexpr ImU32 dark_ink = IM_COL32(0, 0, 0, 200), light_ink = IM_COL32(255, 255, 255, 255),
+constexpr ImU32 line_rim = IM_COL32(0, 0, 0, 200), line_ink = IM_COL32(255, 255, 255, 255),
                 frozen_ink = IM_COL32(255, 200, 110, 255);
 
 void draw_end(ImDrawList& list, const ImVec2& at, ImU32 ink, float scale) {
-    list.AddCircle(at, 6 * scale, dark_ink, 0, 4 * scale);
+    list.AddCircle(at, 6 * scale, line_rim, 0, 4 * scale);
     list.AddCircle(at, 6 * scale, ink, 0, 2 * scale);
     list.AddCircleFilled(at, 1.6F * scale, ink);
 }
@@ -324,12 +324,12 @@ void draw_overlay_scale(const Overlays::Scale& scale_of, float right, float bott
 
 void draw_measured_line(const MeasureFacts& facts, float scale) {
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
-    const ImU32 ink = facts.is_frozen ? frozen_ink : light_ink;
-    if (facts.next) draw_end(list, point_of(*facts.next), light_ink, scale);
+    const ImU32 ink = facts.is_frozen ? frozen_ink : line_ink;
+    if (facts.next) draw_end(list, point_of(*facts.next), line_ink, scale);
     if (facts.ends.size() == 1) draw_end(list, point_of(facts.ends[0]), ink, scale);
     if (facts.ends.size() != 2) return;
     const ImVec2 from = point_of(facts.ends[0]), to = point_of(facts.ends[1]);
-    list.AddLine(from, to, dark_ink, 5 * scale);
+    list.AddLine(from, to, line_rim, 5 * scale);
     list.AddLine(from, to, ink, 2 * scale);
     draw_end(list, from, ink, scale);
     draw_end(list, to, ink, scale);
@@ -342,10 +342,10 @@ void draw_brush_line(const BrushFacts& facts, float scale) {
     for (const glm::dvec2& at : facts.line) points.push_back(point_of(at));
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     const auto count = static_cast<int>(points.size());
-    list.AddPolyline(points.data(), count, dark_ink, 0, 5 * scale);
-    list.AddPolyline(points.data(), count, light_ink, 0, 2 * scale);
-    list.AddCircleFilled(points.front(), 5 * scale, dark_ink);
-    list.AddCircleFilled(points.front(), 3 * scale, light_ink);
+    list.AddPolyline(points.data(), count, line_rim, 0, 5 * scale);
+    list.AddPolyline(points.data(), count, line_ink, 0, 2 * scale);
+    list.AddCircleFilled(points.front(), 5 * scale, line_rim);
+    list.AddCircleFilled(points.front(), 3 * scale, line_ink);
 }
 
 std::vector<HelpGroup> help_groups(const PanelFacts& facts) {
