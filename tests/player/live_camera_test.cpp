@@ -356,7 +356,7 @@ TEST_F(PluggedCamera, FullRecordingKeepsItsTicks) {
         ASSERT_FALSE(clip.session().setup().film->fault()) << "the recording is to be full, not its film";
         SessionSettings settings = clip.settings();
         ASSERT_EQ(message(settings.set("median", "5")), "");
-        auto change = clip.prepare(settings);
+        auto change = clip.prepare(settings, nullptr);
         ASSERT_EQ(message(change), "");
         ASSERT_EQ(message(clip.take(std::move(*change))), "");
         const auto done = clip.finish();
@@ -403,7 +403,7 @@ TEST_F(PluggedCamera, SettingsChangeKeepsCameraOpen) {
         EXPECT_EQ(clip.session().ask(PlaybackVerb::seek, 0).error().kind, ErrorKind::usage);
         SessionSettings settings = clip.settings();
         ASSERT_EQ(message(settings.set("median", "5")), "");
-        auto change = clip.prepare(settings);
+        auto change = clip.prepare(settings, nullptr);
         ASSERT_EQ(message(change), "");
         EXPECT_TRUE(clip.has_come_to(*change));
         const std::int64_t before = *taken;
