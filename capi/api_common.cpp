@@ -8,7 +8,7 @@ namespace touchable::capi {
 namespace {
 
 touch_status status_of(const Error& error) {
-    if (error.cause == ErrorCause::exists) return TOUCH_EXISTS;
+    if (error.cause == Error::Cause::exists) return TOUCH_EXISTS;
     if (error.kind == ErrorKind::usage) return TOUCH_USAGE;
     if (error.kind == ErrorKind::input) return TOUCH_INPUT;
     return error.kind == ErrorKind::interrupted ? TOUCH_INTERRUPTED : TOUCH_INTERNAL;

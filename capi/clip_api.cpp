@@ -325,7 +325,7 @@ Result<void> check_place(const fs::path& path, bool overwrite) {
         return Error{ErrorKind::usage,
                      name + " is there already; give another name, or set overwrite",
                      {},
-                     ErrorCause::exists};
+                     Error::Cause::exists};
     return {};
 }
 

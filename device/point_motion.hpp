@@ -73,18 +73,18 @@ private:
     glm::dvec3 place_{0.0}, velocity_{0.0}, intended_{0.0};
 };
 
-/// Time constants of a LedPoint.
-struct LeadTimes {
-    double across_s;  ///< across the slower direction, s, at least a period
-    double along_s;   ///< along it, s, at least a period
-};
-
 /// A point that follows a goal like a critically damped spring: without overshoot, smooth in speed, and exact
 /// for a goal that is constant over a period. It is slower along one direction, in which the goal may jump,
 /// than across. The same bits everywhere.
 class LedPoint {
 public:
-    LedPoint(const LeadTimes& times, double period_s)
+    /// Time constants.
+    struct Times {
+        double across_s;  ///< across the slower direction, s, at least a period
+        double along_s;   ///< along it, s, at least a period
+    };
+
+    LedPoint(const Times& times, double period_s)
         : period_s_(period_s),
           across_(response(times.across_s, period_s)),
           along_(response(times.along_s, period_s)) {

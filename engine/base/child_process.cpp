@@ -178,7 +178,7 @@ Result<void> ChildProcess::outcome(const ::siginfo_t& how) const {
         return how.si_status == 0 ? Result<void>()
                                   : input_error("ended with status " + status + last_words());
     if (how.si_status == SIGXCPU)
-        return Error{ErrorKind::input, "used up its processor time", {}, ErrorCause::out_of_time};
+        return Error{ErrorKind::input, "used up its processor time", {}, Error::Cause::out_of_time};
     return input_error("ended by signal " + status + last_words());
 }
 

@@ -52,7 +52,7 @@ public:
     std::array<::pollfd, 2> waits() const;
     /// Returns the whole standard output once the child has ended well. An error says how it ended, or that
     /// it wrote more than `most` bytes, that it ran for longer than its ChildLimits
-    /// (ErrorCause::out_of_time), or that the program is asked to stop (ErrorKind::interrupted).
+    /// (Error::Cause::out_of_time), or that the program is asked to stop (ErrorKind::interrupted).
     Result<std::string> all_output(std::size_t most);
     /// Says how the child ended, such as "ended" or "ended with status 1: no such file", once its output has
     /// ended. Waits for its exit for at most 0.2 s.

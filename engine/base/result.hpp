@@ -54,20 +54,20 @@ using Hints = std::vector<Hint>;
 /// The kind of an error; each kind has its own exit code (see `exit_code`).
 enum class ErrorKind { internal, usage, input, gpu, device, check, interrupted };
 
-/// What a caller may have to tell from other errors of their kind.
-enum class ErrorCause {
-    other,
-    exists,      ///< a file of that name, which may not be replaced
-    out_of_time  ///< a program used up its processor time (ChildLimits)
-};
-
 /// One line for a person: what is wrong, where (file, track, frame, setting, device), and what would be
 /// right.
 struct Error {
+    /// What a caller may have to tell from other errors of their kind.
+    enum class Cause {
+        other,
+        exists,      ///< a file of that name, which may not be replaced
+        out_of_time  ///< a program used up its processor time (ChildLimits)
+    };
+
     ErrorKind kind = ErrorKind::internal;
     std::string message;
     Hints hints{};  ///< the settings that the message mentions; the program has its own names for them
-    ErrorCause cause = ErrorCause::other;
+    Cause cause = Cause::other;
 };
 
 /// 1 internal fault, 2 bad usage, 3 bad input, 4 no usable GPU, 5 device fault, 6 a check failed, 130
@@ -160,10 +160,9 @@ Result<T> error_at(const std::string& where, Result<T> result) {
 }
 
 /// Gives a variable the value of a Result: TRY(assign(x, f())), one statement where TRY_ASSIGN is three.
-template <class To, class From>
-Result<void> assign(To& to, Result<From> from) {
-    if (!from) return from.error();
-    to = std::move(*from);
+Result<void> assign(auto& to, auto result) {
+    if (!result) return result.error();
+    to = std::move(*result);
     return {};
 }
 

@@ -23,8 +23,7 @@
 namespace touchable {
 
 /// The element that sorting would put at this place; reorders the others.
-template <class Number>
-Number sorted_element(std::vector<Number>& numbers, std::size_t place) {
+auto sorted_element(auto& numbers, std::size_t place) {
     const auto at = numbers.begin() + static_cast<std::ptrdiff_t>(place);
     std::ranges::nth_element(numbers, at);
     return *at;

@@ -130,11 +130,11 @@ bool wait_unless_stopped(std::chrono::steady_clock::time_point moment);
 /// Starts a thread that runs `work`, which must not throw; an error if the machine has no thread left. `name`
 /// is what debuggers, `top` and `ps` show, at most 15 bytes; `what` says in the error what the thread is for:
 /// "that decodes".
-template <std::size_t bytes, class Work>
-Result<void> start_thread(std::thread& thread, const char (&name)[bytes], const char* what, Work&& work) {
+template <std::size_t bytes>
+Result<void> start_thread(std::thread& thread, const char (&name)[bytes], const char* what, auto work) {
     static_assert(bytes <= 16, "Linux keeps 15 bytes of a thread's name");
     try {
-        thread = std::thread([name = &name[0], work = std::forward<Work>(work)]() mutable {
+        thread = std::thread([name = &name[0], work = std::move(work)]() mutable {
             pthread_setname_np(pthread_self(), name);
             work();
         });

@@ -4,8 +4,8 @@
 // unit that CPUs may have.
 //
 // usable_vector_units lists the units of this CPU, the widest first; run_vectors calls a kernel in a function
-// compiled for one unit, with the vectors that fit it (LaneKind). The kernels share the loads, stores and
-// comparisons below. Every unit gives the same bits, which tests compare.
+// compiled for one unit, with the vectors that fit it (std::type_identity). The kernels share the loads,
+// stores and comparisons below. Every unit gives the same bits, which tests compare.
 //
 // Vectors never cross a function call that is not inlined, so the ABI of vectors that the oldest CPUs lack
 // does not matter (-Wno-psabi): a kernel, and all that it calls with vectors, is `always_inline`.
@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <type_traits>
 #include <utility>
 
 namespace touchable {
@@ -51,8 +52,7 @@ template <class Lanes, class Value>
     std::memcpy(&values, from, sizeof(values));
     return values;
 }
-template <class Lanes>
-[[gnu::always_inline]] inline void store_lanes(const Lanes& values, std::uint16_t* to) {
+[[gnu::always_inline]] inline void store_lanes(const auto& values, std::uint16_t* to) {
     std::memcpy(to, &values, sizeof(values));
 }
 
@@ -85,25 +85,19 @@ template <class Lanes>
     join(std::make_index_sequence<lane_count<Lanes>>());
 }
 
-/// Tells a kernel the type of its vectors.
-template <class T>
-struct LaneKind {
-    using Lanes = T;
-};
-
 #ifdef __x86_64__
 [[gnu::target("sse4.1")]] void run_with_sse4(const auto& kernel) {
-    kernel(LaneKind<Lanes16>());
+    kernel(std::type_identity<Lanes16>());
 }
 [[gnu::target("avx2")]] void run_with_avx2(const auto& kernel) {
-    kernel(LaneKind<Lanes32>());
+    kernel(std::type_identity<Lanes32>());
 }
 [[gnu::target("avx512bw")]] void run_with_avx512(const auto& kernel) {
-    kernel(LaneKind<Lanes64>());
+    kernel(std::type_identity<Lanes64>());
 }
 #endif
 
-/// Calls `kernel(LaneKind<Lanes>())` in a function compiled for this unit, which the CPU must have.
+/// Calls `kernel(std::type_identity<Lanes>())` in a function compiled for this unit, which the CPU must have.
 void run_vectors(VectorUnit unit, const auto& kernel) {
 #ifdef __x86_64__
     if (unit == VectorUnit::avx512) return run_with_avx512(kernel);
@@ -111,7 +105,7 @@ void run_vectors(VectorUnit unit, const auto& kernel) {
     if (unit == VectorUnit::sse4) return run_with_sse4(kernel);
 #endif
     static_cast<void>(unit);
-    kernel(LaneKind<Lanes16>());
+    kernel(std::type_identity<Lanes16>());
 }
 
 }  // namespace touchable

@@ -39,7 +39,7 @@ Result<std::string> ask_tool(std::vector<std::string> words, std::uint64_t most)
     auto output = tool->all_output(most);
     if (output || output.error().kind != ErrorKind::input) return output;
     const std::string how = name + " " + output.error().message;
-    if (output.error().cause == ErrorCause::out_of_time) return input_error(how);
+    if (output.error().cause == Error::Cause::out_of_time) return input_error(how);
     return input_error("is damaged, or more than HDF5's tools can read: " + how);
 }
 

@@ -93,8 +93,7 @@ private:
 
 /// Returns what `read` makes of JSON. If that is refused, returns an error (ErrorKind::input) whose message
 /// begins with `where`.
-template <class Read>
-auto checked(std::string_view where, Read read) -> Result<decltype(read())> {
+auto checked(std::string_view where, auto read) -> Result<decltype(read())> {
     try {
         return read();
     } catch (const Refusal& reason) {
@@ -105,8 +104,7 @@ auto checked(std::string_view where, Read read) -> Result<decltype(read())> {
 }
 
 /// Returns what `read` makes of a text's whole value; `read` or `parse` may refuse it.
-template <class Read>
-auto read_checked(std::string_view text, std::size_t largest, std::string_view where, Read read) {
+auto read_checked(std::string_view text, std::size_t largest, std::string_view where, auto read) {
     return checked(where, [&] {
         const Json json = parse(text, largest);
         return read(Node(json, ""));

@@ -115,14 +115,14 @@ void CodeLine::decode(const PlaneView& depth, const DepthCoding& coding, int y, 
     bool all = false;
     run_vectors(
         unit, [&](auto kind) __attribute__((always_inline)) {
-            all = all_valid<typename decltype(kind)::Lanes>(coding, codes(), pixels);
+            all = all_valid<typename decltype(kind)::type>(coding, codes(), pixels);
         });
     if (all) return set_clean();
     clean_ = false;
     run_vectors(
         unit, [&](auto kind) __attribute__((always_inline)) {
-            mask_invalid<typename decltype(kind)::Lanes>(coding, codes_.front().pixels,
-                                                         invalid_.front().pixels, pixels);
+            mask_invalid<typename decltype(kind)::type>(coding, codes_.front().pixels,
+                                                        invalid_.front().pixels, pixels);
         });
     for (int w = 0; w < strips(); ++w)
         holes_[static_cast<std::size_t>(w)] =

@@ -46,7 +46,7 @@ struct RowSuspicion {
     template <class Kind>
     [[gnu::always_inline]] void operator()(Kind) const {
         for (int strip = first; strip < end; ++strip)
-            suspects[strip] = suspects_of<typename Kind::Lanes>(strip * strip_pixels);
+            suspects[strip] = suspects_of<typename Kind::type>(strip * strip_pixels);
     }
 
     /// For a curve that does not fall: its gate grows towards one end of the codes. 0, the value of invalid

@@ -148,7 +148,7 @@ void FrameChanges::add_differences(const PlaneView& after, int top, int bottom,
         }
         run_vectors(
             unit_, [&](auto kind) __attribute__((always_inline)) {
-                add_bits<typename decltype(kind)::Lanes>(a, b, bytes, columns.data());
+                add_bits<typename decltype(kind)::type>(a, b, bytes, columns.data());
             });
     }
 }

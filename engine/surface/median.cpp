@@ -144,7 +144,7 @@ template <int Side>
 void median_of_row(VectorUnit unit, const CodeLine* const (&lines)[Side], std::uint16_t* codes, int width) {
     run_vectors(
         unit, [&](auto kind) __attribute__((always_inline)) {
-            median_row<typename decltype(kind)::Lanes>(lines, codes, width);
+            median_row<typename decltype(kind)::type>(lines, codes, width);
         });
 }
 

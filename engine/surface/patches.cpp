@@ -193,7 +193,7 @@ void TileBounder::bound_columns_of(const SurfaceFrame& frame, const PixelBox& bo
     std::uint16_t *least = columns.least.data(), *greatest = columns.greatest.data();
     run_vectors(
         unit_, [&](auto kind) __attribute__((always_inline)) {
-            using Lanes = typename decltype(kind)::Lanes;
+            using Lanes = typename decltype(kind)::type;
             bound_columns<Lanes>(rows, left, right, least, greatest);
             std::fill(least + frame.width, least + columns.least.size(), std::uint16_t{65535});
             std::fill(greatest + frame.width, greatest + columns.greatest.size(), std::uint16_t{0});

@@ -44,7 +44,7 @@ struct RowSmoothing {
 
     template <class Kind>
     [[gnu::always_inline]] void operator()(Kind) const {
-        using Lanes = typename Kind::Lanes;
+        using Lanes = typename Kind::type;
         const int whole = width / strip_pixels;
         for (int word = 0; word < whole; ++word) smooth_word<Lanes>(word, codes + word * strip_pixels);
         if (const int rest = width % strip_pixels; rest > 0) {

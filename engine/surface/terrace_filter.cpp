@@ -80,7 +80,7 @@ struct RowGates {
 
     template <class Kind>
     [[gnu::always_inline]] void operator()(Kind) const {
-        using Bits = typename Kind::Lanes;
+        using Bits = typename Kind::type;
         const Bits step = Bits{} + static_cast<std::uint16_t>(filter.step);
         const Bits largest = Bits{} + std::uint16_t{TerraceFilter::most_level};
         const Bits noise = Bits{} + static_cast<std::uint16_t>(3 * filter.noise);
@@ -106,7 +106,7 @@ struct RowLevelling {
 
     template <class Kind>
     [[gnu::always_inline]] void operator()(Kind) const {
-        using Bits = typename Kind::Lanes;
+        using Bits = typename Kind::type;
         using Lanes = typename WithSign<Bits>::Lanes;
         static_assert(strip_pixels % lane_count<Bits> == 0);
         const TerraceFilter& filter = pass.filter;

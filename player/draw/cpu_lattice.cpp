@@ -626,7 +626,7 @@ void Decimation::halve_colour_row(const PlaneView& from, int y, Scratch& of_thre
     std::uint16_t* const sums = of_thread.sums.data() + 3;
     std::uint8_t* const means = of_thread.means.data();
     const auto all = [&](auto kind) __attribute__((always_inline)) {
-        using Lanes = typename decltype(kind)::Lanes;
+        using Lanes = typename decltype(kind)::type;
         constexpr int n = lane_count<Lanes>;
         int k = 0;
         for (; k + n <= row_bytes; k += n)

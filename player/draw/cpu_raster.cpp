@@ -408,7 +408,7 @@ public:
         if (lattice_.height == 0) return;  // before the first frame
         const auto all = [&](auto kind) __attribute__((always_inline)) {
             // Compilers generate poor code for 512-bit vectors.
-            constexpr int n = std::min<int>(sizeof(typename decltype(kind)::Lanes) / sizeof(float), 8);
+            constexpr int n = std::min<int>(sizeof(typename decltype(kind)::type) / sizeof(float), 8);
             projection_.project<n>(0, rows.lower);
             for (int y = 0; y + 1 < lattice_.height; ++y) {
                 std::swap(rows.upper, rows.lower);

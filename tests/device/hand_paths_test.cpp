@@ -415,7 +415,7 @@ TEST(LocalRelief, IgnoresGroundOutsideArea) {
 
 constexpr double tick = 0.001;  // s
 constexpr double any_speed = 1e9;
-const LeadTimes times{0.02, 0.08};
+const LedPoint::Times times{0.02, 0.08};
 const glm::dvec3 slow_way = glm::normalize(glm::dvec3(0.3, -0.2, -1));
 
 /// Share of a way that a critically damped spring has left after t seconds, from rest.

@@ -246,7 +246,7 @@ TEST(ChildProcess, IsBoundedInItsResources) {
     const ChildLimits short_time{.memory_bytes = 0, .processor_seconds = 1};
     const auto endless = output_of({"sh", "-c", "while :; do :; done"}, 100, short_time);
     ASSERT_EQ(failure_of(endless), "used up its processor time");
-    EXPECT_EQ(endless.error().cause, ErrorCause::out_of_time);
+    EXPECT_EQ(endless.error().cause, Error::Cause::out_of_time);
 }
 
 /// As in a program that links this library.
