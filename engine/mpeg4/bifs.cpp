@@ -17,6 +17,14 @@ namespace {
 constexpr std::size_t longest_name = 256, longest_string = 4096, most_bytes = std::size_t{64} << 10;
 constexpr std::uint64_t scene_replace = 3;  // the command that begins a scene
 
+/// The fields of a node's type that MPEG-4 has: all but the paper's own.
+std::span<const FieldSpec> fields_in_bits(const SceneTree& scene, const Node& node) {
+    const std::vector<FieldSpec>& all = *fields_of(scene.prototypes, node.type);
+    const NodeType* const known =
+        prototype_named(scene.prototypes, node.type) ? nullptr : node_type(node.type);
+    return std::span(all).first(all.size() - static_cast<std::size_t>(known ? known->paper_fields : 0));
+}
+
 class SceneDecoder {
 public:
     SceneDecoder(std::span<const std::uint8_t> bytes, const BifsConfig& config)
@@ -42,6 +50,9 @@ private:
     Error wrong(const std::string& what) const {
         return bits_.is_over() ? input_error("the scene ends within a node")
                                : input_error("bit " + std::to_string(bits_.position()) + ": " + what);
+    }
+    Error wrong_in(const Prototype& made, const std::string& what) const {
+        return wrong("PROTO " + printable(made.name) + ": " + what);
     }
     Result<std::string> name(const char* of_what) {
         std::string text;
@@ -85,23 +96,19 @@ private:
                 return wrong("EXTERNPROTO " + printable(made.name) + ": must say where it is");
             for (FieldSpec& spec : made.fields) spec.initial.clear();
         } else {
-            if (bits_.flag())
-                return wrong("PROTO " + printable(made.name) +
-                             ": has a PROTO in its body, which is not read");
+            if (bits_.flag()) return wrong_in(made, "has a PROTO in its body, which is not read");
             inside_ = &made;
             do {
                 TRY_ASSIGN(auto part, node(NodeSlot::world, 1));
-                if (!part) return wrong("PROTO " + printable(made.name) + ": NULL is no node of its body");
+                if (!part) return wrong_in(made, "NULL is no node of its body");
                 made.body.push_back(std::move(part));
             } while (bits_.flag());
             inside_ = nullptr;
-            if (bits_.flag())
-                return wrong("PROTO " + printable(made.name) + ": has a ROUTE, which is not read");
+            if (bits_.flag()) return wrong_in(made, "has a ROUTE, which is not read");
         }
         forget_names();  // its names end with it
         if (bits_.get(2) != 0)
-            return wrong("PROTO " + printable(made.name) +
-                         ": its fields are quantised or animated, which is not read");
+            return wrong_in(made, "its fields are quantised or animated, which is not read");
         prototype_ids_.push_back(id);
         return made;
     }
@@ -113,18 +120,16 @@ private:
             const auto number = bits_.get(6);
             spec.kind = {static_cast<FieldType>(number & 31), number >= 32};
             if (kind_name(spec.kind) == "?")
-                return wrong("PROTO " + printable(made.name) + ": has a field of type " +
-                             std::to_string(number) + ", which is not read");
+                return wrong_in(made,
+                                "has a field of type " + std::to_string(number) + ", which is not read");
             if (has_names_) TRY(assign(spec.name, name("field")));
-            if (field_named(made.fields, spec.name))
-                return wrong("PROTO " + printable(made.name) + ": has " + spec.name + " twice");
+            if (field_named(made.fields, spec.name)) return wrong_in(made, "has " + spec.name + " twice");
             if (!spec.has_value())
-                return wrong("PROTO " + printable(made.name) + ": has an event, " + printable(spec.name) +
-                             ": a touchable clip's scene has no behaviour");
+                return wrong_in(made, "has an event, " + printable(spec.name) +
+                                          ": a touchable clip's scene has no behaviour");
             TRY_ASSIGN(spec.initial, values(spec.kind, NodeSlot::world, 1));
             made.fields.push_back(std::move(spec));
-            if (made.fields.size() > most_fields)
-                return wrong("PROTO " + printable(made.name) + ": has more than 64 fields");
+            if (made.fields.size() > most_fields) return wrong_in(made, "has more than 64 fields");
         }
         return bits_.is_over() ? Result<void>(wrong("")) : Result<void>();
     }
@@ -183,11 +188,7 @@ private:
 
     /// Reads fields by a mask or as a list, like SceneEncoder::fields.
     Result<void> fields(Node& node, int depth) {
-        const auto& all = *fields_of(scene_.prototypes, node.type);
-        const NodeType* const known =
-            prototype_named(scene_.prototypes, node.type) ? nullptr : node_type(node.type);
-        const std::span specs(all.data(),
-                              all.size() - static_cast<std::size_t>(known ? known->paper_fields : 0));
+        const auto specs = fields_in_bits(scene_, node);
         if (!bits_.flag()) return field_list(node, specs, depth);
         for (const FieldSpec& spec : specs) {
             if (!inside_ && !spec.has_value()) continue;
@@ -228,8 +229,8 @@ private:
         const auto& outer = inside_->fields;
         const auto number = outer.empty() ? 0 : bits_.get(bits_for(outer.size() - 1));
         if (number >= outer.size() || !(outer[number].kind == spec.kind))
-            return wrong("PROTO " + printable(inside_->name) + ": has no field of number " +
-                         std::to_string(number) + " and type " + std::string(kind_name(spec.kind)));
+            return wrong_in(*inside_, "has no field of number " + std::to_string(number) + " and type " +
+                                          std::string(kind_name(spec.kind)));
         made.is = outer[number].name;
         return made;
     }
@@ -440,9 +441,7 @@ private:
     /// all; otherwise only fields that can have a value count.
     Result<void> fields(const Node& node) {
         const auto& specs = *fields_of(scene_.prototypes, node.type);
-        const NodeType* const known =
-            prototype_named(scene_.prototypes, node.type) ? nullptr : node_type(node.type);
-        const std::size_t standard = specs.size() - static_cast<std::size_t>(known ? known->paper_fields : 0);
+        const std::size_t standard = fields_in_bits(scene_, node).size();
         struct Item {
             const FieldSpec* spec;
             const Field* given;  // null: the initial value

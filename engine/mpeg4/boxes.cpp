@@ -152,12 +152,12 @@ Result<void> read_chunks(BytesView stbl, TrackSamples& to) {
 /// A box with a version, a count, and so many entries.
 class List {
 public:
-    void put(std::uint64_t number, int bytes = 4) { put_number(entries_, number, bytes); }
-    void end_entry() { ++count_; }
+    void add(std::initializer_list<std::uint64_t> entry, int bytes = 4) {
+        for (const std::uint64_t number : entry) put_number(entries_, number, bytes);
+        ++count_;
+    }
     Bytes box(std::string_view type, int version = 0) const {
-        Bytes content;
-        put_number(content, static_cast<std::uint64_t>(version) << 24, 4);
-        put_number(content, count_, 4);
+        Bytes content = packed_numbers({{static_cast<std::uint64_t>(version) << 24, 4}, {count_, 4}});
         put_bytes(content, entries_);
         return box_of(type, content);
     }
@@ -174,9 +174,7 @@ List runs_of(const std::vector<Sample>& samples, Number number) {
     for (std::size_t k = 0; k < samples.size();) {
         std::size_t end = k + 1;
         while (end < samples.size() && number(samples[end]) == number(samples[k])) ++end;
-        runs.put(end - k);
-        runs.put(number(samples[k]));
-        runs.end_entry();
+        runs.add({end - k, number(samples[k])});
         k = end;
     }
     return runs;
@@ -207,23 +205,14 @@ Bytes tables_of(const TrackSamples& track, std::uint64_t later) {
                            return static_cast<std::uint32_t>(s.shown_later);
                        }).box("ctts", 1));
     List keys, chunks, places;
-    for (std::size_t k = 0; k < samples.size(); ++k) {
-        if (!samples[k].is_key) continue;
-        keys.put(k + 1);
-        keys.end_entry();
-    }
-    Bytes sizes;
-    put_number(sizes, 0, 8);
-    put_number(sizes, samples.size(), 4);
+    for (std::size_t k = 0; k < samples.size(); ++k)
+        if (samples[k].is_key) keys.add({k + 1});
+    Bytes sizes = packed_numbers({{0, 8}, {samples.size(), 4}});
     for (const Sample& sample : samples) put_number(sizes, sample.bytes, 4);
     for (std::size_t k = 0; k < track.chunks.size(); ++k) {
         const Chunk& chunk = track.chunks[k];
-        for (const std::uint64_t number :
-             {std::uint64_t{k + 1}, std::uint64_t{chunk.samples}, std::uint64_t{chunk.description}})
-            chunks.put(number);
-        chunks.end_entry();
-        places.put(chunk.at + later, 8);
-        places.end_entry();
+        chunks.add({k + 1, chunk.samples, chunk.description});
+        places.add({chunk.at + later}, 8);
     }
     put_bytes(all, keys.box("stss"));
     put_box(all, "stsz", sizes);
@@ -677,6 +666,12 @@ void put_number(Bytes& to, std::uint64_t value, int count) {
 
 void put_bytes(Bytes& to, BytesView bytes) {
     to.insert(to.end(), bytes.begin(), bytes.end());
+}
+
+Bytes packed_numbers(std::initializer_list<std::pair<std::uint64_t, int>> numbers) {
+    Bytes packed;
+    for (const auto& [value, count] : numbers) put_number(packed, value, count);
+    return packed;
 }
 
 void put_box(Bytes& to, std::string_view type, BytesView content) {

@@ -11,8 +11,10 @@
 // are checked against the bytes that exist. Errors do not name the file: the caller does (error_at).
 // Threads: any may call functions, which keep no state; one uses a ByteSource.
 
+#include <initializer_list>
 #include <map>
 #include <span>
+#include <utility>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
@@ -62,6 +64,8 @@ std::uint64_t number_at(BytesView bytes, std::size_t at, int count);
 std::uint32_t number_behind_times(BytesView content);
 void put_number(Bytes& to, std::uint64_t value, int count);
 void put_bytes(Bytes& to, BytesView bytes);
+/// Numbers one after another, each with how many bytes it has.
+Bytes packed_numbers(std::initializer_list<std::pair<std::uint64_t, int>> numbers);
 /// Appends a whole box.
 void put_box(Bytes& to, std::string_view type, BytesView content);
 Bytes box_of(std::string_view type, BytesView content);

@@ -247,16 +247,12 @@ bool is_in_the_middle(const Camera& camera, int width, int height) {
     return camera.fx == camera.fy && camera.cx == paper.cx && camera.cy == paper.cy;
 }
 
-std::array<double PropertyRange::*, 2> ends() {
-    return {&PropertyRange::min, &PropertyRange::max};
-}
-
 /// The numbers that nodes state of a clip with this camera.
 std::vector<double> numbers_of(const ClipNodes& nodes, const Camera& camera) {
     std::vector<double> all{camera.fx, nodes.near, nodes.far, nodes.max_height};
     for (const PropertyRange* range :
          {&nodes.ranges.stiffness, &nodes.ranges.static_friction, &nodes.ranges.dynamic_friction})
-        for (const auto end : ends()) all.push_back(range->*end);
+        all.insert(all.end(), {range->min, range->max});
     return all;
 }
 

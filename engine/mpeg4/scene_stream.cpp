@@ -157,14 +157,9 @@ Bytes descriptor(std::uint8_t tag, BytesView content) {
 }
 
 Bytes full_box(std::string_view type, std::uint32_t flags, const Bytes& content) {
-    Bytes body;
-    put_number(body, flags, 4);
+    Bytes body = packed_numbers({{flags, 4}});
     put_bytes(body, content);
     return box_of(type, body);
-}
-
-Bytes zeros(std::size_t count) {
-    return Bytes(count, 0);
 }
 
 void put_matrix(Bytes& to) {  // the identity
@@ -187,17 +182,16 @@ struct SystemsTrack {
 Bytes esds(const SystemsTrack& track) {
     Bytes config{track.object_type, static_cast<std::uint8_t>(track.stream_type << 2 | 1)};
     put_number(config, track.sample.size(), 3);
-    put_bytes(config, zeros(8));  // rates: not stated
+    put_bytes(config, Bytes(8));  // rates: not stated
     if (!track.decoder_info.empty()) put_bytes(config, descriptor(decoder_info, track.decoder_info));
-    Bytes stream = zeros(3);  // its number is the track's, in a file
+    Bytes stream(3);  // its number is the track's, in a file
     put_bytes(stream, descriptor(decoder_config, config));
     put_bytes(stream, descriptor(sync_config, Bytes{2}));
     return full_box("esds", 0, descriptor(es_descriptor, stream));
 }
 
 Bytes sample_tables(const SystemsTrack& track, std::uint64_t duration) {
-    Bytes entry = zeros(6);
-    put_number(entry, 1, 2);  // which data reference
+    Bytes entry = packed_numbers({{0, 6}, {1, 2}});  // which data reference
     put_bytes(entry, esds(track));
     Bytes tables;
     const auto table = [&tables](const char* type, std::initializer_list<std::uint64_t> numbers) {
@@ -205,48 +199,36 @@ Bytes sample_tables(const SystemsTrack& track, std::uint64_t duration) {
         for (const std::uint64_t each : numbers) put_number(content, each, 4);
         put_bytes(tables, full_box(type, 0, content));
     };
-    Bytes kinds;
-    put_number(kinds, 1, 4);
+    Bytes kinds = packed_numbers({{1, 4}});
     put_box(kinds, "mp4s", entry);
     put_bytes(tables, full_box("stsd", 0, kinds));
     table("stts", {1, 1, duration});
     table("stsc", {1, 1, 1, 1});
     table("stsz", {0, 1, track.sample.size()});
-    Bytes place;
-    put_number(place, 1, 4);
-    put_number(place, track.at, 8);
-    put_bytes(tables, full_box("co64", 0, place));
+    put_bytes(tables, full_box("co64", 0, packed_numbers({{1, 4}, {track.at, 8}})));
     return tables;
 }
 
 Bytes systems_trak(const SystemsTrack& track, std::uint64_t movie_duration, std::uint64_t duration) {
-    Bytes head;
-    put_number(head, 0, 8);  // no dates
-    put_number(head, track.id, 4);
-    put_number(head, 0, 4);
-    put_number(head, movie_duration, 4);
-    put_bytes(head, zeros(16));
+    constexpr std::uint64_t no_dates = 0;
+    Bytes head = packed_numbers({{no_dates, 8}, {track.id, 4}, {0, 4}, {movie_duration, 4}});
+    put_bytes(head, Bytes(16));
     put_matrix(head);
-    put_bytes(head, zeros(8));
+    put_bytes(head, Bytes(8));
     Bytes trak = full_box("tkhd", 1, head);
     if (!track.refers_to.empty()) {
         Bytes ids;
         for (const std::uint32_t id : track.refers_to) put_number(ids, id, 4);
         put_box(trak, "tref", box_of("mpod", ids));
     }
-    Bytes times;
-    put_number(times, 0, 8);
-    put_number(times, timescale, 4);
-    put_number(times, duration, 4);
-    put_number(times, 0x55C4, 2);  // language: und
-    put_number(times, 0, 2);
-    Bytes handler;
-    put_number(handler, 0, 4);
+    constexpr std::uint64_t no_language = 0x55C4;  // und
+    const Bytes times =
+        packed_numbers({{no_dates, 8}, {timescale, 4}, {duration, 4}, {no_language, 2}, {0, 2}});
+    Bytes handler(4);
     for (const char* letter = track.handler; *letter; ++letter)
         handler.push_back(static_cast<std::uint8_t>(*letter));
-    put_bytes(handler, zeros(13));
-    Bytes itself;
-    put_number(itself, 1, 4);
+    put_bytes(handler, Bytes(13));
+    Bytes itself = packed_numbers({{1, 4}});
     put_bytes(itself, full_box("url ", 1, {}));
     Bytes information = full_box("nmhd", 0, {});
     put_box(information, "dinf", full_box("dref", 0, itself));
@@ -263,25 +245,20 @@ Bytes object_descriptors(const SceneStream& stream) {
     Bytes all;
     std::uint32_t place = 0;
     for ([[maybe_unused]] const auto& [number, track] : stream.objects) {
-        Bytes reference;
-        put_number(reference, ++place, 2);
-        Bytes content;
-        put_number(content, static_cast<std::uint64_t>(number) << 6 | 0x1F, 2);  // no URL; five reserved bits
-        put_bytes(content, descriptor(track_referenced, reference));
+        constexpr std::uint64_t no_url = 0x1F;  // five reserved bits
+        Bytes content = packed_numbers({{static_cast<std::uint64_t>(number) << 6 | no_url, 2}});
+        put_bytes(content, descriptor(track_referenced, packed_numbers({{++place, 2}})));
         put_bytes(all, descriptor(object, content));
     }
     return descriptor(object_update, all);
 }
 
 Bytes initial_object_descriptor(std::uint32_t scene_track, std::uint32_t object_track) {
-    Bytes content;
-    put_number(content, 1 << 6 | 0x0F, 2);  // number 1, no URL, profiles not in line, reserved bits
-    put_bytes(content, Bytes(5, 0xFF));     // no capability is required
-    for (const std::uint32_t track : {scene_track, object_track}) {
-        Bytes id;
-        put_number(id, track, 4);
-        put_bytes(content, descriptor(track_included, id));
-    }
+    // Number 1, no URL, profiles not in line, reserved bits.
+    Bytes content = packed_numbers({{1 << 6 | 0x0F, 2}});
+    put_bytes(content, Bytes(5, 0xFF));  // no capability is required
+    for (const std::uint32_t track : {scene_track, object_track})
+        put_bytes(content, descriptor(track_included, packed_numbers({{track, 4}})));
     return full_box("iods", 0, descriptor(initial_object, content));
 }
 
@@ -314,10 +291,9 @@ Result<Bytes> marked(BytesView trak, std::uint32_t shown) {
     std::copy(auxv.begin(), auxv.end(), auxiliary.begin() + 8);
     const Bytes changed = with_content(trak, handler, auxiliary);
     TRY_ASSIGN(const auto parts, boxes_in(changed));
-    Bytes made, reference;
-    put_number(reference, shown, 4);
+    Bytes made;
     for (const Box& part : parts) {
-        if (part.type == "mdia") put_box(made, "tref", box_of("vdep", reference));
+        if (part.type == "mdia") put_box(made, "tref", box_of("vdep", packed_numbers({{shown, 4}})));
         put_box(made, part.type, part.content);
     }
     return made;
@@ -376,8 +352,7 @@ Result<Bytes> with_scene_stream(BytesView moov, const SceneStream& stream, std::
 
     const std::uint64_t duration = movie_duration * timescale / movie_timescale;
     Bytes header(head->content.begin(), head->content.end());
-    Bytes next;
-    put_number(next, free_id + 2, 4);
+    const Bytes next = packed_numbers({{free_id + 2, 4}});
     std::copy(next.begin(), next.end(), header.end() - 4);
     Bytes movie;
     put_box(movie, "mvhd", header);
