@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstring>
+#include <glm/geometric.hpp>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -376,10 +377,8 @@ constexpr std::int64_t most_ticks_to_rest = 500;
 bool is_steady(const GuardedForce& now, const glm::dvec3& before) {
     constexpr double still = 1e-9;  // newtons, and share of the force
     constexpr std::uint32_t coming = guard_ramp | guard_rise | guard_jump;
-    const glm::dvec3 &force = now.force, step = force - before;
-    const double length = std::sqrt(force.x * force.x + force.y * force.y + force.z * force.z);
     return (now.reasons & coming) == 0 &&
-           std::sqrt(step.x * step.x + step.y * step.y + step.z * step.z) <= still * (1 + length);
+           glm::distance(now.force, before) <= still * (1 + glm::length(now.force));
 }
 
 /// Solves fingers at rest, `resting_at_a_time` or fewer: each begins where its ray meets the surface, and

@@ -21,10 +21,7 @@ std::optional<double> parse_number(std::string_view text) {
 }
 
 bool is_text(std::string_view line) {
-    for (const char c : line) {
-        if (static_cast<unsigned char>(c) < 0x20 && c != '\t') return false;
-    }
-    return true;
+    return std::ranges::all_of(line, [](unsigned char c) { return c >= 0x20 || c == '\t'; });
 }
 
 const char* separator_name(char separator) {
@@ -102,9 +99,7 @@ Result<void> CsvTable::check_fields() {
                                " fields; the lines before have " + std::to_string(first_.size()));
         }
     }
-    for (const std::string_view field : first_) {
-        if (!parse_number(field)) has_header_ = true;
-    }
+    has_header_ = std::ranges::any_of(first_, [](std::string_view field) { return !parse_number(field); });
     if (lines_.empty() || rows() == 0) return input_error(file_ + ": has no row of data; expected numbers");
     return {};
 }

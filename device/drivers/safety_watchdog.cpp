@@ -122,9 +122,7 @@ bool next_order(int socket, WatchdogOrder& order, int& descriptor) {
     message.msg_iovlen = 1;
     message.msg_control = &ancillary;
     message.msg_controllen = sizeof ancillary;
-    ssize_t came = 0;
-    do came = recvmsg(socket, &message, MSG_CMSG_CLOEXEC);
-    while (came < 0 && errno == EINTR);
+    const ssize_t came = TEMP_FAILURE_RETRY(recvmsg(socket, &message, MSG_CMSG_CLOEXEC));
     if (came != static_cast<ssize_t>(sizeof order)) return false;
     descriptor = nothing_kept;
     if (const cmsghdr* header = CMSG_FIRSTHDR(&message); header && header->cmsg_type == SCM_RIGHTS)
@@ -244,10 +242,7 @@ WatchdogOrder::Packet packet_of(const std::vector<std::byte>& bytes) {
 /// Whether the process at the socket's other end ends in time; no other process holds that end.
 bool has_ended(int socket, int patience_ms) {
     pollfd its_end{socket, 0, 0};
-    int ended = 0;
-    do ended = poll(&its_end, 1, patience_ms);
-    while (ended < 0 && errno == EINTR);
-    return ended == 1;
+    return TEMP_FAILURE_RETRY(poll(&its_end, 1, patience_ms)) == 1;
 }
 
 }  // namespace
@@ -286,8 +281,7 @@ SafetyWatchdog::~SafetyWatchdog() {
         ended = has_ended(socket_, longest_wait_ms);
     }
     close(socket_);
-    while (waitpid(process_, nullptr, ended ? 0 : WNOHANG) < 0 && errno == EINTR) {
-    }
+    (void)TEMP_FAILURE_RETRY(waitpid(process_, nullptr, ended ? 0 : WNOHANG));
     munmap(&hearts_, sizeof hearts_);
 }
 
@@ -351,9 +345,7 @@ Result<void> SafetyWatchdog::give_order(std::size_t place, const ZeroForcePacket
         std::memcpy(CMSG_DATA(header), &packet->descriptor, sizeof(int));
     }
     hearts_.devices[place].beat_ns = 0;
-    ssize_t sent = 0;
-    do sent = sendmsg(socket_, &message, MSG_NOSIGNAL);
-    while (sent < 0 && errno == EINTR);
+    const ssize_t sent = TEMP_FAILURE_RETRY(sendmsg(socket_, &message, MSG_NOSIGNAL));
     // Once the order is done, the process has closed the old descriptor, and its port is free.
     if (sent == static_cast<ssize_t>(sizeof order) && is_done(order.number)) return {};
     TRY(health());

@@ -34,7 +34,7 @@ std::string format_line(const NodeFormat& format) {
 
 /// How to touch a node, with the same camera's colour if it has any.
 std::string touch_line(const NodeFacts& facts, const std::vector<NodeFacts>& all, const HowToTouch& how) {
-    const auto beside = std::find_if(all.begin(), all.end(), [&](const NodeFacts& other) {
+    const auto beside = std::ranges::find_if(all, [&](const NodeFacts& other) {
         return has_colour(other) && !other.bus.empty() && other.bus == facts.bus;
     });
     const std::string camera = "v4l2:" + facts.node;
@@ -56,11 +56,9 @@ std::string missing_depth(const std::vector<NodeFacts>& all) {
     const auto is_realsense = [](const NodeFacts& facts) {
         return facts.card.find("RealSense") != std::string::npos;
     };
-    const bool any = std::any_of(all.begin(), all.end(), is_realsense);
-    const bool shown = std::any_of(all.begin(), all.end(), [&](const NodeFacts& facts) {
-        return is_realsense(facts) && has_depth(facts);
-    });
-    if (!any || shown) return {};
+    std::vector<NodeFacts> of_realsense;
+    std::ranges::copy_if(all, std::back_inserter(of_realsense), is_realsense);
+    if (of_realsense.empty() || std::ranges::any_of(of_realsense, has_depth)) return {};
     return "The RealSense has no node of depth (Z16): the driver uvcvideo of this kernel may not know its "
            "formats. Intel's librealsense has the patches for it "
            "(scripts/patch-realsense-ubuntu-lts-hwe.sh), "
@@ -98,7 +96,7 @@ std::string cameras_in_words(VideoSystem& system, const HowToTouch& how) {
     }
     for (const NodeFacts& facts : all) words += node_lines(facts, all, how);
     words += closed + missing_depth(all);
-    if (closed.empty() && std::none_of(all.begin(), all.end(), has_depth))
+    if (closed.empty() && std::ranges::none_of(all, has_depth))
         words += "None of them gives depth (Z16, or Y16) that can be touched.\n";
     return words;
 }

@@ -1,5 +1,6 @@
 #include "engine/scene/scene.hpp"
 
+#include <concepts>
 #include <tuple>
 
 #include "engine/base/same_bits.hpp"
@@ -47,15 +48,11 @@ constexpr double longest = 1e12, shortest = 1e-12;
 std::string text(double number) {
     return exact_number(number, std::chars_format::general);
 }
-std::string text(int number) {
-    return std::to_string(number);
-}
-std::string text(std::int64_t number) {
+std::string text(std::integral auto number) {
     return std::to_string(number);
 }
 
-template <class Number>
-Error refuse(const std::string& member, Number value, const std::string& right) {
+Error refuse(const std::string& member, auto value, const std::string& right) {
     return input_error(member + " is " + text(value) + ": must be " + right);
 }
 
@@ -259,8 +256,7 @@ bool is_file_pattern(const std::string& pattern) {
 }
 
 Result<void> check_pattern(const std::string& member, const std::string& pattern) {
-    const bool clean =
-        std::none_of(pattern.begin(), pattern.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
+    const bool clean = std::ranges::none_of(pattern, [](unsigned char c) { return c < 0x20 || c == 0x7f; });
     if (clean && is_file_pattern(pattern)) return {};
     return input_error(
         member + " is " + in_quotes(pattern) +
@@ -346,7 +342,7 @@ Result<void> check_video(const Scene& scene) {
                                        {"video.colour", video.colour},
                                        {"video.haptic", video.haptic},
                                        {"video.height", video.height}}) {
-        const bool clean = std::none_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x20; });
+        const bool clean = std::ranges::none_of(name, [](unsigned char c) { return c < 0x20; });
         if (!clean || (name.empty() && &name == &video.depth))
             return input_error(std::string(member) + " is " + in_quotes(name) +
                                ": must be the name of a file, without control characters");
@@ -415,9 +411,8 @@ void derive_valid_range(DepthCoding& coding) {
 void add_remark(std::vector<Remark>& remarks, Remark remark) {
     remark.what = printable(remark.what, longest_made);
     const std::string text = remark_text(remark);
-    const bool is_there = std::any_of(remarks.begin(), remarks.end(),
-                                      [&](const Remark& other) { return remark_text(other) == text; });
-    if (!is_there && remarks.size() < most_remarks) remarks.push_back(std::move(remark));
+    const bool is_new = std::ranges::find(remarks, text, remark_text) == remarks.end();
+    if (is_new && remarks.size() < most_remarks) remarks.push_back(std::move(remark));
 }
 
 std::vector<Remark> joined_remarks(std::vector<Remark> first, const std::vector<Remark>& rest) {

@@ -194,10 +194,7 @@ std::vector<SceneDescription::Material> read_materials(const Node& haptic, const
         check(node[name.c_str()], material.properties);
         materials.push_back(material);
     }
-    std::sort(materials.begin(), materials.end(),
-              [](const SceneDescription::Material& a, const SceneDescription::Material& b) {
-                  return a.index < b.index;
-              });
+    std::ranges::sort(materials, {}, &SceneDescription::Material::index);
     const auto hold_all = [&](const HapticProperties& properties, bool is_first) {
         hold(haptic, "stiffness", is_first, properties.stiffness / 1000, ranges.stiffness);
         hold(haptic, "static_friction", is_first, properties.static_friction, ranges.static_friction);

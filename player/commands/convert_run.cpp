@@ -257,9 +257,7 @@ std::uint64_t mark_of(const PlaneView& plane) {
     ByteHash hash;
     for (const int part : {plane.width, plane.height, plane.bytes_per_sample, plane.channels})
         hash.add(&part, sizeof part);
-    const auto row_bytes = static_cast<std::size_t>(plane.width) * static_cast<std::size_t>(plane.channels) *
-                           static_cast<std::size_t>(plane.bytes_per_sample);
-    for (int y = 0; y < plane.height; ++y) hash.add(plane.row(y), row_bytes);
+    for (int y = 0; y < plane.height; ++y) hash.add(plane.row(y), plane.row_bytes());
     return hash.value();
 }
 

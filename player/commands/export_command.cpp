@@ -205,13 +205,9 @@ Result<void> write_frame_files(StagedFolder& folder, const RawFrame& raw, const 
         {"valid.png", validity.view()},
         {"haptic.png", raw.haptic},
         {"height.png", raw.height}};
-    for (const auto& [name, plane] : pictures) {
-        if (plane.empty()) continue;
-        TRY(write_png(folder.add(name), plane));
-    }
-    if (with_mesh) {
-        TRY(write_ply(folder.add("mesh.ply"), make_mesh(surface, scene), raw.colour));
-    }
+    for (const auto& [name, plane] : pictures)
+        if (!plane.empty()) TRY(write_png(folder.add(name), plane));
+    if (with_mesh) TRY(write_ply(folder.add("mesh.ply"), make_mesh(surface, scene), raw.colour));
     TRY(folder.add("codes.json").write(codes_to_json(surface, scene) + "\n"));
     return folder.add("scene.json").write(scene_to_json(as_still(scene, raw)) + "\n");
 }

@@ -36,12 +36,6 @@ GlobeMap map_of(const StoredImage& picture) {
     return {image.view(), {}, image.width, image.height, image.channels, (1 << picture.bits) - 1};
 }
 
-/// Converts a grey picture that is stored as colour.
-void make_grey(Image& image) {
-    if (image.channels == 1) return;
-    if (auto grey = as_grey(image)) image = std::move(*grey);
-}
-
 enum class MapKind { as_stored, grey };
 
 /// Reads a file's map into `picture`; no map if `file` is empty. The map refers to `picture`.
@@ -49,7 +43,8 @@ Result<GlobeMap> read_map(const std::filesystem::path& file, MapKind kind, Store
     if (file.empty()) return GlobeMap{};
     if (stop_requested()) return interrupted_error();
     TRY_ASSIGN(picture, read_stored_image(SourceFile(file)));
-    if (kind == MapKind::grey) make_grey(picture.image);
+    if (kind == MapKind::grey && picture.image.channels > 1)  // a grey picture may be stored as colour
+        if (auto grey = as_grey(picture.image)) picture.image = std::move(*grey);
     return map_of(picture);
 }
 

@@ -355,19 +355,14 @@ struct ServeTyped {
     ServeOptions options;
 };
 
-Error no_clip() {
-    return usage_error(
-        "what is to be sent? use touchable serve CLIP URL, or touchable serve --camera WORDS URL");
-}
-
 /// With a camera the first word is also a URL.
 Result<std::vector<std::string>> read_words(const ServeTyped& typed, ServeOptions& options) {
     std::vector<std::string> urls = typed.urls;
-    if (!typed.camera) {
-        if (typed.clip.choice.file.empty()) return no_clip();
-        return urls;
-    }
     const std::string first = typed.clip.choice.file.string();
+    if (!typed.camera && first.empty())
+        return usage_error(
+            "what is to be sent? use touchable serve CLIP URL, or touchable serve --camera WORDS URL");
+    if (!typed.camera) return urls;
     if (!first.empty() && !is_stream_url(first))
         return usage_error("CLIP and --camera are two things to send; leave one of them out");
     if (!first.empty()) urls.insert(urls.begin(), first);

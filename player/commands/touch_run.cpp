@@ -3,7 +3,6 @@
 #include <termios.h>
 #include <deque>
 #include <glm/vec2.hpp>
-#include <initializer_list>
 #include <iostream>
 #include <set>
 
@@ -248,17 +247,16 @@ public:
     /// The outputs that take every tick.
     std::vector<TouchSink*> sinks() {
         std::vector<TouchSink*> sinks;
-        if (forces_) sinks.push_back(forces_.get());
-        if (device_log_) sinks.push_back(device_log_.get());
-        if (record_) sinks.push_back(record_.get());
+        for (OutputSink* const file : files())
+            if (file) sinks.push_back(file);
         if (picture_) sinks.push_back(&*picture_);
         return sinks;
     }
     /// The file of a sink, for messages: "--forces f.csv"; empty: writes none during the run.
     std::string name_of(const TouchSink* sink) const {
-        if (sink == forces_.get()) return forces_->name();
-        if (sink == device_log_.get()) return device_log_->name();
-        return sink == record_.get() ? record_->name() : "";
+        for (const OutputSink* const file : files())
+            if (sink == file) return file->name();
+        return "";
     }
     /// The picture's painter; nullptr: no picture.
     const SurfacePainter* painter() const { return picture_ ? &picture_->painter() : nullptr; }
@@ -273,8 +271,7 @@ public:
     /// Faults of outputs since the last call; each is reported once.
     std::vector<std::string> new_faults() {
         std::vector<std::string> faults;
-        for (const OutputSink* const file :
-             std::initializer_list<const OutputSink*>{forces_.get(), device_log_.get(), record_.get()})
+        for (const OutputSink* const file : files())
             if (const auto fault = file ? file->fault() : std::nullopt; fault && told_.insert(file).second)
                 faults.push_back(fault->message);
         if (const auto fault = film_ ? film_->fault() : std::nullopt;
@@ -308,6 +305,8 @@ public:
 
 private:
     explicit TouchOutputs(const TouchOptions& options) : options_(options) {}
+    /// Those that write while the run goes on; null: not asked for.
+    std::array<OutputSink*, 3> files() const { return {forces_.get(), device_log_.get(), record_.get()}; }
     Result<void> finish_record(const std::string& force_hash, const TouchSetup& setup) {
         if (setup.film) {
             TRY(setup.film->finish());

@@ -36,11 +36,8 @@ void put(std::string& bytes, const glm::dvec3& v) {
 class Bytes {
 public:
     explicit Bytes(std::string_view bytes) : bytes_(bytes) {}
-    std::uint64_t integer(int size) {
-        std::uint64_t value = 0;
-        for (int k = 0; k < size; ++k)
-            value |= std::uint64_t{static_cast<std::uint8_t>(bytes_[at_++])} << (8 * k);
-        return value;
+    std::uint64_t integer(std::size_t size) {
+        return number_in_bytes(bytes_.substr(std::exchange(at_, at_ + size), size), false);
     }
     double real() { return std::bit_cast<double>(integer(8)); }
     glm::dvec3 vector() {

@@ -55,13 +55,9 @@ bool has(const std::vector<DroppedFrames>& dropped, std::uint64_t epoch, std::in
 }  // namespace
 
 void PlanesHash::add(const RawFrame& frame) {
-    for (const PlaneView* plane : {&frame.depth, &frame.haptic, &frame.height}) {
-        if (plane->empty()) continue;
-        const auto row_bytes = static_cast<std::size_t>(plane->width) *
-                               static_cast<std::size_t>(plane->channels) *
-                               static_cast<std::size_t>(plane->bytes_per_sample);
-        for (int y = 0; y < plane->height; ++y) hash_.add(plane->row(y), row_bytes);
-    }
+    for (const PlaneView* plane : {&frame.depth, &frame.haptic, &frame.height})
+        for (int y = 0; !plane->empty() && y < plane->height; ++y)
+            hash_.add(plane->row(y), plane->row_bytes());
 }
 
 void SceneCuts::look(const RawFrame& frame, const DepthCoding& coding) {

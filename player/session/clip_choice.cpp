@@ -71,8 +71,7 @@ bool is_too_much(std::size_t frames, std::size_t bytes) {
 std::size_t kept_bytes_of(const RawFrame& frame) {
     std::size_t bytes = 0;
     for (const PlaneView* plane : {&frame.depth, &frame.colour, &frame.haptic, &frame.height})
-        bytes += static_cast<std::size_t>(plane->width) * static_cast<std::size_t>(plane->height) *
-                 static_cast<std::size_t>(plane->channels * plane->bytes_per_sample);
+        bytes += plane->row_bytes() * static_cast<std::size_t>(plane->height);
     return bytes;
 }
 

@@ -65,9 +65,8 @@ std::optional<std::string> read_words(const std::vector<std::string>& words, Pla
 Hints settings_of(const std::vector<PlaybackCommand>& commands) {
     Hints settings;
     const auto add = [&settings](Setting::Name setting) {
-        for (const Hint& known : settings)
-            if (known.setting == setting) return;
-        settings.push_back({setting});
+        if (std::ranges::find(settings, setting, &Hint::setting) == settings.end())
+            settings.push_back({setting});
     };
     for (const PlaybackCommand& command : commands) {
         const auto begins_loop = [&](const PlaybackCommand& loop) {
