@@ -602,14 +602,12 @@ Result<std::unique_ptr<Hand>> make_hand(const std::string& description, int fing
         return usage_error("a hand has 1 to " + std::to_string(most_fingers) + " fingers, not " +
                            std::to_string(fingers));
     }
-    const std::size_t colon = description.find(':');
-    const std::string name = description.substr(0, colon);
-    const std::string rest = colon == std::string::npos ? "" : description.substr(colon + 1);
+    const auto [name, rest] = HandOptions::name_and_pairs(description);
     if (name == "csv") return make_recorded_hand(rest, fingers, workspace, probe);
     const std::span<const Key> keys = keys_of(name);
     if (keys.empty())
         return usage_error("unknown hand '" + printable(name) + "'; must be one of " + listed(hand_words()));
-    return make_scripted_hand(name, keys, rest, fingers, workspace, probe);
+    return make_scripted_hand(std::string(name), keys, rest, fingers, workspace, probe);
 }
 
 glm::dvec2 finger_offset(int finger, int fingers, double spread) {

@@ -122,6 +122,11 @@ public:
     /// their owner `of`, such as "hand 'wander'".
     static Result<HandOptions> parse(std::string_view of, std::string_view text, std::span<const Key> keys);
 
+    /// Splits "NAME[:key=value,...]" at its first ':'.
+    static std::pair<std::string_view, std::string_view> name_and_pairs(std::string_view description) {
+        const std::size_t colon = std::min(description.find(':'), description.size());
+        return {description.substr(0, colon), description.substr(std::min(colon + 1, description.size()))};
+    }
     /// Splits "FILE[:key=value,...]"; FILE may contain ':': the pairs begin after the last ':' that has a '='
     /// behind it.
     static std::pair<std::string_view, std::string_view> file_and_pairs(std::string_view description) {

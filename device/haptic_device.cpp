@@ -204,14 +204,10 @@ void SimulatedDevice::pass_tick() {
 }
 
 Result<std::unique_ptr<SimulatedDevice>> make_simulated_device(const std::string& description, int fingers) {
-    const std::size_t colon = description.find(':');
-    if (description.substr(0, colon) != "simulated")
-        return usage_error("unknown device '" + description.substr(0, colon) +
-                           "'; the one there is is simulated");
-    TRY_ASSIGN(
-        const auto given,
-        HandOptions::parse("device 'simulated'",
-                           colon == std::string::npos ? "" : description.substr(colon + 1), simulated_keys));
+    const auto [name, pairs] = HandOptions::name_and_pairs(description);
+    if (name != "simulated")
+        return usage_error("unknown device '" + std::string(name) + "'; the one there is is simulated");
+    TRY_ASSIGN(const auto given, HandOptions::parse("device 'simulated'", pairs, simulated_keys));
     HandleDynamics handle;
     handle.mass = given.number("mass");
     handle.damping = given.number("damping");

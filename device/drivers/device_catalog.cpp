@@ -9,6 +9,7 @@
 #include "device/drivers/recorded_device.hpp"
 #include "device/drivers/spacemouse_device.hpp"
 #include "device/drivers/woodenhaptics_device.hpp"
+#include "device/hand.hpp"
 #include "engine/base/words.hpp"
 
 namespace touchable {
@@ -33,7 +34,7 @@ Error also_unplugged(Error error, std::string_view name) {
     if (error.kind != ErrorKind::input || !is_hardware) return error;
     const auto connected = connected_devices();
     const bool is_there = std::ranges::any_of(connected, [&](const ConnectedDevice& each) {
-        return std::string_view(each.driven).substr(0, each.driven.find(':')) == name;
+        return HandOptions::name_and_pairs(each.driven).first == name;
     });
     if (!is_there) error.message += "; and no " + std::string(name) + " is connected";
     return error;
@@ -44,7 +45,8 @@ Error unknown_device(const std::string& name) {
         return usage_error("device mouse is the window's, where no device is needed: touchable play CLIP",
                            {{Setting::device}});
     std::vector<std::string> words;
-    for (const std::string& each : device_words()) words.push_back(each.substr(0, each.find(':')));
+    for (const std::string& each : device_words())
+        words.emplace_back(HandOptions::name_and_pairs(each).first);
     const std::string nearest = nearest_word(name, words);
     return usage_error("unknown device '" + printable(name) + "'" +
                        (nearest.empty() ? "; there are " : "; did you mean " + nearest + "? There are ") +
@@ -98,12 +100,10 @@ std::vector<std::string> device_words() {
 
 Result<std::unique_ptr<HapticDevice>> make_device(const std::string& description,
                                                   const DrivenSettings& driven) {
-    const std::size_t colon = description.find(':');
-    const std::string name = description.substr(0, colon);
+    const auto [name, pairs] = HandOptions::name_and_pairs(description);
     const auto kind = std::ranges::find(kinds_of_devices, name, &DeviceKind::name);
-    if (kind == std::end(kinds_of_devices)) return unknown_device(name);
-    auto driver = kind->make_driver(
-        colon == std::string::npos ? std::string_view() : std::string_view(description).substr(colon + 1));
+    if (kind == std::end(kinds_of_devices)) return unknown_device(std::string(name));
+    auto driver = kind->make_driver(pairs);
     if (!driver) return also_unplugged(driver.error(), name);
     return std::make_unique<DrivenDevice>(std::move(*driver), driven);
 }

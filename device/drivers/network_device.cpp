@@ -10,6 +10,7 @@
 #include <iterator>
 
 #include "device/hand.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 
@@ -55,11 +56,8 @@ public:
     explicit PacketReader(std::span<const std::byte> in) : in_(in) {}
     template <class Word>
     Word take() {
-        Word word = 0;
-        for (std::size_t byte = 0; byte < sizeof word; ++byte)
-            word = static_cast<Word>(word | static_cast<Word>(in_[at_ + byte]) << (8 * byte));
-        at_ += sizeof word;
-        return word;
+        const auto* const bytes = reinterpret_cast<const char*>(&in_[std::exchange(at_, at_ + sizeof(Word))]);
+        return static_cast<Word>(number_in_bytes({bytes, sizeof(Word)}, false));
     }
     double number() { return std::bit_cast<double>(take<std::uint64_t>()); }
 

@@ -37,23 +37,26 @@ struct Converted {
     std::optional<ForceComparison> forces;  ///< if values of touch planes were lost
 };
 
-void add_values(const PlaneView& before, const PlaneView& now, PlaneLoss& loss) {
-    loss.samples += std::int64_t{before.width} * before.height * before.channels;
-    if (same_samples(before, now)) return;
-    // For each pixel of the original, the nearest pixel of the smaller picture.
+/// Calls `add(x, y, at_x, at_y)` for each pixel of the original and the nearest one of the smaller picture.
+void each_nearest(const PlaneView& before, const PlaneView& now, auto&& add) {
     const std::vector<int> columns = nearest_samples(now.width, before.width),
                            rows = nearest_samples(now.height, before.height);
     for (int y = 0; y < before.height; ++y)
         for (int x = 0; x < before.width; ++x)
-            for (int channel = 0; channel < before.channels; ++channel) {
-                const int was = before.sample(x, y, channel),
-                          is = now.sample(columns[static_cast<std::size_t>(x)],
-                                          rows[static_cast<std::size_t>(y)], channel);
-                const int error = std::abs(is - was);
-                loss.changed += error != 0;
-                loss.largest = std::max(loss.largest, error);
-                loss.squares += static_cast<double>(error) * error;
-            }
+            add(x, y, columns[static_cast<std::size_t>(x)], rows[static_cast<std::size_t>(y)]);
+}
+
+void add_values(const PlaneView& before, const PlaneView& now, PlaneLoss& loss) {
+    loss.samples += std::int64_t{before.width} * before.height * before.channels;
+    if (same_samples(before, now)) return;
+    each_nearest(before, now, [&](int x, int y, int at_x, int at_y) {
+        for (int channel = 0; channel < before.channels; ++channel) {
+            const int error = std::abs(now.sample(at_x, at_y, channel) - before.sample(x, y, channel));
+            loss.changed += error != 0;
+            loss.largest = std::max(loss.largest, error);
+            loss.squares += static_cast<double>(error) * error;
+        }
+    });
 }
 
 /// Depth along the optical axis per unit of length along a pixel's ray.
@@ -65,25 +68,21 @@ double axis_share(const Camera& camera, int x, int y) {
 void add_depths(const PlaneView& before, const Scene& scene, const PlaneView& now, const Scene& recoded,
                 PlaneLoss& loss) {
     const bool turns_to_axis = scene.depth.semantics != recoded.depth.semantics;
-    const std::vector<int> columns = nearest_samples(now.width, before.width),
-                           rows = nearest_samples(now.height, before.height);
-    for (int y = 0; y < before.height; ++y)
-        for (int x = 0; x < before.width; ++x) {
-            const auto was = stored_code(before, scene.depth, x, y),
-                       is = stored_code(now, recoded.depth, columns[static_cast<std::size_t>(x)],
-                                        rows[static_cast<std::size_t>(y)]);
-            const bool was_there = scene.depth.is_valid(was), is_there = recoded.depth.is_valid(is);
-            loss.appeared += is_there && !was_there;
-            loss.disappeared += was_there && !is_there;
-            if (!was_there || !is_there) continue;
-            const double share = turns_to_axis ? axis_share(scene.camera, x, y) : 1;
-            const double metres =
-                std::abs(recoded.depth.depth(is) - scene.depth.depth(was) * share) * scene.metres_per_unit;
-            loss.changed += loss.is_recoded && metres > 0;
-            ++loss.pixels;
-            loss.largest_metres = std::max(loss.largest_metres, metres);
-            loss.squares_metres += metres * metres;
-        }
+    each_nearest(before, now, [&](int x, int y, int at_x, int at_y) {
+        const auto was = stored_code(before, scene.depth, x, y),
+                   is = stored_code(now, recoded.depth, at_x, at_y);
+        const bool was_there = scene.depth.is_valid(was), is_there = recoded.depth.is_valid(is);
+        loss.appeared += is_there && !was_there;
+        loss.disappeared += was_there && !is_there;
+        if (!was_there || !is_there) return;
+        const double share = turns_to_axis ? axis_share(scene.camera, x, y) : 1;
+        const double metres =
+            std::abs(recoded.depth.depth(is) - scene.depth.depth(was) * share) * scene.metres_per_unit;
+        loss.changed += loss.is_recoded && metres > 0;
+        ++loss.pixels;
+        loss.largest_metres = std::max(loss.largest_metres, metres);
+        loss.squares_metres += metres * metres;
+    });
 }
 
 /// `may_be_exact`: the command has --exact-colour.

@@ -163,7 +163,7 @@ struct MeasuredDevice {
 };
 
 Result<MeasuredDevice> take_device(const std::string& words) {
-    if (words.substr(0, words.find(':')) == "simulated")
+    if (HandOptions::name_and_pairs(words).first == "simulated")
         return usage_error("--device simulated is computed, so there is nothing to measure");
     ignore_stop_keys();
     TRY_ASSIGN(auto watchdog, SafetyWatchdog::start());
@@ -316,9 +316,9 @@ DeviceReport describe(const HapticDevice& device, const std::string& words) {
     report.fingers = device.fingers();
     report.limits = device.limits();
     report.capabilities = device.capabilities();
-    const std::string word = words.substr(0, words.find(':'));
+    const auto word_of = [](const std::string& driven) { return HandOptions::name_and_pairs(driven).first; };
     for (ConnectedDevice& each : connected_devices())
-        if (each.driven.substr(0, each.driven.find(':')) == word) report.connected.push_back(std::move(each));
+        if (word_of(each.driven) == word_of(words)) report.connected.push_back(std::move(each));
     return report;
 }
 

@@ -41,7 +41,7 @@ bool is_rigid(const glm::dmat4& m) {
 }
 
 bool is_simulated(const std::string& device) {
-    return device.substr(0, device.find(':')) == "simulated";
+    return HandOptions::name_and_pairs(device).first == "simulated";
 }
 
 /// Makes all devices and joins them into one.

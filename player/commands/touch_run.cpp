@@ -1,6 +1,7 @@
 #include "player/commands/touch_run.hpp"
 
 #include <termios.h>
+#include <array>
 #include <deque>
 #include <glm/vec2.hpp>
 #include <iostream>

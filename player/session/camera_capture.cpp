@@ -157,9 +157,7 @@ public:
 
 private:
     CameraCapture::Frames::const_iterator place_of(std::int64_t frame) const {
-        return std::lower_bound(
-            frames_.begin(), frames_.end(), frame,
-            [](const CameraCapture::Frame& taken, std::int64_t number) { return taken.number < number; });
+        return std::ranges::lower_bound(frames_, frame, {}, &CameraCapture::Frame::number);
     }
 
     CameraCapture::Frames frames_;
@@ -184,7 +182,7 @@ Result<ClipChoice::LiveCamera> read_live_camera(const std::string& words) {
     if (words.starts_with(replay_kind)) return read_replay(words);
     if (words.starts_with(pipe_kind) || words.starts_with(tcp_kind)) return read_sender(words);
     if (words.starts_with(stream_kind)) return read_stream(words);
-    const bool is_number = !words.empty() && words.find_first_not_of("0123456789") == std::string::npos;
+    const bool is_number = is_digits(words);
     if (is_number || words.starts_with("/dev/video"))
         return usage_error("unknown camera '" + printable(words) + "': did you mean v4l2:" +
                            (is_number ? "/dev/video" : "") + printable(words) + "?");
