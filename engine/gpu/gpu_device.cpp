@@ -132,14 +132,10 @@ int queue_family_of(VkPhysicalDevice device) {
 }
 
 std::vector<std::string> extensions_of(VkPhysicalDevice device) {
-    std::uint32_t count = 0;
-    std::vector<VkExtensionProperties> found;
-    if (vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr) == VK_SUCCESS)
-        found.resize(count);
-    if (vkEnumerateDeviceExtensionProperties(device, nullptr, &count, found.data()) != VK_SUCCESS)
-        found.clear();
     std::vector<std::string> names;
-    for (const VkExtensionProperties& extension : found) names.emplace_back(extension.extensionName);
+    for (const VkExtensionProperties& extension :
+         vulkan_list<VkExtensionProperties>(vkEnumerateDeviceExtensionProperties, device, nullptr))
+        names.emplace_back(extension.extensionName);
     return names;
 }
 

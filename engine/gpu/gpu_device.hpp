@@ -35,6 +35,18 @@ T vulkan_struct(VkStructureType type) {
     return made;
 }
 
+/// All that a query of Vulkan lists about `of`: it is asked for their number, then for the values. Empty if
+/// it fails.
+template <class Value, class Query, class... Of>
+std::vector<Value> vulkan_list(Query query, Of... of) {
+    std::uint32_t count = 0;
+    std::vector<Value> values;
+    if (query(of..., &count, nullptr) == VK_SUCCESS) values.resize(count);
+    if (query(of..., &count, values.data()) != VK_SUCCESS) count = 0;
+    values.resize(count);
+    return values;
+}
+
 /// `software` is a Vulkan that computes on the CPU, such as Mesa's lavapipe.
 enum class GpuKind { discrete, integrated, virtualised, software, other };
 

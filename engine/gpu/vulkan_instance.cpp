@@ -43,25 +43,15 @@ VkDebugUtilsMessengerCreateInfoEXT messenger_info(GpuMessages* messages) {
 }
 
 bool layer_is_here() {
-    std::uint32_t count = 0;
-    std::vector<VkLayerProperties> layers;
-    if (vkEnumerateInstanceLayerProperties(&count, nullptr) == VK_SUCCESS) layers.resize(count);
-    if (vkEnumerateInstanceLayerProperties(&count, layers.data()) != VK_SUCCESS) return false;
-    return std::ranges::any_of(layers, [](const VkLayerProperties& layer) {
-        return std::strcmp(layer.layerName, validation_layer) == 0;
-    });
+    return std::ranges::any_of(
+        vulkan_list<VkLayerProperties>(vkEnumerateInstanceLayerProperties),
+        [](const VkLayerProperties& layer) { return std::strcmp(layer.layerName, validation_layer) == 0; });
 }
 
 bool extension_is_here(const char* name) {
-    std::uint32_t count = 0;
-    std::vector<VkExtensionProperties> extensions;
-    if (vkEnumerateInstanceExtensionProperties(nullptr, &count, nullptr) == VK_SUCCESS)
-        extensions.resize(count);
-    if (vkEnumerateInstanceExtensionProperties(nullptr, &count, extensions.data()) != VK_SUCCESS)
-        return false;
-    return std::ranges::any_of(extensions, [name](const VkExtensionProperties& here) {
-        return std::strcmp(here.extensionName, name) == 0;
-    });
+    return std::ranges::any_of(
+        vulkan_list<VkExtensionProperties>(vkEnumerateInstanceExtensionProperties, nullptr),
+        [name](const VkExtensionProperties& here) { return std::strcmp(here.extensionName, name) == 0; });
 }
 
 template <class Function>

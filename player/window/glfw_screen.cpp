@@ -3,8 +3,6 @@
 
 #include <dlfcn.h>
 #include <poll.h>
-#include <sys/eventfd.h>
-#include <unistd.h>
 #include <vulkan/vulkan.h>
 
 #include <array>
@@ -28,16 +26,6 @@
 
 namespace touchable {
 namespace {
-
-template <class Value, class Ask>
-std::vector<Value> all_of(Ask ask) {
-    std::uint32_t count = 0;
-    std::vector<Value> values;
-    if (ask(&count, nullptr) == VK_SUCCESS) values.resize(count);
-    if (ask(&count, values.data()) != VK_SUCCESS) count = 0;
-    values.resize(count);
-    return values;
-}
 
 /// A window's Vulkan surface. Must outlive every swapchain on it.
 class WindowSurface : NonCopyable {
@@ -88,8 +76,7 @@ public:
         TRY(std::move(commands).run());
         if (!shown) return {};
         VulkanDevice& gpu = *device_->vulkan();
-        VkPresentInfoKHR info{};
-        info.sType = VK_STRUCTURE_TYPE_PRESENT_INFO_KHR;
+        auto info = vulkan_struct<VkPresentInfoKHR>(VK_STRUCTURE_TYPE_PRESENT_INFO_KHR);
         info.swapchainCount = 1;
         info.pSwapchains = &chain_;
         info.pImageIndices = &index;
@@ -114,23 +101,20 @@ private:
         if (asked != VK_SUCCESS || !shows)
             return gpu_error(gpu.facts.name + " cannot show pictures in this window; another GPU may",
                              {{Setting::gpu, "NAME"}});
-        const auto formats = all_of<VkSurfaceFormatKHR>([&](std::uint32_t* count, VkSurfaceFormatKHR* to) {
-            return vkGetPhysicalDeviceSurfaceFormatsKHR(gpu.physical, surface_->handle(), count, to);
-        });
+        const auto formats = vulkan_list<VkSurfaceFormatKHR>(vkGetPhysicalDeviceSurfaceFormatsKHR,
+                                                             gpu.physical, surface_->handle());
         // The canvas holds final (sRGB) values: an sRGB format would brighten it, so it is the last resort.
         const auto plain = std::ranges::find_if(formats, [](const VkSurfaceFormatKHR& format) {
             return format.format == VK_FORMAT_B8G8R8A8_UNORM || format.format == VK_FORMAT_R8G8B8A8_UNORM;
         });
         if (formats.empty()) return gpu_error(gpu.facts.name + " has no format for this window");
         format_ = plain == formats.end() ? formats.front() : *plain;
-        const auto modes = all_of<VkPresentModeKHR>([&](std::uint32_t* count, VkPresentModeKHR* to) {
-            return vkGetPhysicalDeviceSurfacePresentModesKHR(gpu.physical, surface_->handle(), count, to);
-        });
+        const auto modes = vulkan_list<VkPresentModeKHR>(vkGetPhysicalDeviceSurfacePresentModesKHR,
+                                                         gpu.physical, surface_->handle());
         // The player paces itself: waiting for the screen here would only add delay.
         if (std::ranges::find(modes, VK_PRESENT_MODE_MAILBOX_KHR) != modes.end())
             mode_ = VK_PRESENT_MODE_MAILBOX_KHR;
-        VkFenceCreateInfo fence{};
-        fence.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
+        auto fence = vulkan_struct<VkFenceCreateInfo>(VK_STRUCTURE_TYPE_FENCE_CREATE_INFO);
         return gpu.checked("vkCreateFence", vkCreateFence(gpu.device, &fence, nullptr, &acquired_));
     }
     /// False if the window has no pixels. No earlier drawing is in progress.
@@ -145,8 +129,7 @@ private:
             extent_ = {std::clamp(wanted.width, can.minImageExtent.width, can.maxImageExtent.width),
                        std::clamp(wanted.height, can.minImageExtent.height, can.maxImageExtent.height)};
         if (extent_.width == 0 || extent_.height == 0) return false;
-        VkSwapchainCreateInfoKHR info{};
-        info.sType = VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR;
+        auto info = vulkan_struct<VkSwapchainCreateInfoKHR>(VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR);
         info.surface = surface_->handle();
         info.minImageCount = std::max(can.minImageCount, 3U);
         if (can.maxImageCount > 0) info.minImageCount = std::min(info.minImageCount, can.maxImageCount);
@@ -162,9 +145,7 @@ private:
         info.clipped = VK_TRUE;
         result = vkCreateSwapchainKHR(gpu.device, &info, nullptr, &chain_);
         if (result != VK_SUCCESS) return failed("vkCreateSwapchainKHR", result);
-        images_ = all_of<VkImage>([&](std::uint32_t* count, VkImage* to) {
-            return vkGetSwapchainImagesKHR(gpu.device, chain_, count, to);
-        });
+        images_ = vulkan_list<VkImage>(vkGetSwapchainImagesKHR, gpu.device, chain_);
         if (images_.empty()) return gpu_error(gpu.facts.name + " has no pictures for this window");
         outdated_ = false;
         return true;
@@ -322,7 +303,6 @@ public:
 
     Result<void> open(const ScreenOptions& options) {
         at_once_ = options.at_once;
-        wake_ = Descriptor(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
         std::promise<Result<void>> opened;
         auto outcome = opened.get_future();
         TRY(start_thread(thread_, "window", "that hears keys and mouse",
@@ -433,11 +413,7 @@ private:
         const auto well = health();
         return well ? error : well.error();
     }
-    void wake() const {
-        if (!connection_.is_open()) return glfwPostEmptyEvent();
-        const std::uint64_t one = 1;
-        (void)!write(wake_.get(), &one, sizeof one);
-    }
+    void wake() const { connection_.is_open() ? wake_.wake() : glfwPostEmptyEvent(); }
 
     // The rest runs on the window's thread.
     Result<void> open_window(const ScreenOptions& options) {
@@ -487,15 +463,14 @@ private:
             if (k % size_again == 0) note_size();
             read_events();
             if (connection_.is_open())
-                connection_.wait(look_again, touches_ ? touches_->socket() : -1, wake_.get());
+                connection_.wait(look_again, touches_ ? touches_->socket() : -1, wake_.descriptor());
             else
                 glfwWaitEventsTimeout(std::chrono::duration<double>(look_again).count());
         }
     }
 
     void do_errands() {
-        std::uint64_t ignored = 0;
-        (void)!read(wake_.get(), &ignored, sizeof ignored);
+        wake_.forget();
         std::vector<std::function<void()>> errands;
         {
             const std::lock_guard lock(mutex_);
@@ -647,7 +622,7 @@ private:
     }
 
     std::thread thread_;
-    Descriptor wake_;  // wakes the window's thread
+    Wake wake_;  // wakes the window's thread
     std::atomic<bool> is_over_{false};
     XConnection connection_;
     GLFWwindow* window_ = nullptr;

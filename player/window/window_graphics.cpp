@@ -46,8 +46,7 @@ public:
     /// VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL after.
     Result<void> draw(GpuCommands& commands, const GpuImage& canvas) {
         TRY_ASSIGN(const auto framebuffer, framebuffer_of(canvas));
-        VkRenderPassBeginInfo info{};
-        info.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO;
+        auto info = vulkan_struct<VkRenderPassBeginInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO);
         info.renderPass = pass_;
         info.framebuffer = framebuffer;
         info.renderArea.extent = canvas.extent();
@@ -94,8 +93,7 @@ private:
             {0, VK_SUBPASS_EXTERNAL, VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
              VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
              VK_ACCESS_TRANSFER_READ_BIT, 0}};
-        VkRenderPassCreateInfo info{};
-        info.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO;
+        auto info = vulkan_struct<VkRenderPassCreateInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO);
         info.attachmentCount = 1;
         info.pAttachments = &attachment;
         info.subpassCount = 1;
@@ -104,8 +102,7 @@ private:
         info.pDependencies = dependencies;
         TRY(gpu.checked("vkCreateRenderPass", vkCreateRenderPass(gpu.device, &info, nullptr, &pass_)));
         const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 4};
-        VkDescriptorPoolCreateInfo pool{};
-        pool.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO;
+        auto pool = vulkan_struct<VkDescriptorPoolCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO);
         pool.flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT;
         pool.maxSets = 4;
         pool.poolSizeCount = 1;
@@ -152,8 +149,7 @@ private:
         if (framebuffer_) vkDestroyFramebuffer(gpu.device, framebuffer_, nullptr);
         framebuffer_ = VK_NULL_HANDLE;
         const VkImageView view = canvas.view();
-        VkFramebufferCreateInfo info{};
-        info.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO;
+        auto info = vulkan_struct<VkFramebufferCreateInfo>(VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO);
         info.renderPass = pass_;
         info.attachmentCount = 1;
         info.pAttachments = &view;
