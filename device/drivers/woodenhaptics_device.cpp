@@ -21,12 +21,6 @@ using checked_json::Node;
 constexpr std::string_view wooden_example =
     "examples/woodenhaptics.json (installed: share/touchable/examples/woodenhaptics.json)";
 
-double within(const Node& node, double least, double most, const char* right) {
-    const double number = node.number();
-    if (!(number >= least && number <= most)) node.refuse(right);
-    return number;
-}
-
 /// Either sign; the magnitude must be in range.
 double signed_within(const Node& node, double least, double most, const char* right) {
     const double number = node.number();
@@ -43,9 +37,9 @@ WoodenJoint read_joint(const Node& node) {
     node.allow_only({"counts_per_turn", "capstan_diameter", "drum_diameter", "torque_constant",
                      "most_amperes", "home_counts"});
     const double capstan =
-        within(node["capstan_diameter"], 0.001, 0.1, "the diameter on the motor's axle, 0.001 to 0.1 m");
+        node["capstan_diameter"].within(0.001, 0.1, "the diameter on the motor's axle, 0.001 to 0.1 m");
     const double drum =
-        within(node["drum_diameter"], 0.01, 1, "the diameter that the cable turns, 0.01 to 1 m");
+        node["drum_diameter"].within(0.01, 1, "the diameter that the cable turns, 0.01 to 1 m");
     if (!(capstan < drum)) node["capstan_diameter"].refuse("less than drum_diameter");
     WoodenJoint joint;
     joint.counts_per_turn =
@@ -53,7 +47,7 @@ WoodenJoint read_joint(const Node& node) {
     joint.cable_ratio = capstan / drum;
     joint.torque_constant =
         signed_within(node["torque_constant"], 0.001, 10, "0.001 to 10 N m/A, either sign");
-    joint.most_amperes = within(node["most_amperes"], 0.01, 30, "0.01 to 30 A");
+    joint.most_amperes = node["most_amperes"].within(0.01, 30, "0.01 to 30 A");
     joint.home_counts = static_cast<std::int16_t>(node["home_counts"].integer(
         std::numeric_limits<std::int16_t>::min(), std::numeric_limits<std::int16_t>::max()));
     return joint;
@@ -74,12 +68,12 @@ WoodenParameters read_build(const Node& node) {
     const auto origin = node["origin"].elements(3, 3, "a list of three lengths");
     for (std::size_t axis = 0; axis < 3; ++axis) {
         build.joints[axis] = read_joint(joints[axis]);
-        build.links[axis] = within(links[axis], axis == 0 ? 0 : 0.02, 1, "at most 1 m; a moving link 0.02");
-        build.origin[static_cast<int>(axis)] = within(origin[axis], -2, 2, "-2 to 2 m");
+        build.links[axis] = links[axis].within(axis == 0 ? 0 : 0.02, 1, "at most 1 m; a moving link 0.02");
+        build.origin[static_cast<int>(axis)] = origin[axis].within(-2, 2, "-2 to 2 m");
     }
-    build.reach = within(node["reach"], 0.01, 1, "0.01 to 1 m");
-    build.limits.max_force = within(node["most_force"], 0.1, 50, "0.1 to 50 N");
-    build.limits.max_stiffness = within(node["most_stiffness"], 10, 1e5, "10 to 100000 N/m");
+    build.reach = node["reach"].within(0.01, 1, "0.01 to 1 m");
+    build.limits.max_force = node["most_force"].within(0.1, 50, "0.1 to 50 N");
+    build.limits.max_stiffness = node["most_stiffness"].within(10, 1e5, "10 to 100000 N/m");
     return build;
 }
 

@@ -14,7 +14,6 @@ namespace {
 
 using HistoryJson = nlohmann::ordered_json;
 
-constexpr int history_version = 1;
 constexpr std::size_t most_edits_read = 10000;
 
 /// All that was done with a brush, for another run of the program.
@@ -54,8 +53,7 @@ MaterialBrush::Edit read_edit(const checked_json::Node& node) {
 
 BrushHistory read_history(const checked_json::Node& node, const std::string& where) {
     node.allow_only({"touchable_brush", "segments", "done", "begin", "edits"});
-    if (node["touchable_brush"].integer(1, 1'000'000) != history_version)
-        node["touchable_brush"].refuse("1, the version that is read here");
+    node.check_version("touchable_brush");
     BrushHistory history;
     history.segments = node["segments"].text();
     auto begin = parse_segment_names(node["begin"].json(), where + ": begin");
@@ -78,8 +76,8 @@ Result<BrushHistory> parse_brush_history(std::string_view text, const std::strin
 
 std::string brush_history_to_json(const BrushHistory& history) {
     // A line for each edit, so that a person finds it.
-    std::string text = "{\"touchable_brush\": " + std::to_string(history_version) + ", \"segments\": \"" +
-                       history.segments + "\", \"done\": " + std::to_string(history.done) +
+    std::string text = "{\"touchable_brush\": 1, \"segments\": \"" + history.segments +
+                       "\", \"done\": " + std::to_string(history.done) +
                        ",\n\"begin\": " + segment_names_to_json(history.begin) + ",\"edits\": [";
     const char* between = "\n ";
     for (const MaterialBrush::Edit& edit : history.edits) {

@@ -52,16 +52,9 @@ constexpr std::size_t most_points = 10000;
 
 using NamesJson = nlohmann::ordered_json;
 
-constexpr int format_version = 1;
 constexpr std::size_t most_segments = 65535;
 constexpr std::pair<const char*, bool> said_by_whom[] = {{"guess", true}, {"hand", false}};
 constexpr double stiffest_segment = 10, roughest_segment = 10;  // N/mm, coefficient
-
-double number_between(const checked_json::Node& node, double least, double most, const char* right) {
-    const double number = node.number();
-    if (!(number >= least && number <= most)) node.refuse(right);
-    return number;
-}
 
 /// Reads a material, or values beside it or in its place.
 void read_feel(const checked_json::Node& node, NamedSegment& segment) {
@@ -76,13 +69,11 @@ void read_feel(const checked_json::Node& node, NamedSegment& segment) {
     }
     if (node.has("stiffness"))
         properties.stiffness =
-            1000 * number_between(node["stiffness"], 0.001, stiffest_segment, "from 0.001 to 10 N/mm");
+            1000 * node["stiffness"].within(0.001, stiffest_segment, "from 0.001 to 10 N/mm");
     if (node.has("static_friction"))
-        properties.static_friction =
-            number_between(node["static_friction"], 0, roughest_segment, "from 0 to 10");
+        properties.static_friction = node["static_friction"].within(0, roughest_segment, "from 0 to 10");
     if (node.has("dynamic_friction"))
-        properties.dynamic_friction =
-            number_between(node["dynamic_friction"], 0, roughest_segment, "from 0 to 10");
+        properties.dynamic_friction = node["dynamic_friction"].within(0, roughest_segment, "from 0 to 10");
     if (properties.dynamic_friction > properties.static_friction)
         node.refuse("of a dynamic_friction that is not above static_friction");
     if (node.has("relief")) segment.feel.relief = node["relief"].whole(0, 400);
@@ -116,8 +107,7 @@ NamedSegment read_segment(const checked_json::Node& node) {
 
 SegmentNames read_names(const checked_json::Node& node, std::string_view where) {
     node.allow_only({"touchable_segments", "otherwise", "cuts", "segments"});
-    if (node["touchable_segments"].integer(1, 1'000'000) != format_version)
-        node["touchable_segments"].refuse("1, the version that is read here");
+    node.check_version("touchable_segments");
     SegmentNames names;
     names.said_by = where;
     if (node.has("otherwise")) {
@@ -218,7 +208,7 @@ std::string segment_names_to_json(const SegmentNames& names) {
         return json.dump(-1, ' ', true, NamesJson::error_handler_t::replace);
     };
     // A line for each segment, so that a person finds it.
-    std::string text = "{\"touchable_segments\": " + std::to_string(format_version);
+    std::string text = "{\"touchable_segments\": 1";
     if (!names.otherwise.empty()) text += ",\n \"otherwise\": " + in_ascii(names.otherwise);
     if (!names.cuts.empty()) text += ",\n \"cuts\": [";
     for (const SegmentCut& cut : names.cuts)

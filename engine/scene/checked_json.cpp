@@ -139,6 +139,11 @@ Node Node::operator[](const char* member) const {
     return {value_.at(member), path_of(member)};
 }
 
+void Node::check_version(const char* member) const {
+    const Node version = (*this)[member];
+    if (version.integer(1, 1'000'000) != 1) version.refuse("1, the version that is read here");
+}
+
 std::vector<std::string> Node::members() const {
     if (!value_.is_object()) refuse("an object {...}");
     std::vector<std::string> names;
@@ -149,6 +154,12 @@ std::vector<std::string> Node::members() const {
 double Node::number() const {
     if (!value_.is_number()) refuse("a number");
     return value_.get<double>();
+}
+
+double Node::within(double least, double most, const char* right) const {
+    const double number = this->number();
+    if (!(number >= least && number <= most)) refuse(right);
+    return number;
 }
 
 std::int64_t Node::integer(std::int64_t least, std::int64_t most) const {

@@ -58,8 +58,11 @@ public:
     /// Names of an object's members.
     std::vector<std::string> members() const;
     Node operator[](const char* member) const;  ///< a required member
+    /// Refuses a text whose format's version, which this member states, is not 1.
+    void check_version(const char* member) const;
 
     double number() const;
+    double within(double least, double most, const char* right) const;  ///< refuses a number beyond these
     std::int64_t integer(std::int64_t least, std::int64_t most) const;
     int whole(int least = 0, int most = std::numeric_limits<int>::max()) const {
         return static_cast<int>(integer(least, most));

@@ -59,8 +59,7 @@ KioskTexts read_texts(const checked_json::Node& node) {
     std::vector<std::string> legal{"touchable_kiosk_texts", "language"};
     for (const auto& one : kiosk_texts) legal.emplace_back(one.member);
     node.allow_only(legal);
-    if (node["touchable_kiosk_texts"].integer(1, 1'000'000) != 1)
-        node["touchable_kiosk_texts"].refuse("1, the version that is read here");
+    node.check_version("touchable_kiosk_texts");
     KioskTexts texts;
     texts.language = node["language"].text();
     if (!is_language(texts.language))
@@ -301,8 +300,7 @@ Result<TouchLabels> parse_touch_labels(std::string_view json, std::string_view w
                                        const std::filesystem::path& folder) {
     return read_checked(json, largest_labels, where, [&](const LabelNode& node) {
         node.allow_only({"touchable_labels", "labels"});
-        if (node["touchable_labels"].integer(1, 1'000'000) != 1)
-            node["touchable_labels"].refuse("1, the version that is read here");
+        node.check_version("touchable_labels");
         TouchLabels labels{.labels = {}, .said_by = std::string(where)};
         for (const LabelNode& label : node["labels"].elements(
                  1, most_labels, "a list of 1 to " + std::to_string(most_labels) + " labels"))

@@ -47,9 +47,7 @@ std::string read_lines(const StudyNode& node) {
 }
 
 double read_seconds(const StudyNode& node) {
-    const double seconds = node.number();
-    if (!(seconds >= 0 && seconds <= longest_wait_s)) node.refuse("seconds, up to a day of them");
-    return seconds;
+    return node.within(0, longest_wait_s, "seconds, up to a day of them");
 }
 
 std::size_t read_clip(const StudyNode& node) {
@@ -158,8 +156,7 @@ std::vector<StudyStep> read_steps(const StudyNode& node, const char* member, boo
 Study read_study(const StudyNode& node) {
     node.allow_only(
         {"touchable_study", "name", "idle_s", "start", "before", "conditions", "in_each_condition", "after"});
-    if (node["touchable_study"].integer(1, 1'000'000) != 1)
-        node["touchable_study"].refuse("1, the version that is read here");
+    node.check_version("touchable_study");
     Study study;
     study.name = read_id(node["name"]);
     if (node.has("idle_s")) study.idle_s = read_seconds(node["idle_s"]);
