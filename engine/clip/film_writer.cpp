@@ -13,18 +13,11 @@ namespace {
 
 constexpr std::int64_t film_sound_bits_per_second = 160'000;  // of AAC
 
-std::int16_t as_16_bits(float value) {
-    return static_cast<std::int16_t>(std::lround(std::clamp(value, -1.0F, 1.0F) * 32767));
-}
-
 /// FLAC's samples are interleaved integers, AAC's planar floats.
 void lay_sound(std::span<const StereoSample> samples, AVFrame& to) {
     if (to.format == AV_SAMPLE_FMT_S16) {
-        auto* at = reinterpret_cast<std::int16_t*>(to.data[0]);
-        for (const StereoSample& sample : samples) {
-            *at++ = as_16_bits(sample.left);
-            *at++ = as_16_bits(sample.right);
-        }
+        std::ranges::transform(samples, reinterpret_cast<std::array<std::int16_t, 2>*>(to.data[0]),
+                               in_16_bits);
         return;
     }
     auto* const left = reinterpret_cast<float*>(to.data[0]);

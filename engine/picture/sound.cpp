@@ -300,6 +300,14 @@ Result<std::unique_ptr<SoundTrack>> SoundTrack::open(const std::filesystem::path
                                               std::move(packet), std::move(frame));
 }
 
+std::array<std::int16_t, 2> in_16_bits(const StereoSample& sample) {
+    const auto whole = [](float value) {
+        const float bounded = std::isfinite(value) ? std::clamp(value, -1.0F, 1.0F) : 0;
+        return static_cast<std::int16_t>(std::lround(bounded * 32767));
+    };
+    return {whole(sample.left), whole(sample.right)};
+}
+
 void StoredSound::PacketDeleter::operator()(AVPacket* packet) const {
     av_packet_free(&packet);
 }

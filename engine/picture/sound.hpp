@@ -11,6 +11,7 @@
 // no error. Errors are lines about the file (ErrorKind::input).
 // Threads: one uses an object.
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -26,6 +27,8 @@ namespace touchable {
 struct StereoSample {
     float left = 0, right = 0;
 };
+/// A sample of any values as integers: left and right.
+std::array<std::int16_t, 2> in_16_bits(const StereoSample& sample);
 
 /// The sound that a clip's file has beside its pictures, as two channels at 48 kHz. Sample 0 is heard with
 /// the clip's first frame. Used by one thread.

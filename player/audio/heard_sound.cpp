@@ -38,14 +38,6 @@ constexpr std::int64_t longest_skip_ms = 1000;  // of unknown ticks; longer mean
 
 }  // namespace
 
-std::array<std::int16_t, 2> in_16_bits(const StereoSample& sample) {
-    const auto whole = [](float value) {
-        const float bounded = std::isfinite(value) ? std::clamp(value, -1.0F, 1.0F) : 0;
-        return static_cast<std::int16_t>(std::lround(bounded * 32767));
-    };
-    return {whole(sample.left), whole(sample.right)};
-}
-
 /// A track's length is not known: it is silent beyond its end.
 Result<std::shared_ptr<const SpokenSound>> SpokenSound::read(const std::filesystem::path& file) {
     const auto refuse = [&file](const std::string& why) {

@@ -29,9 +29,6 @@
 
 namespace touchable {
 
-/// A sample of any values as integers: left and right.
-std::array<std::int16_t, 2> in_16_bits(const StereoSample& sample);
-
 /// Plays one sound after another from its start; other sound is softer meanwhile.
 class SpokenVoice {
 public:
