@@ -95,13 +95,14 @@ void MovingForce::crop(const Scene& whole) {
 }
 
 Result<void> MovingForce::take_moments() {
+    const ExactSurface exact("moving");
     std::optional<glm::dvec3> nearest;  // tracked from tick to tick
     double squared = 0;
     const double n_per_unit = without_friction.stiffness * scene_.device_metres_per_unit.value();
     for (int k = 0; k < moving_ticks; ++k) {
         const double t = 0.001 * k;
         const glm::dvec3 goal = hand_at(t);
-        const auto truth = content_->closest(goal, nearest.value_or(goal), t);
+        const auto truth = exact.closest(goal, nearest.value_or(goal), t);
         if (!truth) return Error{ErrorKind::internal, "the moving surface knows no nearest point"};
         nearest = truth->point;
         ticks_.push_back({goal, n_per_unit * (truth->point - goal)});

@@ -19,7 +19,7 @@ glm::dvec3 point_of(const HeightField& field, int x, int y) {
 
 PressedPlace pressed_place(const TouchSurface& surface, int x, int y) {
     const glm::dvec3 point = point_of(HeightField(surface.scene(), surface.pair_at(0)), x, y);
-    if (const auto truth = surface.content().closest(point, point, 0)) return {x, y, truth->normal};
+    if (const auto truth = surface.exact().closest(point, point, 0)) return {x, y, truth->normal};
     return {x, y, -point / std::sqrt(glm::dot(point, point))};
 }
 

@@ -40,7 +40,7 @@ Result<void> measure_following(const TouchSurface& surface, const FollowingRun& 
         touch.tick(k);
         const auto& [goal, depth_under] = stroke[static_cast<std::size_t>(k)];
         if (depth_under < surely_under) continue;
-        const auto truth = surface.content().closest(goal, nearest.value_or(goal), k * 0.001);
+        const auto truth = surface.exact().closest(goal, nearest.value_or(goal), k * 0.001);
         if (!truth) return Error{ErrorKind::internal, "scene " + run.setup.scene + " knows no closest point"};
         nearest = truth->point;
         const Contact& contact = touch.contacts()[0];

@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "engine/surface/surface_builder.hpp"
-#include "tests/content/exact_touch.hpp"
 
 namespace touchable {
 namespace {
@@ -28,6 +27,7 @@ bool same_surface(const TouchCase& a, const TouchCase& b) {
 
 TouchSurface::TouchSurface(std::unique_ptr<AnalyticScene> content, const TouchCase& c)
     : content_(std::move(content)),
+      exact_(c.scene, options_of(c)),
       scene_(content_->scene()),
       frames_(c.scene == "moving" ? frames_of_moving : 1) {
     scene_.filter.median = c.median;

@@ -5,6 +5,7 @@
 
 #include "bench/touch/touch_case.hpp"
 #include "engine/scene/frames.hpp"
+#include "tests/content/exact_touch.hpp"
 
 namespace touchable {
 
@@ -16,7 +17,7 @@ public:
     TouchSurface(const TouchSurface&) = delete;
     TouchSurface& operator=(const TouchSurface&) = delete;
 
-    const AnalyticScene& content() const { return *content_; }
+    const ExactSurface& exact() const { return exact_; }
     /// With the case's filter.
     const Scene& scene() const { return scene_; }
     bool moves() const { return frames_.size() > 1; }
@@ -28,6 +29,7 @@ private:
     Result<void> build(const TouchCase& c);
 
     std::unique_ptr<AnalyticScene> content_;
+    ExactSurface exact_;
     Scene scene_;
     std::vector<SurfaceFrame> frames_;  // their vertices refer to them: never resized
 };

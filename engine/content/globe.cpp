@@ -100,15 +100,6 @@ public:
         return under_root > 0 ? b - std::sqrt(under_root) : scene().depth.far;
     }
 
-    std::optional<Truth> closest(const glm::dvec3& goal, const glm::dvec3& start,
-                                 double /*t*/) const override {
-        glm::dvec3 outward = goal - sphere_.centre;
-        if (glm::dot(outward, outward) == 0) outward = start - sphere_.centre;
-        if (glm::dot(outward, outward) == 0) outward = {0, 0, 1};
-        outward /= std::sqrt(glm::dot(outward, outward));
-        return Truth{sphere_.centre + sphere_.radius * outward, outward};
-    }
-
 protected:
     GlobeSphere sphere_;
 };
@@ -118,9 +109,6 @@ class PlanetGlobe final : public Globe {
 public:
     PlanetGlobe(Scene scene, const GlobeSphere& sphere, const SceneOptions& options)
         : Globe(std::move(scene), sphere), motion_(options), planet_(options.seed) {}
-
-    /// The relief on the sphere has no closed form.
-    std::optional<Truth> closest(const glm::dvec3&, const glm::dvec3&, double) const override { return {}; }
 
 private:
     /// One line of sight: the disc's share of the pixel, and what the line meets there (or at the limb).

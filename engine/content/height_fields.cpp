@@ -44,22 +44,6 @@ Slope slope_at(const Waves& waves, double x, double y) {
     return sum;
 }
 
-struct Step {
-    double x, y;
-};
-
-/// Newton's step for half the squared distance to the goal if its Hessian is positive definite, else straight
-/// down the gradient; never longer than 0.1 mm, so that the descent stays in the basin it began in.
-Step descent_step(const ReliefPoint& s, double dx, double dy, double dz) {
-    const double gx = dx + dz * s.zx, gy = dy + dz * s.zy;
-    const double hxx = 1 + s.zx * s.zx + dz * s.zxx, hyy = 1 + s.zy * s.zy + dz * s.zyy;
-    const double hxy = s.zx * s.zy + dz * s.zxy, det = hxx * hyy - hxy * hxy;
-    Step step{-gx, -gy};
-    if (hxx > 0 && det > 0) step = {(-gx * hyy + gy * hxy) / det, (-gy * hxx + gx * hxy) / det};
-    const double length = std::sqrt(step.x * step.x + step.y * step.y), longest = 0.1;
-    return length <= longest ? step : Step{step.x / length * longest, step.y / length * longest};
-}
-
 class HeightFieldScene final : public AnalyticScene {
 public:
     HeightFieldScene(Scene scene, Relief relief) : AnalyticScene(std::move(scene)), relief_(relief) {}
@@ -78,39 +62,6 @@ public:
             if (std::fabs(step) <= 1e-12) break;
         }
         return d;
-    }
-    std::optional<AnalyticScene::Truth> closest(const glm::dvec3& goal, const glm::dvec3& start,
-                                                double t) const override {
-        const auto half_square = [&](double x, double y, double z) {
-            const double dx = x - goal.x, dy = y - goal.y, dz = z - goal.z;
-            return 0.5 * (dx * dx + dy * dy + dz * dz);
-        };
-        double x = start.x, y = start.y;
-        ReliefPoint s = relief_at(relief_, x, y, t);
-        double value = half_square(x, y, s.z);
-        for (int round = 0; round < 20000; ++round) {
-            Step step = descent_step(s, x - goal.x, y - goal.y, s.z - goal.z);
-            double length = std::sqrt(step.x * step.x + step.y * step.y);
-            bool taken = false;
-            for (int halving = 0; halving < 40 && !taken; ++halving) {
-                const ReliefPoint next = relief_at(relief_, x + step.x, y + step.y, t);
-                const double next_value = half_square(x + step.x, y + step.y, next.z);
-                // The last, quadratic steps lower the distance by less than its own rounding.
-                taken = next_value < value || length < 1e-6;
-                if (taken) {
-                    x += step.x;
-                    y += step.y;
-                    s = next;
-                    value = next_value;
-                } else {
-                    step = {0.5 * step.x, 0.5 * step.y};
-                    length *= 0.5;
-                }
-            }
-            if (length < 1e-12) break;
-        }
-        const double length = std::sqrt(s.zx * s.zx + s.zy * s.zy + 1);
-        return Truth{{x, y, s.z}, {-s.zx / length, -s.zy / length, 1 / length}};
     }
 
 private:

@@ -5,7 +5,7 @@
 //
 // make_scene makes a scene by its name and SceneOptions; scene_names lists the names. An AnalyticScene
 // returns frames as a recording of it would store them (frame: codes in the scene's depth coding, haptic and
-// height planes, colour), and the truth that tests and benchmarks measure against (depth, closest). The same
+// height planes, colour), and depth in closed form, against which tests and benchmarks measure. The same
 // options give the same bits on every machine: random numbers come from a seed
 // (engine/content/seeded_noise.hpp), and sines from engine/base/same_bits.hpp.
 //
@@ -46,10 +46,6 @@ struct SceneOptions {
 /// A scene whose surface is known in closed form (docs/content.md). Everything is the same bits everywhere.
 class AnalyticScene : NonCopyable {
 public:
-    /// The surface's nearest point to a goal under it, and the outward unit normal there.
-    struct Truth {
-        glm::dvec3 point, normal;
-    };
     /// The planes of one frame, row-major; colour and haptic interleaved by three. Empty: no such plane.
     struct Planes {
         std::vector<std::uint8_t> depth8;    ///< 8-bit codes
@@ -67,13 +63,6 @@ public:
     /// The same for a whole row of pixels.
     virtual void row_depths(int y, double t, double* depths) const {
         for (int x = 0; x < scene_.width; ++x) depths[x] = depth(x, y, t);
-    }
-    /// Nearest surface point to `goal`; if the surface has several, searched by descent from `start` (a point
-    /// on or near the surface). nullopt for scenes without a truth: noise, cliffs, grain, the planet's
-    /// relief, and a globe of maps, whose facets between pixels have no tangent.
-    virtual std::optional<Truth> closest(const glm::dvec3& /*goal*/, const glm::dvec3& /*start*/,
-                                         double /*t*/) const {
-        return std::nullopt;
     }
 
     /// All planes of frame n, quantised.

@@ -25,10 +25,6 @@ public:
         const double u = scene().camera.u(x), v = scene().camera.v(y);
         return tabletop_distance * normal_.z / (normal_.z - normal_.x * u - normal_.y * v);
     }
-    std::optional<Truth> closest(const glm::dvec3& goal, const glm::dvec3&, double) const override {
-        const double above = glm::dot(normal_, goal - glm::dvec3(0, 0, -tabletop_distance));
-        return Truth{goal - above * normal_, normal_};
-    }
 
 private:
     glm::dvec3 normal_;
@@ -48,24 +44,6 @@ public:
             if (under_root > 0) nearest = std::min(nearest, (b - std::sqrt(under_root)) / a);
         }
         return nearest;
-    }
-
-    /// The nearest of the nearest points of each ball and of the wall, whether or not the camera sees it.
-    std::optional<Truth> closest(const glm::dvec3& goal, const glm::dvec3& start, double) const override {
-        Truth best{{goal.x, goal.y, -wall}, {0, 0, 1}};
-        double least = std::fabs(goal.z + wall);
-        for (const Ball& ball : balls) {
-            const glm::dvec3 outward = goal == ball.centre ? start - ball.centre : goal - ball.centre;
-            const double length = std::sqrt(glm::dot(outward, outward));
-            const glm::dvec3 normal = length > 0 ? outward / length : glm::dvec3(0, 0, 1);
-            const glm::dvec3 point = ball.centre + ball.radius * normal, way = point - goal;
-            const double distance = std::sqrt(glm::dot(way, way));
-            if (distance < least) {
-                least = distance;
-                best = {point, normal};
-            }
-        }
-        return best;
     }
 
 private:
@@ -91,44 +69,9 @@ public:
         return band_depth(static_cast<int>(std::clamp(band, 0.0, bands - 1.0)));
     }
 
-    std::optional<Truth> closest(const glm::dvec3& goal, const glm::dvec3&, double) const override {
-        Truth best{};
-        double least = -1;
-        for (int band = 0; band < bands; ++band) {
-            const double d = band_depth(band);
-            // The outermost bands go on far beyond the picture.
-            const double left = band == 0 ? -1e6 : d * edge(band),
-                         right = band == bands - 1 ? 1e6 : d * edge(band + 1);
-            consider({left, d}, {right, d}, goal, least, best);
-            if (band + 1 < bands)
-                consider({right, d}, {band_depth(band + 1) * edge(band + 1), band_depth(band + 1)}, goal,
-                         least, best);
-        }
-        return best;
-    }
-
 private:
-    struct Corner {
-        double x, d;
-    };
-
     double band_depth(int band) const {
         return scene().depth.far - scene().depth.level() * (lowest_level + band * (band + 1) / 2);
-    }
-    /// Left edge of a band as X / planar depth.
-    double edge(int band) const {
-        return scene().camera.u(static_cast<double>(band) * scene().width / bands - 0.5);
-    }
-    /// Updates `best` from one straight piece, given from its left end to its right as the camera sees it.
-    static void consider(Corner a, Corner b, const glm::dvec3& goal, double& least, Truth& best) {
-        const double dx = b.x - a.x, dd = b.d - a.d, squared = dx * dx + dd * dd;
-        const double along = std::clamp(((goal.x - a.x) * dx + (-goal.z - a.d) * dd) / squared, 0.0, 1.0);
-        const Corner point{a.x + along * dx, a.d + along * dd};
-        const double distance = square(point.x - goal.x) + square(point.d + goal.z);
-        if (least >= 0 && distance >= least) return;
-        least = distance;
-        const double length = std::sqrt(squared);
-        best = {{point.x, goal.y, -point.d}, {dd / length, 0, dx / length}};
     }
 };
 

@@ -1,14 +1,17 @@
 #pragma once
 
-// Generated scenes as tests and benchmarks touch them (docs/content.md): frames with unquantised depth, and
-// goal paths, of one goal per tick of 1 ms, world, scene units.
+// Generated scenes as tests and benchmarks touch them (docs/content.md): frames with unquantised depth, the
+// surface's closest points, and goal paths, of one goal per tick of 1 ms, world, scene units.
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <cstdint>
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -82,6 +85,53 @@ inline double relief_z(Relief relief, double x, double y, double t) {
     return relief_at(relief, x, y, t).z;
 }
 
+/// The closest points of a scene's surface, in closed form or by descent.
+class ExactSurface {
+public:
+    /// The nearest point to a goal under the surface, and the outward unit normal there.
+    struct Truth {
+        glm::dvec3 point, normal;
+    };
+
+    explicit ExactSurface(std::string_view name, const SceneOptions& options = {})
+        : name_(name), options_(options), scene_(make_scene(name, options).value()->scene()) {}
+
+    /// Nearest surface point to `goal`; if the surface has several, searched by descent from `start` (a point
+    /// on or near the surface). nullopt for scenes without a truth: noise, cliffs, grain, the planet's
+    /// relief, and a globe of maps, whose facets between pixels have no tangent.
+    std::optional<Truth> closest(const glm::dvec3& goal, const glm::dvec3& start, double t) const {
+        if (name_ == "globe" && !options_.properties) return closest_on_globe(goal, start);
+        if (name_ == "plane") return closest_on_plane(goal);
+        if (name_ == "spheres") return closest_of_spheres(goal, start);
+        if (name_ == "step") return closest_of_steps(goal);
+        if (name_ == "bumps") return closest_on_relief(Relief::bumps, goal, start, t);
+        if (name_ == "rough") return closest_on_relief(Relief::rough, goal, start, t);
+        if (name_ == "moving") return closest_on_relief(Relief::moving, goal, start, t);
+        return std::nullopt;
+    }
+
+private:
+    /// A point of the steps' section at one Y: X and planar depth.
+    struct Corner {
+        double x, d;
+    };
+    struct Step {
+        double x, y;
+    };
+
+    Truth closest_on_globe(const glm::dvec3& goal, const glm::dvec3& start) const;
+    Truth closest_on_plane(const glm::dvec3& goal) const;
+    static Truth closest_of_spheres(const glm::dvec3& goal, const glm::dvec3& start);
+    Truth closest_of_steps(const glm::dvec3& goal) const;
+    static Truth closest_on_relief(Relief relief, const glm::dvec3& goal, const glm::dvec3& start, double t);
+    static void consider(Corner a, Corner b, const glm::dvec3& goal, double& least, Truth& best);
+    static Step descent_step(const ReliefPoint& s, double dx, double dy, double dz);
+
+    std::string name_;
+    SceneOptions options_;
+    Scene scene_;
+};
+
 /// The accuracy stroke: a straight approach along the first normal, then 1 mm of device space under the
 /// globe.
 class GlobeStroke {
@@ -150,6 +200,131 @@ private:
     SplitMix64 random_;
     glm::dvec3 at_;
 };
+
+inline ExactSurface::Truth ExactSurface::closest_on_globe(const glm::dvec3& goal,
+                                                          const glm::dvec3& start) const {
+    const GlobeSphere sphere = globe_sphere(options_.preset, options_.width, options_.height);
+    glm::dvec3 outward = goal - sphere.centre;
+    if (glm::dot(outward, outward) == 0) outward = start - sphere.centre;
+    if (glm::dot(outward, outward) == 0) outward = {0, 0, 1};
+    outward /= std::sqrt(glm::dot(outward, outward));
+    return {sphere.centre + sphere.radius * outward, outward};
+}
+
+inline ExactSurface::Truth ExactSurface::closest_on_plane(const glm::dvec3& goal) const {
+    const double tilt = options_.tilt_degrees * pi / 180,
+                 direction = options_.tilt_direction_degrees * pi / 180;
+    const glm::dvec3 normal{sine(tilt) * cosine(direction), sine(tilt) * sine(direction), cosine(tilt)};
+    const double above = glm::dot(normal, goal - glm::dvec3(0, 0, -tabletop_distance));
+    return {goal - above * normal, normal};
+}
+
+/// The nearest of the nearest points of each ball and of the wall, whether or not the camera sees it.
+inline ExactSurface::Truth ExactSurface::closest_of_spheres(const glm::dvec3& goal, const glm::dvec3& start) {
+    struct Ball {
+        glm::dvec3 centre;
+        double radius;
+    };
+    const double wall = 1080;
+    const Ball balls[] = {{{-22, 4, -1020}, 45}, {{35, -10, -960}, 30}};
+    Truth best{{goal.x, goal.y, -wall}, {0, 0, 1}};
+    double least = std::fabs(goal.z + wall);
+    for (const Ball& ball : balls) {
+        const glm::dvec3 outward = goal == ball.centre ? start - ball.centre : goal - ball.centre;
+        const double length = std::sqrt(glm::dot(outward, outward));
+        const glm::dvec3 normal = length > 0 ? outward / length : glm::dvec3(0, 0, 1);
+        const glm::dvec3 point = ball.centre + ball.radius * normal, way = point - goal;
+        const double distance = std::sqrt(glm::dot(way, way));
+        if (distance < least) {
+            least = distance;
+            best = {point, normal};
+        }
+    }
+    return best;
+}
+
+/// Across the picture the surface is a polyline in (X, planar depth), the same at every Y.
+inline ExactSurface::Truth ExactSurface::closest_of_steps(const glm::dvec3& goal) const {
+    const int bands = 11, lowest_level = 100;
+    const auto depth_of = [&](int band) {
+        return scene_.depth.far - scene_.depth.level() * (lowest_level + band * (band + 1) / 2);
+    };
+    // Left edge of a band as X / planar depth.
+    const auto edge_of = [&](int band) {
+        return scene_.camera.u(static_cast<double>(band) * scene_.width / bands - 0.5);
+    };
+    Truth best{};
+    double least = -1;
+    for (int band = 0; band < bands; ++band) {
+        const double d = depth_of(band);
+        // The outermost bands go on far beyond the picture.
+        const double left = band == 0 ? -1e6 : d * edge_of(band),
+                     right = band == bands - 1 ? 1e6 : d * edge_of(band + 1);
+        consider({left, d}, {right, d}, goal, least, best);
+        if (band + 1 < bands)
+            consider({right, d}, {depth_of(band + 1) * edge_of(band + 1), depth_of(band + 1)}, goal, least,
+                     best);
+    }
+    return best;
+}
+
+/// Updates `best` from one straight piece, given from its left end to its right as the camera sees it.
+inline void ExactSurface::consider(Corner a, Corner b, const glm::dvec3& goal, double& least, Truth& best) {
+    const double dx = b.x - a.x, dd = b.d - a.d, squared = dx * dx + dd * dd;
+    const double along = std::clamp(((goal.x - a.x) * dx + (-goal.z - a.d) * dd) / squared, 0.0, 1.0);
+    const Corner point{a.x + along * dx, a.d + along * dd};
+    const double off_x = point.x - goal.x, off_d = point.d + goal.z, distance = off_x * off_x + off_d * off_d;
+    if (least >= 0 && distance >= least) return;
+    least = distance;
+    const double length = std::sqrt(squared);
+    best = {{point.x, goal.y, -point.d}, {dd / length, 0, dx / length}};
+}
+
+/// Newton's step for half the squared distance to the goal if its Hessian is positive definite, else straight
+/// down the gradient; never longer than 0.1 mm, so that the descent stays in the basin it began in.
+inline ExactSurface::Step ExactSurface::descent_step(const ReliefPoint& s, double dx, double dy, double dz) {
+    const double gx = dx + dz * s.zx, gy = dy + dz * s.zy;
+    const double hxx = 1 + s.zx * s.zx + dz * s.zxx, hyy = 1 + s.zy * s.zy + dz * s.zyy;
+    const double hxy = s.zx * s.zy + dz * s.zxy, det = hxx * hyy - hxy * hxy;
+    Step step{-gx, -gy};
+    if (hxx > 0 && det > 0) step = {(-gx * hyy + gy * hxy) / det, (-gy * hxx + gx * hxy) / det};
+    const double length = std::sqrt(step.x * step.x + step.y * step.y), longest = 0.1;
+    return length <= longest ? step : Step{step.x / length * longest, step.y / length * longest};
+}
+
+inline ExactSurface::Truth ExactSurface::closest_on_relief(Relief relief, const glm::dvec3& goal,
+                                                           const glm::dvec3& start, double t) {
+    const auto half_square = [&](double x, double y, double z) {
+        const double dx = x - goal.x, dy = y - goal.y, dz = z - goal.z;
+        return 0.5 * (dx * dx + dy * dy + dz * dz);
+    };
+    double x = start.x, y = start.y;
+    ReliefPoint s = relief_at(relief, x, y, t);
+    double value = half_square(x, y, s.z);
+    for (int round = 0; round < 20000; ++round) {
+        Step step = descent_step(s, x - goal.x, y - goal.y, s.z - goal.z);
+        double length = std::sqrt(step.x * step.x + step.y * step.y);
+        bool taken = false;
+        for (int halving = 0; halving < 40 && !taken; ++halving) {
+            const ReliefPoint next = relief_at(relief, x + step.x, y + step.y, t);
+            const double next_value = half_square(x + step.x, y + step.y, next.z);
+            // The last, quadratic steps lower the distance by less than its own rounding.
+            taken = next_value < value || length < 1e-6;
+            if (taken) {
+                x += step.x;
+                y += step.y;
+                s = next;
+                value = next_value;
+            } else {
+                step = {0.5 * step.x, 0.5 * step.y};
+                length *= 0.5;
+            }
+        }
+        if (length < 1e-12) break;
+    }
+    const double length = std::sqrt(s.zx * s.zx + s.zy * s.zy + 1);
+    return {{x, y, s.z}, {-s.zx / length, -s.zy / length, 1 / length}};
+}
 
 inline GlobeStroke::Goal GlobeStroke::at(int tick) const {
     assert(tick >= 0 && tick < approach_ticks + stroke_ticks);

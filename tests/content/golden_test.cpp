@@ -30,6 +30,7 @@ std::uint64_t sum_of(std::string_view name, bool properties) {
     SceneOptions options = sized(96, 64);
     options.properties = properties;
     const auto scene = made(name, options);
+    const ExactSurface exact(name, options);
     Sum sum;
     for (const std::int64_t n : {0, 7}) {
         const RawFrame frame = scene->frame(n);
@@ -39,7 +40,7 @@ std::uint64_t sum_of(std::string_view name, bool properties) {
             for (int x = 0; x < 96; x += 5) {
                 sum.add(scene->depth(x, y, scene->time_of(n)));
                 const glm::dvec3 at = seen(*scene, x, y, scene->time_of(n));
-                const auto truth = scene->closest(at * 1.003, at, scene->time_of(n));
+                const auto truth = exact.closest(at * 1.003, at, scene->time_of(n));
                 if (truth) sum.add(truth->point);
             }
     }

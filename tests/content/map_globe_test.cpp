@@ -421,12 +421,6 @@ TEST(MapGlobe, GivesSameBitsEverywhere) {
     }
 }
 
-TEST(MapGlobe, ClaimsNoTruth) {
-    MadeWorld world(64);
-    const glm::dvec3 goal{0, 0, -70};
-    EXPECT_FALSE(made("globe", with_maps(world.maps, 90, 60))->closest(goal, goal, 0));
-}
-
 TEST(MapGlobe, RejectsImpossibleOptions) {
     MadeWorld world(64);
     const auto refusal = [](const SceneOptions& options, const char* name = "globe") {

@@ -229,14 +229,14 @@ TEST_P(HeightFields, HaveRightDerivatives) {
 }
 
 TEST_P(HeightFields, FindLocallyClosestPoint) {
-    const auto scene = made(GetParam(), sized(720, 480));
+    const ExactSurface exact(GetParam(), sized(720, 480));
     ReliefStroke stroke(relief_of(GetParam()), 720, 480, 0.3);
     SplitMix64 random(11);
     glm::dvec3 tracked{0, 0, -1000};
     for (int tick = 0; tick < 5000; ++tick) {
         const double t = tick * 0.001;
         const glm::dvec3 goal = stroke.next().goal;
-        const auto truth = scene->closest(goal, tracked, t);
+        const auto truth = exact.closest(goal, tracked, t);
         ASSERT_TRUE(truth);
         tracked = truth->point;
         if (tick % 25 != 0) continue;
@@ -258,10 +258,10 @@ TEST_P(HeightFields, FindLocallyClosestPoint) {
 
 TEST(HeightFieldDescent, StaysInItsBasin) {
     // A goal midway over a valley's axis is nearest to both flanks; each start keeps its own side.
-    const auto scene = made("bumps", sized(720, 480));
+    const ExactSurface exact("bumps", sized(720, 480));
     const glm::dvec3 goal{-25, 20, -950};
-    const auto left = scene->closest(goal, {-15, 20, -1000}, 0),
-               right = scene->closest(goal, {-40, 20, -1000}, 0);
+    const auto left = exact.closest(goal, {-15, 20, -1000}, 0),
+               right = exact.closest(goal, {-40, 20, -1000}, 0);
     ASSERT_TRUE(left && right);
     EXPECT_GT(left->point.x, goal.x);
     EXPECT_LT(right->point.x, goal.x);
@@ -343,7 +343,7 @@ TEST(Noise, RepeatsPerSeed) {
 TEST(Noise, HasNoTruth) {
     const glm::dvec3 goal{0, 0, -100};
     for (const std::string_view name : {"noise", "cliffs", "grain"})
-        EXPECT_FALSE(made(name, sized(128, 128))->closest(goal, goal, 0));
+        EXPECT_FALSE(ExactSurface(name, sized(128, 128)).closest(goal, goal, 0));
 }
 
 constexpr real degree = 3.14159265358979323846264338L / 180;
@@ -379,10 +379,11 @@ TEST(Plane, RecedesAsRequested) {
 
 TEST(Plane, FindsClosestPointByProjection) {
     const auto plane = made("plane", tilted(50, 25));
+    const ExactSurface exact("plane", tilted(50, 25));
     SplitMix64 random(2);
     for (int trial = 0; trial < 200; ++trial) {
         const glm::dvec3 goal{random.within(-60, 60), random.within(-40, 40), random.within(-1100, -900)};
-        const auto truth = plane->closest(goal, goal, 0);
+        const auto truth = exact.closest(goal, goal, 0);
         const glm::dvec3 out = goal - truth->point;
         const double along = out.x * truth->normal.x + out.y * truth->normal.y + out.z * truth->normal.z;
         ASSERT_NEAR(std::fabs(along), length(out), 1e-10);
@@ -443,11 +444,11 @@ TEST(Spheres, HideEachOther) {
 }
 
 TEST(Spheres, FindClosestOfAllPieces) {
-    const auto scene = made("spheres", sized(640, 480));
+    const ExactSurface exact("spheres", sized(640, 480));
     SplitMix64 random(4);
     for (int trial = 0; trial < 300; ++trial) {
         const glm::dvec3 goal{random.within(-90, 90), random.within(-60, 60), random.within(-1085, -930)};
-        const auto truth = scene->closest(goal, goal, 0);
+        const auto truth = exact.closest(goal, goal, 0);
         double least = std::fabs(goal.z + 1080);
         for (const Ball& b : balls) {
             const glm::dvec3 centre(static_cast<double>(b.x), static_cast<double>(b.y),
@@ -483,10 +484,11 @@ TEST(Step, LiesExactlyOnLevels) {
 
 TEST(Step, FindsClosestBandOrRiser) {
     const auto scene = made("step", sized(330, 100));
+    const ExactSurface exact("step", sized(330, 100));
     SplitMix64 random(6);
     for (int trial = 0; trial < 300; ++trial) {
         const glm::dvec3 goal{random.within(-95, 95), random.within(-25, 25), random.within(-1008, -990)};
-        const auto truth = scene->closest(goal, goal, 0);
+        const auto truth = exact.closest(goal, goal, 0);
         const double found = length(truth->point - goal);
         double least = 1e9;  // over columns sampled a hundredth of a pixel apart, at the goal's Y
         for (double x = -2; x < 332; x += 0.01) {
@@ -504,7 +506,7 @@ TEST(Step, HasRiserNormalsOverBands) {
     // Just right of the last step's edge and half way up its 10 levels, inside the higher band.
     const double edge = scene->scene().camera.u(10 * 30 - 0.5), level = scene->scene().depth.level();
     const double d = scene->scene().depth.far - level * (100 + 45 + 5);
-    const auto truth = scene->closest({edge * d + 0.01, 0, -d}, {0, 0, 0}, 0);
+    const auto truth = ExactSurface("step", sized(330, 100)).closest({edge * d + 0.01, 0, -d}, {0, 0, 0}, 0);
     EXPECT_LT(truth->normal.x, -0.99);
     EXPECT_NEAR(truth->point.x, edge * d, 1e-3);
 }
@@ -555,7 +557,7 @@ TEST(GlobeStroke, StaysInCamerasView) {
     const auto globe = made("globe");
     const GlobeStroke stroke(CameraPreset::b, 720, 480);
     for (int tick = 200; tick < 20200; tick += 7) {
-        const auto truth = globe->closest(stroke.at(tick).goal, {}, 0);
+        const auto truth = ExactSurface("globe").closest(stroke.at(tick).goal, {}, 0);
         const auto pixel = project(globe->scene().camera, truth->point);
         ASSERT_TRUE(pixel);
         ASSERT_NEAR(globe->depth(pixel->x, pixel->y, 0), length(truth->point), 1e-9) << tick;

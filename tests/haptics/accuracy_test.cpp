@@ -128,6 +128,7 @@ TEST_P(BumpsStroke, StaysOnSurface) {
     const auto& [width, height] = GetParam();
     TouchRig rig("bumps", sized(width, height), TouchRig::Depth::codes);
     rig.scene().default_properties = {600, 0, 0};
+    const ExactSurface exact("bumps");
     ReliefStroke stroke(Relief::bumps, width, height, 0.3);
     const int ticks = 10000;
     int touching = 0, off = 0;
@@ -140,7 +141,7 @@ TEST_P(BumpsStroke, StaysOnSurface) {
         if (goal.under <= 0) continue;
         ++touching;
         ASSERT_TRUE(contact.touching) << "tick " << tick;
-        truth = rig.content().closest(goal.goal, tracking ? truth : contact.proxy, 0)->point;
+        truth = exact.closest(goal.goal, tracking ? truth : contact.proxy, 0)->point;
         tracking = true;
         const double distance = length(contact.proxy - truth);
         worst = std::max(worst, distance);

@@ -68,7 +68,8 @@ class TiltedPlane {
 public:
     TiltedPlane(double tilt, double direction)
         : rig("plane", options(tilt, direction), TouchRig::Depth::exact) {
-        normal = rig.content().closest({0, 0, -1010}, {0, 0, -1000}, 0)->normal;
+        normal =
+            ExactSurface("plane", options(tilt, direction)).closest({0, 0, -1010}, {0, 0, -1000}, 0)->normal;
         along = glm::normalize(glm::cross(normal, dvec3(0.36, 0.48, -0.8)));
     }
     /// Under the surface by `depth` (above it: negative), `way` along it from the axis.

@@ -103,7 +103,6 @@ public:
     }
 
     HeightField field() const { return {scene_, pair}; }
-    AnalyticScene& content() { return *content_; }
     Scene& scene() { return scene_; }
     FingerState& finger(std::size_t k = 0) { return fingers_[k]; }
     void lift_fingers() { fingers_.assign(fingers_.size(), {}); }
