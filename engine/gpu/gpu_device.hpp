@@ -109,20 +109,25 @@ Result<std::size_t> choose_gpu(std::span<const GpuFacts> gpus, std::string_view 
 class GpuMessages;
 class VulkanInstance;
 
-/// A device's compiled kernels and measured times, for later runs.
-struct ProgramsToKeep {
-    std::filesystem::path file;
-    std::string bytes;
-};
-/// Writes the file, and makes its folder. Waits for the disk.
-Result<void> keep_programs(const ProgramsToKeep& programs);
-
 /// The raw Vulkan: instance, device and queue. Everything made from them (buffers, programs, images) holds a
 /// shared_ptr to this, never to GpuDevice, so that objects in flight do not keep GpuDevice alive for ever.
 struct VulkanDevice : NonCopyable {
     /// A pipeline and its layouts. Set 0 is made of push descriptors.
     struct Pipeline : NonCopyable {
         ~Pipeline();
+
+        /// A shader, whose `info` is valid as long as this and the constants live.
+        struct Shader : NonCopyable {
+            ~Shader();
+            /// Loads SPIR-V for a stage, with specialisation constants 0, 1, ...
+            Result<void> load(VulkanDevice& of, VkShaderStageFlagBits stage,
+                              std::span<const std::uint32_t> spirv, std::span<const std::uint32_t> constants);
+
+            VulkanDevice* gpu = nullptr;
+            std::vector<VkSpecializationMapEntry> entries;
+            VkSpecializationInfo special{};
+            VkPipelineShaderStageCreateInfo info{};
+        };
 
         /// Makes both layouts: a descriptor of each type in set 0, and push constants, for these stages.
         Result<void> make_layouts(std::span<const VkDescriptorType> types, std::uint32_t push_bytes,
@@ -132,6 +137,15 @@ struct VulkanDevice : NonCopyable {
         VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
         VkPipelineLayout pipeline_layout = VK_NULL_HANDLE;
         VkPipeline pipeline = VK_NULL_HANDLE;
+    };
+
+    /// A device's compiled kernels and measured times, for later runs.
+    struct ProgramsToKeep {
+        /// Writes the file, and makes its folder. Waits for the disk.
+        Result<void> keep() const;
+
+        std::filesystem::path file;
+        std::string bytes;
     };
 
     ~VulkanDevice();  ///< waits until the device is idle

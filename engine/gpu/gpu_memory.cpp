@@ -73,27 +73,13 @@ Result<void> make_pipeline(VulkanDevice::Pipeline& made, const GpuLayout& layout
     for (const GpuBindingKind kind : layout.bindings) types.push_back(descriptor_type(kind));
     TRY(made.make_layouts(types, layout.push_bytes, VK_SHADER_STAGE_COMPUTE_BIT));
 
-    auto code = vulkan_struct<VkShaderModuleCreateInfo>(VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO);
-    code.codeSize = spirv.size_bytes();
-    code.pCode = spirv.data();
-    VkShaderModule shader = VK_NULL_HANDLE;
-    TRY(gpu.checked("vkCreateShaderModule", vkCreateShaderModule(gpu.device, &code, nullptr, &shader)));
-
-    std::vector<VkSpecializationMapEntry> entries;
-    for (std::uint32_t i = 0; i < constants.size(); ++i) entries.push_back({i, i * 4, 4});
-    const VkSpecializationInfo special{static_cast<std::uint32_t>(entries.size()), entries.data(),
-                                       constants.size_bytes(), constants.data()};
+    VulkanDevice::Pipeline::Shader shader;
+    TRY(shader.load(gpu, VK_SHADER_STAGE_COMPUTE_BIT, spirv, constants));
     auto info = vulkan_struct<VkComputePipelineCreateInfo>(VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO);
-    info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
-    info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
-    info.stage.module = shader;
-    info.stage.pName = "main";
-    info.stage.pSpecializationInfo = &special;
+    info.stage = shader.info;
     info.layout = made.pipeline_layout;
-    const VkResult result =
-        vkCreateComputePipelines(gpu.device, gpu.programs, 1, &info, nullptr, &made.pipeline);
-    vkDestroyShaderModule(gpu.device, shader, nullptr);
-    return gpu.checked("vkCreateComputePipelines", result);
+    return gpu.checked("vkCreateComputePipelines",
+                       vkCreateComputePipelines(gpu.device, gpu.programs, 1, &info, nullptr, &made.pipeline));
 }
 
 }  // namespace
@@ -255,6 +241,29 @@ VulkanDevice::Pipeline::~Pipeline() {
     if (pipeline) vkDestroyPipeline(vulkan->device, pipeline, nullptr);
     if (pipeline_layout) vkDestroyPipelineLayout(vulkan->device, pipeline_layout, nullptr);
     if (set_layout) vkDestroyDescriptorSetLayout(vulkan->device, set_layout, nullptr);
+}
+
+VulkanDevice::Pipeline::Shader::~Shader() {
+    if (info.module) vkDestroyShaderModule(gpu->device, info.module, nullptr);
+}
+
+Result<void> VulkanDevice::Pipeline::Shader::load(VulkanDevice& of, VkShaderStageFlagBits stage,
+                                                  std::span<const std::uint32_t> spirv,
+                                                  std::span<const std::uint32_t> constants) {
+    gpu = &of;
+    for (std::uint32_t k = 0; k < constants.size(); ++k) entries.push_back({k, 4 * k, 4});
+    special = {static_cast<std::uint32_t>(entries.size()), entries.data(), constants.size_bytes(),
+               constants.data()};
+    info =
+        vulkan_struct<VkPipelineShaderStageCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO);
+    info.stage = stage;
+    info.pName = "main";
+    info.pSpecializationInfo = &special;
+    auto code = vulkan_struct<VkShaderModuleCreateInfo>(VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO);
+    code.codeSize = spirv.size_bytes();
+    code.pCode = spirv.data();
+    return gpu->checked("vkCreateShaderModule",
+                        vkCreateShaderModule(gpu->device, &code, nullptr, &info.module));
 }
 
 Result<void> VulkanDevice::Pipeline::make_layouts(std::span<const VkDescriptorType> types,

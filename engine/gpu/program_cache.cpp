@@ -111,7 +111,7 @@ std::string VulkanDevice::take_kept(std::string bytes) {
     return bytes;
 }
 
-std::optional<ProgramsToKeep> VulkanDevice::take_new_programs() {
+std::optional<VulkanDevice::ProgramsToKeep> VulkanDevice::take_new_programs() {
     if (!programs || programs_file.empty()) return std::nullopt;
     // Of a lost device only measured times are kept: they tell that it was lost there.
     std::string data;
@@ -129,13 +129,13 @@ std::optional<ProgramsToKeep> VulkanDevice::take_new_programs() {
     return ProgramsToKeep{programs_file, std::move(data)};
 }
 
-Result<void> keep_programs(const ProgramsToKeep& programs) {
+Result<void> VulkanDevice::ProgramsToKeep::keep() const {
     std::error_code failed;
-    std::filesystem::create_directories(programs.file.parent_path(), failed);
-    NewFile file(programs.file);
-    file.need_not_last();
-    TRY(file.write(programs.bytes));
-    return file.commit();
+    std::filesystem::create_directories(file.parent_path(), failed);
+    NewFile out(file);
+    out.need_not_last();
+    TRY(out.write(bytes));
+    return out.commit();
 }
 
 }  // namespace touchable

@@ -246,7 +246,7 @@ Result<std::vector<VkPhysicalDevice>> VulkanInstance::devices() const {
 VulkanDevice::~VulkanDevice() {
     if (device) {
         vkDeviceWaitIdle(device);  // on a lost device there is nothing left to wait for
-        if (const auto fresh = take_new_programs()) (void)keep_programs(*fresh);
+        if (const auto fresh = take_new_programs()) (void)fresh->keep();
         if (programs) vkDestroyPipelineCache(device, programs, nullptr);
         vkDestroyDevice(device, nullptr);
     }

@@ -51,63 +51,53 @@ std::optional<Rumble> RumbleOrders::at(double now_s, const Rumble& rumble, std::
     return wanted;
 }
 
-struct GamepadRumble::Shared {
-    std::atomic<Rumble> newest{};
-    static_assert(std::atomic<Rumble>::is_always_lock_free, "a session's thread does not wait");
-    std::atomic<std::int64_t> ticks{0};
-    mutable std::mutex mutex;
-    std::condition_variable stop;
-    bool stopping = false;
-    std::string state = "rumble: looking for a gamepad";
+void GamepadRumble::say(std::string words) {
+    const std::lock_guard lock(mutex_);
+    state_ = std::move(words);
+}
 
-    void say(std::string words) {
-        const std::lock_guard lock(mutex);
-        state = std::move(words);
-    }
-    /// Waits a moment; returns whether to continue.
-    bool goes_on() {
-        std::unique_lock lock(mutex);
-        return !stop.wait_for(lock, between_looks, [this] { return stopping; });
-    }
-};
+/// Waits a moment; returns whether to continue.
+bool GamepadRumble::goes_on() {
+    std::unique_lock lock(mutex_);
+    return !stop_.wait_for(lock, between_looks, [this] { return stopping_; });
+}
 
-GamepadRumble::GamepadRumble(const Open& open) : shared_(std::make_shared<Shared>()) {
-    const auto begun =
-        start_thread(thread_, "gamepad", "of the gamepad", [shared = shared_, open] { run(*shared, open); });
-    if (!begun) shared_->say("no rumble: " + begun.error().message);
+GamepadRumble::GamepadRumble(const Open& open) {
+    const auto begun = start_thread(thread_, "gamepad", "of the gamepad", [this, open] { run(open); });
+    if (!begun) say("no rumble: " + begun.error().message);
 }
 
 GamepadRumble::~GamepadRumble() {
-    stop_thread(shared_->mutex, shared_->stopping, shared_->stop, thread_);
+    stop_thread(mutex_, stopping_, stop_, thread_);
 }
 
-void GamepadRumble::run(Shared& shared, const Open& open) {
+void GamepadRumble::run(const Open& open) {
     const auto pad = open();
-    if (!pad) return shared.say("no rumble: " + pad.error().message);
+    if (!pad) return say("no rumble: " + pad.error().message);
     const auto begun = std::chrono::steady_clock::now();
     RumbleOrders orders;
     std::string name;
     do {
         const std::string now = (*pad)->look();
         if (now != std::exchange(name, now)) orders.forget();
-        shared.say(name.empty() ? "rumble: no gamepad that has it" : "rumble: " + name);
-        const std::int64_t ticks = shared.ticks.load(std::memory_order_acquire);
-        const Rumble felt = shared.newest.load(std::memory_order_relaxed);
+        say(name.empty() ? "rumble: no gamepad that has it" : "rumble: " + name);
+        const std::int64_t ticks = ticks_.load(std::memory_order_acquire);
+        const Rumble felt = newest_.load(std::memory_order_relaxed);
         const double seconds =
             std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
         if (const auto order = orders.at(seconds, felt, ticks))
             (*pad)->rumble(*order, *order == Rumble() ? 0 : RumbleOrders::lasts_ms);
-    } while (shared.goes_on());
+    } while (goes_on());
 }
 
 void GamepadRumble::consume(const HeardTick& tick) {
-    shared_->newest.store(felt_.next(tick), std::memory_order_relaxed);
-    shared_->ticks.fetch_add(1, std::memory_order_release);
+    newest_.store(felt_.next(tick), std::memory_order_relaxed);
+    ticks_.fetch_add(1, std::memory_order_release);
 }
 
 std::string GamepadRumble::state() const {
-    const std::lock_guard lock(shared_->mutex);
-    return shared_->state;
+    const std::lock_guard lock(mutex_);
+    return state_;
 }
 
 }  // namespace touchable

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <thread>
 
 #include "engine/base/result.hpp"
@@ -64,7 +67,7 @@ public:
 
 /// Makes a gamepad rumble with contacts, on a separate thread. Motors stop without contact, if ticks stop,
 /// and when this is destroyed.
-class GamepadRumble {
+class GamepadRumble : NonCopyable {
 public:
     using Open = std::function<Result<std::unique_ptr<Gamepad>>()>;
 
@@ -77,11 +80,18 @@ public:
     std::string state() const;
 
 private:
-    struct Shared;
-    static void run(Shared& shared, const Open& open);
+    void say(std::string words);
+    bool goes_on();
+    void run(const Open& open);
 
     ContactRumble felt_;
-    std::shared_ptr<Shared> shared_;
+    std::atomic<Rumble> newest_{};
+    static_assert(std::atomic<Rumble>::is_always_lock_free, "a session's thread does not wait");
+    std::atomic<std::int64_t> ticks_{0};
+    mutable std::mutex mutex_;
+    std::condition_variable stop_;
+    bool stopping_ = false;
+    std::string state_ = "rumble: looking for a gamepad";
     std::thread thread_;
 };
 

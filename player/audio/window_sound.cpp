@@ -1,5 +1,6 @@
 #include "player/audio/window_sound.hpp"
 
+#include <future>
 #include <glm/geometric.hpp>
 
 #include "engine/base/result.hpp"
@@ -48,19 +49,20 @@ class WindowSound::Loudspeakers : NonCopyable {
 public:
     explicit Loudspeakers(std::shared_ptr<HeardTicks> ticks) : shared_(std::make_shared<Shared>()) {
         shared_->ticks = std::move(ticks);
-        const auto begun =
-            start_thread(thread_, "sound-output", "of the sound", [shared = shared_] { shared->run(); });
+        std::promise<void> ended;
+        ended_ = ended.get_future();
+        const auto begun = start_thread(thread_, "sound-output", "of the sound",
+                                        [shared = shared_, ended = std::move(ended)]() mutable {
+                                            shared->open_and_play();
+                                            ended.set_value();
+                                        });
         if (!begun) shared_->say("no sound: " + begun.error().message);
     }
     /// Abandons a thread that hangs in the system's sound, after a second.
     ~Loudspeakers() {
         if (!thread_.joinable()) return;
         shared_->stopping.store(true, std::memory_order_relaxed);
-        std::unique_lock lock(shared_->mutex);
-        const bool ended =
-            shared_->ended_now.wait_for(lock, std::chrono::seconds(1), [this] { return shared_->ended; });
-        lock.unlock();
-        if (ended)
+        if (ended_.wait_for(std::chrono::seconds(1)) == std::future_status::ready)
             thread_.join();
         else
             thread_.detach();
@@ -78,19 +80,11 @@ private:
         std::shared_ptr<HeardTicks> ticks;
         std::atomic<bool> stopping{false};
         mutable std::mutex mutex;
-        std::condition_variable ended_now;
         std::string state = "sound is being opened";
-        bool ended = false;
 
         void say(std::string words) {
             const std::lock_guard lock(mutex);
             state = std::move(words);
-        }
-        void run() {
-            open_and_play();
-            const std::lock_guard lock(mutex);
-            ended = true;
-            ended_now.notify_all();
         }
         void open_and_play() {
             auto device = SoundDevice::open();
@@ -124,6 +118,7 @@ private:
     };
 
     std::shared_ptr<Shared> shared_;
+    std::future<void> ended_;
     std::thread thread_;
 };
 
@@ -141,7 +136,7 @@ public:
     /// Drops samples beyond a WAV file's maximum, which is reached after six hours.
     void add(std::span<const StereoSample> samples) {
         const auto bytes = static_cast<std::uint32_t>(samples.size()) * sample_bytes;
-        if (is_faulty_ || bytes > most_wav_bytes - bytes_) return;
+        if (fault_ || bytes > most_wav_bytes - bytes_) return;
         words_.clear();
         for (const StereoSample& sample : samples)
             for (const std::int16_t value : in_16_bits(sample))
@@ -149,7 +144,6 @@ public:
         bytes_ += bytes;
         const auto written = file_->write(words_);
         if (written) return;
-        is_faulty_ = true;
         const std::lock_guard lock(mutex_);
         fault_ = written.error();
     }
@@ -172,9 +166,8 @@ private:
     const std::unique_ptr<OutputFile> file_;
     std::uint32_t bytes_ = 0;  // of samples
     std::string words_;
-    bool is_faulty_ = false;
     mutable std::mutex mutex_;
-    std::optional<Error> fault_;  // guarded by mutex_
+    std::optional<Error> fault_;  // `add` alone writes it, under mutex_
 };
 
 WindowSound::WindowSound() = default;

@@ -96,11 +96,9 @@ void write_tiles(const ViewSurface::Tiles& tiles, const GpuBuffer& buffer) {
 /// Copies rows of 4 bytes a vertex into rows of `pitch` vertices.
 template <class T>
 void put_rows(const std::vector<T>& values, const GpuLattice& lattice, const GpuBuffer& buffer) {
-    const auto width = static_cast<std::size_t>(lattice.width),
-               pitch = static_cast<std::size_t>(lattice.pitch);
-    T* to = buffer.mapped<T>().data();
-    for (std::size_t y = 0; y < static_cast<std::size_t>(lattice.height); ++y)
-        std::memcpy(to + y * pitch, values.data() + y * width, width * sizeof(T));
+    static_assert(sizeof(T) == 4);
+    packed_plane(reinterpret_cast<const std::uint8_t*>(values.data()), lattice.width, lattice.height, 4, 1)
+        .copy_rows(buffer.mapped<std::uint8_t>().data(), 4 * static_cast<std::size_t>(lattice.pitch));
 }
 
 /// Whether both views have the same samples, without reading them.
@@ -110,12 +108,14 @@ bool is_same_content(const PlaneView& a, const PlaneView& b) {
 }
 
 std::vector<float> q_from(const GpuLattice& lattice) {
-    const auto width = static_cast<std::size_t>(lattice.width),
-               pitch = static_cast<std::size_t>(lattice.pitch);
-    std::vector<float> q(width * static_cast<std::size_t>(lattice.height));
-    for (std::size_t y = 0; y < static_cast<std::size_t>(lattice.height); ++y)
-        std::memcpy(q.data() + y * width, lattice.q.mapped<float>().data() + y * pitch,
-                    width * sizeof(float));
+    const PlaneView rows{lattice.q.mapped<std::uint8_t>().data(),
+                         std::ptrdiff_t{4} * lattice.pitch,
+                         lattice.width,
+                         lattice.height,
+                         4,
+                         1};
+    std::vector<float> q(pixel_count(lattice.width, lattice.height));
+    rows.copy_rows(reinterpret_cast<std::uint8_t*>(q.data()), rows.row_bytes());
     return q;
 }
 

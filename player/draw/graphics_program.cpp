@@ -57,24 +57,6 @@ bool is_unused(const GpuBuffer& buffer) {
 
 constexpr VkShaderStageFlags both_stages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
 
-/// Shader modules, destroyed after the pipeline is made.
-struct Shaders : NonCopyable {
-    explicit Shaders(VulkanDevice& device) : gpu(device) {}
-    ~Shaders() {
-        for (VkShaderModule each : modules)
-            if (each) vkDestroyShaderModule(gpu.device, each, nullptr);
-    }
-    Result<void> load(std::span<const std::uint32_t> words, VkShaderModule& made) {
-        auto info = vulkan_struct<VkShaderModuleCreateInfo>(VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO);
-        info.codeSize = words.size_bytes();
-        info.pCode = words.data();
-        return gpu.checked("vkCreateShaderModule", vkCreateShaderModule(gpu.device, &info, nullptr, &made));
-    }
-
-    VulkanDevice& gpu;
-    std::array<VkShaderModule, 2> modules{};  // vertex, fragment
-};
-
 VkPipelineDepthStencilStateCreateInfo depth_state(DrawDepth depth) {
     auto state = vulkan_struct<VkPipelineDepthStencilStateCreateInfo>(
         VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO);
@@ -103,20 +85,10 @@ VkPipelineColorBlendAttachmentState blend_state(DrawBlend blend) {
 
 Result<void> make_graphics_pipeline(VulkanDevice::Pipeline& made, const GraphicsLook& look) {
     VulkanDevice& gpu = *made.vulkan;
-    std::vector<VkSpecializationMapEntry> entries;
-    for (std::uint32_t k = 0; k < look.constants.size(); ++k) entries.push_back({k, 4 * k, 4});
-    const VkSpecializationInfo special{static_cast<std::uint32_t>(entries.size()), entries.data(),
-                                       4 * look.constants.size(), look.constants.data()};
-    Shaders shaders(gpu);
-    std::array<VkPipelineShaderStageCreateInfo, 2> stages{};
-    for (std::size_t k = 0; k < stages.size(); ++k) {
-        TRY(shaders.load(k == 0 ? look.vertex : look.fragment, shaders.modules[k]));
-        stages[k].sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
-        stages[k].stage = k == 0 ? VK_SHADER_STAGE_VERTEX_BIT : VK_SHADER_STAGE_FRAGMENT_BIT;
-        stages[k].module = shaders.modules[k];
-        stages[k].pName = "main";
-        stages[k].pSpecializationInfo = &special;
-    }
+    std::array<VulkanDevice::Pipeline::Shader, 2> shaders;
+    TRY(shaders[0].load(gpu, VK_SHADER_STAGE_VERTEX_BIT, look.vertex, look.constants));
+    TRY(shaders[1].load(gpu, VK_SHADER_STAGE_FRAGMENT_BIT, look.fragment, look.constants));
+    const VkPipelineShaderStageCreateInfo stages[] = {shaders[0].info, shaders[1].info};
 
     auto input = vulkan_struct<VkPipelineVertexInputStateCreateInfo>(
         VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO);
@@ -154,7 +126,7 @@ Result<void> make_graphics_pipeline(VulkanDevice::Pipeline& made, const Graphics
     auto info = vulkan_struct<VkGraphicsPipelineCreateInfo>(VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO);
     info.pNext = &rendering;
     info.stageCount = 2;
-    info.pStages = stages.data();
+    info.pStages = stages;
     info.pVertexInputState = &input;
     info.pInputAssemblyState = &assembly;
     info.pViewportState = &viewport;

@@ -91,7 +91,7 @@ Result<std::shared_ptr<GpuDevice>> RunGpu::open_measured(
     return open_if_needed();
 }
 
-std::optional<ProgramsToKeep> RunGpu::take_new_programs() {
+std::optional<VulkanDevice::ProgramsToKeep> RunGpu::take_new_programs() {
     const std::lock_guard lock(mutex_);
     return device_ ? device_->vulkan()->take_new_programs() : std::nullopt;
 }

@@ -57,7 +57,7 @@ public:
     Result<std::shared_ptr<GpuDevice>> open_measured(
         const std::function<void(const std::shared_ptr<GpuDevice>&)>& measure);
     /// VulkanDevice::take_new_programs of the open device.
-    std::optional<ProgramsToKeep> take_new_programs();
+    std::optional<VulkanDevice::ProgramsToKeep> take_new_programs();
     /// The GPU's own name; empty before it is open.
     std::string name() const;
 

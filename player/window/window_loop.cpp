@@ -193,9 +193,8 @@ private:
         if (!programs) return;
         BackgroundWriter writer("programs", "programs of the GPU");
         const std::filesystem::path file = programs->file;
-        writer.give({.file = file, .write = [programs = std::move(*programs)](const auto&) {
-                         return keep_programs(programs);
-                     }});
+        writer.give({.file = file,
+                     .write = [programs = std::move(*programs)](const auto&) { return programs.keep(); }});
         writer.finish();
     }
     /// Waits for their disk for a limited time.

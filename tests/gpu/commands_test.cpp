@@ -479,7 +479,7 @@ std::string programs_kept_in(const std::filesystem::path& folder) {
     const auto gpu = must(GpuDevice::open({.cache_folder = folder}));
     must(GpuProgram::create(*gpu, "mix_words", mix_words_spv, right));
     const std::filesystem::path file = gpu->vulkan()->programs_file;
-    if (const auto programs = gpu->vulkan()->take_new_programs()) (void)keep_programs(*programs);
+    if (const auto programs = gpu->vulkan()->take_new_programs()) (void)programs->keep();
     std::ifstream stream(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(stream), {}};
 }
