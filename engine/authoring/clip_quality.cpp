@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <numeric>
 
 #include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"
@@ -184,9 +185,7 @@ void ColourEdges::look(const Line& line, int at, Facing facing, std::vector<std:
 }
 
 std::int64_t ColourEdges::count(Facing facing) const {
-    std::int64_t sum = 0;
-    for (const std::int64_t n : counts_[facing]) sum += n;
-    return sum;
+    return std::accumulate(counts_[facing].begin(), counts_[facing].end(), std::int64_t{0});
 }
 
 /// Interpolated between whole steps by the counts.

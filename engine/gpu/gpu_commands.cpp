@@ -58,8 +58,7 @@ struct Descriptors {
 
     void add(GpuBindingKind kind, const GpuBinding& binding, std::size_t bytes) {
         VkWriteDescriptorSet& write = writes[count];
-        write = {};
-        write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+        write = vulkan_struct<VkWriteDescriptorSet>(VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET);
         write.dstBinding = count;
         write.descriptorCount = 1;
         write.descriptorType = descriptor_type(kind);

@@ -506,12 +506,12 @@ std::optional<SurfaceOnWay> surface_on_way(const HeightField& field, const glm::
 }
 
 PixelValues values_at(const HeightField& field, const FramePair& pair, int x, int y) {
+    const Scene& scene = field.scene();
     const FieldVertex vertex = drawn_vertex(field, x, y);
-    const double millimetres = field.scene().metres_per_unit * 1000;
+    const double z = planar_depth(scene.camera, scene.depth.semantics, x, y, vertex.depth);
     const double height = vertex.valid ? height_at(field, pair, x, y) : 0;
-    const double z = planar_depth(field.scene().camera, field.scene().depth.semantics, x, y, vertex.depth);
-    return {vertex.valid, vertex.depth,         vertex.depth * millimetres,  z,
-            height,       height * millimetres, field.properties(x, y, 0, 0)};
+    const double millimetres = height * (scene.metres_per_unit * 1000);
+    return {vertex.valid, vertex.depth, z, height, millimetres, field.properties(x, y, 0, 0)};
 }
 
 }  // namespace touchable

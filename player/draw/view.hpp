@@ -133,7 +133,6 @@ struct PixelValues {
     bool valid;                   ///< false: a hole; all values but the properties are the far plane's
     double depth;                 ///< in the coding's semantics (range or planar), height subtracted, scene
                                   ///< units
-    double depth_mm;              ///< the same in millimetres, by the scene's unit
     double z;                     ///< planar depth: along the camera's axis, scene units
     double height;                ///< subtracted from the depth, scene units
     double height_mm;             ///< the same in millimetres, by the scene's unit

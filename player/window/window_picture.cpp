@@ -64,8 +64,7 @@ PlaceFacts place_facts(const OpenedClip& clip, const WatchedMoment& moment, cons
 
 /// Figures of how well the machine keeps up.
 std::vector<std::string> figure_words(const OpenedClip& clip, const ClipPicture& picture,
-                                      const WatchedMoment& moment) {
-    const WatchedFigures figures = clip.session().figures();
+                                      const WatchedMoment& moment, const WatchedFigures& figures) {
     return {frame_in_words(moment.held.pair.prev.number, clip.frames()),
             formatted("%lld frames late, %lld left out", static_cast<long long>(figures.late_frames),
                       static_cast<long long>(figures.feed.dropped)),
@@ -127,8 +126,8 @@ PanelFacts panel_facts(const OpenedClip& clip, const ClipPicture& picture, const
     facts.place = place_facts(clip, moment, field, camera);
     facts.settings = {clip.settings().values(), clip.in_effect(), clip.filters()};
     facts.settings.has_device = clip.hand() != nullptr;
-    facts.figures = figure_words(clip, picture, moment);
     const WatchedFigures figures = clip.session().figures();
+    facts.figures = figure_words(clip, picture, moment, figures);
     facts.late_ticks = figures.ticks.late;
     facts.dropped_frames = figures.feed.dropped;
     return facts;

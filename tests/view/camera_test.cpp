@@ -387,7 +387,6 @@ TEST(PixelValues, AreSceneUnitsAndMillimetres) {
         for (int x = 0; x < 120; ++x) {
             const PixelValues values = values_at(field, pair, x, y);
             EXPECT_EQ(values.depth, field.vertex(x, y).depth);
-            EXPECT_DOUBLE_EQ(values.depth_mm, values.depth * millimetres);
             EXPECT_DOUBLE_EQ(values.height_mm, values.height * millimetres);
             // The height is what the depth would have without it.
             const double bare =
