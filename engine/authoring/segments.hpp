@@ -58,11 +58,7 @@ class CutFollower;
 struct Feel {
     HapticProperties properties{};
     int relief = 100;  ///< per cent of the heights that a clip has there
-    bool operator==(const Feel& other) const {
-        return properties.stiffness == other.properties.stiffness &&
-               properties.static_friction == other.properties.static_friction &&
-               properties.dynamic_friction == other.properties.dynamic_friction && relief == other.relief;
-    }
+    bool operator==(const Feel&) const = default;
 };
 
 /// N/mm, of materials harder than any device: the device's own limit applies, which the force guard keeps to.

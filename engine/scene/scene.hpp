@@ -301,6 +301,7 @@ struct HapticProperties {
     double stiffness = 600.0;  ///< N/m
     double static_friction = 0.4;
     double dynamic_friction = 0.3;
+    bool operator==(const HapticProperties&) const = default;
 };
 
 /// Range of one haptic channel; P = min + (max - min) p / 255 (Eq. 1).
