@@ -511,11 +511,9 @@ private:
 
     void write(RawFrame& frame, const Background& background) {
         const PlaneView stored = frame.depth;
-        Image image{stored.width, stored.height, stored.bytes_per_sample, stored.channels, {}};
+        Image image = packed_image(stored);
         const std::size_t row_bytes = stored.row_bytes();
         const auto columns = static_cast<std::size_t>(stored.width);
-        image.samples.resize(row_bytes * static_cast<std::size_t>(stored.height));
-        stored.copy_rows(image.samples.data(), row_bytes);
         const std::size_t words = (columns + 31) / 32;
         auto filled =
             std::make_shared<std::vector<std::uint32_t>>(words * static_cast<std::size_t>(stored.height));

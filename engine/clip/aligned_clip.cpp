@@ -49,9 +49,7 @@ public:
             const auto word = static_cast<std::uint16_t>(code);
             if (stored.is_valid(word)) codes[word] = line.at(word);
         }
-        Image image{scene_.width, scene_.height, 2, 1, {}};
-        image.samples.resize(2 * static_cast<std::size_t>(image.width) *
-                             static_cast<std::size_t>(image.height));
+        Image image = blank_image(scene_.width, scene_.height, 2, 1);
         std::uint8_t* to = image.samples.data();
         for (int y = 0; y < image.height; ++y)
             for (int x = 0; x < image.width; ++x, to += 2) std::memcpy(to, &codes[raw.depth.sample(x, y)], 2);

@@ -91,15 +91,13 @@ Plane mapped(const PlaneView& plane, int width, int height, int channels, Pixel&
     const int bytes = plane.bytes_per_sample;
     std::vector<int> columns = nearest_samples(plane.width, width);
     for (int& column : columns) column *= bytes * plane.channels;
-    Image image{width, height, bytes, channels, {}};
-    const auto pixel_bytes = static_cast<std::size_t>(bytes * channels);
-    image.samples.resize(columns.size() * static_cast<std::size_t>(height) * pixel_bytes);
+    Image image = blank_image(width, height, bytes, channels);
     std::uint8_t* to = image.samples.data();
     for (const int y : nearest_samples(plane.height, height)) {
         const std::uint8_t* row = plane.row(y);
         for (const int column : columns) {
             pixel(to, row + column);
-            to += pixel_bytes;
+            to += bytes * channels;
         }
     }
     return plane_from(std::move(image));

@@ -118,8 +118,7 @@ private:
     TrackWriter() = default;
     /// Whether the plane equals the one before; stores it otherwise.
     bool stays(const PlaneView& plane) {
-        const auto row_bytes =
-            static_cast<std::size_t>(plane.width * plane.channels * plane.bytes_per_sample);
+        const std::size_t row_bytes = plane.row_bytes();
         bool same = !newest_.empty();
         newest_.resize(row_bytes * static_cast<std::size_t>(plane.height));
         for (int y = 0; y < plane.height; ++y) {

@@ -131,20 +131,10 @@ bool look_up(const std::vector<std::uint16_t>& distinct, int width, int height, 
 
 }  // namespace
 
-void ZstdDeleter::operator()(ZSTD_CCtx* context) const {
-    ZSTD_freeCCtx(context);
-}
-
-void ZstdDeleter::operator()(ZSTD_DCtx* context) const {
-    ZSTD_freeDCtx(context);
-}
-
 void RankZstdEncoder::take_samples(const PlaneView& plane) {
     width_ = plane.width;
     samples_.resize(pixel_count(plane.width, plane.height));
-    const auto row = static_cast<std::size_t>(plane.width);
-    for (int y = 0; y < plane.height; ++y)
-        std::memcpy(samples_.data() + row * static_cast<std::size_t>(y), plane.row(y), 2 * row);
+    plane.copy_rows(reinterpret_cast<std::uint8_t*>(samples_.data()), plane.row_bytes());
     distinct_.clear();
 }
 

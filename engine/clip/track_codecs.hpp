@@ -2,6 +2,8 @@
 
 // The codecs under TrackEncoder and TrackDecoder: one of our own, and FFmpeg's as our clips set them.
 
+#include <zstd.h>
+
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -10,9 +12,6 @@
 #include "engine/clip/tracks.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/scene/frames.hpp"
-
-struct ZSTD_CCtx_s;
-struct ZSTD_DCtx_s;
 
 namespace touchable {
 
@@ -65,11 +64,6 @@ inline constexpr std::uint32_t rank_zstd_tag = MKTAG('T', '3', 'D', '2');
 // values stretched to more bits. A packet of the first version is the frame of mode 0, with nothing before
 // it.
 
-struct ZstdDeleter {
-    void operator()(ZSTD_CCtx_s* context) const;
-    void operator()(ZSTD_DCtx_s* context) const;
-};
-
 /// The modes of the second version, by their numbers.
 enum class RankZstdMode : std::uint8_t { samples_by_gradient, ranks_by_left, ranks_by_gradient };
 
@@ -94,7 +88,7 @@ private:
     bool pack(RankZstdMode mode);
 
     int level_;
-    std::unique_ptr<ZSTD_CCtx_s, ZstdDeleter> context_;
+    std::unique_ptr<ZSTD_CCtx, ReleasedBy<ZSTD_freeCCtx>> context_;
     int width_ = 0;
     std::vector<std::uint16_t> samples_, distinct_, ranks_;
     std::vector<std::uint16_t> rank_of_;  // by sample
@@ -118,7 +112,7 @@ public:
 
 private:
     Version version_;
-    std::unique_ptr<ZSTD_DCtx_s, ZstdDeleter> context_;
+    std::unique_ptr<ZSTD_DCtx, ReleasedBy<ZSTD_freeDCtx>> context_;
     std::vector<std::uint8_t> bytes_;
     std::vector<std::uint16_t> distinct_;
 };

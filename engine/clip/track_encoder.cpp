@@ -57,14 +57,11 @@ void split_bytes(const PlaneView& plane, AVFrame& picture) {
 
 void copy_samples(const PlaneView& plane, AVFrame& picture) {
     if (plane.bytes_per_sample == 2 && picture.format == AV_PIX_FMT_GRAY8) return split_bytes(plane, picture);
-    const int row_bytes = plane.width * plane.channels * plane.bytes_per_sample;
-    for (int y = 0; y < plane.height; ++y) {
-        std::uint8_t* to = picture.data[0] + static_cast<std::ptrdiff_t>(picture.linesize[0]) * y;
-        if (picture.format == AV_PIX_FMT_BGR0)
-            copy_rgb_as_bgr0(plane.row(y), to, plane.width);
-        else
-            std::memcpy(to, plane.row(y), static_cast<std::size_t>(row_bytes));
-    }
+    const std::ptrdiff_t pitch = picture.linesize[0];
+    if (picture.format != AV_PIX_FMT_BGR0)
+        return plane.copy_rows(picture.data[0], static_cast<std::size_t>(pitch));
+    for (int y = 0; y < plane.height; ++y)
+        copy_rgb_as_bgr0(plane.row(y), picture.data[0] + pitch * y, plane.width);
 }
 
 /// Replaces the messages of the picture before.

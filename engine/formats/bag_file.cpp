@@ -11,6 +11,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "engine/formats/ros_messages.hpp"
 
 namespace touchable {
 namespace {
@@ -142,29 +143,18 @@ class BagFields {
 public:
     /// Nothing if the fields do not fill the bytes.
     static std::optional<BagFields> of(std::string bytes) {
-        for (std::size_t at = 0; at < bytes.size();) {
-            std::uint32_t length = 0;
-            if (bytes.size() - at < sizeof length) return {};
-            std::memcpy(&length, bytes.data() + at, sizeof length);
-            at += sizeof length;
-            if (length > bytes.size() - at) return {};
-            if (bytes.find('=', at) >= at + length) return {};
-            at += length;
-        }
+        for (RosFields each(bytes); each.left() > 0;)
+            if (each.text().find('=') == std::string_view::npos) return {};
         BagFields fields;
         fields.bytes_ = std::move(bytes);
         return fields;
     }
 
     std::optional<std::string_view> text(std::string_view name) const {
-        const std::string_view all = bytes_;
-        for (std::size_t at = 0; at < all.size();) {
-            std::uint32_t length = 0;
-            std::memcpy(&length, all.data() + at, sizeof length);
-            const std::string_view field = all.substr(at + sizeof length, length);
+        for (RosFields each(bytes_); each.left() > 0;) {
+            const std::string_view field = each.text();
             if (field.size() > name.size() && field[name.size()] == '=' && field.starts_with(name))
                 return field.substr(name.size() + 1);
-            at += sizeof length + length;
         }
         return {};
     }
@@ -174,9 +164,7 @@ public:
     std::optional<Number> number(std::string_view name) const {
         const auto value = text(name);
         if (!value || value->size() != sizeof(Number)) return {};
-        Number number;
-        std::memcpy(&number, value->data(), sizeof number);
-        return number;
+        return static_cast<Number>(number_in_bytes(*value, false));
     }
 
 private:

@@ -1,5 +1,6 @@
 #include "engine/formats/depth_values.hpp"
 
+#include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -114,9 +115,7 @@ void DepthValues::look(const StoredImage& picture) {
 /// The median depth looked at; if there is none, a depth that favours neither plane.
 double DepthValues::median() {
     if (sample_.empty()) return std::sqrt(coding_.near * coding_.far);
-    const auto middle = sample_.begin() + static_cast<std::ptrdiff_t>(sample_.size() / 2);
-    std::nth_element(sample_.begin(), middle, sample_.end());
-    return coding_.scale * *middle;
+    return coding_.scale * sorted_element(sample_, sample_.size() / 2);
 }
 
 std::string DepthValues::background_words() const {

@@ -3,6 +3,7 @@
 
 #include "engine/formats/gltf_writer.hpp"
 
+#include <bit>
 #include <nlohmann/json.hpp>
 
 #include "engine/base/same_bits.hpp"
@@ -399,9 +400,7 @@ private:
 
 template <class Number>
 void append_word(std::string& bytes, Number number) {
-    std::uint32_t word;
-    static_assert(sizeof number == sizeof word);
-    std::memcpy(&word, &number, sizeof word);
+    const auto word = std::bit_cast<std::uint32_t>(number);
     for (int k = 0; k < 4; ++k) bytes += static_cast<char>(word >> (8 * k) & 255U);
 }
 

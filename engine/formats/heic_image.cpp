@@ -246,14 +246,8 @@ std::optional<Image> packed_channel(const heif_image* image, heif_channel channe
     int stride = 0;
     const std::uint8_t* from = heif_image_get_plane_readonly(image, channel, &stride);
     if (from == nullptr) return std::nullopt;
-    Image packed{
-        heif_image_get_width(image, channel), heif_image_get_height(image, channel), bytes, samples, {}};
-    const auto row = static_cast<std::size_t>(packed.width) * static_cast<std::size_t>(bytes * samples);
-    packed.samples.resize(row * static_cast<std::size_t>(packed.height));
-    for (int y = 0; y < packed.height; ++y)
-        std::memcpy(packed.samples.data() + row * static_cast<std::size_t>(y),
-                    from + static_cast<std::ptrdiff_t>(stride) * y, row);
-    return packed;
+    return packed_image({from, stride, heif_image_get_width(image, channel),
+                         heif_image_get_height(image, channel), bytes, samples});
 }
 
 /// Whether a picture is grey: its chroma may be off by what an encoder loses.

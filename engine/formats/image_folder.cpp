@@ -91,8 +91,8 @@ public:
             return input_error(
                 "is in colour: where the scene has haptic.materials, haptic pictures are of material "
                 "indices");
-        StoredImage made{{indices.image.width, indices.image.height, 1, 3, {}}, indices.codec, "rgb24"};
-        made.image.samples.resize(3 * pixel_count(indices.image));
+        StoredImage made{blank_image(indices.image.width, indices.image.height, 1, 3), indices.codec,
+                         "rgb24"};
         std::uint8_t* to = made.image.samples.data();
         for (std::size_t k = 0; k < pixel_count(indices.image); ++k, to += 3)
             std::memcpy(to, &samples_[3 * index_at(indices, k)], 3);

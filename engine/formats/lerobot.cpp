@@ -199,9 +199,7 @@ private:
         const FramePtr picture = blank_picture(AV_PIX_FMT_GRAY12, scene_.width, scene_.height);
         if (!picture) return memory_error();
         picture->color_range = AVCOL_RANGE_JPEG;
-        for (int y = 0; y < scene_.height; ++y)
-            std::memcpy(picture->data[0] + std::ptrdiff_t{picture->linesize[0]} * y, frame.depth.row(y),
-                        2 * static_cast<std::size_t>(scene_.width));
+        frame.depth.copy_rows(picture->data[0], static_cast<std::size_t>(picture->linesize[0]));
         picture->pts = tick_of(scene_.rate, frame.number);
         return send(picture.get());
     }

@@ -10,6 +10,8 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "engine/formats/sidecar_text.hpp"
+#include "engine/picture/number_pictures.hpp"
 
 namespace touchable {
 namespace {
@@ -17,41 +19,23 @@ namespace {
 constexpr std::size_t largest_cloud_header = std::size_t{64} << 10;
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
-/// Splits a text at blanks, one word after the other.
-class TextWords {
-public:
-    explicit TextWords(std::string_view text) : text_(text) {}
-    /// Empty after the last word.
-    std::string_view next() {
-        constexpr std::string_view blanks = " \t\r\n";
-        text_.remove_prefix(std::min(text_.find_first_not_of(blanks), text_.size()));
-        const std::string_view word = text_.substr(0, std::min(text_.find_first_of(blanks), text_.size()));
-        text_.remove_prefix(word.size());
-        return word;
-    }
+/// Takes the first word off a text; empty after the last.
+std::string_view cut_word(std::string_view& text) {
+    constexpr std::string_view blanks = " \t\r\n";
+    text.remove_prefix(std::min(text.find_first_not_of(blanks), text.size()));
+    const std::string_view word = text.substr(0, text.find_first_of(blanks));
+    text.remove_prefix(word.size());
+    return word;
+}
 
-private:
-    std::string_view text_;
-};
-
-/// Lines of a header, one after the other.
-class HeaderLines {
-public:
-    explicit HeaderLines(std::string_view bytes) : bytes_(bytes.substr(0, largest_cloud_header)) {}
-    /// Nothing if no whole line is left.
-    std::optional<std::string_view> next() {
-        const std::size_t end = bytes_.find('\n', at_);
-        if (end == std::string_view::npos) return {};
-        const std::string_view line = bytes_.substr(at_, end - at_);
-        at_ = end + 1;
-        return line;
-    }
-    std::size_t end() const { return at_; }
-
-private:
-    std::string_view bytes_;
-    std::size_t at_ = 0;
-};
+/// Takes the first line off a header; nothing if no whole line is left. `end`: the bytes before the next one.
+std::optional<std::string_view> next_header_line(std::string_view bytes, std::size_t& end) {
+    std::string_view rest = bytes.substr(end, largest_cloud_header - end);
+    if (rest.find('\n') == std::string_view::npos) return {};
+    const std::string_view line = cut_line(rest);
+    end += line.size() + 1;
+    return line;
+}
 
 std::optional<std::uint64_t> count_in(std::string_view word, std::uint64_t most) {
     const auto number = parsed_as<std::uint64_t>(word);
@@ -70,14 +54,11 @@ struct Scalar {
 };
 
 double number_at(const char* from, const Scalar& scalar, bool big_endian) {
-    const std::uint64_t bits = number_in_bytes({from, scalar.bytes}, big_endian);
-    if (scalar.kind == 'U') return static_cast<double>(bits);
-    if (scalar.kind == 'F')
-        return scalar.bytes == 8
-                   ? std::bit_cast<double>(bits)
-                   : static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bits)));
-    const auto unused = static_cast<int>(64 - 8 * scalar.bytes);
-    return static_cast<double>(static_cast<std::int64_t>(bits << unused) >> unused);
+    using Kind = NumberFormat::Kind;
+    const Kind kind = scalar.kind == 'F'   ? Kind::floating
+                      : scalar.kind == 'I' ? Kind::signed_integer
+                                           : Kind::unsigned_integer;
+    return stored_number(from, {kind, static_cast<int>(scalar.bytes), big_endian});
 }
 
 /// Parses a number, also nan and inf; beyond the range of a double it is NaN. Nothing: the word is no number.
@@ -250,37 +231,34 @@ constexpr std::uint64_t largest_count = 1'000'000'000;
 std::optional<PcdHeader> pcd_header(std::string_view bytes) {
     constexpr std::size_t most_fields = 64, largest_field = 4096;
     PcdHeader header;
-    HeaderLines lines(bytes);
-    while (const auto line = lines.next()) {
-        TextWords words(*line);
-        const std::string_view key = words.next();
+    while (auto words = next_header_line(bytes, header.end)) {
+        const std::string_view key = cut_word(*words);
         if (key == "FIELDS") {
             header.fields.clear();
-            for (auto name = words.next(); !name.empty(); name = words.next())
+            for (auto name = cut_word(*words); !name.empty(); name = cut_word(*words))
                 header.fields.push_back({name});
             if (header.fields.size() > most_fields) return {};
         } else if (key == "SIZE" || key == "COUNT") {
             for (PcdField& field : header.fields) {
-                const auto number = count_in(words.next(), largest_field);
+                const auto number = count_in(cut_word(*words), largest_field);
                 if (!number) return {};
                 (key == "SIZE" ? field.scalar.bytes : field.count) = *number;
             }
         } else if (key == "TYPE") {
             for (PcdField& field : header.fields) {
-                const std::string_view type = words.next();
+                const std::string_view type = cut_word(*words);
                 if (type.size() != 1) return {};
                 field.scalar.kind = type[0];
             }
         } else if (key == "WIDTH" || key == "HEIGHT" || key == "POINTS") {
-            const auto number = count_in(words.next(), largest_count);
+            const auto number = count_in(cut_word(*words), largest_count);
             if (!number) return {};
             if (key == "POINTS")
                 header.points = number;
             else
                 (key == "WIDTH" ? header.width : header.height) = *number;
         } else if (key == "DATA") {
-            header.data = words.next();
-            header.end = lines.end();
+            header.data = cut_word(*words);
             for (PcdField& field : header.fields) {
                 field.offset = header.point_bytes;
                 field.words = header.point_words;
@@ -384,11 +362,10 @@ Result<OrganisedCloud> decode_pcd(std::string_view bytes, const std::string& whe
         TRY(assign(data, pcd_points(*header, bytes, points * header->point_bytes, unpacked, where)));
     CloudPicture picture(width, height, colour != nullptr);
     if (is_text) {
-        TextWords words(data);
         std::vector<double> numbers(header->point_words);
         for (std::size_t k = 0; k < points; ++k) {
             for (double& number : numbers) {
-                const std::string_view word = words.next();
+                const std::string_view word = cut_word(data);
                 if (word.empty()) return cut_short(where);
                 const auto read = number_of_word(word);
                 if (!read)
@@ -469,38 +446,33 @@ std::optional<Scalar> ply_scalar(std::string_view name) {
 std::optional<PlyHeader> ply_header(std::string_view bytes) {
     constexpr std::size_t most_elements = 64, most_properties = 256;
     PlyHeader header;
-    HeaderLines lines(bytes);
-    while (const auto line = lines.next()) {
-        TextWords words(*line);
-        const std::string_view key = words.next();
-        if (key == "end_header") {
-            header.end = lines.end();
-            return header;
-        }
+    while (auto words = next_header_line(bytes, header.end)) {
+        const std::string_view key = cut_word(*words);
+        if (key == "end_header") return header;
         if (key == "format") {
-            header.format = words.next();
+            header.format = cut_word(*words);
         } else if (key == "comment" || key == "obj_info") {
-            const std::string what = small_letters(std::string(words.next()));
-            const auto number = count_in(words.next(), largest_count);
+            const std::string what = small_letters(std::string(cut_word(*words)));
+            const auto number = count_in(cut_word(*words), largest_count);
             if (number && (what == "num_cols" || what == "width")) header.width = *number;
             if (number && (what == "num_rows" || what == "height")) header.height = *number;
         } else if (key == "element") {
-            const std::string_view name = words.next();
-            const auto count = count_in(words.next(), largest_count);
+            const std::string_view name = cut_word(*words);
+            const auto count = count_in(cut_word(*words), largest_count);
             if (!count || header.elements.size() == most_elements) return {};
             header.elements.push_back({name, *count});
         } else if (key == "property") {
             PlyProperty property;
-            std::string_view type = words.next();
+            std::string_view type = cut_word(*words);
             if (type == "list") {
-                property.count = ply_scalar(words.next());
+                property.count = ply_scalar(cut_word(*words));
                 if (!property.count) return {};
-                type = words.next();
+                type = cut_word(*words);
             }
             const auto scalar = ply_scalar(type);
             if (!scalar || header.elements.empty()) return {};
             property.scalar = *scalar;
-            property.name = words.next();
+            property.name = cut_word(*words);
             auto& properties = header.elements.back().properties;
             if (properties.size() == most_properties) return {};
             properties.push_back(property);
@@ -513,13 +485,10 @@ std::optional<PlyHeader> ply_header(std::string_view bytes) {
 class PlyNumbers {
 public:
     PlyNumbers(std::string_view format, std::string_view data)
-        : is_text_(format == "ascii"),
-          big_endian_(format == "binary_big_endian"),
-          data_(data),
-          words_(data) {}
+        : is_text_(format == "ascii"), big_endian_(format == "binary_big_endian"), data_(data) {}
     /// Nothing at the end, and if a word is no number.
     std::optional<double> next(const Scalar& scalar) {
-        if (is_text_) return number_of_word(words_.next());
+        if (is_text_) return number_of_word(cut_word(data_));
         if (data_.size() < scalar.bytes) return {};
         const double number = number_at(data_.data(), scalar, big_endian_);
         data_.remove_prefix(scalar.bytes);
@@ -548,7 +517,6 @@ public:
 private:
     bool is_text_, big_endian_;
     std::string_view data_;
-    TextWords words_;
 };
 
 constexpr const char* ply_grid = "range_grid";  // says for each pixel which point is there, if one is

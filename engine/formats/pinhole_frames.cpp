@@ -140,8 +140,7 @@ private:
 
     Plane unbent(const PlaneView& plane, std::uint16_t beyond) const {
         const int bytes = plane.bytes_per_sample * plane.channels;
-        Image image{plane.width, plane.height, plane.bytes_per_sample, plane.channels, {}};
-        image.samples.resize(from_.size() * static_cast<std::size_t>(bytes));
+        Image image = blank_image(plane.width, plane.height, plane.bytes_per_sample, plane.channels);
         std::uint8_t* to = image.samples.data();
         for (const std::int32_t from : from_) {
             if (from >= 0)

@@ -173,8 +173,14 @@ const RosEncoding* encoding_named(std::string_view name) {
     return found == std::end(encodings) ? nullptr : found;
 }
 
-const char* row_of(const RosImage& image, int y) {
-    return image.data.data() + std::size_t{image.step} * static_cast<std::size_t>(y);
+/// The pixels as bytes, `bytes` each.
+PlaneView pixels_of(const RosImage& image, int bytes) {
+    return {reinterpret_cast<const std::uint8_t*>(image.data.data()),
+            image.step,
+            static_cast<int>(image.width),
+            static_cast<int>(image.height),
+            1,
+            bytes};
 }
 
 void swap_bytes(std::uint8_t* values, std::size_t count, std::size_t size) {
@@ -185,19 +191,17 @@ Result<Image> rgb_of_yuv(const RosImage& image, AVPixelFormat format, const std:
     const FramePtr frame =
         blank_picture(format, static_cast<int>(image.width), static_cast<int>(image.height));
     if (!frame) return internal_error(where + ": no memory");
-    for (int y = 0; y < frame->height; ++y)
-        std::memcpy(frame->data[0] + std::ptrdiff_t{frame->linesize[0]} * y, row_of(image, y),
-                    2 * std::size_t{image.width});
+    pixels_of(image, 2).copy_rows(frame->data[0], static_cast<std::size_t>(frame->linesize[0]));
     TRY_ASSIGN(const auto rgb, error_at(where, RgbConverter().converted(*frame)));
     return rgb_exact(*rgb);
 }
 
 Image rgb_of(const RosImage& image, const RosEncoding& encoding) {
-    Image rgb{static_cast<int>(image.width), static_cast<int>(image.height), 1, 3, {}};
-    rgb.samples.resize(3 * std::size_t{image.width} * image.height);
+    const PlaneView pixels = pixels_of(image, encoding.bytes);
+    Image rgb = blank_image(pixels.width, pixels.height, 1, 3);
     std::uint8_t* to = rgb.samples.data();
     for (int y = 0; y < rgb.height; ++y) {
-        const auto* from = reinterpret_cast<const std::uint8_t*>(row_of(image, y));
+        const std::uint8_t* from = pixels.row(y);
         for (int x = 0; x < rgb.width; ++x, from += encoding.bytes, to += 3) {
             to[0] = from[encoding.red];
             to[1] = from[1];
@@ -210,10 +214,9 @@ Image rgb_of(const RosImage& image, const RosEncoding& encoding) {
 /// Copies rows of grey or floats without padding, in host order.
 template <class Values>
 void copy_rows(const RosImage& image, int bytes, Values& values) {
-    const std::size_t row = static_cast<std::size_t>(bytes) * image.width;
+    const PlaneView pixels = pixels_of(image, bytes);
     auto* const to = reinterpret_cast<std::uint8_t*>(values.data());
-    for (std::size_t y = 0; y < image.height; ++y)
-        std::memcpy(to + row * y, row_of(image, static_cast<int>(y)), row);
+    pixels.copy_rows(to, pixels.row_bytes());
     if (image.is_big_endian && bytes > 1)
         swap_bytes(to, std::size_t{image.width} * image.height, static_cast<std::size_t>(bytes));
 }
@@ -227,9 +230,8 @@ Result<StoredImage> rvl_picture(std::string_view bytes, const std::string& where
     constexpr std::size_t size_bytes = 8, largest_ratio = 50, always_possible = std::size_t{1} << 23;
     for (const std::size_t head : {packed_head, std::size_t{0}}) {
         if (bytes.size() < head + size_bytes) continue;
-        std::uint32_t size[2] = {0, 0};
-        std::memcpy(size, bytes.data() + head, sizeof size);
-        const auto [columns, rows] = size;
+        RosFields size(bytes.substr(head));
+        const auto columns = size.number<std::uint32_t>(), rows = size.number<std::uint32_t>();
         const std::uint64_t pixels = std::uint64_t{columns} * rows;
         if (!check_picture_size(columns, rows, where) ||
             pixels > std::max(largest_ratio * bytes.size(), always_possible))
@@ -240,9 +242,8 @@ Result<StoredImage> rvl_picture(std::string_view bytes, const std::string& where
         picture.codec = "rvl";
         picture.pixel_format = "gray16le";
         picture.bits = 16;
-        picture.image = {static_cast<int>(columns), static_cast<int>(rows), 2, 1, {}};
-        picture.image.samples.resize(2 * depths->size());
-        std::memcpy(picture.image.samples.data(), depths->data(), picture.image.samples.size());
+        picture.image =
+            packed_image(plane_of_codes(depths->data(), static_cast<int>(columns), static_cast<int>(rows)));
         return picture;
     }
     return input_error(where + ": is damaged: is not the RVL of a picture");
@@ -251,11 +252,9 @@ Result<StoredImage> rvl_picture(std::string_view bytes, const std::string& where
 /// Turns codes of reciprocals into depths, a / (code - b); code 0 is no depth.
 void make_floats(StoredImage& picture, float a, float b) {
     const Image& image = picture.image;
-    const std::size_t pixels = pixel_count(image.width, image.height);
-    picture.values.resize(pixels);
-    for (std::size_t k = 0; k < pixels; ++k) {
-        std::uint16_t code = 0;
-        std::memcpy(&code, image.samples.data() + 2 * k, 2);
+    picture.values.resize(pixel_count(image));
+    for (std::size_t k = 0; k < picture.values.size(); ++k) {
+        const std::uint16_t code = sample_at(image, k);
         picture.values[k] =
             code == 0 ? std::numeric_limits<float>::quiet_NaN() : a / (static_cast<float>(code) - b);
     }
@@ -421,18 +420,16 @@ Result<StoredImage> ros_picture(const RosImage& message, const std::string& wher
     picture.codec = "ros";
     picture.pixel_format = encoding->name;
     picture.image = {static_cast<int>(image.width), static_cast<int>(image.height), 1, 1, {}};
-    const std::size_t pixels = std::size_t{image.width} * image.height;
     if (encoding->yuv != AV_PIX_FMT_NONE) {
         TRY_ASSIGN(picture.image, rgb_of_yuv(image, encoding->yuv, where));
     } else if (encoding->kind == RosPictureKind::colour) {
         picture.image = rgb_of(image, *encoding);
     } else if (encoding->kind == RosPictureKind::depth_floats) {
-        picture.values.resize(pixels);
+        picture.values.resize(pixel_count(picture.image));
         copy_rows(image, encoding->bytes, picture.values);
     } else {
-        picture.image.bytes_per_sample = encoding->bytes;
         picture.bits = 8 * encoding->bytes;
-        picture.image.samples.resize(pixels * static_cast<std::size_t>(encoding->bytes));
+        picture.image = blank_image(picture.image.width, picture.image.height, encoding->bytes, 1);
         copy_rows(image, encoding->bytes, picture.image.samples);
     }
     return picture;

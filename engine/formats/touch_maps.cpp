@@ -74,9 +74,8 @@ Result<LayerPicture> read_layer(const LinkedFile& link, int channel, std::string
         notes.push_back(what + " has " + std::to_string(stored.bits) + " bits: 8 are kept");
     if (stored.codec == "mjpeg")
         notes.push_back(what + " is JPEG: where it changes sharply, values are a little off");
-    LayerPicture picture{link, channel, {image.width, image.height, 1, 1, {}}};
+    LayerPicture picture{link, channel, blank_image(image.width, image.height, 1, 1)};
     auto& samples = picture.image.samples;
-    samples.resize(pixel_count(image.width, image.height));
     for (std::size_t k = 0; k < samples.size(); ++k) samples[k] = channel_of(stored, k, channel);
     return picture;
 }
@@ -106,9 +105,8 @@ void put_channel(const PlaneView& from, int channel, const std::vector<int>& col
 Image room_for(const TrackInfo& whole, const Scene& scene) {
     const std::size_t wanted = pixel_count(scene.width, scene.height);
     const bool is_smaller = wanted > 0 && wanted < pixel_count(whole.width, whole.height);
-    Image image{is_smaller ? scene.width : whole.width, is_smaller ? scene.height : whole.height, 1, 3, {}};
-    image.samples.resize(3 * pixel_count(image.width, image.height));
-    return image;
+    return is_smaller ? blank_image(scene.width, scene.height, 1, 3)
+                      : blank_image(whole.width, whole.height, 1, 3);
 }
 
 /// What a property's values are, for a person. `varies`: from black to white in a picture.
@@ -164,8 +162,8 @@ Result<StillPlane> join_layers(HapticLayers layers, std::string_view format, Sce
 /// The first letter after a byte order mark and blanks.
 char first_letter(std::string_view text) {
     if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
-    const std::size_t at = text.find_first_not_of(" \t\r\n");
-    return at == std::string_view::npos ? '\0' : text[at];
+    text = trimmed(text, " \t\r\n");
+    return text.empty() ? '\0' : text.front();
 }
 
 TrackInfo track_of(PlaneRole role, const StoredImage& stored) {
@@ -270,8 +268,7 @@ public:
             is_other = is_other || moved;
         }
         if (!is_other) return newest_;
-        Image joined{scene_.width, scene_.height, 1, 3, {}};
-        joined.samples.resize(3 * pixel_count(scene_.width, scene_.height));
+        Image joined = blank_image(scene_.width, scene_.height, 1, 3);
         for (std::size_t k = 0; k < properties_.size(); ++k) {
             if (!properties_[k].layer) continue;
             const PlaneView& from = properties_[k].layer->plane.view;

@@ -421,14 +421,10 @@ std::optional<FloatLattice> of_any_step(const Numbers& numbers, double coarsest)
 
 /// The value of the lowest bit set in a float of 11 bits; 0 for one that has more.
 double lowest_bit_of_half(float value) {
-    std::uint32_t bits = 0;
-    std::memcpy(&bits, &value, sizeof bits);
+    const auto bits = std::bit_cast<std::uint32_t>(value);
     if ((bits & 0x1fffU) != 0 || (bits & 0x7f800000U) == 0) return 0;
     const std::uint32_t digits = (bits & 0x7fffffU) | 0x800000U, lowest = digits & ~(digits - 1);
-    const std::uint32_t exponent = bits & 0x7f800000U;
-    float one = 0;
-    std::memcpy(&one, &exponent, sizeof one);
-    return double{one} * lowest / 0x800000U;
+    return double{std::bit_cast<float>(bits & 0x7f800000U)} * lowest / 0x800000U;
 }
 
 /// Distance between neighbouring halves as large as `value`.

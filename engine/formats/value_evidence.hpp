@@ -17,18 +17,6 @@
 
 namespace touchable {
 
-/// Sample `k` of a picture of one channel, of 8 bits, or of 16 in host order.
-inline std::uint16_t sample_at(const Image& image, std::size_t k) {
-    if (image.bytes_per_sample == 1) return image.samples[k];
-    std::uint16_t word = 0;
-    std::memcpy(&word, image.samples.data() + 2 * k, 2);
-    return word;
-}
-
-inline std::size_t pixel_count(const Image& image) {
-    return static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
-}
-
 /// Depth of 24 bits in an RGB picture of 8 bits (StoredDepth::packed): red has the lowest bits. Its largest
 /// value is no depth.
 inline constexpr double packed_none = 0xffffff;

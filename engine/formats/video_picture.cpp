@@ -153,15 +153,6 @@ PicturePart colour_part(VideoLayout layout, int width, int height, int bar) {
     return {0, 0, width, height};
 }
 
-Image packed_image(const PlaneView& view) {
-    Image image{view.width, view.height, view.bytes_per_sample, view.channels, {}};
-    const auto row_bytes = static_cast<std::size_t>(view.width * view.channels * view.bytes_per_sample);
-    image.samples.resize(row_bytes * static_cast<std::size_t>(view.height));
-    for (int y = 0; y < view.height; ++y)
-        std::memcpy(image.samples.data() + row_bytes * static_cast<std::size_t>(y), view.row(y), row_bytes);
-    return image;
-}
-
 PlaneView part_of(PlaneView plane, const PicturePart& part) {
     plane.data = plane.row(part.y) + std::ptrdiff_t{part.x} * plane.channels * plane.bytes_per_sample;
     plane.width = part.width;

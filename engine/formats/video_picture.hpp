@@ -28,8 +28,6 @@ constexpr bool may_be_bar(int bar, int side) {
 }
 /// A view of a part of a plane; copies no samples.
 PlaneView part_of(PlaneView plane, const PicturePart& part);
-/// A copy of a view's samples, without padding.
-Image packed_image(const PlaneView& view);
 
 /// The codes that stand for black and white.
 struct CodeRange {

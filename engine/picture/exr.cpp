@@ -419,9 +419,7 @@ public:
 
     std::vector<const ExrChannel*> channels() const override { return {channels_.begin(), channels_.end()}; }
     void begin(const ExrPart& part) override {
-        image_ = {part.display.width, part.display.height, 1, 3, {}};
-        image_.samples.resize(3 * static_cast<std::size_t>(image_.width) *
-                              static_cast<std::size_t>(image_.height));
+        image_ = blank_image(part.display.width, part.display.height, 1, 3);
     }
     Result<void> put(const ExrChunk& chunk, std::size_t first) override {
         for (std::size_t c = 0; c < 3; ++c) {

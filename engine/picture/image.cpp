@@ -82,12 +82,10 @@ Result<FramePtr> png_input(const PlaneView& image) {
                                                                : AV_PIX_FMT_GRAY8;
     FramePtr frame = blank_picture(format, image.width, image.height);
     if (!frame) return memory_error();
-    for (int y = 0; y < image.height; ++y) {
+    if (image.bytes_per_sample == 1)
+        image.copy_rows(frame->data[0], static_cast<std::size_t>(frame->linesize[0]));
+    for (int y = 0; y < image.height && image.bytes_per_sample == 2; ++y) {
         std::uint8_t* to = frame->data[0] + static_cast<std::ptrdiff_t>(frame->linesize[0]) * y;
-        if (image.bytes_per_sample == 1) {
-            std::memcpy(to, image.row(y), static_cast<std::size_t>(image.width * image.channels));
-            continue;
-        }
         for (int x = 0; x < image.width; ++x) {
             const std::uint16_t sample = image.sample(x, y);
             *to++ = static_cast<std::uint8_t>(sample >> 8);
@@ -186,6 +184,18 @@ Result<std::string> encode_png(const AVFrame& frame, PngEffort effort) {
 }
 
 }  // namespace
+
+Image blank_image(int width, int height, int bytes_per_sample, int channels) {
+    Image image{width, height, bytes_per_sample, channels, {}};
+    image.samples.resize(image.view().row_bytes() * static_cast<std::size_t>(height));
+    return image;
+}
+
+Image packed_image(const PlaneView& view) {
+    Image image = blank_image(view.width, view.height, view.bytes_per_sample, view.channels);
+    view.copy_rows(image.samples.data(), view.row_bytes());
+    return image;
+}
 
 void give_back(void* memory, std::size_t bytes) {
     static const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));

@@ -26,15 +26,22 @@ struct Image {
     int channels = 1;          ///< 1 or 3
     std::vector<std::uint8_t> samples;
 
-    PlaneView view() const {
-        return {samples.data(),
-                static_cast<std::ptrdiff_t>(width) * channels * bytes_per_sample,
-                width,
-                height,
-                bytes_per_sample,
-                channels};
-    }
+    PlaneView view() const { return packed_plane(samples.data(), width, height, bytes_per_sample, channels); }
 };
+inline std::size_t pixel_count(const Image& image) {
+    return pixel_count(image.width, image.height);
+}
+/// Sample `k` of a picture of one channel.
+inline std::uint16_t sample_at(const Image& image, std::size_t k) {
+    if (image.bytes_per_sample == 1) return image.samples[k];
+    std::uint16_t word = 0;
+    std::memcpy(&word, image.samples.data() + 2 * k, 2);
+    return word;
+}
+/// A picture whose samples are all 0.
+Image blank_image(int width, int height, int bytes_per_sample, int channels);
+/// A copy of these samples, without gaps between rows.
+Image packed_image(const PlaneView& view);
 
 /// Returns whole pages of memory that is not read again to the system before its owner is destroyed: so a
 /// picture that is converted row by row is held once and not twice.

@@ -97,8 +97,7 @@ struct NetpbmHeader {
     bool text = false;
     int bytes_per_sample() const { return largest > 255 ? 2 : 1; }
     std::size_t sample_count() const {
-        return static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
-               static_cast<std::size_t>(channels);
+        return pixel_count(width, height) * static_cast<std::size_t>(channels);
     }
 };
 
@@ -308,8 +307,7 @@ public:
             grey_.emplace(width, height, layout.numbers());
             return;
         }
-        rgb_ = {width, height, 1, 3, {}};
-        rgb_.samples.resize(std::size_t{layout.width} * layout.height * 3);
+        rgb_ = blank_image(width, height, 1, 3);
     }
     /// `across`: pixels of a row in memory. Refuses colour of 16 bits.
     Result<void> put(int x, int y, const char* pixels, int width, int height, int across) {
@@ -332,9 +330,7 @@ private:
     void put_rgb(int x, int y, const NumberBlock& block) {
         for (int row = 0; row < block.height; ++row) {
             const char* from = block.first + block.row_step * row;
-            std::uint8_t* to =
-                rgb_.samples.data() +
-                (static_cast<std::size_t>(y + row) * layout_.width + static_cast<std::size_t>(x)) * 3;
+            std::uint8_t* to = rgb_.samples.data() + 3 * pixel_place(x, y + row, rgb_.width);
             for (int column = 0; column < block.width; ++column, to += 3, from += block.column_step)
                 std::memcpy(to, from, 3);
         }

@@ -172,16 +172,13 @@ struct NpzMember {
 
 constexpr std::uint64_t most_members = 4096;
 
-std::unique_ptr<ByteSource> unpacked(const ZipArchive& archive, const NpzArray& array) {
-    return unpacked_member(archive, array.member);
-}
-
 std::vector<NpzArray> npz_arrays(const ZipArchive& archive) {
     std::vector<NpzArray> arrays;
     for (const ZipMember& member : zip_members(archive)) {
         if (!member.name.ends_with(".npy")) continue;
         NpzArray array{member.name.substr(0, member.name.size() - 4), member};
-        if (auto header = read_npy_header(*unpacked(archive, array), "")) array.header = std::move(*header);
+        if (auto header = read_npy_header(*unpacked_member(archive, array.member), ""))
+            array.header = std::move(*header);
         arrays.push_back(std::move(array));
     }
     return arrays;
@@ -204,7 +201,8 @@ std::vector<SmallArray> small_arrays_of(const ZipArchive& archive, const std::ve
         if (count == 0 || count > most_numbers || array.member.size < header->data_at + count * each)
             continue;
         std::vector<char> held(static_cast<std::size_t>(count) * each);
-        if (!unpacked(archive, array)->read(header->data_at, held.data(), held.size())) continue;
+        if (!unpacked_member(archive, array.member)->read(header->data_at, held.data(), held.size()))
+            continue;
         SmallArray read{array.name, header->shape, {}};
         for (std::size_t k = 0; k < count; ++k)
             read.numbers.push_back(stored_number(held.data() + k * each, header->format));
@@ -312,7 +310,7 @@ Result<NpzMember> depth_member_of(ZipArchive archive, const std::string& where, 
     if (places.size() > 1) {
         for (const std::size_t place : places) found.row.push_back(arrays[place]);
     } else {
-        found.bytes = unpacked(archive, arrays[first]);
+        found.bytes = unpacked_member(archive, arrays[first].member);
         found.where = where + ": " + printable(found.array);
         find_beside(named, named[first], found);
     }
@@ -331,17 +329,9 @@ constexpr std::size_t npy_block = std::size_t{1} << 20;
 
 /// The number of pixel k, row by row; NaN counts as the lowest.
 float number_at(const StoredImage& picture, std::size_t k) {
-    if (picture.values.empty()) {
-        const PlaneView codes = picture.image.view();
-        const int at = static_cast<int>(k);
-        return static_cast<float>(codes.sample(at % codes.width, at / codes.width));
-    }
+    if (picture.values.empty()) return sample_at(picture.image, k);
     const float value = picture.values[k];
     return value == value ? value : std::numeric_limits<float>::lowest();
-}
-
-std::size_t pixels_of(const StoredImage& picture) {
-    return pixel_count(picture.image.width, picture.image.height);
 }
 
 class NpyStack final : public ImageStack {
@@ -370,8 +360,9 @@ public:
         if (member.confidence.empty() && member.mask.empty()) return stack;
         const auto arrays = npz_arrays(member.archive);
         const auto beside = [&](const std::string& name) {
-            return of(unpacked(member.archive, *std::ranges::find(arrays, name, &NpzArray::name)),
-                      file + ": " + printable(name), true);
+            return of(
+                unpacked_member(member.archive, std::ranges::find(arrays, name, &NpzArray::name)->member),
+                file + ": " + printable(name), true);
         };
         if (!member.confidence.empty()) {
             TRY_ASSIGN(auto confidence, beside(member.confidence));
@@ -410,7 +401,7 @@ private:
                                size_text(width(), height()));
         if (!least) {
             TRY_ASSIGN(const auto first, confidence.image(0));
-            std::vector<float> numbers(pixels_of(first));
+            std::vector<float> numbers(pixel_count(first.image));
             for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = number_at(first, k);
             least = sorted_element(numbers, numbers.size() / 2) / 2.0;
         }
@@ -434,7 +425,8 @@ private:
     static Result<void> drop(StoredImage& image, NpyStack& trust, std::int64_t number, double least) {
         TRY_ASSIGN(const auto numbers, trust.image(number));
         const auto bytes = static_cast<std::size_t>(image.image.bytes_per_sample);
-        const bool is_whole = until_stopped(pixels_of(image), [&](std::size_t first, std::size_t last) {
+        const bool is_whole = until_stopped(pixel_count(image.image), [&](std::size_t first,
+                                                                          std::size_t last) {
             for (std::size_t k = first; k < last; ++k) {
                 if (number_at(numbers, k) >= least) continue;
                 if (!image.values.empty())
@@ -521,7 +513,8 @@ public:
 private:
     Result<StoredImage> read(std::int64_t number, bool floats_anyway) override {
         const NpzArray& own = row_[static_cast<std::size_t>(number)];
-        TRY_ASSIGN(auto array, NpyStack::of(unpacked(archive_, own), where_ + ": " + printable(own.name)));
+        TRY_ASSIGN(auto array,
+                   NpyStack::of(unpacked_member(archive_, own.member), where_ + ": " + printable(own.name)));
         return array.read(0, floats_anyway);
     }
 

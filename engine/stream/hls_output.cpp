@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <fstream>
 #include <iterator>
 #include <system_error>
 
@@ -31,21 +30,16 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t run_digits = 8, largest_playlist = std::size_t{1} << 22;
 
-bool is_of(std::string_view text, std::string_view letters) {
-    return text.find_first_not_of(letters) == std::string_view::npos;
-}
-
 /// Whether it is a segment or a header, of any run.
 bool is_segment_name(std::string_view name) {
     for (const std::string_view rendition : {"colour-low-", "touch-low-", "colour-", "touch-"}) {
         if (!name.starts_with(rendition)) continue;
         name.remove_prefix(rendition.size());
-        if (name.size() < run_digits + 2 || !is_of(name.substr(0, run_digits), "0123456789abcdef") ||
+        if (name.size() < run_digits + 2 || name.find_first_not_of("0123456789abcdef") != run_digits ||
             name[run_digits] != '-')
             return false;
         name.remove_prefix(run_digits + 1);
-        return name == "init.mp4" || (name.ends_with(".m4s") && name.size() > 4 &&
-                                      is_of(name.substr(0, name.size() - 4), "0123456789"));
+        return name == "init.mp4" || (name.ends_with(".m4s") && is_digits(name.substr(0, name.size() - 4)));
     }
     return false;
 }
@@ -53,19 +47,6 @@ bool is_segment_name(std::string_view name) {
 bool is_playlist_name(std::string_view name) {
     return name == hls_master_name || name == hls_colour_name || name == hls_touch_name ||
            name == hls_low_colour_name || name == hls_low_touch_name;
-}
-
-std::string text_of_playlist(const fs::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    std::string text(largest_playlist, '\0');
-    in.read(text.data(), static_cast<std::streamsize>(text.size()));
-    text.resize(static_cast<std::size_t>(in.gcount()));
-    return text;
-}
-
-/// A file left by a program that was killed before it renamed the file (NewFile).
-bool is_unfinished(std::string_view name) {
-    return name.starts_with(".unfinished-");
 }
 
 /// The folder from which a web server delivers a stream. It holds only files that this program wrote,
@@ -136,11 +117,12 @@ private:
         for (fs::directory_iterator at(path_, failure), end; !failure && at != end; at.increment(failure)) {
             const std::string name = at->path().filename().string();
             const bool is_file = at->symlink_status().type() == fs::file_type::regular;
-            if (is_file && is_unfinished(name)) continue;
+            // Left by a program that was killed before it renamed the file (NewFile).
+            if (is_file && name.starts_with(".unfinished-")) continue;
             bool is_ours = is_file && is_segment_name(name);
             if (is_ours) old_.push_back(name);
             if (is_file && is_playlist_name(name)) {
-                const std::string text = text_of_playlist(at->path());
+                const std::string text = first_bytes(SourceFile(at->path()), largest_playlist);
                 is_ours = text.find(std::string(hls_mark) + "\n") != std::string::npos;
                 first_segment_ = std::max(first_segment_, next_segment_of(text));
             }

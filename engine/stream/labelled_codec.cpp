@@ -20,8 +20,7 @@ constexpr std::size_t hash_digits = 16, longest_message = std::size_t{1} << 20;
 std::string hash_of(std::string_view text, const PlaneView& samples) {
     ByteHash hash;
     hash.add(text.data(), text.size());
-    for (int y = 0; y < samples.height; ++y)
-        hash.add(samples.row(y), static_cast<std::size_t>(samples.width * samples.channels));
+    for (int y = 0; y < samples.height; ++y) hash.add(samples.row(y), samples.row_bytes());
     return hash.hex();
 }
 
@@ -85,11 +84,6 @@ std::string sent_scene(const SceneDescription& described) {
     SceneDescription said = said_of_clip(described);
     said.scene.rate.own_times = nullptr;
     return scene_to_json(said);
-}
-
-bool fits(const PlaneView& plane, const PlaneView& form) {
-    return !plane.empty() && plane.width == form.width && plane.height == form.height &&
-           plane.channels == form.channels && plane.bytes_per_sample == form.bytes_per_sample;
 }
 
 bool is_begin_of_plane(PlaneRole role, PlanePart part) {
@@ -212,7 +206,7 @@ Result<std::vector<PacketPtr>> LabelledEncoder::encode(const RawFrame& frame, co
                                                        bool is_key) {
     std::vector<PacketPtr> packets;
     for (PartTrack& track : tracks_) {
-        if (!fits(plane_of(frame, track.role), plane_of(form_, track.role)))
+        if (!same_form(plane_of(frame, track.role), plane_of(form_, track.role)))
             return input_error("frame " + std::to_string(frame.number) + ": its plane " +
                                std::string(role_name(track.role)) + " is not like that of the first frame");
         const PlaneView part = track.of(frame);
