@@ -116,6 +116,12 @@ std::string_view trimmed(std::string_view text, std::string_view blanks) {
     return text.substr(first, text.find_last_not_of(blanks) + 1 - first);
 }
 
+std::string_view cut_part(std::string_view& text, char end) {
+    const std::string_view part = text.substr(0, text.find(end));
+    text.remove_prefix(std::min(part.size() + 1, text.size()));
+    return part;
+}
+
 std::optional<double> parsed_number(std::string_view text) {
     const auto value = parsed_as<double>(text);
     return value && std::isfinite(*value) ? value : std::nullopt;

@@ -5,10 +5,10 @@
 // formatted is printf into a string. exact_number writes the fewest digits that are read as the same number,
 // for files; short_number and trimmed_number are for people; decimal_of is the decimal number that a float
 // came from; counted puts a number before a noun, size_text an x between two; parsed_number and parsed_as
-// read a text that is a number and nothing else. small_letters and trimmed prepare a text for comparison.
-// printable, in_quotes and shell_word make text from outside safe to show: on one line, without control
-// characters, and, except shell_word, cut if it is too long. nearest_word finds the word that a mistyped one
-// may have meant; listed joins several names.
+// read a text that is a number and nothing else. small_letters and trimmed prepare a text for comparison,
+// cut_part and cut_line take it apart. printable, in_quotes and shell_word make text from outside safe to
+// show: on one line, without control characters, and, except shell_word, cut if it is too long. nearest_word
+// finds the word that a mistyped one may have meant; listed joins several names.
 //
 // Threads: any; pure functions, independent of the locale.
 
@@ -52,6 +52,13 @@ std::string with_dashes(std::string_view name);
 std::string small_letters(std::string text);
 /// Removes these letters from both ends.
 std::string_view trimmed(std::string_view text, std::string_view blanks = " \t\r");
+
+/// Takes the part before the first `end` off a text, and that letter; all of it if there is none.
+std::string_view cut_part(std::string_view& text, char end);
+/// Takes the first line off a text; returns it without its end.
+inline std::string_view cut_line(std::string_view& text) {
+    return cut_part(text, '\n');
+}
 
 /// "1 tick", "2 ticks"; "1 page is", "2 pages are".
 inline std::string counted(std::int64_t count, const std::string& one, const std::string& several = "") {

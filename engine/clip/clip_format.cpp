@@ -59,9 +59,7 @@ std::uint32_t crc_of_addition(std::span<const std::uint8_t> addition) {
 constexpr std::int64_t ns_a_ms = 1'000'000;
 
 std::string_view take_time_line(std::string_view& text) {
-    const auto end = text.find('\n');
-    std::string_view line = text.substr(0, end);
-    text = end == std::string_view::npos ? std::string_view() : text.substr(end + 1);
+    std::string_view line = cut_line(text);
     if (line.ends_with('\r')) line.remove_suffix(1);
     return line;
 }

@@ -120,7 +120,7 @@ private:
     bool stays(const PlaneView& plane) {
         const std::size_t row_bytes = plane.row_bytes();
         bool same = !newest_.empty();
-        newest_.resize(row_bytes * static_cast<std::size_t>(plane.height));
+        newest_.resize(plane.bytes());
         for (int y = 0; y < plane.height; ++y) {
             std::uint8_t* kept = newest_.data() + row_bytes * static_cast<std::size_t>(y);
             if (same && std::memcmp(kept, plane.row(y), row_bytes) == 0) continue;

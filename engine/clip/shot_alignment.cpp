@@ -2,6 +2,7 @@
 #include "engine/clip/shot_alignment.hpp"
 
 #include <cstdlib>
+#include <numeric>
 
 #include "engine/base/same_bits.hpp"
 
@@ -230,9 +231,7 @@ std::vector<bool> unchanged(const CellPicture& picture, Before&& before) {
 }
 
 double mean_of(const std::vector<double>& numbers) {
-    double sum = 0;
-    for (const double number : numbers) sum += number;
-    return sum / static_cast<double>(numbers.size());
+    return std::accumulate(numbers.begin(), numbers.end(), 0.0) / static_cast<double>(numbers.size());
 }
 
 /// Rejects lines that a chain through frames with nothing in common can lead to.

@@ -41,9 +41,7 @@ public:
         std::optional<std::string_view> found;
         std::string_view rest = text_;
         while (!rest.empty()) {
-            const auto end = std::min(rest.find('\n'), rest.size());
-            std::string_view line = trimmed(rest.substr(0, end));
-            rest.remove_prefix(std::min(end + 1, rest.size()));
+            std::string_view line = trimmed(cut_line(rest));
             if (line.starts_with("- ")) line = trimmed(line.substr(2));
             if (!line.starts_with(field) || line.substr(field.size(), 1) != ":") continue;
             if (found)

@@ -38,18 +38,6 @@ std::string after_play(const std::string& what) {
     return ", then: touchable play " + what;
 }
 
-/// A line of a header that begins with a word, without the word: "WIDTH 640" gives "640".
-std::string_view header_line(std::string_view header, std::string_view word) {
-    while (!header.empty()) {
-        std::string_view line = cut_line(header);
-        if (!line.starts_with(word) || line.size() <= word.size() || line[word.size()] != ' ') continue;
-        line.remove_prefix(word.size() + 1);
-        if (line.ends_with('\r')) line.remove_suffix(1);
-        return line;
-    }
-    return {};
-}
-
 std::uint64_t whole_number(std::string_view text) {
     std::uint64_t number = 0;
     std::from_chars(text.data(), text.data() + text.size(), number);
@@ -188,8 +176,8 @@ std::optional<std::string> colmap_model(const Look& look) {
 
 std::optional<std::string> ply(const Look& look) {
     if (!look.begin.starts_with("ply\n") && !look.begin.starts_with("ply\r\n")) return {};
-    const std::uint64_t points = whole_number(header_line(look.begin, "element vertex")),
-                        faces = whole_number(header_line(look.begin, "element face"));
+    const std::uint64_t points = whole_number(line_after(look.begin, "element vertex ").value_or("")),
+                        faces = whole_number(line_after(look.begin, "element face ").value_or(""));
     const std::string what = faces > 0 ? "mesh of " + std::to_string(faces) + " faces"
                                        : "cloud of " + std::to_string(points) + " points";
     const std::string way = faces > 0
@@ -202,9 +190,9 @@ std::optional<std::string> ply(const Look& look) {
 
 std::optional<std::string> pcd(const Look& look) {
     if (!look.begin.starts_with("# .PCD") && !look.begin.starts_with("VERSION ")) return {};
-    const std::uint64_t width = whole_number(header_line(look.begin, "WIDTH")),
-                        height = whole_number(header_line(look.begin, "HEIGHT"));
-    if (width == 0 || header_line(look.begin, "FIELDS").empty()) return {};
+    const std::uint64_t width = whole_number(line_after(look.begin, "WIDTH ").value_or("")),
+                        height = whole_number(line_after(look.begin, "HEIGHT ").value_or(""));
+    if (width == 0 || line_after(look.begin, "FIELDS ").value_or("").empty()) return {};
     if (height > 1)
         return "is a PCD cloud of " + size_text(width, height) +
                " points, whose own message tells more: touchable play " + look.shell_name();

@@ -35,8 +35,7 @@ public:
         content = {};
         if (marker == end_of_image) return marker;
         if (at_ + 2 > all_.size()) return std::nullopt;
-        const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(all_[at_ + k]); };
-        std::size_t length = std::size_t{byte(0)} << 8 | byte(1);  // of itself and the content
+        std::size_t length = number_in_bytes(all_.substr(at_, 2));  // of itself and the content
         if (marker == start_of_scan) length = std::min(length, all_.size() - at_);  // its picture is cut
         if (length < 2 || length > all_.size() - at_) return std::nullopt;
         content = all_.substr(at_ + 2, length - 2);

@@ -6,6 +6,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "engine/formats/sidecar_text.hpp"
 
 namespace touchable {
 namespace {
@@ -14,22 +15,9 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view metadata_ending = "_metadata.csv", snapshot_ending = "_Depth.raw";
 
-/// The value in the row of a name: "Fx,105.75". Nothing if there is no such row.
-std::optional<std::string_view> value_of_row(std::string_view table, std::string_view name) {
-    for (std::size_t at = 0; at < table.size();) {
-        const std::size_t end = std::min(table.find('\n', at), table.size());
-        std::string_view row = table.substr(at, end - at);
-        at = end + 1;
-        if (row.ends_with('\r')) row.remove_suffix(1);
-        if (!row.starts_with(name) || row.size() <= name.size() || row[name.size()] != ',') continue;
-        row.remove_prefix(name.size() + 1);
-        return row;
-    }
-    return {};
-}
-
+/// The number in the row of a name: "Fx,105.75".
 Result<double> number_of_row(std::string_view table, const std::string& name, const std::string& where) {
-    const auto text = value_of_row(table, name);
+    const auto text = line_after(table, name + ',');
     double number = 0;
     const bool is_read =
         text && std::from_chars(text->data(), text->data() + text->size(), number).ec == std::errc();
@@ -71,7 +59,7 @@ std::optional<fs::path> realsense_snapshot_in(const fs::path& folder) {
 }
 
 Result<Intrinsics> parse_realsense_metadata(std::string_view text, const std::string& where) {
-    const auto format = value_of_row(text, "Format");
+    const auto format = line_after(text, "Format,");
     if (format != "Z16")
         return input_error(where + ": must have a row \"Format,Z16\", as depth has" +
                            (format ? ", not " + in_quotes(*format) : ""));

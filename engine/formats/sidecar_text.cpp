@@ -281,10 +281,14 @@ Json json_of(const pugi::xml_node& node, int depth = 0) {
 
 }  // namespace
 
-std::string_view cut_line(std::string_view& text) {
-    const std::string_view line = text.substr(0, text.find('\n'));
-    text.remove_prefix(std::min(line.size() + 1, text.size()));
-    return line;
+std::optional<std::string_view> line_after(std::string_view text, const std::string& begin) {
+    while (!text.empty()) {
+        std::string_view line = cut_line(text);
+        if (!line.starts_with(begin)) continue;
+        if (line.ends_with('\r')) line.remove_suffix(1);
+        return line.substr(begin.size());
+    }
+    return {};
 }
 
 std::string bare_name(std::string_view name) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,8 +19,8 @@ inline bool is_any_of(std::string_view name, std::initializer_list<std::string_v
     return std::ranges::find(known, name) != known.end();
 }
 
-/// Takes the first line off a text; returns it without its end.
-std::string_view cut_line(std::string_view& text);
+/// The rest of the first line that begins so: "WIDTH 640" gives "640"; nothing if there is none.
+std::optional<std::string_view> line_after(std::string_view text, const std::string& begin);
 
 /// The name in small letters and digits alone: fl_x, FL.x and flx are one name.
 std::string bare_name(std::string_view name);

@@ -312,20 +312,6 @@ void move_palette(const AVFrame& frame, const std::uint8_t* from, std::uint8_t* 
     }
 }
 
-std::optional<PlaneView> first_plane(const AVFrame& frame) {
-    const AVPixFmtDescriptor& format = descriptor(frame);
-    const AVComponentDescriptor& samples = format.comp[0];
-    const int bytes = samples.depth > 8 ? 2 : 1;
-    constexpr std::uint64_t other = AV_PIX_FMT_FLAG_RGB | AV_PIX_FMT_FLAG_PAL | AV_PIX_FMT_FLAG_BITSTREAM |
-                                    AV_PIX_FMT_FLAG_HWACCEL | AV_PIX_FMT_FLAG_FLOAT | AV_PIX_FMT_FLAG_BAYER;
-    const bool big_endian = (format.flags & AV_PIX_FMT_FLAG_BE) != 0;
-    if ((format.flags & other) != 0 || (bytes == 2 && big_endian != host_is_big_endian)) return std::nullopt;
-    if (samples.plane != 0 || samples.offset != 0 || samples.step != bytes || samples.shift != 0 ||
-        samples.depth < 8 || samples.depth > 16)
-        return std::nullopt;
-    return PlaneView{frame.data[0], frame.linesize[0], frame.width, frame.height, bytes, 1};
-}
-
 /// Returns the whole pages of these rows to the system: they may not be read again. The frame must have no
 /// other owner.
 void drop_rows(AVFrame& frame, int first, int count) {
@@ -537,11 +523,21 @@ bool is_rgb8(const AVFrame& frame) {
 }
 
 std::optional<PlaneView> grey_samples(const AVFrame& frame) {
-    return descriptor(frame).nb_components == 1 ? first_plane(frame) : std::nullopt;
+    return descriptor(frame).nb_components == 1 ? luma_samples(frame) : std::nullopt;
 }
 
 std::optional<PlaneView> luma_samples(const AVFrame& frame) {
-    return first_plane(frame);
+    const AVPixFmtDescriptor& format = descriptor(frame);
+    const AVComponentDescriptor& samples = format.comp[0];
+    const int bytes = samples.depth > 8 ? 2 : 1;
+    constexpr std::uint64_t other = AV_PIX_FMT_FLAG_RGB | AV_PIX_FMT_FLAG_PAL | AV_PIX_FMT_FLAG_BITSTREAM |
+                                    AV_PIX_FMT_FLAG_HWACCEL | AV_PIX_FMT_FLAG_FLOAT | AV_PIX_FMT_FLAG_BAYER;
+    const bool big_endian = (format.flags & AV_PIX_FMT_FLAG_BE) != 0;
+    if ((format.flags & other) != 0 || (bytes == 2 && big_endian != host_is_big_endian)) return std::nullopt;
+    if (samples.plane != 0 || samples.offset != 0 || samples.step != bytes || samples.shift != 0 ||
+        samples.depth < 8 || samples.depth > 16)
+        return std::nullopt;
+    return PlaneView{frame.data[0], frame.linesize[0], frame.width, frame.height, bytes, 1};
 }
 
 FramePtr joined_bytes(const PlaneView& high, const PlaneView& low, int low_bits) {

@@ -96,10 +96,7 @@ Result<std::unique_ptr<Demuxer>> Demuxer::open(std::unique_ptr<ByteSource> bytes
     if (!container && container.error().kind == ErrorKind::input)
         return error_at(file + ": is not a readable " + name + " file", container.error());
     if (!container) return error_at(file, container.error());
-    auto demuxer = std::make_unique<Demuxer>();
-    demuxer->file_ = file;
-    demuxer->container_ = std::move(*container);
-    return demuxer;
+    return std::make_unique<Demuxer>(file, std::move(*container));
 }
 
 Result<std::unique_ptr<Demuxer>> Demuxer::open_live(std::shared_ptr<ByteFlow> flow, const std::string& file,
@@ -107,10 +104,7 @@ Result<std::unique_ptr<Demuxer>> Demuxer::open_live(std::shared_ptr<ByteFlow> fl
     TRY_ASSIGN(auto container,
                error_at(file, open_flow(std::move(flow),
                                         {.format = format, .most_streams = 16, .probed = 1 << 15})));
-    auto demuxer = std::make_unique<Demuxer>();
-    demuxer->file_ = file;
-    demuxer->container_ = std::move(container);
-    return demuxer;
+    return std::make_unique<Demuxer>(file, std::move(container));
 }
 
 std::optional<std::string> Demuxer::tag(const char* name) const {

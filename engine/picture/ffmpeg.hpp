@@ -105,6 +105,9 @@ public:
         virtual Result<std::size_t> read(std::uint8_t* to, std::size_t count) = 0;
     };
 
+    /// `file` names it in messages.
+    Demuxer(std::string file, InputPtr container)
+        : file_(std::move(file)), container_(std::move(container)) {}
     /// Refuses a file that does not state its length, unless it may be a stream.
     static Result<std::unique_ptr<Demuxer>> open_matroska(const SourceFile& file, bool may_be_stream = false);
     /// QuickTime, and MP4, which has the same boxes. Disparity tracks are opened as HEVC.

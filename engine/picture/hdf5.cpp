@@ -316,8 +316,7 @@ Result<std::vector<Hdf5DataSet>> hdf5_data_sets(std::string_view listing) {
     Hdf5DataSet* set = nullptr;  // described by the next lines
     bool is_in_type = false;
     for (std::string_view rest = listing; !rest.empty();) {
-        std::string_view line = rest.substr(0, rest.find('\n'));
-        rest.remove_prefix(std::min(line.size() + 1, rest.size()));
+        std::string_view line = cut_line(rest);
         if (line.starts_with('/')) {
             const std::string path = take_path(line);
             const std::string_view what = trimmed(line);

@@ -187,7 +187,7 @@ Result<std::string> encode_png(const AVFrame& frame, PngEffort effort) {
 
 Image blank_image(int width, int height, int bytes_per_sample, int channels) {
     Image image{width, height, bytes_per_sample, channels, {}};
-    image.samples.resize(image.view().row_bytes() * static_cast<std::size_t>(height));
+    image.samples.resize(image.view().bytes());
     return image;
 }
 

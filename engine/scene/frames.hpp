@@ -71,6 +71,8 @@ struct PlaneView {
     std::size_t row_bytes() const {
         return pixel_count(width, channels) * static_cast<std::size_t>(bytes_per_sample);
     }
+    /// Bytes of all samples.
+    std::size_t bytes() const { return row_bytes() * static_cast<std::size_t>(height); }
     /// Copies all rows; their copies begin `pitch` bytes apart.
     void copy_rows(std::uint8_t* to, std::size_t pitch) const {
         for (int y = 0; y < height; ++y, to += pitch) std::memcpy(to, row(y), row_bytes());

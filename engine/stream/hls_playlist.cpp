@@ -108,25 +108,15 @@ Result<std::string> absolute_place(std::string_view base, std::string_view named
     return other.origin + plain_path(other.path) + std::string(named.substr(query));
 }
 
-/// Lines of a playlist that are not empty, without their ends.
-class PlaylistLines {
-public:
-    explicit PlaylistLines(std::string_view text) : rest_(text) {}
-    std::optional<std::string_view> next() {
-        while (!rest_.empty()) {
-            const std::size_t end = std::min(rest_.find('\n'), rest_.size());
-            std::string_view line = rest_.substr(0, end);
-            rest_.remove_prefix(std::min(end + 1, rest_.size()));
-            while (!line.empty() && (line.back() == '\r' || line.back() == ' ' || line.back() == '\t'))
-                line.remove_suffix(1);
-            if (!line.empty()) return line;
-        }
-        return std::nullopt;
+/// Takes the next line that is not empty off a playlist, without its end.
+std::optional<std::string_view> next_line(std::string_view& playlist) {
+    while (!playlist.empty()) {
+        const std::string_view line = cut_line(playlist);
+        if (const auto end = line.find_last_not_of(" \t\r"); end != std::string_view::npos)
+            return line.substr(0, end + 1);
     }
-
-private:
-    std::string_view rest_;
-};
+    return std::nullopt;
+}
 
 /// The text behind a tag's name; nothing if the line has another tag.
 std::optional<std::string_view> after_tag(std::string_view line, std::string_view tag) {
@@ -175,9 +165,8 @@ struct NamedPlaylists {
 
 NamedPlaylists named_in(std::string_view text) {
     NamedPlaylists named;
-    PlaylistLines lines(text);
     bool is_variant = false;
-    while (const auto line = lines.next()) {
+    while (const auto line = next_line(text)) {
         named.is_master = named.is_master || is_master_line(*line);
         if (after_tag(*line, "#EXT-X-STREAM-INF")) is_variant = true;
         if (const auto data = after_tag(*line, "#EXT-X-SESSION-DATA")) {
@@ -203,8 +192,7 @@ std::optional<std::int64_t> segment_number(std::string_view text) {
 /// Number of the first segment of a checked media playlist.
 std::int64_t first_number_in(std::string_view text) {
     std::int64_t first = 0;
-    PlaylistLines lines(text);
-    while (const auto line = lines.next())
+    while (const auto line = next_line(text))
         if (const auto number = after_tag(*line, "#EXT-X-MEDIA-SEQUENCE"))
             first = segment_number(*number).value_or(0);
     return first;
@@ -276,8 +264,7 @@ std::optional<std::string> avc_codec_name(std::span<const std::uint8_t> header) 
 
 std::int64_t next_segment_of(std::string_view media) {
     std::int64_t number = first_number_in(media);
-    PlaylistLines lines(media);
-    while (const auto line = lines.next()) number += after_tag(*line, "#EXTINF") ? 1 : 0;
+    while (const auto line = next_line(media)) number += after_tag(*line, "#EXTINF") ? 1 : 0;
     return number;
 }
 
@@ -347,9 +334,8 @@ Result<HlsPlaces> places_in_playlist(std::string_view text, const std::string& p
 Result<HlsMediaFacts> check_hls_media(std::string_view text, const std::string& place) {
     TRY(check_size(text));
     HlsMediaFacts facts;
-    PlaylistLines lines(text);
     std::int64_t segments = 0, first = 0;
-    while (const auto line = lines.next()) {
+    while (const auto line = next_line(text)) {
         if (line->starts_with('#')) {
             TRY(check_media_tag(*line, place, facts));
             facts.has_ended = facts.has_ended || *line == "#EXT-X-ENDLIST";
@@ -372,8 +358,7 @@ Result<HlsMediaFacts> check_hls_media(std::string_view text, const std::string& 
 std::optional<HlsListedSegment> segment_in(std::string_view text, const std::string& place,
                                            const std::string& segment, std::int64_t least) {
     HlsListedSegment listed{first_number_in(text), 0};
-    PlaylistLines lines(text);
-    while (const auto line = lines.next()) {
+    while (const auto line = next_line(text)) {
         if (const auto length = after_tag(*line, "#EXTINF")) listed.duration_ns = duration_ns(*length);
         if (line->starts_with('#')) continue;
         const auto named = resolved_place(place, *line);
@@ -387,8 +372,7 @@ std::optional<std::string> playlist_from(std::string_view text, std::int64_t fir
     std::string rest = "#EXTM3U\n#EXT-X-MEDIA-SEQUENCE:" + std::to_string(first) + "\n", of_next;
     std::int64_t number = first_number_in(text);
     bool has_segment = false;
-    PlaylistLines lines(text);
-    while (const auto line = lines.next()) {
+    while (const auto line = next_line(text)) {
         if (after_tag(*line, "#EXT-X-MEDIA-SEQUENCE") || *line == "#EXTM3U") continue;
         const bool is_segment = !line->starts_with('#');
         std::string& to = is_segment || is_of_one_segment(*line) ? of_next : rest;

@@ -28,25 +28,6 @@ std::string with_uuid(const std::string& text) {
     return std::string(message_uuid.begin(), message_uuid.end()) + text;
 }
 
-/// Reads the words of a message from its front.
-class WordReader {
-public:
-    explicit WordReader(std::string_view text) : rest_(text) {}
-    /// The value of this key, which has to come next; empty if it does not.
-    std::string_view value(std::string_view key) {
-        if (!rest_.starts_with(key) || !rest_.substr(key.size()).starts_with('=')) return "";
-        rest_.remove_prefix(key.size() + 1);
-        const std::size_t end = std::min(rest_.find(' '), rest_.size());
-        const std::string_view value = rest_.substr(0, end);
-        rest_.remove_prefix(std::min(end + 1, rest_.size()));
-        return value;
-    }
-    bool at_end() const { return rest_.empty(); }
-
-private:
-    std::string_view rest_;
-};
-
 std::optional<PlanePart> part_named(std::string_view name) {
     const auto* const found = std::ranges::find(part_names, name);
     if (found == part_names.end()) return std::nullopt;
@@ -61,14 +42,19 @@ std::string text_of(const PictureMessage& message) {
 }
 
 std::optional<PictureMessage> read_message(std::string_view text) {
-    WordReader words(text);
-    if (words.value("touchable") != "1") return std::nullopt;
-    const auto role = role_named(words.value("role"));
-    const auto part = part_named(words.value("part"));
-    const auto bits = parsed_as<int>(words.value("bits"));
-    const auto frame = parsed_as<std::int64_t>(words.value("frame"));
-    const auto taken_ns = parsed_as<std::int64_t>(words.value("taken_ns"));
-    if (!role || !part || !bits || !frame || !taken_ns || !words.at_end()) return std::nullopt;
+    // The value of this key, which has to come next; empty if it does not.
+    const auto value = [&text](std::string_view key) {
+        if (!text.starts_with(key) || !text.substr(key.size()).starts_with('=')) return std::string_view();
+        text.remove_prefix(key.size() + 1);
+        return cut_part(text, ' ');
+    };
+    if (value("touchable") != "1") return std::nullopt;
+    const auto role = role_named(value("role"));
+    const auto part = part_named(value("part"));
+    const auto bits = parsed_as<int>(value("bits"));
+    const auto frame = parsed_as<std::int64_t>(value("frame"));
+    const auto taken_ns = parsed_as<std::int64_t>(value("taken_ns"));
+    if (!role || !part || !bits || !frame || !taken_ns || !text.empty()) return std::nullopt;
     const bool can_be =
         *part == PlanePart::whole
             ? *bits == 8

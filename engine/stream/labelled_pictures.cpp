@@ -212,7 +212,7 @@ private:
 
     std::size_t bytes_of_first() const {
         std::size_t bytes = 0;
-        for (const StreamPicture& picture : first_.pictures) bytes += bytes_of_plane(picture.plane.view);
+        for (const StreamPicture& picture : first_.pictures) bytes += picture.plane.view.bytes();
         return bytes;
     }
 

@@ -2,16 +2,10 @@
 
 #include <algorithm>
 
+#include "engine/base/words.hpp"
+
 namespace touchable {
 namespace {
-
-/// Cuts the next word off a line.
-std::string_view next_word(std::string_view& line) {
-    const std::size_t end = std::min(line.find(' '), line.size());
-    const std::string_view word = line.substr(0, end);
-    line.remove_prefix(std::min(end + 1, line.size()));
-    return word;
-}
 
 struct HttpStatus {
     int number;
@@ -45,7 +39,8 @@ void HttpRequest::take(std::string_view bytes) {
 
 int HttpRequest::judged(std::string_view head) {
     std::string_view line = head.substr(0, std::min(head.find_first_of("\r\n"), head.size()));
-    const std::string_view method = next_word(line), target = next_word(line), version = next_word(line);
+    const std::string_view method = cut_part(line, ' '), target = cut_part(line, ' '),
+                           version = cut_part(line, ' ');
     if (!line.empty() || !target.starts_with('/') || (version != "HTTP/1.0" && version != "HTTP/1.1"))
         return 400;
     is_head_ = method == "HEAD";

@@ -104,13 +104,13 @@ bool FramesetAssembler::hold(StreamPicture&& picture) {
 void FramesetAssembler::drop_oldest() {
     std::size_t bytes = 0;
     for (const auto& held : held_)
-        for (const Held& one : held) bytes += bytes_of_plane(one.plane.view);
+        for (const Held& one : held) bytes += one.plane.view.bytes();
     while (bytes > most_bytes_waiting) {
         const auto first = [](const std::deque<Held>& held) {
             return held.empty() ? std::numeric_limits<std::int64_t>::max() : held.front().first;
         };
         auto& oldest = *std::ranges::min_element(held_, {}, first);
-        bytes -= bytes_of_plane(oldest.front().plane.view);
+        bytes -= oldest.front().plane.view.bytes();
         oldest.pop_front();
         is_full_ = true;
     }
@@ -231,7 +231,7 @@ void FramesetAssembler::restart() {
 std::size_t bytes_of_planes(const RawFrame& frame) {
     std::size_t bytes = 0;
     for (const PlaneView* plane : {&frame.depth, &frame.colour, &frame.haptic, &frame.height})
-        bytes += bytes_of_plane(*plane);
+        bytes += plane->bytes();
     return bytes;
 }
 

@@ -177,16 +177,12 @@ public:
 
     std::optional<Error> end_opening() {
         is_opening_ = false;
-        switch (failure_) {
-            case 0:
-                return std::nullopt;
-            case ETIMEDOUT:
-                return input_error("comes too slowly: its clip was not open within " +
-                                   std::to_string(patience_.opening.count() / 1000) +
-                                   " s; save it first, and open it here");
-            default:
-                return input_error("cannot be read: the connection was lost, and another gave no more of it");
-        }
+        if (failure_ == 0) return std::nullopt;
+        return input_error(failure_ == ETIMEDOUT
+                               ? "comes too slowly: its clip was not open within " +
+                                     std::to_string(patience_.opening.count() / 1000) +
+                                     " s; save it first, and open it here"
+                               : "cannot be read: the connection was lost, and another gave no more of it");
     }
 
 private:

@@ -25,11 +25,6 @@ struct StreamPicture {
     std::int64_t step = 1;  ///< from one sent frame to the next, frames
 };
 
-inline std::size_t bytes_of_plane(const PlaneView& plane) {
-    return static_cast<std::size_t>(plane.width) * static_cast<std::size_t>(plane.height) *
-           static_cast<std::size_t>(plane.channels * plane.bytes_per_sample);
-}
-
 /// Limits: pixels of a picture, and bytes of all pictures that wait for others.
 inline constexpr std::int64_t most_stream_pixels = std::int64_t{1} << 24U;
 inline constexpr std::size_t most_bytes_waiting = std::size_t{512} << 20U;

@@ -94,10 +94,8 @@ Error unusable(std::string_view words, const std::string& right) {
 template <class Use>
 std::optional<std::string_view> find_pair(std::string_view query, const Use& is_it) {
     while (!query.empty()) {
-        const std::size_t end = query.find('&');
-        const std::string_view pair = query.substr(0, end);
+        const std::string_view pair = cut_part(query, '&');
         if (is_it(pair.substr(0, pair.find('=')))) return pair;
-        query = end == std::string_view::npos ? "" : query.substr(end + 1);
     }
     return std::nullopt;
 }
