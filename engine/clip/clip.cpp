@@ -305,9 +305,7 @@ std::optional<std::string> default_touch_note(bool has_haptic, const Scene& scen
 }
 
 std::optional<std::string> no_depth_note(const RawFrame& frame, const DepthCoding& coding) {
-    for (int y = 0; y < frame.depth.height; ++y)
-        for (int x = 0; x < frame.depth.width; ++x)
-            if (coding.is_valid(stored_code(frame.depth, coding, x, y))) return std::nullopt;
+    if (has_valid_pixel(frame.depth, coding)) return std::nullopt;
     return "frame " + std::to_string(frame.number) +
            " has no valid depth, so nothing in it can be touched: do the scene's depth.near, far, code_max "
            "and invalid fit these pictures?";
@@ -376,12 +374,9 @@ Result<void> FrameCheck::check(const RawFrame& frame, const Scene& scene) {
     for (const PlaneRole role : all_roles) {
         const PlaneView& plane = plane_of(frame, role);
         const std::string name(role_name(role));
-        Shape& first = shapes_[static_cast<std::size_t>(role)];
-        const Shape shape = plane.empty()
-                                ? Shape{}
-                                : Shape{plane.width, plane.height, plane.bytes_per_sample, plane.channels};
-        if (frames_ == 0) first = shape;
-        if (shape != first) return misuse(name + " is of another size or kind than in frame 0");
+        PlaneView& first = forms_[static_cast<std::size_t>(role)];
+        if (frames_ == 0) first = plane;
+        if (!same_form(plane, first)) return misuse(name + " is of another size or kind than in frame 0");
         if (plane.empty()) continue;
         if (plane.width != scene.width || plane.height != scene.height)
             return misuse(name + " is not of the scene's size");

@@ -249,17 +249,12 @@ public:
     std::int64_t frames() const { return frames_; }
     /// Of that plane in every frame; 0 if there is none.
     int bytes_per_sample(PlaneRole role) const {
-        return shapes_[static_cast<std::size_t>(role)].bytes_per_sample;
+        const PlaneView& form = forms_[static_cast<std::size_t>(role)];
+        return form.empty() ? 0 : form.bytes_per_sample;
     }
 
 private:
-    /// Properties that are the same in every frame; all zero for an absent plane.
-    struct Shape {
-        int width = 0, height = 0, bytes_per_sample = 0, channels = 0;
-        bool operator==(const Shape&) const = default;
-    };
-
-    std::array<Shape, all_roles.size()> shapes_;
+    std::array<PlaneView, all_roles.size()> forms_;  // of the first frame, whose samples may be gone
     std::int64_t frames_ = 0;
 };
 

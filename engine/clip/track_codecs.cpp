@@ -112,13 +112,6 @@ Result<int> slices_of(TrackCoding coding, int width, int height) {
 using mpeg4::BitReader;
 using ParameterBytes = std::span<const std::uint8_t>;
 
-/// Exp-Golomb: as many bits follow as zeros came.
-std::uint64_t golomb(BitReader& bits) {
-    int zeros = 0;
-    while (zeros < 32 && !bits.flag()) ++zeros;
-    return (std::uint64_t{1} << zeros) - 1 + bits.get(zeros);
-}
-
 /// Reads transform bypass from the sequence parameters in avcC (ISO/IEC 14496-10, 7.3.2.1.1).
 bool is_lossless_h264(ParameterBytes avcc) {
     constexpr std::size_t sequence_at = 8;
@@ -128,10 +121,10 @@ bool is_lossless_h264(ParameterBytes avcc) {
     bits.get(8);
     if (bits.get(8) != high_444_predictive) return false;
     bits.get(16);
-    golomb(bits);
-    if (golomb(bits) == colours_at_full_size) bits.get(1);
-    golomb(bits);
-    golomb(bits);
+    bits.golomb();
+    if (bits.golomb() == colours_at_full_size) bits.get(1);
+    bits.golomb();
+    bits.golomb();
     const bool leaves_out_transform = bits.flag();
     return leaves_out_transform && !bits.is_over();
 }
@@ -166,14 +159,14 @@ bool is_lossless_hevc(ParameterBytes hvcc) {
     if (!unit) return false;
     BitReader bits(*unit);
     bits.get(16);  // the unit's header
-    golomb(bits);  // ids of picture and sequence parameters
-    golomb(bits);
+    bits.golomb();  // ids of picture and sequence parameters
+    bits.golomb();
     bits.get(7);  // dependent slices, output flag, 3 extra bits, hidden signs, cabac_init
-    for (int number = 0; number < 3; ++number) golomb(bits);  // references of two lists, quantiser
+    for (int number = 0; number < 3; ++number) bits.golomb();  // references of two lists, quantiser
     bits.get(2);                                              // constrained intra, skipped transforms
-    if (bits.flag()) golomb(bits);                            // a quantiser for each block
-    golomb(bits);                                             // offsets for colour
-    golomb(bits);
+    if (bits.flag()) bits.golomb();                           // a quantiser for each block
+    bits.golomb();                                            // offsets for colour
+    bits.golomb();
     bits.get(3);  // offsets for each slice, weights
     const bool leaves_out_transform = bits.flag();
     return leaves_out_transform && !bits.is_over();

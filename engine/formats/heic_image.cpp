@@ -14,6 +14,7 @@
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/formats/depth_photo.hpp"
+#include "engine/mpeg4/boxes.hpp"
 
 namespace touchable {
 namespace {
@@ -83,58 +84,38 @@ std::optional<Orientation> turn_of(const HeifBox& property) {
     return std::nullopt;
 }
 
-/// Reads the bits of an H.265 unit without the bytes that prevent start codes in it; 0 after the last.
-class UnitBits {
-public:
-    explicit UnitBits(std::string_view unit) {
-        for (const char byte : unit) {
-            const bool is_inserted = byte == 3 && bytes_.size() >= 2 && zeros_ >= 2;
-            zeros_ = byte == 0 ? zeros_ + 1 : 0;
-            if (!is_inserted) bytes_ += byte;
-        }
+/// An H.265 unit without the bytes that prevent start codes in it.
+std::vector<std::uint8_t> unescaped(std::string_view unit) {
+    std::vector<std::uint8_t> bytes;
+    int zeros = 0;
+    for (const char byte : unit) {
+        const bool is_inserted = byte == 3 && zeros >= 2;
+        zeros = byte == 0 ? zeros + 1 : 0;
+        if (!is_inserted) bytes.push_back(static_cast<std::uint8_t>(byte));
     }
-    void skip(std::size_t count) { at_ += count; }
-    std::uint32_t number(int count) {
-        std::uint32_t value = 0;
-        for (; count > 0; --count, ++at_) {
-            const unsigned byte = at_ / 8 < bytes_.size() ? static_cast<unsigned char>(bytes_[at_ / 8]) : 0U;
-            value = value << 1 | (byte >> (7 - at_ % 8) & 1U);
-        }
-        return value;
-    }
-    /// Exp-Golomb.
-    std::uint32_t exp_golomb() {
-        int zeros = 0;
-        while (zeros < 32 && number(1) == 0) ++zeros;
-        return zeros > 31 ? ~0U : (1U << zeros) - 1 + number(zeros);
-    }
-
-private:
-    std::string bytes_;
-    int zeros_ = 0;
-    std::size_t at_ = 0;
-};
+    return bytes;
+}
 
 /// The size in a sequence parameter set (H.265, 7.3.2.2).
 CodedSize size_of_sequence(std::string_view unit) {
-    constexpr std::size_t unit_header = 16, profile = 88, level = 8;  // bits
-    UnitBits bits(unit);
-    bits.skip(unit_header + 4);
-    const std::uint32_t layers = bits.number(3);  // above the first
-    bits.skip(1 + profile + level);
-    std::size_t of_layers = 0;
-    for (std::uint32_t k = 0; k < layers; ++k) {
-        if (bits.number(1) != 0) of_layers += profile;
-        if (bits.number(1) != 0) of_layers += level;
+    constexpr int unit_header = 16, profile = 88, level = 8;  // bits
+    const std::vector<std::uint8_t> bytes = unescaped(unit);
+    mpeg4::BitReader bits(bytes);
+    bits.get(unit_header + 4);
+    const int layers = static_cast<int>(bits.get(3));  // above the first
+    bits.get(1 + profile + level);
+    int of_layers = 0;
+    for (int k = 0; k < layers; ++k) {
+        if (bits.flag()) of_layers += profile;
+        if (bits.flag()) of_layers += level;
     }
-    if (layers > 0) bits.skip(2 * (std::size_t{8} - layers));
-    bits.skip(of_layers);
-    bits.exp_golomb();                         // number of the set
-    if (bits.exp_golomb() == 3) bits.skip(1);  // 4:4:4: whether its planes are separate
-    CodedSize size;
-    size.width = bits.exp_golomb();
-    size.height = bits.exp_golomb();
-    return size;
+    if (layers > 0) bits.get(2 * (8 - layers));
+    bits.get(of_layers);
+    bits.golomb();                        // number of the set
+    if (bits.golomb() == 3) bits.get(1);  // 4:4:4: whether its planes are separate
+    const auto side = [&] { return static_cast<std::uint32_t>(std::min<std::uint64_t>(bits.golomb(), ~0U)); };
+    const std::uint32_t width = side();
+    return {width, side()};
 }
 
 bool is_range(double least, double most) {

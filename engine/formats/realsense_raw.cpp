@@ -91,8 +91,7 @@ Result<StoredImage> read_realsense_raw(const SourceFile& raw) {
                            std::string(metadata_ending) + " beside it, which says how large its picture is");
     TRY_ASSIGN(const auto camera, read_realsense_metadata(*metadata));
     TRY_ASSIGN(const auto bytes, read_picture_bytes(raw));
-    const std::size_t needed =
-        2 * static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+    const std::size_t needed = 2 * pixel_count(camera.width, camera.height);
     if (bytes.size() != needed)
         return input_error(raw.string() + ": has " + std::to_string(bytes.size()) + " bytes: must be " +
                            std::to_string(needed) + " for the " + size_text(camera.width, camera.height) +

@@ -58,6 +58,12 @@ public:
         return value;
     }
     bool flag() { return get(1) != 0; }
+    /// Exp-Golomb: as many bits follow as zeros came, 32 at most.
+    std::uint64_t golomb() {
+        int zeros = 0;
+        while (zeros < 32 && !flag()) ++zeros;
+        return (std::uint64_t{1} << zeros) - 1 + get(zeros);
+    }
     std::size_t position() const { return at_; }
     std::size_t left() const { return is_over() ? 0 : 8 * bytes_.size() - at_; }
     bool is_over() const { return at_ > 8 * bytes_.size(); }

@@ -108,10 +108,8 @@ public:
     /// Complete after the first picture.
     const TrackInfo& info() const { return decoder_.info(); }
 
-    struct Outcome {
-        std::vector<StreamPicture> pictures{};
-        bool is_torn = false;  ///< wrong checksum, undecodable, or too large
-    };
+    /// A picture is torn by a wrong checksum, if it cannot be decoded, and if it is too large.
+    using Outcome = StreamPictures::Came;
 
     Result<Outcome> take(const AVPacket& packet) {
         if (!is_sound(packet)) return torn();
@@ -165,7 +163,7 @@ private:
     Outcome torn() {
         forget();
         waits_for_key_ = true;
-        return {{}, true};
+        return {{}, 1};
     }
 
     Result<Outcome> decode(const AVPacket* packet) {
@@ -261,8 +259,10 @@ public:
         for (StreamTrack& track : tracks_) {
             if (packet && track.stream() != packet->stream_index) continue;
             if (track.role() == PlaneRole::colour && !with_colour_) continue;
-            auto outcome = packet ? track.take(*packet) : track.finish();
-            TRY(add(track.role(), std::move(outcome), came));
+            TRY_ASSIGN(auto outcome, packet ? track.take(*packet) : track.finish());
+            // Damaged colour does not make a frameset torn.
+            came.torn += track.role() == PlaneRole::colour ? 0 : outcome.torn;
+            std::ranges::move(outcome.pictures, std::back_inserter(came.pictures));
         }
         return std::optional(std::move(came));
     }
@@ -271,14 +271,6 @@ public:
     bool was_lost() const override { return bytes_->was_lost() || gate_->is_cut(); }
 
 private:
-    /// Damaged colour does not make a frameset torn.
-    static Result<void> add(PlaneRole role, Result<StreamTrack::Outcome> outcome, Came& came) {
-        TRY(outcome);
-        came.torn += outcome->is_torn && role != PlaneRole::colour ? 1 : 0;
-        for (StreamPicture& picture : outcome->pictures) came.pictures.push_back(std::move(picture));
-        return {};
-    }
-
     /// By the time since the first picture, to the nearest frame.
     std::int64_t number_of(int stream, std::int64_t timestamp) {
         constexpr double latest_seconds = 4e9, ns_per_second = 1e9;

@@ -302,17 +302,9 @@ Result<void> SrtSocket::call(const SocketAddress& address, int longest_ms) {
 }
 
 SrtSocket::State SrtSocket::state() const {
-    switch (srt_getsockstate(socket_)) {
-        case SRTS_CONNECTED:
-            return State::connected;
-        case SRTS_INIT:
-        case SRTS_OPENED:
-        case SRTS_LISTENING:
-        case SRTS_CONNECTING:
-            return State::calling;
-        default:
-            return State::gone;
-    }
+    const SRT_SOCKSTATUS status = srt_getsockstate(socket_);  // they are in the order of a connection's life
+    if (status == SRTS_CONNECTED) return State::connected;
+    return status < SRTS_CONNECTED ? State::calling : State::gone;
 }
 
 SrtSocket::Refusal SrtSocket::refusal() const {
