@@ -42,15 +42,70 @@ public:
     }
     const Scene& scene() const override { return scene_; }
     bool is_live() const override { return true; }
-    Result<void> seek(std::int64_t frame) override;
-    Result<std::optional<RawFrame>> next() override;
-    Result<void> begin(steady_clock::time_point zero) override;
+    Result<void> seek(std::int64_t frame) override {
+        if (zero_) return runs_on();
+        auto there = inner().seek(frame);
+        if (there) position_ = frame;
+        return there;
+    }
+    Result<std::optional<RawFrame>> next() override {
+        if (!zero_) return next_recorded();
+        const CameraDelivery::Frame delivery = newest_or_next();
+        // Decode nothing if no frame will come or the thread is to stop.
+        if (delivery.at_ns == CameraDelivery::never || stop_requested()) return wait_for(delivery).error();
+        auto frame = read(delivery.number);
+        if (!frame || !*frame) return frame;
+        TRY(wait_for(delivery));
+        last_ = delivery;
+        return frame;
+    }
+    Result<void> begin(steady_clock::time_point zero) override {
+        zero_ = zero;
+        last_ = {position_ - 1, 0};
+        return {};
+    }
 
 private:
-    CameraDelivery::Frame newest_or_next() const;
-    Result<std::optional<RawFrame>> next_recorded();
-    Result<std::optional<RawFrame>> read(std::int64_t number);
-    Result<void> wait_for(const CameraDelivery::Frame& frame);
+    /// The newest delivered frame that was not given yet, or else the next to come.
+    CameraDelivery::Frame newest_or_next() const {
+        const std::int64_t now_ns = std::chrono::nanoseconds(steady_clock::now() - *zero_).count();
+        const std::int64_t end = frame_count().value_or(CameraDelivery::never);
+        CameraDelivery::Frame frame, later = delivery_.after(last_, scene_.rate);
+        do {
+            frame = later;
+            later = delivery_.after(frame, scene_.rate);
+        } while (later.at_ns <= now_ns && later.number < end);
+        return frame;
+    }
+    /// The recording's next frame, with the camera's time.
+    Result<std::optional<RawFrame>> next_recorded() {
+        auto frame = inner().next();
+        if (!frame || !*frame) return frame;
+        ++position_;
+        (*frame)->time_ns = scene_.rate.time_ns((*frame)->number);
+        return frame;
+    }
+    /// Reads this frame of the recording, skipping those before it; nullopt beyond its end.
+    Result<std::optional<RawFrame>> read(std::int64_t number) {
+        if (const auto count = frame_count()) {
+            if (number >= *count) return std::optional<RawFrame>();
+            if (const std::int64_t nearer = access_point(number); nearer > position_) {
+                TRY(inner().seek(nearer));
+                position_ = nearer;
+            }
+        }
+        while (true) {
+            auto frame = next_recorded();
+            if (!frame || !*frame || (*frame)->number == number) return frame;
+        }
+    }
+    Result<void> wait_for(const CameraDelivery::Frame& frame) {
+        const bool never_comes = frame.at_ns == CameraDelivery::never;
+        const auto at =
+            never_comes ? steady_clock::time_point::max() : *zero_ + std::chrono::nanoseconds(frame.at_ns);
+        if (wait_unless_stopped(at)) return {};
+        return told_to_stop("camera", frame.number);
+    }
 
     const CameraDelivery delivery_;
     Scene scene_;
@@ -58,75 +113,6 @@ private:
     std::optional<steady_clock::time_point> zero_;
     CameraDelivery::Frame last_;
 };
-
-Result<void> ReplayCamera::seek(std::int64_t frame) {
-    if (zero_) return runs_on();
-    auto there = inner().seek(frame);
-    if (there) position_ = frame;
-    return there;
-}
-
-Result<void> ReplayCamera::begin(steady_clock::time_point zero) {
-    zero_ = zero;
-    last_ = {position_ - 1, 0};
-    return {};
-}
-
-/// The newest delivered frame that was not given yet, or else the next to come.
-CameraDelivery::Frame ReplayCamera::newest_or_next() const {
-    const std::int64_t now_ns = std::chrono::nanoseconds(steady_clock::now() - *zero_).count();
-    const std::int64_t end = frame_count().value_or(CameraDelivery::never);
-    CameraDelivery::Frame frame, later = delivery_.after(last_, scene_.rate);
-    do {
-        frame = later;
-        later = delivery_.after(frame, scene_.rate);
-    } while (later.at_ns <= now_ns && later.number < end);
-    return frame;
-}
-
-/// Reads this frame of the recording, skipping those before it; nullopt beyond its end.
-Result<std::optional<RawFrame>> ReplayCamera::read(std::int64_t number) {
-    if (const auto count = frame_count()) {
-        if (number >= *count) return std::optional<RawFrame>();
-        if (const std::int64_t nearer = access_point(number); nearer > position_) {
-            TRY(inner().seek(nearer));
-            position_ = nearer;
-        }
-    }
-    while (true) {
-        auto frame = next_recorded();
-        if (!frame || !*frame || (*frame)->number == number) return frame;
-    }
-}
-
-Result<void> ReplayCamera::wait_for(const CameraDelivery::Frame& frame) {
-    const bool never_comes = frame.at_ns == CameraDelivery::never;
-    const auto at =
-        never_comes ? steady_clock::time_point::max() : *zero_ + std::chrono::nanoseconds(frame.at_ns);
-    if (wait_unless_stopped(at)) return {};
-    return told_to_stop("camera", frame.number);
-}
-
-/// The recording's next frame, with the camera's time.
-Result<std::optional<RawFrame>> ReplayCamera::next_recorded() {
-    auto frame = inner().next();
-    if (!frame || !*frame) return frame;
-    ++position_;
-    (*frame)->time_ns = scene_.rate.time_ns((*frame)->number);
-    return frame;
-}
-
-Result<std::optional<RawFrame>> ReplayCamera::next() {
-    if (!zero_) return next_recorded();
-    const CameraDelivery::Frame delivery = newest_or_next();
-    // Decode nothing if no frame will come or the thread is to stop.
-    if (delivery.at_ns == CameraDelivery::never || stop_requested()) return wait_for(delivery).error();
-    auto frame = read(delivery.number);
-    if (!frame || !*frame) return frame;
-    TRY(wait_for(delivery));
-    last_ = delivery;
-    return frame;
-}
 
 }  // namespace
 

@@ -269,8 +269,7 @@ public:
         if (!display->holds(*data))
             return refused("has a data window beyond its display window: must be inside");
         // Bytes of depth, colour and material indices, which may all be unpacked at once.
-        const auto needed = static_cast<std::uint64_t>(display->width) *
-                            static_cast<std::uint64_t>(display->height) * (4 + 3 + 4);
+        const std::uint64_t needed = pixel_count(display->width, display->height) * (4 + 3 + 4);
         TRY(check_expansion(needed, bytes_.bytes.size(), where_));
         exr_compression_t packing;
         if (exr_get_compression(context_, number, &packing) != EXR_ERR_SUCCESS) return damaged();

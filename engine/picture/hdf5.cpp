@@ -224,8 +224,7 @@ private:
         return sets_[is_row() ? static_cast<std::size_t>(number) : 0];
     }
     std::uint64_t picture_bytes() const {
-        return static_cast<std::uint64_t>(pictures_.width) * static_cast<std::uint64_t>(pictures_.height) *
-               static_cast<std::uint64_t>(format().bytes);
+        return pixel_count(pictures_.width, pictures_.height) * static_cast<std::uint64_t>(format().bytes);
     }
 
     /// Pictures are read in blocks that begin at multiples of their length, so that playing backward reads no

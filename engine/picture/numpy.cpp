@@ -448,9 +448,9 @@ private:
         if (header_.columns_first && pictures_.count > 1)
             return input_error(where_ + ": is a stack in Fortran order: must be in C order, as " +
                                "numpy.ascontiguousarray makes it");
-        const auto needed =
-            static_cast<std::uint64_t>(pictures_.count) * static_cast<std::uint64_t>(pictures_.width) *
-            static_cast<std::uint64_t>(pictures_.height) * static_cast<std::uint64_t>(header_.format.bytes);
+        const std::uint64_t needed = static_cast<std::uint64_t>(pictures_.count) *
+                                     pixel_count(pictures_.width, pictures_.height) *
+                                     static_cast<std::uint64_t>(header_.format.bytes);
         if (bytes_->size() < header_.data_at || bytes_->size() - header_.data_at < needed)
             return input_error(where_ + ": is cut short: has " + std::to_string(bytes_->size()) +
                                " bytes of " + std::to_string(header_.data_at + needed));
