@@ -10,8 +10,6 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/formats/sidecar_text.hpp"
-#include "engine/picture/number_pictures.hpp"
 
 namespace touchable {
 namespace {
@@ -54,11 +52,14 @@ struct Scalar {
 };
 
 double number_at(const char* from, const Scalar& scalar, bool big_endian) {
-    using Kind = NumberFormat::Kind;
-    const Kind kind = scalar.kind == 'F'   ? Kind::floating
-                      : scalar.kind == 'I' ? Kind::signed_integer
-                                           : Kind::unsigned_integer;
-    return stored_number(from, {kind, static_cast<int>(scalar.bytes), big_endian});
+    const std::uint64_t bits = number_in_bytes({from, scalar.bytes}, big_endian);
+    if (scalar.kind == 'U') return static_cast<double>(bits);
+    if (scalar.kind == 'F')
+        return scalar.bytes == 8
+                   ? std::bit_cast<double>(bits)
+                   : static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bits)));
+    const auto unused = static_cast<int>(64 - 8 * scalar.bytes);
+    return static_cast<double>(static_cast<std::int64_t>(bits << unused) >> unused);
 }
 
 /// Parses a number, also nan and inf; beyond the range of a double it is NaN. Nothing: the word is no number.
