@@ -11,13 +11,15 @@
 //
 // ClipReader reads, ClipWriter writes; both check what they are given, and an error names file, track and
 // frame. Planes have roles (PlaneRole): functions here find a frame's plane by its role, check it against the
-// scene, and bring it to the scene's form and size. FrameCheck is for implementations of ClipWriter.
+// scene, and bring it to the scene's form and size; PlaneLoss measures what that or a codec loses. FrameCheck
+// is for implementations of ClipWriter.
 //
 // Threads: one at a time uses a reader or a writer; any may call ClipReader::taken_before, remarks and
 // stream_figures. The functions keep no state.
 
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -238,6 +240,33 @@ Scene resized_scene(Scene scene, int width, int height);
 /// mixture: there is no surface between the two sides of a silhouette. Colour is the mean of the pixels
 /// covered.
 RawFrame resized_frame(const RawFrame& frame, int width, int height);
+
+/// Loss of one plane: compares each original pixel with the nearest pixel of the output.
+struct PlaneLoss {
+    std::int64_t samples = 0, changed = 0;
+    int largest = 0;     ///< largest difference of a stored value
+    double squares = 0;  ///< sum of squared differences
+    // Depth only.
+    bool is_recoded = false;                        ///< the coding differs: depths are compared
+    std::int64_t pixels = 0;                        ///< pixels with a depth in both
+    double largest_metres = 0, squares_metres = 0;  ///< over `pixels`
+    std::int64_t appeared = 0, disappeared = 0;     ///< pixels that gained a depth; that lost it
+
+    double rms() const { return samples > 0 ? std::sqrt(squares / static_cast<double>(samples)) : 0; }
+    double rms_metres() const {
+        return pixels > 0 ? std::sqrt(squares_metres / static_cast<double>(pixels)) : 0;
+    }
+};
+
+/// Indexed by PlaneRole.
+using PlaneLosses = std::array<PlaneLoss, all_roles.size()>;
+
+/// Adds the loss between two frames with the same coding (`scene`); sizes may differ.
+void add_loss(const RawFrame& before, const RawFrame& now, const Scene& scene, PlaneLosses& losses);
+
+/// As add_loss, for depth alone, between two scenes with different codings and the same unit.
+void add_recoded_loss(const RawFrame& before, const Scene& scene, const RawFrame& now, const Scene& recoded,
+                      PlaneLosses& losses);
 
 /// Checks what a writer relies on (ClipWriter::write): frames in order, with depth, all with the planes of
 /// the first one, of the scene's size and of samples that the scene allows.

@@ -2,12 +2,11 @@
 
 // Writing clips: `convert`, and the commands that change a clip before they write it (relief, materials).
 // run_convert reads a clip once, writes it in another form, and reports losses; ManyClips runs such a command
-// on several clips, which go into one folder. PlaneLoss measures a loss. All of it is for the main thread;
-// files are written whole or not at all.
+// on several clips, which go into one folder. All of it is for the main thread; files are written whole or
+// not at all.
 
 #include <CLI/CLI.hpp>
 #include <array>
-#include <cmath>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
@@ -65,29 +64,6 @@ struct ConvertOptions {
 /// is printed. The output is read back and compared before it gets its name. The clip itself is read once. A
 /// conversion that would lose more is refused (ErrorKind::usage) unless allowed; then its loss is printed.
 Result<void> run_convert(const ConvertOptions& options);
-
-/// Loss of one plane: compares each original pixel with the nearest pixel of the output.
-struct PlaneLoss {
-    std::int64_t samples = 0, changed = 0;
-    int largest = 0;     ///< largest difference of a stored value
-    double squares = 0;  ///< sum of squared differences
-    // Depth only.
-    bool is_recoded = false;                        ///< the coding differs: depths are compared
-    std::int64_t pixels = 0;                        ///< pixels with a depth in both
-    double largest_metres = 0, squares_metres = 0;  ///< over `pixels`
-    std::int64_t appeared = 0, disappeared = 0;     ///< pixels that gained a depth; that lost it
-
-    double rms() const { return samples > 0 ? std::sqrt(squares / static_cast<double>(samples)) : 0; }
-    double rms_metres() const {
-        return pixels > 0 ? std::sqrt(squares_metres / static_cast<double>(pixels)) : 0;
-    }
-};
-
-/// Indexed by PlaneRole.
-using PlaneLosses = std::array<PlaneLoss, all_roles.size()>;
-
-/// Adds the loss between two frames with the same coding (`scene`); sizes may differ.
-void add_loss(const RawFrame& before, const RawFrame& now, const Scene& scene, PlaneLosses& losses);
 
 /// CLIP OUT, or CLIP CLIP ... FOLDER/ like cp: several clips become NAME.mkv in the folder. Existing outputs
 /// are skipped, so that interrupted work can be resumed and several programs may work on the same clips.

@@ -37,54 +37,6 @@ struct Converted {
     std::optional<ForceComparison> forces;  ///< if values of touch planes were lost
 };
 
-/// Calls `add(x, y, at_x, at_y)` for each pixel of the original and the nearest one of the smaller picture.
-void each_nearest(const PlaneView& before, const PlaneView& now, auto&& add) {
-    const std::vector<int> columns = nearest_samples(now.width, before.width),
-                           rows = nearest_samples(now.height, before.height);
-    for (int y = 0; y < before.height; ++y)
-        for (int x = 0; x < before.width; ++x)
-            add(x, y, columns[static_cast<std::size_t>(x)], rows[static_cast<std::size_t>(y)]);
-}
-
-void add_values(const PlaneView& before, const PlaneView& now, PlaneLoss& loss) {
-    loss.samples += std::int64_t{before.width} * before.height * before.channels;
-    if (same_samples(before, now)) return;
-    each_nearest(before, now, [&](int x, int y, int at_x, int at_y) {
-        for (int channel = 0; channel < before.channels; ++channel) {
-            const int error = std::abs(now.sample(at_x, at_y, channel) - before.sample(x, y, channel));
-            loss.changed += error != 0;
-            loss.largest = std::max(loss.largest, error);
-            loss.squares += static_cast<double>(error) * error;
-        }
-    });
-}
-
-/// Depth along the optical axis per unit of length along a pixel's ray.
-double axis_share(const Camera& camera, int x, int y) {
-    const double right = (x - camera.cx) / camera.fx, down = (y - camera.cy) / camera.fy;
-    return 1 / std::sqrt(1 + right * right + down * down);
-}
-
-void add_depths(const PlaneView& before, const Scene& scene, const PlaneView& now, const Scene& recoded,
-                PlaneLoss& loss) {
-    const bool turns_to_axis = scene.depth.semantics != recoded.depth.semantics;
-    each_nearest(before, now, [&](int x, int y, int at_x, int at_y) {
-        const auto was = stored_code(before, scene.depth, x, y),
-                   is = stored_code(now, recoded.depth, at_x, at_y);
-        const bool was_there = scene.depth.is_valid(was), is_there = recoded.depth.is_valid(is);
-        loss.appeared += is_there && !was_there;
-        loss.disappeared += was_there && !is_there;
-        if (!was_there || !is_there) return;
-        const double share = turns_to_axis ? axis_share(scene.camera, x, y) : 1;
-        const double metres =
-            std::abs(recoded.depth.depth(is) - scene.depth.depth(was) * share) * scene.metres_per_unit;
-        loss.changed += loss.is_recoded && metres > 0;
-        ++loss.pixels;
-        loss.largest_metres = std::max(loss.largest_metres, metres);
-        loss.squares_metres += metres * metres;
-    });
-}
-
 /// `may_be_exact`: the command has --exact-colour.
 std::string loss_in_words(PlaneRole role, const PlaneLoss& loss, bool resized, bool may_be_exact) {
     if (loss.changed == 0 && !resized) return "every value kept";
@@ -281,15 +233,6 @@ ClipStorage::Copied tracks_to_copy(const ClipReader& clip, const ConvertOptions&
     for (const TrackInfo& track : clip.tracks())
         if (const auto role = role_named(track.role); role && !is_other(*role)) copied.roles.push_back(*role);
     return copied;
-}
-
-/// As add_loss, for depth alone, between two scenes with different codings and the same unit.
-void add_recoded_loss(const RawFrame& before, const Scene& scene, const RawFrame& now, const Scene& recoded,
-                      PlaneLosses& losses) {
-    PlaneLoss& loss = losses[static_cast<std::size_t>(PlaneRole::depth)];
-    loss.is_recoded = true;
-    loss.samples += std::int64_t{before.depth.width} * before.depth.height;
-    add_depths(before.depth, scene, now.depth, recoded, loss);
 }
 
 std::string report_of_conversion(const ConvertOptions& options, const Converted& done) {
@@ -612,16 +555,6 @@ private:
 };
 
 }  // namespace
-
-void add_loss(const RawFrame& before, const RawFrame& now, const Scene& scene, PlaneLosses& losses) {
-    for (const PlaneRole role : all_roles) {
-        const PlaneView &was = plane_of(before, role), &is = plane_of(now, role);
-        if (was.empty() || is.empty()) continue;
-        PlaneLoss& loss = losses[static_cast<std::size_t>(role)];
-        add_values(was, is, loss);
-        if (role == PlaneRole::depth && !same_samples(was, is)) add_depths(was, scene, is, scene, loss);
-    }
-}
 
 Result<void> run_convert(const ConvertOptions& options) {
     std::string at_work = "the frames of " + options.clip.file.string();
