@@ -396,7 +396,8 @@ Result<std::optional<std::string>> BagFile::read_first(std::span<const BagMessag
     for (const BagMessage& each : messages) {
         auto bytes = read(each);
         if (bytes) return std::optional(std::move(*bytes));
-        if (!is_given_up(messages.front())) return bytes.error();
+        if (bytes.error().kind == ErrorKind::interrupted || !is_given_up(messages.front()))
+            return bytes.error();
     }
     return std::optional<std::string>();
 }

@@ -268,6 +268,15 @@ private:
         return all;
     }
 
+    template <class Number>
+    Result<void> read_number(Number& into) {
+        const auto value = parsed_as<Number>(token_.text);
+        if (token_.kind != Token::Kind::word || !value || !std::isfinite(*value))
+            return wrong(found() + ": must be a number");
+        into = *value;
+        return advance();
+    }
+
     Result<FieldValue> value(FieldType type, int depth) {
         FieldValue made = zero_of(type);
         const auto read = [&](auto& each) -> Result<void> {
@@ -289,27 +298,18 @@ private:
                 each = *whole;
                 return advance();
             } else if constexpr (std::is_arithmetic_v<T>) {
-                return assign(each, number<T>());
+                return read_number(each);
             } else if constexpr (std::is_same_v<T, NodePtr>) {
                 return assign(each, node(depth));
             } else if constexpr (std::is_same_v<T, Url>) {
                 return assign(each, url());
             } else {
-                for (float& number_in : each) TRY(assign(number_in, number<float>()));
+                for (float& number_in : each) TRY(read_number(number_in));
                 return {};
             }
         };
         TRY(std::visit(read, made));
         return made;
-    }
-
-    template <class T>
-    Result<T> number() {
-        const auto value = parsed_as<T>(token_.text);
-        if (token_.kind != Token::Kind::word || !value || !std::isfinite(*value))
-            return wrong(found() + ": must be a number");
-        TRY(advance());
-        return *value;
     }
 
     /// A file in quotes, or the number of an object descriptor: 10, "od:10".

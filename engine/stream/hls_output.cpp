@@ -123,6 +123,7 @@ private:
             if (is_ours) old_.push_back(name);
             if (is_file && is_playlist_name(name)) {
                 const std::string text = first_bytes(SourceFile(at->path()), largest_playlist);
+                if (stop_requested()) return interrupted_error();
                 is_ours = text.find(std::string(hls_mark) + "\n") != std::string::npos;
                 first_segment_ = std::max(first_segment_, next_segment_of(text));
             }

@@ -15,7 +15,7 @@
 namespace touchable {
 
 /// Speeds of a gamepad's motors, 0 to 1: the heavy one and the light one.
-struct Rumble {
+struct alignas(8) Rumble {
     float low = 0, high = 0;
     bool operator==(const Rumble&) const = default;
 };

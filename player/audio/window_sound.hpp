@@ -92,11 +92,12 @@ private:
 
     std::atomic<bool> muted_{false}, fingers_silent_{false};
     std::atomic<int> volume_{100};
-    struct Said {
+    struct alignas(8) Said {
         std::uint32_t number = 0, sound = 0;  // how many sounds were spoken; the index of the last one
     };
     std::vector<std::shared_ptr<const SpokenSound>> spoken_;
     std::atomic<Said> said_{};
+    static_assert(std::atomic<Said>::is_always_lock_free, "a session's thread does not wait");
     std::shared_ptr<ClipSound> clip_ = std::make_shared<ClipSound>();
     std::shared_ptr<HeardTicks> ticks_ = std::make_shared<HeardTicks>(clip_);
     std::optional<FilmedSound> film_;

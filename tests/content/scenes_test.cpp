@@ -344,6 +344,9 @@ TEST(Noise, HasNoTruth) {
     const glm::dvec3 goal{0, 0, -100};
     for (const std::string_view name : {"noise", "cliffs", "grain"})
         EXPECT_FALSE(ExactSurface(name, sized(128, 128)).closest(goal, goal, 0));
+    SceneOptions planet = sized(90, 60);
+    planet.properties = true;
+    EXPECT_FALSE(ExactSurface("globe", planet).closest(goal, goal, 0));
 }
 
 constexpr real degree = 3.14159265358979323846264338L / 180;
@@ -556,8 +559,9 @@ TEST(GlobeStroke, ApproachesStraightFromOutside) {
 TEST(GlobeStroke, StaysInCamerasView) {
     const auto globe = made("globe");
     const GlobeStroke stroke(CameraPreset::b, 720, 480);
+    const ExactSurface exact("globe");
     for (int tick = 200; tick < 20200; tick += 7) {
-        const auto truth = ExactSurface("globe").closest(stroke.at(tick).goal, {}, 0);
+        const auto truth = exact.closest(stroke.at(tick).goal, {}, 0);
         const auto pixel = project(globe->scene().camera, truth->point);
         ASSERT_TRUE(pixel);
         ASSERT_NEAR(globe->depth(pixel->x, pixel->y, 0), length(truth->point), 1e-9) << tick;

@@ -24,7 +24,8 @@ from common import globe, png, source
 
 def members_of(kind):
     """Functions, methods and properties that a class defines for programs."""
-    for name, member in vars(kind).items():
+    bases = [base for base in kind.__mro__ if base.__module__.startswith("touchable")]
+    for name, member in [each for base in bases for each in vars(base).items()]:
         if name.startswith("_") and name not in ("__init__",):
             continue
         if isinstance(member, property):
