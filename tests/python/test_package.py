@@ -24,9 +24,9 @@ from common import globe, png, source
 
 def members_of(kind):
     """Functions, methods and properties that a class defines for programs."""
-    bases = [base for base in kind.__mro__ if base.__module__.startswith("touchable")]
-    for name, member in [each for base in bases for each in vars(base).items()]:
-        if name.startswith("_") and name not in ("__init__",):
+    inherited = [base for base in kind.__mro__[1:] if base.__module__.startswith("touchable")]
+    for base, name, member in [(base, *each) for base in [kind, *inherited] for each in vars(base).items()]:
+        if name.startswith("_") and not (base is kind and name == "__init__"):
             continue
         if isinstance(member, property):
             yield f"{kind.__name__}.{name}", member.fget
