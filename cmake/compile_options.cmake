@@ -61,7 +61,7 @@ endfunction()
 
 # touchable_optimise(target release|little). release: sanitizers compile it without optimisation, because its tests
 # are short. little: also Release uses -Og, because it takes long to compile and little time to run, such as a module
-# that reads words: without loops over pixels. The fuzzer, which runs file readers all the time, compiles everything with -O1.
+# that reads words (a file of it that loops over pixels gets -O3 by itself). The fuzzer, which runs file readers all the time, compiles everything with -O1.
 function(touchable_optimise target level)
   if(TOUCHABLE_SANITIZE AND NOT TOUCHABLE_SANITIZE MATCHES "fuzzer")
     target_compile_options(${target} PRIVATE -O0)

@@ -188,8 +188,8 @@ private:
                                       const std::array<bool, 4>& valid) const;
     HapticProperties properties_in(const SurfaceFrame& frame, int x, int y) const;
     HapticProperties vertex_properties(std::int64_t i, std::int64_t j, bool valid) const;
-    /// A vertex between two frames. Not inlined, nor are the solver's other such functions: half of this
-    /// module's compile time went into their copies, which make no tick faster.
+    /// A vertex between two frames. Not inlined, nor are the solver's other such functions: a third of
+    /// this module's compile time went into their copies, which make no tick faster.
     [[gnu::noinline]] FieldVertex between(const FieldVertex& prev, int x, int y) const;
     FieldVertex frame_vertex(const SurfaceFrame& frame, const SurfaceFrame* codes, int x, int y) const;
 
