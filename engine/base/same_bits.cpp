@@ -5,7 +5,6 @@
 #include <xxhash.h>
 #include <cmath>
 #include <limits>
-#include <new>
 
 #include "engine/base/words.hpp"
 
@@ -209,22 +208,20 @@ double logarithm(double x) {
 }
 
 struct ByteHash::State {
-    XXH64_state_t* xxh = XXH64_createState();
-    ~State() { XXH64_freeState(xxh); }
+    XXH64_state_t xxh;
 };
 
 ByteHash::ByteHash() : state_(std::make_unique<State>()) {
-    if (!state_->xxh) throw std::bad_alloc();
-    XXH64_reset(state_->xxh, 0);
+    XXH64_reset(&state_->xxh, 0);
 }
 ByteHash::~ByteHash() = default;
 
 void ByteHash::add(const void* bytes, std::size_t size) {
-    XXH64_update(state_->xxh, bytes, size);
+    XXH64_update(&state_->xxh, bytes, size);
 }
 
 std::uint64_t ByteHash::value() const {
-    return XXH64_digest(state_->xxh);
+    return XXH64_digest(&state_->xxh);
 }
 
 std::string ByteHash::hex() const {

@@ -1,5 +1,8 @@
 #include "engine/base/words.hpp"
 
+#include <locale.h>
+#include <stdlib.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdarg>
@@ -120,6 +123,22 @@ std::string_view cut_part(std::string_view& text, char end) {
     const std::string_view part = text.substr(0, text.find(end));
     text.remove_prefix(std::min(part.size() + 1, text.size()));
     return part;
+}
+
+std::optional<double> parsed_real(std::string_view text) {
+    // What strtod reads beyond a plain number: blanks and a plus before it, hexadecimal digits.
+    const std::string_view digits = text.substr(text.starts_with('-') ? 1 : 0);
+    if (digits.empty() || digits.front() <= ' ' || digits.front() == '+' || digits.front() == '-') return {};
+    if (digits.find_first_of("xX") != std::string_view::npos) return {};
+    static const locale_t with_points = newlocale(LC_ALL_MASK, "C", nullptr);
+    const std::string ended(text);
+    char* end = nullptr;
+    const double value = strtod_l(ended.c_str(), &end, with_points);
+    if (end != ended.c_str() + ended.size()) return {};
+    const char first = digits.front();
+    const bool is_in_digits = is_digit(first) || first == '.';
+    const bool is_lost = std::isinf(value) || (value == 0 && digits.find_first_of("123456789") < digits.find_first_of("eE"));
+    return is_in_digits && is_lost ? std::nullopt : std::optional(value);
 }
 
 std::optional<double> parsed_number(std::string_view text) {

@@ -78,13 +78,19 @@ inline bool is_digits(std::string_view text) {
     return !text.empty() && std::ranges::all_of(text, is_digit);
 }
 
+/// As parsed_as<double>, which is this: C++ libraries for WebAssembly have no from_chars of reals.
+std::optional<double> parsed_real(std::string_view text);
 /// The number of this type that the whole text is, also inf and nan; nullopt: it is none, or out of range.
 template <class Number>
 std::optional<Number> parsed_as(std::string_view text, auto... base) {
-    Number value{};
-    const char* const end = text.data() + text.size();
-    const auto [last, failure] = std::from_chars(text.data(), end, value, base...);
-    return failure == std::errc() && last == end ? std::optional(value) : std::nullopt;
+    if constexpr (std::is_same_v<Number, double>) {
+        return parsed_real(text);
+    } else {
+        Number value{};
+        const char* const end = text.data() + text.size();
+        const auto [last, failure] = std::from_chars(text.data(), end, value, base...);
+        return failure == std::errc() && last == end ? std::optional(value) : std::nullopt;
+    }
 }
 /// The finite number that the whole text is; nullopt: it is none.
 std::optional<double> parsed_number(std::string_view text);

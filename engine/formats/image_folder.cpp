@@ -26,6 +26,7 @@
 #include "engine/formats/video_picture.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/picture/image.hpp"
+#include "engine/scene/plane_memory.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {

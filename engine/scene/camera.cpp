@@ -58,17 +58,15 @@ std::int64_t even_frame(const FrameRate& rate, std::int64_t time_ns) {
 /// anything else.
 std::optional<std::vector<double>> numbers_of_line(std::string_view line, std::size_t most) {
     std::vector<double> numbers;
-    const char *at = line.data(), *const end = at + line.size();
-    const auto is_between = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == ','; };
+    constexpr std::string_view between = " \t\r,";
     while (numbers.size() <= most) {
-        while (at < end && is_between(*at)) ++at;
-        if (at == end) return numbers;
-        double number = 0;
-        const auto [after, failure] = std::from_chars(at, end, number);
-        if (failure != std::errc() || !std::isfinite(number) || (after < end && !is_between(*after)))
-            return {};
-        numbers.push_back(number);
-        at = after;
+        line = line.substr(std::min(line.find_first_not_of(between), line.size()));
+        if (line.empty()) return numbers;
+        const std::string_view word = line.substr(0, line.find_first_of(between));
+        const auto number = parsed_number(word);
+        if (!number) return {};
+        numbers.push_back(*number);
+        line.remove_prefix(word.size());
     }
     return {};
 }
@@ -198,7 +196,7 @@ double CameraPath::length() const {
 
 CameraPath CameraPath::part(std::int64_t first, std::optional<std::int64_t> last, std::int64_t every) const {
     CameraPath part;
-    const std::int64_t end = std::min(std::ssize(poses), last ? *last + 1 : std::ssize(poses));
+    const std::int64_t all = std::ssize(poses), end = last ? std::min(all, *last + 1) : all;
     for (std::int64_t frame = first; frame < end; frame += every)
         part.poses.push_back(poses[static_cast<std::size_t>(frame)]);
     return part;

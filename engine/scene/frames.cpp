@@ -1,9 +1,6 @@
 #include "engine/scene/frames.hpp"
 
 #include <limits>
-#include <new>
-
-#include "engine/scene/plane_memory.hpp"
 
 namespace touchable {
 
@@ -31,34 +28,6 @@ void copy_codes(const PlaneView& plane, std::vector<std::uint16_t>& out) {
 std::uint64_t new_content_number() {
     static std::atomic<std::uint64_t> last{0};
     return ++last;
-}
-
-RawFrame kept_frame(const RawFrame& frame) {
-    if (frame.storage) return frame;
-    RawFrame kept = frame;
-    std::size_t bytes = 0;
-    PlaneView* const planes[] = {&kept.depth, &kept.colour, &kept.haptic, &kept.height};
-    const auto stride = [](const PlaneView& plane) {
-        return aligned_bytes(plane.row_bytes(), plane_row_alignment);
-    };
-    const auto room = [&](const PlaneView& plane) {
-        return aligned_bytes(stride(plane) * static_cast<std::size_t>(plane.height), plane_alignment);
-    };
-    for (const PlaneView* plane : planes)
-        if (!plane->empty()) bytes += room(*plane);
-    const auto storage = take_plane_memory(bytes);
-    if (!storage) throw std::bad_alloc();
-    std::uint8_t* to = storage.get();
-    for (PlaneView* plane : planes) {
-        if (plane->empty()) continue;
-        const PlaneView from = *plane;
-        plane->data = to;
-        plane->stride = static_cast<std::ptrdiff_t>(stride(from));
-        from.copy_rows(to, stride(from));
-        to += room(from);
-    }
-    kept.storage = storage;
-    return kept;
 }
 
 bool same_form(const PlaneView& a, const PlaneView& b) {

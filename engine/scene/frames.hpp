@@ -117,9 +117,6 @@ struct RawFrame {
     };
 };
 
-/// A frame that outlives the call that gave it: the same if its storage keeps its planes, otherwise a copy.
-RawFrame kept_frame(const RawFrame& frame);
-
 /// True if samples of both planes can be compared byte by byte, or both are empty.
 bool same_form(const PlaneView& a, const PlaneView& b);
 /// True if both planes have the same form and samples, or both are empty. Stops at the first row that

@@ -174,4 +174,32 @@ std::shared_ptr<const PlaneBlock> plane_block_of(const void* data, std::size_t b
     return pool().leased_block(static_cast<const std::uint8_t*>(data), bytes);
 }
 
+RawFrame kept_frame(const RawFrame& frame) {
+    if (frame.storage) return frame;
+    RawFrame kept = frame;
+    std::size_t bytes = 0;
+    PlaneView* const planes[] = {&kept.depth, &kept.colour, &kept.haptic, &kept.height};
+    const auto stride = [](const PlaneView& plane) {
+        return aligned_bytes(plane.row_bytes(), plane_row_alignment);
+    };
+    const auto room = [&](const PlaneView& plane) {
+        return aligned_bytes(stride(plane) * static_cast<std::size_t>(plane.height), plane_alignment);
+    };
+    for (const PlaneView* plane : planes)
+        if (!plane->empty()) bytes += room(*plane);
+    const auto storage = take_plane_memory(bytes);
+    if (!storage) throw std::bad_alloc();
+    std::uint8_t* to = storage.get();
+    for (PlaneView* plane : planes) {
+        if (plane->empty()) continue;
+        const PlaneView from = *plane;
+        plane->data = to;
+        plane->stride = static_cast<std::ptrdiff_t>(stride(from));
+        from.copy_rows(to, stride(from));
+        to += room(from);
+    }
+    kept.storage = storage;
+    return kept;
+}
+
 }  // namespace touchable

@@ -19,6 +19,7 @@
 #include <memory>
 
 #include "engine/base/result.hpp"
+#include "engine/scene/frames.hpp"
 
 namespace touchable {
 
@@ -63,5 +64,8 @@ std::shared_ptr<std::uint8_t> take_plane_memory(std::size_t bytes, PlaneContent 
 /// The leased block that all these bytes lie in; null for other memory. Holding the block keeps its pages
 /// mapped; only the plane's own storage keeps the samples.
 std::shared_ptr<const PlaneBlock> plane_block_of(const void* data, std::size_t bytes);
+
+/// A frame that outlives the call that gave it: the same if its storage keeps its planes, otherwise a copy.
+RawFrame kept_frame(const RawFrame& frame);
 
 }  // namespace touchable
