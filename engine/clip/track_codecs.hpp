@@ -9,6 +9,7 @@
 #include <span>
 
 #include "engine/base/result.hpp"
+#include "engine/clip/rank_samples.hpp"
 #include "engine/clip/tracks.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/scene/frames.hpp"
@@ -45,57 +46,18 @@ bool is_coded_without_loss(const AVCodecParameters& stored);
 /// The FourCC of our own codec in containers: FFmpeg has no number for it.
 inline constexpr std::uint32_t rank_zstd_tag = MKTAG('T', '3', 'D', '2');
 
-// A lossless coding of grey pictures of two bytes a sample, each on its own. A packet of the second version:
-//
-//   byte 0     its mode: 0 samples by gradient, 1 ranks by left, 2 ranks by gradient
-//   bytes 1-2  only of ranks: how many distinct values the picture has, less 1; the low byte first
-//   the rest   one frame of zstd that states its size, of
-//                only of ranks: the distinct values from the smallest up, of each how much it is beyond the
-//                next possible one (of the first: beyond 0), as bytes: first all low ones, then all high ones
-//                of each sample a code, row after row, as bytes: all low ones, then all high ones
-//
-// A code is made of a value: of the sample itself, or of its rank, which is its place among the distinct
-// values, from 0. The value is predicted, either by the one to its left, which before the first of a row is
-// the one above, or by the gradient of its neighbours, left + above - above left. Those outside the picture
-// are 0. The difference d from what is predicted, modulo 65536 within -32768..32767, becomes the code 2d, or
-// -2d - 1 where it is negative.
-//
-// A camera that measures in millimetres has few distinct values in a picture, fewer with distance; so do
-// values stretched to more bits. A packet of the first version is the frame of mode 0, with nothing before
-// it.
-
-/// The modes of the second version, by their numbers.
-enum class RankZstdMode : std::uint8_t { samples_by_gradient, ranks_by_left, ranks_by_gradient };
-
-/// Encodes the second version, at a level of zstd.
-class RankZstdEncoder {
+/// The coding of rank_samples.hpp, its content compressed by zstd, in one frame that states its size. A packet
+/// of the first version is the frame of mode 0, with no head before it.
+class RankZstdEncoder : public RankEncoder {
 public:
     static constexpr int quick = 1, thrifty = 19;
-    explicit RankZstdEncoder(int level = quick) : level_(level) {}
-
-    /// The packet of a picture, valid until the next call; empty if memory runs out. With `choose` every mode
-    /// is tried and the smallest packet taken, one of ranks, which takes longer to decode, only if it saves a
-    /// 64th. Otherwise the last choice stands, unless packets have grown by a 16th since.
-    std::span<const std::uint8_t> encode(const PlaneView& plane, bool choose);
+    explicit RankZstdEncoder(int level = quick)
+        : RankEncoder([this, level](auto from, auto to) { return compressed(from, to, level); }) {}
 
 private:
-    struct Packet {
-        std::vector<std::uint8_t> memory;
-        std::size_t size = 0;
-    };
-    void take_samples(const PlaneView& plane);
-    void find_ranks();
-    bool pack(RankZstdMode mode);
+    std::size_t compressed(std::span<const std::uint8_t> from, std::span<std::uint8_t> to, int level);
 
-    int level_;
     std::unique_ptr<ZSTD_CCtx, ReleasedBy<ZSTD_freeCCtx>> context_;
-    int width_ = 0;
-    std::vector<std::uint16_t> samples_, distinct_, ranks_;
-    std::vector<std::uint16_t> rank_of_;  // by sample
-    std::vector<std::uint8_t> bytes_;     // to be compressed
-    Packet newest_, chosen_;
-    std::optional<RankZstdMode> mode_;  // chosen when packets had `size_then_` bytes
-    std::size_t size_then_ = 0;
 };
 
 class RankZstdDecoder {
@@ -114,7 +76,6 @@ private:
     Version version_;
     std::unique_ptr<ZSTD_DCtx, ReleasedBy<ZSTD_freeDCtx>> context_;
     std::vector<std::uint8_t> bytes_;
-    std::vector<std::uint16_t> distinct_;
 };
 
 }  // namespace touchable

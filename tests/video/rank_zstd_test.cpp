@@ -10,11 +10,11 @@
 namespace touchable::test {
 namespace {
 
-using enum RankZstdMode;
+using enum RankMode;
 using Version = RankZstdDecoder::Version;
 using Wide = std::vector<std::uint16_t>;
 
-constexpr RankZstdMode all_modes[] = {samples_by_gradient, ranks_by_left, ranks_by_gradient};
+constexpr RankMode all_modes[] = {samples_by_gradient, ranks_by_left, ranks_by_gradient};
 constexpr int sizes[][2] = {{1, 1}, {1, 9}, {9, 1}, {2, 2}, {53, 37}, {300, 200}};
 
 // The format once more, as plainly as it can be said: engine/clip/track_codecs.hpp.
@@ -66,7 +66,7 @@ struct Parts {
     Samples packet() const { return joined(head, compressed(content)); }
 };
 
-Parts plain_parts(const PlaneView& plane, RankZstdMode mode) {
+Parts plain_parts(const PlaneView& plane, RankMode mode) {
     const std::vector<int> values = values_of(plane);
     const auto number = static_cast<std::uint8_t>(mode);
     if (mode == samples_by_gradient) return {{number}, plain_codes(values, plane.width, false)};
@@ -183,7 +183,7 @@ TEST(RankZstd, ReadsClipOfFirstVersion) {
 struct Picture {
     const char* name;
     int (*sample)(int x, int y, Random& numbers);
-    std::optional<RankZstdMode> smallest;
+    std::optional<RankMode> smallest;
 };
 constexpr Picture pictures[] = {
     {"slope", [](int x, int y, Random&) { return 1000 + 3 * x + 2 * y + x * y / 50; }, samples_by_gradient},
@@ -218,7 +218,7 @@ TEST(RankZstd, EncodesAsDefined) {
             const Wide samples = samples_of(picture, width, height);
             const PlaneView plane = view_of(samples, width, height);
             const Samples packet = packet_of(plane);
-            const auto mode = static_cast<RankZstdMode>(packet.at(0));
+            const auto mode = static_cast<RankMode>(packet.at(0));
             const Parts expected = plain_parts(plane, mode);
             ASSERT_EQ(Samples(packet.begin(), packet.begin() + std::ssize(expected.head)), expected.head);
             const auto frame = std::span(packet).subspan(expected.head.size());
@@ -235,12 +235,12 @@ TEST(RankZstd, ChoosesSmallestMode) {
         const Wide samples = samples_of(picture, 300, 200);
         const PlaneView plane = view_of(samples, 300, 200);
         std::size_t least_ranked = SIZE_MAX;
-        for (const RankZstdMode mode : {ranks_by_left, ranks_by_gradient})
+        for (const RankMode mode : {ranks_by_left, ranks_by_gradient})
             least_ranked = std::min(least_ranked, plain_parts(plane, mode).packet().size());
         const std::size_t plain = plain_parts(plane, samples_by_gradient).packet().size();
         const Samples packet = packet_of(plane);
         EXPECT_EQ(packet.size(), least_ranked + plain / 64 < plain ? least_ranked : plain) << picture.name;
-        const auto mode = static_cast<RankZstdMode>(packet.at(0));
+        const auto mode = static_cast<RankMode>(packet.at(0));
         EXPECT_EQ(mode, picture.smallest.value_or(mode)) << picture.name;
     }
 }
@@ -251,7 +251,7 @@ TEST(RankZstd, KeepsModeUntilPacketsGrow) {
                noise = samples_of(pictures[4], width, height);
     RankZstdEncoder encoder;
     const auto mode_of = [&](const Wide& samples, bool choose) {
-        return static_cast<RankZstdMode>(encoder.encode(view_of(samples, width, height), choose)[0]);
+        return static_cast<RankMode>(encoder.encode(view_of(samples, width, height), choose)[0]);
     };
     EXPECT_EQ(mode_of(few, false), ranks_by_left) << "the first is chosen for in any case";
     Wide other = few;
@@ -281,7 +281,7 @@ TEST(RankZstd, RoundTripsEveryMode) {
             Wide samples;
             ASSERT_TRUE(decodes(decoder, packet_of(plane), width, height, samples));
             EXPECT_EQ(samples, expected) << width << "x" << height;
-            for (const RankZstdMode mode : all_modes) {
+            for (const RankMode mode : all_modes) {
                 ASSERT_TRUE(decodes(decoder, plain_parts(plane, mode).packet(), width, height, samples));
                 EXPECT_EQ(samples, expected) << width << "x" << height;
             }
@@ -295,7 +295,7 @@ TEST(RankZstd, RoundTripsAllValues) {
     Wide all(65536);
     for (std::size_t n = 0; n < all.size(); ++n) all[n] = static_cast<std::uint16_t>(n * 40503);
     RankZstdDecoder decoder(Version::second);
-    for (const RankZstdMode mode : all_modes) {
+    for (const RankMode mode : all_modes) {
         Wide samples;
         const Parts parts = plain_parts(view_of(all, 256, 256), mode);
         ASSERT_TRUE(decodes(decoder, parts.packet(), 256, 256, samples));
@@ -306,7 +306,7 @@ TEST(RankZstd, RoundTripsAllValues) {
 TEST(RankZstd, RejectsOtherSizes) {
     Samples memory;
     const PlaneView plane = test_plane(memory, 24, 16, 2, 1, 99, 1, true);
-    for (const RankZstdMode mode : all_modes) {
+    for (const RankMode mode : all_modes) {
         const Parts parts = plain_parts(plane, mode);
         const Samples packet = parts.packet(), twice = joined(packet, compressed(parts.content));
         Samples unsized(1000);  // a frame that does not say what it holds
