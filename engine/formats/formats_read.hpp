@@ -89,6 +89,12 @@ Result<GuessedScene> guess_picture(const SourceFile& file, const SourceDescripti
 Opened open_image_folder(const std::filesystem::path& folder, const GuessedScene& described, Colour colour,
                          DepthAlignment alignment);
 
+// packed_clip.cpp
+
+/// Whether a file is the clip.json of a packed clip, by its first bytes.
+bool is_packed_clip(const SourceFile& file);
+Opened open_packed_clip(const Candidate& candidate);
+
 // video_clip.cpp
 
 /// Guesses the scene of a video by its first picture: LeRobot's depth; Record3D's export (hue on the left,

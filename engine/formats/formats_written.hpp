@@ -58,6 +58,34 @@ Result<std::unique_ptr<ClipWriter>> create_gltf_clip(const std::filesystem::path
                                                      const std::optional<SoundPart>& sound = {});
 std::vector<std::filesystem::path> gltf_clip_files(const std::filesystem::path& path, bool is_still);
 
+/// A clip for pages in browsers (docs/web.md): clip.json, with its scene also as numbers, and for each plane
+/// one file of packets, the planes that are felt to the bit, colour as JPEG. `described` leaves nothing open.
+/// `page`: files that are copied beside it. In `folder` files of these names are replaced only if `existing`
+/// says so; others stay.
+Result<std::unique_ptr<ClipWriter>> create_packed_clip(const std::filesystem::path& folder,
+                                                       const SceneDescription& described,
+                                                       const std::vector<std::filesystem::path>& page,
+                                                       Existing existing);
+/// The files of create_packed_clip, without the page's.
+std::vector<std::filesystem::path> packed_clip_files(const std::filesystem::path& folder);
+
+/// Packs frames for a page, one after the other, by PlaneRole: empty where a plane is that of the frame
+/// before, or there is none.
+class FramePacker {
+public:
+    FramePacker();
+    ~FramePacker();
+    Result<std::array<std::string, all_roles.size()>> pack(const RawFrame& frame);
+
+private:
+    struct Encoders;
+    std::unique_ptr<Encoders> encoders_;
+    RawFrame before_;
+};
+/// clip.json of a live source, whose frames a page gets from `live`, an address beside it (docs/web.md).
+std::string packed_live_json(const SceneDescription& described, const RawFrame& first,
+                             const std::string& live);
+
 /// A depth video as LeRobot writes it: MP4 with lossless 12-bit HEVC, depth alone. A file beside it states
 /// the coding, as "features" of a data set's meta/info.json do, and the camera. `scene`: LeRobotCodes::scene.
 Result<std::unique_ptr<ClipWriter>> create_lerobot_video(const std::filesystem::path& path,

@@ -149,6 +149,8 @@ Result<Candidate> find_in_folder(const fs::path& folder, const OpenSettings& wan
             own.string() + ": describes these pictures: leave camera, unit, preset and kind of depth out",
             of_bare_pictures());
     if (has_own) return find_described(folder, true, own, wanted);
+    if (const fs::path packed = folder / "clip.json"; is_file(packed) && is_packed_clip(packed))
+        return Candidate{packed, {}, {}, wanted};
     TRY_ASSIGN(auto only, lerobot_video_in(folder));
     if (!only) TRY(assign(only, recording_in(folder)));
     return only ? Candidate{*only, {}, {}, wanted} : Candidate{folder, folder, {}, wanted};
@@ -157,7 +159,8 @@ Result<Candidate> find_in_folder(const fs::path& folder, const OpenSettings& wan
 Result<Candidate> find_clip(const fs::path& path, const std::optional<fs::path>& scene_file,
                             const OpenSettings& wanted) {
     TRY_ASSIGN(const bool is_folder, leads_to_folder(path));
-    const bool is_known = wanted.is_known(), is_scene = !is_folder && is_scene_file(path);
+    const bool is_known = wanted.is_known(),
+               is_scene = !is_folder && is_scene_file(path) && !is_packed_clip(path);
     if (is_known && scene_file)
         return usage_error(
             path.string() + ": a scene file describes it: leave camera, unit, preset and kind of depth out",
@@ -198,6 +201,7 @@ bool is_mpeg4(const Candidate& candidate) {
            is_mp4_clip(candidate.source, candidate.scene || candidate.wanted.is_known());
 }
 constexpr auto is_stream_file = [](const Candidate& one) { return is_saved_stream(one.source); };
+constexpr auto is_packed = [](const Candidate& one) { return !one.folder && is_packed_clip(one.source); };
 constexpr auto is_any_picture = [](const Candidate& one) { return !picture_kind(one.begin).empty(); };
 constexpr auto is_cloud_file = [](const Candidate& one) { return is_organised_cloud(one.source); };
 constexpr auto is_ros_recording = [](const Candidate& one) { return is_recording_of_ros(one.begin); };
@@ -322,6 +326,8 @@ const Format formats[] = {
      "a touchable clip in MP4, as its MPEG-4 scene describes it", "touchable play clip.mp4"},
     {FileKind::clip, is_stream_file, nullptr, open_whole<open_saved_stream>,
      "a stream of touchable serve that was saved to a file (MPEG-TS)", "touchable play stream.ts"},
+    {FileKind::clip, is_packed, nullptr, open_packed_clip,
+     "a clip packed for web pages (touchable convert CLIP FOLDER --web)", "touchable play folder/clip.json"},
     {FileKind::text, is_scene_text, nullptr, open_scene_text,
      "the text of an MPEG-4 scene, beside the pictures that it names", "touchable play scene.bt"},
     {FileKind::clip, is_gltf, nullptr, open_gltf_clip,

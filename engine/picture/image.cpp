@@ -155,9 +155,11 @@ Result<std::string> with_short_palette(std::string png, std::size_t count) {
     return png;
 }
 
-Result<std::string> encode_png(const AVFrame& frame, PngEffort effort) {
-    const AVCodec* codec = avcodec_find_encoder(AV_CODEC_ID_PNG);
-    if (!codec) return internal_error("this FFmpeg has no PNG encoder");
+/// One picture by an encoder of FFmpeg, which `set` sets up.
+Result<std::string> encode_picture(AVCodecID id, const AVFrame& frame,
+                                   const std::function<void(AVCodecContext&, AVDictionary*&)>& set) {
+    const AVCodec* codec = avcodec_find_encoder(id);
+    if (!codec) return internal_error(std::string("this FFmpeg has no encoder of ") + avcodec_get_name(id));
     CodecPtr encoder(avcodec_alloc_context3(codec));
     PacketPtr packet(av_packet_alloc());
     if (!encoder || !packet) return memory_error();
@@ -165,22 +167,29 @@ Result<std::string> encode_png(const AVFrame& frame, PngEffort effort) {
     encoder->height = frame.height;
     encoder->pix_fmt = static_cast<AVPixelFormat>(frame.format);
     encoder->time_base = {1, 1};
-    // Without it FFmpeg writes pHYs of 0:1, an invalid shape.
-    encoder->sample_aspect_ratio = {1, 1};
     encoder->thread_count = 1;
     encoder->flags |= AV_CODEC_FLAG_BITEXACT;
-    const bool quick = effort == PngEffort::quick;
-    if (quick) encoder->compression_level = 3;
     AVDictionary* options = nullptr;
-    const bool is_indexed = frame.format == AV_PIX_FMT_PAL8;  // no index predicts the next
-    av_dict_set(&options, "pred", is_indexed ? "none" : quick ? "up" : "mixed", 0);
+    set(*encoder, options);
     int status = avcodec_open2(encoder.get(), codec, &options);
     av_dict_free(&options);
     if (status >= 0) status = avcodec_send_frame(encoder.get(), &frame);
     if (status >= 0) status = avcodec_send_frame(encoder.get(), nullptr);
     if (status >= 0) status = avcodec_receive_packet(encoder.get(), packet.get());
-    if (status < 0) return internal_error("PNG encoder: " + ffmpeg_text(status));
+    if (status < 0)
+        return internal_error(std::string("encoder of ") + avcodec_get_name(id) + ": " + ffmpeg_text(status));
     return std::string(reinterpret_cast<const char*>(packet->data), static_cast<std::size_t>(packet->size));
+}
+
+Result<std::string> encode_png(const AVFrame& frame, PngEffort effort) {
+    return encode_picture(AV_CODEC_ID_PNG, frame, [&](AVCodecContext& encoder, AVDictionary*& options) {
+        // Without it FFmpeg writes pHYs of 0:1, an invalid shape.
+        encoder.sample_aspect_ratio = {1, 1};
+        const bool quick = effort == PngEffort::quick;
+        if (quick) encoder.compression_level = 3;
+        const bool is_indexed = frame.format == AV_PIX_FMT_PAL8;  // no index predicts the next
+        av_dict_set(&options, "pred", is_indexed ? "none" : quick ? "up" : "mixed", 0);
+    });
 }
 
 }  // namespace
@@ -319,6 +328,24 @@ Result<std::string> png_bytes(const PlaneView& image, PngEffort effort, PngColou
     TRY_ASSIGN(const auto frame, few.empty() ? png_input(image) : indexed_input(image, few));
     auto png = encode_png(*frame, effort);
     return few.empty() || !png ? png : with_short_palette(std::move(*png), few.size());
+}
+
+Result<std::string> jpeg_bytes(const PlaneView& image) {
+    silence_ffmpeg();
+    const int width = image.width, height = image.height;
+    const FramePtr frame = blank_picture(AV_PIX_FMT_YUVJ420P, width, height);
+    const ScalerPtr scaler(sws_getContext(width, height, AV_PIX_FMT_RGB24, width, height, AV_PIX_FMT_YUVJ420P,
+                                          SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT, nullptr,
+                                          nullptr, nullptr));
+    if (!frame || !scaler) return memory_error();
+    const int stride = static_cast<int>(image.stride);
+    sws_scale(scaler.get(), &image.data, &stride, 0, height, frame->data, frame->linesize);
+    constexpr int quality = 3;  // of 1, the best, to 31
+    frame->quality = quality * FF_QP2LAMBDA;
+    return encode_picture(AV_CODEC_ID_MJPEG, *frame, [](AVCodecContext& encoder, AVDictionary*&) {
+        encoder.flags |= AV_CODEC_FLAG_QSCALE;
+        encoder.global_quality = quality * FF_QP2LAMBDA;
+    });
 }
 
 }  // namespace touchable

@@ -133,6 +133,9 @@ Result<Image> decode_indices(std::string_view bytes, const std::string& where);
 /// A PNG file's bytes: grey of 8 or 16 bits, or RGB of 8. Every value is kept.
 Result<std::string> png_bytes(const PlaneView& image, PngEffort effort, PngColours colours = PngColours::rgb);
 
+/// A JPEG file's bytes, of RGB of 8 bits: good enough to look at.
+Result<std::string> jpeg_bytes(const PlaneView& image);
+
 bool is_exr(std::string_view begin);
 
 /// Decodes depth: channel Z or depth of the first part that has one, else Y or R, or the only one

@@ -592,6 +592,18 @@ Result<void> validate(const SceneDescription& described);
 /// Errors name no file: a camera that was neither stated nor found, and what `validate` refuses.
 Result<Scene> settle(const SceneDescription& described, const SceneDescription::FoundInClip& found);
 
+/// A scene as numbers, for programs without a reader of scene files: every member on which forces depend,
+/// except the frames' own times. Always the same names, in the same order; NaN: an optional member without a
+/// value.
+struct SceneNumber {
+    std::string name;
+    double value = 0;
+};
+std::vector<SceneNumber> numbers_of(const Scene& scene);
+/// The scene of these numbers, without names, times, lens and remarks. Refuses (ErrorKind::input) other
+/// counts, and what `validate` refuses, by name.
+Result<Scene> scene_of_numbers(std::span<const double> numbers);
+
 inline constexpr int scene_format_version = 1;
 
 /// Reads and validates a scene file: JSON (docs/scene_file.md). `where` names the text in messages.

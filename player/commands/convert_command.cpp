@@ -102,6 +102,9 @@ Result<ConvertOptions> read_words(const ConvertTyped& typed) {
         return usage_error("--lerobot is for NAME.mp4" +
                            std::string(options.still ? ", without --still" : ""));
     if (options.lerobot) options.form = ClipForm::lerobot;
+    if (options.web && options.form != ClipForm::folder)
+        return usage_error("--web is for a folder: a name without a dot, or with / at its end");
+    if (options.web) options.form = ClipForm::web;
     TRY(refuse_idle_options(read));
     TRY_ASSIGN(options.clip, read_clip(typed.clip));
     if (typed.from) TRY(assign(options.from, read_moment("--from", *typed.from)));
@@ -223,6 +226,10 @@ void add_convert_command(CLI::App& app, Command& command) {
         "--lerobot", options.lerobot,
         "write NAME.mp4 with depth alone, as LeRobot stores it (HEVC, 12 bits). NAME.info.json gets "
         "the entry for a data set's meta/info.json");
+    sub->add_flag(
+        "--web", options.web,
+        "write a folder with a page in which browsers show the clip and let people touch it, for any "
+        "web server");
     begin_topic(*sub, "Part");
     sub->add_option("--from", typed->from, "first frame: its number, from 0, or seconds such as 1.5s")
         ->type_name("N|SECONDS");

@@ -35,6 +35,7 @@ enum class ClipForm {
     scene_text,  ///< NAME.bt: one frame, a static scene as in the paper
     mp4_still,   ///< NAME.mp4 with --still: the same scene in one file
     gltf,        ///< NAME.gltf
+    web,         ///< a folder, with --web: a page and its clip
     lerobot      ///< NAME.mp4 with --lerobot: depth as stored by LeRobot
 };
 inline bool is_one_frame(ClipForm form) {
@@ -57,6 +58,7 @@ struct ConvertOptions {
     std::vector<PlaneRole> made{};  ///< planes made by `content`; others are copied if possible
     bool still = false;             ///< --still: NAME.mp4 is a static scene
     bool lerobot = false;           ///< --lerobot: NAME.mp4 is LeRobot's video of depth
+    bool web = false;               ///< --web: the folder is a page
     bool allow_lossy = false;       ///< values of touch planes may change
 };
 

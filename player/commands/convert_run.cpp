@@ -171,6 +171,15 @@ bool is_one_of(const ConvertOptions& options, const ClipReader& clip) {
     return part.first + part.every > last;
 }
 
+/// The files of the page, which lie where the program finds them; none if it was built without.
+std::vector<fs::path> page_files() {
+    std::vector<fs::path> files;
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(folder_from_program(TOUCHABLE_WEB_FROM_PROGRAM), ignored))
+        if (entry.is_regular_file(ignored)) files.push_back(entry.path());
+    return files;
+}
+
 Result<void> check_places(const ConvertOptions& options, const ClipReader& reader) {
     const std::vector<NamedFile> inputs = inputs_of(options.clip, reader);
     if (options.form == ClipForm::folder) return check_folder(options, inputs);
@@ -183,6 +192,10 @@ Result<void> check_places(const ConvertOptions& options, const ClipReader& reade
     if (options.form == ClipForm::gltf)
         for (const fs::path& file : gltf_clip_files(options.out, is_one_of(options, reader)))
             outputs.push_back({"OUT", file});
+    if (options.form == ClipForm::web) {
+        for (const fs::path& file : packed_clip_files(options.out)) outputs.push_back({"OUT", file});
+        for (const fs::path& file : page_files()) outputs.push_back({"OUT", options.out / file.filename()});
+    }
     return check_outputs({outputs, options.existing}, inputs);
 }
 
@@ -253,7 +266,7 @@ std::string report_of_conversion(const ConvertOptions& options, const Converted&
                                (*role == PlaneRole::haptic && touchable::is_still(scene.folder->haptic)) ||
                                (*role == PlaneRole::height && touchable::is_still(scene.folder->height)));
         text += line(track.role, loss_in_words(*role, done.losses[static_cast<std::size_t>(*role)], resized,
-                                               !options.content) +
+                                               !options.content && options.form != ClipForm::web) +
                                      " (" + track.codec + (is_still ? ", one picture for all frames)" : ")"));
     }
     if (!done.sound.empty()) text += line("sound", done.sound);
@@ -262,6 +275,12 @@ std::string report_of_conversion(const ConvertOptions& options, const Converted&
         text += line("scene", files_beside(options, done));
     if (options.form == ClipForm::lerobot) text += line("scene", beside_lerobot_video(options));
     if (options.form == ClipForm::gltf) text += line("scene", files_of_scene(options, done));
+    if (options.form == ClipForm::web)
+        text += line("page", page_files().empty()
+                                 ? "left out: this program was built without it (./run web builds it)"
+                                 : "index.html; put the folder on any web server, or python3 -m http.server "
+                                   "--directory " +
+                                       shell_word(options.out.string()));
     for (const std::string& note : done.notes) text += line("note", note);
     return text;
 }
@@ -283,7 +302,12 @@ public:
         is_stream_ = !clip->frame_count() && !fs::is_regular_file(options_.clip.file, ignored);
         part_ = part_of(options_, *clip);
         from_ns_ = clip->scene().rate.time_ns(part_.first);
-        TRY_ASSIGN(source_, part_of_clip(std::move(clip), part_));
+        TRY_ASSIGN(auto part, part_of_clip(std::move(clip), part_));
+        if (options_.form == ClipForm::web) {
+            filtered_ = part->scene();
+            TRY(settle_filters(part, part->unstated_filters(), *filtered_));
+        }
+        source_ = std::move(part);
         if (options_.form == ClipForm::lerobot) {
             const Scene& scene = source_->scene();
             codes_.emplace(options_.size ? resized_scene(scene, options_.size->width, options_.size->height)
@@ -397,6 +421,10 @@ private:
         if (options_.size)
             described.scene = resized_scene(described.scene, options_.size->width, options_.size->height);
         if (codes_) described = codes_->scene();
+        if (filtered_) {
+            described.scene.filter = filtered_->filter;
+            described.unstated.filters = {};
+        }
         done_.scene = described.scene;
         say_what_mpeg4_cannot(described.scene);
         TRY_ASSIGN(writer_, [&]() -> Result<std::unique_ptr<ClipWriter>> {
@@ -410,6 +438,8 @@ private:
                     return create_scene_text(options_.out, described, options_.existing);
                 case ClipForm::mp4_still:
                     return create_mp4_stills(options_.out, described, options_.existing);
+                case ClipForm::web:
+                    return create_packed_clip(options_.out, described, page_files(), options_.existing);
                 case ClipForm::lerobot:
                     return create_lerobot_video(options_.out, described.scene, options_.existing);
                 case ClipForm::archive:
@@ -551,6 +581,7 @@ private:
     std::vector<FrameMark> marks_;       // of the frames as readers will get them
     std::optional<Stroke> stroke_;       // over the source, if its size or codes change
     std::optional<LeRobotCodes> codes_;  // for a video for LeRobot
+    std::optional<Scene> filtered_;      // for a page: with all filters settled
     Converted done_;
 };
 

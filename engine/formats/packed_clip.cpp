@@ -1,0 +1,388 @@
+// Clips packed for pages in browsers (docs/web.md): samples as rank_samples.hpp codes them, under deflate, which a
+// browser inflates by itself; a picture is stored once, however many frames show it.
+#include <zlib.h>
+
+#include <fstream>
+
+#include "engine/base/threads.hpp"
+#include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
+#include "engine/clip/rank_samples.hpp"
+#include "engine/formats/formats_read.hpp"
+#include "engine/formats/formats_written.hpp"
+#include "engine/formats/stored_clip.hpp"
+#include "engine/picture/image.hpp"
+#include "engine/scene/checked_json.hpp"
+#include "engine/scene/plane_memory.hpp"
+
+namespace touchable {
+namespace {
+
+namespace fs = std::filesystem;
+using Ordered = nlohmann::ordered_json;
+
+constexpr const char* clip_name = "clip.json";
+constexpr const char* version_key = "touchable_packed";
+constexpr std::size_t largest_text = std::size_t{64} << 20;
+constexpr std::int64_t most_frames = 1'000'000;
+
+std::size_t place(PlaneRole role) {
+    return static_cast<std::size_t>(role);
+}
+std::string file_of(PlaneRole role) {
+    return std::string(role_name(role)) + ".bin";
+}
+
+/// A plane's samples of two bytes; of several channels one picture below the other.
+std::vector<std::uint16_t> samples_of(const PlaneView& plane) {
+    std::vector<std::uint16_t> samples;
+    samples.reserve(pixel_count(plane.width, plane.height * plane.channels));
+    for (int channel = 0; channel < plane.channels; ++channel)
+        for (int y = 0; y < plane.height; ++y)
+            for (int x = 0; x < plane.width; ++x) samples.push_back(plane.sample(x, y, channel));
+    return samples;
+}
+
+/// `bytes` of deflate without a header; 0: it failed.
+std::size_t deflated(std::span<const std::uint8_t> from, std::span<std::uint8_t> to) {
+    constexpr int window_bits = -15, memory = 9;
+    z_stream stream{};
+    if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, window_bits, memory, Z_DEFAULT_STRATEGY) != Z_OK)
+        return 0;
+    stream.next_in = const_cast<std::uint8_t*>(from.data());
+    stream.avail_in = static_cast<uInt>(from.size());
+    stream.next_out = to.data();
+    stream.avail_out = static_cast<uInt>(to.size());
+    const bool is_whole = deflate(&stream, Z_FINISH) == Z_STREAM_END;
+    deflateEnd(&stream);
+    return is_whole ? stream.total_out : 0;
+}
+
+/// Whether `from` inflates to exactly as many bytes as `to` has.
+bool inflates(std::string_view from, std::span<std::uint8_t> to) {
+    z_stream stream{};
+    if (inflateInit2(&stream, -15) != Z_OK) return false;
+    stream.next_in = reinterpret_cast<std::uint8_t*>(const_cast<char*>(from.data()));
+    stream.avail_in = static_cast<uInt>(from.size());
+    stream.next_out = to.data();
+    stream.avail_out = static_cast<uInt>(to.size());
+    const bool is_whole = inflate(&stream, Z_FINISH) == Z_STREAM_END && stream.total_out == to.size();
+    inflateEnd(&stream);
+    return is_whole;
+}
+
+/// The members of clip.json that a live source has, too. `numbers` are the scene's once more, by name.
+Ordered json_of(const SceneDescription& described, const RawFrame& first) {
+    SceneDescription pictures = described;
+    pictures.scene.folder.reset();
+    pictures.scene.video.reset();
+    pictures.scene.stored = {};  // codes
+    Ordered json{{version_key, 1}, {"name", described.scene.name}};
+    for (const Remark& remark : described.scene.remarks) json["remarks"].push_back(remark.what);
+    json["scene"] = Ordered::parse(scene_to_json(pictures));
+    for (const SceneNumber& number : numbers_of(described.scene))
+        json["numbers"][number.name] = std::isnan(number.value) ? Ordered() : Ordered(number.value);
+    for (const PlaneRole role : all_roles) {
+        const PlaneView& plane = plane_of(first, role);
+        if (plane.empty()) continue;
+        Ordered& of = json["planes"][std::string(role_name(role))];
+        of = {{"file", file_of(role)}};
+        if (role == PlaneRole::colour)
+            of["kind"] = "image/jpeg";
+        else
+            of.update({{"bytes_per_sample", plane.bytes_per_sample}, {"channels", plane.channels}});
+    }
+    return json;
+}
+
+class PackedWriter final : public ClipWriter {
+public:
+    PackedWriter(const fs::path& folder, const SceneDescription& described, const std::vector<fs::path>& page,
+                 Existing existing)
+        : folder_(folder), described_(described), page_(page), existing_(existing), hidden_(folder) {}
+
+    Result<void> open() {
+        if (hidden_.failure())
+            return input_error(folder_.string() + ": cannot be written: " + hidden_.failure().message());
+        return {};
+    }
+
+    Result<void> write(const RawFrame& frame) override {
+        TRY(check_.check(frame, described_.scene));
+        if (check_.frames() == 1) json_ = json_of(described_, frame);
+        TRY_ASSIGN(const auto packets, packer_.pack(frame));
+        for (const PlaneRole role : all_roles) {
+            if (plane_of(frame, role).empty()) continue;
+            const std::string& packet = packets[place(role)];
+            json_["planes"][std::string(role_name(role))]["sizes"].push_back(packet.size());
+            std::ofstream& file = files_[place(role)];
+            if (!file.is_open()) file.open(hidden_.path() / file_of(role), std::ios::binary);
+            if (!(file << packet)) return unwritten(role);
+        }
+        const std::string& colour = packets[place(PlaneRole::colour)];
+        if (colour.empty()) return {};
+        TRY_ASSIGN(auto seen, decode_stored_image(colour, folder_.string()));
+        colour_ = std::move(seen.image);
+        return {};
+    }
+    PlaneView stored_colour() const override { return colour_.samples.empty() ? PlaneView() : colour_.view(); }
+
+    Result<fs::path> complete() override {
+        if (check_.frames() == 0) return input_error(folder_.string() + ": not written: no frame was given");
+        json_["frames"] = check_.frames();
+        if (const auto& times = described_.scene.rate.own_times) json_["times_ns"] = *times;
+        for (const PlaneRole role : all_roles) {
+            std::ofstream& file = files_[place(role)];
+            if (!file.is_open()) continue;
+            file.close();
+            if (!file) return unwritten(role);
+            names_.push_back(file_of(role));
+        }
+        for (const fs::path& file : page_) {
+            std::error_code failure;
+            names_.push_back(file.filename());
+            fs::copy_file(file, hidden_.path() / names_.back(), failure);
+            if (failure) return input_error(file.string() + ": cannot be copied: " + failure.message());
+        }
+        names_.push_back(clip_name);  // opens the others
+        TRY(hidden_.write(folder_, clip_name, json_.dump() + '\n'));
+        hidden_.sync();
+        return hidden_.path() / clip_name;
+    }
+
+    Result<void> finish() override {
+        if (names_.empty()) TRY(complete());
+        TRY(hidden_.move_to(folder_, names_, existing_));
+        hidden_.remove();
+        return {};
+    }
+
+private:
+    Error unwritten(PlaneRole role) const {
+        return input_error((folder_ / file_of(role)).string() + ": cannot be written: is the disk full?");
+    }
+
+    fs::path folder_;
+    SceneDescription described_;
+    std::vector<fs::path> page_;
+    Existing existing_;
+    HiddenFolder hidden_;
+    FrameCheck check_;
+    FramePacker packer_;
+    Ordered json_;
+    std::array<std::ofstream, all_roles.size()> files_;
+    Image colour_;
+    std::vector<std::string> names_;
+};
+
+/// Where a plane's packets are in its file.
+struct PackedPlane {
+    SourceFile file{fs::path()};
+    int bytes_per_sample = 1, channels = 1;
+    /// Of each frame: the frame that has its packet, and where that begins; one more for the file's end.
+    std::vector<std::pair<std::int64_t, std::uint64_t>> packets{};
+};
+
+class PackedPictures final : public FrameSource {
+public:
+    PackedPictures(fs::path file, int width, int height)
+        : file_(std::move(file)), width_(width), height_(height) {}
+
+    PackedPlane& plane(PlaneRole role) { return planes_[place(role)]; }
+    std::string where(PlaneRole role, std::int64_t frame) const override {
+        return (file_.parent_path() / file_of(role)).string() + ": frame " + std::to_string(frame);
+    }
+    std::int64_t picture_number(PlaneRole role, std::int64_t frame) const override {
+        return planes_[place(role)].packets[static_cast<std::size_t>(frame)].first;
+    }
+    Result<TrackPicture> picture(PlaneRole role, std::int64_t frame) override {
+        const PackedPlane& plane = planes_[place(role)];
+        const auto own = static_cast<std::size_t>(picture_number(role, frame));
+        const std::uint64_t at = plane.packets[own].second;
+        std::string packet(plane.packets[own + 1].second - at, '\0');
+        const std::string where = this->where(role, frame);
+        TRY_ASSIGN(const auto bytes, bytes_of_file(plane.file));
+        TRY(error_at(where, bytes->read(at, packet.data(), packet.size())));
+        TrackPicture read;
+        if (role == PlaneRole::colour) {
+            TRY(assign(read.image, decode_stored_image(std::move(packet), where)));
+            return read;
+        }
+        read.lossless = true;
+        read.image.codec = "deflate";
+        read.image.bits = 8 * plane.bytes_per_sample;
+        read.image.pixel_format = plane.channels == 3 ? "rgb24" : plane.bytes_per_sample == 2 ? "gray16le" : "gray";
+        TRY(assign(read.image.image, error_at(where, unpacked(plane, packet))));
+        return read;
+    }
+
+private:
+    Result<Image> unpacked(const PackedPlane& plane, std::string_view packet) const {
+        const auto damaged = [] { return input_error("is damaged: is no picture of the clip"); };
+        const int rows = height_ * plane.channels;
+        const std::size_t count = pixel_count(width_, rows);
+        const auto head = rank_head({reinterpret_cast<const std::uint8_t*>(packet.data()), packet.size()}, count);
+        if (!head) return damaged();
+        TRY(check_expansion(head->content(count), packet.size(), "it"));
+        std::vector<std::uint8_t> content(head->content(count));
+        std::vector<std::uint16_t> samples(count);
+        if (!inflates(packet.substr(head->bytes), content) ||
+            !take_rank_content(*head, content, width_, rows, samples.data(), width_))
+            return damaged();
+        Image image = blank_image(width_, height_, plane.bytes_per_sample, plane.channels);
+        if (plane.bytes_per_sample == 2) {
+            std::memcpy(image.samples.data(), samples.data(), image.samples.size());
+            return image;
+        }
+        const std::size_t pixels = pixel_count(width_, height_);
+        const auto channels = static_cast<std::size_t>(plane.channels);
+        for (std::size_t k = 0; k < count; ++k)
+            image.samples[k % pixels * channels + k / pixels] = static_cast<std::uint8_t>(samples[k]);
+        return image;
+    }
+
+    fs::path file_;
+    int width_, height_;
+    std::array<PackedPlane, all_roles.size()> planes_;
+};
+
+using checked_json::Node;
+
+/// The plane's sizes become places. Packets are of one picture each, so none is larger than `largest`.
+void read_plane(const Node& node, PlaneRole role, const fs::path& folder, std::int64_t frames,
+                PackedPlane& plane) {
+    constexpr int largest = 1 << 30;
+    if (node["file"].text() != file_of(role)) node["file"].refuse(file_of(role));
+    plane.file = SourceFile(folder / file_of(role));
+    if (role != PlaneRole::colour) {
+        plane.bytes_per_sample = node["bytes_per_sample"].whole(1, 2);
+        plane.channels = node["channels"].whole(1, 3);
+        if (plane.channels == 2 || plane.channels * plane.bytes_per_sample == 6)
+            node["channels"].refuse("1, or 3 of one byte");
+    }
+    const auto count = static_cast<std::size_t>(frames);
+    const auto sizes = node["sizes"].elements(count, count, "a size for each frame");
+    std::uint64_t at = 0;
+    for (std::size_t frame = 0; frame < count; ++frame) {
+        const int size = sizes[frame].whole(frame == 0 ? 1 : 0, largest);
+        const std::int64_t own = size > 0 ? static_cast<std::int64_t>(frame) : plane.packets.back().first;
+        plane.packets.emplace_back(own, at);
+        at += static_cast<std::uint64_t>(size);
+    }
+    plane.packets.emplace_back(frames, at);
+}
+
+StoredClip read_packed(const Node& node, const fs::path& file) {
+    node.check_version(version_key);
+    if (node.has("live")) node["live"].refuse("left out: a live page's frames are not beside it");
+    auto described = parse_scene(node["scene"].json(), "scene");
+    if (!described) throw checked_json::Refusal{described.error().message};
+    StoredClip clip{file.string(), std::move(*described)};
+    Scene& scene = clip.described.scene;
+    std::size_t same = 0;
+    const auto numbers = numbers_of(scene);
+    const Node stated = node["numbers"];
+    for (const SceneNumber& number : numbers)
+        if (stated.has(number.name.c_str())) {
+            const std::string text = stated[number.name.c_str()].json();
+            same += std::isnan(number.value) ? text == "null" : parsed_number(text) == number.value;
+        }
+    if (same != numbers.size()) stated.refuse("the numbers of its scene: one of the two was changed");
+    clip.count = node["frames"].integer(1, most_frames);
+    if (node.has("times_ns")) {
+        std::vector<std::int64_t> times;
+        const auto count = static_cast<std::size_t>(clip.count);
+        for (const Node& time : node["times_ns"].elements(count, count, "a time for each frame"))
+            times.push_back(time.integer(0, std::numeric_limits<std::int64_t>::max() / 2));
+        auto rate = rate_of_own_times(std::move(times));
+        if (!rate) node["times_ns"].refuse("times that increase");
+        scene.rate = std::move(*rate);
+        clip.described.unstated.rate = false;
+    }
+    auto pictures = std::make_shared<PackedPictures>(file, scene.width, scene.height);
+    for (const PlaneRole role : all_roles) {
+        const std::string name(role_name(role));
+        if (!node["planes"].has(name.c_str())) continue;
+        read_plane(node["planes"][name.c_str()], role, file.parent_path(), clip.count, pictures->plane(role));
+        clip.roles.push_back(role);
+    }
+    if (clip.roles.empty() || clip.roles.front() != PlaneRole::depth)
+        node["planes"].refuse("depth, and what is beside it");
+    clip.pictures = std::move(pictures);
+    clip.inputs = {file};
+    for (const PlaneRole role : clip.roles) clip.inputs.push_back(file.parent_path() / file_of(role));
+    return clip;
+}
+
+}  // namespace
+
+struct FramePacker::Encoders {
+    std::array<std::optional<RankEncoder>, all_roles.size()> of;
+};
+
+FramePacker::FramePacker() : encoders_(std::make_unique<Encoders>()) {}
+FramePacker::~FramePacker() = default;
+
+Result<std::array<std::string, all_roles.size()>> FramePacker::pack(const RawFrame& frame) {
+    std::array<std::string, all_roles.size()> packets;
+    for (const PlaneRole role : all_roles) {
+        const PlaneView& plane = plane_of(frame, role);
+        if (stop_requested()) return interrupted_error();
+        if (plane.empty() || (!plane_of(before_, role).empty() && same_samples(plane_of(before_, role), plane)))
+            continue;
+        if (role == PlaneRole::colour) {
+            TRY(assign(packets[place(role)], jpeg_bytes(plane)));
+            continue;
+        }
+        auto& encoder = encoders_->of[place(role)];
+        if (!encoder) encoder.emplace(deflated);
+        const auto samples = samples_of(plane);
+        const auto packet =
+            encoder->encode(plane_of_codes(samples.data(), plane.width, plane.height * plane.channels), false);
+        if (packet.empty()) return internal_error("memory does not suffice to deflate a picture");
+        packets[place(role)].assign(packet.begin(), packet.end());
+    }
+    before_ = kept_frame(frame);
+    return packets;
+}
+
+std::string packed_live_json(const SceneDescription& described, const RawFrame& first,
+                             const std::string& live) {
+    Ordered json = json_of(described, first);
+    json["live"] = live;
+    return json.dump() + '\n';
+}
+
+bool is_packed_clip(const SourceFile& file) {
+    constexpr std::size_t telling = 32;
+    return first_bytes(file, telling).find(version_key) != std::string::npos;
+}
+
+Opened open_packed_clip(const Candidate& candidate) {
+    const fs::path& file = candidate.source.path();
+    TRY_ASSIGN(const auto text, candidate.source.read("a packed clip", largest_text));
+    TRY_ASSIGN(auto clip, checked_json::read_checked(text, largest_text, file.string(),
+                                                     [&](const Node& node) { return read_packed(node, file); }));
+    return open_stored_clip(std::move(clip), candidate.wanted.colour);
+}
+
+std::vector<fs::path> packed_clip_files(const fs::path& folder) {
+    std::vector<fs::path> files{folder / clip_name};
+    for (const PlaneRole role : all_roles) files.push_back(folder / file_of(role));
+    return files;
+}
+
+Result<std::unique_ptr<ClipWriter>> create_packed_clip(const fs::path& folder,
+                                                       const SceneDescription& described,
+                                                       const std::vector<fs::path>& page, Existing existing) {
+    std::error_code failure;
+    fs::create_directories(folder, failure);
+    if (!fs::is_directory(folder, failure))
+        return input_error(folder.string() + ": cannot be made a folder" +
+                           (failure ? ": " + failure.message() : ": a file has that name"));
+    auto writer = std::make_unique<PackedWriter>(folder, described, page, existing);
+    TRY(writer->open());
+    return std::unique_ptr<ClipWriter>(std::move(writer));
+}
+
+}  // namespace touchable
