@@ -1,5 +1,7 @@
 #include "player/audio/contact_sound.hpp"
 
+#include <glm/geometric.hpp>
+
 #include "engine/base/same_bits.hpp"
 
 namespace touchable {
@@ -37,6 +39,23 @@ std::array<FingerSound, sizeof...(finger)> fingers_of(std::index_sequence<finger
 float limited(double value) {
     const double share = value / std::sqrt(1 + value * value);
     return static_cast<float>(share) * ContactSound::loudest;
+}
+
+constexpr double seconds_per_tick = 0.001;
+constexpr double creep = 1e-4;  // m/s; slower counts as stuck
+/// Ticks from a session's begin, while forces return by the guard's ramp: contacts then come from the new
+/// surface, not from a finger's motion.
+constexpr std::int64_t settling_ticks = 100;
+
+// Of rumble: the half-way values of its motors.
+constexpr double most_press = 0.35, usual_press = 1.5;            // of the heavy motor; N
+constexpr double usual_knock = 0.06, usual_loosened = 0.3;        // m/s, N
+constexpr double usual_roughness = 0.02, usual_work = 0.05;       // N per millisecond; W
+constexpr double knock_fades = 1 / 60.0, rough_fades = 1 / 25.0;  // per tick
+constexpr double least_felt = 0.01;                               // motors do not turn below
+
+float motor(double value) {
+    return value < least_felt ? 0 : static_cast<float>(std::min(value, 1.0));
 }
 
 }  // namespace
@@ -144,6 +163,70 @@ void ContactSound::render(const HeardTick& tick, Samples& samples) {
         const double volume = from + (volume_ - from) * static_cast<double>(k + 1) / samples_per_tick;
         samples[k] = {limited(volume * samples[k].left), limited(volume * samples[k].right)};
     }
+}
+
+HeardTick HeardContacts::hear(const TouchTick& tick) {
+    HeardTick heard;
+    const std::size_t fingers = std::min(tick.contacts.size(), heard.fingers.size());
+    for (std::size_t k = 0; k < fingers; ++k) heard.fingers[k] = hear(tick, k);
+    return heard;
+}
+
+HeardFinger HeardContacts::hear(const TouchTick& tick, std::size_t finger) {
+    const Contact& contact = tick.contacts[finger];
+    const glm::dvec3& force = tick.forces[finger].force;
+    Before& before = before_[finger];
+    const double metres = tick.metres_per_scene_unit;
+    const double seconds = std::max(contact.ticks, 1) * seconds_per_tick;
+    const double newtons = glm::length(force), changed = glm::length(force - before.force);
+    HeardFinger heard;
+    heard.touching = contact.touching;
+    heard.share = static_cast<float>(tick.share(finger));
+    heard.newtons = static_cast<float>(newtons);
+    heard.stiffness = static_cast<float>(contact.properties.stiffness);
+    heard.side = static_cast<float>(2 * contact.pixel_x / width_ - 1);
+    if (contact.touching && !before.touching) {
+        // Speed of the finger, or of the surface against a resting finger: penetration after a tick.
+        const glm::dvec3 depth = contact.proxy - contact.goal;
+        const double length = glm::length(depth);
+        const double came = length > 0 ? glm::dot(before.goal - contact.goal, depth) / length : 0;
+        heard.met = static_cast<float>(metres * std::max(came, length) / seconds);
+    }
+    const bool stays = contact.touching && before.touching && !contact.jumped && contact.carried_stiffness;
+    if (stays) {
+        const glm::dvec3 slipped = contact.proxy - contact.carried;
+        const double way = glm::length(slipped);
+        heard.slip = static_cast<float>(metres * way / seconds);
+        heard.change = static_cast<float>(changed / std::max(contact.ticks, 1));
+        // Friction is along the slip; the pressing force is perpendicular to it.
+        const double along = way > 0 ? glm::dot(force, slipped) / way : 0;
+        heard.newtons = static_cast<float>(std::sqrt(std::max(newtons * newtons - along * along, 0.0)));
+        if (before.stuck && heard.slip > creep) heard.let_go = static_cast<float>(changed);
+    }
+    if (tick.tick < settling_ticks) heard.met = heard.change = heard.let_go = 0;
+    before = {contact.touching, stays && heard.slip <= creep, contact.goal, force};
+    return heard;
+}
+
+Rumble ContactRumble::next(const HeardTick& tick) {
+    double newtons = 0, knock = 0, rough = 0;
+    for (const HeardFinger& finger : tick.fingers) {
+        const double pressed = finger.touching ? sound_value(finger.share * finger.newtons, 50) : 0;
+        if (pressed == 0) continue;
+        newtons += pressed;
+        knock = std::max({knock, saturated_share(sound_value(finger.met, 10), usual_knock),
+                          0.6 * saturated_share(sound_value(finger.let_go, 50), usual_loosened)});
+        const double work = pressed * sound_value(finger.slip, 5);
+        rough = std::max(rough, saturated_share(sound_value(finger.change, 10), usual_roughness) *
+                                    std::sqrt(saturated_share(work, usual_work)));
+    }
+    if (newtons == 0) {
+        knock_ = rough_ = 0;
+        return {};
+    }
+    knock_ = std::max(knock, knock_ * (1 - knock_fades));
+    rough_ = std::max(rough, rough_ * (1 - rough_fades));
+    return {motor(std::max(most_press * saturated_share(newtons, usual_press), knock_)), motor(rough_)};
 }
 
 }  // namespace touchable

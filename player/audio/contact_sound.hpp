@@ -7,6 +7,7 @@
 #include <span>
 
 #include "engine/picture/sound.hpp"
+#include "haptics_cpu/touch_step.hpp"
 
 namespace touchable {
 
@@ -83,6 +84,42 @@ inline HeardTick going_on(HeardTick tick) {
     for (HeardFinger& finger : tick.fingers) finger.met = finger.let_go = 0;
     return tick;
 }
+
+/// What is heard of a session's contacts, tick by tick.
+class HeardContacts {
+public:
+    /// `width`: of the clip, pixels.
+    explicit HeardContacts(int width) : width_(width) {}
+    HeardTick hear(const TouchTick& tick);
+
+private:
+    /// A finger's state in the previous tick.
+    struct Before {
+        bool touching = false, stuck = false;
+        glm::dvec3 goal{0.0}, force{0.0};
+    };
+    HeardFinger hear(const TouchTick& tick, std::size_t finger);
+
+    int width_;
+    std::array<Before, HeardTick::most_fingers> before_{};
+};
+
+/// Speeds of a gamepad's motors, 0 to 1: the heavy one and the light one.
+struct alignas(8) Rumble {
+    float low = 0, high = 0;
+    bool operator==(const Rumble&) const = default;
+};
+
+/// Contacts as a gamepad's rumble: a pure function of the ticks so far. The heavy motor is for pressing,
+/// meeting the surface and letting go, the light one for slipping over rough surfaces. Without force on any
+/// finger, it is zero in the same tick.
+class ContactRumble {
+public:
+    Rumble next(const HeardTick& tick);
+
+private:
+    double knock_ = 0, rough_ = 0;
+};
 
 /// A sine with a fast soft attack and an exponential decay.
 class FadingTone {

@@ -5,40 +5,9 @@
 namespace touchable {
 namespace {
 
-constexpr double most_press = 0.35, usual_press = 1.5;            // of the heavy motor; N
-constexpr double usual_knock = 0.06, usual_loosened = 0.3;        // m/s, N
-constexpr double usual_roughness = 0.02, usual_work = 0.05;       // N per millisecond; W
-constexpr double knock_fades = 1 / 60.0, rough_fades = 1 / 25.0;  // per tick
-constexpr double least_felt = 0.01;                               // motors do not turn below
-
-float motor(double value) {
-    return value < least_felt ? 0 : static_cast<float>(std::min(value, 1.0));
-}
-
 constexpr std::chrono::milliseconds between_looks(10);
 
 }  // namespace
-
-Rumble ContactRumble::next(const HeardTick& tick) {
-    double newtons = 0, knock = 0, rough = 0;
-    for (const HeardFinger& finger : tick.fingers) {
-        const double pressed = finger.touching ? sound_value(finger.share * finger.newtons, 50) : 0;
-        if (pressed == 0) continue;
-        newtons += pressed;
-        knock = std::max({knock, saturated_share(sound_value(finger.met, 10), usual_knock),
-                          0.6 * saturated_share(sound_value(finger.let_go, 50), usual_loosened)});
-        const double work = pressed * sound_value(finger.slip, 5);
-        rough = std::max(rough, saturated_share(sound_value(finger.change, 10), usual_roughness) *
-                                    std::sqrt(saturated_share(work, usual_work)));
-    }
-    if (newtons == 0) {
-        knock_ = rough_ = 0;
-        return {};
-    }
-    knock_ = std::max(knock, knock_ * (1 - knock_fades));
-    rough_ = std::max(rough, rough_ * (1 - rough_fades));
-    return {motor(std::max(most_press * saturated_share(newtons, usual_press), knock_)), motor(rough_)};
-}
 
 std::optional<Rumble> RumbleOrders::at(double now_s, const Rumble& rumble, std::int64_t ticks) {
     if (ticks != ticks_) tick_s_ = now_s;

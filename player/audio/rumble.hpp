@@ -14,23 +14,6 @@
 
 namespace touchable {
 
-/// Speeds of a gamepad's motors, 0 to 1: the heavy one and the light one.
-struct alignas(8) Rumble {
-    float low = 0, high = 0;
-    bool operator==(const Rumble&) const = default;
-};
-
-/// Contacts as a gamepad's rumble: a pure function of the ticks so far. The heavy motor is for pressing,
-/// meeting the surface and letting go, the light one for slipping over rough surfaces. Without force on any
-/// finger, it is zero in the same tick.
-class ContactRumble {
-public:
-    Rumble next(const HeardTick& tick);
-
-private:
-    double knock_ = 0, rough_ = 0;
-};
-
 /// Schedules orders to motors. Orders are short and repeated, so that motors stop by themselves without
 /// further orders.
 class RumbleOrders {

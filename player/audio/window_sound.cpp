@@ -35,12 +35,6 @@ std::string header_of(std::uint32_t bytes) {
 
 constexpr std::int64_t longest_gap = 1000;  // ticks; a longer gap means that the computer slept
 
-constexpr double seconds_per_tick = 0.001;
-constexpr double creep = 1e-4;  // m/s; slower counts as stuck
-/// Ticks from a session's begin, while forces return by the guard's ramp: contacts then come from the new
-/// surface, not from a finger's motion.
-constexpr std::int64_t settling_ticks = 100;
-
 }  // namespace
 
 /// ALSA's "default" device, which may be PipeWire or PulseAudio, opened and fed by a separate thread. The
@@ -237,42 +231,6 @@ Result<void> WindowSound::finish() {
     return file_ ? file_->finish() : Result<void>();
 }
 
-HeardFinger TouchListener::hear(const TouchTick& tick, std::size_t finger) {
-    const Contact& contact = tick.contacts[finger];
-    const glm::dvec3& force = tick.forces[finger].force;
-    Before& before = before_[finger];
-    const double metres = tick.metres_per_scene_unit;
-    const double seconds = std::max(contact.ticks, 1) * seconds_per_tick;
-    const double newtons = glm::length(force), changed = glm::length(force - before.force);
-    HeardFinger heard;
-    heard.touching = contact.touching;
-    heard.share = static_cast<float>(tick.share(finger));
-    heard.newtons = static_cast<float>(newtons);
-    heard.stiffness = static_cast<float>(contact.properties.stiffness);
-    heard.side = static_cast<float>(2 * contact.pixel_x / width_ - 1);
-    if (contact.touching && !before.touching) {
-        // Speed of the finger, or of the surface against a resting finger: penetration after a tick.
-        const glm::dvec3 depth = contact.proxy - contact.goal;
-        const double length = glm::length(depth);
-        const double came = length > 0 ? glm::dot(before.goal - contact.goal, depth) / length : 0;
-        heard.met = static_cast<float>(metres * std::max(came, length) / seconds);
-    }
-    const bool stays = contact.touching && before.touching && !contact.jumped && contact.carried_stiffness;
-    if (stays) {
-        const glm::dvec3 slipped = contact.proxy - contact.carried;
-        const double way = glm::length(slipped);
-        heard.slip = static_cast<float>(metres * way / seconds);
-        heard.change = static_cast<float>(changed / std::max(contact.ticks, 1));
-        // Friction is along the slip; the pressing force is perpendicular to it.
-        const double along = way > 0 ? glm::dot(force, slipped) / way : 0;
-        heard.newtons = static_cast<float>(std::sqrt(std::max(newtons * newtons - along * along, 0.0)));
-        if (before.stuck && heard.slip > creep) heard.let_go = static_cast<float>(changed);
-    }
-    if (tick.tick < settling_ticks) heard.met = heard.change = heard.let_go = 0;
-    before = {contact.touching, stays && heard.slip <= creep, contact.goal, force};
-    return heard;
-}
-
 HeardClip TouchListener::hear_clip(std::int64_t tick) {
     const PlaybackState state = clock_->state_at(tick);
     return {state.playing && state.moment.time_ns < end_ns_, state.moment.time_ns, state.moment.epoch,
@@ -280,9 +238,7 @@ HeardClip TouchListener::hear_clip(std::int64_t tick) {
 }
 
 Result<void> TouchListener::consume(const TouchTick& tick) {
-    HeardTick heard;
-    const std::size_t fingers = std::min(tick.contacts.size(), heard.fingers.size());
-    for (std::size_t k = 0; k < fingers; ++k) heard.fingers[k] = hear(tick, k);
+    HeardTick heard = contacts_.hear(tick);
     const std::int64_t passed = tick.tick - last_tick_;
     last_tick_ = tick.tick;
     if (!begun_.load(std::memory_order_acquire)) return {};

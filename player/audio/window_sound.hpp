@@ -114,7 +114,7 @@ private:
 class TouchListener final : public TouchSink {
 public:
     /// `sound` must outlive it. `width`: of the clip, pixels.
-    TouchListener(WindowSound& sound, int width) : sound_(sound), width_(width) {}
+    TouchListener(WindowSound& sound, int width) : sound_(sound), contacts_(width) {}
     /// Starts the sound: one clip at a time, each after the previous one's session has ended. `clock` is the
     /// clip's, which ends at `end_ns`.
     void begin(PlaybackClock clock, std::int64_t end_ns) {
@@ -126,20 +126,13 @@ public:
     Result<void> consume(const TouchTick& tick) override;
 
 private:
-    /// A finger's state in the previous tick.
-    struct Before {
-        bool touching = false, stuck = false;
-        glm::dvec3 goal{0.0}, force{0.0};
-    };
-    HeardFinger hear(const TouchTick& tick, std::size_t finger);
     HeardClip hear_clip(std::int64_t tick);
 
     WindowSound& sound_;
-    int width_;
+    HeardContacts contacts_;
     std::atomic<bool> begun_{false};
     std::optional<PlaybackClock> clock_;  // since `begin`
     std::int64_t end_ns_ = 0;
-    std::array<Before, HeardTick::most_fingers> before_{};
     std::int64_t last_tick_ = -1;
 };
 
