@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "device/hand_parts.hpp"
+#include "device/point_motion.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 
@@ -608,12 +609,6 @@ Result<std::unique_ptr<Hand>> make_hand(const std::string& description, int fing
     if (keys.empty())
         return usage_error("unknown hand '" + printable(name) + "'; must be one of " + listed(hand_words()));
     return make_scripted_hand(std::string(name), keys, rest, fingers, workspace, probe);
-}
-
-glm::dvec2 finger_offset(int finger, int fingers, double spread) {
-    if (fingers == 1) return {0, 0};
-    const double angle = 2 * pi * finger / fingers;
-    return {spread * cosine(angle), spread * sine(angle)};
 }
 
 Result<HandOptions> HandOptions::parse(std::string_view of, std::string_view text,

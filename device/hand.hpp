@@ -76,10 +76,6 @@ std::vector<std::string> hand_words();
 Result<std::unique_ptr<Hand>> make_hand(const std::string& description, int fingers,
                                         const Workspace& workspace, const SurfaceProbe& probe);
 
-/// Offset of finger `finger` of `fingers` from the hand's centre (x right, y up), in the unit of `spread`:
-/// evenly on a circle of radius `spread`, the first one to the right; a single finger at the centre.
-glm::dvec2 finger_offset(int finger, int fingers, double spread);
-
 /// Counts recorded goals that do not fit the surface, because they leave the picture or lie far below the
 /// surface. On request, raises goals that lie deeper than `deepest`.
 class GoalWatch {

@@ -2,6 +2,8 @@
 
 #include <cassert>
 
+#include "engine/base/same_bits.hpp"
+
 namespace touchable {
 namespace {
 
@@ -92,6 +94,12 @@ std::optional<glm::dvec3> PlausibleMotion::believe(const glm::dvec3& place, std:
     last_ = elsewhere_;
     elsewhere_.reset();
     return place;
+}
+
+glm::dvec2 finger_offset(int finger, int fingers, double spread) {
+    if (fingers == 1) return {0, 0};
+    const double angle = 2 * pi * finger / fingers;
+    return {spread * cosine(angle), spread * sine(angle)};
 }
 
 }  // namespace touchable

@@ -17,6 +17,7 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
 
@@ -150,5 +151,9 @@ private:
     std::optional<Seen> elsewhere_;  // newest of the positions after a leap
     std::int64_t leapt_ns_ = 0;      // time of the leap
 };
+
+/// Offset of finger `finger` of `fingers` from the hand's centre (x right, y up), in the unit of `spread`:
+/// evenly on a circle of radius `spread`, the first one to the right; a single finger at the centre.
+glm::dvec2 finger_offset(int finger, int fingers, double spread);
 
 }  // namespace touchable

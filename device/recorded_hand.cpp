@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "device/hand_parts.hpp"
+#include "device/point_motion.hpp"
 #include "engine/base/try.hpp"
 
 namespace touchable {

@@ -97,7 +97,7 @@ double decimal_of(float value) {
 
 std::string short_number(double number, int count) {
     if (number == 0) return "0";
-    std::string text = exact_number(number, std::chars_format::general, count);
+    std::string text = formatted("%.*g", count, number);
     return std::abs(number) > 1 && text.find('e') != std::string::npos ? formatted("%.0f", number) : text;
 }
 

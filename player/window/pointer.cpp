@@ -3,7 +3,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#include "device/hand.hpp"
+#include "device/point_motion.hpp"
 
 namespace touchable {
 namespace {

@@ -1,0 +1,61 @@
+#pragma once
+
+// Stands before engine/base/threads.hpp on the include path of WebAssembly, which has one thread here: what
+// the engine uses of it, without threads. The worker of a page is never asked to stop: the page ends it.
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "engine/base/result.hpp"
+
+namespace touchable {
+
+inline bool stop_requested() {
+    return false;
+}
+inline Error interrupted_error() {
+    return Error{ErrorKind::interrupted, "stopped"};
+}
+bool until_stopped(std::size_t count, auto&& work) {
+    work(std::size_t{0}, count);
+    return true;
+}
+
+inline std::int64_t boot_ns() {
+    return std::chrono::steady_clock::now().time_since_epoch().count();
+}
+
+struct RowBand {
+    int first, last, thread;
+};
+inline int threads_for(long, long) {
+    return 1;
+}
+/// All rows are one band of the only thread.
+class RowBands : NonCopyable {
+public:
+    explicit RowBands(int, bool = false) {}
+    int threads() const { return 1; }
+    template <class Work>
+    void for_each_band(int rows, int, Work&& work) {
+        if (rows > 0) work(RowBand{0, rows, 0});
+    }
+};
+
+template <class T>
+class NewestValue : NonCopyable {
+public:
+    void write(const T& value) { value_ = value; }
+    const T& read() { return value_; }
+
+private:
+    T value_{};
+};
+
+}  // namespace touchable
