@@ -1,7 +1,9 @@
 #include "engine/base/files.hpp"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <linux/magic.h>
+#include <sys/file.h>
 #include <sys/random.h>
 #include <sys/stat.h>
 #include <sys/uio.h>
@@ -101,6 +103,47 @@ fs::path folder_of(const fs::path& file) {
 /// Gives `from` a second name, following it if it leads to an open file. Returns 0 or an errno.
 int add_name(const fs::path& from, const fs::path& to) {
     return linkat(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), AT_SYMLINK_FOLLOW) == 0 ? 0 : errno;
+}
+
+constexpr int folder_flags = O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC;
+
+/// Removes all in a folder but `kept`, and follows no link. False: a stop was requested first.
+bool empty_folder(int folder, std::string_view kept) {
+    const int own = openat(folder, ".", folder_flags);
+    const std::unique_ptr<DIR, ReleasedBy<closedir>> list(own < 0 ? nullptr : fdopendir(own));
+    while (const dirent* const each = list ? readdir(list.get()) : nullptr) {
+        if (stop_requested()) return false;
+        const std::string_view name = each->d_name;
+        if (name == "." || name == ".." || name == kept || unlinkat(folder, each->d_name, 0) == 0) continue;
+        const Descriptor inner(openat(folder, each->d_name, folder_flags));
+        if (inner.get() >= 0 && !empty_folder(inner.get(), {})) return false;
+        unlinkat(folder, each->d_name, AT_REMOVEDIR);
+    }
+    return true;
+}
+
+/// Removes a ScratchFolder. False: a stop was requested first.
+bool remove_scratch(const fs::path& path, int folder) {
+    if (!empty_folder(folder, ScratchFolder::mark)) return false;
+    unlinkat(folder, ScratchFolder::mark, 0);
+    rmdir(path.c_str());
+    return true;
+}
+
+/// Removes this user's folders that no process holds any more: their program was killed. In a shared folder
+/// another user could give any folder such a name; only the mark in it, which is this user's, tells.
+void remove_abandoned(const fs::path& parent, const std::string& prefix) {
+    std::error_code failure;
+    for (fs::directory_iterator each(parent, failure), end; !failure && each != end;
+         each.increment(failure)) {
+        if (stop_requested()) return;
+        if (!each->path().filename().string().starts_with(prefix)) continue;
+        const Descriptor folder(open(each->path().c_str(), folder_flags));
+        struct stat mark {};
+        if (fstatat(folder.get(), ScratchFolder::mark, &mark, AT_SYMLINK_NOFOLLOW) == 0 &&
+            S_ISREG(mark.st_mode) && mark.st_uid == geteuid() && flock(folder.get(), LOCK_EX | LOCK_NB) == 0)
+            remove_scratch(each->path(), folder.get());
+    }
 }
 
 }  // namespace
@@ -330,6 +373,37 @@ Result<void> NewFile::commit_as(const fs::path& name) {
     committed_ = true;
     if (lasts_) sync_folder(folder_of(name));
     return {};
+}
+
+Result<std::unique_ptr<ScratchFolder>> ScratchFolder::create(std::string_view kind) {
+    const std::string prefix = "touchable-" + std::string(kind) + '-';
+    std::error_code failure;
+    const fs::path parent = fs::canonical(fs::temp_directory_path(failure), failure);
+    const char* const typed = std::getenv("TMPDIR");
+    if (!failure) remove_abandoned(parent, prefix);
+    std::string name = (parent / prefix).string() + "XXXXXX";
+    if (failure || mkdtemp(name.data()) == nullptr)
+        return input_error("no folder of temporary files can be made in " +
+                           in_quotes(failure && typed ? typed : parent.string()) +
+                           "; TMPDIR may name another place");
+    std::unique_ptr<ScratchFolder> folder(new ScratchFolder(name));
+    // Where no lock can be had the folder gets no mark, so that no other process removes it.
+    if (flock(folder->held_.get(), LOCK_EX | LOCK_NB) == 0)
+        Descriptor(openat(folder->held_.get(), mark, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
+    return folder;
+}
+
+ScratchFolder::ScratchFolder(fs::path path)
+    : path_(std::move(path)), owner_(getpid()), held_(open(path_.c_str(), folder_flags)) {}
+
+ScratchFolder::~ScratchFolder() {
+    if (owner_ != getpid()) return;
+    const StopScope for_all = StopScope::for_all();  // the clip of an opening that is given up goes, too
+    if (remove_scratch(path_, held_.get())) return;
+    // A program that is to stop has no time: the next one that makes such a folder removes the rest.
+    const StopScope after_stop = StopScope::after_stop();
+    work_until(std::chrono::steady_clock::now() + std::chrono::milliseconds(80),
+               [&] { return remove_scratch(path_, held_.get()); });
 }
 
 Result<fs::path> own_folder(const char* variable, const char* in_home) {

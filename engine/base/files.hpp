@@ -7,7 +7,8 @@
 // shares one open file among readers that take turns, such as those that detect its format and the one that
 // plays it. ByteSource is what a parser reads from: a file, or bytes in memory. read_given_file reads a whole
 // small file. Writing: NewFile has no name until `commit`, so a file appears whole or not at all, however the
-// program ends; it replaces only an ordinary file, and only if Existing says so.
+// program ends; it replaces only an ordinary file, and only if Existing says so. ScratchFolder is a temporary
+// folder.
 //
 // Errors are lines for a person: the file's name, what is wrong, what would be right. Reads end with
 // ErrorKind::interrupted once the program is asked to stop.
@@ -207,6 +208,26 @@ private:
     int failure_ = 0;  ///< errno of opening it
     bool committed_ = false;
     bool lasts_ = true;
+};
+
+/// A private folder for temporary files, in TMPDIR. Its destructor removes it in the process that made it;
+/// the folder of a program that was killed is removed by the next one that makes one of its kind: it is this
+/// user's, and no process holds its lock.
+class ScratchFolder : NonCopyable {
+public:
+    /// An empty file in each folder, made once the folder is locked, removed last.
+    static constexpr const char* mark = ".touchable";
+    /// `kind`: a part of the folder's name, of plain letters.
+    static Result<std::unique_ptr<ScratchFolder>> create(std::string_view kind);
+    ~ScratchFolder();
+
+    const std::filesystem::path& path() const { return path_; }
+
+private:
+    explicit ScratchFolder(std::filesystem::path path);
+    std::filesystem::path path_;
+    int owner_;        ///< process that made it
+    Descriptor held_;  ///< the folder, locked
 };
 
 /// The user's folder for this program: `touchable` in the folder that environment variable `variable` names,

@@ -1,9 +1,6 @@
 #include "engine/formats/zip_folder.hpp"
 
-#include <dirent.h>
 #include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -30,11 +27,6 @@ constexpr std::uint64_t largest_sidecar = std::uint64_t{16} << 20;
 constexpr std::ptrdiff_t most_folders_deep = 64, most_folders = 10'000;
 /// Bytes of disk that a folder takes, a file's entry, and by which a file grows.
 constexpr std::uint64_t disk_block = 4096;
-
-constexpr std::string_view folder_prefix = "touchable-zip-";
-/// An empty file in each folder that archives are unpacked to, made once the folder is locked, removed last.
-constexpr const char* folder_mark = ".touchable";
-constexpr int folder_flags = O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC;
 
 bool is_named_zip(const fs::path& file) {
     const std::string name = small_letters(file.filename().string());
@@ -122,45 +114,6 @@ std::uint64_t disk_room(const fs::path& folder) {
     std::error_code failure;
     const std::uint64_t free = fs::space(folder, failure).available;
     return failure || free < left_on_disk ? 0 : free - left_on_disk;
-}
-
-/// Removes all in a folder but `kept`, and follows no link. False: a stop was requested first.
-bool empty_folder(int folder, std::string_view kept) {
-    const int own = openat(folder, ".", folder_flags);
-    const std::unique_ptr<DIR, ReleasedBy<closedir>> list(own < 0 ? nullptr : fdopendir(own));
-    while (const dirent* const each = list ? readdir(list.get()) : nullptr) {
-        if (stop_requested()) return false;
-        const std::string_view name = each->d_name;
-        if (name == "." || name == ".." || name == kept || unlinkat(folder, each->d_name, 0) == 0) continue;
-        const Descriptor inner(openat(folder, each->d_name, folder_flags));
-        if (inner.get() >= 0 && !empty_folder(inner.get(), {})) return false;
-        unlinkat(folder, each->d_name, AT_REMOVEDIR);
-    }
-    return true;
-}
-
-/// Removes a folder that an archive was unpacked to. False: a stop was requested first.
-bool remove_unpacked(const fs::path& path, int folder) {
-    if (!empty_folder(folder, folder_mark)) return false;
-    unlinkat(folder, folder_mark, 0);
-    rmdir(path.c_str());
-    return true;
-}
-
-/// Removes this user's folders that no process holds any more: their program was killed. In a shared folder
-/// another user could give any folder such a name; only the mark in it, which is this user's, tells.
-void remove_abandoned(const fs::path& parent) {
-    std::error_code failure;
-    for (fs::directory_iterator each(parent, failure), end; !failure && each != end;
-         each.increment(failure)) {
-        if (stop_requested()) return;
-        if (!each->path().filename().string().starts_with(folder_prefix)) continue;
-        const Descriptor folder(open(each->path().c_str(), folder_flags));
-        struct stat mark {};
-        if (fstatat(folder.get(), folder_mark, &mark, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(mark.st_mode) &&
-            mark.st_uid == geteuid() && flock(folder.get(), LOCK_EX | LOCK_NB) == 0)
-            remove_unpacked(each->path(), folder.get());
-    }
 }
 
 /// Refuses members that would take too much of the disk, or cannot be unpacked safely.
@@ -289,24 +242,11 @@ std::optional<ZipPlace> zip_of_pictures(const fs::path& path) {
 
 Result<std::shared_ptr<ZipFolder>> ZipFolder::unpack(const fs::path& archive, const fs::path& inner) {
     std::shared_ptr<ZipFolder> folder(new ZipFolder(archive));
-    std::error_code failure;
-    const fs::path parent = fs::canonical(fs::temp_directory_path(failure), failure);
-    const char* const typed = std::getenv("TMPDIR");
-    if (!failure) remove_abandoned(parent);
-    std::string name = (parent / folder_prefix).string() + "XXXXXX";
-    if (failure || mkdtemp(name.data()) == nullptr)
-        return input_error(
-            archive.string() + ": cannot be unpacked: no folder of temporary files can be made in " +
-            in_quotes(failure && typed ? typed : parent.string()) + "; TMPDIR may name another place");
-    folder->temporary_ = name;
-    folder->owner_ = getpid();
-    folder->held_ = Descriptor(open(name.c_str(), folder_flags));
-    // Where no lock can be had the folder gets no mark, so that no other process removes it.
-    if (flock(folder->held_.get(), LOCK_EX | LOCK_NB) == 0)
-        Descriptor(openat(folder->held_.get(), folder_mark, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
+    TRY_ASSIGN(folder->temporary_,
+               error_at(archive.string() + ": cannot be unpacked", ScratchFolder::create("zip")));
     const fs::path stem = archive.stem();
-    folder->root_ =
-        folder->temporary_ / (stem == "." || stem == ".." || stem == folder_mark ? "archive" : stem);
+    folder->root_ = folder->temporary_->path() /
+                    (stem == "." || stem == ".." || stem == ScratchFolder::mark ? "archive" : stem);
     TRY(folder->fill(inner));
     return folder;
 }
@@ -318,12 +258,12 @@ Result<void> ZipFolder::fill(const fs::path& inner) {
     if (opened.wanted.empty())
         return input_error(archive_.string() + ": has no folder " + in_quotes(inner.string()) +
                            " with pictures");
-    TRY(check_sizes(opened.wanted, archive_, temporary_));
+    TRY(check_sizes(opened.wanted, archive_, temporary_->path()));
     for (const ZipMember& member : opened.wanted) {
         if (stop_requested()) return error_at(archive_.string(), interrupted_error());
-        if (disk_room(temporary_) == 0)
+        if (disk_room(temporary_->path()) == 0)
             return input_error(archive_.string() + ": less than 1 GiB of the disk would stay free in " +
-                               temporary_.parent_path().string() + " (TMPDIR names another place)");
+                               temporary_->path().parent_path().string() + " (TMPDIR names another place)");
         TRY(unpack_member(opened.archive, member, root_ / member.name,
                           archive_.string() + '/' + printable(member.name, 200)));
     }
@@ -332,23 +272,13 @@ Result<void> ZipFolder::fill(const fs::path& inner) {
     return {};
 }
 
-ZipFolder::~ZipFolder() {
-    if (temporary_.empty() || owner_ != getpid()) return;
-    const StopScope for_all = StopScope::for_all();  // the clip of an opening that is given up goes, too
-    if (remove_unpacked(temporary_, held_.get())) return;
-    // A program that is to stop has no time: the next one that unpacks removes the rest.
-    const StopScope after_stop = StopScope::after_stop();
-    work_until(std::chrono::steady_clock::now() + std::chrono::milliseconds(80),
-               [&] { return remove_unpacked(temporary_, held_.get()); });
-}
-
 bool ZipFolder::has(const fs::path& file) const {
-    return is_below(file, temporary_);
+    return is_below(file, temporary_->path());
 }
 
 std::string ZipFolder::named(std::string message) const {
     replace_all(message, root_.string(), archive_.string());
-    replace_all(message, temporary_.string(), archive_.string());
+    replace_all(message, temporary_->path().string(), archive_.string());
     return message;
 }
 

@@ -1,8 +1,7 @@
 #pragma once
 
-// A ZIP archive of pictures is unpacked into a private temporary folder, which is opened as a clip and
-// removed with it. The folder of a program that was killed is removed by the next one that unpacks: it is
-// this user's, and no process holds its lock. Messages name the archive instead of that folder.
+// A ZIP archive of pictures is unpacked into a private temporary folder (ScratchFolder), which is opened as a
+// clip and removed with it. Messages name the archive instead of that folder.
 
 #include <filesystem>
 #include <memory>
@@ -16,7 +15,7 @@
 
 namespace touchable {
 
-/// The folder that an archive was unpacked to. Its destructor removes it in the unpacking process.
+/// The folder that an archive was unpacked to.
 class ZipFolder : NonCopyable {
 public:
     /// Unpacks the members that a clip may need: pictures, videos, and files that may describe them. An error
@@ -25,7 +24,6 @@ public:
     /// `inner`: the folder to unpack; empty: all.
     static Result<std::shared_ptr<ZipFolder>> unpack(const std::filesystem::path& archive,
                                                      const std::filesystem::path& inner);
-    ~ZipFolder();
 
     const std::filesystem::path& archive() const { return archive_; }
     /// The folder to open: the one with the depth pictures, or the one that all members are in.
@@ -44,11 +42,9 @@ private:
     Result<void> fill(const std::filesystem::path& inner);
 
     std::filesystem::path archive_;
-    std::filesystem::path temporary_{};  ///< empty: not made
-    std::filesystem::path root_{};       ///< in temporary_, named as the archive
+    std::unique_ptr<ScratchFolder> temporary_{};
+    std::filesystem::path root_{};  ///< in temporary_, named as the archive
     std::filesystem::path opened_{};
-    int owner_ = 0;      ///< process that unpacked the archive
-    Descriptor held_{};  ///< the temporary folder, locked
 };
 
 /// The archive of pictures that a path names, and the folder in it that the rest of the path names, if any.

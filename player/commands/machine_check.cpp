@@ -13,6 +13,7 @@ extern "C" {
 #include <iterator>
 #include <ostream>
 
+#include "engine/base/files.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -165,31 +166,6 @@ int trial_frames(const TouchDemand& demand) {
     const double pixels = static_cast<double>(demand.width) * demand.height;
     return static_cast<int>(std::clamp(12e6 / pixels, 4.0, 30.0));
 }
-
-/// A temporary folder, removed by the destructor.
-class ScratchFolder {
-public:
-    static Result<ScratchFolder> create() {
-        std::error_code fault;
-        const fs::path parent = fs::temp_directory_path(fault);
-        std::string name = (parent / "touchable-check-XXXXXX").string();
-        if (fault || !mkdtemp(name.data()))
-            return input_error("no folder of temporary files can be made in '" + parent.string() +
-                               "'; TMPDIR may name another place");
-        return ScratchFolder(name);
-    }
-    ScratchFolder(ScratchFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
-    ScratchFolder& operator=(ScratchFolder&&) = delete;
-    ~ScratchFolder() {
-        std::error_code ignored;
-        if (!path_.empty()) fs::remove_all(path_, ignored);
-    }
-    const fs::path& path() const { return path_; }
-
-private:
-    explicit ScratchFolder(fs::path path) : path_(std::move(path)) {}
-    fs::path path_;
-};
 
 double cpu_ms() {
     return static_cast<double>(clock_ns(CLOCK_PROCESS_CPUTIME_ID)) * 1e-6;
@@ -384,9 +360,9 @@ FfmpegFacts ffmpeg_facts() {
 }
 
 Result<TrialFigures> try_touch(const TouchDemand& demand) {
-    TRY_ASSIGN(const auto folder, ScratchFolder::create());
+    TRY_ASSIGN(const auto folder, ScratchFolder::create("check"));
     SessionOptions options;
-    options.clip.file = folder.path() / "trial.mkv";
+    options.clip.file = folder->path() / "trial.mkv";
     options.fingers = demand.fingers;
     options.clip.filters =
         ClipChoice::Filters::off();  // no survey reads frames before, so all are decoded here
