@@ -1,5 +1,8 @@
 #include "engine/stream/listeners.hpp"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+
 #include <algorithm>
 
 #include "engine/base/words.hpp"
@@ -13,11 +16,55 @@ struct HttpStatus {
 };
 constexpr HttpStatus http_statuses[] = {
     {200, "OK", ""},
-    {404, "Not Found", "there is no stream of this name\n"},
+    {206, "Partial Content", ""},
+    {304, "Not Modified", ""},
+    {404, "Not Found", "there is nothing of this name\n"},
     {405, "Method Not Allowed", "the stream is only read: GET or HEAD\n"},
+    {416, "Range Not Satisfiable", ""},
     {503, "Service Unavailable", "as many listen as there is room for; try again later\n"},
     {400, "Bad Request", "this is no request of HTTP/1.0 or HTTP/1.1\n"},
 };
+
+/// 400 for a status that is not in the table.
+const HttpStatus& http_status(int status) {
+    const HttpStatus* const known = std::ranges::find(http_statuses, status, &HttpStatus::number);
+    return known != std::end(http_statuses) ? *known : std::end(http_statuses)[-1];
+}
+
+/// The first lines of an answer, after which the connection is closed.
+std::string begin_of_answer(int status) {
+    return "HTTP/1.1 " + std::to_string(status) + " " + std::string(http_status(status).reason) +
+           "\r\nConnection: close\r\n";
+}
+
+/// The kinds of files that a page has, by the ends of their names.
+constexpr struct {
+    std::string_view ending, type;
+} page_files[] = {{".html", "text/html; charset=utf-8"}, {".js", "text/javascript; charset=utf-8"},
+                  {".css", "text/css; charset=utf-8"},   {".json", "application/json"},
+                  {".wasm", "application/wasm"},         {".bin", "application/octet-stream"}};
+
+/// A page's scripts, and what they request, come from this server alone.
+constexpr std::string_view page_policy =
+    "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; img-src 'self' blob: data:; "
+    "object-src 'none'; base-uri 'none'; form-action 'none'";
+
+/// Bytes of a file.
+struct BytePart {
+    std::uint64_t at = 0, end = 0;
+};
+
+/// The part that the field Range names: bytes=A-B, bytes=A- or bytes=-COUNT; it is empty if it begins behind
+/// the file's end. Nothing: another form, such as several parts, which is answered with the whole file.
+std::optional<BytePart> part_in_range(std::string_view range, std::uint64_t size) {
+    if (cut_part(range, '=') != "bytes" || range.find('-') == std::string_view::npos) return std::nullopt;
+    const std::string_view first = cut_part(range, '-');
+    const auto at = parsed_as<std::uint64_t>(first), last = parsed_as<std::uint64_t>(range);
+    if (at ? !last && !range.empty() : !first.empty() || !last) return std::nullopt;
+    if (!at) return BytePart{size - std::min(size, *last), size};
+    if (last && *last < *at) return std::nullopt;
+    return BytePart{std::min(*at, size), last && *last < size ? *last + 1 : size};
+}
 
 }  // namespace
 
@@ -30,11 +77,12 @@ void HttpRequest::take(std::string_view bytes) {
     // A line may end without its CR (RFC 9112, 2.2).
     const std::size_t from = before < 3 ? 0 : before - 3;
     const std::size_t end = std::min(head_.find("\r\n\r\n", from), head_.find("\n\n", from));
-    if (end != std::string::npos && end < most_bytes)
-        status_ = judged(std::string_view(head_).substr(0, end));
-    else if (head_.size() > most_bytes)
+    if (end != std::string::npos && end < most_bytes) {
+        head_.resize(end);
+        status_ = judged(head_);
+    } else if (head_.size() > most_bytes) {
         status_ = 400;
-    if (status_ != 0) head_ = {};
+    }
 }
 
 int HttpRequest::judged(std::string_view head) {
@@ -45,21 +93,65 @@ int HttpRequest::judged(std::string_view head) {
         return 400;
     is_head_ = method == "HEAD";
     if (method != "GET" && !is_head_) return 405;
-    return target.substr(0, target.find('?')) == path_ ? 200 : 404;
+    target_ = target.substr(0, target.find('?'));
+    return target_ == path_ ? 200 : 404;
 }
 
-std::string http_answer(int status) {
-    const HttpStatus* const known = std::ranges::find(http_statuses, status, &HttpStatus::number);
-    const auto& [number, reason, words] =
-        known != std::end(http_statuses) ? *known : std::end(http_statuses)[-1];
-    std::string head = "HTTP/1.1 " + std::to_string(status) + " " + std::string(reason) +
-                       "\r\nConnection: close\r\nCache-Control: no-store\r\n";
-    if (status == 200) return head + "Content-Type: video/x-matroska\r\nAccept-Ranges: none\r\n\r\n";
+std::string_view HttpRequest::field(std::string_view name) const {
+    for (std::string_view rest = head_; !rest.empty();) {
+        std::string_view line = cut_line(rest);
+        if (small_letters(std::string(cut_part(line, ':'))) == name) return trimmed(line);
+    }
+    return {};
+}
+
+std::string http_answer(int status, std::string_view type) {
+    const std::string_view words = http_status(status).words;
+    std::string head = begin_of_answer(status) + "Cache-Control: no-store\r\n";
+    if (status == 200)
+        return head.append("Content-Type: ").append(type).append("\r\nAccept-Ranges: none\r\n\r\n");
     if (status == 405) head += "Allow: GET, HEAD\r\n";
     return head.append("Content-Type: text/plain; charset=utf-8\r\nContent-Length: ")
         .append(std::to_string(words.size()))
         .append("\r\n\r\n")
         .append(words);
+}
+
+HttpFile http_file(const HttpRequest& request, std::span<const std::filesystem::path> folders) {
+    const std::string name(request.target() == "/" ? "index.html" : request.target().substr(1));
+    const auto* const kind =
+        std::ranges::find_if(page_files, [&](const auto& each) { return name.ends_with(each.ending); });
+    const bool leads_elsewhere = name.find_first_of(std::string_view("/\0", 2)) != std::string::npos;
+    if (kind == std::end(page_files) || leads_elsewhere) return {http_answer(404)};
+    HttpFile answer;
+    struct stat found {};
+    for (const auto& folder : folders) {
+        answer.file = Descriptor(::open((folder / name).c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+        if (::fstat(answer.file.get(), &found) == 0 && S_ISREG(found.st_mode)) break;
+        answer.file.reset();
+    }
+    if (answer.file.get() < 0) return {http_answer(404)};
+    const auto size = static_cast<std::uint64_t>(found.st_size);
+    const std::string tag = '"' + std::to_string(size) + '-' + std::to_string(found.st_mtim.tv_sec) + '.' +
+                            std::to_string(found.st_mtim.tv_nsec) + '"';
+    // A part of the file as it was before is of no use: with If-Range it is sent whole.
+    const std::string_view if_range = request.field("if-range");
+    const auto part =
+        if_range.empty() || if_range == tag ? part_in_range(request.field("range"), size) : std::nullopt;
+    const auto [at, end] = part.value_or(BytePart{0, size});
+    const bool is_known = request.field("if-none-match") == tag;
+    const int status = is_known ? 304 : !part ? 200 : at < end ? 206 : 416;
+    answer.head = begin_of_answer(status) + "Cache-Control: no-cache\r\nETag: " + tag +
+                  "\r\nAccept-Ranges: bytes\r\nX-Content-Type-Options: nosniff\r\nContent-Security-Policy: ";
+    answer.head.append(page_policy).append("\r\nContent-Type: ").append(kind->type);
+    if (status == 206 || status == 416)
+        answer.head += "\r\nContent-Range: bytes " +
+                       (status == 416 ? "*" : std::to_string(at) + '-' + std::to_string(end - 1)) + '/' +
+                       std::to_string(size);
+    answer.head += "\r\nContent-Length: " + std::to_string(end - at) + "\r\n\r\n";
+    answer.at = at;
+    answer.end = is_known || request.is_head() ? at : end;
+    return answer;
 }
 
 // --- Links

@@ -1,20 +1,23 @@
 #pragma once
 
 // Shared by the servers of a stream (TCP and HTTP: tcp_server.cpp; SRT: srt_output.cpp): HTTP requests of
-// clients, how much of the stream a listener's link carries, and what it is sent; and, for receivers, too,
-// when failed attempts are repeated.
+// clients, for the stream or for the files of a page beside it, how much of the stream a listener's link
+// carries, and what it is sent; and, for receivers, too, when failed attempts are repeated.
 
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 
+#include "engine/base/files.hpp"
 #include "engine/stream/stream_url.hpp"
 
 namespace touchable {
@@ -36,7 +39,7 @@ inline std::chrono::nanoseconds back_off(std::chrono::nanoseconds first, int tri
     return first * (1 << std::min(tries, most_doublings));
 }
 
-/// A client's HTTP request to a server that has one stream and nothing else.
+/// A client's HTTP request to a server that has one stream, and perhaps the files of a page.
 class HttpRequest {
 public:
     static constexpr std::size_t most_bytes = 8192;
@@ -46,21 +49,36 @@ public:
 
     /// Adds bytes of the request. Bytes behind its end are ignored.
     void take(std::string_view bytes);
-    /// 0: not complete yet; 200: it requests the stream; 400, 404, 405: it is refused.
+    /// 0: not complete yet; 200: it requests the stream; 404: another name; 400, 405: it is refused.
     int status() const { return status_; }
-    /// With 200: it requests only the head of the answer.
+    /// With 200 and 404: it requests only the head of the answer.
     bool is_head() const { return is_head_; }
+    /// With 200 and 404: what it requests, such as "/index.html", without a query.
+    std::string_view target() const { return target_; }
+    /// A field of its head, by a name in small letters; empty if it is missing.
+    std::string_view field(std::string_view name) const;
 
 private:
     int judged(std::string_view head);
 
-    std::string path_, head_;
+    std::string path_, head_, target_;
     int status_ = 0;
     bool is_head_ = false;
 };
 
-/// The head of the answer; of a refusal, all of it. 503: no room for another listener.
-std::string http_answer(int status);
+/// The head of the answer; of a refusal, all of it. 503: no room for another listener. `type`: of the stream.
+std::string http_answer(int status, std::string_view type = "video/x-matroska");
+
+/// An answer with a file, or with a part of it (RFC 9110, 14): its head, then the file's bytes from `at` to
+/// `end`. A file that may not be had is refused in the head, without a file.
+struct HttpFile {
+    std::string head;
+    Descriptor file{};
+    std::uint64_t at = 0, end = 0;
+};
+/// Answers a request for a file of the first of these folders that has it; "/" is index.html. Only files of
+/// the kinds that a page has, and none of a folder inside, can be had.
+HttpFile http_file(const HttpRequest& request, std::span<const std::filesystem::path> folders);
 
 /// Decides what a listener on a narrow link does not get: its colour first, then framesets. Colour comes back
 /// after the link has kept up without it for a while, which doubles with each failed trial. Reads no clock:

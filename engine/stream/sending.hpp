@@ -319,11 +319,15 @@ public:
     static constexpr int most_connections = 96;
     /// ns since any beginning; never backward. Empty: std::chrono::steady_clock.
     using Clock = std::function<std::int64_t()>;
+    /// Folders of files that HTTP serves beside the stream (http_file in listeners.hpp). Empty: the stream
+    /// alone.
+    using Page = std::vector<std::filesystem::path>;
 
     /// Listens at tcp:// and http:// names; port 0: any free one. Refused: (ErrorKind::usage) a host that is
     /// no numeric address, and (ErrorKind::input) an address that is not available.
     static Result<std::unique_ptr<StreamServer>> open(const std::vector<StreamUrl>& urls, StreamRing& ring,
-                                                      StreamAudience& audience, Clock clock = {});
+                                                      StreamAudience& audience, Clock clock = {},
+                                                      Page page = {});
     /// Closes everything at once.
     virtual ~StreamServer() = default;
 

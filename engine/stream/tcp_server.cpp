@@ -45,11 +45,14 @@ void make_prompt(int socket) {
 class TcpListener : NonCopyable {
 public:
     /// `path`: of the stream over HTTP; nothing: the stream is sent at once, and the audience has room for
-    /// it. Over HTTP a client is refused if there is no room. The socket is non-blocking.
+    /// it. Over HTTP a client is refused if there is no room. `page`: folders of files beside the stream. The
+    /// socket is non-blocking.
     TcpListener(Descriptor socket, std::string name, const std::optional<std::string>& path,
-                const StreamRing& ring, StreamAudience& audience, std::int64_t now_ns)
+                std::span<const std::filesystem::path> page, const StreamRing& ring, StreamAudience& audience,
+                std::int64_t now_ns)
         : socket_(std::move(socket)),
           name_(std::move(name)),
+          page_(page),
           ring_(ring),
           audience_(audience),
           deadline_ns_(now_ns + StreamListener::longest_request_ns) {
@@ -82,7 +85,7 @@ public:
     bool is_over() const { return phase_ == Phase::over; }
 
 private:
-    enum class Phase { asks, is_refused, listens, leaves, over };
+    enum class Phase { asks, is_answered, listens, leaves, over };
     void read(std::int64_t now_ns) {
         std::array<char, 4096> bytes;
         const auto got = ::recv(socket_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
@@ -92,7 +95,7 @@ private:
             // A client that sends nothing more may still listen, unless it never got anything.
             hears_no_more_ = true;
             const bool has_begun = phase_ == Phase::listens && has_header_;
-            if (!has_begun && phase_ != Phase::is_refused) end("has gone");
+            if (!has_begun && phase_ != Phase::is_answered) end("has gone");
             return;
         }
         const auto count = static_cast<std::size_t>(got);
@@ -106,11 +109,14 @@ private:
     }
 
     void write(std::int64_t now_ns) {
-        while (phase_ == Phase::listens || phase_ == Phase::is_refused) {
+        while (phase_ == Phase::listens || phase_ == Phase::is_answered) {
             if (rest_.empty() && !take_piece(now_ns)) return;
             const auto done = ::send(socket_.get(), rest_.data(), rest_.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
             if (done >= 0) {
                 rest_ = rest_.subspan(static_cast<std::size_t>(done));
+                // Between two pieces of a file it is the other clients' turn.
+                is_blocked_ = phase_ == Phase::is_answered;
+                if (is_blocked_) return;
                 continue;
             }
             if (!would_wait(errno))
@@ -118,8 +124,9 @@ private:
                                ? "has gone"
                                : "is lost (" + std::generic_category().message(errno) + ")");
             is_blocked_ = true;
-            if (phase_ == Phase::listens && ring_.has_next(cursor_) && narrow_.is_behind(now_ns) &&
-                !std::exchange(is_said_, true))
+            // Only a stream without a page has colour that can be left out.
+            if (phase_ == Phase::listens && page_.empty() && ring_.has_next(cursor_) &&
+                narrow_.is_behind(now_ns) && !std::exchange(is_said_, true))
                 audience_.goes_without_colour(name_);
             return;
         }
@@ -131,11 +138,12 @@ private:
         is_frameset_ = false;
         piece_.reset();
         deadline_ns_ = no_deadline;
-        if (phase_ == Phase::is_refused) {
-            leave(now_ns);
-            return false;
-        }
-        if (!has_header_) {
+        if (phase_ == Phase::is_answered) {
+            if (!read_piece()) {
+                leave(now_ns);
+                return false;
+            }
+        } else if (!has_header_) {
             const auto header = ring_.header();
             if (!header) return false;
             has_header_ = true;
@@ -155,14 +163,32 @@ private:
         return true;
     }
 
+    /// Reads more of the file that was requested. False: it is over, or shorter than it was.
+    bool read_piece() {
+        constexpr std::uint64_t most_bytes = 1 << 16;
+        const auto bytes =
+            std::make_shared<std::vector<std::uint8_t>>(std::min(most_bytes, file_.end - file_.at));
+        const auto got =
+            ::pread(file_.file.get(), bytes->data(), bytes->size(), static_cast<off_t>(file_.at));
+        if (got <= 0) return false;
+        file_.at += static_cast<std::uint64_t>(got);
+        rest_ = std::span(*bytes).first(static_cast<std::size_t>(got));
+        piece_ = bytes;
+        return true;
+    }
+
     void answer(std::int64_t now_ns) {
         int status = request_->status();
         if (status == 200 && !request_->is_head() && !audience_.has_room()) status = 503;
-        const auto words = std::make_shared<const std::string>(http_answer(status));
-        piece_ = words;
-        rest_ = {reinterpret_cast<const std::uint8_t*>(words->data()), words->size()};
+        if (status == 404 && !page_.empty())
+            file_ = http_file(*request_, page_);
+        else
+            file_.head =
+                page_.empty() ? http_answer(status) : http_answer(status, "application/octet-stream");
+        if (request_->is_head()) file_.head.resize(file_.head.find("\r\n\r\n") + 4);
+        rest_ = {reinterpret_cast<const std::uint8_t*>(file_.head.data()), file_.head.size()};
         if (status == 200 && !request_->is_head()) return begin(now_ns);
-        phase_ = Phase::is_refused;
+        phase_ = Phase::is_answered;
         deadline_ns_ = now_ns + StreamListener::longest_request_ns;
     }
 
@@ -189,9 +215,11 @@ private:
 
     Descriptor socket_;
     const std::string name_;
+    const std::span<const std::filesystem::path> page_;
     const StreamRing& ring_;
     StreamAudience& audience_;
     std::optional<HttpRequest> request_;
+    HttpFile file_;  // the answer; of the stream, its head
     Phase phase_ = Phase::asks;
     StreamRing::Cursor cursor_;
     bool has_header_ = false, is_blocked_ = false, hears_no_more_ = false;
@@ -209,8 +237,8 @@ private:
 /// StreamServer, with its own thread or turn by turn.
 class TcpServer final : public StreamServer {
 public:
-    TcpServer(StreamRing& ring, StreamAudience& audience, Clock clock)
-        : ring_(ring), audience_(audience), clock_(std::move(clock)) {}
+    TcpServer(StreamRing& ring, StreamAudience& audience, Clock clock, Page page)
+        : ring_(ring), audience_(audience), clock_(std::move(clock)), page_(std::move(page)) {}
     ~TcpServer() override {
         stop_ = true;
         wake_->wake();
@@ -247,7 +275,8 @@ public:
     void turn(std::chrono::milliseconds longest) override {
         std::int64_t now_ns = clock_();
         std::vector<pollfd> looks{{wake_->descriptor(), POLLIN, 0}};
-        const auto door_events = static_cast<short>(now_ns >= doors_closed_until_ns_ ? POLLIN : 0);
+        const bool is_open = now_ns >= doors_closed_until_ns_ && !has_to_wait();
+        const auto door_events = static_cast<short>(is_open ? POLLIN : 0);
         for (const Door& door : doors_) looks.push_back({door.socket.get(), door_events, 0});
         for (const auto& listener : listeners_) looks.push_back({listener->socket(), listener->events(), 0});
         if (::poll(looks.data(), looks.size(), timeout_ms(longest, now_ns)) < 0 || stop_) return;
@@ -292,9 +321,13 @@ private:
         return {};
     }
 
+    /// Whether new connections wait until others have ended: a browser's short ones, for the files of a page,
+    /// are not refused.
+    bool has_to_wait() const { return !page_.empty() && std::ssize(listeners_) >= most_connections; }
+
     void accept_from(const Door& door) {
         constexpr int most_at_once = 16;
-        for (int k = 0; k < most_at_once; ++k) {
+        for (int k = 0; k < most_at_once && !has_to_wait(); ++k) {
             SocketAddress address;
             address.length = sizeof address.storage;
             Descriptor socket(::accept4(door.socket.get(), reinterpret_cast<sockaddr*>(&address.storage),
@@ -316,8 +349,8 @@ private:
             make_prompt(socket.get());
             const auto path = is_http ? std::optional(door.url.path) : std::nullopt;
             const std::int64_t now_ns = clock_();
-            auto& listener = listeners_.emplace_back(
-                std::make_unique<TcpListener>(std::move(socket), name, path, ring_, audience_, now_ns));
+            auto& listener = listeners_.emplace_back(std::make_unique<TcpListener>(
+                std::move(socket), name, path, page_, ring_, audience_, now_ns));
             listener->go_on(false, false, now_ns);
         }
     }
@@ -351,6 +384,7 @@ private:
     StreamRing& ring_;
     StreamAudience& audience_;
     const Clock clock_;
+    const Page page_;
     std::shared_ptr<Wake> wake_ = std::make_shared<Wake>();  // shared with the ring
     std::vector<Door> doors_;
     std::vector<std::unique_ptr<TcpListener>> listeners_;
@@ -363,8 +397,9 @@ private:
 }  // namespace
 
 Result<std::unique_ptr<StreamServer>> StreamServer::open(const std::vector<StreamUrl>& urls, StreamRing& ring,
-                                                         StreamAudience& audience, Clock clock) {
-    auto server = std::make_unique<TcpServer>(ring, audience, clock ? std::move(clock) : steady_now_ns);
+                                                         StreamAudience& audience, Clock clock, Page page) {
+    auto server = std::make_unique<TcpServer>(ring, audience, clock ? std::move(clock) : steady_now_ns,
+                                              std::move(page));
     TRY(server->open_doors(urls));
     return std::unique_ptr<StreamServer>(std::move(server));
 }

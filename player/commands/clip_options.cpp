@@ -84,8 +84,17 @@ std::string why_not(const std::string& name, const std::optional<std::string>& v
 }
 
 Result<void> take_stream(SessionOptions& session) {
-    const std::string words = session.clip.file.string();
-    if (session.camera || !session.live || !is_stream_url(words)) return {};
+    if (session.camera || !session.live) return {};
+    TRY(choose_stream(session.clip));
+    if (session.clip.plugged) session.camera = "stream:" + session.clip.file.string();
+    return {};
+}
+
+}  // namespace
+
+Result<void> choose_stream(ClipChoice& clip) {
+    const std::string words = clip.file.string();
+    if (clip.is_camera() || !is_stream_url(words)) return {};
     TRY_ASSIGN(auto url, read_stream_url(words));
     StreamSource source{.url = url};
     if (url.transport == StreamTransport::http && !url.is_playlist()) {
@@ -93,12 +102,9 @@ Result<void> take_stream(SessionOptions& session) {
         if (found.file) return {};
         source.connection = std::move(found.stream);
     }
-    session.camera = "stream:" + url.name();
-    session.clip.choose({std::move(source), {}, {}});
+    clip.choose({std::move(source), {}, {}});
     return {};
 }
-
-}  // namespace
 
 void add_camera_options(CLI::App& sub, CameraTyped& typed) {
     begin_topic(sub, "Camera");

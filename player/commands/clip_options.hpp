@@ -44,6 +44,9 @@ std::vector<CLI::Option*> add_filter_options(CLI::App& sub, ClipTyped& typed);
 /// Invalid words are refused (ErrorKind::usage).
 Result<ClipChoice> read_clip(const ClipTyped& typed);
 
+/// Makes a clip that is a stream's address a live source; a file on a web server stays a clip.
+Result<void> choose_stream(ClipChoice& clip);
+
 /// Every file from which a clip is read.
 std::vector<NamedFile> inputs_of(const ClipChoice& clip, const ClipReader& reader);
 

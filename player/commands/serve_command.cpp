@@ -10,6 +10,7 @@
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "engine/formats/formats_written.hpp"
 #include "engine/picture/sound.hpp"
 #include "engine/stream/sending.hpp"
 #include "engine/stream/stream_url.hpp"
@@ -32,11 +33,15 @@ struct ServeOptions {
     int listeners = 0;  ///< listeners to wait for before sending begins
     std::optional<std::int64_t> longest_ns;
     bool mpegts = false;  ///< over SRT: MPEG-TS, readable by stock tools
+    bool page = false;    ///< to browsers: the page, and the clip's packed form
     std::optional<HlsWriter::Settings> hls;
     JsonOutput json;
 };
 
 constexpr std::chrono::milliseconds serve_look_again{5};
+
+/// The name, beside the page, of a live source's frames.
+constexpr const char* page_stream = "live";
 
 /// Skips the line if stderr is blocked, so that listeners need not wait.
 void say_served(const std::string& line) {
@@ -75,6 +80,58 @@ struct ServedForm {
     std::unique_ptr<StreamMuxer> muxer;  // until passed to the sender
 };
 
+std::filesystem::path page_folder() {
+    return folder_from_program(TOUCHABLE_WEB_FROM_PROGRAM);
+}
+
+/// The frames of a live source as the page reads them (docs/web.md): for each the sizes of four packets, its
+/// time, and the packets.
+class PageStream final : public StreamMuxer {
+public:
+    /// `begun` is called when the first frame has told what clip.json says, which is in `folder` by then.
+    PageStream(SceneDescription described, std::filesystem::path folder, std::function<void()> begun)
+        : described_(std::move(described)), folder_(std::move(folder)), begun_(std::move(begun)) {}
+
+    std::span<const std::uint8_t> header() const override { return {}; }
+    Result<Block> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
+                      bool is_key) override {
+        if (!packer_) TRY(begin(frame));
+        if (is_key) packer_.emplace();  // the first frame that it packs is whole
+        TRY_ASSIGN(const auto packets, packer_->pack(frame));
+        Block block{label.frame, true, {}};
+        std::string head, body;
+        for (const PlaneRole role :
+             {PlaneRole::depth, PlaneRole::haptic, PlaneRole::height, PlaneRole::colour}) {
+            const std::string& packet = packets[static_cast<std::size_t>(role)];
+            append(head, static_cast<std::uint32_t>(packet.size()));
+            body += packet;
+            // A listener can begin with any frame of which no plane is left out.
+            block.is_key = block.is_key && (plane_of(frame, role).empty() || !packet.empty());
+        }
+        append(head, static_cast<double>(time_ns));
+        head += body;
+        block.bytes.assign(head.begin(), head.end());
+        return block;
+    }
+
+private:
+    Result<void> begin(const RawFrame& first) {
+        NewFile file(folder_ / "clip.json");
+        TRY(file.write(packed_live_json(described_, first, page_stream)));
+        TRY(file.commit());
+        begun_();
+        return {};
+    }
+    static void append(std::string& bytes, auto number) {
+        bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
+    }
+
+    const SceneDescription described_;
+    const std::filesystem::path folder_;
+    const std::function<void()> begun_;
+    std::optional<FramePacker> packer_;
+};
+
 class Serving : NonCopyable {
 public:
     explicit Serving(const ServeOptions& options) : options_(options) {}
@@ -89,6 +146,7 @@ public:
         TRY(open_clip());
         TRY(open_forms());
         TRY(open_places());
+        if (page_ && !is_live_) return serve_packed();
         const auto sent = send();
         if (!sent && !stop_requested()) return sent;
         for (const auto& output : outputs_) output->end();
@@ -103,7 +161,14 @@ public:
 
 private:
     Result<void> open_clip() {
-        TRY_ASSIGN(clip_, options_.clip.open());
+        if (options_.page) {  // the page measures nothing: its filters are chosen here
+            TRY_ASSIGN(auto opened, open_chosen(options_.clip, Colour::wanted));
+            clip_ = std::move(opened.reader);
+            described_ = std::move(opened.scene);
+        } else {
+            TRY_ASSIGN(clip_, options_.clip.open());
+            described_ = clip_->described();
+        }
         is_live_ = clip_->is_live();
         notes_ = remarks_with_options(remarks_of(*clip_));
         if (!options_.json.file) return {};
@@ -112,17 +177,51 @@ private:
     }
 
     Result<void> open_forms() {
+        if (options_.page) return open_page();
         bool has_matroska = false, has_mpegts = false;
         for (const StreamUrl& url : options_.urls) {
             const bool is_mpegts = options_.mpegts && url.transport == StreamTransport::srt;
             (is_mpegts ? has_mpegts : has_matroska) = true;
         }
-        const SceneDescription described = clip_->described();
-        if (has_mpegts) TRY(assign(mpegts_.emplace().muxer, make_mpegts_muxer(described)));
+        if (has_mpegts) TRY(assign(mpegts_.emplace().muxer, make_mpegts_muxer(described_)));
         const auto heard = sound();
-        if (options_.hls) TRY(assign(hls_, HlsWriter::open(*options_.hls, described, heard)));
-        return has_matroska ? assign(matroska_.emplace().muxer, open_matroska_stream(described, heard))
+        if (options_.hls) TRY(assign(hls_, HlsWriter::open(*options_.hls, described_, heard)));
+        return has_matroska ? assign(matroska_.emplace().muxer, open_matroska_stream(described_, heard))
                             : Result<void>();
+    }
+
+    /// A page gets a clip's packed form, or the frames of a live source as they come.
+    Result<void> open_page() {
+        TRY_ASSIGN(packed_, ScratchFolder::create("page"));
+        auto& [ring, muxer] = page_.emplace();
+        if (is_live_) {
+            muxer = std::make_unique<PageStream>(described_, packed_->path(), [this] { say_where(); });
+        } else {  // no frames are sent
+            ring.begin({});
+            ring.end();
+        }
+        return {};
+    }
+
+    /// Packs the clip, then serves it until a stop is requested, or the time limit.
+    Result<void> serve_packed() {
+        TRY_ASSIGN(const auto writer, create_packed_clip(packed_->path(), described_, {}, Existing::keep));
+        std::optional<Progress> progress(std::in_place, "packing frame", clip_->frame_count().value_or(0));
+        for (std::int64_t done = 0;; progress->at(++done)) {
+            if (stop_requested()) return interrupted_error();
+            TRY_ASSIGN(const auto frame, clip_->next());
+            if (!frame) break;
+            TRY(writer->write(*frame));
+        }
+        progress.reset();
+        TRY(writer->complete());
+        TRY(writer->finish());
+        TRY(server_->start());
+        say_where();
+        const std::chrono::nanoseconds longest(options_.longest_ns.value_or(0));
+        (void)wait_unless_stopped(options_.longest_ns ? std::chrono::steady_clock::now() + longest
+                                                      : StopScope::never);
+        return {};
     }
 
     Result<void> open_places() {
@@ -137,10 +236,16 @@ private:
             outputs_.push_back(std::move(output));
         }
         if (!listened.empty()) {
-            TRY_ASSIGN(server_, StreamServer::open(listened, matroska_->ring, audience_));
-            TRY(server_->start());
+            StreamServer::Page page;
+            if (page_) {
+                page = {packed_->path(), page_folder()};
+                listened.front().path += page_stream;
+            }
+            TRY_ASSIGN(server_, StreamServer::open(listened, (page_ ? page_ : matroska_)->ring, audience_, {},
+                                                   std::move(page)));
+            if (!page_ || is_live_) TRY(server_->start());
         }
-        say_where();
+        if (!page_) say_where();  // else once there is something to see
         for (const auto& output : outputs_) TRY(output->start());
         return {};
     }
@@ -165,8 +270,10 @@ private:
             say_served("writing segments for web servers: touchable play " + shell_word(master.string()));
         }
         if (server_)
-            for (const std::string& address : server_->addresses()) {
-                say_served("listening on " + address + ": touchable play " + to_be_played(address));
+            for (std::string address : server_->addresses()) {
+                if (page_) address.erase(address.rfind('/') + 1);
+                say_served("listening on " + address +
+                           (page_ ? ": open in a browser " : ": touchable play ") + to_be_played(address));
                 say_who_may_listen(address);
             }
         for (const auto& output : outputs_) {
@@ -182,7 +289,7 @@ private:
         const auto are_there = [this] { return audience_.there() >= options_.listeners; };
         if (!wait_unless_stopped(are_there, serve_look_again)) return interrupted_error();
         std::vector<StreamSender::Channel> channels;
-        for (auto* const form : {&matroska_, &mpegts_})
+        for (auto* const form : {&matroska_, &mpegts_, &page_})
             if (*form) channels.push_back({std::move((*form)->muxer), (*form)->ring});
         if (hls_) channels.push_back({make_hls_channel(*hls_), nobody_});
         const bool is_paced = !hls_ || options_.hls->window_ns > 0 || !options_.urls.empty();
@@ -329,10 +436,12 @@ private:
     const ServeOptions& options_;
     std::unique_ptr<OutputFile> json_;
     std::unique_ptr<ClipReader> clip_;
+    SceneDescription described_;
     bool is_live_ = false;
     std::vector<std::string> notes_;
     StreamAudience audience_{say_served};
-    std::optional<ServedForm> matroska_, mpegts_;
+    std::optional<ServedForm> matroska_, mpegts_, page_;
+    std::unique_ptr<ScratchFolder> packed_;  // clip.json, and a clip's packets
     std::unique_ptr<HlsWriter> hls_;
     StreamRing nobody_;  // empty ring for the segments written to a folder
     std::unique_ptr<StreamServer> server_;
@@ -405,6 +514,21 @@ Result<void> read_hls(const ServeTyped& typed, ServeOptions& options) {
     return {};
 }
 
+/// A page is for one server alone, which begins at once.
+Result<void> check_page(const ServeTyped& typed, ServeOptions& options) {
+    if (!options.page) return {};
+    const bool is_http =
+        options.urls.size() == 1 && !typed.hls && options.urls.front().transport == StreamTransport::http;
+    if (!is_http || options.urls.front().path != "/")
+        return usage_error(
+            "--page is for one address, such as http://0.0.0.0:8000, without a name and without --hls");
+    if (options.loop || typed.listeners || options.json.file)
+        return usage_error("--page needs no --loop and no --listeners, and makes no --json report");
+    if (access((page_folder() / "index.html").c_str(), R_OK) != 0)
+        return input_error("the page was not built into this program: ./run web");
+    return choose_stream(options.clip);
+}
+
 Result<ServeOptions> read_options(const ServeTyped& typed) {
     ServeOptions options = typed.options;
     TRY_ASSIGN(options.clip, read_clip(typed.clip));
@@ -422,6 +546,7 @@ Result<ServeOptions> read_options(const ServeTyped& typed) {
     }
     if (options.mpegts && !has_srt)
         return usage_error("--mpegts is for srt://; tcp:// and http:// carry Matroska");
+    TRY(check_page(typed, options));
     const bool waits_for_nobody = options.loop || options.clip.is_camera() || options.urls.empty();
     options.listeners = typed.listeners.value_or(waits_for_nobody ? 0 : 1);
     if (typed.seconds) options.longest_ns = std::llround(*typed.seconds * 1e9);
@@ -453,6 +578,9 @@ void add_serve_command(CLI::App& app, Command& command) {
         ->type_name("SECONDS");
     sub->add_flag("--mpegts", typed->options.mpegts,
                   "send MPEG-TS over srt://, in place of Matroska. Stock programs show its colour");
+    sub->add_flag("--page", typed->options.page,
+                  "serve a page at http://HOST:PORT, in which browsers show the clip or the camera and let "
+                  "people touch it");
     begin_topic(*sub, "HLS");
     add_file_option(
         *sub, "--hls", typed->hls,
