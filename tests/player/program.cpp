@@ -95,6 +95,7 @@ struct Hooks {
     std::function<void(pid_t)> meanwhile = [](pid_t) {};
     std::function<bool(const Outcome&)> is_enough = [](const Outcome&) { return false; };
     Pipe::Kind err = Pipe::Kind::pipe, out = Pipe::Kind::pipe;
+    std::string program = TOUCHABLE_PROGRAM;
 };
 
 /// Libraries that are loaded before the program, so that a busy machine is waited for: a GPU has the time
@@ -114,7 +115,7 @@ std::string loaded_before(const std::vector<std::string>& arguments) {
 }
 
 Outcome run(const std::vector<std::string>& arguments, const Hooks& hooks) {
-    std::vector<std::string> words{TOUCHABLE_PROGRAM};
+    std::vector<std::string> words{hooks.program};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
@@ -265,9 +266,19 @@ Outcome run_in_folder_halting(const std::vector<std::string>& arguments, const f
     return run(arguments, hooks);
 }
 
+fs::path install_program(const fs::path& prefix) {
+    const fs::path program = prefix / "bin/touchable";
+    fs::create_directories(program.parent_path());
+    std::error_code elsewhere;  // a link leads to no other file system
+    fs::create_hard_link(TOUCHABLE_PROGRAM, program, elsewhere);
+    if (elsewhere) fs::copy_file(TOUCHABLE_PROGRAM, program);
+    return program;
+}
+
 Outcome run_until_it_says(const std::vector<std::string>& arguments,
-                          const std::function<bool(const std::string&)>& is_enough) {
+                          const std::function<bool(const std::string&)>& is_enough, const fs::path& program) {
     Hooks hooks;
+    if (!program.empty()) hooks.program = program.string();
     hooks.is_enough = [&](const Outcome& outcome) { return is_enough(outcome.err); };
     return run(arguments, hooks);
 }

@@ -37,10 +37,14 @@ Outcome run_in_folder_until(const std::vector<std::string>& arguments, const std
 Outcome run_in_folder_halting(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
                               const std::filesystem::path& file);
 
+/// Puts the program into a folder as an installation does, where it finds other files of its own; its path.
+std::filesystem::path install_program(const std::filesystem::path& prefix);
+
 /// Starts it and sends SIGINT once what it has said on its error stream is enough, as is asked whenever there
-/// is more of it.
+/// is more of it. `program`: one that was installed; empty: as it was built.
 Outcome run_until_it_says(const std::vector<std::string>& arguments,
-                          const std::function<bool(const std::string& err)>& is_enough);
+                          const std::function<bool(const std::string& err)>& is_enough,
+                          const std::filesystem::path& program = {});
 
 /// Starts it with a standard output whose reader has gone away.
 Outcome run_unheard(const std::vector<std::string>& arguments);

@@ -5,11 +5,19 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <functional>
 #include <map>
+#include <numeric>
+#include <optional>
+#include <set>
 #include <thread>
 
+#include "engine/formats/formats_written.hpp"
 #include "engine/stream/hls.hpp"
 #include "engine/stream/labelled_codec.hpp"
 #include "engine/stream/listeners.hpp"
@@ -301,7 +309,155 @@ TEST_F(ServeCommand, RejectsInvalidOptions) {
     refused({clip, "tcp://127.0.0.1:0", "--hls-window", "5"}, "are for --hls DIR");
     refused({clip, "tcp://127.0.0.1:0", "--hls-low", "on"}, "are for --hls DIR");
     refused({clip, "--hls", folder / "web", "--hls-segment", "0.1"}, "0.5 to 10");
+    const std::string place = "http://127.0.0.1:0", one = "--page is for one address, such as http://";
+    refused({clip, "tcp://127.0.0.1:0", "--page"}, one);
+    refused({clip, "srt://127.0.0.1:5000", "--page"}, one);
+    refused({clip, place + "/clip.mkv", "--page"}, one);
+    refused({clip, place, place, "--page"}, one);
+    refused({clip, place, "--page", "--hls", folder / "web"}, one);
+    refused({clip, place, "--page", "--loop"}, "--page needs no --loop");
     EXPECT_EQ(run_touchable({"serve", folder / "none.mkv", "tcp://127.0.0.1:0"}).code, 3);
+}
+
+// A page for browsers.
+
+/// The program as it is installed, with a page that is a stand-in, and with temporary files of its own.
+class ServePage : public ServeCommand {
+protected:
+    void SetUp() override {
+        ServeCommand::SetUp();
+        std::filesystem::create_directories(web);
+        write_bytes(web / "index.html", "a page");
+        if (const char* const typed = std::getenv("TMPDIR")) before = typed;
+        setenv("TMPDIR", temporary.path().c_str(), 1);
+    }
+    void TearDown() override {
+        EXPECT_EQ(temporary.file_count(), 0U) << "temporary files are left";
+        before ? setenv("TMPDIR", before->c_str(), 1) : unsetenv("TMPDIR");
+    }
+    /// Serves the page, and interrupts that when `visit` is back, which gets the address.
+    void serve_page(Words words, const std::function<void(const std::string& place)>& visit) {
+        words.insert(words.begin(), "serve");
+        words.insert(words.end(), {"http://127.0.0.1:0", "--page"});
+        std::chrono::steady_clock::time_point left;
+        const std::string begin = "listening on ", end = ": open in a browser ";
+        outcome = run_until_it_says(
+            words,
+            [&](const std::string& err) {
+                const std::size_t at = err.find(begin), to = err.find(end);
+                if (to == std::string::npos || err.find('\n', to) == std::string::npos) return false;
+                visit(err.substr(at + begin.size(), to - at - begin.size()));
+                left = std::chrono::steady_clock::now();
+                return true;
+            },
+            program);
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        EXPECT_LT(std::chrono::steady_clock::now() - left, std::chrono::seconds(2));
+    }
+    static std::string fetched(const std::string& place, const std::string& name,
+                               const std::string& fields = "") {
+        const StreamPeer peer(place);
+        peer.say("GET /" + name + " HTTP/1.1\r\n" + fields + "\r\n");
+        const std::string heard = peer.hear_all();
+        return heard.substr(std::min(heard.size(), heard.find("\r\n\r\n") + 4));
+    }
+
+    const std::filesystem::path program = install_program(folder.path()),
+                                web = folder / "share/touchable/web";
+    const TemporaryFolder temporary;
+    std::optional<std::string> before;
+};
+
+TEST_F(ServePage, ServesPackedClip) {
+    const TemporaryFolder saved;
+    serve_page({clip}, [&](const std::string& place) {
+        EXPECT_EQ(fetched(place, ""), "a page");
+        const std::string text = fetched(place, "clip.json");
+        write_bytes(saved / "clip.json", text);
+        for (const auto& [role, plane] : nlohmann::json::parse(text).at("planes").items()) {
+            const std::string name = plane.at("file"), whole = fetched(place, name);
+            write_bytes(saved / name, whole);
+            EXPECT_EQ(fetched(place, name, "Range: bytes=3-9\r\n"), whole.substr(3, 7)) << name;
+        }
+        EXPECT_EQ(fetched(place, "live"), "");
+    });
+    const auto read = read_clip(saved / "clip.json");
+    ASSERT_EQ(message(read), "");
+    ASSERT_EQ(std::ssize(*read), frames);
+    for (int n = 0; n < frames; ++n)
+        EXPECT_TRUE(same_touch_planes((*read)[static_cast<std::size_t>(n)],
+                                      test_frame(quick_scene(), n, served_planes)))
+            << n;
+    EXPECT_EQ(outcome.err.find("is open to ANY machine"), std::string::npos) << outcome.err;
+}
+
+/// A frame as a page gets it.
+struct PageFrame {
+    std::array<std::string, 4> packets;  ///< depth, haptic, height, colour
+    double time_ns = 0;
+};
+
+/// The whole frames at the beginning of a stream.
+std::vector<PageFrame> page_frames(std::string_view bytes) {
+    std::vector<PageFrame> frames;
+    while (true) {
+        constexpr std::size_t head = 24;
+        std::array<std::uint32_t, 4> sizes{};
+        if (bytes.size() < head) return frames;
+        std::memcpy(sizes.data(), bytes.data(), sizeof sizes);
+        if (bytes.size() < head + std::accumulate(sizes.begin(), sizes.end(), std::size_t{0})) return frames;
+        PageFrame& frame = frames.emplace_back();
+        std::memcpy(&frame.time_ns, bytes.data() + sizeof sizes, sizeof frame.time_ns);
+        bytes.remove_prefix(head);
+        for (std::size_t k = 0; k < sizes.size(); ++k) {
+            frame.packets[k] = bytes.substr(0, sizes[k]);
+            bytes.remove_prefix(sizes[k]);
+        }
+    }
+}
+
+// Each client begins with a whole frame, and none waits for another.
+TEST_F(ServePage, ServesCameraFrames) {
+    const std::string moving = folder / "moving.mkv";
+    ASSERT_EQ(message(write_clip(moving, quick_scene(), 2000, served_planes)), "");
+    std::set<std::string> depths;
+    FramePacker packer;
+    for (const RawFrame& frame : must(read_clip(moving)))
+        if (const auto packets = must(packer.pack(frame)); !packets[0].empty()) depths.insert(packets[0]);
+    serve_page({"--camera", "replay:" + moving}, [&](const std::string& place) {
+        const auto told = nlohmann::json::parse(fetched(place, "clip.json"));
+        EXPECT_EQ(told.at("live"), "live");
+        EXPECT_FALSE(told.contains("frames"));
+        const StreamPeer stuck(place, 4096);
+        stuck.say("GET /live HTTP/1.1\r\n\r\n");
+        double begin_ns = 0;
+        for (int client = 0; client < 2; ++client) {
+            const StreamPeer peer(place);
+            peer.say("GET /live HTTP/1.1\r\n\r\n");
+            const std::string heard = peer.hear_all(100'000);
+            const auto got = page_frames(std::string_view(heard).substr(heard.find("\r\n\r\n") + 4));
+            ASSERT_GE(got.size(), 3U);
+            EXPECT_TRUE(has_words(heard, "\r\nContent-Type: application/octet-stream\r\n"));
+            for (const std::size_t felt_or_seen : {0U, 1U, 3U})
+                EXPECT_NE(got.front().packets[felt_or_seen], "") << felt_or_seen;
+            EXPECT_GE(got.front().time_ns, begin_ns) << "a later client begins with a newer frame";
+            begin_ns = got.front().time_ns;
+            for (std::size_t n = 0; n < got.size(); ++n) {
+                EXPECT_TRUE(got[n].packets[0].empty() || depths.contains(got[n].packets[0])) << n;
+                EXPECT_TRUE(n == 0 || got[n].time_ns > got[n - 1].time_ns) << n;
+            }
+        }
+        EXPECT_EQ(fetched(place, ""), "a page");
+    });
+    EXPECT_NE(outcome.out.find("3 listeners\n"), std::string::npos) << outcome.out;
+}
+
+TEST_F(ServePage, NeedsPage) {
+    std::filesystem::remove(web / "index.html");
+    outcome = run_until_it_says(
+        {"serve", clip, "http://127.0.0.1:0", "--page"}, [](const std::string&) { return false; }, program);
+    EXPECT_EQ(outcome.code, 3);
+    EXPECT_EQ(outcome.err, "touchable: the page was not built into this program: ./run web\n");
 }
 
 /// What came of a stream cannot be had again.

@@ -13,6 +13,7 @@
 #include "engine/stream/receiving.hpp"
 #include "tests/stream/labelled_stream.hpp"
 #include "tests/stream/peers.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 namespace {
@@ -22,9 +23,10 @@ constexpr std::chrono::milliseconds at_once{0};
 /// A server that takes its turns when the test calls for one, by a clock that the test sets.
 struct Served {
     explicit Served(const char* address = "http://127.0.0.1:0/live.mkv",
-                    const StreamRing::Bounds& bounds = {})
+                    const StreamRing::Bounds& bounds = {}, const StreamServer::Page& page = {})
         : ring(bounds) {
-        auto opened = StreamServer::open({*read_stream_url(address)}, ring, audience, [this] { return now; });
+        auto opened = StreamServer::open(
+            {*read_stream_url(address)}, ring, audience, [this] { return now; }, page);
         EXPECT_TRUE(opened);
         server = std::move(*opened);
         place = server->addresses().front();
@@ -277,6 +279,180 @@ TEST(StreamServer, ForgetsListenerThatLeft) {
     }
     served.expect_there(0);
     EXPECT_TRUE(served.has_said("has gone"));
+}
+
+// Files beside a stream: a page in browsers.
+
+/// `clip` is looked through before `web`.
+class PageServer : public ::testing::Test {
+protected:
+    PageServer() {
+        for (const char* name : {"clip/folder.js", "web/below", "elsewhere"})
+            std::filesystem::create_directories(folder / name);
+        for (const char* name :
+             {"clip/clip.json", "clip/depth.bin", "web/index.html", "web/page.js", "web/style.css",
+              "web/engine.wasm", "web/clip.json", "web/notes.txt", "web/below/page.js", "elsewhere/page.js"})
+            write_bytes(folder / name, name);
+        write_bytes(folder / "clip/large.bin", std::string(large, 'x'));
+    }
+    /// The whole answer to a request, until the connection is closed.
+    std::string answer(const std::string& line, const std::string& fields = "") const {
+        const StreamPeer peer(served.place);
+        peer.say(line + " HTTP/1.1\r\nHost: here\r\n" + fields + "\r\n");
+        const std::string heard = served.all_heard(peer);
+        EXPECT_TRUE(heard.ends_with("closed")) << heard;
+        return heard.substr(0, heard.size() - std::string("closed").size());
+    }
+    std::string asked_part(const std::string& range, const std::string& fields = "") const {
+        return answer("GET /depth.bin", "rAnge:  " + range + " \r\n" + fields);
+    }
+
+    static constexpr std::size_t large = 20'000'000;
+    const TemporaryFolder folder;
+    Served served{"http://127.0.0.1:0/live", {}, {folder / "clip", folder / "web"}};
+};
+
+TEST_F(PageServer, ServesWholeFiles) {
+    const std::pair<const char*, std::pair<const char*, const char*>> files[]{
+        {"/", {"web/index.html", "text/html; charset=utf-8"}},
+        {"/index.html?clip=clip.json", {"web/index.html", "text/html; charset=utf-8"}},
+        {"/page.js", {"web/page.js", "text/javascript; charset=utf-8"}},
+        {"/style.css", {"web/style.css", "text/css; charset=utf-8"}},
+        {"/engine.wasm", {"web/engine.wasm", "application/wasm"}},
+        {"/clip.json", {"clip/clip.json", "application/json"}},
+        {"/depth.bin", {"clip/depth.bin", "application/octet-stream"}}};
+    for (const auto& [path, file] : files) {
+        const std::string heard = answer(std::string("GET ") + path);
+        EXPECT_TRUE(heard.starts_with("HTTP/1.1 200 OK\r\n")) << heard;
+        EXPECT_EQ(body_of(heard), file.first);
+        EXPECT_TRUE(has_words(heard, std::string("\r\nContent-Type: ") + file.second + "\r\n")) << heard;
+        for (const char* field :
+             {"X-Content-Type-Options: nosniff\r\n", "Cache-Control: no-cache\r\n",
+              "Accept-Ranges: bytes\r\n", "script-src 'self' 'wasm-unsafe-eval'; ", "Connection: close\r\n"})
+            EXPECT_TRUE(has_words(heard, field)) << field << " is not in " << heard;
+    }
+    EXPECT_EQ(body_of(answer("GET /large.bin")), std::string(large, 'x'));
+    EXPECT_EQ(served.audience.all(), 0);
+}
+
+TEST_F(PageServer, ServesParts) {
+    const std::string whole = "clip/depth.bin";
+    const std::pair<const char*, std::pair<std::size_t, std::size_t>> parts[]{
+        {"bytes=0-3", {0, 4}},  {"bytes=5-9", {5, 10}}, {"bytes=10-", {10, 14}},
+        {"bytes=-4", {10, 14}}, {"bytes=-99", {0, 14}}, {"bytes=13-99999999999999", {13, 14}}};
+    for (const auto& [range, part] : parts) {
+        const auto [at, end] = part;
+        const std::string heard = asked_part(range);
+        EXPECT_TRUE(heard.starts_with("HTTP/1.1 206 Partial Content\r\n")) << heard;
+        EXPECT_EQ(body_of(heard), whole.substr(at, end - at));
+        EXPECT_TRUE(has_words(heard, "\r\nContent-Range: bytes " + std::to_string(at) + "-" +
+                                         std::to_string(end - 1) + "/14\r\n"))
+            << heard;
+        EXPECT_TRUE(has_words(heard, "\r\nContent-Length: " + std::to_string(end - at) + "\r\n")) << heard;
+    }
+    // Other forms are left unread (RFC 9110, 14.2).
+    for (const char* range : {"bytes=0-1,4-5", "bytes=9-5", "bytes=", "bytes=5", "bytes=-", "bytes=a-b",
+                              "bytes=--3", "lines=0-3", "bytes=99999999999999999999-"}) {
+        const std::string heard = asked_part(range);
+        EXPECT_TRUE(heard.starts_with("HTTP/1.1 200 OK\r\n")) << range << ": " << heard;
+        EXPECT_EQ(body_of(heard), whole);
+    }
+    for (const char* range : {"bytes=14-", "bytes=20-30", "bytes=-0"}) {
+        const std::string heard = asked_part(range);
+        EXPECT_TRUE(heard.starts_with("HTTP/1.1 416 Range Not Satisfiable\r\n")) << range << ": " << heard;
+        EXPECT_TRUE(has_words(heard, "\r\nContent-Range: bytes */14\r\n")) << heard;
+        EXPECT_EQ(body_of(heard), "");
+    }
+}
+
+TEST_F(PageServer, SendsNothingKnownAgain) {
+    const std::string first = answer("GET /depth.bin"), name = "\r\nETag: ";
+    const std::size_t at = first.find(name) + name.size();
+    const std::string tag = first.substr(at, first.find('\r', at) - at);
+    const std::string known = answer("GET /depth.bin", "If-None-Match: " + tag + "\r\n");
+    EXPECT_TRUE(known.starts_with("HTTP/1.1 304 Not Modified\r\n")) << known;
+    EXPECT_EQ(body_of(known), "");
+    EXPECT_EQ(body_of(asked_part("bytes=0-3", "If-Range: " + tag + "\r\n")), "clip");
+    EXPECT_EQ(body_of(asked_part("bytes=0-3", "If-Range: \"of-another.run\"\r\n")), "clip/depth.bin");
+    write_bytes(folder / "clip/depth.bin", "another clip");
+    EXPECT_EQ(body_of(answer("GET /depth.bin", "If-None-Match: " + tag + "\r\n")), "another clip");
+}
+
+TEST_F(PageServer, HeadHasNoBody) {
+    const std::string head = answer("HEAD /depth.bin"),
+                      part = answer("HEAD /depth.bin", "Range: bytes=2-4\r\n");
+    EXPECT_TRUE(has_words(head, "Content-Length: 14\r\n")) << head;
+    EXPECT_TRUE(has_words(part, "Content-Length: 3\r\n")) << part;
+    for (const std::string& heard : {head, part, answer("HEAD /none.js"), answer("HEAD /live")})
+        EXPECT_TRUE(heard.ends_with("\r\n\r\n")) << heard;
+}
+
+TEST_F(PageServer, ServesNothingElse) {
+    using namespace std::string_literals;
+    const std::vector<std::string> paths{"/none.js",
+                                         "/notes.txt",
+                                         "/below/page.js",
+                                         "/../elsewhere/page.js",
+                                         "/..%2felsewhere%2fpage.js",
+                                         "//page.js",
+                                         "/./page.js",
+                                         "/..",
+                                         "/.",
+                                         "/.js",
+                                         "/folder.js",
+                                         "/notes.txt\0.js"s,
+                                         "/%70age.js",
+                                         (folder / "elsewhere/page.js").string()};
+    for (const std::string& path : paths) {
+        const std::string heard = answer("GET " + path);
+        EXPECT_TRUE(heard.starts_with("HTTP/1.1 404 Not Found\r\n")) << path << ": " << heard;
+    }
+    EXPECT_TRUE(answer("POST /page.js").starts_with("HTTP/1.1 405 "));
+}
+
+TEST_F(PageServer, StuckClientHarmsNoOther) {
+    const StreamPeer stuck(served.place, 4096);
+    stuck.say("GET /large.bin HTTP/1.1\r\n\r\n");
+    EXPECT_TRUE(served.go_on_until([&] { return served.server->connections() == 1; }));
+    // Two at once, each at its own pace.
+    const StreamPeer one(served.place), other(served.place);
+    for (const StreamPeer* peer : {&one, &other}) peer->say("GET /large.bin HTTP/1.1\r\n\r\n");
+    EXPECT_EQ(served.heard(one, 1000).size(), 1000U);
+    EXPECT_EQ(body_of(served.all_heard(other)), std::string(large, 'x') + "closed");
+    EXPECT_TRUE(served.all_heard(one).ends_with("xxxclosed"));
+    served.now += 11 * a_second_ns;
+    EXPECT_TRUE(served.go_on_until([&] { return served.server->connections() == 0; }));
+}
+
+// Browsers open many connections, each for one file.
+TEST_F(PageServer, ConnectionsWaitForRoom) {
+    std::vector<std::unique_ptr<StreamPeer>> silent;
+    for (int k = 0; k < StreamServer::most_connections; ++k) {
+        silent.push_back(std::make_unique<StreamPeer>(served.place));
+        served.server->turn(at_once);
+    }
+    const auto is_full = [&] { return served.server->connections() == StreamServer::most_connections; };
+    ASSERT_TRUE(served.go_on_until(is_full));
+    const StreamPeer late(served.place);
+    late.say("GET /page.js HTTP/1.1\r\n\r\n");
+    for (int k = 0; k < 100; ++k) served.server->turn(at_once);
+    EXPECT_EQ(late.hear(), "");
+    silent.pop_back();
+    EXPECT_EQ(body_of(served.all_heard(late)), "web/page.jsclosed");
+}
+
+// A live source's frames.
+TEST_F(PageServer, StreamIsBesideFiles) {
+    served.ring.begin({});
+    for (std::int64_t n = 0; n < 17; ++n) served.add(n, 3);
+    const StreamPeer peer(served.place);
+    peer.say("GET /live HTTP/1.1\r\n\r\n");
+    const std::string head = http_answer(200, "application/octet-stream");
+    EXPECT_EQ(served.heard(peer, head.size() + 6), head + "pppqqq");
+    EXPECT_EQ(body_of(answer("GET /page.js")), "web/page.js");
+    served.add(17, 2);
+    served.ring.end();
+    EXPECT_EQ(served.all_heard(peer), "rrclosed");
 }
 
 TEST(StreamServer, RunsInItsThread) {
