@@ -67,11 +67,13 @@ class Browser:
 
 
 class Chromium(Browser):
+    name = "Chromium"
+
     @staticmethod
     def program():
         return shutil.which("chromium") or shutil.which("google-chrome")
 
-    def __init__(self, width=1280, height=800):
+    def __init__(self, width=1280, height=800, reached="127.0.0.1"):
         super().__init__()
         (commands, self.out), (self.input, answers) = os.pipe(), os.pipe()
 
@@ -80,11 +82,11 @@ class Chromium(Browser):
             os.dup2(high[0], 3)
             os.dup2(high[1], 4)
 
-        # Names resolve to nothing, so that no request can leave this machine.
+        # Other hosts than this one resolve to nothing, so that no request can leave the machine.
         self.start([self.program(), "--headless=new", "--no-sandbox", "--remote-debugging-pipe", "--no-first-run",
                     f"--user-data-dir={self.profile}", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
                     "--disable-background-networking", "--disable-component-update", "--disable-dev-shm-usage",
-                    "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1", "about:blank"],
+                    f"--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE {reached}", "about:blank"],
                    pass_fds=(3, 4), preexec_fn=as_3_and_4)
         os.close(commands)
         os.close(answers)
@@ -191,8 +193,9 @@ class Chromium(Browser):
     def slow_down(self, factor):
         self.call("Emulation.setCPUThrottlingRate", rate=factor)
 
-    def reduce_motion(self):
-        self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-reduced-motion", "value": "reduce"}])
+    def reduce_motion(self, less):
+        wanted = {"name": "prefers-reduced-motion", "value": "reduce" if less else ""}
+        self.call("Emulation.setEmulatedMedia", features=[wanted])
 
     def choose_file(self, selector, path):
         """As if a person had chosen the file in an <input type=file>."""
@@ -229,6 +232,7 @@ class Chromium(Browser):
 class Firefox(Browser):
     """In a display of its own, because it has WebGL2 only in a window. Marionette knows no pens."""
 
+    name = "Firefox"
     PREFERENCES = {"marionette.port": 0, "browser.aboutwelcome.enabled": False, "app.update.enabled": False,
                    "datareporting.policy.dataSubmissionEnabled": False, "network.captive-portal-service.enabled": False,
                    "network.connectivity-service.enabled": False, "browser.shell.checkDefaultBrowser": False,
@@ -238,7 +242,7 @@ class Firefox(Browser):
     def program():
         return shutil.which("Xvfb") and (shutil.which("firefox-esr") or shutil.which("firefox"))
 
-    def __init__(self, width=1280, height=800):
+    def __init__(self, width=1280, height=800, reached=None):
         super().__init__()
         number, display = os.pipe()
         self.start(["Xvfb", "-displayfd", str(display), "-screen", "0", "1600x1200x24", "-nolisten", "tcp"],
@@ -320,6 +324,10 @@ class Firefox(Browser):
         inner = self.run("return [innerWidth, innerHeight]")
         self.call("WebDriver:SetWindowRect", width=2 * width - inner[0], height=2 * height - inner[1])
 
+    def choose_file(self, selector, path):
+        found = self.call("WebDriver:FindElement", using="css selector", value=selector)
+        self.call("WebDriver:ElementSendKeys", id=next(iter(found.values())), text=str(path))
+
     def screenshot(self, file):
         pathlib.Path(file).write_bytes(base64.b64decode(self.call("WebDriver:TakeScreenshot", full=False)))
 
@@ -339,16 +347,17 @@ class Firefox(Browser):
 
 
 class Server:
-    """Serves a folder on loopback. ranges=False: as Python's own server, which answers a range with the whole file.
+    """Serves a folder, on loopback by default. ranges=False: as Python's own server, which answers a range with the whole file.
     cut: {path: bytes after which the connection ends}. changed: {path: other bytes}. rate, delay: a link of so many
     bytes a second, shared by all connections, and seconds before an answer and before a connection."""
 
-    def __init__(self, folder, ranges=True, cut=(), changed=(), rate=None, delay=0):
+    def __init__(self, folder, ranges=True, cut=(), changed=(), rate=None, delay=0,
+                 host="127.0.0.1"):
         self.folder, self.ranges, self.rate, self.delay = pathlib.Path(folder).resolve(), ranges, rate, delay
         self.cut, self.changed, self.asked, self.sent = dict(cut), dict(changed), [], 0
         self.link, self.free_at = threading.Lock(), 0
-        self.server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Handler, self))
-        self.url = f"http://127.0.0.1:{self.server.server_address[1]}/"
+        self.server = http.server.ThreadingHTTPServer((host, 0), functools.partial(Handler, self))
+        self.url = f"http://{host}:{self.server.server_address[1]}/"
 
     def __enter__(self):
         threading.Thread(target=self.server.serve_forever, args=(0.05,), daemon=True).start()

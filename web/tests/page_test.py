@@ -1,0 +1,399 @@
+#!/usr/bin/env python3
+"""Tests of the page in a real browser, against the program: page_test.py BROWSER PROGRAM PAGE_FOLDER OUT [TEST...]
+
+BROWSER: Chromium or Firefox. PAGE_FOLDER: the built page with its engine. OUT: gets screenshots. A recording comes from
+TOUCHABLE_TEST_DATA; without it a made clip stands in. Exit code 77: the browser or the page is not there."""
+import base64
+import json
+import os
+import pathlib
+import random
+import re
+import shutil
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import zlib
+
+import browser as drivers
+from browser import Server
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+MOST_MEMORY = 512 << 20
+
+
+def png(width, height, row, bits=16):
+    """A grey picture of equal rows. After a full flush of the compressor a row is the same bytes again: this is quick."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    packer, checksum, line = zlib.compressobj(6, wbits=-15), 1, b"\0" + row
+    packed = packer.compress(line) + packer.flush(zlib.Z_FULL_FLUSH)
+    for _ in range(height):
+        checksum = zlib.adler32(line, checksum)
+    data = b"\x78\x9c" + packed * height + packer.flush(zlib.Z_FINISH) + struct.pack(">I", checksum)
+    head = struct.pack(">IIBBBBB", width, height, bits, 0, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", data) + chunk(b"IEND", b"")
+
+
+class Recording:
+    """What a native run keeps (docs/touch.md, "The file"): goals, commands to the clip's clock, the hash of forces."""
+
+    def __init__(self, file):
+        data = file.read_bytes()
+        self.fingers, = struct.unpack_from("<I", data, 12)
+        facts_size, self.ticks = struct.unpack_from("<QQ", data, len(data) - 24)
+        self.frames, goals, tick_size = set(), [], 40 + 52 * self.fingers
+        for at in range(16, 16 + self.ticks * tick_size, tick_size):
+            before, after, blend = struct.unpack_from("<qqd", data, at + 8)
+            self.frames.update([before, after] if blend > 0 else [before])
+            goals += [data[begin:begin + 24] for begin in range(at + 40, at + tick_size, 52)]
+        self.goals = b"".join(goals)
+        facts_at = len(data) - 24 - facts_size
+        count, = struct.unpack_from("<Q", data, facts_at - 8)
+        self.commands = [struct.unpack_from("<qIqq", data, facts_at - 8 - 28 * (count - k)) for k in range(count)]
+        self.hash = json.loads(data[facts_at:facts_at + facts_size])["force_hash"]
+
+
+class Clips:
+    """A folder for a server: globe/ has the page and a clip, rough/ and recording/ too."""
+
+    def __init__(self, program, page):
+        self.program, self.page = program, page
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="touchable-page-"))
+        made = self.folder / "made"
+        made.mkdir()
+        self.make("globe", made / "globe.mkv", "--frames", 60)
+        # Eight bits make terraces. Median and terraces' removal are stated, as they might not be chosen.
+        self.make("rough", made / "rough.mkv", "--frames", 60, "--bits", 8)
+        self.run("init-scene", made / "rough.mkv", "--out", made / "rough.json")
+        scene = json.loads((made / "rough.json").read_text())
+        scene["filter"] = {**scene.get("filter", {}), "median": 3, "terraces": "on"}
+        (made / "rough.json").write_text(json.dumps(scene))
+        data = pathlib.Path(os.environ.get("TOUCHABLE_TEST_DATA") or SOURCE / "../shared/data", "castel_sr300")
+        if not data.is_dir():
+            data = made / "noise.mkv"
+            self.make("noise", data, "--frames", 30)
+        for name, clip, *options in (("globe", made / "globe.mkv"), ("recording", data),
+                                     ("rough", made / "rough.mkv", "--scene", made / "rough.json")):
+            self.run("convert", clip, self.folder / name, "--web", *options)
+            for file in page.iterdir():
+                shutil.copy(file, self.folder / name)
+
+    def run(self, *arguments):
+        done = subprocess.run([self.program, *map(str, arguments)], capture_output=True, text=True)
+        if done.returncode:
+            raise RuntimeError(f"touchable {' '.join(map(str, arguments))}: {done.stderr}")
+
+    def make(self, scene, file, *options):
+        self.run("make", scene, file, "--size", "320x240", *options)
+
+    def touch(self, name):
+        """A native run of two wandering fingers over the packed clip, with a seek and a loop."""
+        commands, kept = self.folder / f"made/{name}.txt", self.folder / f"made/{name}.rec"
+        commands.write_text("0.25 seek 0.5\n0.6 loop 0.1 0.4\n")
+        self.run("touch", self.folder / name / "clip.json", "--hand", "wander:extent=0.4", "--fingers", 2,
+                 "--play", commands, "--seconds", 1.2, "--record", kept, "--overwrite")
+        return Recording(kept)
+
+
+SHOWN = """const shown = [...document.querySelectorAll('#message:not([hidden]) p, #notice:not([hidden]) p')]
+    .map(one => one.textContent).join(' ');"""
+
+
+class Page(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.browser = BROWSER()
+        cls.server = Server(CLIPS.folder).__enter__()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.browser.__exit__()
+        cls.server.__exit__()
+
+    def open(self, path="globe/index.html", server=None):
+        self.browser.open((server or self.server).url + path)
+        return self.browser.wait("return touchable.state && {...touchable.clip}")
+
+    def press(self, kind="mouse", **settings):
+        """Presses where the picture's middle is, until the page shows a force. Returns that, newtons."""
+        x, y = self.middle()
+        if kind == "mouse":
+            self.browser.pointer(kind, "move", x - 3, y)
+        self.browser.pointer(kind, "down", x, y, **settings)
+        return float(self.browser.wait("const shown = document.querySelector('#force b').textContent;"
+                                       "return touchable.state.newtons > 0 && +shown > 0 && shown"))
+
+    def release(self, kind="mouse"):
+        self.browser.pointer(kind, "up", *self.middle())
+        self.browser.wait("return touchable.state.newtons === 0")
+
+    def middle(self):
+        return self.browser.run("const box = document.getElementById('picture').getBoundingClientRect();"
+                                "return [Math.round(box.x + box.width / 2), Math.round(box.y + box.height / 2)]")
+
+    def expect_no_errors(self):
+        self.assertEqual(self.browser.run("return touchable.errors"), [])
+        self.assertEqual(self.browser.errors(), [])
+
+    def expect_responsive(self):
+        """The page draws on, whatever became of its clip."""
+        self.browser.run("for (let k = 0; k < 3; ++k) await new Promise(requestAnimationFrame)")
+        if self.browser.name == "Chromium":
+            self.assertLess(self.browser.memory(), MOST_MEMORY)
+
+    def test_plays_and_is_pressed(self):
+        self.open()
+        self.assertFalse(self.browser.run("return document.getElementById('invitation').hidden"))
+        self.browser.wait("return touchable.state.playing && touchable.frames_drawn > 3 && touchable.state.time > 0.2")
+        self.press()
+        self.release()
+        self.press("touch")
+        self.release("touch")
+        # The picture is there: many colours, as a person would see it.
+        picture = OUT / f"{self.browser.name}.png"
+        self.browser.screenshot(picture)
+        data = base64.b64encode(picture.read_bytes()).decode()
+        colours = self.browser.run(f"""
+            const image = new Image(); image.src = 'data:image/png;base64,{data}'; await image.decode();
+            const canvas = new OffscreenCanvas(image.width, image.height), context = canvas.getContext('2d');
+            context.drawImage(image, 0, 0);
+            const pixels = new Uint32Array(context.getImageData(0, 0, image.width, image.height).data.buffer);
+            return new Set(pixels).size""")
+        self.assertGreater(colours, 500)
+        self.expect_no_errors()
+
+    def test_pen_presses_by_its_pressure(self):
+        if self.browser.name != "Chromium":
+            self.skipTest("Marionette knows no pens")
+        self.open()
+        self.browser.run("document.getElementById('play').click()")
+        deepest = "return Math.max(...touchable.state.fingers.map(finger => finger.depth_mm))"
+        self.press("pen", press=0.2)
+        time.sleep(0.5)
+        light = self.browser.run(deepest)
+        self.browser.pointer("pen", "move", *self.middle(), press=0.9)
+        self.browser.wait(deepest.replace("return", "return 1.5 * %r <" % light))
+        self.release("pen")
+
+    def test_keys_touch_and_tell(self):
+        self.open()
+        self.browser.run("document.getElementById('picture').focus()")
+        self.browser.key("ArrowRight")
+        self.browser.wait("return touchable.state.fingers.some(finger => finger.at)")
+        self.browser.key("Enter", what="down")
+        self.browser.wait("return touchable.state.newtons > 0")
+        self.browser.key("i")
+        self.assertRegex(self.browser.wait("return document.getElementById('said').textContent"), "newtons")
+        self.browser.key("Enter", what="up")
+        self.browser.wait("return touchable.state.newtons === 0")
+        self.expect_no_errors()
+
+    def test_forces_equal_native_ones(self):
+        for name in ("globe", "rough", "recording"):
+            with self.subTest(name):
+                native = CLIPS.touch(name)
+                self.assertGreaterEqual(len(native.frames), 20)
+                self.open(f"globe/index.html?clip=../{name}/clip.json")
+                commands = [[int(part) for part in command] for command in native.commands]
+                result = self.browser.run(f"""
+                    const bytes = Uint8Array.from(atob('{base64.b64encode(native.goals).decode()}'),
+                                                  letter => letter.charCodeAt(0));
+                    const drawn = touchable.frames_drawn;
+                    const result = await touchable.verify(new Float64Array(bytes.buffer), {native.fingers},
+                                                          {native.ticks}, {json.dumps(commands)});
+                    return {{...result, drawn: touchable.frames_drawn - drawn}}""")
+                self.assertEqual(result["hash"], native.hash)
+                self.assertEqual(result["ticks"], native.ticks)
+                self.assertEqual(set(result["frames"]), native.frames)
+                self.assertGreaterEqual(result["drawn"], 20)
+                self.expect_no_errors()
+
+    def test_a_server_without_ranges(self):
+        with Server(CLIPS.folder, ranges=False) as server:
+            self.open(server=server)
+            self.browser.wait("return touchable.state.time > 0.5")
+            self.press()
+            self.release()
+            self.expect_no_errors()
+
+    def test_opens_a_picture(self):
+        ramp = b"".join(struct.pack(">H", 500 + k // 4) for k in range(320))
+        file = CLIPS.folder / "made/ramp.png"
+        file.write_bytes(png(320, 240, ramp))
+        self.open()
+        self.browser.choose_file("#file", file)
+        self.browser.wait("return document.getElementById('ask').open")
+        self.browser.run("document.querySelector('#ask button.main').click()")
+        self.browser.wait("return touchable.clip.width === 320 && touchable.clip.frames === 1 && touchable.state")
+        self.press()
+        # In the middle of the ramp: 0.54 m.
+        self.browser.wait("return Math.abs(touchable.state.pick?.depth_m - 0.54) < 0.002")
+        self.release()
+        self.expect_no_errors()
+
+    def test_refuses_a_huge_picture(self):
+        file = CLIPS.folder / "made/huge.png"
+        file.write_bytes(png(20000, 20000, b"\2\0" * 20000))
+        self.open()
+        self.browser.choose_file("#file", file)
+        self.browser.wait("return document.getElementById('ask').open")
+        self.browser.run("document.querySelector('#ask button.main').click()")
+        self.assertIn("20000", self.browser.wait(SHOWN + "return shown"))
+        self.expect_responsive()
+
+    def test_hostile_clips_are_refused(self):
+        depth, text = ((CLIPS.folder / "globe" / name).read_bytes() for name in ("depth.bin", "clip.json"))
+        random.seed(84)
+        noisy = bytes(random.randrange(256) if random.random() < 0.01 else byte for byte in depth)
+
+        def changed(**members):
+            return json.dumps({**json.loads(text), **members}).encode()
+
+        planes = json.loads(text)["planes"]
+        scene = json.loads(text)["scene"]
+        cases = {
+            "cut clip.json": {"clip.json": text[:len(text) // 2]},
+            "cut depth": {"depth.bin": depth[:len(depth) // 3]},
+            "no depth": {"depth.bin": b""},
+            "huge sizes": {"clip.json": changed(planes={"depth": {**planes["depth"], "sizes": [1 << 40] * 60}})},
+            "huge pictures": {"clip.json": changed(scene={**scene, "width": 16384, "height": 16384})},
+            "many frames": {"clip.json": changed(frames=10 ** 9)},
+            "an address elsewhere": {"clip.json": changed(planes={"depth": {**planes["depth"],
+                                                                           "file": "http://192.0.2.1/depth.bin"}})},
+            "no object": {"clip.json": b"[]"},
+            "no numbers": {"clip.json": changed(numbers={})},
+            "no WebAssembly": {"engine.wasm": b"\0asm"},
+        }
+        for what, files in cases.items():
+            with self.subTest(what), Server(CLIPS.folder, changed={f"globe/{k}": v for k, v in files.items()}) as server:
+                self.browser.open(server.url + "globe/index.html")
+                self.assertGreater(len(self.browser.wait(SHOWN + "return !/^Loading/.test(shown) && shown", 20)), 20)
+                self.expect_responsive()
+                self.assertFalse([url for url in self.browser.requests() if "192.0.2.1" in url])
+        with self.subTest("noise"), Server(CLIPS.folder, changed={"globe/depth.bin": noisy}) as server:
+            # Noise may unpack to other depths: then it is touched as it is.
+            self.browser.open(server.url + "globe/index.html")
+            self.browser.wait(SHOWN + "return touchable.state?.time > 0.5 || !/^Loading/.test(shown) && shown", 20)
+            self.expect_responsive()
+
+    def test_a_server_that_stops(self):
+        for file, size in (("depth.bin", 30000), ("engine.wasm", 100000), ("clip.json", 100)):
+            with self.subTest(file), Server(CLIPS.folder, ranges=False, cut={"globe/" + file: size}) as server:
+                self.browser.open(server.url + "globe/index.html")
+                self.assertGreater(len(self.browser.wait(SHOWN + "return !/^Loading/.test(shown) && shown", 20)), 20)
+                self.expect_responsive()
+
+    def test_policy_and_requests(self):
+        with Server(CLIPS.folder) as server:
+            before = len(self.browser.requests()) if self.browser.name == "Chromium" else 0
+            self.open(server=server)
+            self.press()
+            self.release()
+            self.assertEqual([url for url in self.browser.requests()[before:] if not url.startswith(server.url)], [])
+            self.assertIsNone(self.browser.run("""
+                const script = document.createElement('script');
+                script.textContent = 'globalThis.intruder = 1';
+                document.body.append(script);
+                return globalThis.intruder"""))
+            self.browser.errors().clear()
+
+    def test_in_a_frame(self):
+        frame = b"<!doctype html><iframe src='globe/index.html' width=600 height=400></iframe>"
+        with Server(CLIPS.folder, changed={"frame.html": frame}) as server:
+            self.browser.open(server.url + "frame.html")
+            self.browser.wait("return frames[0].touchable?.state?.time > 0.1")
+
+    def test_from_another_address(self):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            try:
+                probe.connect(("192.0.2.1", 9))  # sends nothing
+                own = probe.getsockname()[0]
+            except OSError:
+                self.skipTest("this machine has no address but loopback")
+        with Server(CLIPS.folder, host=own) as server, BROWSER(reached=own) as self.browser:
+            self.open(server=server)
+            self.press()
+            self.release()
+            self.expect_no_errors()
+        self.browser = type(self).browser
+
+    def test_an_hour_of_kiosk(self):
+        self.open("globe/index.html?kiosk")
+        self.assertEqual(self.browser.run("return [...document.querySelectorAll('a[href], #open, #fullscreen')]"
+                                          ".filter(one => one.checkVisibility()).length"), 0)
+        for minute in range(60):
+            if minute % 6 == 0:
+                x, y = self.middle()
+                self.press()
+                self.release()
+                self.browser.pointer("mouse", "down", x, y, keys=["control"])
+                self.browser.pointer("mouse", "move", x + 60, y, keys=["control"])
+                self.browser.pointer("mouse", "up", x + 60, y)
+                self.browser.wait("return !touchable.state.own_view")
+            self.browser.run("touchable.advance(60000)")
+            if minute % 6 == 0:  # the person has gone: as freshly opened
+                self.browser.wait("return touchable.state.own_view && !document.getElementById('invitation').hidden")
+        self.expect_no_errors()
+        self.expect_responsive()
+
+    def test_less_motion(self):
+        if self.browser.name != "Chromium":
+            self.skipTest("set by a preference there")
+        self.browser.reduce_motion(True)
+        self.open()
+        time.sleep(0.5)
+        self.assertFalse(self.browser.run("return touchable.state.playing"))
+        self.browser.reduce_motion(False)
+
+    def test_one_file_from_disk(self):
+        file = OUT / "touch.html"
+        subprocess.run([SOURCE / "web/build.py", "one-file", CLIPS.page, CLIPS.folder / "globe", file], check=True)
+        self.assertLessEqual(file.stat().st_size, 3_000_000)
+        before = len(self.browser.requests()) if self.browser.name == "Chromium" else 0
+        self.browser.open(file.resolve().as_uri())
+        self.browser.wait("return touchable.state?.time > 0.2")
+        self.press()
+        self.release()
+        others = [url for url in self.browser.requests()[before:] if not url.startswith(("file:", "blob:", "data:"))]
+        self.assertEqual(others, [])
+        self.assertEqual(self.browser.run("return touchable.errors"), [])
+
+    def test_pictures_of_the_page(self):
+        """To be judged by a person: OUT/BROWSER-WIDTHxHEIGHT.png, first screen and pressed."""
+        for width, height in (1280, 800), (1024, 768), (390, 844):
+            self.browser.size(width, height)
+            self.open()
+            self.browser.wait("return touchable.frames_drawn > 3")
+            self.browser.screenshot(OUT / f"{self.browser.name}-{width}x{height}.png")
+            self.press()
+            time.sleep(0.5)
+            self.browser.screenshot(OUT / f"{self.browser.name}-{width}x{height}-pressed.png")
+            self.release()
+            self.assertLessEqual(self.browser.run("return document.documentElement.scrollWidth - innerWidth"), 0)
+        self.browser.size(1280, 800)
+        self.expect_no_errors()
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 5:
+        sys.exit(__doc__)
+    name, program, page, OUT = sys.argv[1], *map(pathlib.Path, sys.argv[2:5])
+    BROWSER = getattr(drivers, name)
+    if not BROWSER.program():
+        print(f"{name} is not installed: the page is not tested in it")
+        sys.exit(77)
+    if not (page / "engine.wasm").exists():
+        print("the page was not built: its compiler is missing (./run install web)")
+        sys.exit(77)
+    OUT.mkdir(parents=True, exist_ok=True)
+    CLIPS = Clips(program, page)
+    try:
+        unittest.main(argv=[sys.argv[0], *(f"Page.{test}" for test in sys.argv[5:])], verbosity=2)
+    finally:
+        shutil.rmtree(CLIPS.folder)
