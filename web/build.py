@@ -88,20 +88,27 @@ def name_of(file):
     return "module_" + re.sub(r"\W", "_", file.stem)
 
 
-def as_function(file, done):
-    """A module as a constant that has its exports, after those that it imports. Of imports and exports only the plain
-    forms are understood; another one ends the build."""
+def as_function(file, done, linked):
+    """A module as a constant that has its exports, after those that it imports and that are not done. Its workers and
+    worklets are linked: their addresses come from touchable_one_file. Of imports and exports only the plain forms are
+    understood; another one ends the build."""
     if file.name in done:
         return ""
     done.add(file.name)
     before, text = [], file.read_text()
 
+    def link(match):
+        linked.add(match.group(1))
+        return f"globalThis.touchable_one_file.urls['{match.group(1)}']"  # from a disk, no worker can be a module
+
     def bind(match):
         names, other = match.group(1), file.with_name(match.group(2))
-        before.append(as_function(other, done))
+        before.append(as_function(other, done, linked))
         bound = re.sub(r"\s+as\s+", ": ", names.removeprefix("* as ")) if names else None
         return f"const {bound} = {name_of(other)};" if bound else ""
 
+    text = re.sub(r"new URL\('([\w.-]+\.js)', import\.meta\.url\)(, \{type: 'module'\})?", link, text)
+    text = text.replace("import.meta.url", "location.href")
     text = re.sub(r"^import\s+(?:([^'\"]+?)\s+from\s+)?['\"]\./([\w.-]+)['\"];?", bind, text, flags=re.M)
     names = re.findall(r"^export\s+(?:async\s+)?(?:function\*?|class|const)\s+(\w+)", text, re.M)
     text = re.sub(r"^export\s+(?=(?:async\s+)?(?:function|class|const)\b)", "", text, flags=re.M)
@@ -115,8 +122,12 @@ def build_one_file(page, clip, out):
     def base64_of(data):
         return base64.b64encode(data).decode()
 
-    packed = {"wasm": base64_of(zlib.compress((page / "engine.wasm").read_bytes(), 9, wbits=-15)),
-              "worker": as_function(page / "worker.js", set()), "json": (clip / "clip.json").read_text(),
+    linked = set()
+    modules = as_function(page / "page.js", set(), linked)
+    deflated = zlib.compressobj(9, wbits=-15)
+    packed = {"wasm": base64_of(deflated.compress((page / "engine.wasm").read_bytes()) + deflated.flush()),
+              "scripts": {name: as_function(page / name, set(), set()) for name in linked},
+              "json": (clip / "clip.json").read_text(),
               "files": {file.name: base64_of(file.read_bytes()) for file in clip.glob("*.bin")}}
     script = """
 const packed = JSON.parse(document.getElementById('packed').textContent);
@@ -124,12 +135,14 @@ const bytes_of = text => Uint8Array.from(atob(text), letter => letter.charCodeAt
 const blob_of = (text, type) => new Blob([text], {type});
 const inflated = new Blob([bytes_of(packed.wasm)]).stream().pipeThrough(new DecompressionStream('deflate-raw'));
 globalThis.touchable_one_file = {
-    worker: URL.createObjectURL(blob_of(packed.worker, 'text/javascript')),
+    urls: Object.fromEntries(Object.entries(packed.scripts).map(
+        ([name, text]) => [name, URL.createObjectURL(blob_of(text, 'text/javascript'))])),
     clip: {json: packed.json, files: Object.fromEntries(
         Object.entries(packed.files).map(([name, text]) => [name, blob_of(bytes_of(text))]))},
     wasm: new Uint8Array(await new Response(inflated).arrayBuffer())
 };
-""" + as_function(page / "page.js", set())
+globalThis.touchable_one_file.worker = globalThis.touchable_one_file.urls['worker.js'];
+""" + modules
     script, style = script.replace("</script", "<\\/script"), (page / "style.css").read_text()
     script_hash, style_hash = (base64_of(hashlib.sha256(text.encode()).digest()) for text in (script, style))
     policy = (f"default-src 'none'; script-src 'sha256-{script_hash}' 'wasm-unsafe-eval' blob:; worker-src blob:; "

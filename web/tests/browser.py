@@ -15,7 +15,6 @@ import http.server
 import json
 import os
 import pathlib
-import select
 import shutil
 import signal
 import socket
@@ -90,8 +89,9 @@ class Chromium(Browser):
                    pass_fds=(3, 4), preexec_fn=as_3_and_4)
         os.close(commands)
         os.close(answers)
-        self.buffer, self.calls, self.answers, self.faults, self.urls, self.held = b"", 0, {}, [], [], "none"
-        self.session = None
+        self.calls, self.answers, self.changed, self.ended = 0, {}, threading.Condition(threading.RLock()), False
+        self.faults, self.urls, self.held, self.session = [], [], "none", None
+        threading.Thread(target=self.receive, daemon=True).start()
         target = next(found for found in self.call("Target.getTargets")["targetInfos"] if found["type"] == "page")
         self.session = self.call("Target.attachToTarget", targetId=target["targetId"], flatten=True)["sessionId"]
         self.watch(self.session)
@@ -105,22 +105,26 @@ class Chromium(Browser):
         self.send("Runtime.runIfWaitingForDebugger", session)
 
     def send(self, method, session, **parameters):
-        self.calls += 1
-        message = {"id": self.calls, "method": method, "params": parameters}
-        os.write(self.out, json.dumps({**message, **({"sessionId": session} if session else {})}).encode() + b"\0")
-        return self.calls
+        with self.changed:
+            self.calls += 1
+            message = {"id": self.calls, "method": method, "params": parameters}
+            os.write(self.out, json.dumps({**message, **({"sessionId": session} if session else {})}).encode() + b"\0")
+            return self.calls
 
-    def receive(self, seconds):
-        """Notes the browser's next message. False: there is none after that time."""
-        while b"\0" not in self.buffer:
-            if not select.select([self.input], [], [], seconds)[0]:
-                return False
-            received = os.read(self.input, 1 << 20)
-            if not received:
-                raise ConnectionError("the browser ended: " + (self.profile / "log").read_text()[-2000:])
-            self.buffer += received
-        line, self.buffer = self.buffer.split(b"\0", 1)
-        message = json.loads(line)
+    def receive(self):
+        """Notes the browser's messages until it ends, in a thread of its own."""
+        buffer = b""
+        while received := os.read(self.input, 1 << 20):
+            *lines, buffer = (buffer + received).split(b"\0")
+            with self.changed:
+                for line in lines:
+                    self.note(json.loads(line))
+                self.changed.notify_all()
+        with self.changed:
+            self.ended = True
+            self.changed.notify_all()
+
+    def note(self, message):
         method, facts = message.get("method"), message.get("params", {})
         if "id" in message:
             self.answers[message["id"]] = message
@@ -135,14 +139,14 @@ class Chromium(Browser):
             self.faults.append(" ".join(str(shown.get("value", shown.get("description"))) for shown in facts["args"]))
         elif method == "Log.entryAdded" and facts["entry"]["level"] == "error":
             self.faults.append(facts["entry"]["text"] + " " + facts["entry"].get("url", ""))
-        return True
 
     def call(self, method, **parameters):
-        number = self.send(method, self.session, **parameters)
-        while number not in self.answers:
-            if not self.receive(120):
-                raise TimeoutError(f"{method}: no answer")
-        answer = self.answers.pop(number)
+        with self.changed:
+            number = self.send(method, self.session, **parameters)
+            self.changed.wait_for(lambda: number in self.answers or self.ended, 120)
+            if number not in self.answers:
+                raise ConnectionError(f"{method}: no answer; " + (self.profile / "log").read_text()[-2000:])
+            answer = self.answers.pop(number)
         if "error" in answer:
             raise RuntimeError(f"{method}: {answer['error']['message']}")
         return answer["result"]
@@ -219,13 +223,9 @@ class Chromium(Browser):
         return total
 
     def requests(self):
-        while self.receive(0):
-            pass
         return [url for url in self.urls if not url.startswith(("blob:", "data:"))]
 
     def errors(self):
-        while self.receive(0):
-            pass
         return self.faults
 
 
