@@ -1,0 +1,96 @@
+#!/usr/bin/env python3
+"""Measures the page in Chromium, on a quiet machine: measure.py PROGRAM PAGE_FOLDER
+
+Prints times of ticks against the program's, frames built a second by size, pictures a second at a CPU slowed by 4, the time
+from a link to the first force by cold caches, on loopback and over a link of 10 Mbit/s and 50 ms, and bytes loaded."""
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+from browser import Chromium, Server
+from page_test import Recording
+
+MBIT = 125_000  # bytes
+
+
+def program(*arguments):
+    done = subprocess.run([str(argument) for argument in arguments], capture_output=True, text=True, check=True)
+    return done.stdout
+
+
+def packed(touchable, page, folder, size):
+    clip = folder / f"globe{size}.mkv"
+    program(touchable, "make", "globe", clip, "--size", size, "--frames", 60)
+    program(touchable, "convert", clip, folder / size, "--web")
+    for file in page.iterdir():
+        shutil.copy(file, folder / size)
+    return folder / size
+
+
+def press(browser):
+    """Milliseconds from the link to the first force, with a pointer that waits there."""
+    x, y = browser.run("return [innerWidth / 2, innerHeight / 2].map(Math.round)")
+    browser.wait("return globalThis.touchable?.state")
+    browser.pointer("mouse", "move", x - 2, y)
+    browser.pointer("mouse", "down", x, y)
+    return browser.run("""while (!(touchable.state.newtons > 0)) await new Promise(requestAnimationFrame);
+                          return performance.now()""")
+
+
+def verified(browser, recording):
+    """Microseconds a tick, of runs of 100 ticks: the mean, and the slowest of a hundred."""
+    import base64
+    return browser.run(f"""
+        const bytes = Uint8Array.from(atob('{base64.b64encode(recording.goals).decode()}'), one => one.charCodeAt(0));
+        const result = await touchable.verify(new Float64Array(bytes.buffer), {recording.fingers}, {recording.ticks}, []);
+        return {{hash: result.hash, mean: result.tick_us, p99: result.tick_us_p99}}""")
+
+
+def main(touchable, page):
+    page = pathlib.Path(page)
+    name = re.search(r"model name\s*: (.*)", pathlib.Path("/proc/cpuinfo").read_text())
+    print(f"processor: {name.group(1) if name else 'unknown'}; {Chromium.program()}")
+    folder = pathlib.Path(tempfile.mkdtemp(prefix="touchable-measure-"))
+    try:
+        for size in ("320x240", "640x480", "1280x720"):
+            clip, kept = packed(touchable, page, folder, size), folder / f"{size}.rec"
+            report = json.loads(program(touchable, "touch", clip / "clip.json", "--hand", "wander:extent=0.4", "--fingers", 1,
+                                        "--seconds", 1.9, "--record", kept, "--json"))
+            native, build = report["tick_us"], report["frame_ms"]
+            with Server(folder) as server, Chromium() as browser:
+                browser.open(f"{server.url}{size}/index.html")
+                browser.wait("return touchable.state")
+                ours = verified(browser, Recording(kept))
+                browser.wait("return touchable.frames_drawn > 40")
+                built = browser.run("return [touchable.state.build_ms, touchable.state.decode_ms]")
+            print(f"{size}: a tick {ours['mean']} us, 99 % {ours['p99']} us (program {native['mean']:.2f}, {native['p99']:.2f}); "
+                  f"a frame is decoded in {built[1]:.1f} ms and built in {built[0]:.1f} ms, {1000 / max(sum(built), 0.01):.0f} "
+                  f"a second (program {build['mean']:.2f} ms); hash {'equal' if ours['hash'] == report['force_hash'] else 'DIFFERS'}")
+        for factor in (1, 4):
+            with Server(folder) as server, Chromium() as browser:
+                browser.open(server.url + "320x240/index.html")
+                browser.wait("return touchable.state")
+                browser.slow_down(factor)
+                press(browser)
+                rate = browser.run("""let pictures = 0; const begin = performance.now();
+                    while (performance.now() - begin < 5000) { await new Promise(requestAnimationFrame); ++pictures; }
+                    return pictures / 5""")
+                print(f"pictures a second at a CPU slowed by {factor}: {rate:.0f}")
+        for name, link in (("loopback", {}), ("10 Mbit/s, 50 ms", {"rate": 10 * MBIT, "delay": 0.05})):
+            for size in ("320x240", "640x480"):
+                with Server(folder, **link) as server, Chromium() as browser:
+                    browser.open(f"{server.url}{size}/index.html")
+                    print(f"{name}, {size}: from the link to the first force {press(browser) / 1000:.2f} s; "
+                          f"{server.sent / 1000:.0f} kB until then, {len(server.asked)} requests")
+    finally:
+        shutil.rmtree(folder)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    main(*sys.argv[1:])
