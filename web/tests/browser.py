@@ -177,10 +177,6 @@ class Chromium(Browser):
                   button=button if what == "up" else self.held, force=press if kind == "pen" else 0,
                   buttons={"none": 0, "left": 1, "right": 2, "middle": 4}[self.held])
 
-    def wheel(self, x, y, notches, keys=()):
-        self.call("Input.dispatchMouseEvent", type="mouseWheel", x=x, y=y, deltaX=0, deltaY=-100 * notches,
-                  modifiers=sum(MODIFIERS[key] for key in keys))
-
     def key(self, key, keys=(), what="press"):
         """what: press (down and up), down or up."""
         code = SPECIAL_KEYS[key][1] if key in SPECIAL_KEYS else ord(key.upper())
@@ -309,9 +305,6 @@ class Firefox(Browser):
         for key in keys:
             self.key(key.capitalize(), what="up")
 
-    def wheel(self, x, y, notches, keys=()):
-        self.act("wheel", "wheel", {"type": "scroll", "x": int(x), "y": int(y), "deltaX": 0, "deltaY": -100 * notches})
-
     def key(self, key, keys=(), what="press"):
         codes = [SPECIAL_KEYS.get(one, (one, 0))[0] for one in [*(held.capitalize() for held in keys), key]]
         down = [{"type": "keyDown", "value": code} for code in codes]
@@ -347,9 +340,9 @@ class Firefox(Browser):
 
 
 class Server:
-    """Serves a folder, on loopback by default. ranges=False: as Python's own server, which answers a range with the whole file.
-    cut: {path: bytes after which the connection ends}. changed: {path: other bytes}. rate, delay: a link of so many
-    bytes a second, shared by all connections, and seconds before an answer and before a connection."""
+    """Serves a folder, on loopback by default. ranges=False: as Python's own server, which answers a range with the
+    whole file. cut: {path: bytes after which the connection ends}. changed: {path: other bytes}. rate, delay: a link
+    of so many bytes a second, shared by all connections, and seconds before a connection and before an answer."""
 
     def __init__(self, folder, ranges=True, cut=(), changed=(), rate=None, delay=0,
                  host="127.0.0.1"):

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Measures the page in Chromium, on a quiet machine: measure.py PROGRAM PAGE_FOLDER
 
-Prints times of ticks against the program's, frames built a second by size, pictures a second at a CPU slowed by 4, the time
-from a link to the first force by cold caches, on loopback and over a link of 10 Mbit/s and 50 ms, and bytes loaded."""
+Prints times of ticks against the program's, frames built a second by size, pictures a second at a CPU slowed by 4, the
+time from a link to the first force with cold caches, on loopback and by 10 Mbit/s and 50 ms, and bytes loaded."""
+import base64
 import json
 import pathlib
 import re
@@ -43,10 +44,10 @@ def press(browser):
 
 def verified(browser, recording):
     """Microseconds a tick, of runs of 100 ticks: the mean, and the slowest of a hundred."""
-    import base64
     return browser.run(f"""
-        const bytes = Uint8Array.from(atob('{base64.b64encode(recording.goals).decode()}'), one => one.charCodeAt(0));
-        const result = await touchable.verify(new Float64Array(bytes.buffer), {recording.fingers}, {recording.ticks}, []);
+        const text = atob('{base64.b64encode(recording.goals).decode()}');
+        const goals = new Float64Array(Uint8Array.from(text, letter => letter.charCodeAt(0)).buffer);
+        const result = await touchable.verify(goals, {recording.fingers}, {recording.ticks}, []);
         return {{hash: result.hash, mean: result.tick_us, p99: result.tick_us_p99}}""")
 
 
@@ -58,7 +59,7 @@ def main(touchable, page):
     try:
         for size in ("320x240", "640x480", "1280x720"):
             clip, kept = packed(touchable, page, folder, size), folder / f"{size}.rec"
-            report = json.loads(program(touchable, "touch", clip / "clip.json", "--hand", "wander:extent=0.4", "--fingers", 1,
+            report = json.loads(program(touchable, "touch", clip / "clip.json", "--hand", "wander:extent=0.4",
                                         "--seconds", 1.9, "--record", kept, "--json"))
             native, build = report["tick_us"], report["frame_ms"]
             with Server(folder) as server, Chromium() as browser:
@@ -67,9 +68,10 @@ def main(touchable, page):
                 ours = verified(browser, Recording(kept))
                 browser.wait("return touchable.frames_drawn > 40")
                 built = browser.run("return [touchable.state.build_ms, touchable.state.decode_ms]")
-            print(f"{size}: a tick {ours['mean']} us, 99 % {ours['p99']} us (program {native['mean']:.2f}, {native['p99']:.2f}); "
-                  f"a frame is decoded in {built[1]:.1f} ms and built in {built[0]:.1f} ms, {1000 / max(sum(built), 0.01):.0f} "
-                  f"a second (program {build['mean']:.2f} ms); hash {'equal' if ours['hash'] == report['force_hash'] else 'DIFFERS'}")
+            print(f"{size}: a tick {ours['mean']} us, 99 % {ours['p99']} us (program {native['mean']:.2f}, "
+                  f"{native['p99']:.2f}); a frame: decoded in {built[1]:.1f} ms, built in {built[0]:.1f} ms (program "
+                  f"{build['mean']:.2f} ms), {1000 / max(sum(built), 0.01):.0f} a second; hash "
+                  f"{'equal' if ours['hash'] == report['force_hash'] else 'DIFFERS'}")
         for factor in (1, 4):
             with Server(folder) as server, Chromium() as browser:
                 browser.open(server.url + "320x240/index.html")

@@ -8,7 +8,6 @@ import json
 import os
 import pathlib
 import random
-import re
 import shutil
 import socket
 import struct
@@ -27,7 +26,7 @@ MOST_MEMORY = 512 << 20
 
 
 def png(width, height, row, bits=16):
-    """A grey picture of equal rows. After a full flush of the compressor a row is the same bytes again: this is quick."""
+    """A grey picture of equal rows. After a full flush of the compressor a row becomes the same bytes: quick."""
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
@@ -271,7 +270,8 @@ class Page(unittest.TestCase):
             "no WebAssembly": {"engine.wasm": b"\0asm"},
         }
         for what, files in cases.items():
-            with self.subTest(what), Server(CLIPS.folder, changed={f"globe/{k}": v for k, v in files.items()}) as server:
+            changed_files = {f"globe/{name}": data for name, data in files.items()}
+            with self.subTest(what), Server(CLIPS.folder, changed=changed_files) as server:
                 self.browser.open(server.url + "globe/index.html")
                 self.assertGreater(len(self.browser.wait(SHOWN + "return !/^Loading/.test(shown) && shown", 20)), 20)
                 self.expect_responsive()
