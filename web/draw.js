@@ -1,0 +1,286 @@
+// Draws a clip's surface with WebGL2, and the fingers above it on a 2D canvas.
+//
+// `SurfacePicture` keeps the newest planes and draws them; `paint_fingers` draws fingers as the window does
+// (player/window/finger_halos.cpp).
+//
+//     const picture = new SurfacePicture(canvas);     // throws a sentence for people
+//     picture.show(frame);                            // a 'frame' of the worker
+//     picture.draw(state.matrix, state.own_view, 'depth');
+//
+// A row of cells is one instance, a triangle strip without vertex data: the shader fetches depths by gl_VertexID.
+// Triangles and their diagonals are those of the solver (face_under in haptics_cpu/height_field.hpp).
+
+const vertex_source = `#version 300 es
+precision highp float;
+precision highp int;
+precision highp sampler2D;
+uniform mat4 clip_from_lattice;
+uniform sampler2D depths;
+uniform ivec2 size;
+uniform int stride, last, first_corner;
+uniform float cut_ratio, hole_q, focal;
+out vec2 at;
+out float depth;
+out float light;
+flat out float cut;
+
+ivec2 place(int k) {
+    k = clamp(k, 0, last);
+    return min(ivec2(k >> 1, gl_InstanceID + 1 - (k & 1)) * stride, size - 1);
+}
+float q_at(ivec2 pixel) {
+    float planar = texelFetch(depths, pixel, 0).r;
+    return planar > 0.0 ? 1.0 / planar : hole_q;
+}
+// Slope of the surface along an axis of the picture; 0 beside a hole.
+float slope(ivec2 pixel, ivec2 step, float q) {
+    float after = q_at(min(pixel + step, size - 1)), before = q_at(max(pixel - step, ivec2(0)));
+    return after > 0.0 && before > 0.0 ? focal * (before - after) / (float(2 * stride) * q) : 0.0;
+}
+void main() {
+    ivec2 pixel = place(gl_VertexID);
+    float q = q_at(pixel);
+    int corner = clamp(gl_VertexID + first_corner, 0, last - 2);
+    float a = q_at(place(corner)), b = q_at(place(corner + 1)), c = q_at(place(corner + 2));
+    float least = min(a, min(b, c)), greatest = max(a, max(b, c));
+    cut = least <= 0.0 || cut_ratio * greatest > least ? 1.0 : 0.0;
+    // A corner without depth takes that of a neighbour: its cut triangles then stay small, and cost little.
+    if (q <= 0.0)
+        for (int k = -2; k <= 2; ++k) q = max(q, q_at(place(gl_VertexID + k)));
+    vec3 normal = normalize(vec3(slope(pixel, ivec2(stride, 0), q), slope(pixel, ivec2(0, stride), q), 1.0));
+    light = 0.34 + 0.72 * max(dot(normal, normalize(vec3(-0.45, -0.6, 0.8))), 0.0);
+    at = vec2(pixel);
+    depth = q > 0.0 ? 1.0 / q : 0.0;
+    vec4 p = clip_from_lattice * vec4(at, 1.0, q);
+    gl_Position = q > 0.0 ? vec4(p.x, -p.y, p.w - 2.0 * p.z, p.w) : vec4(2.0, 2.0, 2.0, 1.0);
+}`;
+
+const fragment_source = `#version 300 es
+precision highp float;
+precision highp int;
+precision highp sampler2D;
+uniform sampler2D depths, colours, haptics, heights, ramp;
+uniform ivec2 size;
+uniform int shown;
+uniform vec2 range;
+in vec2 at;
+in float depth;
+in float light;
+flat in float cut;
+out vec4 painted;
+
+void main() {
+    if (cut > 0.5) discard;
+    ivec2 pixel = clamp(ivec2(at + 0.5), ivec2(0), size - 1);
+    float share = clamp((depth - range.x) / max(range.y - range.x, 1e-9), 0.0, 1.0);
+    vec3 colour;
+    if (shown == 0) colour = texture(colours, (at + 0.5) / vec2(size)).rgb;
+    else if (shown == 1) colour = mix(vec3(0.93, 0.89, 0.83), vec3(0.36, 0.39, 0.45), share) * light;
+    else if (shown == 6) {
+        bool striped = ((pixel.x + pixel.y) >> 2 & 1) == 1;
+        bool valid = texelFetch(depths, pixel, 0).r > 0.0;
+        colour = valid ? vec3(0.34, 0.71, 0.91) * (0.5 + 0.5 * light) : vec3(striped ? 0.36 : 0.24);
+    } else {
+        if (shown == 2) share = 1.0 - share;
+        else if (shown == 3) share = texelFetch(haptics, pixel, 0).r;
+        else if (shown == 4) share = texelFetch(haptics, pixel, 0).g;
+        else share = clamp(texelFetch(heights, pixel, 0).r / max(range.y, 1e-9), 0.0, 1.0);
+        colour = texture(ramp, vec2((share * 10.0 + 0.5) / 11.0, 0.5)).rgb * (shown == 2 ? 1.0 : 0.55 + 0.45 * light);
+    }
+    painted = vec4(colour, 1.0);
+}`;
+
+const overlays = ['colour', 'shape', 'depth', 'stiffness', 'friction', 'height', 'missing'];
+
+// The window's ramp (player/draw/legends.cpp) in ten equal steps: lightness grows evenly as perceived.
+export const ramp_colours = ['#251467', '#26346f', '#294d77', '#31657e', '#3f7c83', '#559288',
+                             '#6ea78b', '#8cbd8e', '#add08f', '#d2e38f', '#f9f48e'];
+
+export class SurfacePicture {
+    constructor(canvas) {
+        this.canvas = canvas;
+        this.planes = {};  // kept for a lost context
+        this.focal = 0;    // of the clip's camera, pixels; 0: as wide as the picture
+        this.range = [0, 1];
+        this.stride = 1;
+        this.gl = canvas.getContext('webgl2', {antialias: false, powerPreference: 'high-performance'});
+        if (!this.gl) throw new Error('This page needs WebGL2, which this browser does not offer.');
+        this.prepare();
+    }
+
+    // Also after a lost context.
+    prepare() {
+        const gl = this.gl, program = gl.createProgram();
+        for (const [kind, source] of [[gl.VERTEX_SHADER, vertex_source], [gl.FRAGMENT_SHADER, fragment_source]]) {
+            const shader = gl.createShader(kind);
+            gl.shaderSource(shader, source);
+            gl.compileShader(shader);
+            gl.attachShader(program, shader);
+        }
+        gl.linkProgram(program);
+        if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost())
+            throw new Error('This browser cannot compile the shaders of the page: ' + gl.getProgramInfoLog(program));
+        gl.useProgram(program);
+        this.uniforms = new Proxy({}, {get: (kept, name) => (kept[name] ??= gl.getUniformLocation(program, name))});
+        gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+        gl.enable(gl.DEPTH_TEST);
+        // `cut` is flat: it belongs to the triangle's last vertex, or where that is slow, to its first.
+        const provoking = gl.getExtension('WEBGL_provoking_vertex');
+        provoking?.provokingVertexWEBGL(provoking.FIRST_VERTEX_CONVENTION_WEBGL);
+        gl.uniform1i(this.uniforms.first_corner, provoking ? 0 : -2);
+        this.textures = {};
+        const one = new Uint8Array([0, 0, 0, 255]);
+        ['depths', 'colours', 'haptics', 'heights', 'ramp'].forEach((name, unit) => {
+            this.textures[name] = {unit, texture: gl.createTexture()};
+            gl.uniform1i(this.uniforms[name], unit);
+            this.fill(name, gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, 1, 1, one);
+        });
+        const ramp = ramp_colours.flatMap((hex) => [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16)));
+        this.fill('ramp', gl.RGB8, gl.RGB, gl.UNSIGNED_BYTE, ramp_colours.length, 1, new Uint8Array(ramp));
+        if (this.planes.depths) this.upload(this.planes);
+    }
+
+    fill(name, internal, format, type, width, height, samples) {
+        const gl = this.gl, kept = this.textures[name];
+        gl.activeTexture(gl.TEXTURE0 + kept.unit);
+        gl.bindTexture(gl.TEXTURE_2D, kept.texture);
+        const filter = name === 'colours' || name === 'ramp' ? gl.LINEAR : gl.NEAREST;
+        gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, filter);
+        gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, filter);
+        gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
+        gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
+        gl.texImage2D(gl.TEXTURE_2D, 0, internal, width, height, 0, format, type, samples);
+    }
+
+    // Forgets the planes of the clip before.
+    begin({width, height, focal, far}) {
+        const most = this.gl.getParameter(this.gl.MAX_TEXTURE_SIZE);
+        if (Math.max(width, height) > most)
+            throw new Error(`This picture has ${width} x ${height} pixels; this device draws ${most} a side.`);
+        this.planes.colour?.close();
+        this.planes = {width, height};
+        this.range = [0, 1];
+        this.focal = focal || width;
+        this.far = 0.999 * (far || Infinity);
+    }
+
+    show(frame) {
+        const old = this.planes, {colour, haptic, heights, depths} = frame;
+        if (colour && old.colour && old.colour !== colour) old.colour.close();
+        this.planes = {...old, depths, colour: colour ?? old.colour, haptic: haptic ?? old.haptic,
+                       heights: heights ?? old.heights};
+        this.upload({...old, depths, colour, haptic, heights});
+        if (heights) this.highest = heights.reduce((most, value) => Math.max(most, value), 0);
+        this.measure();
+    }
+
+    upload({width, height, depths, colour, haptic, heights}) {
+        const gl = this.gl;
+        if (gl.isContextLost()) return;
+        this.fill('depths', gl.R32F, gl.RED, gl.FLOAT, width, height, depths);
+        if (colour) this.fill('colours', gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, colour.width, colour.height, colour);
+        if (haptic) this.fill('haptics', gl.RGB8, gl.RGB, gl.UNSIGNED_BYTE, width, height, haptic);
+        if (heights) this.fill('heights', gl.R32F, gl.RED, gl.FLOAT, width, height, heights);
+    }
+
+    // The depths that colours spread over: all before the far plane but 1 % at either end. They are eased, so that
+    // colours do not flicker.
+    measure() {
+        const {depths} = this.planes, step = Math.max(1, Math.floor(depths.length / 4001));
+        const found = new Float32Array(Math.ceil(depths.length / step));
+        let count = 0;
+        for (let k = 0; k < depths.length; k += step) if (depths[k] > 0 && depths[k] < this.far) found[count++] = depths[k];
+        if (count) {
+            const sorted = found.subarray(0, count).sort();
+            const now = [sorted[Math.floor(0.01 * (count - 1))], sorted[Math.floor(0.99 * (count - 1))]];
+            const is_first = this.range[0] === 0;
+            this.range = now.map((value, k) => (is_first ? value : this.range[k] + 0.1 * (value - this.range[k])));
+        }
+    }
+
+    draw(matrix, own_view, overlay) {
+        const gl = this.gl, {width, height, depths, colour} = this.planes, at = this.uniforms;
+        if (!depths || gl.isContextLost()) return false;
+        gl.viewport(0, 0, this.canvas.width, this.canvas.height);
+        gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+        const shown = overlay === 'colour' && !colour ? 'shape' : overlay;
+        const stride = this.stride * Math.ceil(Math.sqrt(width * height / 1.2e6));
+        const columns = Math.ceil((width - 1) / stride) + 1, rows = Math.ceil((height - 1) / stride);
+        gl.uniformMatrix4fv(at.clip_from_lattice, false, matrix);
+        gl.uniform2i(at.size, width, height);
+        gl.uniform1i(at.stride, stride);
+        gl.uniform1i(at.last, 2 * columns - 1);
+        gl.uniform1i(at.shown, overlays.indexOf(shown));
+        gl.uniform1f(at.focal, this.focal);
+        gl.uniform1f(at.hole_q, shown === 'missing' ? 1 / this.range[1] : 0);
+        // Turned views do not draw a curtain between depths that differ by more than 6 % (shaders/cut_rule.h).
+        gl.uniform1f(at.cut_ratio, own_view ? 0 : 1 / (1.06 ** stride));
+        gl.uniform2f(at.range, ...(shown === 'height' ? [0, this.highest] : this.range));
+        gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 2 * columns, rows);
+        return true;
+    }
+}
+
+const finger_colours = ['#0072b2', '#e69f00', '#009e73', '#d55e00', '#cc79a7'];  // Okabe and Ito, as in the window
+
+// Fingers above the picture; `unit`: canvas pixels of a CSS pixel.
+export function paint_fingers(canvas, unit, fingers) {
+    const c = canvas.getContext('2d'), turn = 2 * Math.PI;
+    c.clearRect(0, 0, canvas.width, canvas.height);
+    const radius = Math.max(9 * unit, 0.016 * Math.min(canvas.width, 1.4 * canvas.height));
+    const disc = (x, y, r, style) => {
+        c.fillStyle = style;
+        c.beginPath();
+        c.arc(x, y, r, 0, turn);
+        c.fill();
+    };
+    const shaded = (x, y, r, ...stops) => {
+        const gradient = c.createRadialGradient(x, y, 0, x, y, r);
+        stops.forEach((stop, k) => gradient.addColorStop(k / (stops.length - 1), stop));
+        disc(x, y, r, gradient);
+    };
+    const line = (width, style, ...points) => {
+        Object.assign(c, {lineWidth: width * unit, strokeStyle: style, lineCap: 'round'});
+        c.beginPath();
+        points.forEach((p, k) => (k ? c.lineTo(...p) : c.moveTo(...p)));
+        c.stroke();
+    };
+    const ring = (x, y, r, share, width, style) => {
+        Object.assign(c, {lineWidth: width * unit, strokeStyle: style, lineCap: 'butt'});
+        c.beginPath();
+        c.arc(x, y, r, -turn / 4, turn * (share - 0.25));
+        c.stroke();
+    };
+    fingers.forEach((finger, k) => {
+        if (!finger.at) return;
+        const [x, y] = finger.at, colour = finger_colours[k % 5], above = Math.max(0, -finger.depth_mm || 0);
+        const lift = finger.touching ? 0 : Math.min(above / 4, 2);
+        shaded(x + lift * radius, y + (0.3 + lift) * radius, (1.6 + 0.5 * lift) * radius,
+               `rgba(0,0,0,${0.75 / (1 + lift)})`, `rgba(0,0,0,${0.4 / (1 + lift)})`, 'rgba(0,0,0,0)');
+        if (finger.goal && finger.touching) {
+            line(1.5, 'rgba(255,255,255,0.35)', finger.at, finger.goal);
+            disc(...finger.goal, 0.7 * radius, 'rgba(255,255,255,0.22)');
+        }
+        disc(x, y, radius + 1.5 * unit, 'rgba(255,255,255,0.9)');
+        disc(x, y, radius, colour);
+        shaded(x - 0.35 * radius, y - 0.4 * radius, 0.9 * radius, 'rgba(255,255,255,0.75)', 'rgba(255,255,255,0)');
+        // The ring shrinks as the finger comes down and presses; it is full at the limit.
+        const r = radius * (1.75 + Math.min(0.8, 0.4 * lift) - Math.min(0.3, 0.06 * finger.newtons));
+        ring(x, y, r, 1, 4.5, 'rgba(10,12,16,0.55)');
+        ring(x, y, r, 1, 1.5, 'rgba(255,255,255,0.4)');
+        ring(x, y, r, Math.min(finger.share || 0, 1), 4, '#ffffff');
+        if (!finger.touching || !finger.tip) return;
+        const dx = finger.tip[0] - x, dy = finger.tip[1] - y, long = Math.hypot(dx, dy);
+        if (long < 0.8 * radius) return disc(x, y, 0.32 * radius, 'rgba(255,255,255,0.95)');  // seen end on
+        const [ux, uy] = [dx / long, dy / long], head = Math.min(14 * unit, 0.6 * long);
+        const neck = [finger.tip[0] - ux * head, finger.tip[1] - uy * head];
+        line(6, 'rgba(10,12,16,0.6)', finger.at, neck);
+        line(3.5, '#bfe0f7', finger.at, neck);
+        c.fillStyle = '#bfe0f7';
+        c.beginPath();
+        for (const side of [0, 1, -1])
+            c.lineTo(side ? neck[0] - side * uy * 0.5 * head : finger.tip[0],
+                     side ? neck[1] + side * ux * 0.5 * head : finger.tip[1]);
+        c.fill();
+    });
+}
