@@ -17,7 +17,7 @@ precision highp sampler2D;
 uniform mat4 clip_from_lattice;
 uniform sampler2D depths;
 uniform ivec2 size;
-uniform int stride, last, first_corner;
+uniform int stride, last, first_corner, shown;
 uniform float cut_ratio, hole_q, focal;
 out vec2 at;
 out float depth;
@@ -47,8 +47,11 @@ void main() {
     // A corner without depth takes that of a neighbour: its cut triangles then stay small, and cost little.
     if (q <= 0.0)
         for (int k = -2; k <= 2; ++k) q = max(q, q_at(place(gl_VertexID + k)));
-    vec3 normal = normalize(vec3(slope(pixel, ivec2(stride, 0), q), slope(pixel, ivec2(0, stride), q), 1.0));
-    light = 0.34 + 0.72 * max(dot(normal, normalize(vec3(-0.45, -0.6, 0.8))), 0.0);
+    light = 1.0;
+    if (shown != 0) {  // colours have their own light
+        vec3 normal = vec3(slope(pixel, ivec2(stride, 0), q), slope(pixel, ivec2(0, stride), q), 1.0);
+        light = 0.34 + 0.72 * max(dot(normalize(normal), normalize(vec3(-0.45, -0.6, 0.8))), 0.0);
+    }
     at = vec2(pixel);
     depth = q > 0.0 ? 1.0 / q : 0.0;
     vec4 p = clip_from_lattice * vec4(at, 1.0, q);
@@ -103,7 +106,8 @@ export class SurfacePicture {
         this.focal = 0;    // of the clip's camera, pixels; 0: as wide as the picture
         this.range = [0, 1];
         this.stride = 1;
-        this.gl = canvas.getContext('webgl2', {antialias: false, powerPreference: 'high-performance'});
+        this.pictures = this.drawn_ms = 0;
+        this.gl = canvas.getContext('webgl2', {alpha: false, antialias: false});
         if (!this.gl) throw new Error('This page needs WebGL2, which this browser does not offer.');
         this.prepare();
     }
@@ -124,6 +128,7 @@ export class SurfacePicture {
         this.uniforms = new Proxy({}, {get: (kept, name) => (kept[name] ??= gl.getUniformLocation(program, name))});
         gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
         gl.enable(gl.DEPTH_TEST);
+        gl.clearColor(0.055, 0.06, 0.072, 1);
         // `cut` is flat: it belongs to the triangle's last vertex, or where that is slow, to its first.
         const provoking = gl.getExtension('WEBGL_provoking_vertex');
         provoking?.provokingVertexWEBGL(provoking.FIRST_VERTEX_CONVENTION_WEBGL);
@@ -189,7 +194,8 @@ export class SurfacePicture {
         const {depths} = this.planes, step = Math.max(1, Math.floor(depths.length / 4001));
         const found = new Float32Array(Math.ceil(depths.length / step));
         let count = 0;
-        for (let k = 0; k < depths.length; k += step) if (depths[k] > 0 && depths[k] < this.far) found[count++] = depths[k];
+        for (let k = 0; k < depths.length; k += step)
+            if (depths[k] > 0 && depths[k] < this.far) found[count++] = depths[k];
         if (count) {
             const sorted = found.subarray(0, count).sort();
             const now = [sorted[Math.floor(0.01 * (count - 1))], sorted[Math.floor(0.99 * (count - 1))]];
@@ -201,6 +207,7 @@ export class SurfacePicture {
     draw(matrix, own_view, overlay) {
         const gl = this.gl, {width, height, depths, colour} = this.planes, at = this.uniforms;
         if (!depths || gl.isContextLost()) return false;
+        const began = ++this.pictures % 16 ? 0 : performance.now();
         gl.viewport(0, 0, this.canvas.width, this.canvas.height);
         gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
         const shown = overlay === 'colour' && !colour ? 'shape' : overlay;
@@ -217,17 +224,32 @@ export class SurfacePicture {
         gl.uniform1f(at.cut_ratio, own_view ? 0 : 1 / (1.06 ** stride));
         gl.uniform2f(at.range, ...(shown === 'height' ? [0, this.highest] : this.range));
         gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 2 * columns, rows);
+        // Now and then wait for a picture, by reading a pixel, to know how long one takes.
+        if (began) gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+        this.drawn_ms = began ? performance.now() - began : 0;
         return true;
     }
 }
 
 const finger_colours = ['#0072b2', '#e69f00', '#009e73', '#d55e00', '#cc79a7'];  // Okabe and Ito, as in the window
 
-// Fingers above the picture; `unit`: canvas pixels of a CSS pixel.
-export function paint_fingers(canvas, unit, fingers) {
-    const c = canvas.getContext('2d'), turn = 2 * Math.PI;
+// Fingers above the picture; `unit`: canvas pixels of a CSS pixel, `size`: of the picture. The canvas is no larger
+// than they need, since a second one as large as the picture costs slow devices half their pictures.
+export function paint_fingers(canvas, unit, size, fingers) {
+    const c = canvas.getContext('2d'), turn = 2 * Math.PI, radius = Math.max(9 * unit, 0.016 * size);
+    const points = fingers.filter(({at}) => at).flatMap(({at, goal, tip}) => [at, goal ?? at, tip ?? at]);
+    canvas.hidden = !points.length;
+    if (canvas.hidden) return;
+    const [left, top] = [0, 1].map((k) => Math.floor(Math.min(...points.map((p) => p[k])) - 5 * radius));
+    const [width, height] = [0, 1].map((k) => Math.max(...points.map((p) => p[k])) + 5 * radius - [left, top][k]);
+    const sides = [width, height].map((side) => 64 * Math.ceil(Math.min(side, 8192) / 64));
+    if (canvas.width !== sides[0] || canvas.height !== sides[1])
+        [canvas.width, canvas.height] = sides;
+    Object.assign(canvas.style, {left: `${left / unit}px`, top: `${top / unit}px`, width: `${sides[0] / unit}px`,
+                                 height: `${sides[1] / unit}px`});
+    c.setTransform(1, 0, 0, 1, 0, 0);
     c.clearRect(0, 0, canvas.width, canvas.height);
-    const radius = Math.max(9 * unit, 0.016 * Math.min(canvas.width, 1.4 * canvas.height));
+    c.translate(-left, -top);
     const disc = (x, y, r, style) => {
         c.fillStyle = style;
         c.beginPath();
