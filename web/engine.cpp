@@ -231,16 +231,16 @@ public:
     /// Sets the fingers' goals for the next ticks, and tells what is to be seen.
     void look(Shown& shown, float* matrices) {
         shown = {};
+        shown.picked = -1;
+        shown.playing = state_.playing && !is_at_end();
         if (!pair_ || !step_) return;
         const HeightField field(scene_, *pair_);
         shown.tick = static_cast<double>(tick_);
         shown.seconds = 1e-9 * static_cast<double>(state_.moment.time_ns);
         shown.at_end = is_at_end();
-        shown.playing = state_.playing && !is_at_end();
         shown.loops = state_.loops;
         shown.rate = static_cast<double>(state_.rate) / 1000;
         shown.late_frames = static_cast<double>(late_);
-        shown.picked = -1;
         const ViewCamera camera = hand_->view.camera(width_, height_);
         if (script_.empty()) hand_->fingers.intend(field, camera, contacts_);
         shown.force_on = hand_->device.force_is_on();

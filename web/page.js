@@ -529,9 +529,8 @@ function start() {
     set_sound(1, false);
     connect_controls();
     show_message('Loading the clip …');
-    const json = one_file && new Blob([JSON.stringify(one_file.clip.json)]);
-    post({do: 'open', url: new URL(query.get('clip') || 'clip.json', location.href).href,
-          files: one_file ? {...one_file.clip.files, 'clip.json': json} : null});
+    const {json, files = null} = one_file?.clip ?? {};
+    post({do: 'open', url: new URL(query.get('clip') || 'clip.json', location.href).href, json, files, wasm: one_file?.wasm});
     if (kiosk) watch_visitors();
     requestAnimationFrame(tick);
 }

@@ -117,13 +117,13 @@ std::string http_answer(int status, std::string_view type) {
         .append(words);
 }
 
-HttpFile http_file(const HttpRequest& request, std::span<const std::filesystem::path> folders) {
+ServedFile served_file(const HttpRequest& request, std::span<const std::filesystem::path> folders) {
     const std::string name(request.target() == "/" ? "index.html" : request.target().substr(1));
     const auto* const kind =
         std::ranges::find_if(page_files, [&](const auto& each) { return name.ends_with(each.ending); });
     const bool leads_elsewhere = name.find_first_of(std::string_view("/\0", 2)) != std::string::npos;
     if (kind == std::end(page_files) || leads_elsewhere) return {http_answer(404)};
-    HttpFile answer;
+    ServedFile answer;
     struct stat found {};
     for (const auto& folder : folders) {
         answer.file = Descriptor(::open((folder / name).c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));

@@ -71,14 +71,14 @@ std::string http_answer(int status, std::string_view type = "video/x-matroska");
 
 /// An answer with a file, or with a part of it (RFC 9110, 14): its head, then the file's bytes from `at` to
 /// `end`. A file that may not be had is refused in the head, without a file.
-struct HttpFile {
+struct ServedFile {
     std::string head;
     Descriptor file{};
     std::uint64_t at = 0, end = 0;
 };
 /// Answers a request for a file of the first of these folders that has it; "/" is index.html. Only files of
 /// the kinds that a page has, and none of a folder inside, can be had.
-HttpFile http_file(const HttpRequest& request, std::span<const std::filesystem::path> folders);
+ServedFile served_file(const HttpRequest& request, std::span<const std::filesystem::path> folders);
 
 /// Decides what a listener on a narrow link does not get: its colour first, then framesets. Colour comes back
 /// after the link has kept up without it for a while, which doubles with each failed trial. Reads no clock:

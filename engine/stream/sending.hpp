@@ -319,7 +319,7 @@ public:
     static constexpr int most_connections = 96;
     /// ns since any beginning; never backward. Empty: std::chrono::steady_clock.
     using Clock = std::function<std::int64_t()>;
-    /// Folders of files that HTTP serves beside the stream (http_file in listeners.hpp). Empty: the stream
+    /// Folders of files that HTTP serves beside the stream (served_file in listeners.hpp). Empty: the stream
     /// alone.
     using Page = std::vector<std::filesystem::path>;
 

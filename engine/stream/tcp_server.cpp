@@ -181,7 +181,7 @@ private:
         int status = request_->status();
         if (status == 200 && !request_->is_head() && !audience_.has_room()) status = 503;
         if (status == 404 && !page_.empty())
-            file_ = http_file(*request_, page_);
+            file_ = served_file(*request_, page_);
         else
             file_.head =
                 page_.empty() ? http_answer(status) : http_answer(status, "application/octet-stream");
@@ -219,7 +219,7 @@ private:
     const StreamRing& ring_;
     StreamAudience& audience_;
     std::optional<HttpRequest> request_;
-    HttpFile file_;  // the answer; of the stream, its head
+    ServedFile file_;  // the answer; of the stream, its head
     Phase phase_ = Phase::asks;
     StreamRing::Cursor cursor_;
     bool has_header_ = false, is_blocked_ = false, hears_no_more_ = false;
