@@ -178,7 +178,7 @@ export class PackedClip {
 export async function* live_framesets(url, planes, signal) {
   const answer = await fetch(url, {signal});
   if (!answer.ok) throw new Error(`The live stream cannot be read: the server answers ${answer.status}.`);
-  const reader = answer.body.getReader(), order = ['depth', 'colour', 'haptic', 'height'];
+  const reader = answer.body.getReader(), order = ['depth', 'haptic', 'height', 'colour'];
   const waiting = [];
   let there = 0;
   const take = async (count) => {

@@ -123,6 +123,21 @@ TEST_F(ConvertCommand, KeepsForcesOfMovingDepth) {
     expect_same_forces();
 }
 
+/// A clip for pages: all that is felt is settled, and kept.
+TEST_F(ConvertCommand, KeepsForcesOfPageClip) {
+    for (const char* scene : {"globe", "moving", "rough"}) {
+        make(scene, {"--bits", "8", "--median", "3", "--terraces", "on", "--overwrite"});
+        const std::string told = convert({at("clip.mkv"), at("page"), "--web", "--overwrite"});
+        EXPECT_PRED2(says, told, "depth   every value kept (deflate)");
+        EXPECT_FALSE(says(told, "--exact-colour")) << told;
+        EXPECT_EQ(hash_of(at("page/clip.json")), hash_of(at("clip.mkv"))) << scene;
+        EXPECT_EQ(hash_of(at("page")), hash_of(at("clip.mkv"))) << scene;
+    }
+    expect_refused({at("clip.mkv"), at("out/clip.mkv"), "--web"}, "--web is for a folder");
+    expect_refused({at("clip.mkv"), at("out/page"), "--web", "--archive", "small"}, "--archive");
+    expect_refused({at("clip.mkv"), at("page"), "--web"}, "is there already");
+}
+
 /// The paper's static scene: text and pictures feel as the clip that they were, to the bit.
 TEST_F(ConvertCommand, KeepsForcesOfStaticScene) {
     for (const char* bits : {"8", "12", "16"}) {

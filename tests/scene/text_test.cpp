@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -289,6 +290,18 @@ TEST(Printable, QuotesFilesForShell) {
         pclose(pipe);
         EXPECT_EQ(std::string(said, bytes), name) << command;
     }
+}
+
+TEST(ParsedNumber, IsPlainNumberAndNothingElse) {
+    const std::pair<const char*, double> numbers[] = {
+        {"0", 0}, {"-0.5", -0.5}, {".5", 0.5}, {"5.", 5}, {"1e-3", 1e-3}, {"4.9e-324", 4.9e-324}, {"0e9", 0}};
+    for (const auto& [text, number] : numbers) EXPECT_EQ(parsed_number(text), number) << text;
+    for (const char* text : {"", " 1", "1 ", "+1", "-+1", "--1", "0x10", "1,5", "1e400", "-1e400", "1e-400",
+                             "inf", "nan", "-inf", "1e", "one", "-", "."})
+        EXPECT_FALSE(parsed_number(text)) << text;
+    EXPECT_TRUE(std::isinf(parsed_as<double>("-inf").value_or(0)));
+    EXPECT_TRUE(std::isnan(parsed_as<double>("nan").value_or(0)));
+    EXPECT_EQ(parsed_number(std::string_view("1.5 m").substr(0, 3)), 1.5);
 }
 
 TEST(Printable, EscapesControlCharacters) {

@@ -1,0 +1,167 @@
+// Clips packed for pages: what was written comes back, and what was cut or changed is refused with its place.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "engine/formats/formats_written.hpp"
+#include "engine/formats/open_clip.hpp"
+#include "engine/scene/scene.hpp"
+#include "tests/picture/results.hpp"
+
+namespace touchable::test {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string contents(const std::filesystem::path& file) {
+    return must(read_given_file(file, "", "a file", std::size_t{1} << 24));
+}
+
+class PackedClip : public FolderTest {
+protected:
+    static constexpr int frames = 4;
+    PackedClip() { scene.name = "packed"; }
+
+    void pack(const std::vector<RawFrame>& given) {
+        write_frames(create_packed_clip(folder / "clip", scene, {}, Existing::replace), given);
+    }
+    void pack(const Planes& planes = all_planes) { pack(test_frames(scene, frames, planes)); }
+    std::filesystem::path file(const std::string& name) const { return folder / "clip" / name; }
+    /// Changes clip.json, and returns why the clip is refused.
+    std::string refusal(const std::function<void(Json&)>& change) const {
+        const std::string before = contents(file("clip.json"));
+        Json json = Json::parse(before);
+        change(json);
+        write_bytes(file("clip.json"), json.dump());
+        const std::string why = message(read_clip(file("clip.json")));
+        write_bytes(file("clip.json"), before);
+        return why;
+    }
+
+    Scene scene = small_scene(24, 18, 16);
+};
+
+bool has(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+
+TEST_F(PackedClip, KeepsWhatIsFelt) {
+    for (const bool noisy : {true, false})
+        for (const int bits : {8, 16}) {
+            scene = small_scene(24, 18, bits);
+            scene.height_coding = {1.5, HeightUnits::levels, static_cast<std::uint16_t>((1 << bits) - 1)};
+            const auto given = test_frames(scene, frames, {true, true, true, noisy});
+            pack(given);
+            const auto [clip, read] = must_read(open_clip(folder / "clip"));
+            ASSERT_EQ(read.size(), given.size());
+            for (std::size_t n = 0; n < read.size(); ++n) {
+                EXPECT_TRUE(same_plane(read[n].depth, given[n].depth)) << n;
+                EXPECT_TRUE(same_plane(read[n].haptic, given[n].haptic)) << n;
+                EXPECT_TRUE(same_plane(read[n].height, given[n].height)) << n;
+                EXPECT_EQ(read[n].time_ns, given[n].time_ns);
+            }
+            ASSERT_EQ(message(clip->seek(2)), "");
+            EXPECT_TRUE(same_plane(must(clip->next())->depth, given[2].depth));
+        }
+}
+
+TEST_F(PackedClip, StoresUnchangedPicturesOnce) {
+    auto given = test_frames(scene, frames, all_planes);
+    for (RawFrame& frame : given) frame.haptic = given[0].haptic;
+    given[2].depth = given[1].depth;
+    pack(given);
+    const Json planes = Json::parse(contents(file("clip.json")))["planes"];
+    for (int n = 0; n < frames; ++n) {
+        EXPECT_EQ(planes["haptic"]["sizes"][n] == 0, n > 0) << n;
+        EXPECT_EQ(planes["depth"]["sizes"][n] == 0, n == 2) << n;
+    }
+    EXPECT_EQ(std::filesystem::file_size(file("haptic.bin")),
+              planes["haptic"]["sizes"][0].get<std::size_t>());
+    const auto [clip, read] = must_read(open_clip(file("clip.json")));
+    EXPECT_TRUE(same_plane(read[2].depth, given[1].depth));
+    EXPECT_TRUE(same_plane(read[3].haptic, given[0].haptic));
+}
+
+TEST_F(PackedClip, KeepsTimesOfFrames) {
+    scene.rate = *rate_of_own_times(uneven_times(frames));
+    pack();
+    const auto [clip, read] = must_read(open_clip(file("clip.json")));
+    for (int n = 0; n < frames; ++n)
+        EXPECT_EQ(read[static_cast<std::size_t>(n)].time_ns, scene.rate.time_ns(n));
+}
+
+TEST_F(PackedClip, RefusesChangedText) {
+    pack();
+    EXPECT_EQ(refusal([](Json&) {}), "");
+    const std::pair<std::function<void(Json&)>, const char*> changes[] = {
+        {[](Json& json) { json["touchable_packed"] = 2; }, "touchable_packed"},
+        {[](Json& json) { json["numbers"]["camera.fx"] = 1e3; }, "one of the two was changed"},
+        {[](Json& json) { json["numbers"].erase("camera.fx"); }, "one of the two was changed"},
+        {[](Json& json) { json["scene"].erase("camera"); }, "camera"},
+        {[](Json& json) { json["frames"] = 5; }, "a size for each frame"},
+        {[](Json& json) { json["frames"] = 0; }, "frames"},
+        {[](Json& json) { json["planes"]["depth"]["sizes"][0] = 0; }, "sizes[0]"},
+        {[](Json& json) { json["planes"]["depth"]["sizes"][1] = -1; }, "sizes[1]"},
+        {[](Json& json) { json["planes"]["depth"]["file"] = "../depth.bin"; }, "depth.bin"},
+        {[](Json& json) { json["planes"]["haptic"]["channels"] = 2; }, "channels"},
+        {[](Json& json) { json["planes"].erase("depth"); }, "depth"},
+        {[](Json& json) {
+             json["times_ns"] = {0, 5, 4, 6};
+         },
+         "times that increase"},
+        {[](Json& json) { json["live"] = "live"; }, "live"}};
+    for (const auto& [change, why] : changes) {
+        const std::string told = refusal(change);
+        EXPECT_PRED2(has, told, why);
+        EXPECT_PRED2(has, told, "clip.json");
+    }
+}
+
+TEST_F(PackedClip, NamesFrameOfDamagedPacket) {
+    pack();
+    const std::string whole = contents(file("depth.bin"));
+    for (std::size_t at = 0; at < whole.size(); at += 7) {
+        std::string changed = whole;
+        changed[at] = static_cast<char>(changed[at] ^ 0x55);
+        write_bytes(file("depth.bin"), changed);
+        const auto read = read_clip(file("clip.json"));
+        // Deflate has no checksum: another picture may come, of the same form.
+        if (read) continue;
+        EXPECT_PRED2(has, read.error().message, "depth.bin: frame ");
+    }
+    for (const std::size_t kept : {std::size_t{0}, whole.size() / 2, whole.size() - 1}) {
+        write_bytes(file("depth.bin"), whole.substr(0, kept));
+        EXPECT_PRED2(has, message(read_clip(file("clip.json"))), "depth.bin");
+    }
+}
+
+TEST_F(PackedClip, NumbersAreTheScene) {
+    scene = small_scene(24, 18, 16);
+    scene.hole_stiffness = 0.25;
+    scene.filter.median = 5;
+    scene.filter.temporal = true;
+    scene.filter.temporal_noise = {0.1, 1e-7};
+    std::vector<double> numbers;
+    for (const SceneNumber& number : numbers_of(scene)) numbers.push_back(number.value);
+    const Scene again = must(scene_of_numbers(numbers));
+    EXPECT_EQ(again.depth, scene.depth);
+    EXPECT_EQ(again.camera, scene.camera);
+    EXPECT_EQ(again.filter, scene.filter);
+    EXPECT_EQ(again.hole_stiffness, scene.hole_stiffness);
+    EXPECT_EQ(again.device_metres_per_unit, std::nullopt);
+    // Any number may come from outside.
+    const auto names = numbers_of(scene);
+    for (std::size_t k = 0; k < numbers.size(); ++k)
+        for (const double wrong : {std::nan(""), -1e300, 1e300, -1.0, 0.5}) {
+            std::vector<double> changed = numbers;
+            changed[k] = wrong;
+            const auto made = scene_of_numbers(changed);
+            EXPECT_EQ(made ? message(validate(*made)) : "", "") << names[k].name;
+        }
+    numbers.pop_back();
+    expect_error(scene_of_numbers(numbers), "must be");
+}
+
+}  // namespace
+}  // namespace touchable::test
