@@ -101,12 +101,7 @@ export const ramp_colours = ['#251467', '#26346f', '#294d77', '#31657e', '#3f7c8
 
 export class SurfacePicture {
     constructor(canvas) {
-        this.canvas = canvas;
-        this.planes = {};  // kept for a lost context
-        this.focal = 0;    // of the clip's camera, pixels; 0: as wide as the picture
-        this.range = [0, 1];
-        this.stride = 1;
-        this.pictures = this.drawn_ms = 0;
+        Object.assign(this, {canvas, planes: {}, stride: 1, pictures: 0, drawn_ms: 0, highest: 0});
         this.gl = canvas.getContext('webgl2', {alpha: false, antialias: false});
         if (!this.gl) throw new Error('This page needs WebGL2, which this browser does not offer.');
         this.prepare();
@@ -133,50 +128,48 @@ export class SurfacePicture {
         const provoking = gl.getExtension('WEBGL_provoking_vertex');
         provoking?.provokingVertexWEBGL(provoking.FIRST_VERTEX_CONVENTION_WEBGL);
         gl.uniform1i(this.uniforms.first_corner, provoking ? 0 : -2);
-        this.textures = {};
-        const one = new Uint8Array([0, 0, 0, 255]);
-        ['depths', 'colours', 'haptics', 'heights', 'ramp'].forEach((name, unit) => {
-            this.textures[name] = {unit, texture: gl.createTexture()};
+        this.textures = ['depths', 'colours', 'haptics', 'heights', 'ramp'];
+        for (const [unit, name] of this.textures.entries()) {
+            const filter = name === 'colours' || name === 'ramp' ? gl.LINEAR : gl.NEAREST;
             gl.uniform1i(this.uniforms[name], unit);
-            this.fill(name, gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, 1, 1, one);
-        });
+            gl.activeTexture(gl.TEXTURE0 + unit);
+            gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
+            gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, filter);
+            gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, filter);
+            gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
+            gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
+            this.fill(name, gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, 1, 1, new Uint8Array(4));
+        }
         const ramp = ramp_colours.flatMap((hex) => [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16)));
         this.fill('ramp', gl.RGB8, gl.RGB, gl.UNSIGNED_BYTE, ramp_colours.length, 1, new Uint8Array(ramp));
         if (this.planes.depths) this.upload(this.planes);
     }
 
     fill(name, internal, format, type, width, height, samples) {
-        const gl = this.gl, kept = this.textures[name];
-        gl.activeTexture(gl.TEXTURE0 + kept.unit);
-        gl.bindTexture(gl.TEXTURE_2D, kept.texture);
-        const filter = name === 'colours' || name === 'ramp' ? gl.LINEAR : gl.NEAREST;
-        gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, filter);
-        gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, filter);
-        gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
-        gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
+        const gl = this.gl;
+        gl.activeTexture(gl.TEXTURE0 + this.textures.indexOf(name));
         gl.texImage2D(gl.TEXTURE_2D, 0, internal, width, height, 0, format, type, samples);
     }
 
-    // Forgets the planes of the clip before.
+    // Forgets the planes of the clip before. `focal`: of its camera, pixels, if the clip says it.
     begin({width, height, focal, far}) {
-        const most = this.gl.getParameter(this.gl.MAX_TEXTURE_SIZE);
+        const most = this.gl.getParameter(this.gl.MAX_TEXTURE_SIZE) ?? Infinity;
         if (Math.max(width, height) > most)
             throw new Error(`This picture has ${width} x ${height} pixels; this device draws ${most} a side.`);
         this.planes.colour?.close();
         this.planes = {width, height};
-        this.range = [0, 1];
-        this.focal = focal || width;
-        this.far = 0.999 * (far || Infinity);
+        Object.assign(this, {range: null, focal: focal || width, far: 0.999 * (far || Infinity)});
     }
 
-    show(frame) {
-        const old = this.planes, {colour, haptic, heights, depths} = frame;
-        if (colour && old.colour && old.colour !== colour) old.colour.close();
+    // A plane that is null stays as it was. All are kept for a lost context.
+    show({depths, colour, haptic, heights}) {
+        const old = this.planes;
+        if (colour) old.colour?.close();
         this.planes = {...old, depths, colour: colour ?? old.colour, haptic: haptic ?? old.haptic,
                        heights: heights ?? old.heights};
         this.upload({...old, depths, colour, haptic, heights});
         if (heights) this.highest = heights.reduce((most, value) => Math.max(most, value), 0);
-        this.measure();
+        this.measure(depths);
     }
 
     upload({width, height, depths, colour, haptic, heights}) {
@@ -188,20 +181,14 @@ export class SurfacePicture {
         if (heights) this.fill('heights', gl.R32F, gl.RED, gl.FLOAT, width, height, heights);
     }
 
-    // The depths that colours spread over: all before the far plane but 1 % at either end. They are eased, so that
-    // colours do not flicker.
-    measure() {
-        const {depths} = this.planes, step = Math.max(1, Math.floor(depths.length / 4001));
-        const found = new Float32Array(Math.ceil(depths.length / step));
-        let count = 0;
-        for (let k = 0; k < depths.length; k += step)
-            if (depths[k] > 0 && depths[k] < this.far) found[count++] = depths[k];
-        if (count) {
-            const sorted = found.subarray(0, count).sort();
-            const now = [sorted[Math.floor(0.01 * (count - 1))], sorted[Math.floor(0.99 * (count - 1))]];
-            const is_first = this.range[0] === 0;
-            this.range = now.map((value, k) => (is_first ? value : this.range[k] + 0.1 * (value - this.range[k])));
-        }
+    // The depths that colours spread over: those of all but 1 % of the pixels at either end, without the far plane;
+    // eased, so that colours do not flicker.
+    measure(depths) {
+        const step = Math.ceil(depths.length / 4000);
+        const found = new Float32Array(4000).map((_, k) => depths[k * step] ?? 0)
+            .filter((depth) => depth > 0 && depth < this.far).sort();
+        const ends = found.length ? [0.01, 0.99].map((share) => found[Math.floor(share * (found.length - 1))]) : [1, 2];
+        this.range = ends.map((end, k) => (this.range ? this.range[k] + 0.1 * (end - this.range[k]) : end));
     }
 
     draw(matrix, own_view, overlay) {
@@ -237,72 +224,71 @@ const finger_colours = ['#0072b2', '#e69f00', '#009e73', '#d55e00', '#cc79a7']; 
 // than they need, since a second one as large as the picture costs slow devices half their pictures.
 export function paint_fingers(canvas, unit, size, fingers) {
     const c = canvas.getContext('2d'), turn = 2 * Math.PI, radius = Math.max(9 * unit, 0.016 * size);
-    const points = fingers.filter(({at}) => at).flatMap(({at, goal, tip}) => [at, goal ?? at, tip ?? at]);
+    const points = fingers.filter(({at}) => at).flatMap(({at, goal, tip}) => [at, goal ?? at, tip ?? at])
+        .map((place) => place.map((value) => Math.min(Math.max(value, -radius), 2 * size)));
     canvas.hidden = !points.length;
     if (canvas.hidden) return;
     const [left, top] = [0, 1].map((k) => Math.floor(Math.min(...points.map((p) => p[k])) - 5 * radius));
     const [width, height] = [0, 1].map((k) => Math.max(...points.map((p) => p[k])) + 5 * radius - [left, top][k]);
-    const sides = [width, height].map((side) => 64 * Math.ceil(Math.min(side, 8192) / 64));
-    if (canvas.width !== sides[0] || canvas.height !== sides[1])
-        [canvas.width, canvas.height] = sides;
+    const sides = [width, height].map((side) => 64 * Math.ceil(side / 64));
+    if (canvas.width !== sides[0] || canvas.height !== sides[1]) [canvas.width, canvas.height] = sides;
     Object.assign(canvas.style, {left: `${left / unit}px`, top: `${top / unit}px`, width: `${sides[0] / unit}px`,
                                  height: `${sides[1] / unit}px`});
     c.setTransform(1, 0, 0, 1, 0, 0);
     c.clearRect(0, 0, canvas.width, canvas.height);
     c.translate(-left, -top);
-    const disc = (x, y, r, style) => {
-        c.fillStyle = style;
-        c.beginPath();
-        c.arc(x, y, r, 0, turn);
-        c.fill();
-    };
-    const shaded = (x, y, r, ...stops) => {
-        const gradient = c.createRadialGradient(x, y, 0, x, y, r);
-        stops.forEach((stop, k) => gradient.addColorStop(k / (stops.length - 1), stop));
-        disc(x, y, r, gradient);
-    };
-    const line = (width, style, ...points) => {
-        Object.assign(c, {lineWidth: width * unit, strokeStyle: style, lineCap: 'round'});
-        c.beginPath();
-        points.forEach((p, k) => (k ? c.lineTo(...p) : c.moveTo(...p)));
-        c.stroke();
-    };
-    const ring = (x, y, r, share, width, style) => {
-        Object.assign(c, {lineWidth: width * unit, strokeStyle: style, lineCap: 'butt'});
+    const circle = (x, y, r, style, width = 0, share = 1) => {  // filled; with a width: a ring, clockwise from above
         c.beginPath();
         c.arc(x, y, r, -turn / 4, turn * (share - 0.25));
+        if (width) return stroke(style, width);
+        c.fillStyle = style;
+        return c.fill();
+    };
+    const stroke = (style, width) => {
+        Object.assign(c, {lineWidth: width * unit, strokeStyle: style});
         c.stroke();
+    };
+    const line = (from, to, style, width) => {
+        c.beginPath();
+        c.moveTo(...from);
+        c.lineTo(...to);
+        stroke(style, width);
+    };
+    const shade = (x, y, r, ...stops) => {
+        const gradient = c.createRadialGradient(x, y, 0, x, y, r);
+        stops.forEach((stop, k) => gradient.addColorStop(k / (stops.length - 1), stop));
+        circle(x, y, r, gradient);
     };
     fingers.forEach((finger, k) => {
         if (!finger.at) return;
         const [x, y] = finger.at, colour = finger_colours[k % 5], above = Math.max(0, -finger.depth_mm || 0);
         const lift = finger.touching ? 0 : Math.min(above / 4, 2);
-        shaded(x + lift * radius, y + (0.3 + lift) * radius, (1.6 + 0.5 * lift) * radius,
-               `rgba(0,0,0,${0.75 / (1 + lift)})`, `rgba(0,0,0,${0.4 / (1 + lift)})`, 'rgba(0,0,0,0)');
+        shade(x + lift * radius, y + (0.3 + lift) * radius, (1.6 + 0.5 * lift) * radius,
+              `rgba(0,0,0,${0.75 / (1 + lift)})`, `rgba(0,0,0,${0.4 / (1 + lift)})`, 'rgba(0,0,0,0)');
         if (finger.goal && finger.touching) {
-            line(1.5, 'rgba(255,255,255,0.35)', finger.at, finger.goal);
-            disc(...finger.goal, 0.7 * radius, 'rgba(255,255,255,0.22)');
+            line(finger.at, finger.goal, '#fff6', 1.5);
+            circle(...finger.goal, 0.7 * radius, '#fff4');
         }
-        disc(x, y, radius + 1.5 * unit, 'rgba(255,255,255,0.9)');
-        disc(x, y, radius, colour);
-        shaded(x - 0.35 * radius, y - 0.4 * radius, 0.9 * radius, 'rgba(255,255,255,0.75)', 'rgba(255,255,255,0)');
+        circle(x, y, radius + 1.5 * unit, '#ffffffe6');
+        circle(x, y, radius, colour);
+        shade(x - 0.35 * radius, y - 0.4 * radius, 0.9 * radius, 'rgba(255,255,255,0.75)', 'rgba(255,255,255,0)');
         // The ring shrinks as the finger comes down and presses; it is full at the limit.
         const r = radius * (1.75 + Math.min(0.8, 0.4 * lift) - Math.min(0.3, 0.06 * finger.newtons));
-        ring(x, y, r, 1, 4.5, 'rgba(10,12,16,0.55)');
-        ring(x, y, r, 1, 1.5, 'rgba(255,255,255,0.4)');
-        ring(x, y, r, Math.min(finger.share || 0, 1), 4, '#ffffff');
+        circle(x, y, r, '#0a0c108c', 4.5);
+        circle(x, y, r, '#fff6', 1.5);
+        circle(x, y, r, '#fff', 4, Math.min(finger.share || 0, 1));
         if (!finger.touching || !finger.tip) return;
         const dx = finger.tip[0] - x, dy = finger.tip[1] - y, long = Math.hypot(dx, dy);
-        if (long < 0.8 * radius) return disc(x, y, 0.32 * radius, 'rgba(255,255,255,0.95)');  // seen end on
-        const [ux, uy] = [dx / long, dy / long], head = Math.min(14 * unit, 0.6 * long);
-        const neck = [finger.tip[0] - ux * head, finger.tip[1] - uy * head];
-        line(6, 'rgba(10,12,16,0.6)', finger.at, neck);
-        line(3.5, '#bfe0f7', finger.at, neck);
+        if (long < 0.8 * radius) return circle(x, y, 0.32 * radius, '#fffffff2');  // seen end on
+        const head = Math.min(14 * unit, 0.6 * long) / long, side = 0.5 * head;
+        const neck = [finger.tip[0] - dx * head, finger.tip[1] - dy * head];
+        line(finger.at, neck, '#0a0c1099', 6);
+        line(finger.at, neck, '#bfe0f7', 3.5);
         c.fillStyle = '#bfe0f7';
         c.beginPath();
-        for (const side of [0, 1, -1])
-            c.lineTo(side ? neck[0] - side * uy * 0.5 * head : finger.tip[0],
-                     side ? neck[1] + side * ux * 0.5 * head : finger.tip[1]);
+        c.moveTo(...finger.tip);
+        c.lineTo(neck[0] - side * dy, neck[1] + side * dx);
+        c.lineTo(neck[0] + side * dy, neck[1] - side * dx);
         c.fill();
     });
 }

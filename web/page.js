@@ -116,7 +116,8 @@ const answers = {
                                 : 'The ring and the number show the force.');
         invite(true);
         $('lock').hidden = !kiosk;
-        $('bar').hidden = $('force').hidden = settled = false;
+        $('bar').classList.remove('empty');
+        $('force').hidden = settled = false;
         answered = true;
     },
     progress({loaded, total, what}) {
@@ -132,7 +133,12 @@ const answers = {
         answered = true;
         touchable.state = state;
         if (!touchable.clip) return;
-        if (!settled) settle(state);
+        if (!settled && !touchable.clip.live && touchable.clip.frames > 1) {
+            // A clip plays and loops from the start, unless the person asked for less motion.
+            if (state.playing === calm) command('play-pause');
+            if (!state.loops) command('loop');
+        }
+        settled = true;
         const touches = state.fingers.some((finger) => finger.touching);
         draw(state);
         show_state(state);
@@ -147,14 +153,6 @@ const answers = {
     },
     fault: ({text, fatal}) => show_fault(String(text), fatal)
 };
-
-// A clip plays and loops from the start, unless the person asked for less motion.
-function settle(state) {
-    settled = true;
-    if (touchable.clip.live || touchable.clip.frames < 2) return;
-    if (state.playing === calm) command('play-pause');
-    if (!state.loops) command('loop');
-}
 
 function draw({matrix, own_view, fingers}) {
     const overlay = $('overlay').value;
@@ -208,14 +206,13 @@ function show_values(pick) {
 function show_overlay(value) {
     $('overlay').value = value;
     $('legend').hidden = value === 'colour';
-    const ramp = value === 'missing' ? ['#57b5e8 50%', '#555 50%']
-                                     : value === 'depth' ? [...ramp_colours].reverse() : ramp_colours;
-    $('legend').children[1].style.background = `linear-gradient(90deg, ${ramp})`;
+    const colours = {missing: ['#57b5e8 50%', '#555 50%'], depth: [...ramp_colours].reverse()}[value] ?? ramp_colours;
+    $('legend').children[1].style.background = `linear-gradient(90deg, ${colours})`;
 }
-function show_legend(clip) {
+function show_legend({unit: metres}) {
     const [title, , least, greatest] = $('legend').children, {value, text} = $('overlay').selectedOptions[0];
-    const length = (units) => (units * clip.unit < 0.1 ? `${(1000 * units * clip.unit).toPrecision(3)} mm`
-                                                       : `${(units * clip.unit).toPrecision(3)} m`);
+    const length = (units) => (units * metres < 0.1 ? `${(1000 * units * metres).toPrecision(3)} mm`
+                                                    : `${(units * metres).toPrecision(3)} m`);
     const ends = {depth: picture.range.map(length), height: ['0', length(picture.highest)],
                   missing: ['measured', 'missing'], stiffness: ['soft', 'hard'], friction: ['slippery', 'sticky']};
     put(title, text);
@@ -267,7 +264,7 @@ function leave(event) {
 function on_pointer(event) {
     const {type, pointerId: id, pointerType} = event, moves = type === 'pointermove', down = type === 'pointerdown';
     const coalesced = moves && event.getCoalescedEvents?.() || [], parts = coalesced.length ? coalesced : [event];
-    note_input(down);
+    note_input(!moves);  // browsers allow sound when a touch ends
     if (down) canvas.setPointerCapture(id);
     if (pointerType === 'touch') {
         for (const part of parts) send(down ? 'touch_began' : moves ? 'touch_moved' : 'touch_ended', part);
@@ -332,7 +329,7 @@ function on_key(event) {
     if (key === 'Escape') $('notice').hidden = true;
     if (key === 'Enter') enter_held = true;
     else if (key === 'i' && !event.ctrlKey) say_finger();
-    else if (over_picture && key.startsWith('Arrow') && !event.ctrlKey) {
+    else if (over_picture && key.startsWith('Arrow') && !event.ctrlKey && !event.shiftKey) {
         // On the picture arrows lead the finger, or turn the view while dragging does.
         if (/Left|Right/.test(key)) do_command(turns ? 'turn' : 'point-right', side * (turns ? 5 : 8));
         else do_command(turns ? 'tilt' : 'point-down', side * (turns ? -5 : 8));
@@ -376,6 +373,8 @@ function watch_visitors() {
     show_overlay('colour');
     set_sound(1, false);
     $('notice').hidden = $('lock').hidden = true;
+    invitation.classList.remove('over');
+    pointer = null;
     settled = false;
 }
 
@@ -383,7 +382,7 @@ function watch_visitors() {
 
 async function ask_picture(file) {
     if (!file || kiosk) return;
-    if (file.size > 2e8) return show_fault(`${file.name} is larger than 200 MB.`, false);
+    if (file.size > 1e8) return show_fault(`${file.name} is larger than 100 MB.`, false);
     put($('ask-name'), file.name);
     $('ask').returnValue = '';
     $('ask').showModal();

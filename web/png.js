@@ -36,9 +36,10 @@ function chunks_of(file) {
         const body = file.subarray(at + 8, at + 8 + length);
         if ((name === 'IHDR') !== !header) refuse('This PNG is damaged: its header is not where it belongs.');
         if (name === 'IHDR') header = header_of(body);
-        else if (name === 'IDAT') data.push(body);
+        else if (name === 'IDAT') data.push(body);  // usually of 8 KB or more; a million of them is an attack
         else if (name === 'IEND') break;
         else if (!(file[at + 4] & 32) && name !== 'PLTE') refuse('This PNG has a part that this page does not know.');
+        if (data.length > 1e5) refuse('This PNG is cut into too many pieces.');
         at += 12 + length;
     }
     if (!data.length) refuse('This PNG holds no picture.');

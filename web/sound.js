@@ -19,6 +19,7 @@ export class ContactSound {
 
     start() {
         if (this.context || !globalThis.AudioContext) return this.resume();
+        if (navigator.userActivation?.hasBeenActive === false) return undefined;  // a touch counts when it ends
         try {
             this.context = new AudioContext({sampleRate: rate, latencyHint: 'interactive'});
         } catch {
@@ -72,5 +73,5 @@ export function tremble(pad, [strong, weak], meets) {
         if (strong > 0.01 || weak > 0.01)
             actuator.playEffect('dual-rumble', {duration: 60, strongMagnitude: strong, weakMagnitude: weak})
                 .catch(() => {});
-    } else if (meets) navigator.vibrate?.(12);
+    } else if (meets && navigator.userActivation?.hasBeenActive) navigator.vibrate?.(12);
 }
