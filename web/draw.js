@@ -17,12 +17,11 @@ precision highp sampler2D;
 uniform mat4 clip_from_lattice;
 uniform sampler2D depths;
 uniform ivec2 size;
-uniform int stride, last, first_corner, shown;
+uniform int stride, last, shown;
 uniform float cut_ratio, hole_q, focal;
 out vec2 at;
-out float depth;
-out float light;
-flat out float cut;
+out float depth, light;
+flat out float cut;  // of the triangle whose last vertex this is
 
 ivec2 place(int k) {
     k = clamp(k, 0, last);
@@ -40,9 +39,8 @@ float slope(ivec2 pixel, ivec2 step, float q) {
 void main() {
     ivec2 pixel = place(gl_VertexID);
     float q = q_at(pixel);
-    int corner = clamp(gl_VertexID + first_corner, 0, last - 2);
-    float a = q_at(place(corner)), b = q_at(place(corner + 1)), c = q_at(place(corner + 2));
-    float least = min(a, min(b, c)), greatest = max(a, max(b, c));
+    float b = q_at(place(gl_VertexID - 1)), c = q_at(place(gl_VertexID - 2));
+    float least = min(q, min(b, c)), greatest = max(q, max(b, c));
     cut = least <= 0.0 || cut_ratio * greatest > least ? 1.0 : 0.0;
     // A corner without depth takes that of a neighbour: its cut triangles then stay small, and cost little.
     if (q <= 0.0)
@@ -67,8 +65,7 @@ uniform ivec2 size;
 uniform int shown;
 uniform vec2 range;
 in vec2 at;
-in float depth;
-in float light;
+in float depth, light;
 flat in float cut;
 out vec4 painted;
 
@@ -110,7 +107,7 @@ export class SurfacePicture {
     // Also after a lost context.
     prepare() {
         const gl = this.gl, program = gl.createProgram();
-        for (const [kind, source] of [[gl.VERTEX_SHADER, vertex_source], [gl.FRAGMENT_SHADER, fragment_source]]) {
+        for (const [source, kind] of [[vertex_source, gl.VERTEX_SHADER], [fragment_source, gl.FRAGMENT_SHADER]]) {
             const shader = gl.createShader(kind);
             gl.shaderSource(shader, source);
             gl.compileShader(shader);
@@ -124,20 +121,16 @@ export class SurfacePicture {
         gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
         gl.enable(gl.DEPTH_TEST);
         gl.clearColor(0.055, 0.06, 0.072, 1);
-        // `cut` is flat: it belongs to the triangle's last vertex, or where that is slow, to its first.
-        const provoking = gl.getExtension('WEBGL_provoking_vertex');
-        provoking?.provokingVertexWEBGL(provoking.FIRST_VERTEX_CONVENTION_WEBGL);
-        gl.uniform1i(this.uniforms.first_corner, provoking ? 0 : -2);
         this.textures = ['depths', 'colours', 'haptics', 'heights', 'ramp'];
         for (const [unit, name] of this.textures.entries()) {
             const filter = name === 'colours' || name === 'ramp' ? gl.LINEAR : gl.NEAREST;
             gl.uniform1i(this.uniforms[name], unit);
             gl.activeTexture(gl.TEXTURE0 + unit);
             gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
-            gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, filter);
-            gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, filter);
-            gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
-            gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
+            for (const which of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
+                gl.texParameteri(gl.TEXTURE_2D, which, filter);
+            for (const which of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T])
+                gl.texParameteri(gl.TEXTURE_2D, which, gl.CLAMP_TO_EDGE);
             this.fill(name, gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, 1, 1, new Uint8Array(4));
         }
         const ramp = ramp_colours.flatMap((hex) => [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16)));
@@ -237,16 +230,12 @@ export function paint_fingers(canvas, unit, size, fingers) {
     c.setTransform(1, 0, 0, 1, 0, 0);
     c.clearRect(0, 0, canvas.width, canvas.height);
     c.translate(-left, -top);
+    const stroke = (style, width) => Object.assign(c, {lineWidth: width * unit, strokeStyle: style}).stroke();
     const circle = (x, y, r, style, width = 0, share = 1) => {  // filled; with a width: a ring, clockwise from above
         c.beginPath();
         c.arc(x, y, r, -turn / 4, turn * (share - 0.25));
-        if (width) return stroke(style, width);
-        c.fillStyle = style;
-        return c.fill();
-    };
-    const stroke = (style, width) => {
-        Object.assign(c, {lineWidth: width * unit, strokeStyle: style});
-        c.stroke();
+        if (width) stroke(style, width);
+        else Object.assign(c, {fillStyle: style}).fill();
     };
     const line = (from, to, style, width) => {
         c.beginPath();
@@ -263,15 +252,15 @@ export function paint_fingers(canvas, unit, size, fingers) {
         if (!finger.at) return;
         const [x, y] = finger.at, colour = finger_colours[k % 5], above = Math.max(0, -finger.depth_mm || 0);
         const lift = finger.touching ? 0 : Math.min(above / 4, 2);
-        shade(x + lift * radius, y + (0.3 + lift) * radius, (1.6 + 0.5 * lift) * radius,
-              `rgba(0,0,0,${0.75 / (1 + lift)})`, `rgba(0,0,0,${0.4 / (1 + lift)})`, 'rgba(0,0,0,0)');
+        const dark = [0.75, 0.4, 0].map((share) => `rgba(0,0,0,${share / (1 + lift)})`);
+        shade(x + lift * radius, y + (0.3 + lift) * radius, (1.6 + 0.5 * lift) * radius, ...dark);
         if (finger.goal && finger.touching) {
             line(finger.at, finger.goal, '#fff6', 1.5);
             circle(...finger.goal, 0.7 * radius, '#fff4');
         }
         circle(x, y, radius + 1.5 * unit, '#ffffffe6');
         circle(x, y, radius, colour);
-        shade(x - 0.35 * radius, y - 0.4 * radius, 0.9 * radius, 'rgba(255,255,255,0.75)', 'rgba(255,255,255,0)');
+        shade(x - 0.35 * radius, y - 0.4 * radius, 0.9 * radius, '#ffffffbf', '#fff0');
         // The ring shrinks as the finger comes down and presses; it is full at the limit.
         const r = radius * (1.75 + Math.min(0.8, 0.4 * lift) - Math.min(0.3, 0.06 * finger.newtons));
         circle(x, y, r, '#0a0c108c', 4.5);

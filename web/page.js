@@ -45,12 +45,14 @@ const touchable = globalThis.touchable = {
         post({do: 'verify', goals, fingers, ticks, commands});
     })
 };
-let picture = null, verified = null, unit = 1, size = 1;  // unit: pixels of a CSS pixel; size: of the picture
-let answered = false, settled = false;          // the last 'due'; whether the clip plays and loops as it begins
+let picture = null, verified = null;
+let unit = 1, size = 1;  // canvas pixels of a CSS pixel; of the picture
+// The last 'due' is answered; the clip plays and loops as it begins; a state from before a reset is still to come.
+let answered = false, settled = false, stale = false;
 let new_frame = false, drawn_view = '', drawn_fingers = '';
 let pointer = null, enter_held = false, pad_presses = false, seeking = false, used_keys = false, touched = false;
 let last_input = clock.now(), last_tick = 0;
-const held = new Map();                         // pointers that are down, with the buttons of each
+const held = new Map();  // pointers that are down, with the buttons of each
 
 // A build in one file gives the worker's address.
 function make_worker() {
@@ -73,21 +75,21 @@ function show_message(text, stops = false, share = NaN) {
     if (share >= 0) progress.value = share;
     if (stops) invitation.hidden = true;
 }
-function show_fault(text, fatal) {
+function show_fault(text, fatal = false) {
     if (touchable.errors.length < 100) touchable.errors.push(text);
-    if (fatal) return show_message(text, true);
-    put($('notice').firstElementChild, text);
-    $('notice').hidden = false;
+    show_message(fatal ? text : '', fatal);
+    if (!fatal) put($('notice').firstElementChild, text);
+    $('notice').hidden = fatal;
 }
 function stop(text) {
     show_fault(text, true);
     $('bar').hidden = true;
 }
 function say_finger() {
-    const {fingers = [], pick} = touchable.state ?? {}, finger = fingers.find((one) => one.at);
-    const mm = finger?.depth_mm, where = pick?.valid === false ? 'nothing to touch'
+    const finger = touchable.state?.fingers.find((one) => one.at), mm = finger?.depth_mm;
+    const where = touchable.state?.pick?.valid === false ? 'nothing to touch'
         : `${Math.abs(mm).toFixed(1)} millimetres ${mm < 0 ? 'above the surface' : 'deep'}`;
-    const text = finger ? [finger.label, where, `${finger.newtons.toFixed(1)} newtons`].filter(Boolean).join(', ')
+    const text = finger ? `${finger.label || ''} ${where}, ${finger.newtons.toFixed(1)} newtons`.trim()
                         : 'No finger is on the picture.';
     put($('said'), '');
     clock.later(60, () => put($('said'), text));  // or the same words would not be read again
@@ -102,8 +104,8 @@ const answers = {
         document.title = `${clip.name || 'a picture'} · touchable`;
         show_message('');
         const still = !clip.live && !(clip.frames > 1), word = /globe/i.test(clip.name) ? 'globe' : 'picture';
-        for (const id of ['play', 'time']) $(id).hidden = still;
-        for (const id of ['seek', 'speed', 'loop']) $(id).hidden = still || clip.live;
+        for (const id of ['play', 'time', 'seek', 'speed', 'loop'])
+            $(id).hidden = still || (clip.live && id !== 'play' && id !== 'time');
         $('seek').max = clip.seconds || 1;
         const plane_of = {stiffness: 'haptic', friction: 'haptic', height: 'height'};
         for (const option of $('overlay').options)
@@ -133,12 +135,13 @@ const answers = {
         answered = true;
         touchable.state = state;
         if (!touchable.clip) return;
-        if (!settled && !touchable.clip.live && touchable.clip.frames > 1) {
+        if (!settled && !stale && !touchable.clip.live && touchable.clip.frames > 1) {
             // A clip plays and loops from the start, unless the person asked for less motion.
             if (state.playing === calm) command('play-pause');
             if (!state.loops) command('loop');
         }
-        settled = true;
+        settled ||= !stale;
+        stale = false;
         const touches = state.fingers.some((finger) => finger.touching);
         draw(state);
         show_state(state);
@@ -178,16 +181,17 @@ function show_state(state) {
     if (!seeking) $('seek').value = state.time;
     $('seek').setAttribute('aria-valuetext', `${time.textContent}, frame ${state.frame}`);
     put($('speed'), `${+state.speed.toFixed(2)}×`);
+    $('speed').ariaLabel = `Speed ${$('speed').textContent}`;
     $('play').toggleAttribute('data-on', state.playing);
     $('play').ariaLabel = state.playing ? 'Pause' : 'Play';
     $('loop').ariaPressed = state.loops;
     $('turning').ariaPressed = state.turning;
     $('home').disabled = state.own_view;
     const [number, newton, force] = $('force').children;
-    put(number, state.force_on === false ? 'off' : state.newtons.toFixed(1));
-    put(newton, state.force_on === false ? '' : ' N');
-    const share = Math.max(0, ...state.fingers.map((finger) => finger.share || 0));
-    force.firstElementChild.style.transform = `scaleX(${Math.min(share, 1).toFixed(3)})`;
+    const share = Math.min(1, Math.max(0, ...state.fingers.map((finger) => finger.share || 0)));
+    put(number, state.force_on ? state.newtons.toFixed(1) : 'off');
+    newton.hidden = !state.force_on;
+    force.firstElementChild.style.transform = `scaleX(${share.toFixed(3)})`;
     show_values(state.pick);
     if (!$('legend').hidden) show_legend(touchable.clip);
 }
@@ -195,12 +199,10 @@ function show_state(state) {
 function show_values(pick) {
     $('values').hidden = !pick || !(invitation.hidden || invitation.matches('.away, .over'));
     if (!pick) return;
-    const line = (words, value, digits, after) =>
-        (Number.isFinite(value) ? `${words} ${value.toFixed(digits)}${after}` : '');
-    const lines = [line('distance', pick.depth_m, 4, ' m'), line('stiffness', pick.stiffness, 2, ' N/mm'),
-                   line('friction', pick.friction_static, 2, line(', sliding', pick.friction_dynamic, 2, '')),
-                   touchable.clip.has.height ? line('height', pick.height_mm, 2, ' mm') : ''];
-    put($('values'), pick.valid ? lines.filter(Boolean).join('\n') : 'nothing to touch');
+    put($('values'), !pick.valid ? 'nothing to touch' : `distance ${pick.depth_m.toFixed(4)} m\n` +
+        `stiffness ${pick.stiffness.toFixed(2)} N/mm\n` +
+        `friction ${pick.friction_static.toFixed(2)}, sliding ${pick.friction_dynamic.toFixed(2)}` +
+        (touchable.clip.has.height ? `\nheight ${pick.height_mm.toFixed(2)} mm` : ''));
 }
 
 function show_overlay(value) {
@@ -292,8 +294,8 @@ const page_commands = {
     mute: () => set_sound(sound.volume, !sound.muted),
     louder: (number) => set_sound(Math.min(Math.max(sound.volume + number / 100, 0), 1), false),
     overlay() {
-        const free = [...$('overlay').options].filter((option) => !option.disabled);
-        show_overlay(free[(free.findIndex((option) => option.selected) + 1) % free.length].value);
+        const free = [...$('overlay').options].filter((option) => !option.disabled).map((option) => option.value);
+        show_overlay(free[(free.indexOf($('overlay').value) + 1) % free.length]);
     },
     help: show_help,
     fullscreen: () => (document.fullscreenElement ? document.exitFullscreen() : document.body.requestFullscreen())
@@ -376,20 +378,22 @@ function watch_visitors() {
     invitation.classList.remove('over');
     pointer = null;
     settled = false;
+    stale = !answered;
 }
 
 // ---- One's own pictures, and help
 
 async function ask_picture(file) {
     if (!file || kiosk) return;
-    if (file.size > 1e8) return show_fault(`${file.name} is larger than 100 MB.`, false);
+    if (file.size > 1e8) return show_fault(`${file.name} is larger than 100 MB.`);
     put($('ask-name'), file.name);
     $('ask').returnValue = '';
     $('ask').showModal();
     await new Promise((resolve) => $('ask').addEventListener('close', resolve, {once: true}));
     if ($('ask').returnValue !== 'open') return;
     const metres = Number($('unit').value) || $('level').valueAsNumber / 1000;
-    const bytes = await file.arrayBuffer().catch(() => show_fault(`${file.name} cannot be read.`, false));
+    show_message('Reading the picture …');
+    const bytes = await file.arrayBuffer().catch(() => show_fault(`${file.name} cannot be read.`));
     if (bytes) post({do: 'picture', bytes, name: file.name, unit: metres, fov: $('fov').valueAsNumber}, [bytes]);
 }
 
@@ -422,13 +426,13 @@ function show_help() {
     }
     const facts = clip ? [`${clip.name}: ${clip.width} x ${clip.height} pixels, ${clip.frames || 'live'} frames`] : [];
     sections.set('This clip', new Map([...facts, ...(clip?.remarks ?? [])].map((words) => [words, ''])));
-    const made = (tag, text, ...inside) => {
-        const element = Object.assign(document.createElement(tag), {textContent: text});
-        element.append(...inside);
+    const made = (tag, ...inside) => {
+        const element = document.createElement(tag);
+        element.append(...inside);  // strings as text
         return element;
     };
-    $('about-text').replaceChildren(...[...sections].map(([title, rows]) => made('section', '', made('h3', title),
-        made('dl', '', ...[...rows].flatMap(([key, words]) => [made('dt', key), made('dd', words)])))));
+    $('about-text').replaceChildren(...[...sections].map(([title, rows]) => made('section', made('h3', title),
+        made('dl', ...[...rows].flatMap(([key, words]) => [made('dt', key), made('dd', words)])))));
     $('about').showModal();
 }
 
@@ -463,7 +467,7 @@ function connect_controls() {
         picture.prepare();
         drawn_view = '';
     });
-    on(canvas, 'dblclick', () => kiosk || do_command('fullscreen'));
+    on(canvas, 'dblclick', () => kiosk || matchMedia('(pointer: coarse)').matches || do_command('fullscreen'));
     on(window, 'keydown', on_key);
     on(window, 'keyup', (event) => { if (event.key === 'Enter') enter_held = false; });
     on(window, 'pointerdown', () => { used_keys = false; }, true);

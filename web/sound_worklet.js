@@ -1,10 +1,14 @@
-// A queue of stereo samples on the audio thread. It begins 30 ms after the first piece, so that pieces may come
-// in bursts, and skips ahead if more than 150 ms wait. An empty queue fades out: a sudden end would click.
+// A queue of stereo samples on the audio thread. It begins when 30 ms wait, since pieces come in bursts, and skips
+// ahead when more than 150 ms do. An empty queue fades out: a sudden end would click.
 
 class Contact extends AudioWorkletProcessor {
+    pieces = [];
+    at = 0;
+    waiting = 0;
+    plays = false;
+    last = [0, 0];
     constructor() {
         super();
-        Object.assign(this, {pieces: [], at: 0, waiting: 0, plays: false, last: [0, 0]});
         this.port.onmessage = ({data}) => {
             this.pieces.push(data);
             this.waiting += data.length;
@@ -18,14 +22,11 @@ class Contact extends AudioWorkletProcessor {
     }
     process(_, [[left, right]]) {
         for (let k = 0; k < left.length; ++k) {
-            if (this.plays && this.pieces.length) {
-                this.last = [this.pieces[0][this.at++], this.pieces[0][this.at++]];
-                this.waiting -= 2;
-                if (this.at >= this.pieces[0].length) this.drop();
-            } else {
-                this.plays = false;
-                this.last = this.last.map((value) => 0.98 * value);
-            }
+            const piece = this.pieces[0];
+            this.plays &&= piece !== undefined;
+            this.last = this.plays ? [piece[this.at++], piece[this.at++]] : this.last.map((value) => 0.98 * value);
+            if (this.plays) this.waiting -= 2;
+            if (this.plays && this.at >= piece.length) this.drop();
             [left[k], right[k]] = this.last;
         }
         return true;
