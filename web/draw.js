@@ -187,7 +187,7 @@ export class SurfacePicture {
     draw(matrix, own_view, overlay) {
         const gl = this.gl, {width, height, depths, colour} = this.planes, at = this.uniforms;
         if (!depths || gl.isContextLost()) return false;
-        const began = ++this.pictures % 16 ? 0 : performance.now();
+        const began = ++this.pictures % 8 ? 0 : performance.now();
         gl.viewport(0, 0, this.canvas.width, this.canvas.height);
         gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
         const shown = overlay === 'colour' && !colour ? 'shape' : overlay;
@@ -213,10 +213,10 @@ export class SurfacePicture {
 
 const finger_colours = ['#0072b2', '#e69f00', '#009e73', '#d55e00', '#cc79a7'];  // Okabe and Ito, as in the window
 
-// Fingers above the picture; `unit`: canvas pixels of a CSS pixel, `size`: of the picture. The canvas is no larger
-// than they need, since a second one as large as the picture costs slow devices half their pictures.
-export function paint_fingers(canvas, unit, size, fingers) {
-    const c = canvas.getContext('2d'), turn = 2 * Math.PI, radius = Math.max(9 * unit, 0.016 * size);
+// Fingers above the picture; `unit`: canvas pixels of a CSS pixel, `size`: of the picture, `least`: a finger's radius,
+// CSS pixels. The canvas is as small as it can be: one as large as the picture would halve a slow device's rate.
+export function paint_fingers(canvas, unit, size, least, fingers) {
+    const c = canvas.getContext('2d'), turn = 2 * Math.PI, radius = Math.max(least * unit, 0.016 * size);
     const points = fingers.filter(({at}) => at).flatMap(({at, goal, tip}) => [at, goal ?? at, tip ?? at])
         .map((place) => place.map((value) => Math.min(Math.max(value, -radius), 2 * size)));
     canvas.hidden = !points.length;

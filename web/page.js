@@ -11,7 +11,7 @@ import {keys} from './words.js';
 
 const $ = (id) => document.getElementById(id);
 const query = new URLSearchParams(location.search), kiosk = query.has('kiosk');
-const calm = matchMedia('(prefers-reduced-motion: reduce)').matches;
+const calm = matchMedia('(prefers-reduced-motion: reduce)').matches, by_touch = matchMedia('(pointer: coarse)').matches;
 const one_file = globalThis.touchable_one_file;  // touch.html: {worker: URL, clip: {json, files}}
 const canvas = $('picture'), stage = $('stage'), invitation = $('invitation'), sound = new ContactSound();
 const invited_again_ms = 20000, reset_ms = 60000;
@@ -112,7 +112,6 @@ const answers = {
             option.disabled = option.value in plane_of && !clip.has[plane_of[option.value]];
         $('overlay').options[0].label = clip.has.colour ? 'colour' : 'shape';
         show_overlay('colour');
-        const by_touch = matchMedia('(pointer: coarse)').matches;
         put($('invite'), kiosk || by_touch ? `Touch the ${word}` : `Move over the ${word}. Hold to press.`);
         put($('hint'), by_touch ? 'One finger touches, two turn it.' : kiosk ? 'Move, hold the button, and feel.'
                                 : 'The ring and the number show the force.');
@@ -167,7 +166,7 @@ function draw({matrix, own_view, fingers}) {
         if (picture.drawn_ms) pace.note(picture.drawn_ms);
     }
     const marks = JSON.stringify(fingers);
-    if (marks !== drawn_fingers) paint_fingers($('fingers'), unit, size, fingers);
+    if (marks !== drawn_fingers) paint_fingers($('fingers'), unit, size, by_touch ? 15 : 9, fingers);
     drawn_fingers = marks;
 }
 
@@ -228,7 +227,7 @@ const levels = [[1, 1], [0.75, 1], [0.75, 2], [0.5, 2], [0.5, 3], [0.35, 4]];  /
 const pace = {
     level: 0, slow: 0,
     note(ms) {
-        this.slow = Math.min(Math.max(this.slow + (ms > 20 ? 1 : ms < 5 ? -0.25 : 0), -2), 2);
+        this.slow = Math.min(Math.max(this.slow + (ms > 60 ? 2 : ms > 20 ? 1 : ms < 5 ? -0.1 : 0), -2), 2);
         const change = Math.trunc(this.slow / 2);
         if (!change || !levels[this.level + change]) return;
         this.level += change;
@@ -467,7 +466,7 @@ function connect_controls() {
         picture.prepare();
         drawn_view = '';
     });
-    on(canvas, 'dblclick', () => kiosk || matchMedia('(pointer: coarse)').matches || do_command('fullscreen'));
+    on(canvas, 'dblclick', () => kiosk || by_touch || do_command('fullscreen'));
     on(window, 'keydown', on_key);
     on(window, 'keyup', (event) => { if (event.key === 'Enter') enter_held = false; });
     on(window, 'pointerdown', () => { used_keys = false; }, true);
