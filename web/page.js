@@ -126,7 +126,6 @@ const answers = {
     },
     frame(frame) {
         picture.show(frame);
-        ++touchable.frames_drawn;
         new_frame = true;
         if (verified && touchable.state) draw(touchable.state);
     },
@@ -160,7 +159,9 @@ function draw({matrix, own_view, fingers}) {
     const overlay = $('overlay').value;
     const view = [overlay, own_view, canvas.width, canvas.height, picture.stride, matrix].join();
     if (new_frame || view !== drawn_view) {
-        if (picture.draw(matrix, own_view, overlay)) ++touchable.pictures_drawn;
+        const drew = picture.draw(matrix, own_view, overlay);
+        touchable.pictures_drawn += drew;
+        touchable.frames_drawn += drew && new_frame;
         new_frame = false;
         drawn_view = view;
         if (picture.drawn_ms) pace.note(picture.drawn_ms);
