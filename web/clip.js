@@ -3,7 +3,7 @@
 // A PackedClip gives the packets of a frame, inflated. It fetches runs of packets by Range, and takes all of a file
 // from a server that ignores Range. Whatever is not as clip.json says is an Error with a sentence for people.
 
-const most_frames = 1e6, most_side = 16384, run_bytes = 1 << 20, most_kept = 64 << 20;
+const most_frames = 1e6, most_side = 16384, most_pixels = 1 << 25, run_bytes = 1 << 20, most_kept = 64 << 20;
 const roles = ['depth', 'haptic', 'height', 'colour'];
 
 export const is_whole = (value, least, most) => Number.isInteger(value) && value >= least && value <= most;
@@ -65,6 +65,8 @@ export class PackedClip {
     this.width = json.numbers.width;
     this.height = json.numbers.height;
     require(is_whole(this.width, 1, most_side) && is_whole(this.height, 1, most_side), 'its size is none');
+    if (this.width * this.height > most_pixels)
+      throw new Error(`The clip's pictures are ${this.width} x ${this.height}: this page shows up to ${most_pixels / 1e6 | 0} million pixels.`);
     this.live = typeof json.live === 'string' ? json.live : null;
     this.frames = this.live ? 0 : json.frames;
     require(this.live || is_whole(this.frames, 1, most_frames), 'it does not say how many frames it has');

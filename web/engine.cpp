@@ -96,6 +96,7 @@ public:
                               : std::make_shared<PlaybackLog>(std::move(commands));
         clock_.emplace(scene_.rate, log_);
         state_ = {};
+        moment_ = {};
         timeline_ = std::make_unique<SurfaceTimeline>(4);
         builder_ = make_cpu_builder(scene_);
         remembers_ = FilterPlan(scene_).remembers();
@@ -116,11 +117,9 @@ public:
     /// The frame that is needed next; -1: none, or no room for one.
     std::int64_t wanted() {
         if (is_live_) return timeline_->acquire() ? next_number_ : -1;
-        const MediaMoment moment = clock_->at(std::max<std::int64_t>(tick_, 0));
-        if (moment.epoch > epoch_) {
-            epoch_ = moment.epoch;
-            has_ended_ = false;
-            read_from(moment);
+        if (moment_.epoch > epoch_) {
+            epoch_ = moment_.epoch;
+            read_from(moment_);
         }
         if (next_number_ >= frames_ && !has_ended_) {
             has_ended_ = true;
@@ -130,10 +129,11 @@ public:
     }
 
     /// Builds and publishes the frame that was wanted, of the planes that were taken.
-    Result<void> give(std::int64_t time_ns) {
+    Result<void> give() {
         RawFrame raw;
         raw.number = next_number_++;
-        raw.time_ns = is_live_ ? time_ns : scene_.rate.time_ns(raw.number);
+        raw.time_ns = is_live_ ? std::max(timeline_->newest_time() + 1, tick_ * tick_ns)
+                               : scene_.rate.time_ns(raw.number);
         raw.epoch = epoch_;
         auto kept = std::make_shared<std::array<RawPlane, roles>>(planes_);
         raw.depth = planes_[depth_role].view;
@@ -229,7 +229,7 @@ public:
     }
 
     /// Sets the fingers' goals for the next ticks, and tells what is to be seen.
-    void look(Shown& shown, float* matrices) {
+    void look(Shown& shown, float* matrix) {
         shown = {};
         shown.picked = -1;
         shown.playing = state_.playing && !is_at_end();
@@ -245,10 +245,7 @@ public:
         if (script_.empty()) hand_->fingers.intend(field, camera, contacts_);
         shown.force_on = hand_->device.force_is_on();
         shown.own_view = hand_->view.own();
-        for (int k = 0; k < 16; ++k) {
-            matrices[k] = static_cast<float>(camera.clip_from_lattice[k / 4][k % 4]);
-            matrices[16 + k] = static_cast<float>(camera.clip_from_world[k / 4][k % 4]);
-        }
+        for (int k = 0; k < 16; ++k) matrix[k] = static_cast<float>(camera.clip_from_lattice[k / 4][k % 4]);
         shown.fingers = script_.empty() ? hand_->fingers.shown() : count_;
         for (int k = 0; k < std::min(static_cast<int>(shown.fingers), pointer_fingers); ++k)
             show_finger(static_cast<std::size_t>(k), camera, shown);
@@ -361,16 +358,13 @@ private:
     bool run_tick() {
         const std::int64_t tick = tick_ + 1;
         if (log_->is_open()) log_->take(tick);
-        const std::int64_t before = std::exchange(tick_, tick);
-        const MediaMoment moment = clock_->at(tick);
+        moment_ = clock_->at(tick);
         const bool is_late =
-            wanted() >= 0 && !(built_epoch_ >= moment.epoch && timeline_->newest_time() > moment.time_ns);
+            wanted() >= 0 && !(built_epoch_ >= moment_.epoch && timeline_->newest_time() > moment_.time_ns);
         FramePair pair;
-        const bool has_pair = timeline_->pair_at(moment, pair);
-        if ((is_late && !script_.empty()) || !has_pair) {
-            tick_ = before;
-            return false;
-        }
+        const bool has_pair = timeline_->pair_at(moment_, pair);
+        if ((is_late && !script_.empty()) || !has_pair) return false;
+        tick_ = tick;
         late_ += is_late && !is_live_;
         pair_ = pair;
         if (!step_)
@@ -454,6 +448,7 @@ private:
     std::shared_ptr<PlaybackLog> log_;
     std::optional<PlaybackClock> clock_;
     PlaybackState state_;
+    MediaMoment moment_;  // of the next tick
     std::unique_ptr<SurfaceTimeline> timeline_;
     std::unique_ptr<SurfaceBuilder> builder_;
     bool remembers_ = false, has_ended_ = false;
@@ -482,7 +477,7 @@ std::vector<std::uint8_t> inbox;
 std::string fault_text, hash_text;
 std::unique_ptr<Clip> clip;
 Shown shown;
-std::array<float, 32> matrices;
+std::array<float, 16> matrix;
 std::vector<glm::dvec3> script;
 
 int worked(const Result<void>& result) {
@@ -606,8 +601,8 @@ EXPORTED(plane) int page_plane(int role, int bytes_per_sample, int channels, int
 EXPORTED(wanted) double page_wanted() {
     return static_cast<double>(clip->wanted());
 }
-EXPORTED(give) int page_give(double time_ns) {
-    return worked(clip->give(static_cast<std::int64_t>(time_ns)));
+EXPORTED(give) int page_give() {
+    return worked(clip->give());
 }
 /// In `room`: goals, 3 doubles each, finger by finger and tick by tick, and then commands, 4 doubles each.
 EXPORTED(begin) void page_begin(int fingers, int goals, int commands) {
@@ -648,11 +643,11 @@ EXPORTED(command) int page_command(int verb, double a, double b) {
     return worked(clip->command(static_cast<PageCommand>(verb), a, b));
 }
 EXPORTED(look) const void* page_look() {
-    clip->look(shown, matrices.data());
+    clip->look(shown, matrix.data());
     return &shown;
 }
-EXPORTED(view_matrices) const float* page_view_matrices() {
-    return matrices.data();
+EXPORTED(view_matrix) const float* page_view_matrix() {
+    return matrix.data();
 }
 EXPORTED(shown_number) double page_shown_number() {
     return static_cast<double>(clip->shown_number());

@@ -23,9 +23,10 @@ const commands = {
   home: () => [12], press: (on) => [13, on],
 };
 
-let engine, clip, ended = true, given = 0, shown = -1, colour_shown = -1, haptic_shown = null;
+let engine, clip, broken = false, shown = -1, colour_shown = -1, haptic_shown = null;
 let turning = false, pressed = false, feeding = null, last_ms = 0, owed_ms = 0, ticks_us = 0, build_ms = 0, decode_ms = 0;
-let seen = {speed: 1, loops: 0}, opening = 0, live_stop = null;
+let seen = {speed: 1, loops: 0}, live_stop = null;
+let opening = 0; // counts clips and beginnings: what was under way for an earlier one ends without a trace
 const colours = new Map(); // pictures of frames that may still be shown
 
 const say = (message, transfers = []) => postMessage(message, transfers);
@@ -102,19 +103,19 @@ function met(packed, about) {
   live_stop?.abort();
   live_stop = null;
   clip = packed;
-  ++opening;
   begun();
   say({is: 'clip', width: packed.width, height: packed.height, ...about});
 }
 
 /** The clip is at its beginning. */
 function begun() {
-  given = -1;
+  ++opening;
+  feeding = null;
+  broken = false;
   shown = colour_shown = -1;
   haptic_shown = null;
   colours.clear();
   taken = {};
-  ended = false;
   last_ms = 0;
   owed_ms = 0;
 }
@@ -124,17 +125,19 @@ function begun() {
 let taken = {}; // of each role the frame whose packet the engine has
 
 async function give_frame(frame) {
-  const start = performance.now();
+  const of = opening, start = performance.now();
   for (const role of roles) {
     const plane = clip.planes[role];
     if (!plane || taken[role] === clip.own(role, frame)) continue;
     const packet = await clip.picture(role, frame);
+    if (of !== opening) return;
     give_plane(plane, packet);
     taken[role] = clip.own(role, frame);
   }
   if (clip.planes.colour) await keep_colour(frame, clip.own('colour', frame));
+  if (of !== opening) return;
   const decoded = performance.now();
-  check(engine.give(0));
+  check(engine.give());
   decode_ms = decoded - start;
   build_ms = performance.now() - decoded;
 }
@@ -154,12 +157,15 @@ async function keep_colour(frame, own) {
 
 /** Gives the engine the frames that it wants, one after the other; one such work at a time. */
 function feed() {
-  if (feeding || !clip || clip.live) return feeding;
+  if (feeding || broken || clip.live) return;
   const of = opening;
   feeding = (async () => {
     for (let frame; of === opening && (frame = engine.wanted()) >= 0;) await give_frame(frame);
-  })().catch((error) => of === opening && faulty(error)).finally(() => { feeding = null; });
-  return feeding;
+  })().catch((error) => {
+    if (of !== opening) return;
+    broken = true;
+    faulty(error);
+  }).finally(() => { if (of === opening) feeding = null; });
 }
 
 async function follow(url, packed) {
@@ -168,11 +174,14 @@ async function follow(url, packed) {
   try {
     for await (const {packets} of live_framesets(url, packed.planes, live_stop.signal)) {
       if (of !== opening) return;
-      for (const role of roles)
-        if (packets[role]) give_plane(packed.planes[role], await packed.unpacked(packed.planes[role], packets[role]));
+      for (const role of roles) {
+        const packet = packets[role] && await packed.unpacked(packed.planes[role], packets[role]);
+        if (of !== opening) return;
+        if (packet) give_plane(packed.planes[role], packet);
+      }
       const number = engine.wanted();
       if (packets.colour) colours.set(number, new Blob([packets.colour], {type: 'image/jpeg'}));
-      if (number >= 0) check(engine.give(seen.time * 1e9 + 1e6));
+      if (number >= 0) check(engine.give());
     }
     fail('The live stream has ended.');
   } catch (error) {
@@ -212,9 +221,7 @@ function look() {
   if (state.picked >= 0)
     state.pick = {valid: state.picked > 0, depth_m: state.depth_m, stiffness: state.stiffness, friction_static: state.static_friction,
       friction_dynamic: state.dynamic_friction, height_mm: state.height_mm};
-  const matrices = engine.view_matrices();
-  state.matrix = memory(Float32Array, matrices, 16).slice();
-  state.world = memory(Float32Array, matrices + 64, 16).slice();
+  state.matrix = memory(Float32Array, engine.view_matrix(), 16).slice();
   state.rumble = [state.rumble_low, state.rumble_high];
   state.frame = engine.shown_number();
   if (state.sound_samples > 0) {
@@ -256,8 +263,6 @@ async function draw() {
 
 /** Runs a script in virtual time, from the clip's beginning, and draws the frames that it meets. */
 async function verify({goals, fingers, ticks, commands: asked}) {
-  ++opening; // ends what is under way
-  await feeding;
   begun();
   put(Float64Array.of(...goals, ...asked.flat()));
   engine.begin(fingers, goals.length / 3, asked.length);
@@ -280,7 +285,6 @@ async function verify({goals, fingers, ticks, commands: asked}) {
 }
 
 function reset() {
-  ++opening;
   turning = false;
   put(new Float64Array(0));
   engine.begin(1, 0, 0);
