@@ -105,6 +105,7 @@ public:
         tick_ = -1;
         epoch_ = built_epoch_ = 0;
         late_ = 0;
+        newest_.reset();
         pair_.reset();
         step_.reset();
         samples_.clear();
