@@ -12,6 +12,18 @@ function require(condition, what) {
   if (!condition) throw new Error(`The clip is damaged, or was changed: ${what}.`);
 }
 
+/** What `read` takes of a server's answer; an Error with a sentence if there is none, or if it breaks off. */
+export async function answer_of(url, name, read, options) {
+  let answer;
+  try {
+    answer = await fetch(url, options);
+    if (answer.ok) return await read(answer);
+  } catch {
+    throw new Error(`The server does not answer, or broke off in the middle of ${name}. Reload the page to try again.`);
+  }
+  throw new Error(`There is no ${name}: the server answers ${answer.status}.`);
+}
+
 /** Inflates raw deflate to exactly `size` bytes behind `head`, and takes no more in. */
 async function inflated(packet, head, size) {
   const whole = new Uint8Array(head + size);
@@ -43,9 +55,7 @@ export class PackedClip {
     let text = place;
     if (!files) {
       clip.base = place;
-      const answer = await fetch(place);
-      if (!answer.ok) throw new Error(`There is no clip at ${place}: the server answers ${answer.status}.`);
-      text = await answer.text();
+      text = await answer_of(place, 'clip.json', (answer) => answer.text());
     }
     try {
       clip.json = JSON.parse(text);
@@ -130,8 +140,8 @@ export class PackedClip {
       require(blob, `${plane.file} is not there`);
       return {at, bytes: new Uint8Array(await blob.slice(at, end).arrayBuffer())};
     }
-    const answer = await fetch(new URL(plane.file, this.base), {headers: {Range: `bytes=${at}-${end - 1}`}});
-    if (!answer.ok) throw new Error(`${plane.file} of the clip cannot be read: the server answers ${answer.status}.`);
+    const range = {headers: {Range: `bytes=${at}-${end - 1}`}};
+    const answer = await answer_of(new URL(plane.file, this.base), plane.file, (one) => one, range);
     // A server without ranges answers 200 and sends all, which is kept.
     const from = answer.status === 206 ? at : 0, expected = answer.status === 206 ? end - at : length;
     return {at: from, bytes: await this.body(answer, expected, plane.file)};
@@ -178,8 +188,7 @@ export class PackedClip {
 
 /** Framesets of a live source, as they come: {time_ns, packets: {role: bytes}}. */
 export async function* live_framesets(url, planes, signal) {
-  const answer = await fetch(url, {signal});
-  if (!answer.ok) throw new Error(`The live stream cannot be read: the server answers ${answer.status}.`);
+  const answer = await answer_of(url, 'live stream', (one) => one, {signal});
   const reader = answer.body.getReader(), order = ['depth', 'haptic', 'height', 'colour'];
   const waiting = [];
   let there = 0;

@@ -2,7 +2,7 @@
 // elapsed at each event and each picture, and sends what is to be drawn, heard and read. One thread: no memory is
 // shared, so any web server will do.
 
-import {PackedClip, live_framesets} from './clip.js';
+import {PackedClip, answer_of, live_framesets} from './clip.js';
 import {unpack_png} from './png.js';
 
 const event_kinds = ['moved', 'pressed', 'released', 'wheel', 'key', 'key_released', 'resized', 'dropped', 'left_window',
@@ -50,12 +50,9 @@ async function load_engine(bytes) {
   if (engine) return;
   let instance;
   const imports = {wasi_snapshot_preview1: wasi(() => instance.exports.memory)};
-  if (!bytes) {
-    const answer = await fetch(new URL('engine.wasm', import.meta.url));
-    if (!answer.ok) fail(`engine.wasm is missing beside the page: the server answers ${answer.status}.`);
-    bytes = await answer.arrayBuffer();
-  }
-  ({instance} = await WebAssembly.instantiate(bytes, imports));
+  bytes ??= await answer_of(new URL('engine.wasm', import.meta.url), 'engine.wasm', (answer) => answer.arrayBuffer());
+  ({instance} = await WebAssembly.instantiate(bytes, imports).catch(
+    () => fail('engine.wasm is damaged, or this browser is too old for it: it takes WebAssembly with SIMD.')));
   instance.exports._initialize();
   engine = instance.exports;
 }
