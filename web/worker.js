@@ -72,7 +72,7 @@ const check = (worked) => worked || fail(text_at(engine.fault()));
 async function open({url, files, json, wasm}) {
   await load_engine(wasm);
   const packed = await PackedClip.open(files ? json : url, files, (loaded, total, what) => say({is: 'progress', loaded, total, what}));
-  put(Float64Array.of(...packed.numbers, ...packed.times));
+  put(Float64Array.from([...packed.numbers, ...packed.times]));
   check(engine.open_scene(packed.numbers.length, packed.times.length, packed.live ? Number.MAX_SAFE_INTEGER : packed.frames, packed.live ? 1 : 0));
   const {numbers} = packed.json;
   const rate = numbers['rate.num'] / numbers['rate.den'];
@@ -261,7 +261,7 @@ async function draw() {
 /** Runs a script in virtual time, from the clip's beginning, and draws the frames that it meets. */
 async function verify({goals, fingers, ticks, commands: asked}) {
   begun();
-  put(Float64Array.of(...goals, ...asked.flat()));
+  put(Float64Array.from([...goals, ...asked.flat()]));
   engine.begin(fingers, goals.length / 3, asked.length);
   const frames = [];
   for (let tick = 0; tick < ticks;) {
