@@ -48,8 +48,8 @@ constexpr double longest = 1e12, shortest = 1e-12;
 /// The fewest digits that are read as the same number. (Without std::to_chars, whose tables would be a fifth
 /// of the engine for pages.)
 std::string text(double number) {
-    constexpr int all = 17;
-    for (int digits = 1;; ++digits)
+    constexpr int usual = 6, all = 17;
+    for (int digits = usual;; ++digits)
         if (std::string text = formatted("%.*g", digits, number);
             digits == all || parsed_number(text) == number)
             return text;
