@@ -384,9 +384,7 @@ Result<std::optional<Frameset>> FramesetParser::next() {
 Result<std::unique_ptr<ClipReader>> open_frameset_camera(
     const FramesetChoice& choice, const SourceDescription& known,
     const std::optional<std::filesystem::path>& scene_file) {
-    auto camera = std::make_unique<FramesetCamera>(choice);
-    TRY(camera->open(known, scene_file));
-    return camera;
+    return opened_as<ClipReader>(std::make_unique<FramesetCamera>(choice), known, scene_file);
 }
 
 }  // namespace touchable

@@ -286,9 +286,7 @@ Result<Plane> ColourConverter::rgb(const TakenPicture& picture, const StreamForm
 
 Result<std::unique_ptr<ClipReader>> open_v4l2_camera(const V4l2Choice& choice, const SourceDescription& known,
                                                      const std::optional<std::filesystem::path>& scene_file) {
-    auto camera = std::make_unique<V4l2Camera>(choice);
-    TRY(camera->open(known, scene_file));
-    return camera;
+    return opened_as<ClipReader>(std::make_unique<V4l2Camera>(choice), known, scene_file);
 }
 
 }  // namespace touchable

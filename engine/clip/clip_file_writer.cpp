@@ -46,12 +46,6 @@ Result<void> MuxedClipWriter::check_status(int status) const {
     return refuse("cannot be written: " + ffmpeg_text(status));
 }
 
-Result<std::unique_ptr<ClipWriter>> MuxedClipWriter::opened(std::unique_ptr<MuxedClipWriter> writer,
-                                                            const std::optional<SoundPart>& sound) {
-    TRY(writer->open(sound));
-    return writer;
-}
-
 Result<void> MuxedClipWriter::open(const std::optional<SoundPart>& sound) {
     TRY(check_storable(output_.target(), described_));
     silence_ffmpeg();

@@ -300,9 +300,7 @@ Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::filesystem::pa
     const bool is_mp4 = is_mp4_name(file);
     if (!is_mp4 && !has_ending(file, ".mkv"))
         return usage_error(file.string() + " is no name of a film; must end in .mp4 or .mkv");
-    auto film = std::make_unique<FfmpegFilm>(file, existing);
-    TRY(film->open(is_mp4 ? "mp4" : "matroska"));
-    return film;
+    return opened_as<FilmWriter>(std::make_unique<FfmpegFilm>(file, existing), is_mp4 ? "mp4" : "matroska");
 }
 
 }  // namespace touchable

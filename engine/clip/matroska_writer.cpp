@@ -356,8 +356,7 @@ Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& pat
     if (storage.fragmented)
         return usage_error(path.string() +
                            ": only MP4 is written in fragments: must be a name that ends in .mp4");
-    return MuxedClipWriter::opened(std::make_unique<MatroskaWriter>(path, described, storage, existing),
-                                   sound);
+    return opened_as<ClipWriter>(std::make_unique<MatroskaWriter>(path, described, storage, existing), sound);
 }
 
 }  // namespace touchable

@@ -180,7 +180,7 @@ Result<std::unique_ptr<ClipWriter>> create_mp4_clip(const std::filesystem::path&
                                                     const SceneDescription& described,
                                                     const ClipStorage& storage, Existing existing,
                                                     const std::optional<SoundPart>& sound) {
-    return MuxedClipWriter::opened(std::make_unique<Mp4Writer>(path, described, storage, existing), sound);
+    return opened_as<ClipWriter>(std::make_unique<Mp4Writer>(path, described, storage, existing), sound);
 }
 
 }  // namespace touchable

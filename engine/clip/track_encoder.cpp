@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cstring>
 
-#include "engine/base/try.hpp"
 #include "engine/clip/track_codecs.hpp"
 
 namespace touchable {
@@ -171,9 +170,7 @@ Result<std::unique_ptr<TrackEncoder>> TrackEncoder::open(PlaneRole role, TrackCo
         return std::make_unique<RankZstdTrack>(
             role, first,
             coding == TrackCoding::rank_zstd ? RankZstdEncoder::quick : RankZstdEncoder::thrifty);
-    auto encoder = std::make_unique<FfmpegEncoder>(role);
-    TRY(encoder->open(coding, first, scene));
-    return encoder;
+    return opened_as<TrackEncoder>(std::make_unique<FfmpegEncoder>(role), coding, first, scene);
 }
 
 std::string PartTrack::name() const {

@@ -433,10 +433,9 @@ class MuxedClipWriter : public ClipWriter {
 public:
     using Muxer = std::unique_ptr<AVFormatContext, ReleasedBy<avformat_free_context>>;
 
-    /// Opens a writer just made. Refused: a scene that cannot be stored, and sound that the container cannot
+    /// Opens the writer, once. Refused: a scene that cannot be stored, and sound that the container cannot
     /// hold.
-    static Result<std::unique_ptr<ClipWriter>> opened(std::unique_ptr<MuxedClipWriter> writer,
-                                                      const std::optional<SoundPart>& sound);
+    Result<void> open(const std::optional<SoundPart>& sound);
 
     Result<void> write(const RawFrame& frame) final { return keep(write_frame(frame)); }
     bool is_full() const final { return room_.is_full(); }
@@ -480,7 +479,6 @@ protected:
     Muxer muxer_;
 
 private:
-    Result<void> open(const std::optional<SoundPart>& sound);
     Result<void> keep(Result<void> result);
     Result<void> write_frame(const RawFrame& frame);
     Result<void> end();

@@ -387,9 +387,7 @@ Result<std::unique_ptr<BagFile>> BagFile::open(const SourceFile& file) {
     const std::string begin = first_bytes(file, 16);
     if (is_mcap(begin)) return open_mcap_file(file);
     if (is_sqlite(begin)) return open_db3_file(file);
-    auto bag = std::make_unique<RosBag>(file.string());
-    TRY(bag->open(file));
-    return std::unique_ptr<BagFile>(std::move(bag));
+    return opened_as<BagFile>(std::make_unique<RosBag>(file.string()), file);
 }
 
 Result<std::optional<std::string>> BagFile::read_first(std::span<const BagMessage> messages) {

@@ -348,9 +348,7 @@ bool is_sqlite(std::string_view begin) {
 }
 
 Result<std::unique_ptr<BagFile>> open_db3_file(const SourceFile& file) {
-    auto opened = std::make_unique<Db3File>(file.string());
-    TRY(opened->open(file));
-    return std::unique_ptr<BagFile>(std::move(opened));
+    return opened_as<BagFile>(std::make_unique<Db3File>(file.string()), file);
 }
 
 }  // namespace touchable

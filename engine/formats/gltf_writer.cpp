@@ -571,9 +571,8 @@ Result<std::unique_ptr<ClipWriter>> create_gltf_clip(const fs::path& path, const
                                                      const std::optional<SoundPart>& sound) {
     if (is_still && !touchable::is_still(path.stem().string()))
         return usage_error(path.string() + ": has a % or * in its name, which stand for numbers");
-    auto writer = std::make_unique<GltfClipWriter>(path, described, is_still, existing);
-    TRY(writer->open(storage, sound));
-    return std::unique_ptr<ClipWriter>(std::move(writer));
+    return opened_as<ClipWriter>(std::make_unique<GltfClipWriter>(path, described, is_still, existing),
+                                 storage, sound);
 }
 
 std::vector<fs::path> gltf_clip_files(const fs::path& path, bool is_still) {

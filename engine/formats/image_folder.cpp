@@ -606,9 +606,7 @@ Result<std::unique_ptr<ClipWriter>> opened_writer(const fs::path& path, const Sc
                                                   Existing existing, More... more) {
     const fs::path place = whole_name(path);
     TRY(check_place(place, described));
-    auto writer = std::make_unique<Writer>(place, described, existing, std::move(more)...);
-    TRY(writer->open());
-    return std::unique_ptr<ClipWriter>(std::move(writer));
+    return opened_as<ClipWriter>(std::make_unique<Writer>(place, described, existing, std::move(more)...));
 }
 
 std::string scene_text_of(const SceneDescription& described) {

@@ -392,7 +392,7 @@ fs::path lerobot_info_file(const fs::path& video) {
 
 Result<std::unique_ptr<ClipWriter>> create_lerobot_video(const fs::path& path, const Scene& scene,
                                                          Existing existing) {
-    return MuxedClipWriter::opened(std::make_unique<LeRobotWriter>(path, scene, existing), {});
+    return opened_as<ClipWriter>(std::make_unique<LeRobotWriter>(path, scene, existing), std::nullopt);
 }
 
 }  // namespace touchable

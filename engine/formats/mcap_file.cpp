@@ -279,9 +279,7 @@ bool is_mcap(std::string_view begin) {
 }
 
 Result<std::unique_ptr<BagFile>> open_mcap_file(const SourceFile& file) {
-    auto opened = std::make_unique<McapFile>(file.string());
-    TRY(opened->open(file));
-    return std::unique_ptr<BagFile>(std::move(opened));
+    return opened_as<BagFile>(std::make_unique<McapFile>(file.string()), file);
 }
 
 }  // namespace touchable

@@ -299,9 +299,7 @@ Result<std::unique_ptr<ClipWriter>> create_mp4_stills(const std::filesystem::pat
     silence_ffmpeg();
     if (auto valid = validate(described); !valid)
         return input_error(path.string() + ": " + valid.error().message);
-    auto writer = std::make_unique<Mp4StillsWriter>(path, described, existing);
-    TRY(writer->open());
-    return std::unique_ptr<ClipWriter>(std::move(writer));
+    return opened_as<ClipWriter>(std::make_unique<Mp4StillsWriter>(path, described, existing));
 }
 
 }  // namespace touchable

@@ -357,9 +357,7 @@ Image ColourRegistration::registered(const PlaneView& depth, const PlaneView& co
 Result<std::unique_ptr<ClipReader>> with_pinhole_frames(std::unique_ptr<ClipReader> clip) {
     if (!clip->scene().lens.any() && !clip->scene().colour_camera && clip->frame_cameras().empty())
         return clip;
-    auto reader = std::make_unique<PinholeReader>(std::move(clip));
-    TRY(reader->open());
-    return std::unique_ptr<ClipReader>(std::move(reader));
+    return opened_as<ClipReader>(std::make_unique<PinholeReader>(std::move(clip)));
 }
 
 }  // namespace touchable

@@ -280,7 +280,8 @@ class FolderWriter final : public HlsWriter {
 public:
     FolderWriter(const HlsWriter::Settings& settings, const SceneDescription& described, HlsFolder folder)
         : settings_(settings), described_(described), folder_(std::move(folder)) {}
-    Result<void> take_sound(const std::optional<SoundPart>& sound) {
+    /// Adds the sound, if there is one that players have.
+    Result<void> open(const std::optional<SoundPart>& sound) {
         if (!sound) return {};
         TRY_ASSIGN(auto opened, StreamSound::open(*sound));
         if (opened.codec().codec_id == AV_CODEC_ID_AAC)
@@ -492,9 +493,8 @@ Result<std::unique_ptr<HlsWriter>> HlsWriter::open(const HlsWriter::Settings& se
     if (settings.window_ns < 0) return usage_error("the window of HLS lasts 0 seconds or more");
     TRY(check_storable(settings.folder, described));
     TRY_ASSIGN(auto folder, HlsFolder::open(settings.folder, settings.window_ns == 0));
-    auto writer = std::make_unique<FolderWriter>(settings, described, std::move(folder));
-    TRY(writer->take_sound(sound));
-    return std::unique_ptr<HlsWriter>(std::move(writer));
+    return opened_as<HlsWriter>(std::make_unique<FolderWriter>(settings, described, std::move(folder)),
+                                sound);
 }
 
 std::unique_ptr<StreamMuxer> make_hls_channel(HlsWriter& writer) {

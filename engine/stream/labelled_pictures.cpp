@@ -233,9 +233,7 @@ private:
 Result<std::unique_ptr<StreamPictures>> open_packets(std::unique_ptr<LabelledPackets> packets,
                                                      const std::string& name,
                                                      const std::optional<SceneDescription>& described) {
-    auto pictures = std::make_unique<LabelledPictures>(std::move(packets), name);
-    TRY(pictures->open(described));
-    return std::unique_ptr<StreamPictures>(std::move(pictures));
+    return opened_as<StreamPictures>(std::make_unique<LabelledPictures>(std::move(packets), name), described);
 }
 
 }  // namespace

@@ -298,9 +298,7 @@ private:
 
 Result<std::unique_ptr<ClipReader>> open_live_stream(const StreamSource& source,
                                                      const std::optional<SceneDescription>& described) {
-    auto stream = std::make_unique<LiveStream>(source, described);
-    TRY(stream->open());
-    return std::unique_ptr<ClipReader>(std::move(stream));
+    return opened_as<ClipReader>(std::make_unique<LiveStream>(source, described));
 }
 
 }  // namespace touchable

@@ -489,9 +489,7 @@ Result<bool> MatroskaGate::pass_block(const MatroskaHead& head) {
 Result<std::unique_ptr<StreamPictures>> open_matroska_pictures(
     std::shared_ptr<StreamBytes> bytes, const std::string& name,
     const std::optional<SceneDescription>& described) {
-    auto pictures = std::make_unique<MatroskaPictures>(std::move(bytes), name);
-    TRY(pictures->open(described));
-    return std::unique_ptr<StreamPictures>(std::move(pictures));
+    return opened_as<StreamPictures>(std::make_unique<MatroskaPictures>(std::move(bytes), name), described);
 }
 
 }  // namespace touchable

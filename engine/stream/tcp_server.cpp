@@ -245,7 +245,7 @@ public:
         if (thread_.joinable()) thread_.join();
     }
 
-    Result<void> open_doors(const std::vector<StreamUrl>& urls) {
+    Result<void> open(const std::vector<StreamUrl>& urls) {
         if (wake_->descriptor() < 0)
             return Error{ErrorKind::internal, "the system has no descriptor left to wake the server with"};
         for (const StreamUrl& url : urls) TRY(open_door(url));
@@ -398,10 +398,10 @@ private:
 
 Result<std::unique_ptr<StreamServer>> StreamServer::open(const std::vector<StreamUrl>& urls, StreamRing& ring,
                                                          StreamAudience& audience, Clock clock, Page page) {
-    auto server = std::make_unique<TcpServer>(ring, audience, clock ? std::move(clock) : steady_now_ns,
-                                              std::move(page));
-    TRY(server->open_doors(urls));
-    return std::unique_ptr<StreamServer>(std::move(server));
+    return opened_as<StreamServer>(
+        std::make_unique<TcpServer>(ring, audience, clock ? std::move(clock) : steady_now_ns,
+                                    std::move(page)),
+        urls);
 }
 
 }  // namespace touchable
