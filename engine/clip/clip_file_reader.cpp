@@ -304,9 +304,7 @@ private:
         if (!described.unstated.rate)
             if (auto note = clip_tags::rate_note(described.scene.rate, recorded_rate_))
                 notes_.push_back(std::move(*note));
-        auto scene = settle(described, {.rate = recorded_rate_});
-        if (!scene) return refuse(scene.error().message);
-        scene_ = std::move(*scene);
+        TRY_ASSIGN(scene_, error_at(file_, settle(described, {.rate = recorded_rate_})));
         unstated_ = described.unstated;
         return read_poses();
     }

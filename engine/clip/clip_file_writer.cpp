@@ -137,8 +137,7 @@ Result<void> MuxedClipWriter::finish() {
 
 Result<void> check_storable(const std::filesystem::path& path, const SceneDescription& described) {
     const FrameRate& rate = described.scene.rate;
-    if (auto valid = validate(described); !valid)
-        return input_error(path.string() + ": " + valid.error().message);
+    TRY(error_at(path.string(), validate(described)));
     if (described.unstated.far)
         return input_error(path.string() + ": not written: the scene's depth.far is not known yet");
     if (!clip_tags::is_too_fast(rate)) return {};

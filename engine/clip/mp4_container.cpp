@@ -117,25 +117,25 @@ public:
         notes_.clear();
         if (!scene_.fault.empty()) return refuse_scene();
         const auto& scene = scene_.scene;
+        const std::string in_scene = file_ + ": its MPEG-4 scene";
         if (const auto json = file.tag(mp4_scene_tag)) {
             auto described = described_by(*json, recorded);
             if (!described || !scene) return described;
-            const auto is_other = mpeg4::take_nodes(scene->nodes, described->scene);
-            if (!is_other) return refuse("its MPEG-4 scene: " + is_other.error().message);
-            if (!*is_other) return described;
+            TRY_ASSIGN(const auto is_other,
+                       error_at(in_scene, mpeg4::take_nodes(scene->nodes, described->scene)));
+            if (!is_other) return described;
             notes_.emplace_back("its MPEG-4 scene says another camera, other planes or ranges than its tag " +
                                 std::string(mp4_scene_tag) + ": the scene stands");
-            if (auto valid = validate(*described); !valid)
-                return refuse("its MPEG-4 scene: " + valid.error().message);
+            TRY(error_at(in_scene, validate(*described)));
             return described;
         }
         if (!scene) return refuse_scene();
         TRY_ASSIGN(const auto depth, stream_of(file, PlaneRole::depth));
         const AVCodecParameters& stored = *file.container().streams[depth.value_or(0)]->codecpar;
         constexpr int bits = 8;
-        auto described = mpeg4::described_by(scene->nodes, stored.width, stored.height, bits);
-        if (!described) return refuse("its MPEG-4 scene: " + described.error().message);
-        described->scene.name = source_.path().stem().string();
+        TRY_ASSIGN(auto described,
+                   error_at(in_scene, mpeg4::described_by(scene->nodes, stored.width, stored.height, bits)));
+        described.scene.name = source_.path().stem().string();
         for (const PlaneRole role : {PlaneRole::depth, PlaneRole::height})
             if (const auto low = low_stream_of(file, role); low && *low)
                 notes_.push_back("the low bits of " + std::string(role_name(role)) + ", in its track " +

@@ -133,17 +133,15 @@ private:
     /// FFmpeg cannot write tracks of MPEG-4 Systems: they are added to its movie box, the file's last box.
     Result<void> add_scene() {
         avio_flush(muxer_->pb);
-        const auto refuse_for = [&](const Error& why) { return error_at(output_.target().string(), why); };
-        const auto file = bytes_of_file(SourceFile(output_.path()));
-        if (!file) return refuse_for(file.error());
+        const std::string target = output_.target().string();
+        TRY_ASSIGN(const auto file, error_at(target, bytes_of_file(SourceFile(output_.path()))));
         const auto end = static_cast<std::uint64_t>(avio_tell(muxer_->pb));
-        const auto box = mpeg4::first_box(**file, "moov", 0, end);
-        if (!box) return refuse_for(box.error());
-        if (!*box || (*box)->end != end) return internal_error("the movie box is not the MP4 file's last");
-        const auto movie = mpeg4::bytes_at(**file, (*box)->content, end - (*box)->content);
-        if (!movie) return refuse_for(movie.error());
-        TRY_ASSIGN(const auto made, mpeg4::with_scene_stream(*movie, scene_stream_, 1, (*box)->at));
-        if (avio_seek(muxer_->pb, static_cast<std::int64_t>((*box)->at), SEEK_SET) < 0)
+        TRY_ASSIGN(const auto box, error_at(target, mpeg4::first_box(*file, "moov", 0, end)));
+        if (!box || box->end != end) return internal_error("the movie box is not the MP4 file's last");
+        TRY_ASSIGN(const auto movie,
+                   error_at(target, mpeg4::bytes_at(*file, box->content, end - box->content)));
+        TRY_ASSIGN(const auto made, mpeg4::with_scene_stream(movie, scene_stream_, 1, box->at));
+        if (avio_seek(muxer_->pb, static_cast<std::int64_t>(box->at), SEEK_SET) < 0)
             return refuse("cannot be written: no way back in it");
         avio_write(muxer_->pb, made.data(), static_cast<int>(made.size()));
         avio_flush(muxer_->pb);
@@ -162,10 +160,8 @@ private:
                     static_cast<std::uint32_t>(k + 1);
         const mpeg4::SceneTree tree = mpeg4::scene_of(nodes, scene_.width, scene_.height);
         stream.config = mpeg4::config_for(tree, scene_.width, scene_.height);
-        auto bytes = mpeg4::encode_scene(tree, stream.config);
-        if (!bytes) return refuse("MPEG-4 has no such scene: " + bytes.error().message);
-        stream.scene = std::move(*bytes);
-        return {};
+        return assign(stream.scene, error_at(output_.target().string() + ": MPEG-4 has no such scene",
+                                             mpeg4::encode_scene(tree, stream.config)));
     }
 
     std::vector<PartTrack> tracks_;  // track k is stream k, and has number k + 1

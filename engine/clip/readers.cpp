@@ -191,8 +191,7 @@ Result<std::unique_ptr<ClipReader>> part_of_clip(std::unique_ptr<ClipReader> cli
 Result<std::unique_ptr<ClipReader>> with_still_planes(std::unique_ptr<ClipReader> clip,
                                                       std::vector<StillPlane> planes, const Scene& scene) {
     if (planes.empty()) return clip;
-    if (auto valid = validate(scene); !valid)
-        return input_error(planes.front().files.front().string() + ": " + valid.error().message);
+    TRY(error_at(planes.front().files.front().string(), validate(scene)));
     auto reader = std::make_unique<StillPlanesReader>(std::move(clip), scene);
     for (StillPlane& plane : planes) TRY(reader->lay(std::move(plane)));
     return reader;

@@ -160,8 +160,7 @@ Result<GuessedScene> guess_k4a(const SourceFile& file, const SourceDescription& 
     if (colour_size && !scene.colour_camera)
         add_remark(remarks,
                    {"colour is not brought onto depth's pixels, as nothing says how its camera stands"});
-    if (auto valid = validate(scene); !valid)
-        return input_error(file.string() + ": its " + calibration_file + ": " + valid.error().message);
+    TRY(error_at(file.string() + ": its " + calibration_file, validate(scene)));
     scene.remarks = joined_remarks(std::move(remarks), scene.remarks);
     guessed.video = std::move(video);
     return guessed;

@@ -480,8 +480,7 @@ Result<GuessedScene> guess_bag(const SourceFile& file, const SourceDescription& 
     Scene& scene = guessed.scene;
     scene.video.emplace().depth = file.path().filename().string();
     TRY(add_cameras(*recording, scene, remarks));
-    if (auto valid = validate(scene); !valid)
-        return input_error(file.string() + ": its cameras are damaged: " + valid.error().message);
+    TRY(error_at(file.string() + ": its cameras are damaged", validate(scene)));
     const auto rate = rate_of_seconds(recording->times());
     if (rate) scene.rate = *rate;
     add_remark(remarks, {short_number(scene.rate.per_second()) + " frames a second" +

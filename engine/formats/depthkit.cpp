@@ -136,8 +136,7 @@ Result<SceneDescription> scene_from(const DepthkitMetadata& metadata) {
                                              static_cast<double>(DepthCoding::hue_circle);
     scene.depth.least_sum = least_sum;
     derive_valid_range(scene.depth);
-    if (auto valid = validate(scene); !valid)
-        return input_error(metadata.file() + ": " + valid.error().message);
+    TRY(error_at(metadata.file(), validate(scene)));
     return described;
 }
 

@@ -445,19 +445,15 @@ public:
         if (hidden_.failure())
             return input_error(place_.string() + ": cannot be written: " + hidden_.failure().message());
         if (is_still_) return check_storable(place_, described_);
-        auto video =
-            create_mp4_clip(hidden_.path() / name(".mp4"), described_, storage, Existing::keep, sound);
-        if (!video) return as_named(video.error());
-        video_ = std::move(*video);
-        return {};
+        return assign(video_, as_named(create_mp4_clip(hidden_.path() / name(".mp4"), described_, storage,
+                                                       Existing::keep, sound)));
     }
 
     Result<void> write(const RawFrame& frame) override {
         if (frames_ == 0) first_ = frame;
         if (++frames_ > 1 && is_still_) return internal_error(place_.string() + ": is of one frame");
         if (!video_) return {};
-        auto written = video_->write(frame);
-        return written ? written : as_named(written.error());
+        return as_named(video_->write(frame));
     }
     PlaneView stored_colour() const override { return video_ ? video_->stored_colour() : PlaneView{}; }
     bool is_full() const override { return video_ && video_->is_full(); }
@@ -465,9 +461,8 @@ public:
     Result<fs::path> complete() override {
         if (frames_ == 0) return input_error(place_.string() + ": not written: no frame was given");
         GltfClipFiles files;
-        if (auto stored = video_ ? end_video(files) : write_planes(files); !stored)
-            return as_named(stored.error());
-        if (auto shown = write_poster(files); !shown) return as_named(shown.error());
+        TRY(as_named(video_ ? end_video(files) : write_planes(files)));
+        TRY(as_named(write_poster(files)));
         const FallbackMesh mesh = fallback_mesh(first_, described_.scene);
         files.mesh = name(".bin");
         TRY(write_file(files.mesh, bytes_of_mesh(mesh)));
@@ -485,7 +480,10 @@ public:
 private:
     std::string name(const std::string& end) const { return place_.stem().string() + end; }
     /// Names the files' final folder in a message instead of the hidden one.
-    Error as_named(Error error) const {
+    template <class T>
+    Result<T> as_named(Result<T> result) const {
+        if (result) return result;
+        Error error = result.error();
         const std::string hidden = hidden_.path().string(), home = place_.parent_path().string();
         for (auto at = error.message.find(hidden); at != std::string::npos;
              at = error.message.find(hidden, at + home.size()))

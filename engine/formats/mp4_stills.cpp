@@ -242,9 +242,8 @@ private:
         }
         const mpeg4::SceneTree tree = mpeg4::scene_of(nodes, pictures.scene.width, pictures.scene.height);
         stream.config = mpeg4::config_for(tree, pictures.scene.width, pictures.scene.height);
-        auto scene = mpeg4::encode_scene(tree, stream.config);
-        if (!scene) return refuse("MPEG-4 has no such scene: " + scene.error().message);
-        stream.scene = std::move(*scene);
+        TRY_ASSIGN(stream.scene, error_at(output_.target().string() + ": MPEG-4 has no such scene",
+                                          mpeg4::encode_scene(tree, stream.config)));
         return stream;
     }
 
@@ -281,10 +280,10 @@ Opened open_mp4_stills(const Candidate& candidate) {
     clip.count = 1;
     if (!candidate.scene) {
         TRY_ASSIGN(const auto depth, pictures->stored(PlaneRole::depth));
-        auto said = mpeg4::described_by_pictures(scene->nodes, depth.image.width, depth.image.height,
-                                                 depth.bits, clip.notes);
-        if (!said) return input_error(file.string() + ": its MPEG-4 scene: " + said.error().message);
-        clip.described = std::move(*said);
+        TRY_ASSIGN(clip.described,
+                   error_at(file.string() + ": its MPEG-4 scene",
+                            mpeg4::described_by_pictures(scene->nodes, depth.image.width, depth.image.height,
+                                                         depth.bits, clip.notes)));
         if (clip.described.scene.name.empty()) clip.described.scene.name = file.path().stem().string();
     }
     clip.described.scene.folder.reset();
@@ -297,8 +296,7 @@ Opened open_mp4_stills(const Candidate& candidate) {
 Result<std::unique_ptr<ClipWriter>> create_mp4_stills(const std::filesystem::path& path,
                                                       const SceneDescription& described, Existing existing) {
     silence_ffmpeg();
-    if (auto valid = validate(described); !valid)
-        return input_error(path.string() + ": " + valid.error().message);
+    TRY(error_at(path.string(), validate(described)));
     return opened_as<ClipWriter>(std::make_unique<Mp4StillsWriter>(path, described, existing));
 }
 

@@ -389,8 +389,7 @@ Result<void> settle_relative(const CodeRange& range, const std::string& where, S
     }
     clip.described.scene.stored = {};
     derive_valid_range(depth);
-    if (auto valid = validate(clip.described); !valid) return error_at(where, valid.error());
-    return {};
+    return error_at(where, validate(clip.described));
 }
 
 /// Opens the scene's colour video; `depth` is open already.

@@ -243,10 +243,9 @@ std::optional<Image> as_grey(const Image& image) {
 
 Result<void> write_png_to(const std::filesystem::path& path, const PlaneView& image,
                           const std::filesystem::path& name, PngEffort effort, PngColours colours) {
-    const auto png = png_bytes(image, effort, colours);
-    if (!png) return Error{png.error().kind, name.string() + ": " + png.error().message};
+    TRY_ASSIGN(const auto png, error_at(name.string(), png_bytes(image, effort, colours)));
     std::ofstream out(path, std::ios::binary);
-    out << *png;
+    out << png;
     out.close();
     if (!out) return file_error(name, std::string("cannot be written: ") + std::strerror(errno));
     return {};
