@@ -36,7 +36,7 @@ struct InputBytes {
     }
 };
 
-struct StoredBytes final : InputBytes {
+struct StoredBytes : InputBytes {
     std::unique_ptr<ByteSource> source;
     std::uint64_t end;
     std::uint64_t at = 0;
@@ -62,6 +62,15 @@ struct StoredBytes final : InputBytes {
         if (from + offset < 0) return AVERROR(EINVAL);
         at = static_cast<std::uint64_t>(from + offset);
         return from + offset;
+    }
+};
+
+/// With the bytes themselves.
+struct KeptBytes final : StoredBytes {
+    const std::string bytes;
+
+    explicit KeptBytes(std::string of) : StoredBytes(nullptr, of.size()), bytes(std::move(of)) {
+        source = bytes_in_memory(bytes);
     }
 };
 
@@ -293,6 +302,14 @@ Result<InputPtr> open_input(std::unique_ptr<ByteSource> bytes, std::uint64_t end
 
 Result<InputPtr> open_flow(std::shared_ptr<Demuxer::ByteFlow> flow, const InputKind& kind) {
     return open_bytes(std::make_unique<FlowingBytes>(std::move(flow)), false, "", kind);
+}
+
+AVIOContext* open_memory(std::string bytes) {
+    return open_io(std::make_unique<KeptBytes>(std::move(bytes)), true);
+}
+
+void close_memory(AVIOContext* io) {
+    if (io) close_io(io);
 }
 
 Error input_failure(const AVFormatContext& container, int status) {

@@ -91,6 +91,11 @@ bool is_key_frame(const AVFrame& frame);
 /// Whether an encoder takes pictures of this format. One that lists none takes any.
 bool encodes(const AVCodec& codec, AVPixelFormat format);
 
+/// Bytes that FFmpeg reads as a file, until the thread is to stop; null: out of memory. `close_memory` ends
+/// them; it takes null, too.
+AVIOContext* open_memory(std::string bytes);
+void close_memory(AVIOContext* io);
+
 /// The error for a file that does not state its length.
 Error never_completed(const std::string& file);
 

@@ -4,7 +4,6 @@
 // are answered with bytes that were fetched and checked here.
 
 #include <array>
-#include <cstring>
 #include <limits>
 
 #include "engine/base/files.hpp"
@@ -84,54 +83,6 @@ constexpr std::size_t largest_hls_segment = std::size_t{128} << 20;
 constexpr int most_held_reloads = 6;
 constexpr AVRational rendition_ns{1, 1'000'000'000};
 
-/// Bytes that FFmpeg reads as a file.
-struct BytesIo {
-    std::string bytes;
-    std::size_t at = 0;
-
-    static int read(void* own, std::uint8_t* to, int count) {
-        auto& it = *static_cast<BytesIo*>(own);
-        const std::size_t some = std::min(static_cast<std::size_t>(count), it.bytes.size() - it.at);
-        if (some == 0) return AVERROR_EOF;
-        std::memcpy(to, it.bytes.data() + it.at, some);
-        it.at += some;
-        return static_cast<int>(some);
-    }
-    static std::int64_t seek(void* own, std::int64_t offset, int whence) {
-        auto& it = *static_cast<BytesIo*>(own);
-        const auto size = static_cast<std::int64_t>(it.bytes.size());
-        if ((whence & AVSEEK_SIZE) != 0) return size;
-        whence &= ~AVSEEK_FORCE;
-        const std::int64_t from = whence == SEEK_CUR   ? static_cast<std::int64_t>(it.at)
-                                  : whence == SEEK_END ? size
-                                                       : 0;
-        if (offset < -from || offset > size - from) return AVERROR(EINVAL);
-        it.at = static_cast<std::size_t>(from + offset);
-        return from + offset;
-    }
-};
-
-AVIOContext* io_of(std::string bytes) {
-    auto own = std::make_unique<BytesIo>(BytesIo{std::move(bytes)});
-    constexpr int buffer_bytes = 1 << 15;
-    auto* const buffer = static_cast<unsigned char*>(av_malloc(buffer_bytes));
-    AVIOContext* const io =
-        buffer ? avio_alloc_context(buffer, buffer_bytes, 0, own.get(), BytesIo::read, nullptr, BytesIo::seek)
-               : nullptr;
-    if (io)
-        (void)own.release();
-    else
-        av_free(buffer);
-    return io;
-}
-
-void close_bytes(AVIOContext* io) {
-    if (!io) return;
-    delete static_cast<BytesIo*>(io->opaque);
-    av_freep(&io->buffer);
-    avio_context_free(&io);
-}
-
 /// FFmpeg counts up to a thousand million per run of samples if a track's number is not above 0.
 bool has_number(mpeg4::BytesView track) {
     constexpr std::size_t least_bytes = 24;  // of a track's header, up to its number
@@ -198,7 +149,7 @@ public:
     }
     ~HlsRendition() {
         avformat_close_input(&context_);
-        close_bytes(first_io_);
+        close_memory(first_io_);
     }
 
     /// The packet that `take` returns; null at the end, or at a change to the other level.
@@ -239,7 +190,7 @@ private:
         if (!first) return error_at(place_, input_error("has no segment " + std::to_string(*from) + " yet"));
         if (from) newest_segment_ = *from - 1;
         context_ = avformat_alloc_context();
-        if (context_) context_->pb = first_io_ = io_of(std::move(*first));
+        if (context_) context_->pb = first_io_ = open_memory(std::move(*first));
         if (!first_io_) return memory_error();
         context_->opaque = this;
         context_->io_open = open_io;
@@ -264,14 +215,14 @@ private:
         try {
             if (url != it.place_) return it.open_segment(io, url, range_in(options ? *options : nullptr));
             if (auto read = it.fetch_playlist(); !read) return it.end(read.error());
-            *io = io_of(it.playlist_);
+            *io = open_memory(it.playlist_);
             return *io ? 0 : AVERROR(ENOMEM);
         } catch (const std::exception&) {
             return AVERROR(ENOMEM);
         }
     }
     static int close_io(AVFormatContext*, AVIOContext* io) {
-        close_bytes(io);
+        close_memory(io);
         return 0;
     }
     int end(std::optional<Error> fault) {
@@ -445,7 +396,7 @@ int HlsRendition::open_segment(AVIOContext** io, const std::string& named, const
         ++segments_lost_;
         return AVERROR(ENOENT);  // FFmpeg goes on with the next one
     }
-    *io = io_of(std::move(*segment));
+    *io = open_memory(std::move(*segment));
     return *io ? 0 : AVERROR(ENOMEM);
 }
 
