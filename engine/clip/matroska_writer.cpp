@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <deque>
+#include <limits>
 
 #include "engine/base/try.hpp"
 #include "engine/clip/containers.hpp"
@@ -212,6 +213,8 @@ private:
     std::vector<std::int64_t> frames_;  // covered by each track's pictures so far
 };
 
+constexpr std::int64_t no_frame = std::numeric_limits<std::int64_t>::max();  // after all frames
+
 class MatroskaWriter final : public MuxedClipWriter {
 public:
     MatroskaWriter(const std::filesystem::path& path, const SceneDescription& described,
@@ -286,15 +289,13 @@ private:
             TRY_ASSIGN(auto first, copy_->next(k));
             ahead_.push_back(std::move(first));
         }
+        const auto frame_of = [](const StoredPicture& each) { return each.packet ? each.frame : no_frame; };
         while (true) {
-            std::size_t next = ahead_.size();
-            for (std::size_t k = 0; k < ahead_.size(); ++k)
-                if (ahead_[k].packet && ahead_[k].frame < frame &&
-                    (next == ahead_.size() || ahead_[k].frame < ahead_[next].frame))
-                    next = k;
-            if (next == ahead_.size()) return {};
-            TRY(write_picture_of(tracks_.size() + next, ahead_[next]));
-            TRY_ASSIGN(ahead_[next], copy_->next(next));
+            const auto next = std::ranges::min_element(ahead_, {}, frame_of);
+            if (next == ahead_.end() || frame_of(*next) >= frame) return {};
+            const auto track = static_cast<std::size_t>(next - ahead_.begin());
+            TRY(write_picture_of(tracks_.size() + track, *next));
+            TRY_ASSIGN(*next, copy_->next(track));
         }
     }
 
@@ -303,15 +304,14 @@ private:
         const auto decided = [](const TrackWriter& track) { return track.decided(); };
         if (!std::ranges::all_of(tracks_, decided)) return {};
         if (!begun_) TRY(begin_file());
+        const auto frame_of = [](const TrackWriter& track) {
+            const StoredPicture* const picture = track.oldest();
+            return picture ? picture->frame : no_frame;
+        };
         while (true) {
-            std::size_t next = tracks_.size();
-            for (std::size_t k = 0; k < tracks_.size(); ++k) {
-                const StoredPicture* picture = tracks_[k].oldest();
-                if (picture && (next == tracks_.size() || picture->frame < tracks_[next].oldest()->frame))
-                    next = k;
-            }
-            if (next == tracks_.size() || !tracks_[next].oldest_is_complete()) return {};
-            TRY(write_stored(next));
+            const auto next = std::ranges::min_element(tracks_, {}, frame_of);
+            if (next == tracks_.end() || !next->oldest() || !next->oldest_is_complete()) return {};
+            TRY(write_stored(static_cast<std::size_t>(next - tracks_.begin())));
         }
     }
 
