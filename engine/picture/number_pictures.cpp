@@ -195,18 +195,9 @@ tmsize_t read_tiff(thandle_t handle, void* to, tmsize_t size) {
     file.at += count;
     return static_cast<tmsize_t>(count);
 }
-tmsize_t write_tiff(thandle_t, void*, tmsize_t) {
-    return -1;
-}
 toff_t seek_tiff(thandle_t handle, toff_t offset, int from) {
     TiffBytes& file = of_handle(handle);
     return file.at = offset + (from == SEEK_CUR ? file.at : from == SEEK_END ? file.bytes.size() : 0);
-}
-int leave_tiff(thandle_t) {
-    return 0;
-}
-toff_t size_of_tiff(thandle_t handle) {
-    return of_handle(handle).bytes.size();
 }
 int map_tiff(thandle_t handle, void** begin, toff_t* size) {
     const std::string_view bytes = of_handle(handle).in_memory;
@@ -215,7 +206,6 @@ int map_tiff(thandle_t handle, void** begin, toff_t* size) {
     *size = bytes.size();
     return 1;
 }
-void unmap_tiff(thandle_t, void*, toff_t) {}
 
 [[gnu::format(printf, 4, 0)]] int keep_first_error(TIFF*, void* file, const char*, const char* format,
                                                    std::va_list arguments) {
@@ -223,10 +213,6 @@ void unmap_tiff(thandle_t, void*, toff_t) {}
     std::vsnprintf(text, sizeof text, format, arguments);
     std::string& wrong = static_cast<TiffBytes*>(file)->wrong;
     if (wrong.empty()) wrong = printable(text, 200);
-    return 1;
-}
-/// Ignores unknown tags and the like.
-int ignore_warning(TIFF*, void*, const char*, const char*, std::va_list) {
     return 1;
 }
 
@@ -238,9 +224,15 @@ TiffPtr open_tiff(TiffBytes& file) {
     if (!options) return nullptr;
     TIFFOpenOptionsSetMaxSingleMemAlloc(options.get(), largest_piece);
     TIFFOpenOptionsSetErrorHandlerExtR(options.get(), keep_first_error, &file);
-    TIFFOpenOptionsSetWarningHandlerExtR(options.get(), ignore_warning, nullptr);
-    return TiffPtr(TIFFClientOpenExt("", "r", &file, read_tiff, write_tiff, seek_tiff, leave_tiff,
-                                     size_of_tiff, map_tiff, unmap_tiff, options.get()));
+    // Warnings are of unknown tags and the like.
+    const auto ignore = [](TIFF*, void*, const char*, const char*, std::va_list) { return 1; };
+    const auto write = [](thandle_t, void*, tmsize_t) { return tmsize_t{-1}; };
+    const auto close = [](thandle_t) { return 0; };
+    const auto size = [](thandle_t handle) -> toff_t { return of_handle(handle).bytes.size(); };
+    const auto unmap = [](thandle_t, void*, toff_t) {};
+    TIFFOpenOptionsSetWarningHandlerExtR(options.get(), ignore, nullptr);
+    return TiffPtr(TIFFClientOpenExt("", "r", &file, read_tiff, write, seek_tiff, close, size, map_tiff,
+                                     unmap, options.get()));
 }
 
 struct TiffLayout {
