@@ -74,16 +74,11 @@ HapticProperties globe_feel(double dry) {
             sea_feel.dynamic_friction + dry * (land_feel.dynamic_friction - sea_feel.dynamic_friction)};
 }
 
-/// Code of a property value in its range (the inverse of Eq. 1).
-std::uint8_t property_code(const PropertyRange& range, double value) {
-    return static_cast<std::uint8_t>(std::floor(255 * (value - range.min) / (range.max - range.min) + 0.5));
-}
-
 /// The three codes of a haptic pixel of `globe_ranges`.
 void put_feel(const HapticProperties& felt, std::uint8_t* pixel) {
-    pixel[0] = property_code(globe_ranges.stiffness, felt.stiffness / 1000);
-    pixel[1] = property_code(globe_ranges.static_friction, felt.static_friction);
-    pixel[2] = property_code(globe_ranges.dynamic_friction, felt.dynamic_friction);
+    pixel[0] = globe_ranges.stiffness.nearest(felt.stiffness / 1000);
+    pixel[1] = globe_ranges.static_friction.nearest(felt.static_friction);
+    pixel[2] = globe_ranges.dynamic_friction.nearest(felt.dynamic_friction);
 }
 
 /// The bare sphere in front of the far plane.

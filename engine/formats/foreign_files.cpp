@@ -67,14 +67,19 @@ std::string_view first_member(std::string_view begin) {
     return begin.substr(head, std::size_t{low} + 256 * std::size_t{high});
 }
 
+/// How to open a Zarr store; `name`: for Python.
+std::string zarr_words(const std::string& name) {
+    return ": numpy.save('depth.npy', zarr.open(" + name +
+           ")['NAME'][:]) in Python makes an array of one of its depths" + after_play("depth.npy");
+}
+
 std::optional<std::string> zip_file(const Look& look) {
     if (!look.begin.starts_with(zip_magic) || look.extension() == ".npz" || look.extension() == ".usdz")
         return {};
     const std::string_view member = first_member(look.begin);
     if (member.ends_with(".npy")) return {};
     if (look.name().ends_with(".zarr.zip"))
-        return "is a Zarr store in a ZIP file: numpy.save('depth.npy', zarr.open(" + look.python_name() +
-               ")['NAME'][:]) in Python makes an array of one of its depths" + after_play("depth.npy");
+        return "is a Zarr store in a ZIP file" + zarr_words(look.python_name());
     const std::string stem = look.path.stem().string();
     return "is a ZIP file, whose first member is " + in_quotes(member) + ": unzip " + look.shell_name() +
            " -d " + shell_word(stem) + after_play(shell_word(stem));
@@ -91,14 +96,10 @@ bool is_whole_zip(const SourceFile& file) {
 }
 
 std::optional<std::string> packed(const Look& look) {
-    constexpr std::pair<std::string_view, const char*> kinds[] = {{"\x1f\x8b", "gzip"},
-                                                                  {"BZh", "bzip2"},
-                                                                  {"\xfd"
-                                                                   "7zXZ",
-                                                                   "xz"},
-                                                                  {"7z\xbc\xaf\x27\x1c", "7-Zip"},
-                                                                  {"Rar!\x1a\x07", "RAR"},
-                                                                  {"\x28\xb5\x2f\xfd", "zstd"}};
+    constexpr std::pair<std::string_view, const char*> kinds[] = {
+        {"\x1f\x8b", "gzip"},    {"BZh", "bzip2"},
+        {"\xfd\x37zXZ", "xz"},   {"7z\xbc\xaf\x27\x1c", "7-Zip"},
+        {"Rar!\x1a\x07", "RAR"}, {"\x28\xb5\x2f\xfd", "zstd"}};
     for (const auto& [magic, name] : kinds)
         if (look.begin.starts_with(magic))
             return std::string("is packed by ") + name + ": unpack it, then open what was in it";
@@ -255,9 +256,7 @@ std::optional<std::string> misleading_file(const SourceFile& file, std::string_v
 std::optional<std::string> foreign_folder(const fs::path& folder) {
     if (!is_there(folder / ".zgroup") && !is_there(folder / ".zarray") && !is_there(folder / "zarr.json"))
         return {};
-    const std::string name = "'" + printable(folder.filename().string()) + "'";
-    return "is a Zarr store: numpy.save('depth.npy', zarr.open(" + name +
-           ")['NAME'][:]) in Python makes an array of one of its depths" + after_play("depth.npy");
+    return "is a Zarr store" + zarr_words("'" + printable(folder.filename().string()) + "'");
 }
 
 std::optional<std::string> foreign_file_below(const fs::path& folder) {

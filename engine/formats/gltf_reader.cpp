@@ -60,32 +60,27 @@ Node one_of(const Node& array, const Node& index, const std::string& what) {
 /// Bytes; a value of three bytes of text takes a hundred of memory.
 constexpr std::size_t largest_json = std::size_t{8} << 20U;
 
-/// The two parts of a file: its JSON, and the bytes that it carries.
-struct GltfParts {
-    std::string_view json;
-    std::optional<std::string_view> carried;
-};
-
 std::size_t word_at(std::string_view bytes, std::size_t at) {
     return number_in_bytes(bytes.substr(at, 4), false);
 }
 
-GltfParts parts_of(std::string_view bytes) {
-    if (!bytes.starts_with("glTF")) return {bytes, std::nullopt};
+/// A file's JSON; `carried` becomes the bytes that a GLB carries beside it.
+std::string_view json_in(std::string_view bytes, std::optional<std::string_view>& carried) {
+    if (!bytes.starts_with("glTF")) return bytes;
     if (bytes.size() < 12 || word_at(bytes, 4) != 2)
         throw Refusal{"is no GLB of version 2, which is the one that is read"};
-    GltfParts parts;
+    std::string_view json;
     for (std::size_t at = 12; at + 8 <= bytes.size();) {
         const std::size_t length = word_at(bytes, at);
         const std::string_view kind = bytes.substr(at + 4, 4);
         at += 8;
         if (length > bytes.size() - at) throw Refusal{"is damaged: it ends within a chunk"};
-        if (kind == "JSON" && parts.json.empty()) parts.json = bytes.substr(at, length);
-        if (kind == std::string_view("BIN\0", 4) && !parts.carried) parts.carried = bytes.substr(at, length);
+        if (kind == "JSON" && json.empty()) json = bytes.substr(at, length);
+        if (kind == std::string_view("BIN\0", 4) && !carried) carried = bytes.substr(at, length);
         at += length;
     }
-    if (parts.json.empty()) throw Refusal{"is damaged: has no JSON"};
-    return parts;
+    if (json.empty()) throw Refusal{"is damaged: has no JSON"};
+    return json;
 }
 
 /// The number in "#track_ID=2" (ISO/IEC 14496-12, Annex C).
@@ -111,9 +106,7 @@ Node local_alternative(const Node& media) {
 class GltfFile : NonCopyable {
 public:
     GltfFile(const std::filesystem::path& file, std::string_view bytes) : file_(file) {
-        const GltfParts parts = parts_of(bytes);
-        json_ = checked_json::parse(parts.json, largest_json);
-        carried_ = parts.carried;
+        json_ = checked_json::parse(json_in(bytes, carried_), largest_json);
         if (!root().has("asset") || !root()["asset"].has("version")) return;
         const Node version = root()["asset"]["version"];
         if (!version.text().starts_with("2.")) version.refuse("2.0 or another 2, which alone is read");

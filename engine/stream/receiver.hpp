@@ -37,13 +37,10 @@ struct FramesetCounts {
     std::int64_t restarts = 0;        ///< times that numbers began anew
 
     FramesetCounts& operator+=(const FramesetCounts& more) {
-        whole += more.whole;
-        late += more.late;
-        lost += more.lost;
-        torn += more.torn;
-        repeated += more.repeated;
-        without_colour += more.without_colour;
-        restarts += more.restarts;
+        using Counts = FramesetCounts;
+        for (const auto count : {&Counts::whole, &Counts::late, &Counts::lost, &Counts::torn,
+                                 &Counts::repeated, &Counts::without_colour, &Counts::restarts})
+            this->*count += more.*count;
         return *this;
     }
 };
