@@ -245,9 +245,10 @@ private:
         const std::string name(role_name(role));
         if (told_) {
             const auto& numbers = (*told_)[static_cast<std::size_t>(role)];
-            return numbers.empty() ? std::optional<int>() : placed(stream_numbered(file, numbers[0], name));
+            return numbers.empty() ? std::optional<int>()
+                                   : error_at(file_, stream_numbered(file, numbers[0], name));
         }
-        if (scene_.scene) return placed(stream_of_plane(*scene_.scene, file, role));
+        if (scene_.scene) return error_at(file_, stream_of_plane(*scene_.scene, file, role));
         const auto named = stream_named(file, name);
         return named || role != PlaneRole::colour ? named : stream_named(file, "color");
     }
@@ -267,11 +268,8 @@ private:
         const std::string name = std::string(role_name(role)) + low_track_suffix;
         if (!told_) return stream_named(file, name);
         const auto& numbers = (*told_)[static_cast<std::size_t>(role)];
-        return numbers.size() < 2 ? std::optional<int>() : placed(stream_numbered(file, numbers[1], name));
-    }
-
-    Result<std::optional<int>> placed(Result<std::optional<int>> stream) const {
-        return stream ? std::move(stream) : refuse(stream.error().message);
+        return numbers.size() < 2 ? std::optional<int>()
+                                  : error_at(file_, stream_numbered(file, numbers[1], name));
     }
 
     std::optional<PlaneTracks> told_;
