@@ -80,9 +80,12 @@ void widen_to(PropertyRange& range, double value) {
 /// values: a hole's rim is as hard as its surroundings, and so is depth that filters put there.
 class HapticPainter {
 public:
-    explicit HapticPainter(const HapticRanges& ranges) : ranges_(ranges), codes_(65536), reliefs_(65536) {}
+    /// A picture without segments feels as the scene does by default.
+    explicit HapticPainter(const Scene& scene) : ranges_(scene.haptic), codes_(65536), reliefs_(65536) {
+        set(0, {scene.default_properties, 100});
+    }
 
-    /// Sets the touch of segments with this label; 0: for a picture without any.
+    /// Sets the touch of segments with this label.
     void set(std::uint16_t label, const Feel& feel) {
         codes_[label] = haptic_code(feel.properties, ranges_);
         reliefs_[label] = feel.relief;
@@ -127,22 +130,22 @@ private:
 /// A clip whose haptic pictures are replaced by ones of these ranges, which a derived class paints.
 class HapticTrackReader : public ChangedClip {
 protected:
-    /// `ranges` must be valid (validate).
-    HapticTrackReader(std::unique_ptr<ClipReader> clip, const HapticRanges& ranges)
-        : ChangedClip(std::move(clip)) {
-        scene_.haptic = ranges;
+    /// `scene`: the clip's, with other ranges; must be valid (validate).
+    HapticTrackReader(std::unique_ptr<ClipReader> clip, const Scene& scene)
+        : ChangedClip(std::move(clip), scene), painter_(scene) {
         replace_track(PlaneRole::haptic,
                       {"", "materials of segments", "rgb24", scene_.width, scene_.height, true});
         forget_notes_of(PlaneRole::haptic);
     }
+
+    HapticPainter painter_;
 };
 
 class PaintedReader final : public HapticTrackReader {
 public:
-    PaintedReader(std::unique_ptr<ClipReader> clip, const HapticRanges& ranges,
+    PaintedReader(std::unique_ptr<ClipReader> clip, const Scene& scene,
                   std::shared_ptr<const PaintedSegments> painted)
-        : HapticTrackReader(std::move(clip), ranges), painted_(std::move(painted)), painter_(ranges) {
-        painter_.set(0, {scene().default_properties, 100});
+        : HapticTrackReader(std::move(clip), scene), painted_(std::move(painted)) {
         for (const auto& [label, paint] : painted_->by_label) painter_.set(label, paint.feel);
     }
 
@@ -160,7 +163,6 @@ public:
 
 private:
     const std::shared_ptr<const PaintedSegments> painted_;
-    HapticPainter painter_;
     std::vector<std::uint16_t> labels_;
 };
 
@@ -193,13 +195,12 @@ struct Materials {
 
 class MaterialReader final : public HapticTrackReader {
 public:
-    MaterialReader(std::unique_ptr<ClipReader> clip, const HapticRanges& ranges, Materials materials,
+    MaterialReader(std::unique_ptr<ClipReader> clip, const Scene& scene, Materials materials,
                    BeginSegments begin, std::shared_ptr<MaterialReport> report)
-        : HapticTrackReader(std::move(clip), ranges),
+        : HapticTrackReader(std::move(clip), scene),
           materials_(std::move(materials)),
           begin_(std::move(begin)),
-          report_(std::move(report)),
-          painter_(ranges) {
+          report_(std::move(report)) {
         start();
     }
 
@@ -244,8 +245,7 @@ private:
     /// Resets to before the first frame.
     void start() {
         segments_of_ = begin_(scene());
-        painter_ = HapticPainter(scene().haptic);
-        painter_.set(0, {scene().default_properties, 100});
+        painter_ = HapticPainter(scene());
         met_.assign(65536, false);
         before_.reset();
         *report_ = {};
@@ -273,7 +273,6 @@ private:
     const std::shared_ptr<MaterialReport> report_;
 
     SegmentFrames segments_of_;
-    HapticPainter painter_;
     std::vector<bool> met_;  // by label
     std::vector<std::uint16_t> labels_before_;
     std::optional<RawFrame::Place> before_;
@@ -289,7 +288,7 @@ Result<std::unique_ptr<ClipReader>> begin_reading(std::unique_ptr<ClipReader> cl
     scene.haptic = settings.ranges.value_or(ranges_of_palette(scene, others));
     TRY(validate(scene));
     Materials materials{std::move(named), find_material(settings.names.otherwise), settings.scale_relief};
-    return std::make_unique<MaterialReader>(std::move(clip), scene.haptic, std::move(materials), begin,
+    return std::make_unique<MaterialReader>(std::move(clip), scene, std::move(materials), begin,
                                             std::move(report));
 }
 
@@ -375,7 +374,7 @@ Result<std::unique_ptr<ClipReader>> with_painted_segments(std::unique_ptr<ClipRe
     for (const auto& [label, paint] : painted->by_label) feels.push_back(paint.feel);
     scene.haptic = ranges_of_palette(scene, feels);
     TRY(validate(scene));
-    return std::make_unique<PaintedReader>(std::move(clip), scene.haptic, std::move(painted));
+    return std::make_unique<PaintedReader>(std::move(clip), scene, std::move(painted));
 }
 
 Result<SegmentStore> read_segments(ClipReader& clip, const BeginSegments& begin,

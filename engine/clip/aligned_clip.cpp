@@ -37,10 +37,7 @@ class AlignedReader final : public ChangedClip {
 public:
     AlignedReader(std::unique_ptr<ClipReader> clip, Scene scene, std::vector<CodeLine> lines,
                   std::string note)
-        : ChangedClip(std::move(clip)), lines_(std::move(lines)) {
-        scene_ = std::move(scene);
-        notes_.push_back(std::move(note));
-    }
+        : ChangedClip(std::move(clip), std::move(scene), std::move(note)), lines_(std::move(lines)) {}
     Result<void> change(RawFrame& raw) override {
         const DepthCoding& stored = inner().scene().depth;
         const CodeLine& line = lines_[std::min(static_cast<std::size_t>(raw.number), lines_.size() - 1)];

@@ -98,15 +98,6 @@ private:
     int frames_ = 0;
 };
 
-class ClipWithFarPlane final : public ChangedClip {
-public:
-    ClipWithFarPlane(std::unique_ptr<ClipReader> clip, Scene scene, std::string note)
-        : ChangedClip(std::move(clip)) {
-        scene_ = std::move(scene);
-        notes_.push_back(std::move(note));
-    }
-};
-
 /// Adds a frame's depth; false if there is no frame.
 Result<bool> look_at_frame(Result<std::optional<RawFrame>> frame, FarPlaneEstimator& estimator) {
     if (stop_requested()) return interrupted_error();
@@ -188,7 +179,7 @@ Result<std::unique_ptr<ClipReader>> with_far_plane(std::unique_ptr<ClipReader> c
     TRY(look_at_clip(ahead, estimator));
     TRY_ASSIGN(auto note, error_at(file.string(), estimator.settle(scene)));
     TRY_ASSIGN(auto at_its_beginning, ahead.finish());
-    return std::make_unique<ClipWithFarPlane>(std::move(at_its_beginning), std::move(scene), std::move(note));
+    return std::make_unique<ChangedClip>(std::move(at_its_beginning), std::move(scene), std::move(note));
 }
 
 }  // namespace touchable

@@ -123,9 +123,7 @@ Result<void> check_crop(const ClipPart::Crop& box, const Scene& scene) {
 
 class StillPlanesReader final : public ChangedClip {
 public:
-    StillPlanesReader(std::unique_ptr<ClipReader> clip, const Scene& scene) : ChangedClip(std::move(clip)) {
-        scene_ = scene;
-    }
+    using ChangedClip::ChangedClip;
     Result<void> lay(StillPlane still) {
         const std::string file = still.files.front().string();
         forget_notes_of(still.role);

@@ -78,6 +78,13 @@ public:
     const std::vector<TrackInfo>& tracks() const override { return tracks_; }
     const std::vector<std::string>& notes() const override { return notes_; }
 
+    /// With another scene, and a note on that; empty: none.
+    ChangedClip(std::unique_ptr<ClipReader> clip, Scene scene, std::string note = {})
+        : ChangedClip(std::move(clip)) {
+        scene_ = std::move(scene);
+        if (!note.empty()) notes_.push_back(std::move(note));
+    }
+
 protected:
     explicit ChangedClip(std::unique_ptr<ClipReader> clip)
         : ReaderAround(std::move(clip)),
