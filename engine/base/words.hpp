@@ -8,7 +8,8 @@
 // read a text that is a number and nothing else. small_letters and trimmed prepare a text for comparison,
 // cut_part and cut_line take it apart. printable, in_quotes and shell_word make text from outside safe to
 // show: on one line, without control characters, and, except shell_word, cut if it is too long. nearest_word
-// finds the word that a mistyped one may have meant; listed joins several names.
+// finds the word that a mistyped one may have meant; listed joins several names, and named_in finds what has
+// one.
 //
 // Threads: any; pure functions, independent of the locale.
 
@@ -24,6 +25,13 @@
 #include <string_view>
 
 namespace touchable {
+
+/// The element of that name; null: none. `name_of`: its member, or a function.
+template <class Range, class Name, class Of>
+auto* named_in(Range& range, const Name& name, Of name_of) {
+    const auto found = std::ranges::find(range, name, name_of);
+    return found == std::ranges::end(range) ? nullptr : &*found;
+}
 
 /// Numbers and words as printf writes them.
 [[gnu::format(printf, 1, 2)]] std::string formatted(const char* format, ...);

@@ -220,10 +220,7 @@ struct PcdHeader {
     std::size_t end = 0;      ///< bytes of the header
     std::size_t point_bytes = 0, point_words = 0;
 
-    const PcdField* field(std::string_view name) const {
-        const auto found = std::ranges::find(fields, name, &PcdField::name);
-        return found == fields.end() ? nullptr : &*found;
-    }
+    const PcdField* field(std::string_view name) const { return named_in(fields, name, &PcdField::name); }
 };
 
 constexpr std::uint64_t largest_count = 1'000'000'000;
@@ -423,8 +420,7 @@ struct PlyHeader {
     std::size_t end = 0;
 
     const PlyElement* element(std::string_view name) const {
-        const auto found = std::ranges::find(elements, name, &PlyElement::name);
-        return found == elements.end() ? nullptr : &*found;
+        return named_in(elements, name, &PlyElement::name);
     }
 };
 

@@ -169,8 +169,7 @@ constexpr RosEncoding encodings[] = {
 };
 
 const RosEncoding* encoding_named(std::string_view name) {
-    const auto* const found = std::ranges::find(encodings, name, &RosEncoding::name);
-    return found == std::end(encodings) ? nullptr : found;
+    return named_in(encodings, name, &RosEncoding::name);
 }
 
 /// The pixels as bytes, `bytes` each.

@@ -1,6 +1,7 @@
 #include "engine/formats/source_description.hpp"
 
 #include "engine/base/same_bits.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
@@ -181,8 +182,7 @@ std::span<const SourceDescription::Preset> all_presets() {
 }
 
 const SourceDescription::Preset* preset_named(const std::string& name) {
-    const auto* const found = std::ranges::find(presets, name, &SourceDescription::Preset::name);
-    return found == std::end(presets) ? nullptr : found;
+    return named_in(presets, name, &SourceDescription::Preset::name);
 }
 
 std::optional<VideoValues> video_values_named(const std::string& name) {
@@ -207,8 +207,7 @@ std::span<const SourceSetting> source_settings() {
 
 const SourceSetting* source_setting(Setting::Name name) {
     const auto all = source_settings();
-    const auto found = std::ranges::find(all, name, &SourceSetting::name);
-    return found == all.end() ? nullptr : &*found;
+    return named_in(all, name, &SourceSetting::name);
 }
 
 }  // namespace touchable

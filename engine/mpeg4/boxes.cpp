@@ -516,10 +516,7 @@ private:
         return with_content(with_content(track.trak, edits, played), tables, samples);
     }
 
-    PictureTrack* track_of(std::uint64_t id) {
-        const auto found = std::ranges::find(tracks_, id, &PictureTrack::id);
-        return found == tracks_.end() ? nullptr : &*found;
-    }
+    PictureTrack* track_of(std::uint64_t id) { return named_in(tracks_, id, &PictureTrack::id); }
 
     /// A track's length in the movie's time scale.
     std::uint64_t movie_time(const PictureTrack& track) const {
@@ -580,8 +577,7 @@ Result<std::vector<Box>> boxes_in(BytesView bytes) {
 }
 
 const Box* box_named(std::span<const Box> boxes, std::string_view type) {
-    const auto found = std::ranges::find(boxes, type, &Box::type);
-    return found == boxes.end() ? nullptr : &*found;
+    return named_in(boxes, type, &Box::type);
 }
 
 BytesView content_at(BytesView bytes, std::initializer_list<std::string_view> path) {

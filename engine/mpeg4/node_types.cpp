@@ -1,5 +1,4 @@
 #include "engine/mpeg4/node_types.hpp"
-#include "engine/base/words.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -147,8 +146,7 @@ int levels_of(const Node& node) {
 }
 
 const NodeType* node_type(std::string_view name) {
-    const auto found = std::ranges::find(types(), name, &NodeType::name);
-    return found == types().end() ? nullptr : &*found;
+    return named_in(types(), name, &NodeType::name);
 }
 
 const NodeType* node_type(NodeSlot slot, int version, int code) {
@@ -174,15 +172,11 @@ int code_bits(NodeSlot slot, int version) {
 }
 
 const Prototype* prototype_named(std::span<const Prototype> prototypes, std::string_view name) {
-    for (const Prototype& each : prototypes)
-        if (each.name == name) return &each;
-    return nullptr;
+    return named_in(prototypes, name, &Prototype::name);
 }
 
 const FieldSpec* field_named(std::span<const FieldSpec> fields, std::string_view name) {
-    for (const FieldSpec& each : fields)
-        if (each.name == name) return &each;
-    return nullptr;
+    return named_in(fields, name, &FieldSpec::name);
 }
 
 void sort_fields(Node& node, std::span<const FieldSpec> specs) {

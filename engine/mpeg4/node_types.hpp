@@ -18,6 +18,8 @@
 #include <variant>
 #include <vector>
 
+#include "engine/base/words.hpp"
+
 namespace touchable::mpeg4 {
 
 /// Type of a field, numbered as in the binary form.
@@ -96,11 +98,7 @@ struct Node {
     std::string name{};           ///< by which it is used again (DEF); empty: none
     std::vector<Field> fields{};  ///< in the order of its kind
     int levels = 1;               ///< of nodes, with itself, as its reader counted
-    const Field* field(std::string_view wanted) const {
-        for (const Field& each : fields)
-            if (each.name == wanted) return &each;
-        return nullptr;
-    }
+    const Field* field(std::string_view wanted) const { return named_in(fields, wanted, &Field::name); }
 };
 
 /// A kind of node that a scene defines (PROTO), or that is defined elsewhere (EXTERNPROTO).

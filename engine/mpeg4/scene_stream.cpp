@@ -48,8 +48,7 @@ Result<std::vector<Descriptor>> descriptors_in(BytesView bytes) {
 }
 
 const Descriptor* with_tag(std::span<const Descriptor> all, std::uint8_t tag) {
-    const auto found = std::ranges::find(all, tag, &Descriptor::tag);
-    return found == all.end() ? nullptr : &*found;
+    return named_in(all, tag, &Descriptor::tag);
 }
 
 struct Track {
