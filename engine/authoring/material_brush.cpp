@@ -79,11 +79,9 @@ std::string brush_history_to_json(const BrushHistory& history) {
     std::string text = "{\"touchable_brush\": 1, \"segments\": \"" + history.segments +
                        "\", \"done\": " + std::to_string(history.done) +
                        ",\n\"begin\": " + segment_names_to_json(history.begin) + ",\"edits\": [";
-    const char* between = "\n ";
-    for (const MaterialBrush::Edit& edit : history.edits) {
-        text += between + write_edit(edit).dump(-1, ' ', true, HistoryJson::error_handler_t::replace);
-        between = ",\n ";
-    }
+    for (const MaterialBrush::Edit& edit : history.edits)
+        text += (&edit == &history.edits.front() ? "\n " : ",\n ") +
+                write_edit(edit).dump(-1, ' ', true, HistoryJson::error_handler_t::replace);
     return text + "\n]}\n";
 }
 

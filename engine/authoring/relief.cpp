@@ -96,8 +96,9 @@ class ReliefReader final : public ChangedClip {
 public:
     ReliefReader(std::unique_ptr<ClipReader> clip, const Scene& scene, const ReliefSettings& settings,
                  const ReliefRange& range, std::vector<std::string> notes)
-        : ChangedClip(std::move(clip)), filter_(settings, scene.depth), heights_(range, settings.amount) {
-        scene_ = scene;
+        : ChangedClip(std::move(clip), scene),
+          filter_(settings, scene.depth),
+          heights_(range, settings.amount) {
         replace_track(PlaneRole::height, {"", "relief of colour", "gray", scene.width, scene.height, true});
         std::move(notes.begin(), notes.end(), std::back_inserter(notes_));
     }
@@ -331,10 +332,8 @@ const NumberField& ReliefFilter::apply(const RawFrame& frame) {
     read_luma(frame.colour);
     part_surfaces(frame);
     split_.split(luma_, weights_, runs_);
-    const auto part = [&](int k) {
-        return (settings_.invert ? -1 : 1) * settings_.bands[static_cast<std::size_t>(k)];
-    };
-    const std::array<std::int32_t, 3> shares{part(0), part(1), part(2)};
+    std::array<std::int32_t, 3> shares = settings_.bands;
+    for (std::int32_t& share : shares) share *= settings_.invert ? -1 : 1;
     const NumberField& confidence = split_.confidence();
     for (std::size_t k = 0; k < relief_.numbers.size(); ++k) {
         const std::int32_t sum = shares[0] * split_.band(0).numbers[k] +

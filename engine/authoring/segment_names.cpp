@@ -150,8 +150,7 @@ std::span<const PaletteMaterial> palette() {
 }
 
 const PaletteMaterial* find_material(std::string_view name) {
-    const auto found = std::ranges::find(materials, name, &PaletteMaterial::name);
-    return found == materials.end() ? nullptr : &*found;
+    return named_in(materials, name, &PaletteMaterial::name);
 }
 
 std::string no_such_material(std::string_view name) {
@@ -207,20 +206,16 @@ std::string segment_names_to_json(const SegmentNames& names) {
     const auto in_ascii = [](const NamesJson& json) {
         return json.dump(-1, ' ', true, NamesJson::error_handler_t::replace);
     };
-    // A line for each segment, so that a person finds it.
+    // A line for each cut and each segment, so that a person finds it.
+    const auto lines = [&](const auto& list, auto write) {
+        std::string all;
+        for (const auto& each : list) all += (all.empty() ? "\n  " : ",\n  ") + in_ascii(write(each));
+        return all;
+    };
     std::string text = "{\"touchable_segments\": 1";
     if (!names.otherwise.empty()) text += ",\n \"otherwise\": " + in_ascii(names.otherwise);
-    if (!names.cuts.empty()) text += ",\n \"cuts\": [";
-    for (const SegmentCut& cut : names.cuts)
-        text += (&cut == &names.cuts.front() ? "\n  " : ",\n  ") + in_ascii(write_cut(cut));
-    if (!names.cuts.empty()) text += "\n ]";
-    text += ",\n \"segments\": [";
-    const char* between = "\n  ";
-    for (const NamedSegment& segment : names.segments) {
-        text += between + in_ascii(write_segment(segment));
-        between = ",\n  ";
-    }
-    return text + "\n ]}\n";
+    if (!names.cuts.empty()) text += ",\n \"cuts\": [" + lines(names.cuts, write_cut) + "\n ]";
+    return text + ",\n \"segments\": [" + lines(names.segments, write_segment) + "\n ]}\n";
 }
 
 }  // namespace touchable
