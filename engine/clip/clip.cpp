@@ -266,6 +266,13 @@ PlaneView& plane_of(RawFrame& frame, PlaneRole role) {
     return frame.*role_planes[static_cast<std::size_t>(role)];
 }
 
+std::vector<std::pair<PlaneRole, PlaneView>> planes_of(const RawFrame& frame) {
+    std::vector<std::pair<PlaneRole, PlaneView>> planes;
+    for (const PlaneRole role : all_roles)
+        if (!plane_of(frame, role).empty()) planes.emplace_back(role, plane_of(frame, role));
+    return planes;
+}
+
 PngColours png_colours(PlaneRole role) {
     return role == PlaneRole::haptic ? PngColours::indexed_if_few : PngColours::rgb;
 }
@@ -402,9 +409,7 @@ RawFrame resized_frame(const RawFrame& frame, int width, int height) {
     out.number = frame.number;
     out.time_ns = frame.time_ns;
     out.epoch = frame.epoch;
-    for (const PlaneRole role : all_roles) {
-        const PlaneView& plane = plane_of(frame, role);
-        if (plane.empty()) continue;
+    for (const auto& [role, plane] : planes_of(frame)) {
         add_plane(
             out, role,
             role == PlaneRole::colour ? averaged(plane, width, height) : resampled(plane, width, height));

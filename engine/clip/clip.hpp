@@ -178,6 +178,8 @@ std::optional<PlaneRole> role_named(std::string_view name);
 
 PlaneView& plane_of(RawFrame& frame, PlaneRole role);
 const PlaneView& plane_of(const RawFrame& frame, PlaneRole role);
+/// The planes that a frame has, with their roles.
+std::vector<std::pair<PlaneRole, PlaneView>> planes_of(const RawFrame& frame);
 
 /// How a role's pictures are stored as PNG: haptic has few materials, each a colour.
 PngColours png_colours(PlaneRole role);

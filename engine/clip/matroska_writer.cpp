@@ -248,9 +248,8 @@ private:
     Result<void> open_tracks(const RawFrame& first) {
         if (storage_.copied)
             TRY(assign(copy_, TrackCopy::open(storage_.copied->file, storage_.copied->roles)));
-        for (const PlaneRole role : all_roles) {
-            const PlaneView& plane = plane_of(first, role);
-            if (plane.empty() || (copy_ && copy_->has(role))) continue;
+        for (const auto& [role, plane] : planes_of(first)) {
+            if (copy_ && copy_->has(role)) continue;
             TRY_ASSIGN(auto track, TrackWriter::open(role, plane, scene_, storage_));
             tracks_.push_back(std::move(track));
         }

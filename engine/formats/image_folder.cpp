@@ -477,9 +477,7 @@ private:
         SceneDescription described = described_pictures();
         Scene& scene = described.scene;
         scene.folder->count = static_cast<int>(frames_);
-        for (const PlaneRole role : all_roles) {
-            const PlaneView& plane = plane_of(first_, role);
-            if (plane.empty()) continue;
+        for (const auto& [role, plane] : planes_of(first_)) {
             const std::string name(role_name(role));
             const bool is_still = role != PlaneRole::depth && !changes_[static_cast<std::size_t>(role)];
             pattern_of(*scene.folder, role) = name + (is_still ? ".png" : "_%06d.png");
@@ -558,9 +556,7 @@ private:
         if (frames_ > 0) return internal_error(place_.string() + ": is of one frame");
         SceneDescription described = described_pictures();
         Scene& scene = described.scene;
-        for (const PlaneRole role : all_roles) {
-            const PlaneView& plane = plane_of(frame, role);
-            if (plane.empty()) continue;
+        for (const auto& [role, plane] : planes_of(frame)) {
             names_.push_back(role == PlaneRole::depth ? form_.depth : picture_beside(place_, role));
             pattern_of(*scene.folder, role) = names_.back();
             TRY(write_picture(role, names_.back(), plane));

@@ -80,9 +80,7 @@ private:
     };
 
     Result<void> begin(const RawFrame& first) {
-        for (const PlaneRole role : all_roles) {
-            const PlaneView& plane = plane_of(first, role);
-            if (plane.empty()) continue;
+        for (const auto& [role, plane] : planes_of(first)) {
             const TrackCoding coding = coding_in_stream(role, plane);
             TRY_ASSIGN(auto encoder, TrackEncoder::open(role, coding, plane, scene_));
             TRY(add_plane_stream(muxer_->context(), *encoder, role, coding, check_, scene_));
