@@ -50,22 +50,18 @@ public:
     }
 
     Result<std::vector<Track>> tracks(const Demuxer& file, const Scene& /*scene*/) override {
-        const AVFormatContext& container = file.container();
         std::vector<Track> tracks;
         for (const PlaneRole role : all_roles) {
-            for (unsigned k = 0; k < container.nb_streams; ++k) {
-                const AVStream& stream = *container.streams[k];
-                const AVDictionaryEntry* tag = av_dict_get(stream.metadata, clip_tags::role_tag, nullptr, 0);
-                if (stream.codecpar->codec_type != AVMEDIA_TYPE_VIDEO || !tag) continue;
-                const std::string number = "track " + std::to_string(k + 1);
-                const auto tagged = role_named(tag->value);
+            for (const auto& [stream, tag] : file.tagged_pictures(clip_tags::role_tag)) {
+                const std::string number = "track " + std::to_string(stream->index + 1);
+                const auto tagged = role_named(tag);
                 if (!tagged)
-                    return refuse(number + " has the role " + in_quotes(tag->value) +
+                    return refuse(number + " has the role " + in_quotes(tag) +
                                   ": must be depth, colour, haptic or height");
                 if (*tagged != role) continue;
                 if (!tracks.empty() && tracks.back().role == role)
-                    return refuse(number + " is a second track of role " + tag->value + ": must be one");
-                tracks.push_back({role, static_cast<int>(k)});
+                    return refuse(number + " is a second track of role " + tag + ": must be one");
+                tracks.push_back({role, stream->index});
             }
             if (tracks.empty()) return refuse("has no track of role depth (tag T3D_ROLE)");
         }

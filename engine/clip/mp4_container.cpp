@@ -43,10 +43,9 @@ FoundScene scene_in(const mpeg4::Bytes& movie, ByteSource& file) {
 Result<std::optional<int>> stream_numbered(const Demuxer& file, std::uint32_t track,
                                            const std::string& what) {
     const AVFormatContext& container = file.container();
-    for (unsigned k = 0; k < container.nb_streams; ++k)
-        if (container.streams[k]->id == static_cast<int>(track) &&
-            container.streams[k]->codecpar->codec_type == AVMEDIA_TYPE_VIDEO)
-            return std::optional(static_cast<int>(k));
+    for (const AVStream* const stream : std::span(container.streams, container.nb_streams))
+        if (stream->id == static_cast<int>(track) && stream->codecpar->codec_type == AVMEDIA_TYPE_VIDEO)
+            return std::optional(stream->index);
     return input_error(what + ", track " + std::to_string(track) + ", which has no pictures");
 }
 
@@ -254,13 +253,8 @@ private:
     }
 
     static std::optional<int> stream_named(const Demuxer& file, const std::string& name) {
-        const AVFormatContext& container = file.container();
-        for (unsigned k = 0; k < container.nb_streams; ++k) {
-            const AVStream& stream = *container.streams[k];
-            const AVDictionaryEntry* handler = av_dict_get(stream.metadata, "handler_name", nullptr, 0);
-            if (stream.codecpar->codec_type == AVMEDIA_TYPE_VIDEO && handler && handler->value == name)
-                return static_cast<int>(k);
-        }
+        for (const auto& [stream, handler] : file.tagged_pictures("handler_name"))
+            if (handler == name) return stream->index;
         return std::nullopt;
     }
 

@@ -92,13 +92,9 @@ Result<K4aCameras> read_cameras(const Node& root, PictureSize depth_size,
 constexpr const char* calibration_file = "calibration.json";
 
 /// The picture size of the track with this name.
-std::optional<PictureSize> size_of_track(const AVFormatContext& container, const std::string& name) {
-    for (unsigned k = 0; k < container.nb_streams; ++k) {
-        const AVStream& stream = *container.streams[k];
-        const AVDictionaryEntry* const title = av_dict_get(stream.metadata, "title", nullptr, 0);
-        if (stream.codecpar->codec_type == AVMEDIA_TYPE_VIDEO && title != nullptr && name == title->value)
-            return PictureSize{stream.codecpar->width, stream.codecpar->height};
-    }
+std::optional<PictureSize> size_of_track(const Demuxer& file, const std::string& name) {
+    for (const auto& [stream, title] : file.tagged_pictures("title"))
+        if (title == name) return PictureSize{stream->codecpar->width, stream->codecpar->height};
     return {};
 }
 
@@ -122,13 +118,12 @@ bool is_k4a_recording(const Candidate& file) {
     if (!file.begin.starts_with(matroska_magic)) return false;
     const auto opened = Demuxer::open_matroska(file.source);
     return opened && ((*opened)->tag("K4A_DEPTH_MODE") || (*opened)->attachment(calibration_file)) &&
-           size_of_track((*opened)->container(), "DEPTH");
+           size_of_track(**opened, "DEPTH");
 }
 
 Result<GuessedScene> guess_k4a(const SourceFile& file, const SourceDescription& known) {
     TRY_ASSIGN(const auto demuxer, Demuxer::open_matroska(file));
-    const auto depth_size = size_of_track(demuxer->container(), "DEPTH"),
-               colour_size = size_of_track(demuxer->container(), "COLOR");
+    const auto depth_size = size_of_track(*demuxer, "DEPTH"), colour_size = size_of_track(*demuxer, "COLOR");
     if (!depth_size) return input_error(file.string() + ": has no track DEPTH");
     TRY_ASSIGN(auto video, VideoFile::open(file, PlaneRole::depth));
     TRY_ASSIGN(const auto first, first_depth(*video));

@@ -506,12 +506,7 @@ private:
         files.video = name(".mp4");
         names_.push_back(files.video);
         TRY_ASSIGN(const auto opened, Demuxer::open_quicktime(SourceFile(hidden_.path() / files.video)));
-        const AVFormatContext& container = opened->container();
-        for (unsigned k = 0; k < container.nb_streams; ++k) {
-            const AVStream& stream = *container.streams[k];
-            const AVDictionaryEntry* handler = av_dict_get(stream.metadata, "handler_name", nullptr, 0);
-            if (stream.codecpar->codec_type != AVMEDIA_TYPE_VIDEO || !handler) continue;
-            std::string plane = handler->value;
+        for (auto [stream, plane] : opened->tagged_pictures("handler_name")) {
             if (plane.ends_with(low_track_suffix))
                 plane.resize(plane.size() - std::string_view(low_track_suffix).size());
             const auto role = role_named(plane);
@@ -519,15 +514,13 @@ private:
             auto& stored = files.plane(*role);
             if (!stored) stored.emplace();
             stored->tracks.push_back(files.tracks.size());
-            files.tracks.push_back({static_cast<std::uint32_t>(stream.id), codecs_of(*stream.codecpar)});
+            files.tracks.push_back({static_cast<std::uint32_t>(stream->id), codecs_of(*stream->codecpar)});
         }
         return {};
     }
 
     Result<void> write_planes(GltfClipFiles& files) {
-        for (const PlaneRole role : all_roles) {
-            const PlaneView& plane = plane_of(first_, role);
-            if (plane.empty()) continue;
+        for (const auto& [role, plane] : planes_of(first_)) {
             const std::string picture = name('_' + std::string(role_name(role)) + ".png");
             TRY(write_picture(picture, plane));
             files.plane(role) = GltfPlane{{}, picture};

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstdio>
+#include <span>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
@@ -109,6 +110,15 @@ Result<std::unique_ptr<Demuxer>> Demuxer::open_live(std::shared_ptr<ByteFlow> fl
 
 std::optional<std::string> Demuxer::tag(const char* name) const {
     return entry(container_->metadata, name);
+}
+
+std::vector<std::pair<const AVStream*, std::string>> Demuxer::tagged_pictures(const char* name) const {
+    std::vector<std::pair<const AVStream*, std::string>> found;
+    for (const AVStream* const stream : std::span(container_->streams, container_->nb_streams))
+        if (auto value = entry(stream->metadata, name);
+            value && stream->codecpar->codec_type == AVMEDIA_TYPE_VIDEO)
+            found.emplace_back(stream, std::move(*value));
+    return found;
 }
 
 std::optional<double> Demuxer::pictures_end() const {

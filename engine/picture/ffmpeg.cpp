@@ -183,26 +183,28 @@ void silence_ffmpeg() {
     std::call_once(once, [] { av_log_set_level(AV_LOG_QUIET); });
 }
 
-FramePtr blank_picture(AVPixelFormat format, int width, int height, int alignment) {
+FramePtr bare_picture(AVPixelFormat format, int width, int height) {
     FramePtr picture(av_frame_alloc());
     if (!picture) return nullptr;
     picture->format = format;
     picture->width = width;
     picture->height = height;
-    return av_frame_get_buffer(picture.get(), alignment) < 0 ? nullptr : std::move(picture);
+    return picture;
+}
+
+FramePtr blank_picture(AVPixelFormat format, int width, int height, int alignment) {
+    FramePtr picture = bare_picture(format, width, height);
+    return !picture || av_frame_get_buffer(picture.get(), alignment) < 0 ? nullptr : std::move(picture);
 }
 
 FramePtr plane_picture(AVPixelFormat format, int width, int height) {
     const int row_bytes = av_image_get_linesize(format, width, 0);
-    FramePtr picture(av_frame_alloc());
+    FramePtr picture = bare_picture(format, width, height);
     if (!picture || row_bytes < 0) return nullptr;
     const std::size_t stride = aligned_bytes(static_cast<std::size_t>(row_bytes), plane_row_alignment);
     picture->buf[0] =
         plane_buffer(stride * static_cast<std::size_t>(height) + plane_row_alignment, PlaneContent::any);
     if (!picture->buf[0]) return nullptr;
-    picture->format = format;
-    picture->width = width;
-    picture->height = height;
     picture->data[0] = picture->buf[0]->data;
     picture->linesize[0] = static_cast<int>(stride);
     return picture;

@@ -76,6 +76,9 @@ using MuxedBytes = std::uint8_t;
 /// Whole vectors of 64 bytes may be written past the end of a row. Null: out of memory.
 FramePtr plane_picture(AVPixelFormat format, int width, int height);
 
+/// A picture without memory. Null: out of memory.
+FramePtr bare_picture(AVPixelFormat format, int width, int height);
+
 /// A picture in FFmpeg's own memory, with any content; `alignment`: of its rows, bytes; 0: FFmpeg's choice.
 /// Null: out of memory.
 FramePtr blank_picture(AVPixelFormat format, int width, int height, int alignment = 0);
@@ -142,6 +145,8 @@ public:
     bool is_disparity(int stream) const;
     /// A tag of the whole file.
     std::optional<std::string> tag(const char* name) const;
+    /// The streams of pictures that have a tag, each with its value.
+    std::vector<std::pair<const AVStream*, std::string>> tagged_pictures(const char* name) const;
     /// Seconds at which the pictures end; if the file has sound as well, by the picture tracks' own
     /// durations, if stated. Nullopt if the file states none.
     std::optional<double> pictures_end() const;
