@@ -53,12 +53,9 @@ std::string node_lines(const NodeFacts& facts, const std::vector<NodeFacts>& all
 
 /// A hint for cameras that have depth, but no node of it here.
 std::string missing_depth(const std::vector<NodeFacts>& all) {
-    const auto is_realsense = [](const NodeFacts& facts) {
-        return facts.card.find("RealSense") != std::string::npos;
-    };
-    std::vector<NodeFacts> of_realsense;
-    std::ranges::copy_if(all, std::back_inserter(of_realsense), is_realsense);
-    if (of_realsense.empty() || std::ranges::any_of(of_realsense, has_depth)) return {};
+    const auto gives_depth = [](const NodeFacts& facts) { return facts.is_realsense() && has_depth(facts); };
+    if (std::ranges::none_of(all, &NodeFacts::is_realsense) || std::ranges::any_of(all, gives_depth))
+        return {};
     return "The RealSense has no node of depth (Z16): the driver uvcvideo of this kernel may not know its "
            "formats. Intel's librealsense has the patches for it "
            "(scripts/patch-realsense-ubuntu-lts-hwe.sh), "

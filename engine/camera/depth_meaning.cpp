@@ -83,8 +83,7 @@ Result<LiveReader::Meaning> settled(const SceneDescription& described,
 /// Fills in what is not known by what the driver tells of the camera.
 SourceDescription with_card(const NodeFacts& facts, std::uint32_t format, SourceDescription known,
                             std::vector<Remark>& remarks) {
-    const bool is_intels = facts.card.find("RealSense") != std::string::npos;
-    if (is_intels && known.preset.empty()) {
+    if (facts.is_realsense() && known.preset.empty()) {
         known.preset = "realsense";
         add_remark(remarks, {"it is as preset realsense has it, of 1 mm a code",
                              true,

@@ -27,11 +27,8 @@ AVPixelFormat pixels_as_ffmpeg_has_them(std::uint32_t code) {
 
 /// FFmpeg's frame around the bytes, which the picture still owns.
 Result<FramePtr> frame_around(const TakenPicture& picture, const StreamFormat& format) {
-    FramePtr frame(av_frame_alloc());
+    FramePtr frame = bare_picture(pixels_as_ffmpeg_has_them(format.code), format.width, format.height);
     if (!frame) return memory_error();
-    frame->format = pixels_as_ffmpeg_has_them(format.code);
-    frame->width = format.width;
-    frame->height = format.height;
     frame->data[0] = picture.bytes->data();
     frame->linesize[0] = static_cast<int>(format.stride);
     if (format.code == V4L2_PIX_FMT_NV12) {
@@ -95,7 +92,7 @@ public:
         const auto nearest = std::ranges::min_element(
             recent_, {}, [at_ns](const TakenPicture& picture) { return std::abs(picture.at_ns - at_ns); });
         if (plane_ && plane_at_ns_ == nearest->at_ns) return plane_;
-        auto rgb = converter_.rgb(*nearest, stream_->format());
+        auto rgb = rgb_of(*nearest, stream_->format(), converter_);
         if (rgb) rgb = fit_plane(PlaneRole::colour, std::move(*rgb), scene, node_);
         plane_at_ns_ = nearest->at_ns;
         if (rgb) plane_ = std::move(*rgb);  // otherwise keep the one before
@@ -113,7 +110,7 @@ private:
     std::string node_;
     TrackInfo track_;
     std::vector<TakenPicture> recent_;  // the newest last
-    ColourConverter converter_;
+    RgbConverter converter_;
     std::optional<Plane> plane_;  // of the one that was shown last
     std::int64_t plane_at_ns_ = 0;
 };
@@ -275,10 +272,10 @@ private:
 
 }  // namespace
 
-Result<Plane> ColourConverter::rgb(const TakenPicture& picture, const StreamFormat& format) {
+Result<Plane> rgb_of(const TakenPicture& picture, const StreamFormat& format, RgbConverter& converter) {
     const bool coded = format.code == V4L2_PIX_FMT_MJPEG || format.code == V4L2_PIX_FMT_JPEG;
     TRY_ASSIGN(const auto frame, coded ? decoded(picture) : frame_around(picture, format));
-    TRY_ASSIGN(auto made, converter_.converted(*frame));
+    TRY_ASSIGN(auto made, converter.converted(*frame));
     const AVFrame& rgb = *made;
     const PlaneView view{rgb.data[0], rgb.linesize[0], rgb.width, rgb.height, 1, 3};
     return Plane{view, std::shared_ptr<const AVFrame>(std::move(made))};

@@ -16,16 +16,9 @@
 
 namespace touchable {
 
-/// Converts a camera's colour pictures to RGB. Keeps its setup.
-class ColourConverter {
-public:
-    /// RGB of 8 bits, in the picture's own size. An error, without the camera's name, if a coded picture is
-    /// damaged.
-    Result<Plane> rgb(const TakenPicture& picture, const StreamFormat& format);
-
-private:
-    RgbConverter converter_;
-};
+/// A camera's colour picture as RGB of 8 bits, in its own size. An error, without the camera's name, if a
+/// coded picture is damaged.
+Result<Plane> rgb_of(const TakenPicture& picture, const StreamFormat& format, RgbConverter& converter);
 
 /// A depth camera, and the mode that is wanted.
 struct V4l2Choice {

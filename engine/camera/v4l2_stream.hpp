@@ -66,6 +66,8 @@ struct NodeFacts {
     std::string node, driver, card, bus;
     bool captures = false;  ///< gives pictures in mapped memory, unlike nodes of metadata
     std::vector<NodeFormat> formats{};
+
+    bool is_realsense() const { return card.find("RealSense") != std::string::npos; }
 };
 
 /// Opens a node, reads its facts and closes it. Other programs may use it meanwhile.

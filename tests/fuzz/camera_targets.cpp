@@ -60,8 +60,8 @@ bool parse_camera_colour(std::string_view bytes) {
         std::make_shared<std::vector<std::uint8_t>>((is_coded ? stored.size() : format.least) + behind);
     for (std::size_t k = 0; k + behind < picture.bytes->size(); ++k)
         (*picture.bytes)[k] = static_cast<std::uint8_t>(stored[k % stored.size()]);
-    ColourConverter converter;
-    const auto plane = converter.rgb(picture, format);
+    RgbConverter converter;
+    const auto plane = rgb_of(picture, format, converter);
     require(is_coded || plane, "a whole picture is refused");
     if (!is_taken(plane)) return false;
     require(plane->view.channels == 3 && plane->view.bytes_per_sample == 1, "is not RGB of 8 bits");
