@@ -316,27 +316,24 @@ private:
     const Prototype* inside_ = nullptr;  // whose body is read
 };
 
-void find_named(const NodePtr& node, std::vector<const Node*>& found);
-
+/// Finds the nodes that have names, each once, in the order of the binary form.
 void find_named(const std::vector<FieldValue>& values, std::vector<const Node*>& found) {
-    for (const FieldValue& value : values)
-        if (const auto* inner = std::get_if<NodePtr>(&value)) find_named(*inner, found);
-}
-
-/// The nodes that have names, each once, in the order of the binary form.
-void find_named(const NodePtr& node, std::vector<const Node*>& found) {
-    if (!node || std::ranges::find(found, node.get()) != found.end()) return;
-    if (!node->name.empty()) found.push_back(node.get());
-    for (const Field& field : node->fields) find_named(field.values, found);
+    for (const FieldValue& value : values) {
+        const auto* const held = std::get_if<NodePtr>(&value);
+        const Node* const node = held ? held->get() : nullptr;
+        if (!node || std::ranges::find(found, node) != found.end()) continue;
+        if (!node->name.empty()) found.push_back(node);
+        for (const Field& field : node->fields) find_named(field.values, found);
+    }
 }
 
 std::vector<const Node*> named_nodes(const SceneTree& scene) {
     std::vector<const Node*> found;
     for (const Prototype& prototype : scene.prototypes) {
         for (const FieldSpec& field : prototype.fields) find_named(field.initial, found);
-        for (const NodePtr& part : prototype.body) find_named(part, found);
+        for (const NodePtr& part : prototype.body) find_named({part}, found);
     }
-    find_named(scene.root, found);
+    find_named({scene.root}, found);
     return found;
 }
 

@@ -367,10 +367,7 @@ std::vector<std::string> unsaid_by_nodes(const Scene& scene, ClipNodes::Streams 
     say(scene.device_metres_per_unit.has_value(), "the size of the workspace");
     say(!(scene.filter == FilterSettings()), "filters");
     say(scene.hole_stiffness.has_value(), "the stiffness of holes");
-    const HapticProperties &felt = scene.default_properties, usual;
-    say(!streams.haptic &&
-            (felt.stiffness != usual.stiffness || felt.static_friction != usual.static_friction ||
-             felt.dynamic_friction != usual.dynamic_friction),
+    say(!streams.haptic && !(scene.default_properties == HapticProperties()),
         "how it feels, as it has no haptic picture");
     return unsaid;
 }
@@ -447,10 +444,7 @@ Result<bool> take_nodes(const ClipNodes& nodes, Scene& scene) {
         now.ranges = before.ranges;
         now.max_height = before.max_height;
     }
-    const auto said = numbers_of(now, camera), known = numbers_of(before, scene.camera);
-    bool is_other = false;
-    for (std::size_t k = 0; k < said.size(); ++k) is_other = is_other || !is_same(said[k], known[k]);
-    if (!is_other) return false;
+    if (std::ranges::equal(numbers_of(now, camera), numbers_of(before, scene.camera), is_same)) return false;
     scene.camera.fy *= camera.fx / scene.camera.fx;
     scene.camera.fx = camera.fx;
     scene.depth.near = now.near;
