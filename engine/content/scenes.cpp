@@ -56,10 +56,11 @@ double pixel_width(const Preset& preset, int width) {
     return preset.pixel_width * 720.0 / width;
 }
 
-PlaneView plane(const void* data, bool present, const Scene& scene, int bytes_per_sample, int channels) {
-    if (!present) return {};
-    return packed_plane(static_cast<const std::uint8_t*>(data), scene.width, scene.height, bytes_per_sample,
-                        channels);
+template <class Sample>
+PlaneView plane(const std::vector<Sample>& samples, const Scene& scene, int channels) {
+    if (samples.empty()) return {};
+    return packed_plane(reinterpret_cast<const std::uint8_t*>(samples.data()), scene.width, scene.height,
+                        sizeof(Sample), channels);
 }
 
 /// Analytic depths of a whole picture at time t, row-major, scene units.
@@ -192,12 +193,10 @@ RawFrame view_of(std::shared_ptr<const AnalyticScene::Planes> planes, const Scen
     RawFrame frame;
     frame.number = number;
     frame.time_ns = scene.rate.time_ns(number);
-    frame.depth = planes->depth8.empty()
-                      ? plane(planes->depth16.data(), !planes->depth16.empty(), scene, 2, 1)
-                      : plane(planes->depth8.data(), true, scene, 1, 1);
-    frame.colour = plane(planes->colour.data(), !planes->colour.empty(), scene, 1, 3);
-    frame.haptic = plane(planes->haptic.data(), !planes->haptic.empty(), scene, 1, 3);
-    frame.height = plane(planes->height.data(), !planes->height.empty(), scene, 1, 1);
+    frame.depth = planes->depth8.empty() ? plane(planes->depth16, scene, 1) : plane(planes->depth8, scene, 1);
+    frame.colour = plane(planes->colour, scene, 3);
+    frame.haptic = plane(planes->haptic, scene, 3);
+    frame.height = plane(planes->height, scene, 1);
     frame.storage = std::move(planes);
     return frame;
 }
