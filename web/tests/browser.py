@@ -97,6 +97,10 @@ class Chromium(Browser):
         self.watch(self.session)
         self.size(width, height)
 
+    def __exit__(self, *_):
+        super().__exit__()
+        os.close(self.out)
+
     def watch(self, session):
         """Notes requests and errors of a page or worker. A new worker waits until this is set up."""
         for domain in ("Network", "Runtime", "Log"):
@@ -120,6 +124,7 @@ class Chromium(Browser):
                 for line in lines:
                     self.note(json.loads(line))
                 self.changed.notify_all()
+        os.close(self.input)
         with self.changed:
             self.ended = True
             self.changed.notify_all()
@@ -260,6 +265,11 @@ class Firefox(Browser):
         self.call("WebDriver:NewSession")
         self.call("WebDriver:SetTimeouts", script=120000, pageLoad=120000)
         self.size(width, height)
+
+    def __exit__(self, *_):
+        self.stream.close()
+        self.socket.close()
+        super().__exit__()
 
     def read(self):
         digits = b""
