@@ -14,11 +14,6 @@ namespace touchable {
 
 namespace {
 
-/// Options of globes only.
-struct GlobeWords {
-    std::optional<double> seconds_per_turn{}, axial_tilt{}, longitude{};
-};
-
 /// Options of a generated clip.
 struct MakeOptions {
     std::string scene;                   ///< one of scene_names()
@@ -109,14 +104,14 @@ Result<std::unique_ptr<AnalyticScene>> make_source(const MakeOptions& options, s
 
 constexpr std::int64_t most_frames = 1'000'000;
 
-void add_globe_options(CLI::App& make, GlobeWords& words, GlobeMapFiles& maps) {
-    add_number_option(make, "--turn", words.seconds_per_turn, "seconds for a turn of the globe (default 12)",
-                      0.1, 1e9)
+void add_globe_options(CLI::App& make, SceneOptions& generator, GlobeMapFiles& maps) {
+    add_number_option(make, "--turn", generator.seconds_per_turn,
+                      "seconds for a turn of the globe (default 12)", 0.1, 1e9)
         ->type_name("SECONDS");
-    add_number_option(make, "--axial-tilt", words.axial_tilt,
+    add_number_option(make, "--axial-tilt", generator.axial_tilt_degrees,
                       "how far the globe's pole leans to the right (default 26; of maps 23.4)", -90, 90)
         ->type_name("DEGREES");
-    add_number_option(make, "--longitude", words.longitude,
+    add_number_option(make, "--longitude", generator.first_longitude_degrees,
                       "degrees east that face the camera at first (default -72; of maps 80)", -180, 180)
         ->type_name("DEGREES");
     begin_topic(make, "Maps");
@@ -142,24 +137,13 @@ void add_globe_options(CLI::App& make, GlobeWords& words, GlobeMapFiles& maps) {
         ->type_name("DEGREES");
 }
 
-void take_motion(const GlobeWords& words, bool has_maps, SceneOptions& options) {
-    if (words.seconds_per_turn) options.seconds_per_turn = *words.seconds_per_turn;
-    options.axial_tilt_degrees = words.axial_tilt;
-    options.first_longitude_degrees = words.longitude;
-    if (!has_maps) return;
-    constexpr double tilt_of_the_earth = 23.4, himalaya = 80;
-    options.axial_tilt_degrees = words.axial_tilt.value_or(tilt_of_the_earth);
-    options.first_longitude_degrees = words.longitude.value_or(himalaya);
-}
-
 /// Options as typed; untyped options keep the scene's default.
 struct MakeWords {
     MakeOptions options;
-    GlobeWords globe;
     std::string size, frames = "90", rate = "30", seed = "1";
-    bool properties = false, plain = false;
-    const CLI::Option *size_typed = nullptr, *preset_typed = nullptr, *seed_typed = nullptr,
-                      *tilt_typed = nullptr, *tilt_direction_typed = nullptr;
+    bool plain = false;
+    const CLI::App* command = nullptr;
+    bool is_typed(const char* option) const { return command->count(option) > 0; }
 };
 
 /// With another extension other programs would misinterpret a clip.
@@ -179,36 +163,36 @@ bool without_shape(std::string_view scene) {
 Result<void> refuse_idle_options(const MakeWords& words) {
     const std::string& scene = words.options.scene;
     const GlobeMapFiles& maps = words.options.maps;
-    const auto only = [&](bool given, const char* option, bool fits, const char* whose) -> Result<void> {
-        if (!given || fits) return {};
-        return usage_error(std::string(option) + " does nothing for '" + scene +
-                           (words.plain ? "' --plain" : "'") + "; it belongs to " + whose);
-    };
-    const auto typed = [](const CLI::Option* option) { return option->count() > 0; };
     const bool globe = scene == "globe", plane = scene == "plane", random = without_shape(scene);
     const bool turns = globe && !words.plain;
     const char* const turning = "a globe that turns";
     const char* const of_maps = "a globe of maps (--colour and --elevation)";
-    for (const Result<void>& checked :
-         {only(typed(words.preset_typed), "--preset", globe, "globe"),
-          only(words.properties, "--properties", globe, "globe"),
-          only(words.plain, "--plain", globe, "globe"),
-          only(words.options.storage.exact_colour, "--exact-colour", turns, turning),
-          only(typed(words.tilt_typed), "--tilt", plane, "plane"),
-          only(typed(words.tilt_direction_typed), "--tilt-direction", plane, "plane"),
-          only(typed(words.seed_typed), "--seed", random || (turns && !maps.any()),
-               "noise, cliffs, grain and the planet of globe"),
-          only(!maps.colour.empty(), "--colour", turns, turning),
-          only(!maps.elevation.empty(), "--elevation", turns, turning),
-          only(!maps.mask.empty(), "--mask", turns, turning),
-          only(words.globe.seconds_per_turn.has_value(), "--turn", turns, turning),
-          only(words.globe.axial_tilt.has_value(), "--axial-tilt", turns, turning),
-          only(words.globe.longitude.has_value(), "--longitude", turns, turning),
-          only(!maps.haptic.empty(), "--haptic", maps.any(), of_maps),
-          only(maps.sea_level.has_value(), "--sea-level", maps.any(), of_maps),
-          only(maps.relief_percent.has_value(), "--relief", maps.any(), of_maps),
-          only(maps.smoothing_degrees.has_value(), "--smoothing", maps.any(), of_maps)})
-        if (!checked) return checked;
+    const struct {
+        const char* option;
+        bool fits;
+        const char* whose;
+    } options[] = {
+        {"--preset", globe, "globe"},
+        {"--properties", globe, "globe"},
+        {"--plain", globe, "globe"},
+        {"--exact-colour", turns, turning},
+        {"--tilt", plane, "plane"},
+        {"--tilt-direction", plane, "plane"},
+        {"--seed", random || (turns && !maps.any()), "noise, cliffs, grain and the planet of globe"},
+        {"--colour", turns, turning},
+        {"--elevation", turns, turning},
+        {"--mask", turns, turning},
+        {"--turn", turns, turning},
+        {"--axial-tilt", turns, turning},
+        {"--longitude", turns, turning},
+        {"--haptic", maps.any(), of_maps},
+        {"--sea-level", maps.any(), of_maps},
+        {"--relief", maps.any(), of_maps},
+        {"--smoothing", maps.any(), of_maps}};
+    for (const auto& [option, fits, whose] : options)
+        if (!fits && words.is_typed(option))
+            return usage_error(std::string(option) + " does nothing for '" + scene +
+                               (words.plain ? "' --plain" : "'") + "; it belongs to " + whose);
     if (!maps.any()) return {};
     for (const auto& [option, file] : {std::pair{"--colour", &maps.colour}, {"--elevation", &maps.elevation}})
         if (file->empty())
@@ -225,7 +209,7 @@ Result<MakeOptions> read_words(const MakeWords& words) {
     MakeOptions options = words.options;
     SceneOptions& generator = options.generator;
     if (without_shape(options.scene)) generator.width = generator.height = 128;
-    if (words.size_typed->count() > 0) {
+    if (words.is_typed("--size")) {
         TRY_ASSIGN(const auto size, read_pixel_size("--size", words.size, 2, 16384));
         generator.width = size.width;
         generator.height = size.height;
@@ -235,7 +219,11 @@ Result<MakeOptions> read_words(const MakeWords& words) {
     TRY_ASSIGN(generator.seed, read_whole_number<std::uint64_t>("--seed", words.seed, 0,
                                                                 std::numeric_limits<std::uint64_t>::max()));
     generator.properties = options.scene == "globe" && !words.plain;
-    take_motion(words.globe, options.maps.any(), generator);
+    if (options.maps.any()) {
+        constexpr double tilt_of_the_earth = 23.4, himalaya = 80;
+        generator.axial_tilt_degrees = generator.axial_tilt_degrees.value_or(tilt_of_the_earth);
+        generator.first_longitude_degrees = generator.first_longitude_degrees.value_or(himalaya);
+    }
     return options;
 }
 
@@ -302,6 +290,7 @@ Result<std::unique_ptr<const ReadGlobeMaps>> read_globe_maps(const GlobeMapFiles
 void add_make_command(CLI::App& app, Command& command) {
     auto* make = app.add_subcommand("make", "make a clip of a generated scene, such as a globe");
     auto words = std::make_shared<MakeWords>();
+    words->command = make;
     SceneOptions& generator = words->options.generator;
     begin_topic(*make, "Clip");
     make->add_option("SCENE", words->options.scene, "what the clip shows")
@@ -309,39 +298,34 @@ void add_make_command(CLI::App& app, Command& command) {
         ->type_name(type_with_words("SCENE", scene_names()));
     add_file_option(*make, "OUT", words->options.out, "clip to write: .mkv, or .mp4 as the paper sends it")
         ->required();
-    words->size_typed =
-        make->add_option("--size", words->size,
-                         "size in pixels. By default 720x480; of noise, cliffs and grain 128x128")
-            ->type_name("WxH");
+    make->add_option("--size", words->size,
+                     "size in pixels. By default 720x480; of noise, cliffs and grain 128x128")
+        ->type_name("WxH");
     make->add_option("--frames", words->frames, "number of frames")->type_name("N")->capture_default_str();
     make->add_option("--rate", words->rate, "frames per second, exactly: 30, 29.97, 30000/1001")
         ->type_name("RATE")
         ->capture_default_str();
     add_whole_option(*make, "--bits", generator.bits, "bits of a stored depth, 8 to 16", 8, 16)
         ->capture_default_str();
-    words->seed_typed =
-        make->add_option("--seed", words->seed, "seed of noise, cliffs, grain and the planet of globe")
-            ->type_name("N")
-            ->capture_default_str();
-    words->tilt_typed =
-        add_number_option(*make, "--tilt", generator.tilt_degrees, "slope of plane, 0 to 60", 0, 60)
-            ->type_name("DEGREES")
-            ->capture_default_str();
-    words->tilt_direction_typed =
-        add_number_option(*make, "--tilt-direction", generator.tilt_direction_degrees,
-                          "direction in the picture in which plane slopes")
-            ->type_name("DEGREES")
-            ->capture_default_str();
+    make->add_option("--seed", words->seed, "seed of noise, cliffs, grain and the planet of globe")
+        ->type_name("N")
+        ->capture_default_str();
+    add_number_option(*make, "--tilt", generator.tilt_degrees, "slope of plane, 0 to 60", 0, 60)
+        ->type_name("DEGREES")
+        ->capture_default_str();
+    add_number_option(*make, "--tilt-direction", generator.tilt_direction_degrees,
+                      "direction in the picture in which plane slopes")
+        ->type_name("DEGREES")
+        ->capture_default_str();
     begin_topic(*make, files_topic);
     add_overwrite_option(*make, words->options.existing);
     add_storage_options(*make, words->options.storage);
     begin_topic(*make, "Globe");
-    words->preset_typed =
-        add_word_option(*make, "--preset", generator.preset, "camera of globe (default B)", {"A", "A'", "B"});
-    auto* properties = make->add_flag("--properties", words->properties,
-                                      "let globe turn, and land and ocean differ to the touch (default)");
+    add_word_option(*make, "--preset", generator.preset, "camera of globe (default B)", {"A", "A'", "B"});
+    auto* properties = make->add_flag("--properties")
+                           ->description("let globe turn, and land and ocean differ to the touch (default)");
     make->add_flag("--plain", words->plain, "let globe rest, with depth alone")->excludes(properties);
-    add_globe_options(*make, words->globe, words->options.maps);
+    add_globe_options(*make, generator, words->options.maps);
     set_work(*make, command, [words]() -> Result<void> {
         TRY_ASSIGN(const auto options, read_words(*words));
         const SceneOptions& made = options.generator;
