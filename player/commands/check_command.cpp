@@ -277,19 +277,17 @@ void add_check_command(CLI::App& app, Command& command) {
     auto words = std::make_shared<CheckWords>();
     begin_topic(*check, "Machine");
     add_json_option(*check, words->device.json, "print the same as JSON");
-    const std::vector<CLI::Option*> question{
-        check->add_option("--size", words->size, "can it touch a clip of this size in pixels?")
-            ->type_name("WxH")
-            ->capture_default_str(),
-        add_whole_option(*check, "--fingers", words->demand.fingers, "with so many fingers?", 1, 256)
-            ->capture_default_str(),
-        add_whole_option(*check, "--rate", words->demand.rate, "at so many frames per second?", 1, 1000)
-            ->capture_default_str()};
+    check->add_option("--size", words->size, "can it touch a clip of this size in pixels?")
+        ->type_name("WxH")
+        ->capture_default_str();
+    add_whole_option(*check, "--fingers", words->demand.fingers, "with so many fingers?", 1, 256)
+        ->capture_default_str();
+    add_whole_option(*check, "--rate", words->demand.rate, "at so many frames per second?", 1, 1000)
+        ->capture_default_str();
     add_device_options(*check, words->device);
-    set_work(*check, command, [words, question]() -> Result<void> {
-        const bool asks =
-            std::ranges::any_of(question, [](const CLI::Option* option) { return option->count() > 0; });
-        return run_check(*words, asks);
+    set_work(*check, command, [words, check] {
+        return run_check(*words,
+                         check->count("--size") + check->count("--fingers") + check->count("--rate") > 0);
     });
 }
 

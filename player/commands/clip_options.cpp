@@ -181,7 +181,7 @@ CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed) {
     return clip;
 }
 
-std::vector<CLI::Option*> add_filter_options(CLI::App& sub, ClipTyped& typed) {
+void add_filter_options(CLI::App& sub, ClipTyped& typed) {
     ClipChoice& clip = typed.choice;
     const auto read_all = [&clip](const std::string& words) -> Result<void> {
         TRY_ASSIGN(clip.filters, read_filters(words));
@@ -190,12 +190,11 @@ std::vector<CLI::Option*> add_filter_options(CLI::App& sub, ClipTyped& typed) {
     std::vector<const char*> parts{"auto", "off"};
     for (const FilterSetting& setting : filter_settings())
         if (*setting.in_list) parts.push_back(setting.in_list);
-    begin_topic(sub, "Filters");
-    std::vector<CLI::Option*> options{
-        add_read_option(sub, "--filters", read_all,
-                        "which filters clean depth, instead of the scene's. auto: what the first frames "
-                        "need; off: none; or a comma-separated list of filters to enable")
-            ->type_name(type_with_words("LIST", parts))};
+    begin_topic(sub, filters_topic);
+    add_read_option(sub, "--filters", read_all,
+                    "which filters clean depth, instead of the scene's. auto: what the first frames need; "
+                    "off: none; or a comma-separated list of filters to enable")
+        ->type_name(type_with_words("LIST", parts));
     for (const FilterSetting& setting : filter_settings()) {
         if (!*setting.what) continue;
         const auto read = [&clip, &setting](const std::string& word) -> Result<void> {
@@ -204,13 +203,11 @@ std::vector<CLI::Option*> add_filter_options(CLI::App& sub, ClipTyped& typed) {
         };
         const auto& words = setting.range.words;
         const bool has_only_words = !words.empty() && !setting.length;
-        options.push_back(
-            add_read_option(sub, "--" + with_dashes(setting.name), read,
-                            setting.what + (has_only_words ? std::string() : " Must be " + setting.right()))
-                ->type_name(
-                    words.empty() ? "N" : type_with_words(setting.length ? "off|on|C[,Q]" : "WORD", words)));
+        add_read_option(sub, "--" + with_dashes(setting.name), read,
+                        setting.what + (has_only_words ? std::string() : " Must be " + setting.right()))
+            ->type_name(words.empty() ? "N"
+                                      : type_with_words(setting.length ? "off|on|C[,Q]" : "WORD", words));
     }
-    return options;
 }
 
 Result<ClipChoice> read_clip(const ClipTyped& typed) {

@@ -39,7 +39,7 @@ struct ClipTyped {
 CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed);
 
 /// Adds --filters and an option for each filter that has one (filter_settings).
-std::vector<CLI::Option*> add_filter_options(CLI::App& sub, ClipTyped& typed);
+void add_filter_options(CLI::App& sub, ClipTyped& typed);
 
 /// Invalid words are refused (ErrorKind::usage).
 Result<ClipChoice> read_clip(const ClipTyped& typed);

@@ -20,7 +20,7 @@ struct ConvertTyped {
     ConvertOptions options;
     std::optional<std::string> from, to, crop, size;
     std::string every = "1";
-    const CLI::Option *archive = nullptr, *every_typed = nullptr;
+    const CLI::App* command = nullptr;
 };
 
 /// "45", a frame; "1.5s", a time.
@@ -80,7 +80,7 @@ Result<void> refuse_idle_options(const ConvertTyped& typed) {
     const ClipStorage& storage = typed.options.storage;
     const bool archive = form == ClipForm::archive || form == ClipForm::gltf, one_frame = is_one_frame(form);
     const char* why = "clips, NAME.mkv, NAME.mp4 and NAME.gltf; pictures keep every value";
-    TRY(only(!archive && typed.archive->count() > 0, "--archive", why));
+    TRY(only(!archive && typed.command->count("--archive") > 0, "--archive", why));
     TRY(only(!archive && storage.exact_colour, "--exact-colour", why));
     if (typed.options.still && storage.fragmented)
         return usage_error("--still is one frame, which has no fragments: leave --fragmented out");
@@ -88,7 +88,7 @@ Result<void> refuse_idle_options(const ConvertTyped& typed) {
     TRY(only(!is_mp4_clip && storage.fragmented, "--fragmented", fragmented_names));
     const char* one = "clips and folders; NAME.png, NAME.bt and --still are one frame, --from says which";
     TRY(only(one_frame && typed.to, "--to", one));
-    return only(one_frame && typed.every_typed->count() > 0, "--every", one);
+    return only(one_frame && typed.command->count("--every") > 0, "--every", one);
 }
 
 Result<ConvertOptions> read_words(const ConvertTyped& typed) {
@@ -207,6 +207,7 @@ void add_convert_command(CLI::App& app, Command& command) {
     auto* sub = app.add_subcommand(
         "convert", "write a clip in another form, or a part of it: a clip, pictures or an MPEG-4 scene");
     auto typed = std::make_shared<ConvertTyped>();
+    typed->command = sub;
     ConvertOptions& options = typed->options;
     add_clip_options(*sub, typed->clip)->required();
     add_file_option(
@@ -219,7 +220,7 @@ void add_convert_command(CLI::App& app, Command& command) {
     add_camera_options(*sub, typed->clip.camera);
     begin_topic(*sub, files_topic);
     add_overwrite_option(*sub, options.existing);
-    typed->archive = add_storage_options(*sub, options.storage);
+    add_storage_options(*sub, options.storage);
     sub->add_flag("--still", options.still,
                   "write NAME.mp4 with one frame, as the paper's static scene. Its pictures are PNG");
     sub->add_flag(
@@ -235,9 +236,8 @@ void add_convert_command(CLI::App& app, Command& command) {
         ->type_name("N|SECONDS");
     sub->add_option("--to", typed->to, "last frame: its number, or the seconds at which it ends")
         ->type_name("N|SECONDS");
-    typed->every_typed =
-        sub->add_option("--every", typed->every, "keep only every Nth frame. The rate is so much lower")
-            ->type_name("N");
+    sub->add_option("--every", typed->every, "keep only every Nth frame. The rate is so much lower")
+        ->type_name("N");
     sub->add_option("--crop", typed->crop, "keep only these pixels: first column and row, and size")
         ->type_name("X,Y,WxH");
     sub->add_option("--size", typed->size,

@@ -133,19 +133,17 @@ Result<PixelSize> read_pixel_size(const std::string& option, std::string_view te
                            std::to_string(most) + ", such as 720x480");
 }
 
-CLI::Option* add_storage_options(CLI::App& command, ClipStorage& storage) {
-    auto* const archive =
-        add_word_option(command, "--archive", storage.archive,
-                        "how a clip is compressed. fast (default): quick to write and read; small: fewest "
-                        "bytes, slow to write (0.2 s for a picture of 640x480); both keep every value of "
-                        "depth, haptic and height (docs/codecs.md)",
-                        {"fast", "small"});
+void add_storage_options(CLI::App& command, ClipStorage& storage) {
+    add_word_option(command, "--archive", storage.archive,
+                    "how a clip is compressed. fast (default): quick to write and read; small: fewest "
+                    "bytes, slow to write (0.2 s for a picture of 640x480); both keep every value of "
+                    "depth, haptic and height (docs/codecs.md)",
+                    {"fast", "small"});
     command.add_flag("--exact-colour", storage.exact_colour,
                      "keep every value of a clip's colour. Otherwise it is as good as the eye can tell");
     command.add_flag("--fragmented", storage.fragmented,
                      "write NAME.mp4 in pieces of half a second, as it is sent. A copy that is cut "
                      "off is readable up to there; it has no MPEG-4 scene (docs/codecs.md)");
-    return archive;
 }
 
 fs::path folder_from_program(const char* way) {

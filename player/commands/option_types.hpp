@@ -37,7 +37,7 @@ CLI::Validator ends_in(const std::vector<std::string>& endings, const std::strin
 
 /// Topics of the help. expert_topic holds rarely needed options and is listed last, before help_topic.
 inline constexpr const char *expert_topic = "Expert", *help_topic = "Help";
-inline constexpr const char *files_topic = "Files", *picture_topic = "Picture";
+inline constexpr const char *files_topic = "Files", *picture_topic = "Picture", *filters_topic = "Filters";
 
 /// Options added from now on are listed under this topic of the help.
 inline void begin_topic(CLI::App& sub, const char* topic) {
@@ -159,8 +159,8 @@ CLI::Option* add_word_option(CLI::App& sub, const std::string& name, Value& valu
 /// Names that allow --fragmented, for its refusal.
 inline constexpr const char* fragmented_names = "NAME.mp4; no other form is written in fragments";
 
-/// Adds --archive, which is returned, --exact-colour and --fragmented, for commands that write clips.
-CLI::Option* add_storage_options(CLI::App& command, ClipStorage& storage);
+/// Adds --archive, --exact-colour and --fragmented, for commands that write clips.
+void add_storage_options(CLI::App& command, ClipStorage& storage);
 
 /// A folder of files that come with the program, in the build tree or the installation; `way` leads there
 /// from the program's own folder.

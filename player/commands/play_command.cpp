@@ -50,8 +50,7 @@ struct PlayWords {
     std::string size = "1280x720";
     std::optional<fs::path> script;
     std::vector<fs::path> more_clips;
-    CLI::Option* typed_size = nullptr;
-    std::vector<CLI::Option*> filters{};
+    const CLI::App* command = nullptr;
     std::string dent;
     LiveTyped live;
     KioskWords kiosk;
@@ -305,10 +304,11 @@ Result<PlayOptions> read_words(const PlayWords& words) {
     if (!is_empty && !options.session.clip.plugged) TRY(read_list(words, options));
     TRY_ASSIGN(options.session.playback, read_playback(words.playback));
     if (words.script) TRY(assign(options.script, read_window_script(*words.script)));
-    options.size_is_stated = words.typed_size->count() > 0;
+    options.size_is_stated = words.command->count("--size") > 0;
     if (!words.dent.empty()) options.dent = words.dent == "on";
-    options.filters_are_stated =
-        std::ranges::any_of(words.filters, [](const CLI::Option* option) { return option->count() > 0; });
+    options.filters_are_stated = std::ranges::any_of(words.command->get_options(), [](const auto* option) {
+        return option->get_group() == filters_topic && option->count() > 0;
+    });
     TRY_ASSIGN(options.kiosk, read_kiosk(words.kiosk, options.segments));
     TRY_ASSIGN(options.study, read_study(words.kiosk, 1 + options.next_clips.size()));
     options.study_results = words.kiosk.results.value_or("");
@@ -346,10 +346,6 @@ void print(const PlayFigures& figures) {
     if (!figures.relief.empty()) std::printf("%-24s%s\n", "relief", one_line(figures.relief).c_str());
     if (!figures.materials.empty())
         std::printf("%-24s%s\n", "materials", one_line(figures.materials).c_str());
-}
-
-/// Figures of the film, if any.
-void print_film(const PlayFigures& figures) {
     if (figures.film_pictures > 0)
         std::printf("%-24s%lld pictures, %lld left out\n", "film",
                     static_cast<long long>(figures.film_pictures),
@@ -400,7 +396,6 @@ Result<void> run_play(PlayOptions options) {
     const bool is_told_at_once = options.headless || options.kiosk;
     TRY_ASSIGN(auto figures, play_in_window(std::move(options)));
     print(figures);
-    print_film(figures);
     // Otherwise it was printed when it occurred.
     if (!figures.sound_fault.empty() && !is_told_at_once) say_on_stderr("warning: " + figures.sound_fault);
     if (!figures.slow_reading.empty()) say_on_stderr("warning: " + figures.slow_reading);
@@ -457,9 +452,9 @@ void add_kiosk_options(CLI::App& sub, KioskWords& words) {
 void add_window_options(CLI::App& sub, PlayWords& words) {
     PlayOptions& o = words.options;
     begin_topic(sub, "Window");
-    words.typed_size = sub.add_option("--size", words.size, "size of the window in pixels")
-                           ->type_name("WxH")
-                           ->capture_default_str();
+    sub.add_option("--size", words.size, "size of the window in pixels")
+        ->type_name("WxH")
+        ->capture_default_str();
     add_number_option(sub, "--scale", o.scale,
                       "size of words and bars, 0.8 to 4. By default as display and window ask for", 0.8, 4);
     sub.add_flag("--fullscreen", o.screen.fullscreen, "fill the screen (F11 does so later)");
@@ -509,6 +504,7 @@ void add_play_command(CLI::App& app, Command& command) {
     auto words = std::make_shared<PlayWords>();
     CLI::App* const sub =
         app.add_subcommand("play", "watch a clip in a window and touch it with the mouse or a device");
+    words->command = sub;
     SessionOptions& session = words->options.session;
     add_clip_options(*sub, words->clip);
     add_file_option(*sub, "MORE", words->more_clips,
@@ -526,7 +522,7 @@ void add_play_command(CLI::App& app, Command& command) {
     add_number_option(*sub, "--max-force", words->options.most_newtons,
                       "largest force on a finger, whatever the panel says", force.least, force.most)
         ->type_name(force.unit);
-    words->filters = add_filter_options(*sub, words->clip);
+    add_filter_options(*sub, words->clip);
     add_builder_options(*sub, session.builder, {"auto", "cpu", "vulkan"});
     set_work(*sub, command, [words]() -> Result<void> {
         TRY_ASSIGN(auto options, read_words(*words));
