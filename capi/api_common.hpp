@@ -270,11 +270,13 @@ inline void write_text(std::string_view from, char* text, std::size_t capacity, 
     if (capacity > from.size()) text[from.size()] = 0;
 }
 
-/// Catches all exceptions: missing memory becomes TOUCH_NO_MEMORY, anything else an internal fault.
+/// Runs a function that returns a status, or the error to report. Catches all exceptions: missing memory
+/// becomes TOUCH_NO_MEMORY, anything else an internal fault.
 template <class Function>
 touch_status without_exceptions(touch_error* error, Function&& function) noexcept {
     try {
-        return function();
+        const Result<touch_status> done = function();
+        return done ? *done : fail(error, done.error());
     } catch (const std::bad_alloc&) {
         return fail(error, TOUCH_NO_MEMORY, "there is not enough memory");
     } catch (const std::length_error&) {

@@ -234,13 +234,12 @@ touch_status hand_out_scene(SceneDescription described, touch_scene& scene, touc
     return touch_scene_from_text(text.data(), text.size(), &scene, error);
 }
 
-touch_status choose_scene(ClipObject& clip, touch_scene& scene, touch_error* error) {
+Result<touch_status> choose_scene(ClipObject& clip, touch_scene& scene, touch_error* error) {
     SceneDescription chosen = clip.described;
     if (needs_measuring(chosen.unstated.filters, chosen.scene)) {
         const auto measured = measure(clip);
-        if (!measured) return fail(error, with_members(measured.error()));
-        if (auto settled = settle_filters(*measured, chosen.unstated.filters, chosen.scene); !settled)
-            return fail(error, settled.error());
+        if (!measured) return with_members(measured.error());
+        TRY(settle_filters(*measured, chosen.unstated.filters, chosen.scene));
     }
     chosen.unstated.filters = {};
     return hand_out_scene(chosen, scene, error);
@@ -248,7 +247,7 @@ touch_status choose_scene(ClipObject& clip, touch_scene& scene, touch_error* err
 
 /// Runs `read` on a clip that no other thread reads; touch_clip_interrupt ends it.
 template <class Function>
-touch_status with_reader(touch_clip handle, touch_error* error, Function&& read) {
+Result<touch_status> with_reader(touch_clip handle, touch_error* error, Function&& read) {
     const auto use = clips().find(handle.id);
     if (!use) return fail_without(use, error, "clip");
     const TryLock lock(use->reading);
@@ -277,15 +276,13 @@ HandleTable<WriterObject>& writers() {
 }
 
 /// Reads a scene of the other library, through its complete text.
-touch_status read_scene(touch_scene scene, SceneDescription& described, touch_error* error) {
+Result<touch_status> read_scene(touch_scene scene, SceneDescription& described, touch_error* error) {
     std::size_t length = 0;
     if (touch_scene_text(scene, nullptr, 0, &length) != TOUCH_OK) return fail_stale(error, "scene");
     std::string text(length, '\0');
     if (touch_scene_text(scene, text.data(), text.size(), &length) != TOUCH_OK || length != text.size())
         return fail_stale(error, "scene");
-    auto whole = scene_of_text(text);
-    if (!whole) return fail(error, whole.error());
-    described = std::move(*whole);
+    TRY_ASSIGN(described, scene_of_text(text));
     return TOUCH_OK;
 }
 
@@ -340,20 +337,18 @@ Result<std::unique_ptr<ClipWriter>> create_writer(const fs::path& path, const Sc
 }
 
 /// Writes the next frame, numbered by the writer, at the scene's rate.
-touch_status write(WriterObject& object, const touch_frame& given, touch_error* error) {
-    if (!object.writer)
-        return fail(error, TOUCH_USAGE, "an earlier frame could not be written; abandon this writer");
+Result<touch_status> write(WriterObject& object, const touch_frame& given) {
+    if (!object.writer) return usage_error("an earlier frame could not be written; abandon this writer");
     touch_frame frame = given;
     frame.number = object.check.frames();
     frame.time_ns = object.scene.rate.time_ns(frame.number);
-    auto raw = raw_frame(frame, object.scene, object.scratch);
-    if (!raw) return fail(error, raw.error());
-    if (auto sound = object.check.check(*raw, object.scene); !sound)
-        return fail(error, sound.error().kind == ErrorKind::internal ? TOUCH_USAGE : TOUCH_INPUT,
-                    sound.error().message);
-    if (auto written = object.writer->write(*raw); !written) {
+    TRY_ASSIGN(const auto raw, raw_frame(frame, object.scene, object.scratch));
+    if (auto sound = object.check.check(raw, object.scene); !sound)
+        return Error{sound.error().kind == ErrorKind::internal ? ErrorKind::usage : ErrorKind::input,
+                     sound.error().message};
+    if (auto written = object.writer->write(raw); !written) {
         object.writer.reset();
-        return fail(error, written.error());
+        return written.error();
     }
     return TOUCH_OK;
 }
@@ -377,19 +372,17 @@ touch_status touch_clip_settings_defaults(touch_clip_settings* settings, uint32_
 
 touch_status touch_clip_open(const char* path, const touch_clip_settings* settings, touch_clip* clip,
                              touch_error* error) {
-    return without_exceptions(error, [&]() -> touch_status {
+    return without_exceptions(error, [&]() -> Result<touch_status> {
         if (!path || !*path || !clip || (settings && !has_known_size(settings)))
-            return fail(
-                error, TOUCH_USAGE,
+            return usage_error(
                 "path or clip is NULL, path is empty, or struct_size is not sizeof(touch_clip_settings)");
         const touch_clip_settings wanted = over_defaults(settings, default_clip_settings());
-        const auto known = known_of(wanted);
-        if (!known) return fail(error, known.error());
+        TRY_ASSIGN(const auto known, known_of(wanted));
         std::optional<fs::path> scene_file;
         if (wanted.scene_file) scene_file = wanted.scene_file;
         const Colour colour = wanted.colour != 0 ? Colour::wanted : Colour::left_out;
-        auto reader = open_clip(path, scene_file, *known, colour);
-        if (!reader) return fail(error, with_members(reader.error()));
+        auto reader = open_clip(path, scene_file, known, colour);
+        if (!reader) return with_members(reader.error());
         if (colour == Colour::left_out) (*reader)->leave_out_colour();
         return give_handle(clips(), std::make_shared<ClipObject>(std::move(*reader)), *clip, error);
     });
@@ -422,10 +415,10 @@ touch_status touch_clip_note(touch_clip clip, int32_t index, char* text, size_t 
 }
 
 touch_status touch_clip_scene(touch_clip clip, int32_t filters, touch_scene* scene, touch_error* error) {
-    return without_exceptions(error, [&]() -> touch_status {
+    return without_exceptions(error, [&]() -> Result<touch_status> {
         if (!scene || (filters != TOUCH_FILTERS_STATED && filters != TOUCH_FILTERS_CHOSEN))
-            return fail(error, TOUCH_USAGE,
-                        "scene is NULL, or filters is neither TOUCH_FILTERS_STATED nor TOUCH_FILTERS_CHOSEN");
+            return usage_error(
+                "scene is NULL, or filters is neither TOUCH_FILTERS_STATED nor TOUCH_FILTERS_CHOSEN");
         if (filters == TOUCH_FILTERS_CHOSEN)
             return with_reader(clip, error,
                                [&](ClipObject& object) { return choose_scene(object, *scene, error); });
@@ -436,12 +429,12 @@ touch_status touch_clip_scene(touch_clip clip, int32_t filters, touch_scene* sce
 }
 
 touch_status touch_clip_next(touch_clip clip, touch_frameset* frameset, touch_error* error) {
-    return without_exceptions(error, [&]() -> touch_status {
-        if (!frameset) return fail(error, TOUCH_USAGE, "frameset is NULL");
-        return with_reader(clip, error, [&](ClipObject& object) {
+    return without_exceptions(error, [&]() -> Result<touch_status> {
+        if (!frameset) return usage_error("frameset is NULL");
+        return with_reader(clip, error, [&](ClipObject& object) -> Result<touch_status> {
             if (!object.unclaimed) {
                 auto frame = object.reader->next();
-                if (!frame) return fail(error, with_members(frame.error()));
+                if (!frame) return with_members(frame.error());
                 if (!*frame) return fail(error, TOUCH_END, "the clip has no more frames");
                 object.unclaimed = std::make_shared<FramesetObject>(std::move(**frame));
                 object.next_frame = object.unclaimed->number + 1;
@@ -455,11 +448,11 @@ touch_status touch_clip_next(touch_clip clip, touch_frameset* frameset, touch_er
 }
 
 touch_status touch_clip_seek(touch_clip clip, int64_t frame, touch_error* error) {
-    return without_exceptions(error, [&]() -> touch_status {
+    return without_exceptions(error, [&]() -> Result<touch_status> {
         if (frame < 0 || frame > last_with_a_time)
-            return fail(error, TOUCH_USAGE, "the clip has no frame " + std::to_string(frame));
-        return with_reader(clip, error, [&](ClipObject& object) -> touch_status {
-            if (auto there = object.reader->seek(frame); !there) return fail(error, there.error());
+            return usage_error("the clip has no frame " + std::to_string(frame));
+        return with_reader(clip, error, [&](ClipObject& object) -> Result<touch_status> {
+            TRY(object.reader->seek(frame));
             object.next_frame = frame;
             object.unclaimed.reset();
             return TOUCH_OK;
@@ -505,42 +498,39 @@ touch_status touch_writer_settings_defaults(touch_writer_settings* settings, uin
 
 touch_status touch_writer_create(const char* path, touch_scene scene, const touch_writer_settings* settings,
                                  touch_writer* writer, touch_error* error) {
-    return without_exceptions(error, [&]() -> touch_status {
+    return without_exceptions(error, [&]() -> Result<touch_status> {
         if (!path || !*path || !writer || (settings && !has_known_size(settings)))
-            return fail(
-                error, TOUCH_USAGE,
+            return usage_error(
                 "path or writer is NULL, path is empty, or struct_size is not sizeof(touch_writer_settings)");
         const touch_writer_settings wanted = over_defaults(settings, touch_writer_settings{});
         const fs::path place = path;
         if (is_stream_url(path) || (!is_folder_name(place) && !is_clip_name(place)))
-            return fail(error, TOUCH_USAGE,
-                        place.string() + ": must be NAME.mkv, NAME.mp4, or the name of a folder");
-        if (auto free = check_place(place, wanted.overwrite != 0); !free) return fail(error, free.error());
+            return usage_error(place.string() + ": must be NAME.mkv, NAME.mp4, or the name of a folder");
+        TRY(check_place(place, wanted.overwrite != 0));
         SceneDescription described;
-        if (const touch_status read = read_scene(scene, described, error); read != TOUCH_OK) return read;
-        if (auto timed = take_times(wanted, described.scene); !timed) return fail(error, timed.error());
-        auto made = create_writer(place, described, wanted);
-        if (!made) return fail(error, made.error());
+        if (const auto read = read_scene(scene, described, error); !read || *read != TOUCH_OK) return read;
+        TRY(take_times(wanted, described.scene));
+        TRY_ASSIGN(auto made, create_writer(place, described, wanted));
         return give_handle(writers(),
-                           std::make_shared<WriterObject>(std::move(described.scene), std::move(*made)),
+                           std::make_shared<WriterObject>(std::move(described.scene), std::move(made)),
                            *writer, error);
     });
 }
 
 touch_status touch_writer_write(touch_writer writer, const touch_frame* frame, touch_error* error) {
-    return without_exceptions(error, [&]() -> touch_status {
+    return without_exceptions(error, [&]() -> Result<touch_status> {
         if (!has_known_size(frame))
-            return fail(error, TOUCH_USAGE, "frame is NULL, or struct_size is not sizeof(touch_frame)");
+            return usage_error("frame is NULL, or struct_size is not sizeof(touch_frame)");
         const auto use = writers().find(writer.id);
         if (!use) return fail_without(use, error, "writer");
         const TryLock lock(use->writing);
         if (!lock) return fail(error, TOUCH_BUSY, "another thread is writing this clip");
-        return write(*use, *frame, error);
+        return write(*use, *frame);
     });
 }
 
 touch_status touch_writer_finish(touch_writer writer, touch_error* error) {
-    return without_exceptions(error, [&]() -> touch_status {
+    return without_exceptions(error, [&]() -> Result<touch_status> {
         std::shared_ptr<WriterObject> object;
         {
             const auto use = writers().find(writer.id);
@@ -551,7 +541,7 @@ touch_status touch_writer_finish(touch_writer writer, touch_error* error) {
         if (removal == Removal::busy) return fail(error, TOUCH_BUSY, "another thread is writing this clip");
         // Another thread has removed it meanwhile.
         if (removal == Removal::stale) return fail_stale(error, "writer");
-        if (auto finished = finish(*object); !finished) return fail(error, finished.error());
+        TRY(finish(*object));
         return TOUCH_OK;
     });
 }

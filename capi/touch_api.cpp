@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "capi/touchable.h"
+#include "engine/base/try.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/surface/depth_estimator.hpp"
@@ -200,9 +201,9 @@ Result<std::optional<MeasuredDepth>> measure(const Scene& scene, const unsigned 
     FrameScratch scratch;
     for (std::size_t k = 0; k < count && !estimator.enough(); ++k) {
         const auto* frame = reinterpret_cast<const touch_frame*>(frames + k * stride);
-        auto raw = raw_frame(*frame, scene, scratch);
-        if (!raw) return error_at("frame " + std::to_string(k) + " of those given", raw.error());
-        estimator.add(*raw);
+        TRY_ASSIGN(const auto raw, error_at("frame " + std::to_string(k) + " of those given",
+                                            raw_frame(*frame, scene, scratch)));
+        estimator.add(raw);
     }
     return estimator.measured();
 }
@@ -238,24 +239,21 @@ double hand_scale_of(const Scene& scene, const SurfaceFrame& first) {
     return default_workspace(scene.width, scene.camera.fx, quantile(depths, 0.5)).metres_per_scene_unit;
 }
 
-touch_status push(SurfaceObject& surface, const touch_frame& frame, touch_error* error) {
+Result<touch_status> push(SurfaceObject& surface, const touch_frame& frame, touch_error* error) {
     SurfaceFrame* slot = surface.timeline.acquire();
     if (!slot)
         return fail(error, TOUCH_FULL,
                     "every frame is still needed; push this one again once ticks have gone on");
-    auto raw = raw_frame(frame, surface.scene, surface.scratch);
-    if (!raw) return fail(error, raw.error());
-    raw->epoch = surface.epoch;
-    if (surface.epoch_has_ended)
-        return fail(error, TOUCH_USAGE, "the epoch has ended; begin another one first");
-    if (surface.newest && (raw->number <= surface.newest->number || raw->time_ns <= surface.newest->time_ns))
-        return fail(error, TOUCH_USAGE, "the frame's number or time_ns is not later than the one before");
-    if (auto built = surface.builder->build(*raw, *slot); !built) return fail(error, built.error());
+    TRY_ASSIGN(auto raw, raw_frame(frame, surface.scene, surface.scratch));
+    raw.epoch = surface.epoch;
+    if (surface.epoch_has_ended) return usage_error("the epoch has ended; begin another one first");
+    if (surface.newest && (raw.number <= surface.newest->number || raw.time_ns <= surface.newest->time_ns))
+        return usage_error("the frame's number or time_ns is not later than the one before");
+    TRY(surface.builder->build(raw, *slot));
     if (surface.hand_scale.load(std::memory_order_relaxed) == 0)
         surface.hand_scale.store(hand_scale_of(surface.scene, *slot), std::memory_order_release);
-    if (auto published = surface.timeline.publish(raw->number, raw->time_ns); !published)
-        return fail(error, published.error());
-    surface.newest = {raw->number, raw->time_ns};
+    TRY(surface.timeline.publish(raw.number, raw.time_ns));
+    surface.newest = {raw.number, raw.time_ns};
     return TOUCH_OK;
 }
 
@@ -437,26 +435,23 @@ touch_status touch_camera_defaults(touch_camera* camera, uint32_t struct_size) {
 }
 
 touch_status touch_scene_from_camera(const touch_camera* camera, touch_scene* scene, touch_error* error) {
-    return without_exceptions(error, [&] {
+    return without_exceptions(error, [&]() -> Result<touch_status> {
         if (!scene || !has_known_size(camera))
-            return fail(error, TOUCH_USAGE,
-                        "camera or scene is NULL, or struct_size is not sizeof(touch_camera)");
-        auto made = scene_of(over_defaults(camera, default_camera()));
-        if (!made) return fail(error, made.error());
-        SceneDescription described(std::move(*made));
+            return usage_error("camera or scene is NULL, or struct_size is not sizeof(touch_camera)");
+        TRY_ASSIGN(auto made, scene_of(over_defaults(camera, default_camera())));
+        SceneDescription described(std::move(made));
         described.unstated.filters = all_unstated;
         return give_handle(scenes(), std::make_shared<SceneObject>(std::move(described)), *scene, error);
     });
 }
 
 touch_status touch_scene_from_text(const char* text, size_t length, touch_scene* scene, touch_error* error) {
-    return without_exceptions(error, [&] {
+    return without_exceptions(error, [&]() -> Result<touch_status> {
         constexpr std::size_t longest = std::size_t{1} << 28;
         if (!text || !scene || length > longest)
-            return fail(error, TOUCH_USAGE, "text or scene is NULL, or the text is longer than 256 MiB");
-        auto described = scene_of_text({text, length});
-        if (!described) return fail(error, described.error());
-        return give_handle(scenes(), std::make_shared<SceneObject>(std::move(*described)), *scene, error);
+            return usage_error("text or scene is NULL, or the text is longer than 256 MiB");
+        TRY_ASSIGN(auto described, scene_of_text({text, length}));
+        return give_handle(scenes(), std::make_shared<SceneObject>(std::move(described)), *scene, error);
     });
 }
 
@@ -484,21 +479,18 @@ touch_status touch_scene_destroy(touch_scene scene) {
 
 touch_status touch_scene_metres(touch_scene scene, const touch_plane* depth, float* metres,
                                 int64_t stride_bytes, touch_error* error) {
-    return without_exceptions(error, [&]() -> touch_status {
+    return without_exceptions(error, [&]() -> Result<touch_status> {
         constexpr std::int64_t longest = std::int64_t{1} << 40;
-        if (!depth || !depth->data || !metres)
-            return fail(error, TOUCH_USAGE, "depth, its data or metres is NULL");
+        if (!depth || !depth->data || !metres) return usage_error("depth, its data or metres is NULL");
         const auto use = scenes().find(scene.id);
         if (!use) return fail_without(use, error, "scene");
         const std::int64_t row = std::int64_t{use->scene().width} * std::int64_t{sizeof(float)};
         if (stride_bytes < -longest || stride_bytes > longest || std::abs(stride_bytes) < row)
-            return fail(error, TOUCH_USAGE,
-                        "stride_bytes is " + std::to_string(stride_bytes) + "; must be at least " +
-                            std::to_string(row));
+            return usage_error("stride_bytes is " + std::to_string(stride_bytes) + "; must be at least " +
+                               std::to_string(row));
         FrameScratch scratch;
-        const auto codes = depth_codes(*depth, use->scene(), scratch);
-        if (!codes) return fail(error, codes.error());
-        write_metres(*codes, use->scene().depth, metres_of_codes(*use),
+        TRY_ASSIGN(const auto codes, depth_codes(*depth, use->scene(), scratch));
+        write_metres(codes, use->scene().depth, metres_of_codes(*use),
                      reinterpret_cast<unsigned char*>(metres), stride_bytes);
         return TOUCH_OK;
     });
@@ -506,17 +498,15 @@ touch_status touch_scene_metres(touch_scene scene, const touch_plane* depth, flo
 
 touch_status touch_scene_with_filters(touch_scene scene, const touch_frame* frames, size_t frame_stride_bytes,
                                       size_t count, touch_scene* filtered, touch_error* error) {
-    return without_exceptions(error, [&]() -> touch_status {
+    return without_exceptions(error, [&]() -> Result<touch_status> {
         if (!filtered || (!frames && count > 0) || (count > 1 && !holds_frames(frame_stride_bytes)))
-            return fail(error, TOUCH_USAGE, "frames or filtered is NULL, or frame_stride_bytes is too small");
+            return usage_error("frames or filtered is NULL, or frame_stride_bytes is too small");
         const auto use = scenes().find(scene.id);
         if (!use) return fail_without(use, error, "scene");
         Scene chosen = use->scene();
-        const auto measured =
-            measure(chosen, reinterpret_cast<const unsigned char*>(frames), frame_stride_bytes, count);
-        if (!measured) return fail(error, measured.error());
-        if (auto settled = settle_filters(*measured, use->described.unstated.filters, chosen); !settled)
-            return fail(error, settled.error());
+        TRY_ASSIGN(const auto measured, measure(chosen, reinterpret_cast<const unsigned char*>(frames),
+                                                frame_stride_bytes, count));
+        TRY(settle_filters(measured, use->described.unstated.filters, chosen));
         return give_handle(scenes(), std::make_shared<SceneObject>(std::move(chosen)), *filtered, error);
     });
 }
@@ -531,15 +521,14 @@ touch_status touch_surface_settings_defaults(touch_surface_settings* settings, u
 
 touch_status touch_surface_create(touch_scene scene, const touch_surface_settings* settings,
                                   touch_surface* surface, touch_error* error) {
-    return without_exceptions(error, [&]() -> touch_status {
+    return without_exceptions(error, [&]() -> Result<touch_status> {
         if (!surface || (settings && !has_known_size(settings)))
-            return fail(error, TOUCH_USAGE,
-                        "surface is NULL, or struct_size is not sizeof(touch_surface_settings)");
+            return usage_error("surface is NULL, or struct_size is not sizeof(touch_surface_settings)");
         const touch_surface_settings wanted = over_defaults(settings, default_surface_settings);
         if (wanted.threads < 1 || wanted.threads > 16)
-            return fail(error, TOUCH_USAGE, "threads is out of range; must be 1 to 16");
+            return usage_error("threads is out of range; must be 1 to 16");
         if (wanted.frames < 4 || wanted.frames > 64)
-            return fail(error, TOUCH_USAGE, "frames is out of range; must be 4 to 64");
+            return usage_error("frames is out of range; must be 4 to 64");
         const auto use = scenes().find(scene.id);
         if (!use) return fail_without(use, error, "scene");
         return give_handle(surfaces(),
@@ -549,9 +538,9 @@ touch_status touch_surface_create(touch_scene scene, const touch_surface_setting
 }
 
 touch_status touch_surface_push(touch_surface surface, const touch_frame* frame, touch_error* error) {
-    return without_exceptions(error, [&]() -> touch_status {
+    return without_exceptions(error, [&]() -> Result<touch_status> {
         if (!has_known_size(frame))
-            return fail(error, TOUCH_USAGE, "frame is NULL, or struct_size is not sizeof(touch_frame)");
+            return usage_error("frame is NULL, or struct_size is not sizeof(touch_frame)");
         const auto use = surfaces().find(surface.id);
         if (!use) return fail_without(use, error, "surface");
         const TryLock lock(use->pushing);
@@ -561,13 +550,13 @@ touch_status touch_surface_push(touch_surface surface, const touch_frame* frame,
 }
 
 touch_status touch_surface_begin_epoch(touch_surface surface, uint64_t epoch, touch_error* error) {
-    return without_exceptions(error, [&]() -> touch_status {
+    return without_exceptions(error, [&]() -> Result<touch_status> {
         const auto use = surfaces().find(surface.id);
         if (!use) return fail_without(use, error, "surface");
         const TryLock lock(use->pushing);
         if (!lock) return fail(error, TOUCH_BUSY, "another thread is pushing to this surface");
         if (epoch <= use->epoch || epoch == std::numeric_limits<std::uint64_t>::max())
-            return fail(error, TOUCH_USAGE, "the epoch's number is not larger than the one before");
+            return usage_error("the epoch's number is not larger than the one before");
         use->timeline.begin_epoch(epoch);
         use->epoch = epoch;
         use->epoch_has_ended = false;
@@ -596,12 +585,12 @@ touch_status touch_surface_newest_ns(touch_surface surface, int64_t* time_ns) {
 
 touch_status touch_surface_hand_scale(touch_surface surface, double* metres_per_scene_unit,
                                       touch_error* error) {
-    return without_exceptions(error, [&]() -> touch_status {
-        if (!metres_per_scene_unit) return fail(error, TOUCH_USAGE, "metres_per_scene_unit is NULL");
+    return without_exceptions(error, [&]() -> Result<touch_status> {
+        if (!metres_per_scene_unit) return usage_error("metres_per_scene_unit is NULL");
         const auto use = surfaces().find(surface.id);
         if (!use) return fail_without(use, error, "surface");
         const double scale = use->hand_scale.load(std::memory_order_acquire);
-        if (scale == 0) return fail(error, TOUCH_USAGE, "no frame was pushed yet; push the first one before");
+        if (scale == 0) return usage_error("no frame was pushed yet; push the first one before");
         *metres_per_scene_unit = scale;
         return TOUCH_OK;
     });
@@ -617,22 +606,20 @@ touch_status touch_solver_settings_defaults(touch_solver_settings* settings, uin
 
 touch_status touch_solver_create(touch_surface surface, const touch_solver_settings* settings,
                                  touch_solver* solver, touch_error* error) {
-    return without_exceptions(error, [&]() -> touch_status {
+    return without_exceptions(error, [&]() -> Result<touch_status> {
         if (!solver || (settings && !has_known_size(settings)))
-            return fail(error, TOUCH_USAGE,
-                        "solver is NULL, or struct_size is not sizeof(touch_solver_settings)");
+            return usage_error("solver is NULL, or struct_size is not sizeof(touch_solver_settings)");
         const touch_solver_settings wanted = over_defaults(settings, default_solver_settings());
         if (wanted.fingers < 1 || wanted.fingers > most_fingers)
-            return fail(error, TOUCH_USAGE, "fingers is out of range; must be 1 to 256");
+            return usage_error("fingers is out of range; must be 1 to 256");
         auto use = surfaces().find(surface.id);
         if (!use) return fail_without(use, error, "surface");
-        auto made = solver_of(*use, wanted);
-        if (!made) return fail(error, made.error());
+        TRY_ASSIGN(const auto made, solver_of(*use, wanted));
         Reading reading(std::move(use));
         if (!reading) return fail_has_solver(error);
         return give_handle(
             solvers(),
-            std::make_shared<SolverObject>(std::move(reading), *made, guard_of(wanted), wanted.fingers),
+            std::make_shared<SolverObject>(std::move(reading), made, guard_of(wanted), wanted.fingers),
             *solver, error);
     });
 }
@@ -693,37 +680,34 @@ touch_status touch_surface_forces_at(touch_surface surface, const touch_solver_s
                                      const touch_tick* moment, int32_t friction, const touch_vec3* points,
                                      size_t count, touch_contact* contacts, size_t contact_stride_bytes,
                                      touch_error* error) {
-    return without_exceptions(error, [&]() -> touch_status {
+    return without_exceptions(error, [&]() -> Result<touch_status> {
         constexpr std::size_t most_points = std::size_t{1} << 40;
         if (!has_known_size(moment) || (settings && !has_known_size(settings)) || count > most_points ||
             (count > 0 && (!points || !contacts)) || !is_stride(contact_stride_bytes))
-            return fail(error, TOUCH_USAGE,
-                        "moment, points or contacts is NULL, or a struct_size or contact_stride_bytes is not "
-                        "that of the struct");
+            return usage_error(
+                "moment, points or contacts is NULL, or a struct_size or contact_stride_bytes is not "
+                "that of the struct");
         if (friction != TOUCH_FRICTION_OFF && friction != TOUCH_FRICTION_ON)
-            return fail(error, TOUCH_USAGE,
-                        "friction is " + std::to_string(friction) +
-                            "; must be TOUCH_FRICTION_OFF or TOUCH_FRICTION_ON");
+            return usage_error("friction is " + std::to_string(friction) +
+                               "; must be TOUCH_FRICTION_OFF or TOUCH_FRICTION_ON");
         const touch_tick at = over_defaults(moment, touch_tick{});
-        if (!is_sound(at))
-            return fail(error, TOUCH_USAGE, "the moment is out of range; must be -2^60 to 2^60");
+        if (!is_sound(at)) return usage_error("the moment is out of range; must be -2^60 to 2^60");
         touch_solver_settings wanted = over_defaults(settings, default_solver_settings());
         wanted.ramp_in_ticks = wanted.waits_to_be_free = 0;
         wanted.stale_after_ns = 0;
         auto use = surfaces().find(surface.id);
         if (!use) return fail_without(use, error, "surface");
-        const auto solver = solver_of(*use, wanted);
-        if (!solver) return fail(error, solver.error());
+        TRY_ASSIGN(const auto solver, solver_of(*use, wanted));
         const Reading reading(std::move(use));
         if (!reading) return fail_has_solver(error);
         FramePair pair;
         if (!reading->timeline.pair_at(MediaMoment{at.epoch, at.time_ns, at.epoch_start_ns}, pair))
-            return fail(error, TOUCH_USAGE, "no frame was pushed yet; push the first one before");
+            return usage_error("no frame was pushed yet; push the first one before");
         const Scene scene = friction == TOUCH_FRICTION_ON ? reading->scene : without_friction(reading->scene);
         auto* out = reinterpret_cast<unsigned char*>(contacts);
         for (std::size_t k = 0; k < count; k += resting_at_a_time) {
             const std::size_t some = std::min(resting_at_a_time, count - k);
-            TouchStep step(*solver, guard_of(wanted), static_cast<int>(some));
+            TouchStep step(solver, guard_of(wanted), static_cast<int>(some));
             rest(step, scene, pair, points + k, out + k * contact_stride_bytes, contact_stride_bytes);
         }
         return TOUCH_OK;
