@@ -33,8 +33,8 @@ double percent(std::int64_t part, std::int64_t whole) {
     return whole > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0;
 }
 
-void add_spread(Figures& figures, const std::string& what, const PlayFigures::NewestValues& values) {
-    const Spread spread = spread_of(values.values());
+void add_spread(Figures& figures, const std::string& what, const TimeSpread& values) {
+    const Spread spread = values.spread();
     figures.push_back({what + "_p50", spread.p50, "ms"});
     figures.push_back({what + "_p99", spread.p99, "ms"});
 }
@@ -68,7 +68,7 @@ Result<void> measure_window(const WindowRun& run, LiveClips& clips, Figures& fig
     add_spread(figures, "picture_ms", p.draw_ms);
     for (const auto& [stage, values] :
          {std::pair{"surface_ms", &p.surface_ms}, {"words_ms", &p.words_ms}, {"shown_ms", &p.shown_ms}})
-        figures.push_back({stage, spread_of(values->values()).p50, "ms"});
+        figures.push_back({stage, values->spread().p50, "ms"});
     add_spread(figures, "input_ms", p.input_to_picture_ms);
     figures.push_back({"first_picture_ms", p.first_picture_ms, "ms"});
     figures.push_back({"cpu_ms_per_picture", p.process_cpu_ms / counted, "ms"});

@@ -173,19 +173,10 @@ void add_touch(const ClipFacts& facts, Json& out) {
             {"largest", largest_height(scene.height_coding, scene.depth)}};
 }
 
-/// Lines of a text report: a label and a value.
-class Lines {
-public:
-    std::ostream& line(const std::string& label) {
-        out_ << "  " << label << std::string(13 - label.size(), ' ');
-        return out_;
-    }
-    std::ostream& plain() { return out_; }
-    std::string text() const { return out_.str(); }
-
-private:
-    std::ostringstream out_;
-};
+/// Begins a line of a text report.
+std::ostream& line(std::ostream& out, const std::string& label) {
+    return out << "  " << label << std::string(13 - label.size(), ' ');
+}
 
 /// Smallest and largest gap between frames that have their own times.
 struct GapsMs {
@@ -202,9 +193,9 @@ std::optional<GapsMs> gaps_ms(const FrameRate& rate) {
     return GapsMs{static_cast<double>(least) * 1e-6, static_cast<double>(most) * 1e-6};
 }
 
-void tell_picture(const ClipFacts& facts, Lines& lines) {
+void tell_picture(const ClipFacts& facts, std::ostream& out) {
     const Scene& scene = facts.scene;
-    std::ostream& out = lines.line("picture") << scene.width << "x" << scene.height << " pixels, ";
+    line(out, "picture") << scene.width << "x" << scene.height << " pixels, ";
     if (facts.frames) out << counted(*facts.frames, "frame") << ", ";
     out << scene.rate.per_second() << " frames/s";
     if (const auto gaps = gaps_ms(scene.rate))
@@ -213,60 +204,59 @@ void tell_picture(const ClipFacts& facts, Lines& lines) {
     if (facts.frames) out << ", " << static_cast<double>(scene.rate.time_ns(*facts.frames)) * 1e-9 << " s";
     out << '\n';
     for (const TrackInfo& track : facts.tracks)
-        lines.line("track") << track.role << ": " << track.codec << (track.lossless ? " without loss" : "")
-                            << ", " << track.pixel_format << ", " << track.width << "x" << track.height
-                            << '\n';
+        line(out, "track") << track.role << ": " << track.codec << (track.lossless ? " without loss" : "")
+                           << ", " << track.pixel_format << ", " << track.width << "x" << track.height
+                           << '\n';
     const Camera& camera = scene.camera;
-    lines.line("camera") << "fx " << camera.fx << ", fy " << camera.fy << ", cx " << camera.cx << ", cy "
-                         << camera.cy << " pixels; field of view " << facts.fov_x_degrees << " x "
-                         << facts.fov_y_degrees << " degrees\n";
+    line(out, "camera") << "fx " << camera.fx << ", fy " << camera.fy << ", cx " << camera.cx << ", cy "
+                        << camera.cy << " pixels; field of view " << facts.fov_x_degrees << " x "
+                        << facts.fov_y_degrees << " degrees\n";
     if (scene.path)
-        lines.line("camera path") << scene.path->known() << " frames, a way of "
-                                  << scene.path->length() * scene.metres_per_unit << " m\n";
+        line(out, "camera path") << scene.path->known() << " frames, a way of "
+                                 << scene.path->length() * scene.metres_per_unit << " m\n";
 }
 
-void tell_depth(const ClipFacts& facts, Lines& lines) {
+void tell_depth(const ClipFacts& facts, std::ostream& out) {
     const Scene& scene = facts.scene;
     const DepthCoding& coding = scene.depth;
     const double mm = mm_per_unit(scene);
-    lines.line("depth") << coding_words(coding) << '\n';
-    lines.line("codes") << (coding.kind == DepthCodingKind::hue ? "3 x " : "") << scene.depth_bits
-                        << " bits, 0.." << coding.code_max << ", of which valid " << valid_words(coding)
-                        << '\n';
-    lines.line("range") << coding.near << ".." << coding.far << " units = " << coding.near * mm << ".."
-                        << coding.far * mm << " mm\n";
-    lines.line("first frame") << "depths " << facts.nearest << ".." << facts.farthest << " units, "
-                              << facts.invalid_pct << " % of the pixels invalid\n";
-    lines.line("kappa") << facts.near.kappa << " at " << facts.near.depth << ", " << facts.mid.kappa << " at "
-                        << facts.mid.depth << ", " << facts.far.kappa << " at " << facts.far.depth
-                        << " units ("
-                        << (scene.filter.levels == DepthLength{} ? "depth of one code"
-                                                                 : "distance of two levels")
-                        << " / width of a pixel)\n";
-    lines.line("filters") << filters_in_words(scene, facts.chosen) << '\n';
-    lines.line("levels") << level_words(facts) << '\n';
-    if (facts.measured) lines.line("noise") << noise_in_words(*facts.measured, scene.metres_per_unit) << '\n';
-    lines.line("in between") << (scene.interpolation == FrameInterpolation::hold
-                                     ? "hold the earlier frame"
-                                     : "linear between two frames")
-                             << '\n';
+    line(out, "depth") << coding_words(coding) << '\n';
+    line(out, "codes") << (coding.kind == DepthCodingKind::hue ? "3 x " : "") << scene.depth_bits
+                       << " bits, 0.." << coding.code_max << ", of which valid " << valid_words(coding)
+                       << '\n';
+    line(out, "range") << coding.near << ".." << coding.far << " units = " << coding.near * mm << ".."
+                       << coding.far * mm << " mm\n";
+    line(out, "first frame") << "depths " << facts.nearest << ".." << facts.farthest << " units, "
+                             << facts.invalid_pct << " % of the pixels invalid\n";
+    line(out, "kappa") << facts.near.kappa << " at " << facts.near.depth << ", " << facts.mid.kappa << " at "
+                       << facts.mid.depth << ", " << facts.far.kappa << " at " << facts.far.depth
+                       << " units ("
+                       << (scene.filter.levels == DepthLength{} ? "depth of one code"
+                                                                : "distance of two levels")
+                       << " / width of a pixel)\n";
+    line(out, "filters") << filters_in_words(scene, facts.chosen) << '\n';
+    line(out, "levels") << level_words(facts) << '\n';
+    if (facts.measured) line(out, "noise") << noise_in_words(*facts.measured, scene.metres_per_unit) << '\n';
+    line(out, "in between") << (scene.interpolation == FrameInterpolation::hold ? "hold the earlier frame"
+                                                                                : "linear between two frames")
+                            << '\n';
 }
 
 /// For a clip without a haptic plane, a note states its properties.
-void tell_touch(const ClipFacts& facts, Lines& lines) {
+void tell_touch(const ClipFacts& facts, std::ostream& out) {
     const Scene& scene = facts.scene;
     if (facts.has_track("haptic"))
-        lines.line("touch") << "per pixel: stiffness " << range_words(scene.haptic.stiffness)
-                            << " N/mm, friction " << range_words(scene.haptic.static_friction) << " static, "
-                            << range_words(scene.haptic.dynamic_friction) << " dynamic\n";
+        line(out, "touch") << "per pixel: stiffness " << range_words(scene.haptic.stiffness)
+                           << " N/mm, friction " << range_words(scene.haptic.static_friction) << " static, "
+                           << range_words(scene.haptic.dynamic_friction) << " dynamic\n";
     if (scene.hole_stiffness)
-        lines.line("holes") << "walls of missing depth have " << *scene.hole_stiffness << " N/mm\n";
+        line(out, "holes") << "walls of missing depth have " << *scene.hole_stiffness << " N/mm\n";
     if (facts.has_track("height"))
-        lines.line("height") << "up to " << scene.height_coding.max_height
-                             << (scene.height_coding.units == HeightUnits::levels ? " level" : " scene unit")
-                             << (scene.height_coding.max_height == 1 ? " = " : "s = ")
-                             << largest_height(scene.height_coding, scene.depth) * mm_per_unit(scene)
-                             << " mm of the scene\n";
+        line(out, "height") << "up to " << scene.height_coding.max_height
+                            << (scene.height_coding.units == HeightUnits::levels ? " level" : " scene unit")
+                            << (scene.height_coding.max_height == 1 ? " = " : "s = ")
+                            << largest_height(scene.height_coding, scene.depth) * mm_per_unit(scene)
+                            << " mm of the scene\n";
 }
 
 Json to_json(const ClipFacts& facts) {
@@ -296,14 +286,14 @@ Json to_json(const ClipFacts& facts) {
 
 /// The same as text, one fact per line.
 std::string to_text(const ClipFacts& facts) {
-    Lines lines;
-    lines.plain() << one_line(facts.clip) << (facts.scene.name.empty() ? "" : ": ")
-                  << printable(facts.scene.name) << '\n';
-    tell_picture(facts, lines);
-    tell_depth(facts, lines);
-    tell_touch(facts, lines);
-    for (const std::string& note : facts.notes) lines.line("note") << one_line(note) << '\n';
-    return lines.text();
+    std::ostringstream out;
+    out << one_line(facts.clip) << (facts.scene.name.empty() ? "" : ": ") << printable(facts.scene.name)
+        << '\n';
+    tell_picture(facts, out);
+    tell_depth(facts, out);
+    tell_touch(facts, out);
+    for (const std::string& note : facts.notes) line(out, "note") << one_line(note) << '\n';
+    return out.str();
 }
 
 /// The clip's scene as an MPEG-4 text, after comments on what MPEG-4 cannot express.

@@ -325,8 +325,7 @@ Result<PlayOptions> read_words(const PlayWords& words) {
 
 /// Printed after the window is closed.
 void print(const PlayFigures& figures) {
-    const Spread draw = spread_of(figures.draw_ms.values());
-    const Spread input = spread_of(figures.input_to_picture_ms.values());
+    const Spread draw = figures.draw_ms.spread(), input = figures.input_to_picture_ms.spread();
     std::printf("%-24s%lld in %.1f s, %.1f a second, by the %s painter%s\n", "pictures",
                 static_cast<long long>(figures.pictures), figures.seconds,
                 static_cast<double>(figures.pictures) / std::max(figures.seconds, 1e-3),
@@ -334,8 +333,7 @@ void print(const PlayFigures& figures) {
     std::printf("%-24s%lld of %lld\n", "frames shown in time", static_cast<long long>(figures.frames_in_time),
                 static_cast<long long>(figures.frames_due));
     std::printf("%-24sp50 %.1f, p99 %.1f ms\n", "time per picture", draw.p50, draw.p99);
-    if (!figures.input_to_picture_ms.values().empty())
-        std::printf("%-24sp50 %.1f, p99 %.1f ms\n", "input to picture", input.p50, input.p99);
+    if (input.max > 0) std::printf("%-24sp50 %.1f, p99 %.1f ms\n", "input to picture", input.p50, input.p99);
     const auto& [feed, ticks, late_frames] = figures.sessions;
     std::printf("%-24s%lld, %lld too late\n", "ticks", static_cast<long long>(ticks.ticks),
                 static_cast<long long>(ticks.late));

@@ -314,9 +314,7 @@ private:
             if (const auto fault = setup.film->fault())
                 record_->end_with_frame(setup.film->last_frame(), *fault);
         }
-        nlohmann::ordered_json facts = recorded_facts(setup);
-        facts["force_hash"] = force_hash;
-        return record_->finish(facts, setup.options.playback);
+        return record_->finish(recorded_facts(setup, force_hash), setup.options.playback);
     }
 
     const TouchOptions& options_;

@@ -34,7 +34,7 @@ void record_source(const SourceDescription& known, Json& facts) {
 
 }  // namespace
 
-Json recorded_facts(const TouchSetup& setup) {
+Json recorded_facts(const TouchSetup& setup, const std::string& force_hash) {
     const SessionOptions& options = setup.options;
     const TouchSettings& touch = options.touch;
     const GuardSettings& guard = options.guard;
@@ -83,6 +83,7 @@ Json recorded_facts(const TouchSetup& setup) {
     for (const DroppedFrames& run : setup.feed->dropped())
         facts["dropped"].push_back({run.epoch, run.first, run.count});
     facts["planes_hash"] = setup.feed->planes_hash();
+    facts["force_hash"] = force_hash;
     return facts;
 }
 

@@ -103,8 +103,8 @@ private:
     ForceHash hash_;
 };
 
-/// The recording's header of a run that has ended (docs/touch.md), without the forces' hash.
-nlohmann::ordered_json recorded_facts(const TouchSetup& setup);
+/// The recording's header of a run that has ended (docs/touch.md).
+nlohmann::ordered_json recorded_facts(const TouchSetup& setup, const std::string& force_hash);
 
 /// Fills in the setup's plain values from a recording header (opens nothing) and returns the scene that was
 /// touched. A member that is missing, of another kind or out of range is an error of kind input that begins

@@ -53,12 +53,6 @@ void reset_all(Window window, Command) {
 void take_setting(Window window, Command command) {
     window.clips().feel(command);
 }
-void open_named(Window window, Command command) {
-    window.clips().open_others({command.word});
-}
-void take_measure(Window window, Command command) {
-    window.measure().take(command);
-}
 void take_brush(Window window, Command command) {
     window.brush().take(command);
 }
@@ -85,8 +79,9 @@ std::vector<CommandRow> all_rows() {
         [](Window w, Command) { w.playlist().go(-1); });
     add(next, "next", begin, {}, without_clip | alternates, {{"pagedown"}, {">"}}, nullptr,
         [](Window w, Command) { w.playlist().go(1); });
-    add(measure, "measure", begin, {word}, 0, {{"t"}}, "measure between two places; again: stop",
-        take_measure,
+    add(
+        measure, "measure", begin, {word}, 0, {{"t"}}, "measure between two places; again: stop",
+        [](Window w, Command c) { w.measure().take(c); },
         "two pixels of the depth, X,Y each, such as 120,80 200,90; or nothing, to pick the tool up or put it "
         "away; or off, to remove the line");
     add(fingers, "fingers", touch, {whole_number, 1, 5}, for_visitors | of_pointer,
@@ -179,7 +174,9 @@ std::vector<CommandRow> all_rows() {
         [](Window w, Command c) { w.screen().set_size(c.width, c.height); });
     add(screenshot, "screenshot", window, {word}, without_clip, {{"f12"}}, "save a picture of the window",
         keep_screenshot, "a name that ends in .png, or nothing for a new one");
-    add(open, "open", window, {word}, without_clip, {}, nullptr, open_named, "a name");
+    add(
+        open, "open", window, {word}, without_clip, {}, nullptr,
+        [](Window w, Command c) { w.clips().open_others({c.word}); }, "a name");
     add(reset, "reset", window, {}, 0, {{"backspace", 0, false, true}}, "forget all kept settings",
         reset_all);
     add(leave, nullptr, window, {}, without_clip, {{"escape"}}, "close what is in front, at last the window",

@@ -291,7 +291,7 @@ Result<void> OpenedClip::take(Change change) {
     if (record_) {
         const TouchSetup& setup = session_->setup();
         TRY(finish_film());
-        record_->file->end_part(facts_of_part(), setup.options.playback);
+        record_->file->end_part(recorded_facts(setup, record_->hash->hex()), setup.options.playback);
         TRY(open_film(*change.setup));
         record_->hash.emplace();
     }
@@ -338,17 +338,12 @@ Result<void> OpenedClip::Record::consume(const TouchTick& tick) {
     return file->consume(tick);
 }
 
-nlohmann::ordered_json OpenedClip::facts_of_part() const {
-    nlohmann::ordered_json facts = recorded_facts(session_->setup());
-    facts["force_hash"] = record_->hash->hex();
-    return facts;
-}
-
 Result<void> OpenedClip::finish() {
     end_session();
     if (!record_) return {};
     TRY(finish_film());
-    return record_->file->finish(facts_of_part(), session_->setup().options.playback);
+    const TouchSetup& setup = session_->setup();
+    return record_->file->finish(recorded_facts(setup, record_->hash->hex()), setup.options.playback);
 }
 
 Result<void> PlaybackControl::play_or_pause() {

@@ -151,7 +151,6 @@ private:
         listener_->begin(session_->clock(), frames_ > 0 ? scene_->rate.time_ns(frames_) : latest_moment_ns);
     }
     void lead_from(const Change& change, const PlaybackState& to);
-    nlohmann::ordered_json facts_of_part() const;
     Result<void> open_film(TouchSetup& setup);
     Result<void> finish_film();
     MarkSizes sizes_for(double max_newtons) const;

@@ -118,29 +118,12 @@ struct PlayOptions {
 
 /// Statistics and measurements of a window.
 struct PlayFigures {
-    /// The newest of many values, as a window may be open for days.
-    class NewestValues {
-    public:
-        void add(double value) {
-            if (values_.size() < most)
-                values_.push_back(value);
-            else
-                values_[next_++ % most] = value;
-        }
-        const std::vector<double>& values() const { return values_; }
-
-    private:
-        static constexpr std::size_t most = 20'000;
-        std::vector<double> values_;
-        std::size_t next_ = 0;
-    };
-
     std::int64_t pictures = 0;
     double seconds = 0;
-    NewestValues draw_ms, input_to_picture_ms;
+    TimeSpread draw_ms, input_to_picture_ms;
     /// For pictures of a new frame: time for the surface, from codes to pixels; for texts, bars and curves;
     /// and until the finished picture is shown.
-    NewestValues surface_ms, words_ms, shown_ms;
+    TimeSpread surface_ms, words_ms, shown_ms;
     std::int64_t frames_due = 0, frames_in_time = 0;  ///< FramesShown, of all clips
     double first_picture_ms = 0;                      ///< since the window was requested
     /// CPU time since the first picture, of the drawing thread and of the process.

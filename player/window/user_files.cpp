@@ -84,16 +84,13 @@ std::string read_member(const std::string& name, const Json& value, KeptSettings
         (name == "panel" ? kept.panel : kept.dent) = value.get<bool>();
         return "";
     }
-    if (name == "fingers") {
-        const auto fingers = whole_in(value, 1, PointerFingers::most);
-        if (!fingers) return quoted + "must be 1 to 5";
-        kept.fingers = *fingers;
-        return "";
-    }
-    if (name == "volume") {
-        const auto volume = whole_in(value, 0, 100);
-        if (!volume) return quoted + "must be 0 to 100";
-        kept.volume = *volume;
+    for (const auto& [number, member, least, most] :
+         {std::tuple{"fingers", &KeptSettings::fingers, 1, PointerFingers::most},
+          {"volume", &KeptSettings::volume, 0, 100}}) {
+        if (name != number) continue;
+        const auto whole = whole_in(value, least, most);
+        if (!whole) return quoted + formatted("must be %d to %d", least, most);
+        kept.*member = *whole;
         return "";
     }
     if (name == "overlay") return "";  // kept by earlier versions

@@ -126,7 +126,7 @@ bool ends(std::istringstream& words) {
 
 /// A study's keys, besides key_bindings(), that a script may press.
 constexpr const char* study_keys[] = {"enter", "6", "7", "8"};
-constexpr std::int64_t most_scripted = 10;  // fingers on a touch screen
+constexpr std::int64_t most_scripted = 10;  // fingers on a touch screen; `inputs` names it
 
 /// Fails if no key of that name does anything.
 Result<void> check_key(const std::string& name) {
@@ -143,51 +143,49 @@ Result<void> check_key(const std::string& name) {
     return usage_error("unknown key '" + name + "'; must be one of " + known);
 }
 
+/// Inputs of a script, as messages list them; `right`: what follows the name.
+constexpr struct {
+    const char* name;
+    InputEvent::Kind kind;
+    const char* right;
+} inputs[] = {{"move", InputEvent::Kind::moved, "two numbers, pixels from the upper left"},
+              {"press", InputEvent::Kind::pressed, "left, right or middle"},
+              {"release", InputEvent::Kind::released, "left, right or middle"},
+              {"wheel", InputEvent::Kind::wheel, "a number of notches"},
+              {"key", InputEvent::Kind::key, "the name of one key"},
+              {"key-up", InputEvent::Kind::key_released, "the name of one key"},
+              {"touch", InputEvent::Kind::touch_began,
+               "the number of a finger, from 1 to 10, and two numbers, pixels from the upper left"},
+              {"touch-move", InputEvent::Kind::touch_moved,
+               "the number of a finger, from 1 to 10, and two numbers, pixels from the upper left"},
+              {"touch-end", InputEvent::Kind::touch_ended, "the number of a finger, from 1 to 10"},
+              {"leave", InputEvent::Kind::left_window, "nothing else"},
+              {"drop", InputEvent::Kind::dropped, "a file or folder"}};
+
 /// Parses inputs such as "move 10 20"; nullopt if it is no input.
 Result<std::optional<InputEvent>> read_input(const std::string& line) {
     using Kind = InputEvent::Kind;
-    const std::string a_place = "two numbers, pixels from the upper left";
     std::istringstream words(line);
-    std::string name, right;
+    std::string name;
     words >> name;
-    InputEvent event;
-    if (name == "move") {
-        words >> event.x >> event.y;
-        right = a_place;
-    } else if (name == "wheel") {
-        event.kind = Kind::wheel;
-        words >> event.y;
-        right = "a number of notches";
-    } else if (name == "press" || name == "release") {
-        event.kind = name == "press" ? Kind::pressed : Kind::released;
-        words >> event.word;
-        right = "left, right or middle";
-        if (event.word != "left" && event.word != "right" && event.word != "middle")
-            words.setstate(std::ios::failbit);
-    } else if (name == "key" || name == "key-up") {
-        event.kind = name == "key" ? Kind::key : Kind::key_released;
-        words >> event.word;
-        right = "the name of one key";
-    } else if (name == "touch" || name == "touch-move" || name == "touch-end") {
-        const bool has_place = name != "touch-end";
-        event.kind = name == "touch" ? Kind::touch_began : has_place ? Kind::touch_moved : Kind::touch_ended;
+    const auto* const input = std::ranges::find(inputs, name, [](const auto& one) { return one.name; });
+    if (input == std::end(inputs)) return std::optional<InputEvent>();
+    InputEvent event{.kind = input->kind};
+    const bool is_key = event.kind == Kind::key || event.kind == Kind::key_released,
+               is_button = event.kind == Kind::pressed || event.kind == Kind::released;
+    bool fits = true;
+    if (is_touch(event)) {
         words >> event.touch;
-        if (has_place) words >> event.x >> event.y;
-        if (event.touch < 1 || event.touch > most_scripted) words.setstate(std::ios::failbit);
-        right = "the number of a finger, from 1 to " + std::to_string(most_scripted) +
-                (has_place ? ", and " + a_place : "");
-    } else if (name == "leave") {
-        event.kind = Kind::left_window;
-        right = "nothing else";
-    } else if (name == "drop") {
-        event.kind = Kind::dropped;
-        std::getline(words >> std::ws, event.word);
-        right = "a file or folder";
-    } else {
-        return std::optional<InputEvent>();
+        fits = event.touch >= 1 && event.touch <= most_scripted;
     }
-    if (!words || !ends(words)) return usage_error(name + " needs " + right);
-    if (event.kind == Kind::key || event.kind == Kind::key_released) TRY(check_key(event.word));
+    if (event.kind == Kind::moved || (is_touch(event) && event.kind != Kind::touch_ended))
+        words >> event.x >> event.y;
+    if (event.kind == Kind::wheel) words >> event.y;
+    if (is_key || is_button) words >> event.word;
+    if (is_button) fits = event.word == "left" || event.word == "right" || event.word == "middle";
+    if (event.kind == Kind::dropped) std::getline(words >> std::ws, event.word);
+    if (!words || !fits || !ends(words)) return usage_error(name + " needs " + input->right);
+    if (is_key) TRY(check_key(event.word));
     return std::optional(event);
 }
 
@@ -208,9 +206,9 @@ Result<ScriptedInput> read_line(const std::string& line) {
     const std::string name = rest.substr(0, rest.find(' '));
     if (!command && (session_setting(name) || command_named(name))) return command.error();
     if (!command)
-        return usage_error(command.error().message +
-                           "; or an input: move, press, release, wheel, key, key-up, touch, touch-move, "
-                           "touch-end, leave, drop");
+        return usage_error(command.error().message + "; or an input: " + listed(inputs, [](const auto& one) {
+                               return std::string(one.name);
+                           }));
     input.what = std::move(*command);
     return input;
 }

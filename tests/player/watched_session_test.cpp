@@ -166,8 +166,7 @@ protected:
         session->stop();
         EXPECT_FALSE(session->failure()) << session->failure()->message;
         EXPECT_FALSE(handle->is_open());
-        nlohmann::ordered_json facts = recorded_facts(session->setup());
-        facts["force_hash"] = figures_->force_hash();
+        const auto facts = recorded_facts(session->setup(), figures_->force_hash());
         ASSERT_TRUE(record_->finish(facts, session->setup().options.playback));
         const auto replayed = replay_in_process(folder / "run.rec");
         EXPECT_TRUE(replayed) << replayed.error().message;
