@@ -184,6 +184,14 @@ private:
     std::array<Slot, capacity> slots_;
 };
 
+/// The handles of one kind of object: made at the first use, and never destroyed, as threads of the program
+/// may outlive the library's static objects.
+template <class T, std::uint64_t kind, Forked forked, std::size_t most = 1024>
+HandleTable<T, most>& handles() {
+    static auto& table = *new HandleTable<T, most>(kind, forked);
+    return table;
+}
+
 /// A non-blocking lock: a second thread does not get it.
 class TryLock : NonCopyable {
 public:

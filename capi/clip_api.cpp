@@ -154,10 +154,7 @@ struct ClipObject {
     std::shared_ptr<RawFrame> unclaimed;          ///< was read, and there was no room for it; null: none
 };
 
-HandleTable<ClipObject>& clips() {
-    static auto& table = *new HandleTable<ClipObject>(4, Forked::refused);
-    return table;
-}
+constexpr auto clips = handles<ClipObject, 4, Forked::refused>;
 
 /// Whether an open clip is read from this file, or from a file in this folder, under any name.
 bool is_read_by_an_open_clip(const fs::path& path) {
@@ -176,10 +173,7 @@ bool is_read_by_an_open_clip(const fs::path& path) {
 using FramesetObject = RawFrame;
 constexpr std::size_t most_framesets = 65536;
 
-HandleTable<FramesetObject, most_framesets>& framesets() {
-    static auto& table = *new HandleTable<FramesetObject, most_framesets>(5, Forked::usable);
-    return table;
-}
+constexpr auto framesets = handles<FramesetObject, 5, Forked::usable, most_framesets>;
 
 constexpr std::int64_t last_with_a_time = std::int64_t{1} << 40;  // FrameRate
 
@@ -270,10 +264,7 @@ struct WriterObject {
     FrameScratch scratch;
 };
 
-HandleTable<WriterObject>& writers() {
-    static auto& table = *new HandleTable<WriterObject>(6, Forked::refused);
-    return table;
-}
+constexpr auto writers = handles<WriterObject, 6, Forked::refused>;
 
 /// Reads a scene of the other library, through its complete text.
 Result<touch_status> read_scene(touch_scene scene, SceneDescription& described, touch_error* error) {

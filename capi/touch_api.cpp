@@ -39,10 +39,7 @@ struct SceneObject {
     mutable std::vector<float> metres;  ///< per code, NaN if invalid (metres_of_codes)
 };
 
-HandleTable<SceneObject>& scenes() {
-    static auto& table = *new HandleTable<SceneObject>(1, Forked::usable);
-    return table;
-}
+constexpr auto scenes = handles<SceneObject, 1, Forked::usable>;
 
 /// The object of a touch_surface. One thread pushes, one solver reads the timeline.
 struct SurfaceObject {
@@ -65,10 +62,7 @@ struct SurfaceObject {
     std::atomic<bool> has_solver{false};
 };
 
-HandleTable<SurfaceObject>& surfaces() {
-    static auto& table = *new HandleTable<SurfaceObject>(2, Forked::refused);
-    return table;
-}
+constexpr auto surfaces = handles<SurfaceObject, 2, Forked::refused>;
 
 /// The only reader of a surface; while it exists the surface cannot be destroyed. False: the surface has
 /// another reader.
@@ -105,10 +99,7 @@ struct SolverObject {
     FramePair pair;
 };
 
-HandleTable<SolverObject>& solvers() {
-    static auto& table = *new HandleTable<SolverObject>(3, Forked::refused);
-    return table;
-}
+constexpr auto solvers = handles<SolverObject, 3, Forked::refused>;
 
 /// Refuses a member that `validate` would call by another name.
 Error camera_error(const char* member, const std::string& right) {

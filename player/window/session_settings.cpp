@@ -12,9 +12,7 @@ Result<void> SessionSettings::set(const std::string& name, const std::string& va
     const auto legal = setting->range.value_of(value);
     if (!legal)
         return usage_error(name + " '" + value + "' is not allowed; must be " + setting->range.in_words());
-    if (name == "filters")
-        std::erase_if(values_,
-                      [](const auto& one) { return session_setting(one.first)->of == SettingOf::filters; });
+    if (name == "filters") drop(SettingOf::filters);
     if (name != "filters" || value != "clip") values_[name] = setting->range.word_of(*legal);
     return {};
 }

@@ -17,6 +17,10 @@ public:
     /// Sets a value, such as "median", "5". "filters" sets all filters, and discards their single settings.
     /// Fails (ErrorKind::usage) with the allowed values.
     Result<void> set(const std::string& name, const std::string& value);
+    /// Leaves the settings of that kind to the clip.
+    void drop(SettingOf of) {
+        std::erase_if(values_, [of](const auto& one) { return session_setting(one.first)->of == of; });
+    }
     const std::map<std::string, std::string>& values() const { return values_; }
     /// "median 5, metric pixel", or a text that nothing was set.
     std::string in_words() const;

@@ -16,17 +16,6 @@ namespace {
 // Interval of attempts to renew a session; few commands come in that time compared to the remaining room.
 constexpr std::chrono::seconds renew_pause(20);
 
-/// All settings but the relief's, which needs a clip's colour: a camera's clip, or a recorded run, has no
-/// relief.
-SessionSettings without_relief(const SessionSettings& settings) {
-    SessionSettings rest;
-    for (const SessionSetting& setting : session_settings())
-        if (const auto value = settings.values().find(setting.name);
-            value != settings.values().end() && setting.of != SettingOf::relief)
-            (void)rest.set(setting.name, value->second);
-    return rest;
-}
-
 std::string title_of(const std::filesystem::path& file) {
     const std::string name = file.filename().string();
     return name.empty() ? file.string() : name;
@@ -123,7 +112,9 @@ Result<WindowClips::Ready> WindowClips::open_clip(ClipChoice choice, const TwoSe
     TwoSettings tried = kept;
     for (const bool all : {false, true}) {
         TwoSettings in_effect = kept;
-        in_effect.now() = all ? SessionSettings{} : without_relief(kept.now());
+        // A camera's clip, or a recorded run, has no relief: that needs a clip's colour.
+        in_effect.now().drop(SettingOf::relief);
+        if (all) in_effect.now() = {};
         if (in_effect == tried || stop_requested()) continue;
         tried = in_effect;
         opened = OpenedClip::open(core_.options, choice, in_effect.now(), core_.sound());
