@@ -16,6 +16,7 @@
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"
 #include "engine/clip/clip_file.hpp"
+#include "engine/clip/rank_samples.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 
@@ -73,13 +74,10 @@ std::vector<std::filesystem::path> packed_clip_files(const std::filesystem::path
 /// before, or there is none.
 class FramePacker {
 public:
-    FramePacker();
-    ~FramePacker();
     Result<std::array<std::string, all_roles.size()>> pack(const RawFrame& frame);
 
 private:
-    struct Encoders;
-    std::unique_ptr<Encoders> encoders_;
+    std::array<std::optional<RankEncoder>, all_roles.size()> encoders_;
     RawFrame before_;
 };
 /// clip.json of a live source, whose frames a page gets from `live`, an address beside it (docs/web.md).

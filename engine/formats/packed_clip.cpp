@@ -7,7 +7,6 @@
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/clip/rank_samples.hpp"
 #include "engine/formats/formats_read.hpp"
 #include "engine/formats/formats_written.hpp"
 #include "engine/formats/stored_clip.hpp"
@@ -316,13 +315,6 @@ StoredClip read_packed(const Node& node, const fs::path& file) {
 
 }  // namespace
 
-struct FramePacker::Encoders {
-    std::array<std::optional<RankEncoder>, all_roles.size()> of;
-};
-
-FramePacker::FramePacker() : encoders_(std::make_unique<Encoders>()) {}
-FramePacker::~FramePacker() = default;
-
 Result<std::array<std::string, all_roles.size()>> FramePacker::pack(const RawFrame& frame) {
     std::array<std::string, all_roles.size()> packets;
     for (const PlaneRole role : all_roles) {
@@ -334,7 +326,7 @@ Result<std::array<std::string, all_roles.size()>> FramePacker::pack(const RawFra
             TRY(assign(packets[place(role)], jpeg_bytes(plane)));
             continue;
         }
-        auto& encoder = encoders_->of[place(role)];
+        auto& encoder = encoders_[place(role)];
         if (!encoder) encoder.emplace(deflated);
         const auto samples = samples_of(plane);
         const auto packet =
