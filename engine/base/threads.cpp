@@ -14,8 +14,6 @@ thread_local const StopScope* innermost = nullptr;
 /// others for long; and short bands, so that their first rows are still in the cache when the last are done.
 constexpr int bands_per_thread = 4, most_rows = 128;
 
-constexpr int most_threads = 4;
-
 }  // namespace
 
 void request_stop() {
@@ -72,9 +70,9 @@ Error interrupted_error() {
     return {ErrorKind::interrupted, "interrupted; nothing half-written is left"};
 }
 
-int threads_for(long pixels, long pixels_per_thread) {
+int threads_for(long pixels, long pixels_per_thread, int most) {
     const int cores = static_cast<int>(std::thread::hardware_concurrency());
-    return std::clamp(static_cast<int>(std::min<long>(pixels / pixels_per_thread, most_threads)), 1,
+    return std::clamp(static_cast<int>(std::min<long>(pixels / pixels_per_thread, most)), 1,
                       std::max(cores, 1));
 }
 

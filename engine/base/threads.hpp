@@ -236,9 +236,10 @@ struct RowBand {
 };
 
 /// Returns the number of threads that pays for `pixels`, if one more pays for `pixels_per_thread`: work of 50
-/// us, of which waking a thread takes some 5 us of CPU time and a few tens of waiting. At most 4, since more
-/// threads wait for memory, and other threads need cores, too; and at most the number of cores.
-int threads_for(long pixels, long pixels_per_thread);
+/// us, of which waking a thread takes some 5 us of CPU time and a few tens of waiting. At most `most`,
+/// by default 4, since more threads wait for memory, and other threads need cores, too; and at most the
+/// number of cores.
+int threads_for(long pixels, long pixels_per_thread, int most = 4);
 
 /// Threads that share the rows of a picture: the caller's, and others that sleep between calls.
 class RowBands : NonCopyable {

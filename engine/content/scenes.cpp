@@ -1,6 +1,7 @@
 // Scenes by name, what their families share, and their frames.
 #include "engine/content/scenes.hpp"
 
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/content/families.hpp"
@@ -100,10 +101,9 @@ Error refuse_scene(std::string_view name, const std::string& what) {
 }
 
 int threads_for_pixels(int threads, std::int64_t pixels) {
-    constexpr std::int64_t least_pixels = 1 << 14;  // fewest that pay for starting a thread
+    constexpr long least_pixels = 1 << 14;  // fewest that pay for starting a thread
     if (threads > 0) return threads;
-    const auto cores = std::max<std::int64_t>(std::thread::hardware_concurrency(), 1);
-    return static_cast<int>(std::clamp<std::int64_t>(pixels / least_pixels, 1, cores));
+    return threads_for(static_cast<long>(pixels), least_pixels, std::numeric_limits<int>::max());
 }
 
 Scene blank_scene(std::string_view name, const SceneOptions& options) {

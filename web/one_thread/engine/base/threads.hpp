@@ -34,7 +34,7 @@ inline std::int64_t boot_ns() {
 struct RowBand {
     int first, last, thread;
 };
-inline int threads_for(long, long) {
+inline int threads_for(long, long, int = 1) {
     return 1;
 }
 /// All rows are one band of the only thread.
