@@ -3,18 +3,14 @@
 #include <utility>
 
 #include "bench/paper/chest_scene.hpp"
+#include "bench/touch/touch_run.hpp"
+#include "engine/base/try.hpp"
 
 namespace touchable {
 namespace {
 
 constexpr int globe_frames = 30;       // a second
 constexpr std::size_t lazy_slots = 4;  // suffices for 64 ms at 30 frames/s
-
-std::int64_t frame_at(const FrameRate& rate, std::int64_t time_ns) {
-    std::int64_t n = time_ns * rate.num / (rate.den * 1'000'000'000);
-    while (rate.time_ns(n + 1) <= time_ns) ++n;
-    return n;
-}
 
 }  // namespace
 
@@ -33,9 +29,7 @@ Result<std::shared_ptr<const PaperClip>> make_globe_clip() {
     SceneOptions options;
     options.bits = 8;
     options.properties = true;
-    auto made = make_scene("globe", options);
-    if (!made) return made.error();
-    const std::shared_ptr<const AnalyticScene> content = std::move(made).value();
+    TRY_ASSIGN(const std::shared_ptr<const AnalyticScene> content, make_scene("globe", options));
     auto clip = std::make_shared<PaperClip>();
     clip->scene = content->scene();
     clip->depth = [content](double x, double y) { return content->depth(x, y, 0); };
@@ -45,12 +39,13 @@ Result<std::shared_ptr<const PaperClip>> make_globe_clip() {
     return std::shared_ptr<const PaperClip>(std::move(clip));
 }
 
-std::shared_ptr<const PaperClip> make_chest_clip(double noise_levels, int frames) {
+std::shared_ptr<const PaperClip> make_chest_clip(double noise_levels, int frames, std::int64_t first) {
     auto clip = std::make_shared<PaperClip>();
     clip->scene = chest_scene();
     clip->noise_levels = noise_levels;
     clip->depth = [camera = clip->scene.camera](double x, double y) { return chest_range(camera, x, y); };
-    for (int n = 0; n < frames; ++n) clip->frames.push_back(noisy_chest_frame(clip->scene, noise_levels, n));
+    for (int n = 0; n < frames; ++n)
+        clip->frames.push_back(noisy_chest_frame(clip->scene, noise_levels, first + n));
     return clip;
 }
 
@@ -70,7 +65,7 @@ PlayedClip::PlayedClip(std::shared_ptr<const PaperClip> clip, const PaperFilter&
 Result<std::unique_ptr<PlayedClip>> PlayedClip::make(std::shared_ptr<const PaperClip> clip,
                                                      const PaperFilter& filter) {
     std::unique_ptr<PlayedClip> played(new PlayedClip(std::move(clip), filter));
-    if (auto built = played->build(); !built) return built.error();
+    TRY(played->build());
     return played;
 }
 
@@ -90,20 +85,19 @@ std::size_t PlayedClip::slot(std::int64_t number) const {
 
 void PlayedClip::play_to(std::int64_t time_ns) {
     // Cannot fail: `build` succeeded with frames of this form.
-    for (; lazy_ && built_ <= frame_at(scene_.rate, time_ns) + 1; ++built_)
+    for (; lazy_ && built_ <= scene_.rate.frame_at(time_ns) + 1; ++built_)
         static_cast<void>(builder_->build(raw(built_), slots_[slot(built_)]));
 }
 
 FramePair PlayedClip::pair_at(std::int64_t time_ns) const {
-    const FrameRate& rate = scene_.rate;
-    const std::int64_t n = frame_at(rate, time_ns);
-    const auto timed = [&](std::int64_t number) {
-        return TimedFrame{number, rate.time_ns(number), &slots_[slot(number)]};
-    };
-    FramePair pair{timed(n), timed(n + 1), 0};
-    pair.blend = static_cast<double>(time_ns - pair.prev.time_ns) /
-                 static_cast<double>(pair.next.time_ns - pair.prev.time_ns);
-    return pair;
+    return frames_around(scene_.rate, slots_, time_ns);
+}
+
+Result<TouchSolver> PlayedClip::solver(TouchMetric metric) const {
+    TouchSettings settings;
+    settings.metric = metric;
+    settings.metres_per_scene_unit = scene_.device_metres_per_unit.value();
+    return TouchSolver::create(scene_, settings);
 }
 
 }  // namespace touchable

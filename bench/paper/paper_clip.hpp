@@ -28,8 +28,8 @@ struct PaperClip {
 
 /// The turning planet at 720x480 and 8 bits with camera B: one second of its turn, forward and backward.
 Result<std::shared_ptr<const PaperClip>> make_globe_clip();
-/// `frames` frames of the chest with that noise, independent in each frame.
-std::shared_ptr<const PaperClip> make_chest_clip(double noise_levels, int frames);
+/// `frames` frames of the chest with that noise, independent in each frame; `first` seeds the first one's.
+std::shared_ptr<const PaperClip> make_chest_clip(double noise_levels, int frames, std::int64_t first = 0);
 
 /// Filters from a clip to a surface.
 struct PaperFilter {
@@ -54,6 +54,7 @@ public:
     /// decrease except by `restart`.
     void play_to(std::int64_t time_ns);
     FramePair pair_at(std::int64_t time_ns) const;
+    Result<TouchSolver> solver(TouchMetric metric) const;
 
 private:
     PlayedClip(std::shared_ptr<const PaperClip> clip, const PaperFilter& filter);

@@ -8,6 +8,7 @@
 #include "bench/clocks.hpp"
 #include "bench/touch/force_spectrum.hpp"
 #include "bench/touch/touch_run.hpp"
+#include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "haptics_cpu/touch_step.hpp"
 
@@ -40,6 +41,8 @@ public:
         return std::sqrt(off.x * off.x + off.y * off.y);
     }
 
+    std::string hash() const { return hash_.hex(); }
+
     /// The contact of tick k, or an error that states its fault.
     Result<Contact> tick(int k) {
         played_.play_to(k * tick_length_ns);
@@ -50,6 +53,7 @@ public:
         if (const char* fault = fault_of(contact, field, workspace_.metres_per_scene_unit,
                                          behind_tolerance(solver_.settings().metric)))
             return Error{ErrorKind::check, "tick " + std::to_string(k) + ": " + fault};
+        hash_.add(contact.force);
         handle_.intend(meant(k));
         handle_.advance(contact.force);
         return contact;
@@ -69,6 +73,7 @@ private:
     HeldHandle handle_;
     double under_;  // device metres along the optical axis
     FingerState finger_;
+    ForceHash hash_;  // of all ticks
 };
 
 /// The recording: the force's magnitude, tick by tick.
@@ -81,12 +86,11 @@ struct Scratched {
 Result<Scratched> scratched(Scratching& hand) {
     Scratched recorded;
     for (int k = 0; k < settling_ticks + segments * segment_ticks; ++k) {
-        const auto contact = hand.tick(k);
-        if (!contact) return contact.error();
+        TRY_ASSIGN(const Contact contact, hand.tick(k));
         if (k < settling_ticks) continue;
-        recorded.newtons.push_back(glm::length(contact->force));
-        recorded.touching += contact->touching;
-        const double off = hand.held_back(k, *contact);
+        recorded.newtons.push_back(glm::length(contact.force));
+        recorded.touching += contact.touching;
+        const double off = hand.held_back(k, contact);
         recorded.held_back_squares += off * off;
     }
     if (2 * recorded.touching < segments * segment_ticks)
@@ -123,27 +127,22 @@ void add_curve(const Spectrum& spectrum, Figures& figures) {
 }  // namespace
 
 Result<void> measure_scratch(std::shared_ptr<const PaperClip> clip, const ScratchRun& run, Figures& figures) {
-    const auto played = PlayedClip::make(std::move(clip), run.filter);
-    if (!played) return played.error();
-    TouchSettings settings;
-    settings.metric = run.setup.metric;
-    settings.metres_per_scene_unit = (*played)->scene().device_metres_per_unit.value();
-    const auto solver = TouchSolver::create((*played)->scene(), settings);
-    if (!solver) return solver.error();
-    Scratching hand(**played, *solver, run.hand);
-    const auto recorded = scratched(hand);
-    if (!recorded) return recorded.error();
+    TRY_ASSIGN(const auto played, PlayedClip::make(std::move(clip), run.filter));
+    TRY_ASSIGN(const TouchSolver solver, played->solver(run.setup.metric));
+    Scratching hand(*played, solver, run.hand);
+    TRY_ASSIGN(const Scratched recorded, scratched(hand));
 
-    const Spectrum spectrum = welch_spectrum(recorded->newtons, rate_hz, segments);
+    const Spectrum spectrum = welch_spectrum(recorded.newtons, rate_hz, segments);
     add_bands(spectrum, figures);
-    const auto count = static_cast<double>(recorded->newtons.size());
+    const auto count = static_cast<double>(recorded.newtons.size());
     double sum = 0;
-    for (const double newtons : recorded->newtons) sum += newtons;
+    for (const double newtons : recorded.newtons) sum += newtons;
     figures.push_back({"force_n_mean", sum / count, "N"});
     figures.push_back(
-        {"force_n_max", *std::max_element(recorded->newtons.begin(), recorded->newtons.end()), "N"});
-    figures.push_back({"held_back_mm", 1000 * std::sqrt(recorded->held_back_squares / count), "mm"});
-    figures.push_back({"contact_pct", 100 * recorded->touching / count, "%"});
+        {"force_n_max", *std::max_element(recorded.newtons.begin(), recorded.newtons.end()), "N"});
+    figures.push_back({"held_back_mm", 1000 * std::sqrt(recorded.held_back_squares / count), "mm"});
+    figures.push_back({"contact_pct", 100 * recorded.touching / count, "%"});
+    figures.push_back(named("force_hash", hand.hash()));
     add_curve(spectrum, figures);
     return {};
 }

@@ -7,6 +7,8 @@
 #include "bench/clocks.hpp"
 #include "bench/tick_times.hpp"
 #include "bench/touch/touch_run.hpp"
+#include "engine/base/try.hpp"
+#include "haptics_cpu/touch_step.hpp"
 
 namespace touchable {
 namespace {
@@ -72,6 +74,7 @@ double mean_of_maxima(const double* values, int seconds) {
 Result<void> add_primitives(SweepTicks& ticks, const SweepRun& run, Figures& figures) {
     ticks.restart();
     std::vector<double> primitives;
+    ForceHash hash;
     double sum = 0;
     int touching = 0, capped = 0;
     for (int k = 0; k < ticks.ticks(); ++k) {
@@ -80,6 +83,7 @@ Result<void> add_primitives(SweepTicks& ticks, const SweepRun& run, Figures& fig
         if (const char* fault = ticks.fault(k))
             return Error{ErrorKind::check, "tick " + std::to_string(k) + ": " + fault};
         const Contact& contact = ticks.contact();
+        hash.add(contact.force);
         primitives.push_back(contact.counts.events);
         if (k < second_ticks) continue;
         sum += primitives.back();
@@ -92,6 +96,7 @@ Result<void> add_primitives(SweepTicks& ticks, const SweepRun& run, Figures& fig
     figures.push_back({"primitives_mean", sum / touching, ""});
     figures.push_back({"contact_pct", 100.0 * touching / counted, "%"});
     figures.push_back({"capped_ticks", static_cast<double>(capped), ""});
+    figures.push_back(named("force_hash", hash.hex()));
     return {};
 }
 
@@ -117,25 +122,29 @@ void add_maxima(const TickTimes& times, const SweepRun& run, Figures& figures) {
                        "us"});
 }
 
+Result<void> run_sweep(const std::shared_ptr<const PaperClip>& clip, const SweepRun& run, auto&& work) {
+    TRY_ASSIGN(const auto played, PlayedClip::make(clip, run.filter));
+    TRY_ASSIGN(const TouchSolver solver, played->solver(run.setup.metric));
+    SweepTicks ticks(*played, solver, goals_of(*clip, run));
+    return work(ticks);
+}
+
 }  // namespace
 
+Result<void> count_primitives(std::shared_ptr<const PaperClip> clip, const SweepRun& run, Figures& figures) {
+    return run_sweep(clip, run, [&](SweepTicks& ticks) { return add_primitives(ticks, run, figures); });
+}
+
 Result<void> measure_sweep(std::shared_ptr<const PaperClip> clip, const SweepRun& run, Figures& figures) {
-    std::vector<glm::dvec3> goals = goals_of(*clip, run);
-    const auto played = PlayedClip::make(std::move(clip), run.filter);
-    if (!played) return played.error();
-    TouchSettings settings;
-    settings.metric = run.setup.metric;
-    settings.metres_per_scene_unit = (*played)->scene().device_metres_per_unit.value();
-    const auto solver = TouchSolver::create((*played)->scene(), settings);
-    if (!solver) return solver.error();
-    SweepTicks ticks(**played, *solver, std::move(goals));
-    Figures primitives;
-    if (auto counted = add_primitives(ticks, run, primitives); !counted) return counted;
-    const TickTimes times = time_hot(ticks, run.repeats);
-    add_maxima(times, run, figures);
-    figures.insert(figures.end(), primitives.begin(), primitives.end());
-    add_figures(times, "", figures);
-    return {};
+    return run_sweep(clip, run, [&](SweepTicks& ticks) -> Result<void> {
+        Figures primitives;
+        TRY(add_primitives(ticks, run, primitives));
+        const TickTimes times = time_hot(ticks, run.repeats);
+        add_maxima(times, run, figures);
+        figures.insert(figures.end(), primitives.begin(), primitives.end());
+        add_figures(times, "", figures);
+        return {};
+    });
 }
 
 }  // namespace touchable

@@ -16,6 +16,10 @@ struct SweepRun {
     int repeats = 5;
 };
 
+/// Appends primitives_second_max and primitives_mean, contact_pct, capped_ticks and the hash of the forces of
+/// all ticks; an error if a tick is invalid. Times nothing.
+Result<void> count_primitives(std::shared_ptr<const PaperClip> clip, const SweepRun& run, Figures& figures);
+
 /// Appends tick_us_second_max and primitives_second_max (the largest of each second, mean over the seconds),
 /// primitives_mean, and the times of a tick; an error if a tick is invalid (see `verify`).
 Result<void> measure_sweep(std::shared_ptr<const PaperClip> clip, const SweepRun& run, Figures& figures);

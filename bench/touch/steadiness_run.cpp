@@ -9,6 +9,7 @@
 
 #include "bench/touch/force_spectrum.hpp"
 #include "bench/touch/noisy_scene.hpp"
+#include "bench/touch/touch_run.hpp"
 #include "engine/base/same_bits.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/touch_solver.hpp"
@@ -43,18 +44,6 @@ Result<std::vector<SurfaceFrame>> frames_of(const Scene& scene, const TrueDepth&
     return frames;
 }
 
-FramePair pair_at(const Scene& scene, const std::vector<SurfaceFrame>& frames, std::int64_t time_ns) {
-    std::int64_t n = 0;
-    while (scene.rate.time_ns(n + 1) <= time_ns) ++n;
-    const auto timed = [&](std::int64_t number) {
-        return TimedFrame{number, scene.rate.time_ns(number), &frames[static_cast<std::size_t>(number)]};
-    };
-    FramePair pair{timed(n), timed(n + 1), 0};
-    pair.blend = static_cast<double>(time_ns - pair.prev.time_ns) /
-                 static_cast<double>(pair.next.time_ns - pair.prev.time_ns);
-    return pair;
-}
-
 glm::dvec3 goal_under(const Scene& scene, const glm::dvec2& pixel) {
     const double depth = ball_and_wall(pixel.x, pixel.y, 0) + depth_under;
     return {depth * (pixel.x - scene.camera.cx) / scene.camera.fx,
@@ -72,7 +61,7 @@ Result<std::vector<Forces>> forces_at_rest(const Scene& scene, const std::vector
     std::vector<Contact> contacts(goals.size());
     std::vector<Forces> forces(goals.size());
     for (int tick = 0; tick < first_tick + ticks; ++tick) {
-        const FramePair pair = pair_at(scene, frames, std::int64_t{tick} * 1'000'000);
+        const FramePair pair = frames_around(scene.rate, frames, std::int64_t{tick} * 1'000'000);
         solver->tick(HeightField(scene, pair), goals, fingers, contacts);
         for (std::size_t k = 0; tick >= first_tick && k < forces.size(); ++k)
             forces[k].push_back(contacts[k].force);

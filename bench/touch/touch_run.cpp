@@ -55,6 +55,19 @@ void TouchRun::tick(int k) {
     solver_.tick(field(k), goals, fingers_, contacts_);
 }
 
+FramePair frames_around(const FrameRate& rate, std::span<const SurfaceFrame> frames, std::int64_t time_ns) {
+    std::int64_t n = time_ns * rate.num / (rate.den * 1'000'000'000);
+    while (rate.time_ns(n + 1) <= time_ns) ++n;
+    const auto timed = [&](std::int64_t number) {
+        return TimedFrame{number, rate.time_ns(number),
+                          &frames[static_cast<std::size_t>(number) % frames.size()]};
+    };
+    FramePair pair{timed(n), timed(n + 1)};
+    pair.blend = static_cast<double>(time_ns - pair.prev.time_ns) /
+                 static_cast<double>(pair.next.time_ns - pair.prev.time_ns);
+    return pair;
+}
+
 void add_figures(const RunCounts& counts, double mean_us, Figures& figures) {
     figures.push_back({"cells_per_tick", counts.cells_per_tick, ""});
     figures.push_back({"ns_per_cell", 1000 * mean_us / counts.cells_per_tick, "ns"});

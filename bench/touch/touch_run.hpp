@@ -45,6 +45,9 @@ private:
     std::vector<Contact> contacts_;
 };
 
+/// The frames around a time from 0 on, at an even rate; after the last of `frames` they begin anew.
+FramePair frames_around(const FrameRate& rate, std::span<const SurfaceFrame> frames, std::int64_t time_ns);
+
 /// Counts of the solver over a whole run.
 struct RunCounts {
     double cells_per_tick = 0;  ///< lattice lines, faces and features visited, over all fingers

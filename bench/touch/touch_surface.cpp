@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "bench/touch/touch_run.hpp"
 #include "engine/surface/surface_builder.hpp"
 
 namespace touchable {
@@ -56,23 +57,9 @@ Result<void> TouchSurface::build(const TouchCase& c) {
 }
 
 FramePair TouchSurface::pair_at(std::int64_t time_ns) const {
-    FramePair pair;
-    if (frames_.size() == 1) {
-        pair.prev = pair.next = {0, 0, &frames_[0]};
-        return pair;
-    }
-    const FrameRate& rate = scene_.rate;
-    std::int64_t n = time_ns * rate.num / (rate.den * 1'000'000'000);
-    while (rate.time_ns(n + 1) <= time_ns) ++n;
-    const auto timed = [&](std::int64_t number) {
-        return TimedFrame{number, rate.time_ns(number),
-                          &frames_[static_cast<std::size_t>(number) % frames_.size()]};
-    };
-    pair.prev = timed(n);
-    pair.next = timed(n + 1);
-    pair.blend = static_cast<double>(time_ns - pair.prev.time_ns) /
-                 static_cast<double>(pair.next.time_ns - pair.prev.time_ns);
-    return pair;
+    if (frames_.size() > 1) return frames_around(scene_.rate, frames_, time_ns);
+    const TimedFrame only{0, 0, &frames_[0]};
+    return {only, only};
 }
 
 Result<const TouchSurface*> SurfaceShelf::take(const TouchCase& c) {
