@@ -263,9 +263,10 @@ async function verify({goals, fingers, ticks, commands: asked}) {
   begun();
   put(Float64Array.from([...goals, ...asked.flat()]));
   engine.begin(fingers, goals.length / 3, asked.length);
-  const frames = [];
+  const frames = [], us = new Float64Array(ticks);  // what each tick took
   for (let tick = 0; tick < ticks;) {
-    const ran = engine.run(1);
+    const start = performance.now(), ran = engine.run(1);
+    us[tick] = 1000 * (performance.now() - start);
     tick += ran;
     if (ran === 0) {
       const frame = engine.wanted();
@@ -278,7 +279,7 @@ async function verify({goals, fingers, ticks, commands: asked}) {
   }
   const hash = text_at(engine.hash());
   reset();
-  say({is: 'verified', hash, ticks, frames});
+  say({is: 'verified', hash, ticks, frames, us});
 }
 
 function reset() {

@@ -352,12 +352,13 @@ class Firefox(Browser):
 class Server:
     """Serves a folder, on loopback by default. ranges=False: as Python's own server, which answers a range with the
     whole file. cut: {path: bytes after which the connection ends}. changed: {path: other bytes}. rate, delay: a link
-    of so many bytes a second, shared by all connections, and seconds before a connection and before an answer."""
+    of so many bytes a second, shared by all connections, and seconds before a connection and before an answer.
+    asked, sent: paths, and bytes of answers. headers: more of them."""
 
     def __init__(self, folder, ranges=True, cut=(), changed=(), rate=None, delay=0,
-                 host="127.0.0.1"):
+                 host="127.0.0.1", headers=()):
         self.folder, self.ranges, self.rate, self.delay = pathlib.Path(folder).resolve(), ranges, rate, delay
-        self.cut, self.changed, self.asked, self.sent = dict(cut), dict(changed), [], 0
+        self.cut, self.changed, self.headers, self.asked, self.sent = dict(cut), dict(changed), dict(headers), [], 0
         self.link, self.free_at = threading.Lock(), 0
         self.server = http.server.ThreadingHTTPServer((host, 0), functools.partial(Handler, self))
         self.url = f"http://{host}:{self.server.server_address[1]}/"
@@ -410,6 +411,8 @@ class Handler(http.server.BaseHTTPRequestHandler):
             self.send_response(200)
         self.send_header("Content-Type", self.TYPES.get(file.suffix, "application/octet-stream"))
         self.send_header("Content-Length", str(len(body)))
+        for name, value in owner.headers.items():
+            self.send_header(name, value)
         self.end_headers()
         end = min(len(body), owner.cut.get(path, len(body)))
         try:
