@@ -5,7 +5,7 @@
     web/build.py one-file PAGE_FOLDER CLIP_FOLDER OUT.html   # of these, one file that opens from a disk
 
 words.js is generated from the window's table of commands, so that page and window have the same keys and words. In the
-one file each module is a function, the engine is deflated, and binary files are base64."""
+one file each module is a function, and binary files are base64."""
 import base64
 import hashlib
 import json
@@ -81,7 +81,8 @@ def build_page(out, engine=None):
             shutil.copyfile(file, out / file.name)
     (out / "words.js").write_text(words())
     if engine:
-        shutil.copyfile(engine, out / "engine.wasm")
+        deflated = zlib.compressobj(9, wbits=-15)
+        (out / "engine.bin").write_bytes(deflated.compress(engine.read_bytes()) + deflated.flush())
 
 
 def name_of(file):
@@ -124,8 +125,7 @@ def build_one_file(page, clip, out):
 
     linked = set()
     modules = as_function(page / "page.js", set(), linked)
-    deflated = zlib.compressobj(9, wbits=-15)
-    packed = {"wasm": base64_of(deflated.compress((page / "engine.wasm").read_bytes()) + deflated.flush()),
+    packed = {"wasm": base64_of((page / "engine.bin").read_bytes()),
               "scripts": {name: as_function(page / name, set(), set()) for name in linked},
               "json": (clip / "clip.json").read_text(),
               "files": {file.name: base64_of(file.read_bytes()) for file in clip.glob("*.bin")}}
@@ -133,13 +133,12 @@ def build_one_file(page, clip, out):
 const packed = JSON.parse(document.getElementById('packed').textContent);
 const bytes_of = text => Uint8Array.from(atob(text), letter => letter.charCodeAt(0));
 const blob_of = (text, type) => new Blob([text], {type});
-const inflated = new Blob([bytes_of(packed.wasm)]).stream().pipeThrough(new DecompressionStream('deflate-raw'));
 globalThis.touchable_one_file = {
     urls: Object.fromEntries(Object.entries(packed.scripts).map(
         ([name, text]) => [name, URL.createObjectURL(blob_of(text, 'text/javascript'))])),
     clip: {json: packed.json, files: Object.fromEntries(
         Object.entries(packed.files).map(([name, text]) => [name, blob_of(bytes_of(text))]))},
-    wasm: new Uint8Array(await new Response(inflated).arrayBuffer())
+    wasm: bytes_of(packed.wasm)
 };
 globalThis.touchable_one_file.worker = globalThis.touchable_one_file.urls['worker.js'];
 """ + modules

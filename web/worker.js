@@ -2,7 +2,8 @@
 // elapsed at each event and each picture, and sends what is to be drawn, heard and read. One thread: no memory is
 // shared, so any web server will do.
 
-import {PackedClip, answer_of, live_framesets} from './clip.js';
+import {PackedClip, live_framesets} from './clip.js';
+import {load_engine} from './engine.js';
 import {unpack_png} from './png.js';
 
 const event_kinds = ['moved', 'pressed', 'released', 'wheel', 'key', 'key_released', 'resized', 'dropped', 'left_window',
@@ -34,29 +35,6 @@ const fail = (text) => { throw new Error(text); };
 
 // ---- The engine
 
-/** The few calls that its C++ library makes: the time, and writing to nowhere. */
-function wasi(memory) {
-  const view = () => new DataView(memory().buffer);
-  return {
-    clock_time_get: (id, precision, at) => (view().setBigUint64(at, BigInt(Math.round(performance.now() * 1e6)), true), 0),
-    environ_get: () => 0,
-    environ_sizes_get: (count, size) => (view().setUint32(count, 0, true), view().setUint32(size, 0, true), 0),
-    fd_close: () => 8, fd_seek: () => 8, fd_write: () => 8,
-    proc_exit: () => fail('Memory does not suffice for this clip.'),
-  };
-}
-
-async function load_engine(bytes) {
-  if (engine) return;
-  let instance;
-  const imports = {wasi_snapshot_preview1: wasi(() => instance.exports.memory)};
-  bytes ??= await answer_of(new URL('engine.wasm', import.meta.url), 'engine.wasm', (answer) => answer.arrayBuffer());
-  ({instance} = await WebAssembly.instantiate(bytes, imports).catch(
-    () => fail('engine.wasm is damaged, or this browser is too old for it: it takes WebAssembly with SIMD.')));
-  instance.exports._initialize();
-  engine = instance.exports;
-}
-
 const memory = (type, at, count) => new type(engine.memory.buffer, at, count);
 function text_at(at) {
   const bytes = memory(Uint8Array, at);
@@ -70,8 +48,9 @@ const check = (worked) => worked || fail(text_at(engine.fault()));
 // ---- Opening
 
 async function open({url, files, json, wasm}) {
-  await load_engine(wasm);
-  const packed = await PackedClip.open(files ? json : url, files, (loaded, total, what) => say({is: 'progress', loaded, total, what}));
+  const told = (loaded, total, what) => say({is: 'progress', loaded, total, what});
+  let packed;
+  [engine, packed] = await Promise.all([engine ?? load_engine(wasm), PackedClip.open(files ? json : url, files, told)]);
   put(Float64Array.from([...packed.numbers, ...packed.times]));
   check(engine.open_scene(packed.numbers.length, packed.times.length, packed.live ? Number.MAX_SAFE_INTEGER : packed.frames, packed.live ? 1 : 0));
   const {numbers} = packed.json;
@@ -86,7 +65,7 @@ async function open({url, files, json, wasm}) {
 }
 
 async function open_picture({bytes, name, unit, fov}) {
-  await load_engine();
+  engine ??= await load_engine();
   const {width, height, codes} = await unpack_png(bytes);
   put(codes);
   check(engine.open_picture(width, height, unit, fov));

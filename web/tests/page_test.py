@@ -272,7 +272,7 @@ class Page(unittest.TestCase):
                                                                            "file": "http://192.0.2.1/depth.bin"}})},
             "no object": {"clip.json": b"[]"},
             "no numbers": {"clip.json": changed(numbers={})},
-            "no WebAssembly": {"engine.wasm": b"\0asm"},
+            "no WebAssembly": {"engine.bin": b"\0asm"},
         }
         for what, files in cases.items():
             changed_files = {f"globe/{name}": data for name, data in files.items()}
@@ -288,7 +288,7 @@ class Page(unittest.TestCase):
             self.expect_responsive()
 
     def test_a_server_that_stops(self):
-        for file in ("depth.bin", "engine.wasm", "clip.json"):
+        for file in ("depth.bin", "engine.bin", "clip.json"):
             cut = {"globe/" + file: (CLIPS.folder / "globe" / file).stat().st_size // 2}
             with self.subTest(file), Server(CLIPS.folder, ranges=False, cut=cut) as server:
                 self.browser.open(server.url + "globe/index.html")
@@ -393,7 +393,7 @@ if __name__ == "__main__":
     if not BROWSER.program():
         print(f"{name} is not installed: the page is not tested in it")
         sys.exit(77)
-    if not (page / "engine.wasm").exists():
+    if not (page / "engine.bin").exists():
         print("the page was not built: its compiler is missing (./run install web)")
         sys.exit(77)
     OUT.mkdir(parents=True, exist_ok=True)
