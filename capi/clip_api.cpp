@@ -337,10 +337,9 @@ Result<touch_status> write(WriterObject& object, const touch_frame& given) {
     if (auto sound = object.check.check(raw, object.scene); !sound)
         return Error{sound.error().kind == ErrorKind::internal ? ErrorKind::usage : ErrorKind::input,
                      sound.error().message};
-    if (auto written = object.writer->write(raw); !written) {
-        object.writer.reset();
-        return written.error();
-    }
+    const auto written = object.writer->write(raw);
+    if (!written) object.writer.reset();
+    TRY(written);
     return TOUCH_OK;
 }
 

@@ -166,13 +166,6 @@ Result<void> assign(auto& to, auto result) {
     return {};
 }
 
-/// Calls the `open` of an object just made; returns the object, as its base, if that succeeds.
-template <class Base, class Made, class... How>
-Result<std::unique_ptr<Base>> opened_as(std::unique_ptr<Made> made, How&&... how) {
-    if (auto opened = made->open(std::forward<How>(how)...); !opened) return opened.error();
-    return made;
-}
-
 /// For std::unique_ptr: releases an object of a C library by its function.
 template <auto release>
 struct ReleasedBy {

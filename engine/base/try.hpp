@@ -11,7 +11,10 @@
 // installed.
 // Threads: any; the macros keep no state.
 
+#include <memory>
 #include <utility>
+
+#include "engine/base/result.hpp"
 
 /// TRY(f()); returns the error of a failed Result from the function around it.
 #define TRY(...) \
@@ -24,3 +27,14 @@
     auto tried_##line = __VA_ARGS__;                \
     if (!tried_##line) return tried_##line.error(); \
     declaration = std::move(*tried_##line)
+
+namespace touchable {
+
+/// Calls the `open` of an object just made; returns the object, as its base, if that succeeds.
+template <class Base, class Made, class... How>
+Result<std::unique_ptr<Base>> opened_as(std::unique_ptr<Made> made, How&&... how) {
+    TRY(made->open(std::forward<How>(how)...));
+    return made;
+}
+
+}  // namespace touchable

@@ -128,17 +128,18 @@ std::string_view cut_part(std::string_view& text, char end) {
 std::optional<double> parsed_real(std::string_view text) {
     // What strtod reads beyond a plain number: blanks and a plus before it, hexadecimal digits.
     const std::string_view digits = text.substr(text.starts_with('-') ? 1 : 0);
-    if (digits.empty() || digits.front() <= ' ' || digits.front() == '+' || digits.front() == '-') return {};
-    if (digits.find_first_of("xX") != std::string_view::npos) return {};
+    if (digits.empty() || digits.front() <= ' ' || digits.front() == '+' || digits.front() == '-' ||
+        digits.find_first_of("xX") != std::string_view::npos)
+        return {};
     static const locale_t with_points = newlocale(LC_ALL_MASK, "C", nullptr);
     const std::string ended(text);
     char* end = nullptr;
     const double value = strtod_l(ended.c_str(), &end, with_points);
     if (end != ended.c_str() + ended.size()) return {};
-    const char first = digits.front();
-    const bool is_in_digits = is_digit(first) || first == '.';
-    const bool is_lost = std::isinf(value) || (value == 0 && digits.find_first_of("123456789") < digits.find_first_of("eE"));
-    return is_in_digits && is_lost ? std::nullopt : std::optional(value);
+    const bool is_word = digits.front() > '9',
+               is_zero = digits.find_first_of("123456789") >= digits.find_first_of("eE");
+    const bool is_lost = !is_word && (std::isinf(value) || (value == 0 && !is_zero));
+    return is_lost ? std::nullopt : std::optional(value);
 }
 
 std::optional<double> parsed_number(std::string_view text) {

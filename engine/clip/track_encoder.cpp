@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "engine/base/try.hpp"
 #include "engine/clip/track_codecs.hpp"
 
 namespace touchable {

@@ -67,8 +67,8 @@ Result<std::unique_ptr<ClipWriter>> create_packed_clip(const std::filesystem::pa
                                                        const SceneDescription& described,
                                                        const std::vector<std::filesystem::path>& page,
                                                        Existing existing);
-/// The files of create_packed_clip, without the page's.
-std::vector<std::filesystem::path> packed_clip_files(const std::filesystem::path& folder);
+/// The file that opens it.
+inline constexpr const char* packed_clip_name = "clip.json";
 
 /// Packs frames for a page, one after the other, by PlaneRole: empty where a plane is that of the frame
 /// before, or there is none.

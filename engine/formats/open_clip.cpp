@@ -29,6 +29,7 @@
 #include "engine/formats/depth_photo.hpp"
 #include "engine/formats/foreign_files.hpp"
 #include "engine/formats/formats_read.hpp"
+#include "engine/formats/formats_written.hpp"
 #include "engine/formats/organised_cloud.hpp"
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/pinhole_frames.hpp"
@@ -149,7 +150,7 @@ Result<Candidate> find_in_folder(const fs::path& folder, const OpenSettings& wan
             own.string() + ": describes these pictures: leave camera, unit, preset and kind of depth out",
             of_bare_pictures());
     if (has_own) return find_described(folder, true, own, wanted);
-    if (const fs::path packed = folder / "clip.json"; is_file(packed) && is_packed_clip(packed))
+    if (const fs::path packed = folder / packed_clip_name; is_file(packed) && is_packed_clip(packed))
         return Candidate{packed, {}, {}, wanted};
     TRY_ASSIGN(auto only, lerobot_video_in(folder));
     if (!only) TRY(assign(only, recording_in(folder)));

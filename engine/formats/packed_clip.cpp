@@ -20,7 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 using Ordered = nlohmann::ordered_json;
 
-constexpr const char* clip_name = "clip.json";
 constexpr const char* version_key = "touchable_packed";
 constexpr std::size_t largest_text = std::size_t{64} << 20;
 constexpr std::int64_t most_frames = 1'000'000;
@@ -143,10 +142,10 @@ public:
             fs::copy_file(file, hidden_.path() / names_.back(), failure);
             if (failure) return input_error(file.string() + ": cannot be copied: " + failure.message());
         }
-        names_.push_back(clip_name);  // opens the others
-        TRY(hidden_.write(folder_, clip_name, json_.dump() + '\n'));
+        names_.push_back(packed_clip_name);  // opens the others
+        TRY(hidden_.write(folder_, packed_clip_name, json_.dump() + '\n'));
         hidden_.sync();
-        return hidden_.path() / clip_name;
+        return hidden_.path() / packed_clip_name;
     }
 
     Result<void> finish() override {
@@ -320,8 +319,7 @@ Result<std::array<std::string, all_roles.size()>> FramePacker::pack(const RawFra
     for (const PlaneRole role : all_roles) {
         const PlaneView& plane = plane_of(frame, role);
         if (stop_requested()) return interrupted_error();
-        if (plane.empty() || (!plane_of(before_, role).empty() && same_samples(plane_of(before_, role), plane)))
-            continue;
+        if (plane.empty() || same_samples(plane_of(before_, role), plane)) continue;
         if (role == PlaneRole::colour) {
             TRY(assign(packets[place(role)], jpeg_bytes(plane)));
             continue;
@@ -358,12 +356,6 @@ Opened open_packed_clip(const Candidate& candidate) {
     return open_stored_clip(std::move(clip), candidate.wanted.colour);
 }
 
-std::vector<fs::path> packed_clip_files(const fs::path& folder) {
-    std::vector<fs::path> files{folder / clip_name};
-    for (const PlaneRole role : all_roles) files.push_back(folder / file_of(role));
-    return files;
-}
-
 Result<std::unique_ptr<ClipWriter>> create_packed_clip(const fs::path& folder,
                                                        const SceneDescription& described,
                                                        const std::vector<fs::path>& page, Existing existing) {
@@ -372,9 +364,7 @@ Result<std::unique_ptr<ClipWriter>> create_packed_clip(const fs::path& folder,
     if (!fs::is_directory(folder, failure))
         return input_error(folder.string() + ": cannot be made a folder" +
                            (failure ? ": " + failure.message() : ": a file has that name"));
-    auto writer = std::make_unique<PackedWriter>(folder, described, page, existing);
-    TRY(writer->open());
-    return std::unique_ptr<ClipWriter>(std::move(writer));
+    return opened_as<ClipWriter>(std::make_unique<PackedWriter>(folder, described, page, existing));
 }
 
 }  // namespace touchable

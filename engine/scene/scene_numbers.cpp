@@ -13,8 +13,14 @@ namespace {
 /// be within the limits, `validate` checks the others.
 void each_member(auto& scene, auto&& visit) {
     constexpr double any = std::numeric_limits<double>::infinity(), codes = 65535;
-    const auto real = [&](const char* name, auto& value) { visit(name, value, -any, any); };
-    const auto whole = [&](const char* name, auto& value, double most) { visit(name, value, 0.0, most); };
+    const auto real = [&](const std::string& name, auto& value) { visit(name, value, -any, any); };
+    const auto whole = [&](const std::string& name, auto& value, double most) {
+        visit(name, value, 0.0, most);
+    };
+    const auto range = [&](const std::string& name, auto& of) {
+        real(name + ".min", of.min);
+        real(name + ".max", of.max);
+    };
     whole("width", scene.width, 16384);
     whole("height", scene.height, 16384);
     whole("rate.num", scene.rate.num, 1e15);
@@ -35,17 +41,16 @@ void each_member(auto& scene, auto&& visit) {
     whole("depth.code_max", depth.code_max, codes);
     whole("depth.least_sum", depth.least_sum, 765);
     whole("depth.invalid_codes", depth.invalid_code_count, DepthCoding::max_invalid_codes);
-    for (auto& code : depth.invalid_codes) whole("depth.invalid", code, codes);
+    for (std::size_t k = 0; k < depth.invalid_codes.size(); ++k)
+        whole("depth.invalid_" + std::to_string(k), depth.invalid_codes[k], codes);
     whole("depth.bits", scene.depth_bits, 16);
     auto& height = scene.height_coding;
     real("height.max", height.max_height);
     whole("height.units", height.units, static_cast<double>(HeightUnits::world));
     whole("height.code_max", height.code_max, codes);
-    auto& haptic = scene.haptic;
-    for (auto* const range : {&haptic.stiffness, &haptic.static_friction, &haptic.dynamic_friction}) {
-        real("haptic.min", range->min);
-        real("haptic.max", range->max);
-    }
+    range("haptic.stiffness", scene.haptic.stiffness);
+    range("haptic.static_friction", scene.haptic.static_friction);
+    range("haptic.dynamic_friction", scene.haptic.dynamic_friction);
     real("default.stiffness", scene.default_properties.stiffness);
     real("default.static_friction", scene.default_properties.static_friction);
     real("default.dynamic_friction", scene.default_properties.dynamic_friction);
@@ -61,22 +66,17 @@ constexpr double absent = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<SceneNumber> numbers_of(const Scene& scene) {
     std::vector<SceneNumber> numbers;
-    const auto add = [&numbers](std::string name, double value) {
-        const auto same = std::ranges::count_if(numbers, [&](const SceneNumber& number) {
-            return number.name == name || number.name.starts_with(name + '.');
-        });
-        numbers.push_back({same > 0 ? name + '.' + std::to_string(same) : std::move(name), value});
-    };
-    each_member(scene, [&add]<class T>(const char* name, const T& value, double, double) {
+    each_member(scene, [&numbers]<class T>(const std::string& name, const T& value, double, double) {
         if constexpr (std::is_same_v<T, std::optional<double>>)
-            add(name, value.value_or(absent));
+            numbers.push_back({name, value.value_or(absent)});
         else
-            add(name, static_cast<double>(value));
+            numbers.push_back({name, static_cast<double>(value)});
     });
     for (const FilterSetting& setting : filter_settings()) {
         const DepthLength value = setting.value.of(scene.filter);
-        add(std::string("filter.") + setting.name, value.constant);
-        if (setting.range.is_length) add(std::string("filter.") + setting.name + ".quadratic", value.quadratic);
+        const std::string name = std::string("filter.") + setting.name;
+        numbers.push_back({name, value.constant});
+        if (setting.range.is_length) numbers.push_back({name + ".quadratic", value.quadratic});
     }
     return numbers;
 }
@@ -89,7 +89,7 @@ Result<Scene> scene_of_numbers(std::span<const double> numbers) {
                            std::to_string(expected.size()));
     std::size_t next = 0;
     std::optional<std::string> fault;
-    each_member(scene, [&]<class T>(const char*, T& value, double least, double most) {
+    each_member(scene, [&]<class T>(const std::string&, T& value, double least, double most) {
         const double number = numbers[next];
         const std::string& name = expected[next++].name;
         if constexpr (std::is_same_v<T, std::optional<double>>)

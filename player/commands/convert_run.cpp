@@ -186,16 +186,13 @@ Result<void> check_places(const ConvertOptions& options, const ClipReader& reade
     std::vector<NamedFile> outputs;
     if (options.form == ClipForm::archive || options.form == ClipForm::lerobot)
         outputs.push_back({"OUT", options.out});
+    if (options.form == ClipForm::web) outputs.push_back({"OUT", options.out / packed_clip_name});
     if (options.form == ClipForm::lerobot) outputs.push_back({"OUT", lerobot_info_file(options.out)});
     if (is_one_frame(options.form))
         for (const fs::path& file : files_of_one_frame(options)) outputs.push_back({"OUT", file});
     if (options.form == ClipForm::gltf)
         for (const fs::path& file : gltf_clip_files(options.out, is_one_of(options, reader)))
             outputs.push_back({"OUT", file});
-    if (options.form == ClipForm::web) {
-        for (const fs::path& file : packed_clip_files(options.out)) outputs.push_back({"OUT", file});
-        for (const fs::path& file : page_files()) outputs.push_back({"OUT", options.out / file.filename()});
-    }
     return check_outputs({outputs, options.existing}, inputs);
 }
 

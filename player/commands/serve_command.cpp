@@ -116,7 +116,7 @@ public:
 
 private:
     Result<void> begin(const RawFrame& first) {
-        NewFile file(folder_ / "clip.json");
+        NewFile file(folder_ / packed_clip_name);
         TRY(file.write(packed_live_json(described_, first, page_stream)));
         TRY(file.commit());
         begun_();
