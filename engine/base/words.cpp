@@ -1,12 +1,11 @@
 #include "engine/base/words.hpp"
 
-#include <locale.h>
-#include <stdlib.h>
-
 #include <algorithm>
+#include <clocale>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <cstdlib>
 #include <numeric>
 #include <utility>
 #include <vector>

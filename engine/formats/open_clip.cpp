@@ -328,7 +328,7 @@ const Format formats[] = {
     {FileKind::clip, is_stream_file, nullptr, open_whole<open_saved_stream>,
      "a stream of touchable serve that was saved to a file (MPEG-TS)", "touchable play stream.ts"},
     {FileKind::clip, is_packed, nullptr, open_packed_clip,
-     "a clip packed for web pages (touchable convert CLIP FOLDER --web)", "touchable play folder/clip.json"},
+     "a clip packed for pages in browsers (clip.json beside its planes)", "touchable play folder/clip.json"},
     {FileKind::text, is_scene_text, nullptr, open_scene_text,
      "the text of an MPEG-4 scene, beside the pictures that it names", "touchable play scene.bt"},
     {FileKind::clip, is_gltf, nullptr, open_gltf_clip,
