@@ -125,10 +125,11 @@ def build_one_file(page, clip, out):
 
     linked = set()
     modules = as_function(page / "page.js", set(), linked)
+    planes = json.loads((clip / "clip.json").read_text())["planes"]
     packed = {"wasm": base64_of((page / "engine.bin").read_bytes()),
               "scripts": {name: as_function(page / name, set(), set()) for name in linked},
               "json": (clip / "clip.json").read_text(),
-              "files": {file.name: base64_of(file.read_bytes()) for file in clip.glob("*.bin")}}
+              "files": {plane["file"]: base64_of((clip / plane["file"]).read_bytes()) for plane in planes.values()}}
     script = """
 const packed = JSON.parse(document.getElementById('packed').textContent);
 const bytes_of = text => Uint8Array.from(atob(text), letter => letter.charCodeAt(0));

@@ -78,7 +78,9 @@ Ordered json_of(const SceneDescription& described, const RawFrame& first) {
     Ordered json{{version_key, 1}, {"name", described.scene.name}};
     for (const Remark& remark : described.scene.remarks) json["remarks"].push_back(remark.what);
     json["scene"] = Ordered::parse(scene_to_json(pictures));
-    for (const SceneNumber& number : numbers_of(described.scene))
+    if (const auto& times = described.scene.rate.own_times)
+        pictures.scene.rate = rate_of_own_times(*times).value_or(described.scene.rate);
+    for (const SceneNumber& number : numbers_of(pictures.scene))
         json["numbers"][number.name] = std::isnan(number.value) ? Ordered() : Ordered(number.value);
     for (const PlaneRole role : all_roles) {
         const PlaneView& plane = plane_of(first, role);
@@ -277,15 +279,6 @@ StoredClip read_packed(const Node& node, const fs::path& file) {
     if (!described) throw checked_json::Refusal{described.error().message};
     StoredClip clip{file.string(), std::move(*described)};
     Scene& scene = clip.described.scene;
-    std::size_t same = 0;
-    const auto numbers = numbers_of(scene);
-    const Node stated = node["numbers"];
-    for (const SceneNumber& number : numbers)
-        if (stated.has(number.name.c_str())) {
-            const std::string text = stated[number.name.c_str()].json();
-            same += std::isnan(number.value) ? text == "null" : parsed_number(text) == number.value;
-        }
-    if (same != numbers.size()) stated.refuse("the numbers of its scene: one of the two was changed");
     clip.count = node["frames"].integer(1, most_frames);
     if (node.has("times_ns")) {
         std::vector<std::int64_t> times;
@@ -297,6 +290,15 @@ StoredClip read_packed(const Node& node, const fs::path& file) {
         scene.rate = std::move(*rate);
         clip.described.unstated.rate = false;
     }
+    std::size_t same = 0;
+    const auto numbers = numbers_of(scene);
+    const Node stated = node["numbers"];
+    for (const SceneNumber& number : numbers)
+        if (stated.has(number.name.c_str())) {
+            const std::string text = stated[number.name.c_str()].json();
+            same += std::isnan(number.value) ? text == "null" : parsed_number(text) == number.value;
+        }
+    if (same != numbers.size()) stated.refuse("the numbers of its scene: one of the two was changed");
     auto pictures = std::make_shared<PackedPictures>(file, scene.width, scene.height);
     for (const PlaneRole role : all_roles) {
         const std::string name(role_name(role));

@@ -126,7 +126,7 @@ TEST_F(ConvertCommand, KeepsForcesOfMovingDepth) {
 /// A clip for pages: all that is felt is settled, and kept.
 TEST_F(ConvertCommand, KeepsForcesOfPageClip) {
     for (const char* scene : {"globe", "moving", "rough"}) {
-        make(scene, {"--bits", "8", "--median", "3", "--terraces", "on", "--overwrite"});
+        make(scene, {"--bits", "8", "--overwrite"});
         const std::string told = convert({at("clip.mkv"), at("page"), "--web", "--overwrite"});
         EXPECT_PRED2(says, told, "depth   every value kept (deflate)");
         EXPECT_FALSE(says(told, "--exact-colour")) << told;
