@@ -24,97 +24,111 @@ export async function answer_of(url, name, read, options) {
   throw new Error(`There is no ${name}: the server answers ${answer.status}.`);
 }
 
+/** Takes exact numbers of bytes from a stream. */
+export class ByteReader {
+  constructor(stream) {
+    this.reader = stream.getReader();
+    this.rest = new Uint8Array(0);
+  }
+
+  /** Fills `bytes` from `at` on, and answers where it ended: before their end if the stream ends there. */
+  async fill(bytes, at = 0, told = null) {
+    while (at < bytes.length && await this.has_more()) {
+      const part = this.rest.subarray(0, bytes.length - at);
+      bytes.set(part, at);
+      at += part.length;
+      this.rest = this.rest.subarray(part.length);
+      told?.(at);
+    }
+    return at;
+  }
+
+  async has_more() {
+    while (this.rest.length === 0) {
+      const {value, done} = await this.reader.read();
+      if (done) return false;
+      this.rest = value;
+    }
+    return true;
+  }
+
+  cancel() {
+    this.reader.cancel().catch(() => {});
+  }
+}
+
+/** What the pieces inflate to, as a stream. */
+export const inflating = (pieces, format = 'deflate-raw') =>
+  new Blob(pieces).stream().pipeThrough(new DecompressionStream(format));
+
 /** Inflates raw deflate to exactly `size` bytes behind `head`, and takes no more in. */
 async function inflated(packet, head, size) {
-  const whole = new Uint8Array(head + size);
+  const whole = new Uint8Array(head + size), reader = new ByteReader(inflating([packet.subarray(head)]));
   whole.set(packet.subarray(0, head));
-  const reader = new Blob([packet.subarray(head)]).stream().pipeThrough(new DecompressionStream('deflate-raw')).getReader();
-  let at = head;
-  try {
-    for (;;) {
-      const {value, done} = await reader.read();
-      if (done) break;
-      if (at + value.length > whole.length) break;
-      whole.set(value, at);
-      at += value.length;
-    }
-  } catch {
-    at = 0;
-  }
-  reader.cancel().catch(() => {});
-  require(at === whole.length, 'a picture does not inflate to its size');
+  const fits = async () => await reader.fill(whole, head) === whole.length && !await reader.has_more();
+  const is_whole = await fits().catch(() => false);
+  reader.cancel();
+  require(is_whole, 'a picture does not inflate to its size');
   return whole;
 }
 
 export class PackedClip {
   /** `place`: the URL of clip.json, or with `files` its text; `files`: the planes' files as Blobs, by name. */
   static async open(place, files, told) {
-    const clip = new PackedClip();
-    clip.told = told;
-    clip.files = files;
-    let text = place;
-    if (!files) {
-      clip.base = place;
-      text = await answer_of(place, 'clip.json', (answer) => answer.text());
-    }
+    const clip = Object.assign(new PackedClip(), {files, told, base: place});
+    const text = files ? place : await answer_of(place, 'clip.json', (answer) => answer.text());
     try {
       clip.json = JSON.parse(text);
     } catch {
-      throw new Error('This is no packed clip: its clip.json is no JSON. touchable convert CLIP FOLDER --web writes one.');
+      throw new Error('This is no packed clip: its clip.json is no JSON. ' +
+        'touchable convert CLIP FOLDER --web writes one.');
     }
     clip.check();
     return clip;
   }
 
   check() {
-    const {json} = this;
+    const {json} = this, {numbers, planes} = json ?? {};
     if (json?.touchable_packed !== 1)
       throw new Error('This is no packed clip that this page knows: its clip.json does not say "touchable_packed": 1.');
-    require(json.numbers && typeof json.numbers === 'object' && json.planes && typeof json.planes === 'object', 'it has no scene');
-    this.numbers = Float64Array.from(Object.values(json.numbers), (value) => (value === null ? NaN : value));
-    this.width = json.numbers.width;
-    this.height = json.numbers.height;
-    require(is_whole(this.width, 1, most_side) && is_whole(this.height, 1, most_side), 'its size is none');
-    if (this.width * this.height > most_pixels)
-      throw new Error(`The clip's pictures are ${this.width} x ${this.height}: this page shows up to ${most_pixels / 1e6 | 0} million pixels.`);
+    require(numbers && typeof numbers === 'object' && planes && typeof planes === 'object', 'it has no scene');
+    this.numbers = Float64Array.from(Object.values(numbers), (value) => (value === null ? NaN : value));
+    const {width, height} = Object.assign(this, {width: numbers.width, height: numbers.height});
+    require(is_whole(width, 1, most_side) && is_whole(height, 1, most_side), 'its size is none');
+    if (width * height > most_pixels)
+      throw new Error(`The clip's pictures are ${width} x ${height}: this page shows up to ` +
+        `${most_pixels / 1e6 | 0} million pixels.`);
     this.live = typeof json.live === 'string' ? json.live : null;
     this.frames = this.live ? 0 : json.frames;
     require(this.live || is_whole(this.frames, 1, most_frames), 'it does not say how many frames it has');
     this.times = json.times_ns ?? [];
-    require(Array.isArray(this.times) && (this.times.length === 0 || this.times.length === this.frames) &&
-            this.times.every((time) => is_whole(time, 0, Number.MAX_SAFE_INTEGER)), 'its times are not one for each frame');
+    require(Array.isArray(this.times) && [0, this.frames].includes(this.times.length) &&
+      this.times.every((time) => is_whole(time, 0, Number.MAX_SAFE_INTEGER)), 'its times are not one for each frame');
     this.planes = {};
-    for (const role of roles) {
-      const said = json.planes[role];
-      if (said) this.planes[role] = this.plane_of(role, said);
-    }
+    for (const role of roles)
+      if (planes[role]) this.planes[role] = this.plane_of(role, planes[role]);
     require(this.planes.depth, 'it has no depth');
   }
 
-  plane_of(role, said) {
-    const plane = {role, file: said.file, bytes_per_sample: said.bytes_per_sample, channels: said.channels, kind: said.kind};
-    require(role === 'colour' ? plane.kind === 'image/jpeg'
-        : is_whole(plane.bytes_per_sample, 1, 2) && (plane.channels === 1 || (plane.channels === 3 && plane.bytes_per_sample === 1)),
-    `${role} is of no form that this page knows`);
-    require(plane.file === `${role}.bin`, `${role} names a file that is not its own`);
+  plane_of(role, {file, bytes_per_sample, channels, kind, sizes}) {
+    const plane = {role, file, bytes_per_sample, channels, ends: [], own: [], kept: []};
+    const is_known = role === 'colour' ? kind === 'image/jpeg'
+      : is_whole(bytes_per_sample, 1, 2) && (channels === 1 || (channels === 3 && bytes_per_sample === 1));
+    require(is_known, `${role} is of no form that this page knows`);
+    require(file === `${role}.bin`, `${role} names a file that is not its own`);
     if (this.live) return plane;
-    require(Array.isArray(said.sizes) && said.sizes.length === this.frames && said.sizes[0] > 0 &&
-            said.sizes.every((size) => is_whole(size, 0, 1 << 30)), `${role} has no packet for each frame`);
-    plane.ends = [];
-    plane.own = [];
-    let end = 0, own = 0;
-    said.sizes.forEach((size, frame) => {
-      if (size > 0) own = frame;
-      plane.own.push(own);
-      plane.ends.push(end += size);
+    require(Array.isArray(sizes) && sizes.length === this.frames && sizes[0] > 0 &&
+      sizes.every((size) => is_whole(size, 0, 1 << 30)), `${role} has no packet for each frame`);
+    sizes.forEach((size, frame) => {
+      plane.own.push(size > 0 ? frame : plane.own.at(-1));
+      plane.ends.push((plane.ends.at(-1) ?? 0) + size);
     });
-    plane.kept = [];
     return plane;
   }
 
   /** The number of the frame whose packet this frame shows: the same for frames that show one picture. */
   own(role, frame) {
-    return this.planes[role].own[frame];
+    return this.live ? frame : this.planes[role].own[frame];
   }
 
   /** Bytes from `at` on of a plane's file, from what is kept, or fetched with what follows. */
@@ -148,25 +162,11 @@ export class PackedClip {
   }
 
   async body(answer, expected, file) {
-    const bytes = new Uint8Array(expected), reader = answer.body.getReader();
-    let got = 0;
-    for (;;) {
-      let part;
-      try {
-        part = await reader.read();
-      } catch {
-        throw new Error(`The server broke off in the middle of ${file}. Reload the page to try again.`);
-      }
-      if (part.done) break;
-      const value = part.value.subarray(0, expected - got);
-      bytes.set(value, got);
-      got += value.length;
-      this.told?.(got, expected, file);
-      if (got === expected) {
-        reader.cancel().catch(() => {});
-        break;
-      }
-    }
+    const bytes = new Uint8Array(expected), reader = new ByteReader(answer.body);
+    const got = await reader.fill(bytes, 0, (at) => this.told?.(at, expected, file)).catch(() => {
+      throw new Error(`The server broke off in the middle of ${file}. Reload the page to try again.`);
+    });
+    reader.cancel();
     require(got === expected, `${file} is shorter than it says`);
     return bytes;
   }
@@ -186,39 +186,21 @@ export class PackedClip {
   }
 }
 
-/** Framesets of a live source, as they come: {time_ns, packets: {role: bytes}}. */
+/** Framesets of a live source, as they come: packets by role. */
 export async function* live_framesets(url, planes, signal) {
-  const answer = await answer_of(url, 'live stream', (one) => one, {signal});
-  const reader = answer.body.getReader(), order = ['depth', 'haptic', 'height', 'colour'];
-  const waiting = [];
-  let there = 0;
-  const take = async (count) => {
-    while (there < count) {
-      const {value, done} = await reader.read();
-      if (done) return null;
-      waiting.push(value);
-      there += value.length;
-    }
-    const all = new Uint8Array(there);
-    let at = 0;
-    for (const part of waiting) all.set(part, at), at += part.length;
-    waiting.length = 0;
-    if (there > count) waiting.push(all.subarray(count));
-    there -= count;
-    return all.subarray(0, count);
+  const reader = await answer_of(url, 'live stream', (answer) => new ByteReader(answer.body), {signal});
+  const taken = async (size) => {
+    const bytes = new Uint8Array(size);
+    return await reader.fill(bytes) === size ? bytes : null;
   };
-  for (;;) {
-    const head = await take(24);
-    if (!head) return;
-    const view = new DataView(head.buffer, head.byteOffset, 24), packets = {};
-    const sizes = order.map((_, k) => view.getUint32(4 * k, true));
+  for (let head; (head = await taken(24));) {
+    const view = new DataView(head.buffer), sizes = roles.map((_, k) => view.getUint32(4 * k, true)), packets = {};
     require(sizes.every((size) => size <= 1 << 28), 'the live stream is no stream of framesets');
-    for (const [k, role] of order.entries()) {
-      if (sizes[k] === 0) continue;
-      const packet = await take(sizes[k]);
+    for (const [k, role] of roles.entries()) {
+      const packet = await taken(sizes[k]);
       if (!packet) return;
-      if (planes[role]) packets[role] = packet;
+      if (planes[role] && sizes[k] > 0) packets[role] = packet;
     }
-    yield {time_ns: view.getFloat64(16, true), packets};
+    yield packets;
   }
 }

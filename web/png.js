@@ -5,6 +5,8 @@
 // Throws an Error whose message is a sentence for people. Runs in pages, workers and Node. Nothing is allocated
 // before the sizes in the file are known to be within the limits.
 
+import {ByteReader, inflating} from './clip.js';
+
 const most_pixels = 33e6, longest_side = 16384;
 const signature = [137, 80, 78, 71, 13, 10, 26, 10];
 
@@ -66,20 +68,12 @@ function header_of(body) {
 
 // Exactly `size` bytes of zlib data; a stream that gives more is cancelled at once.
 async function inflated(pieces, size) {
-    const result = new Uint8Array(size), damaged = 'This PNG is damaged: its picture cannot be unpacked.';
-    const reader = new Blob(pieces).stream().pipeThrough(new DecompressionStream('deflate')).getReader();
-    let filled = 0;
-    for (;;) {
-        const {done, value} = await reader.read().catch(() => refuse(damaged));
-        if (done) break;
-        if (value.length > size - filled) {
-            reader.cancel().catch(() => {});
-            refuse('This PNG is damaged: it unpacks to more than its header says.');
-        }
-        result.set(value, filled);
-        filled += value.length;
-    }
-    if (filled < size) refuse('This PNG breaks off before its end.');
+    const result = new Uint8Array(size), reader = new ByteReader(inflating(pieces, 'deflate'));
+    const damaged = () => refuse('This PNG is damaged: its picture cannot be unpacked.');
+    if (await reader.fill(result).catch(damaged) < size) refuse('This PNG breaks off before its end.');
+    const has_more = await reader.has_more().catch(damaged);
+    reader.cancel();
+    if (has_more) refuse('This PNG is damaged: it unpacks to more than its header says.');
     return result;
 }
 
