@@ -77,7 +77,7 @@ def words():
 def build_page(out, engine=None):
     out.mkdir(parents=True, exist_ok=True)
     for file in WEB.iterdir():
-        if file.suffix in (".html", ".css", ".js"):
+        if file.suffix in (".html", ".css", ".js", ".json"):
             shutil.copyfile(file, out / file.name)
     (out / "words.js").write_text(words())
     if engine:

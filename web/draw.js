@@ -10,14 +10,17 @@
 // A row of cells is one instance, a triangle strip without vertex data: the shader fetches depths by gl_VertexID.
 // Triangles and their diagonals are those of the solver (face_under in haptics_cpu/height_field.hpp).
 
-const vertex_source = `#version 300 es
+const both_begin = `#version 300 es
 precision highp float;
 precision highp int;
 precision highp sampler2D;
-uniform mat4 clip_from_lattice;
 uniform sampler2D depths;
 uniform ivec2 size;
-uniform int stride, last, shown;
+uniform int shown;
+`;
+const vertex_source = `${both_begin}
+uniform mat4 clip_from_lattice;
+uniform int stride, last;
 uniform float cut_ratio, hole_q, focal;
 out vec2 at;
 out float depth, light;
@@ -56,13 +59,8 @@ void main() {
     gl_Position = q > 0.0 ? vec4(p.x, -p.y, p.w - 2.0 * p.z, p.w) : vec4(2.0, 2.0, 2.0, 1.0);
 }`;
 
-const fragment_source = `#version 300 es
-precision highp float;
-precision highp int;
-precision highp sampler2D;
-uniform sampler2D depths, colours, haptics, heights, ramp;
-uniform ivec2 size;
-uniform int shown;
+const fragment_source = `${both_begin}
+uniform sampler2D colour, haptic, heights, ramp;
 uniform vec2 range;
 in vec2 at;
 in float depth, light;
@@ -73,23 +71,27 @@ void main() {
     if (cut > 0.5) discard;
     ivec2 pixel = clamp(ivec2(at + 0.5), ivec2(0), size - 1);
     float share = clamp((depth - range.x) / max(range.y - range.x, 1e-9), 0.0, 1.0);
-    vec3 colour;
-    if (shown == 0) colour = texture(colours, (at + 0.5) / vec2(size)).rgb;
-    else if (shown == 1) colour = mix(vec3(0.93, 0.89, 0.83), vec3(0.36, 0.39, 0.45), share) * light;
+    vec3 seen;
+    if (shown == 0) seen = texture(colour, (at + 0.5) / vec2(size)).rgb;
+    else if (shown == 1) seen = mix(vec3(0.93, 0.89, 0.83), vec3(0.36, 0.39, 0.45), share) * light;
     else if (shown == 6) {
         bool striped = ((pixel.x + pixel.y) >> 2 & 1) == 1;
         bool valid = texelFetch(depths, pixel, 0).r > 0.0;
-        colour = valid ? vec3(0.34, 0.71, 0.91) * (0.5 + 0.5 * light) : vec3(striped ? 0.36 : 0.24);
+        seen = valid ? vec3(0.34, 0.71, 0.91) * (0.5 + 0.5 * light) : vec3(striped ? 0.36 : 0.24);
     } else {
         if (shown == 2) share = 1.0 - share;
-        else if (shown == 3) share = texelFetch(haptics, pixel, 0).r;
-        else if (shown == 4) share = texelFetch(haptics, pixel, 0).g;
+        else if (shown == 3) share = texelFetch(haptic, pixel, 0).r;
+        else if (shown == 4) share = texelFetch(haptic, pixel, 0).g;
         else share = clamp(texelFetch(heights, pixel, 0).r / max(range.y, 1e-9), 0.0, 1.0);
-        colour = texture(ramp, vec2((share * 10.0 + 0.5) / 11.0, 0.5)).rgb * (shown == 2 ? 1.0 : 0.55 + 0.45 * light);
+        seen = texture(ramp, vec2((share * 10.0 + 0.5) / 11.0, 0.5)).rgb * (shown == 2 ? 1.0 : 0.55 + 0.45 * light);
     }
-    painted = vec4(colour, 1.0);
+    painted = vec4(seen, 1.0);
 }`;
 
+// By sampler: internal format, format, type of a sample, and the filter.
+const textures = {depths: ['R32F', 'RED', 'FLOAT', 'NEAREST'], colour: ['RGBA8', 'RGBA', 'UNSIGNED_BYTE', 'LINEAR'],
+                  haptic: ['RGB8', 'RGB', 'UNSIGNED_BYTE', 'NEAREST'], heights: ['R32F', 'RED', 'FLOAT', 'NEAREST'],
+                  ramp: ['RGB8', 'RGB', 'UNSIGNED_BYTE', 'LINEAR']};
 const overlays = ['colour', 'shape', 'depth', 'stiffness', 'friction', 'height', 'missing'];
 
 // The window's ramp (player/draw/legends.cpp) in ten equal steps: lightness grows evenly as perceived.
@@ -121,26 +123,23 @@ export class SurfacePicture {
         gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
         gl.enable(gl.DEPTH_TEST);
         gl.clearColor(0.055, 0.06, 0.072, 1);
-        this.textures = ['depths', 'colours', 'haptics', 'heights', 'ramp'];
-        for (const [unit, name] of this.textures.entries()) {
-            const filter = name === 'colours' || name === 'ramp' ? gl.LINEAR : gl.NEAREST;
+        for (const [unit, [name, [, , , filter]]] of Object.entries(textures).entries()) {
             gl.uniform1i(this.uniforms[name], unit);
             gl.activeTexture(gl.TEXTURE0 + unit);
             gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
-            for (const which of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
-                gl.texParameteri(gl.TEXTURE_2D, which, filter);
-            for (const which of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T])
-                gl.texParameteri(gl.TEXTURE_2D, which, gl.CLAMP_TO_EDGE);
-            this.fill(name, gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, 1, 1, new Uint8Array(4));
+            for (const [which, value] of [['MIN_FILTER', filter], ['MAG_FILTER', filter], ['WRAP_S', 'CLAMP_TO_EDGE'],
+                                          ['WRAP_T', 'CLAMP_TO_EDGE']])
+                gl.texParameteri(gl.TEXTURE_2D, gl['TEXTURE_' + which], gl[value]);
+            this.fill(name, 1, 1, null);
         }
         const ramp = ramp_colours.flatMap((hex) => [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16)));
-        this.fill('ramp', gl.RGB8, gl.RGB, gl.UNSIGNED_BYTE, ramp_colours.length, 1, new Uint8Array(ramp));
+        this.fill('ramp', ramp_colours.length, 1, new Uint8Array(ramp));
         if (this.planes.depths) this.upload(this.planes);
     }
 
-    fill(name, internal, format, type, width, height, samples) {
-        const gl = this.gl;
-        gl.activeTexture(gl.TEXTURE0 + this.textures.indexOf(name));
+    fill(name, width, height, samples) {
+        const gl = this.gl, [internal, format, type] = textures[name].map((constant) => gl[constant]);
+        gl.activeTexture(gl.TEXTURE0 + Object.keys(textures).indexOf(name));
         gl.texImage2D(gl.TEXTURE_2D, 0, internal, width, height, 0, format, type, samples);
     }
 
@@ -150,28 +149,25 @@ export class SurfacePicture {
         if (Math.max(width, height) > most)
             throw new Error(`This picture has ${width} x ${height} pixels; this device draws ${most} a side.`);
         this.planes.colour?.close();
-        this.planes = {width, height};
-        Object.assign(this, {range: null, focal: focal || width, far: 0.999 * (far || Infinity)});
+        this.planes = {};
+        Object.assign(this, {width, height, range: null, focal: focal || width, far: 0.999 * (far || Infinity)});
     }
 
     // A plane that is null stays as it was. All are kept for a lost context.
     show({depths, colour, haptic, heights}) {
         const old = this.planes;
         if (colour) old.colour?.close();
-        this.planes = {...old, depths, colour: colour ?? old.colour, haptic: haptic ?? old.haptic,
+        this.planes = {depths, colour: colour ?? old.colour, haptic: haptic ?? old.haptic,
                        heights: heights ?? old.heights};
-        this.upload({...old, depths, colour, haptic, heights});
+        this.upload({depths, colour, haptic, heights});
         if (heights) this.highest = heights.reduce((most, value) => Math.max(most, value), 0);
         this.measure(depths);
     }
 
-    upload({width, height, depths, colour, haptic, heights}) {
-        const gl = this.gl;
-        if (gl.isContextLost()) return;
-        this.fill('depths', gl.R32F, gl.RED, gl.FLOAT, width, height, depths);
-        if (colour) this.fill('colours', gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, colour.width, colour.height, colour);
-        if (haptic) this.fill('haptics', gl.RGB8, gl.RGB, gl.UNSIGNED_BYTE, width, height, haptic);
-        if (heights) this.fill('heights', gl.R32F, gl.RED, gl.FLOAT, width, height, heights);
+    upload(planes) {
+        if (this.gl.isContextLost()) return;
+        for (const [name, plane] of Object.entries(planes))  // an image has a size of its own
+            if (plane) this.fill(name, plane.width ?? this.width, plane.height ?? this.height, plane);
     }
 
     // The depths that colours spread over: those of all but 1 % of the pixels at either end, without the far plane;
@@ -185,7 +181,7 @@ export class SurfacePicture {
     }
 
     draw(matrix, own_view, overlay) {
-        const gl = this.gl, {width, height, depths, colour} = this.planes, at = this.uniforms;
+        const {gl, width, height, planes: {depths, colour}, uniforms: at} = this;
         if (!depths || gl.isContextLost()) return false;
         const began = ++this.pictures % 8 ? 0 : performance.now();
         gl.viewport(0, 0, this.canvas.width, this.canvas.height);

@@ -1,17 +1,22 @@
 // The lab hour: three experiments, each a form, a plot, a table and a CSV file. All numbers come from lab.cpp in a
 // worker; this module chooses the settings, and compares with the program's own figures.
 
-import {scratches, sweeps} from './lab_native.js';
 import {plot, save, show} from './lab_plot.js';
 
-const worker = new Worker(new URL('lab_worker.js', import.meta.url), {type: 'module'});
-worker.postMessage({name: 'start'});
+// The program's own figures, shown beside the page's: `touchable-bench paper --json paper.json` gives them (with
+// --quick those of 10 s). Fig. 19 by the end of the cases' names: hashes by pixel, then by world, without a filter, -m3,
+// -m5, -m5-t, and with -temporal (not of -still, a single frame). Table I by content, metric and seconds: largest, mean
+// and hash of line, circle, eight.
+const {scratches, sweeps} = await (await fetch(new URL('lab_native.json', import.meta.url))).json();
+
+const worker = new Worker(new URL('worker.js', import.meta.url), {type: 'module'});
+worker.postMessage({do: 'lab'});
 
 /** Calls a function of lab.cpp, one at a time; answers its figures: texts by name. */
 const ask = (name, ...numbers) => new Promise((resolve, reject) => {
-  worker.onmessage = ({data}) => (data.fault ? reject(new Error(data.fault)) : resolve(data.figures));
+  worker.onmessage = ({data}) => (data.is === 'fault' ? reject(new Error(data.text)) : resolve(data.figures));
   worker.onerror = () => reject(new Error('The engine could not be started in this browser.'));
-  worker.postMessage({name, numbers: numbers.map(Number)});
+  worker.postMessage({do: 'lab', name, numbers: numbers.map(Number)});
 });
 
 const white = '#eef0f4', chest_frames = 293; // as in paper_suite.cpp

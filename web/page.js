@@ -50,14 +50,10 @@ let unit = 1, size = 1;  // canvas pixels of a CSS pixel; of the picture
 // The last 'due' is answered; the clip plays and loops as it begins; a state from before a reset is still to come.
 let answered = false, settled = false, stale = false;
 let new_frame = false, drawn_view = '', drawn_fingers = '';
-let pointer = null, enter_held = false, pad_presses = false, seeking = false, used_keys = false, touched = false;
+let enter_held = false, pad_presses = false, seeking = false, used_keys = false, touched = false;
 let last_input = clock.now(), last_tick = 0;
 const held = new Map();  // pointers that are down, with the buttons of each
 
-// A build in one file gives the worker's address.
-function make_worker() {
-    return new Worker(one_file ? one_file.worker : new URL('worker.js', import.meta.url), {type: 'module'});
-}
 const post = (message, transfer = []) => touchable.worker.postMessage(message, transfer);
 const command = (name, number = 0) => post({do: 'command', name, number});
 function put(element, text) {
@@ -255,11 +251,9 @@ function send(kind, event, more = {}) {
     const press = event.pointerType === 'pen' ? event.pressure : 0;
     post({do: 'event', kind, x: clientX * unit, y: clientY * unit, word: '', control, shift, touch, press,
           seconds: event.timeStamp / 1000, ...more});
-    pointer = [clientX * unit, clientY * unit];
 }
 function leave(event) {
     send('left_window', event);
-    pointer = null;
     enter_held = false;
     held.clear();
 }
@@ -272,7 +266,6 @@ function on_pointer(event) {
         for (const part of parts) send(down ? 'touch_began' : moves ? 'touch_moved' : 'touch_ended', part);
         if (down) held.set(id, 1);
         else if (!moves) held.delete(id);
-        if (!held.size) pointer = null;
         return;
     }
     invitation.classList.add('over');
@@ -376,7 +369,6 @@ function watch_visitors() {
     set_sound(1, false);
     $('notice').hidden = $('lock').hidden = true;
     invitation.classList.remove('over');
-    pointer = null;
     settled = false;
     stale = !answered;
 }
@@ -408,31 +400,28 @@ const by_hand = {
 };
 const topics = {begin: 'View', touch: 'Touch', view: 'View', play: 'Play', data: 'Data', window: 'Page'};
 function show_help() {
-    const sections = new Map(Object.entries(by_hand).map(([title, rows]) => [title, new Map(rows)]));
-    const {clip} = touchable;
-    let what = '', held_before = '';
-    for (const row of keys) {
-        what = row.what ?? what;
-        if (!is_handled(row.command)) continue;
-        const title = topics[row.topic] ?? row.topic;
-        const hold = `${row.control ? 'Ctrl ' : ''}${row.shift ? 'Shift ' : ''}`;
-        const arrow = {left: '←', right: '→', up: '↑', down: '↓'}[row.key];
-        const name = arrow ?? row.key[0].toUpperCase() + row.key.slice(1);
+    const sections = new Map(Object.entries(by_hand).map(
+        ([title, rows]) => [title, new Map(rows.map(([key, words]) => [words, key]))]));
+    let held_before = '';
+    for (const {topic, what, key, control, shift} of keys.filter(({command}) => is_handled(command))) {
+        const hold = `${control ? 'Ctrl ' : ''}${shift ? 'Shift ' : ''}`, title = topics[topic] ?? topic;
+        const name = {left: '←', right: '→', up: '↑', down: '↓'}[key] ?? key[0].toUpperCase() + key.slice(1);
         if (!sections.has(title)) sections.set(title, new Map());
-        const rows = sections.get(title), before = [...rows].find(([, words]) => words === what)?.[0];
-        if (before) rows.delete(before);
-        rows.set((before ? before + ' ' : '') + (before && hold === held_before ? '' : hold) + name, what);
+        const before = sections.get(title).get(what);
+        sections.get(title).set(what, before ? `${before} ${hold === held_before ? '' : hold}${name}` : hold + name);
         held_before = hold;
     }
-    const facts = clip ? [`${clip.name}: ${clip.width} x ${clip.height} pixels, ${clip.frames || 'live'} frames`] : [];
-    sections.set('This clip', new Map([...facts, ...(clip?.remarks ?? [])].map((words) => [words, ''])));
+    const {clip} = touchable, size_words = `${clip?.width} x ${clip?.height} pixels, ${clip?.frames || 'live'} frames`;
+    const facts = clip ? [`${clip.name}: ${size_words}`, ...clip.remarks] : [];
+    const shown = [...sections].map(([title, rows]) => [title, [...rows].map(([words, key]) => [key, words])]);
+    shown.push(['This clip', facts.map((words) => [words, ''])]);
     const made = (tag, ...inside) => {
         const element = document.createElement(tag);
         element.append(...inside);  // strings as text
         return element;
     };
-    $('about-text').replaceChildren(...[...sections].map(([title, rows]) => made('section', made('h3', title),
-        made('dl', ...[...rows].flatMap(([key, words]) => [made('dt', key), made('dd', words)])))));
+    $('about-text').replaceChildren(...shown.map(([title, rows]) => made('section', made('h3', title),
+        made('dl', ...rows.flatMap(([key, words]) => [made('dt', key), made('dd', words)])))));
     $('about').showModal();
 }
 
@@ -444,8 +433,6 @@ function tick(now) {
     last_tick = now;
     if (!touchable.clip || !answered || verified) return;
     read_gamepad(Math.min(ms, 100) / 1000);
-    const place = pointer ?? touchable.state?.fingers[0]?.at;
-    if (place) post({do: 'pick', x: place[0], y: place[1]});
     post({do: 'due', pressed: enter_held || pad_presses});
     answered = false;
 }
@@ -517,7 +504,7 @@ function start() {
         if (!globalThis[need]) return stop(`This page needs ${need}, which this browser does not offer.`);
     try {
         picture = new SurfacePicture(canvas);
-        touchable.worker = make_worker();
+        touchable.worker = new Worker(one_file?.worker ?? new URL('worker.js', import.meta.url), {type: 'module'});
     } catch (error) {
         return stop(error.message);
     }
@@ -533,7 +520,8 @@ function start() {
     connect_controls();
     show_message('Loading the clip …');
     const {json, files = null} = one_file?.clip ?? {};
-    post({do: 'open', url: new URL(query.get('clip') || 'clip.json', location.href).href, json, files, wasm: one_file?.wasm});
+    const url = new URL(query.get('clip') || 'clip.json', location.href).href;
+    post({do: 'open', url, json, files, wasm: one_file?.wasm});
     if (kiosk) watch_visitors();
     requestAnimationFrame(tick);
 }

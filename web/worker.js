@@ -2,8 +2,7 @@
 // elapsed at each event and each picture, and sends what is to be drawn, heard and read. One thread: no memory is
 // shared, so any web server will do.
 
-import {PackedClip, live_framesets} from './clip.js';
-import {load_engine, text_at} from './engine.js';
+import {PackedClip, answer_of, inflating, live_framesets} from './clip.js';
 import {unpack_png} from './png.js';
 
 const event_kinds = ['moved', 'pressed', 'released', 'wheel', 'key', 'key_released', 'resized', 'dropped',
@@ -40,11 +39,46 @@ const fail = (text) => { throw new Error(text); };
 
 // ---- The engine
 
+/** The few calls that its C++ library makes: the time, and writing to nowhere. */
+function wasi(memory) {
+  const view = () => new DataView(memory().buffer);
+  return {
+    clock_time_get(id, precision, at) {
+      view().setBigUint64(at, BigInt(Math.round(performance.now() * 1e6)), true);
+      return 0;
+    },
+    environ_get: () => 0,
+    environ_sizes_get: (count, size) => (view().setUint32(count, 0, true), view().setUint32(size, 0, true), 0),
+    fd_close: () => 8, fd_seek: () => 8, fd_write: () => 8,
+    proc_exit: () => { throw new Error('Memory does not suffice for this clip.'); },
+  };
+}
+
+/** The engine's functions and memory. `bytes`: of engine.bin, WebAssembly under deflate, a third of its size; it is
+ *  fetched unless the page has it. */
+async function load_engine(bytes) {
+  let instance;
+  const imports = {wasi_snapshot_preview1: wasi(() => instance.exports.memory)};
+  bytes ??= await answer_of(new URL('engine.bin', import.meta.url), 'engine.bin', (answer) => answer.arrayBuffer());
+  try {
+    ({instance} = await WebAssembly.instantiate(await new Response(inflating([bytes])).arrayBuffer(), imports));
+  } catch {
+    throw new Error('engine.bin is damaged, or this browser is too old for it: it takes WebAssembly with SIMD.');
+  }
+  instance.exports._initialize();
+  return instance.exports;
+}
+
 const memory = (type, at, count) => new type(engine.memory.buffer, at, count);
 function put(array) {
   memory(array.constructor, engine.room(array.byteLength), array.length).set(array);
 }
-const check = (worked) => worked || fail(text_at(engine, engine.fault()));
+/** The engine's text at an address, where a 0 ends it. */
+function text_at(at) {
+  const bytes = memory(Uint8Array, at);
+  return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
+}
+const check = (worked) => worked || fail(text_at(engine.fault()));
 
 // ---- Opening
 
@@ -240,7 +274,7 @@ async function verify({goals, fingers, ticks, commands: asked}) {
       say(look());
     }
   }
-  const hash = text_at(engine, engine.hash());
+  const hash = text_at(engine.hash());
   reset();
   say({is: 'verified', hash, ticks, frames, us});
 }
@@ -268,6 +302,14 @@ const work = {
     engine.event(event_kinds.indexOf(kind), buttons[word] ?? 0, x, y, control, shift, touch, seconds, press, turning);
   },
   command: ({name, number}) => commands[name]?.(number),
+  /** Of the lab hour (lab.html): calls a function of lab.cpp, and answers by its figures, texts by name. */
+  async lab({name, numbers}) {
+    engine ??= await load_engine();
+    if (!name) return; // it shall only be loaded
+    const worked = engine[name](...numbers), text = text_at(engine.lab_text());
+    if (!worked) fail(text);
+    say({is: 'figures', figures: Object.fromEntries(text.split('\n').map((line) => line.split('\t')))});
+  },
   async due(due) {
     if (due.pressed !== pressed) commands.press(pressed = due.pressed);
     run_elapsed();
@@ -280,6 +322,6 @@ let queue = Promise.resolve();
 onmessage = ({data}) => {
   // One thing after the other: what opens or verifies a clip is not disturbed.
   queue = queue.then(async () => {
-    if (clip || ['open', 'picture', 'size'].includes(data.do)) await work[data.do]?.(data);
+    if (clip || ['open', 'picture', 'size', 'lab'].includes(data.do)) await work[data.do]?.(data);
   }).catch(faulty);
 };
