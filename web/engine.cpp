@@ -36,6 +36,12 @@ std::shared_ptr<std::uint8_t> take_plane_memory(std::size_t bytes, PlaneContent)
     return {new std::uint8_t[bytes](), std::default_delete<std::uint8_t[]>()};
 }
 
+/// Commands of the page to the clip's clock, and to the hand and its view; worker.js has the same numbers.
+enum class ClockCommand { play_pause, seek, seek_by, step, rate, loop };
+enum class HandCommand { count, deepen, point, force, turn, near_by, home, press };
+
+enum Role { depth_role, haptic_role, height_role, roles };
+
 namespace {
 
 constexpr int pointer_fingers = PointerFingers::most, most_ticks_at_once = TouchStep::longest_gap_ticks;
@@ -58,16 +64,11 @@ struct Shown {
     ShownFinger finger[pointer_fingers];
 };
 
-/// Commands of the page to the clip's clock, and to the hand and its view; worker.js has the same numbers.
-enum class ClockCommand { play_pause, seek, seek_by, step, rate, loop };
-enum class HandCommand { count, deepen, point, force, turn, near_by, home, press };
-
 /// A plane of the frame that is being put together. Its memory is new whenever its samples are.
 struct RawPlane {
     PlaneView view{};
     std::shared_ptr<std::vector<std::uint8_t>> samples{};
 };
-enum Role { depth_role, haptic_role, height_role, roles };
 
 struct OpenedClip {
     Scene scene;
@@ -180,8 +181,7 @@ public:
     Result<void> command(ClockCommand verb, double number) {
         using enum PlaybackVerb;
         const auto jump = [this](double ns) {
-            return log_->ask(
-                seek, static_cast<std::int64_t>(std::clamp(ns, 0.0, static_cast<double>(last_ns()))), 0);
+            return log_->ask(seek, std::llround(std::clamp(ns, 0.0, static_cast<double>(last_ns()))), 0);
         };
         switch (verb) {
             case ClockCommand::play_pause:
@@ -212,9 +212,9 @@ public:
     void event(const InputEvent& event, double pen, bool turns) {
         if (!hand_ || !pair_) return;
         const HeightField field(scene_, *pair_);
-        const ViewCamera camera = hand_->camera();
         if (is_touch(event)) {
-            const bool touches = !turns && PointerFingers::ground_at(field, camera, {event.x, event.y});
+            const bool touches =
+                !turns && PointerFingers::ground_at(field, hand_->camera(), {event.x, event.y});
             hand_->touches.take(event, touches ? TouchInput::Ground::surface : TouchInput::Ground::nothing,
                                 {&hand_->fingers, &hand_->view}, canvas_width, canvas_height);
             return;
@@ -230,32 +230,33 @@ public:
     }
 
     /// Sets the fingers' goals for the next ticks, and tells what is to be seen.
-    void look(Shown& shown) {
-        shown = {};
-        shown.picked = -1;
-        shown.playing = state_.playing && !is_at_end();
-        if (!pair_ || !step_) return;
+    const Shown* look() {
+        shown_ = {};
+        shown_.picked = -1;
+        shown_.playing = state_.playing && !is_at_end();
+        if (!pair_ || !step_) return &shown_;
         const HeightField field(scene_, *pair_);
-        shown.tick = static_cast<double>(tick_);
-        shown.seconds = 1e-9 * static_cast<double>(state_.moment.time_ns);
-        shown.at_end = is_at_end();
-        shown.loops = state_.loops;
-        shown.rate = static_cast<double>(state_.rate) / 1000;
-        shown.late_frames = static_cast<double>(late_);
+        shown_.tick = static_cast<double>(tick_);
+        shown_.seconds = 1e-9 * static_cast<double>(state_.moment.time_ns);
+        shown_.at_end = is_at_end();
+        shown_.loops = state_.loops;
+        shown_.rate = static_cast<double>(state_.rate) / 1000;
+        shown_.late_frames = static_cast<double>(late_);
         const ViewCamera camera = hand_->camera();
         if (script_.empty()) hand_->fingers.intend(field, camera, contacts_);
-        shown.force_on = hand_->device.force_is_on();
-        shown.own_view = hand_->view.own();
-        for (int k = 0; k < 16; ++k) shown.matrix[k] = camera.clip_from_lattice[k / 4][k % 4];
-        shown.fingers = script_.empty() ? hand_->fingers.shown() : count_;
-        for (int k = 0; k < std::min(static_cast<int>(shown.fingers), pointer_fingers); ++k)
-            show_finger(static_cast<std::size_t>(k), camera, shown);
-        if (const auto at = hand_->fingers.looked_at()) show_values(field, camera, *at, shown);
+        shown_.force_on = hand_->device.force_is_on();
+        shown_.own_view = hand_->view.own();
+        for (int k = 0; k < 16; ++k) shown_.matrix[k] = camera.clip_from_lattice[k / 4][k % 4];
+        shown_.fingers = script_.empty() ? hand_->fingers.shown() : count_;
+        for (int k = 0; k < std::min(static_cast<int>(shown_.fingers), pointer_fingers); ++k)
+            show_finger(static_cast<std::size_t>(k), camera);
+        if (const auto at = hand_->fingers.looked_at()) show_values(field, camera, *at);
         heard_ = std::exchange(samples_, {});
-        shown.sound = static_cast<double>(reinterpret_cast<std::uintptr_t>(heard_.data()));
-        shown.sound_samples = static_cast<double>(heard_.size());
-        shown.rumble_low = rumble_.low;
-        shown.rumble_high = rumble_.high;
+        shown_.sound = static_cast<double>(reinterpret_cast<std::uintptr_t>(heard_.data()));
+        shown_.sound_samples = static_cast<double>(heard_.size());
+        shown_.rumble_low = rumble_.low;
+        shown_.rumble_high = rumble_.high;
+        return &shown_;
     }
 
     // ---- What is drawn and heard
@@ -331,7 +332,6 @@ private:
 
     /// What a run begins with is known once the first frame is there.
     Result<void> meet(const SurfaceFrame& first) {
-        constexpr std::int64_t stale_ns = 250'000'000;
         std::vector<double> depths = valid_depths(scene_, first);
         workspace_ = default_workspace(scene_.width, scene_.camera.fx, quantile(depths, 0.5));
         double& metres = workspace_.metres_per_scene_unit;
@@ -341,7 +341,7 @@ private:
         TRY_ASSIGN(auto solver, TouchSolver::create(scene_, settings));
         solver_ = std::make_unique<TouchSolver>(std::move(solver));
         GuardSettings guard;
-        if (opened_.is_live) guard.stale_after_ns = stale_ns;
+        if (opened_.is_live) guard.stale_after_ns = 250 * tick_ns;
         largest_force_ = guard.max_force;
         step_ = std::make_unique<TouchStep>(*solver_, guard, script_.empty() ? pointer_fingers : count_);
         const HeightField field(scene_, *pair_);
@@ -392,14 +392,14 @@ private:
         for (std::size_t k = 0; k < goals.size(); ++k) goals[k] = workspace_.to_scene(places[k]);
     }
 
-    void show_finger(std::size_t k, const ViewCamera& camera, Shown& shown) const {
+    void show_finger(std::size_t k, const ViewCamera& camera) {
         if (k >= contacts_.size()) return;
         const Contact& contact = contacts_[k];
         const glm::dvec3& force = forces_[k].force;
         const double metres = workspace_.metres_per_scene_unit;  // of the hand
         const auto at = camera.project(contact.proxy), goal = camera.project(contact.goal);
         if (!at || !goal) return;
-        ShownFinger& finger = shown.finger[k];
+        ShownFinger& finger = shown_.finger[k];
         finger.shown = 1;
         finger.at = glm::dvec2(*at);
         finger.goal = glm::dvec2(*goal);
@@ -411,21 +411,20 @@ private:
         finger.depth_mm = 1000 * metres * glm::length(contact.proxy - contact.goal);
         finger.stiffness = contact.properties.stiffness / 1000;
         finger.friction = contact.properties.static_friction;
-        shown.newtons = std::max(shown.newtons, finger.newtons);
+        shown_.newtons = std::max(shown_.newtons, finger.newtons);
     }
 
-    void show_values(const HeightField& field, const ViewCamera& camera, const glm::dvec2& at,
-                     Shown& shown) const {
+    void show_values(const HeightField& field, const ViewCamera& camera, const glm::dvec2& at) {
         const auto met = PointerFingers::ground_at(field, camera, at);
-        shown.picked = met ? 1 : 0;
+        shown_.picked = met ? 1 : 0;
         if (!met) return;
         const PixelValues values = values_at(field, *pair_, static_cast<int>(std::lround(met->x)),
                                              static_cast<int>(std::lround(met->y)));
-        shown.depth_m = values.z * scene_.metres_per_unit;
-        shown.stiffness = values.properties.stiffness / 1000;
-        shown.static_friction = values.properties.static_friction;
-        shown.dynamic_friction = values.properties.dynamic_friction;
-        shown.height_mm = values.height_mm;
+        shown_.depth_m = values.z * scene_.metres_per_unit;
+        shown_.stiffness = values.properties.stiffness / 1000;
+        shown_.static_friction = values.properties.static_friction;
+        shown_.dynamic_friction = values.properties.dynamic_friction;
+        shown_.height_mm = values.height_mm;
     }
 
     static constexpr std::size_t room_for_commands = 100'000;
@@ -459,15 +458,15 @@ private:
     ContactRumble motors_;
     Rumble rumble_;
     std::vector<float> samples_, heard_, drawn_;
+    Shown shown_{};
 };
 
 std::vector<std::uint8_t> inbox;
-std::string fault_text, hash_text;
+std::string text;  // that the worker reads next
 std::unique_ptr<Clip> clip;
-Shown shown;
 
 int worked(const Result<void>& result) {
-    if (!result) fault_text = result.error().message;
+    if (!result) text = result.error().message;
     return result ? 1 : 0;
 }
 
@@ -477,11 +476,11 @@ std::span<const T> taken(std::size_t count) {
     return {reinterpret_cast<const T*>(inbox.data()), count};
 }
 
-Result<void> open_scene(int numbers, int times, double frames, bool is_live) {
-    const auto values = taken<double>(static_cast<std::size_t>(numbers + times));
-    TRY_ASSIGN(Scene scene, scene_of_numbers(values.first(static_cast<std::size_t>(numbers))));
+Result<void> open_scene(std::size_t numbers, std::size_t times, double frames, bool is_live) {
+    const auto values = taken<double>(numbers + times);
+    TRY_ASSIGN(Scene scene, scene_of_numbers(values.first(numbers)));
     if (times > 0) {
-        auto rate = rate_of_own_times({values.begin() + numbers, values.end()});
+        auto rate = rate_of_own_times({&values[numbers], &values[numbers] + times});
         if (!rate) return input_error("the clip's times do not increase");
         scene.rate = std::move(*rate);
     }
@@ -526,21 +525,6 @@ Result<void> open_picture(int width, int height, double metres, double degrees) 
     return {};
 }
 
-/// Goes back to the clip's beginning.
-void begin(int fingers, int goals, int commands) {
-    const auto values = taken<double>(static_cast<std::size_t>(3 * goals + 4 * commands));
-    std::vector<glm::dvec3> places;
-    for (int k = 0; k < goals; ++k) places.emplace_back(values[3 * k], values[3 * k + 1], values[3 * k + 2]);
-    std::vector<PlaybackCommand> playback;
-    for (int k = 3 * goals; k < 3 * goals + 4 * commands; k += 4)
-        playback.push_back(
-            {static_cast<std::int64_t>(values[k]), static_cast<PlaybackVerb>(static_cast<int>(values[k + 1])),
-             static_cast<std::int64_t>(values[k + 2]), static_cast<std::int64_t>(values[k + 3])});
-    OpenedClip opened = clip->opened();
-    clip.reset();  // before the next one, for its memory
-    clip = std::make_unique<Clip>(std::move(opened), fingers, std::move(places), std::move(playback));
-}
-
 }  // namespace
 
 /// What the worker calls.
@@ -550,61 +534,60 @@ struct PageExports {
         inbox.resize(bytes);
         return inbox.data();
     }
-    EXPORTED(fault) static const char* fault() { return fault_text.c_str(); }
+    EXPORTED(fault) static const char* fault() { return text.c_str(); }
     /// In `room`: the scene's numbers, and the frames' own times, ns, as doubles.
-    EXPORTED(open_scene) static int open_scene(int numbers, int times, double frames, int is_live) {
-        return worked(touchable::open_scene(numbers, times, frames, is_live != 0));
+    EXPORTED(open_scene)
+    static int open_scene(std::size_t numbers, std::size_t times, double frames, bool is_live) {
+        return worked(touchable::open_scene(numbers, times, frames, is_live));
     }
     /// In `room`: codes of 16 bits.
     EXPORTED(open_picture) static int open_picture(int width, int height, double metres, double degrees) {
         return worked(touchable::open_picture(width, height, metres, degrees));
     }
     /// In `room`: a packet's head, and its content, inflated.
-    EXPORTED(plane) static int plane(int role, int bytes_per_sample, int channels, int size) {
-        return worked(clip->take_packet(static_cast<Role>(role), bytes_per_sample, channels,
-                                        std::span(inbox).first(static_cast<std::size_t>(size))));
+    EXPORTED(plane) static int plane(Role role, int bytes_per_sample, int channels, std::size_t size) {
+        return worked(clip->take_packet(role, bytes_per_sample, channels, taken<std::uint8_t>(size)));
     }
     EXPORTED(wanted) static double wanted() { return static_cast<double>(clip->wanted()); }
     EXPORTED(give) static int give() { return worked(clip->give()); }
-    /// In `room`: goals, 3 doubles each, finger by finger and tick by tick, and then commands, 4 doubles
-    /// each.
-    EXPORTED(begin) static void begin(int fingers, int goals, int commands) {
-        touchable::begin(fingers, goals, commands);
+    /// Goes back to the clip's beginning. In `room`: goals, 3 doubles each, finger by finger and tick by
+    /// tick, and then commands, 4 doubles each.
+    EXPORTED(begin) static void begin(int fingers, std::size_t goals, std::size_t commands) {
+        const auto places = taken<glm::dvec3>(goals);
+        const auto asked = taken<double>(3 * goals + 4 * commands).subspan(3 * goals);
+        std::vector<PlaybackCommand> playback;
+        for (std::size_t k = 0; k < asked.size(); k += 4)
+            playback.push_back({std::llround(asked[k]), static_cast<PlaybackVerb>(asked[k + 1]),
+                                std::llround(asked[k + 2]), std::llround(asked[k + 3])});
+        OpenedClip opened = clip->opened();
+        clip.reset();  // before the next one, for its memory
+        clip = std::make_unique<Clip>(std::move(opened), fingers, std::vector(places.begin(), places.end()),
+                                      std::move(playback));
     }
     EXPORTED(run) static int run(int ticks) { return clip->run(ticks); }
     EXPORTED(size) static void size(int width, int height) {
         canvas_width = width;
         canvas_height = height;
     }
-    /// `kind`: InputEvent's; `button`: 0 none, 1 left, 2 right, 3 middle; `pen`: its pressure, 0 to 1.
+    /// `button`: 0 none, 1 left, 2 right, 3 middle; `pen`: its pressure, 0 to 1.
     EXPORTED(event)
-    static void event(int kind, int button, double x, double y, int control, int shift, int touch,
-                      double seconds, double pen, int turns) {
+    static void event(InputEvent::Kind kind, int button, double x, double y, bool control, bool shift,
+                      int touch, double seconds, double pen, bool turns) {
         constexpr const char* buttons[] = {"", "left", "right", "middle"};
-        InputEvent given{
-            .kind = static_cast<InputEvent::Kind>(kind), .x = x, .y = y, .word = buttons[button & 3]};
-        given.control = control != 0;
-        given.shift = shift != 0;
+        InputEvent given{kind, x, y, buttons[button & 3], control, shift};
         given.touch = touch;
         given.seconds = seconds;
-        clip->event(given, pen, turns != 0);
+        clip->event(given, pen, turns);
     }
-    EXPORTED(play) static int play(int verb, double number) {
-        return worked(clip->command(static_cast<ClockCommand>(verb), number));
-    }
-    EXPORTED(hand) static void hand(int verb, double a, double b) {
-        clip->command(static_cast<HandCommand>(verb), a, b);
-    }
-    EXPORTED(look) static const void* look() {
-        clip->look(shown);
-        return &shown;
-    }
+    EXPORTED(play) static int play(ClockCommand verb, double a) { return worked(clip->command(verb, a)); }
+    EXPORTED(hand) static void hand(HandCommand verb, double a, double b) { clip->command(verb, a, b); }
+    EXPORTED(look) static const void* look() { return clip->look(); }
     EXPORTED(shown_number) static double shown_number() { return static_cast<double>(clip->shown_number()); }
-    EXPORTED(drawn) static const void* drawn(int role) { return clip->drawn(static_cast<Role>(role)); }
+    EXPORTED(drawn) static const void* drawn(Role role) { return clip->drawn(role); }
     /// The forces' hash so far: 16 digits.
     EXPORTED(hash) static const char* hash() {
-        hash_text = clip->hash();
-        return hash_text.c_str();
+        text = clip->hash();
+        return text.c_str();
     }
 };
 
