@@ -8,8 +8,13 @@ const roles = ['depth', 'haptic', 'height', 'colour'];
 
 export const is_whole = (value, least, most) => Number.isInteger(value) && value >= least && value <= most;
 
+/** `sentence`: for people. */
+export function refuse(sentence) {
+  throw new Error(sentence);
+}
+
 function require(condition, what) {
-  if (!condition) throw new Error(`The clip is damaged, or was changed: ${what}.`);
+  if (!condition) refuse(`The clip is damaged, or was changed: ${what}.`);
 }
 
 /** What `read` takes of a server's answer; an Error with a sentence if there is none, or if it breaks off. */
@@ -19,9 +24,9 @@ export async function answer_of(url, name, read, options) {
     answer = await fetch(url, options);
     if (answer.ok) return await read(answer);
   } catch {
-    throw new Error(`The server does not answer, or broke off in the middle of ${name}. Reload the page to try again.`);
+    refuse(`The server does not answer, or broke off in the middle of ${name}. Reload the page to try again.`);
   }
-  throw new Error(`There is no ${name}: the server answers ${answer.status}.`);
+  return refuse(`There is no ${name}: the server answers ${answer.status}.`);
 }
 
 /** Takes exact numbers of bytes from a stream. */
@@ -80,8 +85,7 @@ export class PackedClip {
     try {
       clip.json = JSON.parse(text);
     } catch {
-      throw new Error('This is no packed clip: its clip.json is no JSON. ' +
-        'touchable convert CLIP FOLDER --web writes one.');
+      refuse('This is no packed clip: its clip.json is no JSON. touchable convert CLIP FOLDER --web writes one.');
     }
     clip.check();
     return clip;
@@ -90,13 +94,13 @@ export class PackedClip {
   check() {
     const {json} = this, {numbers, planes} = json ?? {};
     if (json?.touchable_packed !== 1)
-      throw new Error('This is no packed clip that this page knows: its clip.json does not say "touchable_packed": 1.');
+      refuse('This is no packed clip that this page knows: its clip.json does not say "touchable_packed": 1.');
     require(numbers && typeof numbers === 'object' && planes && typeof planes === 'object', 'it has no scene');
     this.numbers = Float64Array.from(Object.values(numbers), (value) => (value === null ? NaN : value));
     const {width, height} = Object.assign(this, {width: numbers.width, height: numbers.height});
     require(is_whole(width, 1, most_side) && is_whole(height, 1, most_side), 'its size is none');
     if (width * height > most_pixels)
-      throw new Error(`The clip's pictures are ${width} x ${height}: this page shows up to ` +
+      refuse(`The clip's pictures are ${width} x ${height}: this page shows up to ` +
         `${most_pixels / 1e6 | 0} million pixels.`);
     this.live = typeof json.live === 'string' ? json.live : null;
     this.frames = this.live ? 0 : json.frames;
@@ -137,7 +141,7 @@ export class PackedClip {
     let run = plane.kept.find(holds);
     if (!run) {
       run = await this.fetched(plane, at, size);
-      require(holds(run), `${plane.file} is shorter than it says`);
+      require(run.is_whole && holds(run), `${plane.file} is shorter than it says`);
       plane.kept.push(run);
       for (let bytes = 0, k = plane.kept.length - 1; k >= 0; --k) {
         bytes += plane.kept[k].bytes.length;
@@ -147,28 +151,21 @@ export class PackedClip {
     return run.bytes.subarray(at - run.at, at - run.at + size);
   }
 
-  async fetched(plane, at, size) {
-    const length = plane.ends.at(-1), end = Math.min(length, at + Math.max(size, run_bytes));
+  async fetched(plane, at, wanted) {
+    const length = plane.ends.at(-1), end = Math.min(length, at + Math.max(wanted, run_bytes));
     if (this.files) {
       const blob = this.files[plane.file];
       require(blob, `${plane.file} is not there`);
-      return {at, bytes: new Uint8Array(await blob.slice(at, end).arrayBuffer())};
+      return {at, bytes: new Uint8Array(await blob.slice(at, end).arrayBuffer()), is_whole: true};
     }
-    const range = {headers: {Range: `bytes=${at}-${end - 1}`}};
-    const answer = await answer_of(new URL(plane.file, this.base), plane.file, (one) => one, range);
-    // A server without ranges answers 200 and sends all, which is kept.
-    const from = answer.status === 206 ? at : 0, expected = answer.status === 206 ? end - at : length;
-    return {at: from, bytes: await this.body(answer, expected, plane.file)};
-  }
-
-  async body(answer, expected, file) {
-    const bytes = new Uint8Array(expected), reader = new ByteReader(answer.body);
-    const got = await reader.fill(bytes, 0, (at) => this.told?.(at, expected, file)).catch(() => {
-      throw new Error(`The server broke off in the middle of ${file}. Reload the page to try again.`);
-    });
-    reader.cancel();
-    require(got === expected, `${file} is shorter than it says`);
-    return bytes;
+    return answer_of(new URL(plane.file, this.base), plane.file, async (answer) => {
+      // A server without ranges answers 200 and sends all, which is kept.
+      const [from, size] = answer.status === 206 ? [at, end - at] : [0, length];
+      const bytes = new Uint8Array(size), reader = new ByteReader(answer.body);
+      const got = await reader.fill(bytes, 0, (now) => this.told?.(now, size, plane.file));
+      reader.cancel();
+      return {at: from, bytes, is_whole: got === size};
+    }, {headers: {Range: `bytes=${at}-${end - 1}`}});
   }
 
   /** A packet with its content inflated; of colour the packet as it is. */

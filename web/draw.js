@@ -213,7 +213,7 @@ const finger_colours = ['#0072b2', '#e69f00', '#009e73', '#d55e00', '#cc79a7']; 
 // CSS pixels. The canvas is as small as it can be: one as large as the picture would halve a slow device's rate.
 export function paint_fingers(canvas, unit, size, least, fingers) {
     const c = canvas.getContext('2d'), turn = 2 * Math.PI, radius = Math.max(least * unit, 0.016 * size);
-    const points = fingers.filter(({at}) => at).flatMap(({at, goal, tip}) => [at, goal ?? at, tip ?? at])
+    const points = fingers.flatMap(({at, goal, tip}) => [at, goal, tip])
         .map((place) => place.map((value) => Math.min(Math.max(value, -radius), 2 * size)));
     canvas.hidden = !points.length;
     if (canvas.hidden) return;
@@ -233,10 +233,12 @@ export function paint_fingers(canvas, unit, size, least, fingers) {
         if (width) stroke(style, width);
         else Object.assign(c, {fillStyle: style}).fill();
     };
-    const line = (from, to, style, width) => {
+    const path = (...places) => {
         c.beginPath();
-        c.moveTo(...from);
-        c.lineTo(...to);
+        for (const place of places) c.lineTo(...place);
+    };
+    const line = (from, to, style, width) => {
+        path(from, to);
         stroke(style, width);
     };
     const shade = (x, y, r, ...stops) => {
@@ -245,35 +247,30 @@ export function paint_fingers(canvas, unit, size, least, fingers) {
         circle(x, y, r, gradient);
     };
     fingers.forEach((finger, k) => {
-        if (!finger.at) return;
-        const [x, y] = finger.at, colour = finger_colours[k % 5], above = Math.max(0, -finger.depth_mm || 0);
-        const lift = finger.touching ? 0 : Math.min(above / 4, 2);
+        const {at, goal, tip, touching, newtons, depth_mm} = finger, [x, y] = at;
+        const lift = touching ? 0 : Math.min(Math.max(0, -depth_mm) / 4, 2);
         const dark = [0.75, 0.4, 0].map((share) => `rgba(0,0,0,${share / (1 + lift)})`);
         shade(x + lift * radius, y + (0.3 + lift) * radius, (1.6 + 0.5 * lift) * radius, ...dark);
-        if (finger.goal && finger.touching) {
-            line(finger.at, finger.goal, '#fff6', 1.5);
-            circle(...finger.goal, 0.7 * radius, '#fff4');
+        if (touching) {
+            line(at, goal, '#fff6', 1.5);
+            circle(...goal, 0.7 * radius, '#fff4');
         }
         circle(x, y, radius + 1.5 * unit, '#ffffffe6');
-        circle(x, y, radius, colour);
+        circle(x, y, radius, finger_colours[k % 5]);
         shade(x - 0.35 * radius, y - 0.4 * radius, 0.9 * radius, '#ffffffbf', '#fff0');
         // The ring shrinks as the finger comes down and presses; it is full at the limit.
-        const r = radius * (1.75 + Math.min(0.8, 0.4 * lift) - Math.min(0.3, 0.06 * finger.newtons));
+        const r = radius * (1.75 + Math.min(0.8, 0.4 * lift) - Math.min(0.3, 0.06 * newtons));
         circle(x, y, r, '#0a0c108c', 4.5);
         circle(x, y, r, '#fff6', 1.5);
-        circle(x, y, r, '#fff', 4, Math.min(finger.share || 0, 1));
-        if (!finger.touching || !finger.tip) return;
-        const dx = finger.tip[0] - x, dy = finger.tip[1] - y, long = Math.hypot(dx, dy);
+        circle(x, y, r, '#fff', 4, Math.min(finger.share, 1));
+        if (!touching) return;
+        const dx = tip[0] - x, dy = tip[1] - y, long = Math.hypot(dx, dy);
         if (long < 0.8 * radius) return circle(x, y, 0.32 * radius, '#fffffff2');  // seen end on
         const head = Math.min(14 * unit, 0.6 * long) / long, side = 0.5 * head;
-        const neck = [finger.tip[0] - dx * head, finger.tip[1] - dy * head];
-        line(finger.at, neck, '#0a0c1099', 6);
-        line(finger.at, neck, '#bfe0f7', 3.5);
-        c.fillStyle = '#bfe0f7';
-        c.beginPath();
-        c.moveTo(...finger.tip);
-        c.lineTo(neck[0] - side * dy, neck[1] + side * dx);
-        c.lineTo(neck[0] + side * dy, neck[1] - side * dx);
-        c.fill();
+        const neck = [tip[0] - dx * head, tip[1] - dy * head];
+        line(at, neck, '#0a0c1099', 6);
+        line(at, neck, '#bfe0f7', 3.5);
+        path(tip, [neck[0] - side * dy, neck[1] + side * dx], [neck[0] + side * dy, neck[1] - side * dx]);
+        Object.assign(c, {fillStyle: '#bfe0f7'}).fill();
     });
 }

@@ -4,9 +4,9 @@
 import {plot, save, show} from './lab_plot.js';
 
 // The program's own figures, shown beside the page's: `touchable-bench paper --json paper.json` gives them (with
-// --quick those of 10 s). Fig. 19 by the end of the cases' names: hashes by pixel, then by world, without a filter, -m3,
-// -m5, -m5-t, and with -temporal (not of -still, a single frame). Table I by content, metric and seconds: largest, mean
-// and hash of line, circle, eight.
+// --quick those of 10 s). Fig. 19 by the end of the cases' names: hashes by pixel, then by world, without a filter,
+// -m3, -m5, -m5-t, and with -temporal (not of -still, a single frame). Table I by content, metric and seconds:
+// largest, mean and hash of line, circle, eight.
 const {scratches, sweeps} = await (await fetch(new URL('lab_native.json', import.meta.url))).json();
 
 const worker = new Worker(new URL('worker.js', import.meta.url), {type: 'module'});

@@ -82,7 +82,7 @@ function stop(text) {
     $('bar').hidden = true;
 }
 function say_finger() {
-    const finger = touchable.state?.fingers.find((one) => one.at), mm = finger?.depth_mm;
+    const finger = touchable.state?.fingers[0], mm = finger?.depth_mm;
     const where = touchable.state?.pick?.valid === false ? 'nothing to touch'
         : `${Math.abs(mm).toFixed(1)} millimetres ${mm < 0 ? 'above the surface' : 'deep'}`;
     const text = finger ? `${finger.label || ''} ${where}, ${finger.newtons.toFixed(1)} newtons`.trim()

@@ -5,7 +5,7 @@
 // Throws an Error whose message is a sentence for people. Runs in pages, workers and Node. Nothing is allocated
 // before the sizes in the file are known to be within the limits.
 
-import {ByteReader, inflating} from './clip.js';
+import {ByteReader, inflating, refuse} from './clip.js';
 
 const most_pixels = 33e6, longest_side = 16384;
 const signature = [137, 80, 78, 71, 13, 10, 26, 10];
@@ -18,10 +18,6 @@ function crc_of(bytes) {
     let crc = 0xffffffff;
     for (let k = 0; k < bytes.length; ++k) crc = crc_table[(crc ^ bytes[k]) & 255] ^ (crc >>> 8);
     return (crc ^ 0xffffffff) >>> 0;
-}
-
-function refuse(sentence) {
-    throw new Error(sentence);
 }
 
 // The header's sizes, and the compressed data as pieces of the file.

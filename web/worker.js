@@ -2,7 +2,7 @@
 // elapsed at each event and each picture, and sends what is to be drawn, heard and read. One thread: no memory is
 // shared, so any web server will do.
 
-import {PackedClip, answer_of, inflating, live_framesets} from './clip.js';
+import {PackedClip, answer_of, inflating, live_framesets, refuse} from './clip.js';
 import {unpack_png} from './png.js';
 
 const event_kinds = ['moved', 'pressed', 'released', 'wheel', 'key', 'key_released', 'resized', 'dropped',
@@ -35,7 +35,6 @@ let taken = {}, sent = {}; // by role the frame whose picture the engine has, an
 const colours = new Map(); // pictures of frames that may still be shown
 
 const say = (message, transfers = []) => postMessage(message, transfers);
-const fail = (text) => { throw new Error(text); };
 
 // ---- The engine
 
@@ -50,7 +49,7 @@ function wasi(memory) {
     environ_get: () => 0,
     environ_sizes_get: (count, size) => (view().setUint32(count, 0, true), view().setUint32(size, 0, true), 0),
     fd_close: () => 8, fd_seek: () => 8, fd_write: () => 8,
-    proc_exit: () => { throw new Error('Memory does not suffice for this clip.'); },
+    proc_exit: () => refuse('Memory does not suffice for this clip.'),
   };
 }
 
@@ -63,7 +62,7 @@ async function load_engine(bytes) {
   try {
     ({instance} = await WebAssembly.instantiate(await new Response(inflating([bytes])).arrayBuffer(), imports));
   } catch {
-    throw new Error('engine.bin is damaged, or this browser is too old for it: it takes WebAssembly with SIMD.');
+    refuse('engine.bin is damaged, or this browser is too old for it: it takes WebAssembly with SIMD.');
   }
   instance.exports._initialize();
   return instance.exports;
@@ -78,7 +77,7 @@ function text_at(at) {
   const bytes = memory(Uint8Array, at);
   return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
 }
-const check = (worked) => worked || fail(text_at(engine.fault()));
+const check = (worked) => worked || refuse(text_at(engine.fault()));
 
 // ---- Opening
 
@@ -186,7 +185,7 @@ async function follow(url) {
       }
       if (number >= 0) check(engine.give());
     }
-    fail('The live stream has ended.');
+    refuse('The live stream has ended.');
   } catch (error) {
     if (of === opening) faulty(error);
   }
@@ -267,7 +266,7 @@ async function verify({goals, fingers, ticks, commands: asked}) {
     tick += ran;
     if (ran === 0) {
       const frame = engine.wanted();
-      if (frame < 0) fail('The clip has no frame for a tick.');
+      if (frame < 0) refuse('The clip has no frame for a tick.');
       await give_frame(frame);
     } else if (await draw()) {
       frames.push(shown);
@@ -307,7 +306,7 @@ const work = {
     engine ??= await load_engine();
     if (!name) return; // it shall only be loaded
     const worked = engine[name](...numbers), text = text_at(engine.lab_text());
-    if (!worked) fail(text);
+    if (!worked) refuse(text);
     say({is: 'figures', figures: Object.fromEntries(text.split('\n').map((line) => line.split('\t')))});
   },
   async due(due) {
