@@ -70,6 +70,7 @@ struct RawPlane {
     std::shared_ptr<std::vector<std::uint8_t>> samples{};
 };
 
+/// What is kept of a clip when it goes back to its beginning. A still picture is a clip of one frame.
 struct OpenedClip {
     Scene scene;
     std::int64_t frames = 1;
@@ -98,8 +99,8 @@ public:
 
     /// Makes samples the newest picture of a plane.
     void set_plane(Role role, int bytes_per_sample, int channels, std::span<const std::uint16_t> samples) {
-        const auto bytes = static_cast<std::size_t>(bytes_per_sample),
-                   stride = bytes * static_cast<std::size_t>(channels);
+        const auto bytes = static_cast<std::size_t>(bytes_per_sample);
+        const std::size_t stride = bytes * static_cast<std::size_t>(channels);
         const std::size_t pixels = pixel_count(scene_.width, scene_.height);
         RawPlane& plane = opened_.planes[role];
         plane.samples = std::make_shared<std::vector<std::uint8_t>>(samples.size() * bytes);

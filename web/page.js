@@ -1,5 +1,5 @@
 // The page of touchable: it connects the worker, which holds the clip, the solver and the view, with pointer, keys,
-// gamepad, picture and sound. The messages between both are listed at the head of worker.js.
+// gamepad, picture and sound. The messages between both are listed by `work` in worker.js and `answers` here.
 //
 // Once per animation frame the page sends 'due'; the worker runs the ticks that have elapsed and answers by one
 // 'state', which is drawn at once. Nothing runs while the page is hidden. All waiting goes through `clock`, which
@@ -47,8 +47,7 @@ const touchable = globalThis.touchable = {
 };
 let picture = null, verified = null;
 let unit = 1, size = 1;  // canvas pixels of a CSS pixel; of the picture
-// The last 'due' is answered; the clip plays and loops as it begins; a state from before a reset is still to come.
-let answered = false, settled = false, stale = false;
+let answered = false;  // the last 'due'
 let new_frame = false, drawn_view = '', drawn_fingers = '';
 let enter_held = false, pad_presses = false, seeking = false, used_keys = false, touched = false;
 let last_input = clock.now(), last_tick = 0;
@@ -114,7 +113,7 @@ const answers = {
         invite(true);
         $('lock').hidden = !kiosk;
         $('bar').classList.remove('empty');
-        $('force').hidden = settled = false;
+        $('force').hidden = false;
         answered = true;
     },
     progress({loaded, total, what}) {
@@ -129,13 +128,6 @@ const answers = {
         answered = true;
         touchable.state = state;
         if (!touchable.clip) return;
-        if (!settled && !stale && !touchable.clip.live && touchable.clip.frames > 1) {
-            // A clip plays and loops from the start, unless the person asked for less motion.
-            if (state.playing === calm) command('play-pause');
-            if (!state.loops) command('loop');
-        }
-        settled ||= !stale;
-        stale = false;
         const touches = state.fingers.some((finger) => finger.touching);
         draw(state);
         show_state(state);
@@ -369,8 +361,6 @@ function watch_visitors() {
     set_sound(1, false);
     $('notice').hidden = $('lock').hidden = true;
     invitation.classList.remove('over');
-    settled = false;
-    stale = !answered;
 }
 
 // ---- One's own pictures, and help
@@ -521,7 +511,7 @@ function start() {
     show_message('Loading the clip …');
     const {json, files = null} = one_file?.clip ?? {};
     const url = new URL(query.get('clip') || 'clip.json', location.href).href;
-    post({do: 'open', url, json, files, wasm: one_file?.wasm});
+    post({do: 'open', url, json, files, wasm: one_file?.wasm, calm});
     if (kiosk) watch_visitors();
     requestAnimationFrame(tick);
 }

@@ -28,7 +28,7 @@ const commands = {
 };
 
 let engine, clip, size, broken = false, shown = -1;
-let turning = false, pressed = false, feeding = null, last_ms = 0, owed_ms = 0, us_per_tick = 0;
+let turning = false, pressed = false, stands_still = false, feeding = null, last_ms = 0, owed_ms = 0, us_per_tick = 0;
 let build_ms = 0, decode_ms = 0, seen = {speed: 1, loops: 0}, live_stop = null;
 let opening = 0; // counts clips and beginnings: what was under way for an earlier one ends without a trace
 let taken = {}, sent = {}; // by role the frame whose picture the engine has, and the page
@@ -81,7 +81,8 @@ const check = (worked) => worked || refuse(text_at(engine.fault()));
 
 // ---- Opening
 
-async function open({url, files, json, wasm}) {
+async function open({url, files, json, wasm, calm}) {
+  stands_still = calm;
   const told = (loaded, total, what) => say({is: 'progress', loaded, total, what});
   let packed;
   [engine, packed] =
@@ -114,8 +115,16 @@ function met(packed, about) {
   live_stop?.abort();
   clip = packed;
   begun();
+  start_clock();
   if (size) engine.size(size.width, size.height);
   say({is: 'clip', width: packed.width, height: packed.height, ...about});
+}
+
+/** A clip plays and loops from the start, unless the person asked for less motion. */
+function start_clock() {
+  if (clip.live || !(clip.frames > 1)) return;
+  if (stands_still) play(0);
+  play(5, 1);
 }
 
 /** The clip is at its beginning. */
@@ -221,9 +230,11 @@ function look() {
   const {picked, depth_m, stiffness, friction_static, friction_dynamic, height_mm} = state;
   const pick = {valid: picked > 0, depth_m, stiffness, friction_static, friction_dynamic, height_mm};
   state.pick = picked < 0 ? null : pick;
-  state.matrix = Float32Array.from(values.subarray(members.length, first));
   state.rumble = [state.rumble_low, state.rumble_high];
   state.frame = engine.shown_number();
+  // Until the first frame after a beginning is there, the picture of before stays.
+  const is_new = state.frame >= 0 || !seen.matrix;
+  state.matrix = is_new ? Float32Array.from(values.subarray(members.length, first)) : seen.matrix;
   state.sound = state.sound_samples ? memory(Float32Array, state.sound, state.sound_samples).slice() : null;
   return seen = state;
 }
@@ -282,6 +293,7 @@ function reset() {
   turning = false;
   engine.begin(1, 0, 0);
   begun();
+  start_clock();
 }
 
 function faulty(error) {
