@@ -207,9 +207,9 @@ class Page(unittest.TestCase):
                     const fault = new Promise((_, refuse) => touchable.worker.addEventListener('message', ({{data}}) =>
                         data.is === 'fault' && refuse(new Error(data.text))));
                     const drawn = touchable.frames_drawn;
-                    const result = await Promise.race([fault, touchable.verify(
+                    const {{hash, ticks, frames}} = await Promise.race([fault, touchable.verify(
                         new Float64Array(bytes.buffer), {native.fingers}, {native.ticks}, {json.dumps(commands)})]);
-                    return {{...result, drawn: touchable.frames_drawn - drawn}}""")
+                    return {{hash, ticks, frames, drawn: touchable.frames_drawn - drawn}}""")
                 self.assertEqual(result["hash"], native.hash)
                 self.assertEqual(result["ticks"], native.ticks)
                 # Of two frames that a tick lies between, one is drawn.
