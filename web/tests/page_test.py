@@ -234,7 +234,9 @@ class Page(unittest.TestCase):
         self.browser.choose_file("#file", file)
         self.browser.wait("return document.getElementById('ask').open")
         self.browser.run("document.querySelector('#ask button.main').click()")
-        self.browser.wait("return touchable.clip.frames === 1 && touchable.frames_drawn > 0 && !!touchable.state.matrix")
+        # A press before the picture's first tick meets no hand.
+        self.browser.wait("const {clip, state} = touchable;"
+                          "return clip.frames === 1 && state.frame === 0 && state.tick > 0")
         self.press()
         # In the middle of the ramp: 0.54 m.
         self.browser.wait("return Math.abs(touchable.state.pick?.depth_m - 0.54) < 0.002")
