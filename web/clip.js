@@ -1,9 +1,10 @@
 // A packed clip, read by parts: clip.json, and of each plane a file of packets (docs/web.md).
 //
 // A PackedClip gives the packets of a frame, inflated. It fetches runs of packets by Range, and takes all of a file
-// from a server that ignores Range. Whatever is not as clip.json says is an Error with a sentence for people.
+// from a server that ignores Range. A clip that differs from its clip.json is an Error with a sentence for people.
 
-const most_frames = 1e6, most_side = 16384, most_pixels = 1 << 25, run_bytes = 1 << 20, most_kept = 64 << 20;
+const most_frames = 1e6, most_side = 16384, most_pixels = 1 << 25;
+const run_bytes = 1 << 20, most_kept = 64 << 20, most_whole = 256 << 20;
 const roles = ['depth', 'haptic', 'height', 'colour'];
 
 export const is_whole = (value, least, most) => Number.isInteger(value) && value >= least && value <= most;
@@ -103,6 +104,7 @@ export class PackedClip {
       refuse(`The clip's pictures are ${width} x ${height}: this page shows up to ` +
         `${most_pixels / 1e6 | 0} million pixels.`);
     this.live = typeof json.live === 'string' ? json.live : null;
+    require(this.live === null || /^[\w-]+$/.test(this.live), 'its live stream is not beside it');
     this.frames = this.live ? 0 : json.frames;
     require(this.live || is_whole(this.frames, 1, most_frames), 'it does not say how many frames it has');
     this.times = json.times_ns ?? [];
@@ -121,8 +123,10 @@ export class PackedClip {
     require(is_known, `${role} is of no form that this page knows`);
     require(file === `${role}.bin`, `${role} names a file that is not its own`);
     if (this.live) return plane;
+    // Of colour as much as without a code; of others an eighth more.
+    const samples = this.width * this.height * (channels ?? 3), most = 2.25 * (samples + 65536) + 1024;
     require(Array.isArray(sizes) && sizes.length === this.frames && sizes[0] > 0 &&
-      sizes.every((size) => is_whole(size, 0, 1 << 30)), `${role} has no packet for each frame`);
+      sizes.every((size) => is_whole(size, 0, most)), `${role} has no packet for each frame`);
     sizes.forEach((size, frame) => {
       plane.own.push(size > 0 ? frame : plane.own.at(-1));
       plane.ends.push((plane.ends.at(-1) ?? 0) + size);
@@ -161,6 +165,7 @@ export class PackedClip {
     return answer_of(new URL(plane.file, this.base), plane.file, async (answer) => {
       // A server without ranges answers 200 and sends all, which is kept.
       const [from, size] = answer.status === 206 ? [at, end - at] : [0, length];
+      require(size <= most_whole, `${plane.file} is too large for a server that knows no ranges`);
       const bytes = new Uint8Array(size), reader = new ByteReader(answer.body);
       const got = await reader.fill(bytes, 0, (now) => this.told?.(now, size, plane.file));
       reader.cancel();
@@ -188,16 +193,20 @@ export async function* live_framesets(url, planes, signal) {
   const reader = await answer_of(url, 'live stream', (answer) => new ByteReader(answer.body), {signal});
   const taken = async (size) => {
     const bytes = new Uint8Array(size);
-    return await reader.fill(bytes) === size ? bytes : null;
+    return await reader.fill(bytes).catch(() => 0) === size ? bytes : refuse('The live stream has ended.');
   };
-  for (let head; (head = await taken(24));) {
-    const view = new DataView(head.buffer), sizes = roles.map((_, k) => view.getUint32(4 * k, true)), packets = {};
-    require(sizes.every((size) => size <= 1 << 28), 'the live stream is no stream of framesets');
-    for (const [k, role] of roles.entries()) {
-      const packet = await taken(sizes[k]);
-      if (!packet) return;
-      if (planes[role] && sizes[k] > 0) packets[role] = packet;
+  try {
+    for (;;) {
+      const view = new DataView((await taken(24)).buffer), packets = {};
+      const sizes = roles.map((_, k) => view.getUint32(4 * k, true));
+      require(sizes.every((size) => size <= 1 << 28), 'the live stream is no stream of framesets');
+      for (const [k, role] of roles.entries()) {
+        const packet = await taken(sizes[k]);
+        if (planes[role] && sizes[k] > 0) packets[role] = packet;
+      }
+      yield packets;
     }
-    yield packets;
+  } finally {
+    reader.cancel();
   }
 }

@@ -3,9 +3,8 @@
 //
 // The worker fetches and inflates pictures; all else is here, and is the engine that the program has. It is
 // called by plain functions with numbers; bytes pass through `room`. A function that can fail returns 0, and
-// `fault` says why, in words for a person. Virtual time (`begin` with a script) and the page's own time
-// differ only in who waits: `run` stops before a tick whose frames are missing, or takes those that are
-// there.
+// `fault` says why, in words for a person. In virtual time (`begin` with a script)
+// `run` stops before a tick whose frames are missing; in the page's own time it takes those that are there.
 
 #include <cmath>
 #include <cstdint>
@@ -17,6 +16,7 @@
 
 #include "device/haptic_device.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "engine/clip/rank_samples.hpp"
 #include "engine/scene/plane_memory.hpp"
 #include "engine/surface/depth_estimator.hpp"
@@ -44,7 +44,7 @@ enum Role { depth_role, haptic_role, height_role, roles };
 
 namespace {
 
-constexpr int pointer_fingers = PointerFingers::most, most_ticks_at_once = TouchStep::longest_gap_ticks;
+constexpr int pointer_fingers = PointerFingers::most, most_ticks_at_once = 1000;
 constexpr std::int64_t tick_ns = 1'000'000;
 constexpr double metres_per_newton = 0.004;  // an arrow's length, of the hand
 
@@ -136,13 +136,13 @@ public:
             has_ended_ = true;
             if (built_epoch_ == epoch_) timeline_.end_epoch();
         }
-        return has_ended_ || !timeline_.acquire() ? -1 : next_number_;
+        return has_ended_ || is_full_ || !timeline_.acquire() ? -1 : next_number_;
     }
 
     /// Builds and publishes the frame that was wanted, of the planes that were taken.
     Result<void> give() {
         RawFrame raw;
-        raw.number = next_number_++;
+        raw.number = next_number_;
         raw.time_ns = opened_.is_live ? std::max(timeline_.newest_time() + 1, tick_ * tick_ns)
                                       : scene_.rate.time_ns(raw.number);
         raw.epoch = epoch_;
@@ -156,12 +156,15 @@ public:
             newest_.reset();
         }
         if (!remembers_ && newest_ && newest_->epoch == raw.epoch && same_touch_planes(*newest_, raw)) {
-            TRY_ASSIGN([[maybe_unused]] const bool has_room, timeline_.republish(raw.number, raw.time_ns));
+            TRY_ASSIGN(const bool has_room, timeline_.republish(raw.number, raw.time_ns));
+            is_full_ = !has_room;  // until a tick has passed
+            next_number_ += has_room;
             return {};
         }
         SurfaceFrame* const slot = timeline_.acquire();
         if (!slot) return internal_error("a frame came without room for it");
         TRY(builder_->build(raw, *slot));
+        ++next_number_;
         if (raw.number < first_shown_) return {};
         TRY(timeline_.publish(raw.number, raw.time_ns));
         if (!remembers_) newest_ = raw;
@@ -173,13 +176,18 @@ public:
     /// Runs ticks up to this one; one of a script stops before a tick whose frames are missing. Returns how
     /// many.
     int run(int ticks) {
-        if (ticks > most_ticks_at_once && script_.empty()) tick_ += std::exchange(ticks, 1) - 1;  // a gap
+        if (ticks > most_ticks_at_once && script_.empty())
+            tick_ += std::exchange(ticks, 1) - 1;  // a gap for the hand
         for (int done = 0; done < ticks; ++done)
             if (!run_tick()) return done;
         return ticks;
     }
+    /// Why no tick can be run.
+    const std::optional<Error>& fault() const { return fault_; }
 
+    /// A live source has no clock to command.
     Result<void> command(ClockCommand verb, double number) {
+        if (opened_.is_live) return {};
         using enum PlaybackVerb;
         const auto jump = [this](double ns) {
             return log_->ask(seek, std::llround(std::clamp(ns, 0.0, static_cast<double>(last_ns()))), 0);
@@ -361,7 +369,10 @@ private:
         tick_ = tick;
         late_ += is_late && !opened_.is_live;
         pair_ = pair;
-        if (!step_ && !meet(*pair.prev.frame)) return false;
+        is_full_ = false;
+        if (!step_)
+            if (auto met = meet(*pair.prev.frame); !met) fault_ = met.error();
+        if (fault_) return false;
         state_ = clock_.state_at(tick);
         lead(tick);
         const TouchTick done = step_->run(tick, tick * tick_ns, scene_, pair);
@@ -441,7 +452,8 @@ private:
     SurfaceTimeline timeline_{4};
     const std::unique_ptr<SurfaceBuilder> builder_ = make_cpu_builder(scene_);
     const bool remembers_ = FilterPlan(scene_).remembers();
-    bool has_ended_ = false;
+    bool has_ended_ = false, is_full_ = false;
+    std::optional<Error> fault_;
     std::optional<RawFrame> newest_;
     std::uint64_t epoch_ = 0, built_epoch_ = 0;
     std::int64_t next_number_ = 0, first_shown_ = 0, tick_ = -1, late_ = 0;
@@ -536,6 +548,11 @@ struct PageExports {
         return inbox.data();
     }
     EXPORTED(fault) static const char* fault() { return text.c_str(); }
+    /// The names of a scene's numbers, a line each.
+    EXPORTED(scene_names) static const char* scene_names() {
+        text = listed(numbers_of(Scene()), &SceneNumber::name, "\n");
+        return text.c_str();
+    }
     /// In `room`: the scene's numbers, and the frames' own times, ns, as doubles.
     EXPORTED(open_scene)
     static int open_scene(std::size_t numbers, std::size_t times, double frames, bool is_live) {
@@ -554,6 +571,7 @@ struct PageExports {
     /// Goes back to the clip's beginning. In `room`: goals, 3 doubles each, finger by finger and tick by
     /// tick, and then commands, 4 doubles each.
     EXPORTED(begin) static void begin(int fingers, std::size_t goals, std::size_t commands) {
+        if (fingers < 1 || goals % static_cast<std::size_t>(fingers) != 0) fingers = 1, goals = commands = 0;
         const auto places = taken<glm::dvec3>(goals);
         const auto asked = taken<double>(3 * goals + 4 * commands).subspan(3 * goals);
         std::vector<PlaybackCommand> playback;
@@ -565,7 +583,12 @@ struct PageExports {
         clip = std::make_unique<Clip>(std::move(opened), fingers, std::vector(places.begin(), places.end()),
                                       std::move(playback));
     }
-    EXPORTED(run) static int run(int ticks) { return clip->run(ticks); }
+    /// -1: no tick can be run.
+    EXPORTED(run) static int run(int ticks) {
+        const int done = clip->run(ticks);
+        if (clip->fault()) text = clip->fault()->message;
+        return clip->fault() ? -1 : done;
+    }
     EXPORTED(size) static void size(int width, int height) {
         canvas_width = width;
         canvas_height = height;

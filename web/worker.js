@@ -31,7 +31,7 @@ let engine, clip, size, broken = false, shown = -1;
 let turning = false, pressed = false, stands_still = false, feeding = null, last_ms = 0, owed_ms = 0, us_per_tick = 0;
 let build_ms = 0, decode_ms = 0, seen = {speed: 1, loops: 0}, live_stop = null;
 let opening = 0; // counts clips and beginnings: what was under way for an earlier one ends without a trace
-let taken = {}, sent = {}; // by role the frame whose picture the engine has, and the page
+let taken = {}, sent = {}; // by role the frame whose picture the engine has, and the page (of colour the picture)
 const colours = new Map(); // pictures of frames that may still be shown
 
 const say = (message, transfers = []) => postMessage(message, transfers);
@@ -49,7 +49,7 @@ function wasi(memory) {
     environ_get: () => 0,
     environ_sizes_get: (count, size) => (view().setUint32(count, 0, true), view().setUint32(size, 0, true), 0),
     fd_close: () => 8, fd_seek: () => 8, fd_write: () => 8,
-    proc_exit: () => refuse('Memory does not suffice for this clip.'),
+    proc_exit() { throw new WebAssembly.RuntimeError('exit'); },
   };
 }
 
@@ -88,6 +88,8 @@ async function open({url, files, json, wasm, calm}) {
   [engine, packed] =
     await Promise.all([engine ?? load_engine(wasm), PackedClip.open(files ? json : url, files, told)]);
   const {planes, times, frames, live, json: {name, remarks, numbers}} = packed;
+  if (text_at(engine.scene_names()) !== Object.keys(numbers).join('\n'))
+    refuse("The clip is of another version than this page. touchable convert --web of the page's version writes one.");
   put(Float64Array.from([...packed.numbers, ...times]));
   const known_frames = live ? Number.MAX_SAFE_INTEGER : frames;
   check(engine.open_scene(packed.numbers.length, times.length, known_frames, live ? 1 : 0));
@@ -98,7 +100,6 @@ async function open({url, files, json, wasm, calm}) {
     has: {colour: !!planes.colour, haptic: !!planes.haptic, height: !!planes.height},
     unit: numbers.metres_per_unit, near: numbers['depth.near'], far: numbers['depth.far'],
   });
-  if (live) follow(new URL(live, url));
 }
 
 async function open_picture({bytes, name, unit, fov}) {
@@ -112,17 +113,17 @@ async function open_picture({bytes, name, unit, fov}) {
 }
 
 function met(packed, about) {
-  live_stop?.abort();
   clip = packed;
   begun();
-  start_clock();
+  start();
   if (size) engine.size(size.width, size.height);
   say({is: 'clip', width: packed.width, height: packed.height, ...about});
 }
 
-/** A clip plays and loops from the start, unless the person asked for less motion. */
-function start_clock() {
-  if (clip.live || !(clip.frames > 1)) return;
+/** A clip plays and loops from the start, unless the person asked for less motion; a live one is followed. */
+function start() {
+  if (clip.live) follow(new URL(clip.live, clip.base));
+  if (!(clip.frames > 1)) return;
   if (stands_still) play(0);
   play(5, 1);
 }
@@ -130,6 +131,7 @@ function start_clock() {
 /** The clip is at its beginning. */
 function begun() {
   ++opening;
+  live_stop?.abort();
   feeding = null;
   broken = false;
   shown = -1;
@@ -149,6 +151,7 @@ async function give_frame(frame) {
     if (of !== opening) return;
     give_packet(role, own, packet);
   }
+  if (engine.wanted() !== frame) return; // the clip was sent elsewhere meanwhile
   const decoded = performance.now();
   check(engine.give());
   decode_ms = decoded - start;
@@ -157,7 +160,7 @@ async function give_frame(frame) {
 
 function give_packet(role, own, packet) {
   if (role === 'colour') {
-    colours.set(own, new Blob([packet], {type: 'image/jpeg'}));
+    colours.set(clip.live ? 'newest' : own, new Blob([packet], {type: 'image/jpeg'}));
     if (colours.size > 32) colours.delete(colours.keys().next().value);
     return;
   }
@@ -194,7 +197,6 @@ async function follow(url) {
       }
       if (number >= 0) check(engine.give());
     }
-    refuse('The live stream has ended.');
   } catch (error) {
     if (of === opening) faulty(error);
   }
@@ -212,6 +214,7 @@ function run_elapsed() {
   if (ticks < 1) return;
   owed_ms -= ticks;
   const ran = engine.run(ticks);
+  check(ran >= 0);
   if (ran > 0) us_per_tick = (1000 * (performance.now() - now)) / ran;
   feed();
 }
@@ -246,18 +249,15 @@ async function draw() {
   shown = number;
   const [depths, haptic, heights] = roles.map((_, role) => engine.drawn(role));
   const message = {is: 'frame', number, haptic: null, heights: null, colour: null};
-  // Whether the page has another picture of that role.
-  const is_news = (role) => {
-    const before = sent[role];
-    sent[role] = clip.own(role, number);
-    return sent[role] !== before;
-  };
+  const has_haptic = clip.planes.haptic && sent.haptic === clip.own('haptic', number);
   message.depths = memory(Float32Array, depths, count).slice();
-  if (haptic && is_news('haptic')) message.haptic = memory(Uint8Array, haptic, 3 * count).slice();
+  if (haptic && !has_haptic) message.haptic = memory(Uint8Array, haptic, 3 * count).slice();
+  if (haptic) sent.haptic = clip.own('haptic', number);
   if (heights) message.heights = Float32Array.from(memory(Uint16Array, heights, count));
   const transfers = [message.depths, message.haptic, message.heights].flatMap((plane) => plane?.buffer ?? []);
-  const picture = clip.planes.colour && colours.get(clip.own('colour', number));
-  if (picture && is_news('colour')) {
+  const picture = clip.planes.colour && colours.get(clip.live ? 'newest' : clip.own('colour', number));
+  if (picture && sent.colour !== picture) {
+    sent.colour = picture;
     message.colour = await createImageBitmap(picture).catch(() => null);
     if (message.colour) transfers.push(message.colour);
   }
@@ -273,6 +273,7 @@ async function verify({goals, fingers, ticks, commands: asked}) {
   const frames = [], us = new Float64Array(ticks); // what each tick took
   for (let tick = 0; tick < ticks;) {
     const start = performance.now(), ran = engine.run(1);
+    check(ran >= 0);
     us[tick] = 1000 * (performance.now() - start);
     tick += ran;
     if (ran === 0) {
@@ -293,11 +294,13 @@ function reset() {
   turning = false;
   engine.begin(1, 0, 0);
   begun();
-  start_clock();
+  start();
 }
 
 function faulty(error) {
-  const trapped = error instanceof WebAssembly.RuntimeError;
+  // After a trap, or without memory, nothing that the engine has can be relied on.
+  const trapped = error instanceof WebAssembly.RuntimeError || error instanceof RangeError;
+  if (trapped) engine = clip = undefined;
   const text = trapped ? 'The engine stopped: memory may not suffice for this clip.' : String(error?.message ?? error);
   say({is: 'fault', text, fatal: !clip || trapped});
 }

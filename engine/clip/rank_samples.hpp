@@ -1,7 +1,7 @@
 #pragma once
 
 // A lossless coding of grey pictures of two bytes a sample, each on its own, before it is compressed: by zstd
-// in clips (track_codecs.hpp), by deflate in packed ones (packed_clip.hpp), which browsers inflate. A packet:
+// in clips (track_codecs.hpp), by deflate in packed ones (packed_clip.cpp), which browsers inflate. A packet:
 //
 //   byte 0     its mode: 0 samples by gradient, 1 ranks by left, 2 ranks by gradient
 //   bytes 1-2  only of ranks: how many distinct values the picture has, less 1; the low byte first

@@ -74,9 +74,14 @@ inline constexpr const char* packed_clip_name = "clip.json";
 /// before, or there is none.
 class FramePacker {
 public:
+    /// `level` of deflate: 1, the quickest, to 9, the smallest.
+    explicit FramePacker(int level = 9) : level_(level) {}
+    /// The next frame is packed whole.
+    void forget() { before_ = {}; }
     Result<std::array<std::string, all_roles.size()>> pack(const RawFrame& frame);
 
 private:
+    const int level_;
     std::array<std::optional<RankEncoder>, all_roles.size()> encoders_;
     RawFrame before_;
 };

@@ -42,11 +42,10 @@ std::vector<std::uint16_t> samples_of(const PlaneView& plane) {
 }
 
 /// `bytes` of deflate without a header; 0: it failed.
-std::size_t deflated(std::span<const std::uint8_t> from, std::span<std::uint8_t> to) {
+std::size_t deflated(std::span<const std::uint8_t> from, std::span<std::uint8_t> to, int level) {
     constexpr int window_bits = -15, memory = 9;
     z_stream stream{};
-    if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, window_bits, memory, Z_DEFAULT_STRATEGY) != Z_OK)
-        return 0;
+    if (deflateInit2(&stream, level, Z_DEFLATED, window_bits, memory, Z_DEFAULT_STRATEGY) != Z_OK) return 0;
     stream.next_in = const_cast<std::uint8_t*>(from.data());
     stream.avail_in = static_cast<uInt>(from.size());
     stream.next_out = to.data();
@@ -93,6 +92,11 @@ Ordered json_of(const SceneDescription& described, const RawFrame& first) {
             of.update({{"bytes_per_sample", plane.bytes_per_sample}, {"channels", plane.channels}});
     }
     return json;
+}
+
+/// A name may be no UTF-8.
+std::string text_of(const Ordered& json) {
+    return json.dump(-1, ' ', false, Ordered::error_handler_t::replace) + '\n';
 }
 
 class PackedWriter final : public ClipWriter {
@@ -145,7 +149,7 @@ public:
             if (failure) return input_error(file.string() + ": cannot be copied: " + failure.message());
         }
         names_.push_back(packed_clip_name);  // opens the others
-        TRY(hidden_.write(folder_, packed_clip_name, json_.dump() + '\n'));
+        TRY(hidden_.write(folder_, packed_clip_name, text_of(json_)));
         hidden_.sync();
         return hidden_.path() / packed_clip_name;
     }
@@ -199,9 +203,11 @@ public:
         const PackedPlane& plane = planes_[place(role)];
         const auto own = static_cast<std::size_t>(picture_number(role, frame));
         const std::uint64_t at = plane.packets[own].second;
-        std::string packet(plane.packets[own + 1].second - at, '\0');
         const std::string where = this->where(role, frame);
         TRY_ASSIGN(const auto bytes, bytes_of_file(plane.file));
+        if (plane.packets[own + 1].second > bytes->size())
+            return input_error(where + ": is cut: the file ends before it does");
+        std::string packet(plane.packets[own + 1].second - at, '\0');
         TRY(error_at(where, bytes->read(at, packet.data(), packet.size())));
         TrackPicture read;
         if (role == PlaneRole::colour) {
@@ -307,7 +313,7 @@ StoredClip read_packed(const Node& node, const fs::path& file) {
         clip.roles.push_back(role);
     }
     if (clip.roles.empty() || clip.roles.front() != PlaneRole::depth)
-        node["planes"].refuse("depth, and what is beside it");
+        node["planes"].refuse("a depth plane, and others beside it");
     clip.pictures = std::move(pictures);
     clip.inputs = {file};
     for (const PlaneRole role : clip.roles) clip.inputs.push_back(file.parent_path() / file_of(role));
@@ -327,7 +333,8 @@ Result<std::array<std::string, all_roles.size()>> FramePacker::pack(const RawFra
             continue;
         }
         auto& encoder = encoders_[place(role)];
-        if (!encoder) encoder.emplace(deflated);
+        if (!encoder)
+            encoder.emplace([level = level_](auto from, auto to) { return deflated(from, to, level); });
         const auto samples = samples_of(plane);
         const auto packet =
             encoder->encode(plane_of_codes(samples.data(), plane.width, plane.height * plane.channels), false);
@@ -342,7 +349,7 @@ std::string packed_live_json(const SceneDescription& described, const RawFrame& 
                              const std::string& live) {
     Ordered json = json_of(described, first);
     json["live"] = live;
-    return json.dump() + '\n';
+    return text_of(json);
 }
 
 bool is_packed_clip(const SourceFile& file) {

@@ -95,9 +95,9 @@ public:
     std::span<const std::uint8_t> header() const override { return {}; }
     Result<Block> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
                       bool is_key) override {
-        if (!packer_) TRY(begin(frame));
-        if (is_key) packer_.emplace();  // the first frame that it packs is whole
-        TRY_ASSIGN(const auto packets, packer_->pack(frame));
+        if (begun_) TRY(begin(frame));
+        if (is_key) packer_.forget();
+        TRY_ASSIGN(const auto packets, packer_.pack(frame));
         Block block{label.frame, true, {}};
         std::string head, body;
         for (const PlaneRole role :
@@ -119,7 +119,7 @@ private:
         NewFile file(folder_ / packed_clip_name);
         TRY(file.write(packed_live_json(described_, first, page_stream)));
         TRY(file.commit());
-        begun_();
+        std::exchange(begun_, nullptr)();
         return {};
     }
     static void append(std::string& bytes, auto number) {
@@ -128,8 +128,8 @@ private:
 
     const SceneDescription described_;
     const std::filesystem::path folder_;
-    const std::function<void()> begun_;
-    std::optional<FramePacker> packer_;
+    std::function<void()> begun_;  // until it is called
+    FramePacker packer_{1};        // quickly
 };
 
 class Serving : NonCopyable {
