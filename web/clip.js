@@ -4,7 +4,7 @@
 // from a server that ignores Range. A clip that differs from its clip.json is an Error with a sentence for people.
 
 const most_frames = 1e6, most_side = 16384, most_pixels = 1 << 25;
-const run_bytes = 1 << 20, most_kept = 64 << 20, most_whole = 256 << 20;
+const first_bytes = 1 << 16, run_bytes = 1 << 20, most_kept = 64 << 20, most_whole = 256 << 20;
 const roles = ['depth', 'haptic', 'height', 'colour'];
 
 export const is_whole = (value, least, most) => Number.isInteger(value) && value >= least && value <= most;
@@ -156,7 +156,8 @@ export class PackedClip {
   }
 
   async fetched(plane, at, wanted) {
-    const length = plane.ends.at(-1), end = Math.min(length, at + Math.max(wanted, run_bytes));
+    const length = plane.ends.at(-1), run = plane.kept.length ? run_bytes : first_bytes;
+    const end = Math.min(length, at + Math.max(wanted, run));
     if (this.files) {
       const blob = this.files[plane.file];
       require(blob, `${plane.file} is not there`);

@@ -100,7 +100,7 @@ export const ramp_colours = ['#251467', '#26346f', '#294d77', '#31657e', '#3f7c8
 
 export class SurfacePicture {
     constructor(canvas) {
-        Object.assign(this, {canvas, planes: {}, stride: 1, pictures: 0, drawn_ms: 0, highest: 0});
+        Object.assign(this, {canvas, planes: {}, stride: 1, pictures: 0, drawn_ms: 0, highest: 0, range: [0, 1]});
         this.gl = canvas.getContext('webgl2', {alpha: false, antialias: false});
         if (!this.gl) throw new Error('This page needs WebGL2, which this browser does not offer.');
         this.prepare();
@@ -134,7 +134,7 @@ export class SurfacePicture {
         }
         const ramp = ramp_colours.flatMap((hex) => [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16)));
         this.fill('ramp', ramp_colours.length, 1, new Uint8Array(ramp));
-        if (this.planes.depths) this.upload(this.planes);
+        this.stale = new Set(Object.keys(this.planes));
     }
 
     fill(name, width, height, samples) {
@@ -150,7 +150,8 @@ export class SurfacePicture {
             throw new Error(`This picture has ${width} x ${height} pixels; this device draws ${most} a side.`);
         this.planes.colour?.close();
         this.planes = {};
-        Object.assign(this, {width, height, range: null, focal: focal || width, far: 0.999 * (far || Infinity)});
+        Object.assign(this, {width, height, range: [0, 1], is_measured: false, focal: focal || width,
+                             far: 0.999 * (far || Infinity)});
     }
 
     // A plane that is null stays as it was. All are kept for a lost context.
@@ -159,15 +160,21 @@ export class SurfacePicture {
         if (colour) old.colour?.close();
         this.planes = {depths, colour: colour ?? old.colour, haptic: haptic ?? old.haptic,
                        heights: heights ?? old.heights};
-        this.upload({depths, colour, haptic, heights});
-        if (heights) this.highest = heights.reduce((most, value) => Math.max(most, value), 0);
-        this.measure(depths);
+        for (const [name, plane] of Object.entries({depths, colour, haptic, heights}))
+            if (plane) this.stale.add(name);
     }
 
-    upload(planes) {
-        if (this.gl.isContextLost()) return;
-        for (const [name, plane] of Object.entries(planes))  // an image has a size of its own
-            if (plane) this.fill(name, plane.width ?? this.width, plane.height ?? this.height, plane);
+    // Brings the planes that are shown up to date: the others would cost a slow device a third of its pictures.
+    update(shown) {
+        const others = {colour: 'colour', stiffness: 'haptic', friction: 'haptic', height: 'heights'};
+        if (shown !== 'colour' && this.stale.has('depths')) this.measure(this.planes.depths);
+        for (const name of ['depths', others[shown]]) {
+            const plane = this.planes[name];
+            if (!plane || !this.stale.delete(name)) continue;
+            const samples = name === 'heights' ? Float32Array.from(plane) : plane;
+            if (name === 'heights') this.highest = samples.reduce((most, value) => Math.max(most, value), 0);
+            this.fill(name, plane.width ?? this.width, plane.height ?? this.height, samples);  // an image has its own
+        }
     }
 
     // The depths that colours spread over: those of all but 1 % of the pixels at either end, without the far plane;
@@ -177,7 +184,8 @@ export class SurfacePicture {
         const found = new Float32Array(4000).map((_, k) => depths[k * step] ?? 0)
             .filter((depth) => depth > 0 && depth < this.far).sort();
         const ends = found.length ? [0.01, 0.99].map((share) => found[Math.floor(share * (found.length - 1))]) : [1, 2];
-        this.range = ends.map((end, k) => (this.range ? this.range[k] + 0.1 * (end - this.range[k]) : end));
+        this.range = ends.map((end, k) => (this.is_measured ? this.range[k] + 0.1 * (end - this.range[k]) : end));
+        this.is_measured = true;
     }
 
     draw(matrix, own_view, overlay) {
@@ -187,6 +195,7 @@ export class SurfacePicture {
         gl.viewport(0, 0, this.canvas.width, this.canvas.height);
         gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
         const shown = overlay === 'colour' && !colour ? 'shape' : overlay;
+        this.update(shown);
         const stride = this.stride * Math.ceil(Math.sqrt(width * height / 1.2e6));
         const columns = Math.ceil((width - 1) / stride) + 1, rows = Math.ceil((height - 1) / stride);
         gl.uniformMatrix4fv(at.clip_from_lattice, false, matrix);

@@ -47,7 +47,7 @@ const touchable = globalThis.touchable = {
 };
 let picture = null, verified = null;
 let unit = 1, size = 1;  // canvas pixels of a CSS pixel; of the picture
-let answered = false;  // the last 'due'
+let unanswered = Infinity;  // 'due's: one may be under way while the answer to another is drawn
 let new_frame = false, drawn_view = '', drawn_fingers = '';
 let enter_held = false, pad_presses = false, seeking = false, used_keys = false, touched = false;
 let last_input = clock.now(), last_tick = 0;
@@ -114,7 +114,7 @@ const answers = {
         $('lock').hidden = !kiosk;
         $('bar').classList.remove('empty');
         $('force').hidden = false;
-        answered = true;
+        unanswered = 0;
     },
     progress({loaded, total, what}) {
         if (!touchable.clip) show_message(`Loading ${what || 'the clip'} …`, false, total > 0 ? loaded / total : NaN);
@@ -125,7 +125,7 @@ const answers = {
         if (verified && touchable.state) draw(touchable.state);
     },
     state(state) {
-        answered = true;
+        unanswered = Math.max(unanswered - 1, 0);
         touchable.state = state;
         if (!touchable.clip) return;
         const touches = state.fingers.some((finger) => finger.touching);
@@ -138,7 +138,7 @@ const answers = {
     verified(result) {
         verified?.(result);
         verified = null;
-        answered = true;
+        unanswered = 0;
     },
     fault: ({text, fatal}) => show_fault(String(text), fatal)
 };
@@ -421,10 +421,10 @@ function tick(now) {
     requestAnimationFrame(tick);
     const ms = now - last_tick;
     last_tick = now;
-    if (!touchable.clip || !answered || verified) return;
+    if (!touchable.clip || unanswered > 1 || verified) return;
     read_gamepad(Math.min(ms, 100) / 1000);
     post({do: 'due', pressed: enter_held || pad_presses});
-    answered = false;
+    ++unanswered;
 }
 
 function connect_controls() {

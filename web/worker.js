@@ -32,7 +32,7 @@ let turning = false, pressed = false, stands_still = false, feeding = null, last
 let build_ms = 0, decode_ms = 0, seen = {speed: 1, loops: 0}, live_stop = null;
 let opening = 0; // counts clips and beginnings: what was under way for an earlier one ends without a trace
 let taken = {}, sent = {}; // by role the frame whose picture the engine has, and the page (of colour the picture)
-const colours = new Map(); // pictures of frames that may still be shown
+const colours = new Map(); // by frame, of those that may still be shown: JPEG, and what it is decoded to, ahead
 
 const say = (message, transfers = []) => postMessage(message, transfers);
 
@@ -160,8 +160,9 @@ async function give_frame(frame) {
 
 function give_packet(role, own, packet) {
   if (role === 'colour') {
-    colours.set(clip.live ? 'newest' : own, new Blob([packet], {type: 'image/jpeg'}));
-    if (colours.size > 32) colours.delete(colours.keys().next().value);
+    const jpeg = new Blob([packet], {type: 'image/jpeg'});
+    colours.set(clip.live ? 'newest' : own, {jpeg, bitmap: bitmap_of(jpeg)});
+    if (colours.size > 16) colours.delete(colours.keys().next().value);
     return;
   }
   const {bytes_per_sample, channels} = clip.planes[role];
@@ -242,6 +243,8 @@ function look() {
   return seen = state;
 }
 
+const bitmap_of = (jpeg) => createImageBitmap(jpeg).catch(() => null);
+
 /** Sends the frame that is to be drawn, if it is another than before. */
 async function draw() {
   const number = engine.shown_number(), count = clip.width * clip.height;
@@ -253,12 +256,13 @@ async function draw() {
   message.depths = memory(Float32Array, depths, count).slice();
   if (haptic && !has_haptic) message.haptic = memory(Uint8Array, haptic, 3 * count).slice();
   if (haptic) sent.haptic = clip.own('haptic', number);
-  if (heights) message.heights = Float32Array.from(memory(Uint16Array, heights, count));
+  if (heights) message.heights = memory(Uint16Array, heights, count).slice();
   const transfers = [message.depths, message.haptic, message.heights].flatMap((plane) => plane?.buffer ?? []);
   const picture = clip.planes.colour && colours.get(clip.live ? 'newest' : clip.own('colour', number));
   if (picture && sent.colour !== picture) {
     sent.colour = picture;
-    message.colour = await createImageBitmap(picture).catch(() => null);
+    message.colour = await (picture.bitmap ?? bitmap_of(picture.jpeg));
+    picture.bitmap = null; // it goes to the page
     if (message.colour) transfers.push(message.colour);
   }
   say(message, transfers);
