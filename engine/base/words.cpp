@@ -56,12 +56,6 @@ std::string escaped(Character control, char byte) {
     return formatted("\\u%04x", static_cast<unsigned>(control.code));
 }
 
-/// The locale in which numbers have a point, whatever that of the process.
-locale_t with_points() {
-    static const locale_t c = newlocale(LC_ALL_MASK, "C", nullptr);
-    return c;
-}
-
 std::size_t letters_between(std::string_view a, std::string_view b) {
     std::vector<std::size_t> row(b.size() + 1);
     std::iota(row.begin(), row.end(), std::size_t{0});
@@ -79,7 +73,6 @@ std::size_t letters_between(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string formatted(const char* format, ...) {
-    const locale_t before = uselocale(with_points());
     std::va_list values, again;
     va_start(values, format);
     va_copy(again, values);
@@ -87,7 +80,6 @@ std::string formatted(const char* format, ...) {
     std::vsnprintf(text.data(), text.size() + 1, format, again);
     va_end(again);
     va_end(values);
-    uselocale(before);
     return text;
 }
 
@@ -104,7 +96,7 @@ double decimal_of(float value) {
 
 std::string short_number(double number, int count) {
     if (number == 0) return "0";
-    std::string text = formatted("%.*g", count, number);
+    std::string text = exact_number(number, std::chars_format::general, count);
     return std::abs(number) > 1 && text.find('e') != std::string::npos ? formatted("%.0f", number) : text;
 }
 
@@ -138,9 +130,10 @@ std::optional<double> parsed_real(std::string_view text) {
     if (digits.empty() || digits.front() <= ' ' || digits.front() == '+' || digits.front() == '-' ||
         digits.find_first_of("xX") != std::string_view::npos)
         return {};
+    static const locale_t with_points = newlocale(LC_ALL_MASK, "C", nullptr);
     const std::string ended(text);
     char* end = nullptr;
-    const double value = strtod_l(ended.c_str(), &end, with_points());
+    const double value = strtod_l(ended.c_str(), &end, with_points);
     if (end != ended.c_str() + ended.size()) return {};
     const bool is_word = digits.front() > '9',
                is_zero = digits.find_first_of("123456789") >= digits.find_first_of("eE");

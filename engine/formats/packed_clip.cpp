@@ -224,17 +224,15 @@ public:
 
 private:
     Result<Image> unpacked(const PackedPlane& plane, std::string_view packet) const {
-        const auto damaged = [] { return input_error("is damaged: is no picture of the clip"); };
         const int rows = height_ * plane.channels;
         const std::size_t count = pixel_count(width_, rows);
         const auto head = rank_head({reinterpret_cast<const std::uint8_t*>(packet.data()), packet.size()}, count);
-        if (!head) return damaged();
-        TRY(check_expansion(head->content(count), packet.size(), "it"));
-        std::vector<std::uint8_t> content(head->content(count));
+        if (head) TRY(check_expansion(head->content(count), packet.size(), "it"));
+        std::vector<std::uint8_t> content(head ? head->content(count) : 0);
         std::vector<std::uint16_t> samples(count);
-        if (!inflates(packet.substr(head->bytes), content) ||
+        if (!head || !inflates(packet.substr(head->bytes), content) ||
             !take_rank_content(*head, content, width_, rows, samples.data(), width_))
-            return damaged();
+            return input_error("is damaged: is no picture of the clip");
         Image image = blank_image(width_, height_, plane.bytes_per_sample, plane.channels);
         if (plane.bytes_per_sample == 2) {
             std::memcpy(image.samples.data(), samples.data(), image.samples.size());

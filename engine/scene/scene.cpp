@@ -45,14 +45,8 @@ constexpr std::int64_t max_rate_term = 1'000'000'000;
 /// overflow a double.
 constexpr double longest = 1e12, shortest = 1e-12;
 
-/// The fewest digits that are read as the same number. (Without std::to_chars, whose tables would be a fifth
-/// of the engine for pages.)
 std::string text(double number) {
-    constexpr int usual = 6, all = 17;
-    for (int digits = usual;; ++digits)
-        if (std::string text = formatted("%.*g", digits, number);
-            digits == all || parsed_number(text) == number)
-            return text;
+    return exact_number(number, std::chars_format::general);
 }
 std::string text(std::integral auto number) {
     return std::to_string(number);
