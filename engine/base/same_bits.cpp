@@ -1,4 +1,5 @@
 #define XXH_INLINE_ALL
+#define XXH_NO_XXH3  // XXH64 alone; XXH3 of some versions takes WebAssembly for NEON
 
 #include "engine/base/same_bits.hpp"
 
