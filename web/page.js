@@ -234,6 +234,7 @@ function resize() {
     picture.stride = stride;
     drawn_view = drawn_fingers = '';
     post({do: 'size', width, height});
+    if (touchable.clip && touchable.state) draw(touchable.state);  // a canvas with another size is black
 }
 
 // ---- Pointers: mouse, pen and touches become the window's events. The stage begins in the page's corner.

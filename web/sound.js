@@ -24,7 +24,8 @@ export class ContactSound {
         this.gain = new GainNode(this.context);
         this.gain.connect(this.context.destination);
         this.set(this.volume, this.muted);
-        this.context.audioWorklet?.addModule(new URL('sound_worklet.js', import.meta.url)).then(() => {
+        const worklet = location.protocol === 'file:' ? null : this.context.audioWorklet;  // from a disk none loads
+        worklet?.addModule(new URL('sound_worklet.js', import.meta.url)).then(() => {
             this.node = new AudioWorkletNode(this.context, 'contact', {numberOfInputs: 0, outputChannelCount: [2]});
             this.node.connect(this.gain);
         }).catch(() => {});  // buffers are queued instead
