@@ -212,16 +212,16 @@ class Chromium(Browser):
         pathlib.Path(file).write_bytes(base64.b64decode(self.call("Page.captureScreenshot")["data"]))
 
     def memory(self):
-        """Bytes of the processes that run pages (PSS)."""
-        total = 0
+        """Bytes of the process that runs the page (PSS): the largest, as processes of earlier pages may be about to end."""
+        most = 0
         for process in pathlib.Path("/proc").glob("[0-9]*"):
             try:
                 words = (process / "cmdline").read_bytes()
                 if str(self.profile).encode() in words and b"--type=renderer" in words:
-                    total += 1024 * int((process / "smaps_rollup").read_text().split("\nPss:")[1].split()[0])
+                    most = max(most, 1024 * int((process / "smaps_rollup").read_text().split("\nPss:")[1].split()[0]))
             except OSError:
                 pass  # it ended in between
-        return total
+        return most
 
     def requests(self):
         return [url for url in self.urls if not url.startswith(("blob:", "data:"))]
