@@ -216,10 +216,10 @@ const levels = [[1, 1], [0.75, 1], [0.75, 2], [0.5, 2], [0.5, 3], [0.35, 4]];  /
 const pace = {
     level: 0, slow: 0,
     note(ms) {
-        this.slow = Math.min(Math.max(this.slow + (ms > 60 ? 2 : ms > 20 ? 1 : ms < 5 ? -0.1 : 0), -2), 2);
-        const change = Math.trunc(this.slow / 2);
-        if (!change || !levels[this.level + change]) return;
-        this.level += change;
+        this.slow = Math.min(Math.max(this.slow + (ms > 80 ? 4 : ms > 50 ? 2 : ms > 20 ? 1 : ms < 5 ? -0.1 : 0), -2), 4);
+        const level = Math.min(Math.max(this.level + Math.trunc(this.slow / 2), 0), levels.length - 1);
+        if (level === this.level) return;
+        this.level = level;
         this.slow = 0;
         resize();
     }
