@@ -15,6 +15,8 @@
 // call `name`, `limits`, `fingers`, `capabilities`, `is_over`, `prompt`, `why_no_position` and `health`,
 // which may allocate. One thread uses a simulated device; a pointer's functions name their threads.
 
+#include <array>
+#include <atomic>
 #include <glm/vec3.hpp>
 #include <span>
 
@@ -29,6 +31,34 @@ namespace touchable {
 inline std::int64_t steady_ns() {
     return boot_ns();
 }
+
+/// The newest value that one thread wrote, for one other thread to read. Neither locks, waits or retries, and
+/// a value is never read half-written: of three slots one is the writer's, one the reader's, and each swaps
+/// its own for the one in between.
+template <class T>
+class NewestValue : NonCopyable {
+public:
+    /// Writer.
+    void write(const T& value) {
+        places_[writers_] = value;
+        writers_ = between_.exchange(writers_ | is_new, std::memory_order_acq_rel) & ~is_new;
+    }
+    /// Reader. Returns a default value before the first write; the result stays unchanged until the next
+    /// call.
+    const T& read() {
+        if ((between_.load(std::memory_order_relaxed) & is_new) != 0)
+            readers_ = between_.exchange(readers_, std::memory_order_acq_rel) & ~is_new;
+        return places_[readers_];
+    }
+
+private:
+    static constexpr std::size_t is_new = 4;
+
+    std::array<T, 3> places_{};
+    alignas(64) std::size_t writers_ = 0;
+    alignas(64) std::size_t readers_ = 1;
+    alignas(64) std::atomic<std::size_t> between_{2};
+};
 
 /// What a device can exert and render stably; the force guard is configured with it.
 struct DeviceLimits {

@@ -14,8 +14,8 @@
 // moment. Both check every 20 ms, since a signal sets a flag and wakes no thread.
 //
 // start_thread starts a named thread, or says why it cannot. RowBands shares the rows of a picture among a
-// few threads that sleep between calls; the bits do not depend on their number. A NewestValue passes from one
-// thread to another, and neither waits. boot_ns is a clock that runs on while the machine is suspended.
+// few threads that sleep between calls; the bits do not depend on their number. boot_ns is a clock that runs
+// on while the machine is suspended.
 //
 // Threads: any may call every function; one at a time a RowBands.
 
@@ -287,34 +287,6 @@ private:
     std::exception_ptr fault_;
     bool ending_ = false;
     std::vector<std::thread> others_;
-};
-
-/// The newest value that one thread wrote, for one other thread to read. Neither locks, waits or retries, and
-/// a value is never read half-written: of three slots one is the writer's, one the reader's, and each swaps
-/// its own for the one in between.
-template <class T>
-class NewestValue : NonCopyable {
-public:
-    /// Writer.
-    void write(const T& value) {
-        places_[writers_] = value;
-        writers_ = between_.exchange(writers_ | is_new, std::memory_order_acq_rel) & ~is_new;
-    }
-    /// Reader. Returns a default value before the first write; the result stays unchanged until the next
-    /// call.
-    const T& read() {
-        if ((between_.load(std::memory_order_relaxed) & is_new) != 0)
-            readers_ = between_.exchange(readers_, std::memory_order_acq_rel) & ~is_new;
-        return places_[readers_];
-    }
-
-private:
-    static constexpr std::size_t is_new = 4;
-
-    std::array<T, 3> places_{};
-    alignas(64) std::size_t writers_ = 0;
-    alignas(64) std::size_t readers_ = 1;
-    alignas(64) std::atomic<std::size_t> between_{2};
 };
 
 }  // namespace touchable

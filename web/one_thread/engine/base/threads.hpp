@@ -48,14 +48,4 @@ public:
     }
 };
 
-template <class T>
-class NewestValue : NonCopyable {
-public:
-    void write(const T& value) { value_ = value; }
-    const T& read() { return value_; }
-
-private:
-    T value_{};
-};
-
 }  // namespace touchable
