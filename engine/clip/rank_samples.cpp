@@ -122,6 +122,24 @@ bool take_rank_content(const RankHead& head, std::span<const std::uint8_t> conte
     return head.mode == samples_by_gradient || look_up(distinct, width, height, samples, stride);
 }
 
+std::optional<std::vector<std::uint8_t>> rank_plane(const RankHead& head,
+                                                    std::span<const std::uint8_t> content, int width,
+                                                    int height, int bytes_per_sample, int channels) {
+    const auto bytes = static_cast<std::size_t>(bytes_per_sample);
+    const std::size_t pixels = pixel_count(width, height), stride = pixel_count(channels, bytes_per_sample);
+    std::vector<std::uint16_t> samples(pixel_count(width, height * channels));
+    if (!take_rank_content(head, content, width, height * channels, samples.data(), width))
+        return std::nullopt;
+    std::vector<std::uint8_t> plane(samples.size() * bytes);
+    const std::uint16_t* from = samples.data();
+    for (std::size_t first = 0; first < stride; first += bytes)
+        for (std::size_t at = first; at < pixels * stride; at += stride, ++from) {
+            plane[at] = static_cast<std::uint8_t>(*from);
+            if (bytes == 2) plane[at + 1] = static_cast<std::uint8_t>(*from >> 8);
+        }
+    return plane;
+}
+
 void RankEncoder::take_samples(const PlaneView& plane) {
     width_ = plane.width;
     samples_.resize(pixel_count(plane.width, plane.height));

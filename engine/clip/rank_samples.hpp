@@ -53,6 +53,12 @@ std::optional<RankHead> rank_head(std::span<const std::uint8_t> packet, std::siz
 bool take_rank_content(const RankHead& head, std::span<const std::uint8_t> content, int width, int height,
                        std::uint16_t* samples, std::ptrdiff_t stride);
 
+/// The same content as a plane's samples of one or two bytes, row by row; of several channels, whose pictures
+/// it has one below the other, interleaved. nullopt: it holds no such picture.
+std::optional<std::vector<std::uint8_t>> rank_plane(const RankHead& head,
+                                                    std::span<const std::uint8_t> content, int width,
+                                                    int height, int bytes_per_sample, int channels);
+
 class RankEncoder : NonCopyable {
 public:
     /// Compresses `from` into `to`, which has room, and returns its size; 0: memory ran out.

@@ -224,25 +224,15 @@ public:
 
 private:
     Result<Image> unpacked(const PackedPlane& plane, std::string_view packet) const {
-        const int rows = height_ * plane.channels;
-        const std::size_t count = pixel_count(width_, rows);
+        const std::size_t count = pixel_count(width_, height_ * plane.channels);
         const auto head = rank_head({reinterpret_cast<const std::uint8_t*>(packet.data()), packet.size()}, count);
         if (head) TRY(check_expansion(head->content(count), packet.size(), "it"));
         std::vector<std::uint8_t> content(head ? head->content(count) : 0);
-        std::vector<std::uint16_t> samples(count);
-        if (!head || !inflates(packet.substr(head->bytes), content) ||
-            !take_rank_content(*head, content, width_, rows, samples.data(), width_))
-            return input_error("is damaged: is no picture of the clip");
-        Image image = blank_image(width_, height_, plane.bytes_per_sample, plane.channels);
-        if (plane.bytes_per_sample == 2) {
-            std::memcpy(image.samples.data(), samples.data(), image.samples.size());
-            return image;
-        }
-        const std::size_t pixels = pixel_count(width_, height_);
-        const auto channels = static_cast<std::size_t>(plane.channels);
-        for (std::size_t k = 0; k < count; ++k)
-            image.samples[k % pixels * channels + k / pixels] = static_cast<std::uint8_t>(samples[k]);
-        return image;
+        std::optional<std::vector<std::uint8_t>> samples;
+        if (head && inflates(packet.substr(head->bytes), content))
+            samples = rank_plane(*head, content, width_, height_, plane.bytes_per_sample, plane.channels);
+        if (!samples) return input_error("is damaged: is no picture of the clip");
+        return Image{width_, height_, plane.bytes_per_sample, plane.channels, std::move(*samples)};
     }
 
     fs::path file_;
