@@ -392,6 +392,9 @@ struct FramePair {
     double blend = 0;  ///< 0 at prev's time, towards 1 at next's
     /// Epoch of the clip's clock: frames of two epochs are unrelated, whatever their times.
     std::uint64_t epoch = 0;
+
+    /// The frame nearer in time.
+    const TimedFrame& nearer() const { return blend < 0.5 ? prev : next; }
 };
 
 /// A ring of published SurfaceFrames between one writer (the surface thread) and one reader (the haptic
@@ -426,6 +429,8 @@ public:
     /// Writer. Frames published from now on belong to this epoch, which is later than the last; its times may
     /// begin anywhere. Wait-free.
     void begin_epoch(std::uint64_t epoch);
+    /// Writer. The epoch of frames published from now on.
+    std::uint64_t epoch() const { return epoch_; }
     /// Writer. Declares that the epoch gets no more frames. Wait-free.
     void end_epoch() { ended_.store(epoch_ + 1, std::memory_order_release); }
 

@@ -1,5 +1,7 @@
 #include "player/run/playback.hpp"
 
+#include "engine/base/try.hpp"
+
 namespace touchable {
 namespace {
 
@@ -166,6 +168,65 @@ void PlaybackClock::apply(const PlaybackCommand& command) {
             state_.loop_end = never;
             break;
     }
+}
+
+Result<void> PlaybackControl::play_or_pause() {
+    const PlaybackState state = state_();
+    if (!state.at_end) return ask(state.playing ? PlaybackVerb::pause : PlaybackVerb::play);
+    seek_to(0);
+    return ask(PlaybackVerb::play);
+}
+
+void PlaybackControl::seek_to(double seconds) {
+    // A clip of unknown length may be sought to any moment.
+    const std::int64_t last_ns = frames_ > 0 ? rate_.time_ns(frames_ - 1) : latest_moment_ns;
+    wanted_ns_ = static_cast<std::int64_t>(std::clamp(seconds * 1e9, 0.0, static_cast<double>(last_ns)));
+}
+
+Result<void> PlaybackControl::step(double frames) {
+    if (frames > 0) return state_().at_end ? Result<void>{} : ask(PlaybackVerb::step);
+    const std::int64_t now = wanted_ns_.value_or(state_().moment.time_ns);
+    wanted_ns_ = rate_.time_ns(std::max<std::int64_t>(0, rate_.frame_at(now) - 1));
+    return ask(PlaybackVerb::pause);
+}
+
+Result<void> PlaybackControl::begin_anew(std::span<const PlaybackCommand> first, bool loops) {
+    wanted_ns_.reset();
+    std::vector<PlaybackCommand> commands{
+        {0, PlaybackVerb::rate, 1000, 0}, {0, PlaybackVerb::unloop, 0, 0}, {0, PlaybackVerb::seek, 0, 0}};
+    const std::int64_t end_ns = rate_.time_ns(frames_);
+    if (loops && end_ns >= shortest_loop_ns) commands.push_back({0, PlaybackVerb::loop, 0, end_ns});
+    commands.insert(commands.end(), first.begin(), first.end());
+    commands.push_back({0, PlaybackVerb::play, 0, 0});
+    for (const PlaybackCommand& command : commands) TRY(ask(command.verb, command.first, command.second));
+    return {};
+}
+
+Result<void> PlaybackControl::toggle_loop() {
+    if (state_().loops) return ask(PlaybackVerb::unloop);
+    if (frames_ == 0) return usage_error("the clip does not say how long it is: there is no end to loop at");
+    return ask(PlaybackVerb::loop, 0, rate_.time_ns(frames_));
+}
+
+Result<void> PlaybackControl::go_on(const FramePair* shown) {
+    if (!wanted_ns_ || !shown || shown->epoch != state_().moment.epoch) return {};
+    return ask(PlaybackVerb::seek, *std::exchange(wanted_ns_, std::nullopt));
+}
+
+PlaybackState until_end(PlaybackState state, const FrameRate& rate, std::int64_t end_ns) {
+    if (end_ns <= 0 || state.loops) return state;
+    const std::int64_t last_ns = rate.time_ns(rate.frame_at(end_ns) - 1);
+    state.at_end = state.moment.time_ns >= last_ns;
+    state.moment.time_ns = std::min(state.moment.time_ns, last_ns);
+    return state;
+}
+
+ReadPlace first_place(std::uint64_t epoch, std::int64_t start_ns, const FrameRate& rate,
+                      std::optional<std::int64_t> frames, int warm_up_frames) {
+    ReadPlace place{epoch, start_ns, rate.frame_at(start_ns), 0};
+    if (frames && *frames > 0) place.first_shown = std::min(place.first_shown, *frames - 1);
+    place.next_number = std::max<std::int64_t>(0, place.first_shown - warm_up_frames);
+    return place;
 }
 
 }  // namespace touchable

@@ -1,10 +1,17 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "engine/base/result.hpp"
 #include "engine/scene/frames.hpp"
@@ -88,6 +95,9 @@ struct PlaybackState {
     bool at_end = false;  ///< the clip's last frame is reached and no loop leads away from it
 };
 
+/// The state of a clip that ends at `end_ns` (0: unknown): its clock goes on, the clip stands still.
+PlaybackState until_end(PlaybackState state, const FrameRate& rate, std::int64_t end_ns);
+
 /// A coming epoch.
 struct ComingEpoch {
     std::uint64_t number = 0;
@@ -155,6 +165,69 @@ private:
     std::size_t known_, applied_ = 0;
     State state_;
 };
+
+/// The user's control of a clip's playback. Errors (ErrorKind::usage) come from `ask`.
+class PlaybackControl {
+public:
+    static constexpr double slowest = 0.1, fastest = 4;  ///< times the clip's own speed
+    using State = std::function<PlaybackState()>;
+    using Ask = std::function<Result<void>(PlaybackVerb, std::int64_t first, std::int64_t second)>;
+
+    /// `frames`: 0 if unknown. `state`: of the clip's clock now; `ask`: gives it a command.
+    PlaybackControl(const FrameRate& rate, std::int64_t frames, State state, Ask ask)
+        : rate_(rate), frames_(frames), state_(std::move(state)), give_(std::move(ask)) {}
+
+    /// At the end, plays again from the beginning.
+    Result<void> play_or_pause();
+    Result<void> pause(bool on) { return ask(on ? PlaybackVerb::pause : PlaybackVerb::play); }
+    void seek_to(double seconds);
+    void seek_by(double seconds) {
+        seek_to(static_cast<double>(wanted_ns_.value_or(state_().moment.time_ns)) * 1e-9 + seconds);
+    }
+    /// Steps a frame forward, or back if `frames` is negative; and pauses.
+    Result<void> step(double frames);
+    /// Clamped to slowest and fastest.
+    Result<void> set_speed(double times) {
+        return ask(PlaybackVerb::rate, std::lround(std::clamp(times, slowest, fastest) * 1000));
+    }
+    Result<void> change_speed(double factor) {
+        return set_speed(factor * static_cast<double>(state_().rate) / 1000);
+    }
+    /// Restarts the clip with its initial commands, playing; `loops`: loops at least the whole clip, if it is
+    /// long enough.
+    Result<void> begin_anew(std::span<const PlaybackCommand> first, bool loops);
+    /// Switches looping from end to beginning.
+    Result<void> toggle_loop();
+    /// Once a turn: seeks to the wanted moment, one seek at a time. So dragging the seek bar shows every
+    /// place that there is time for, and finally the last. `shown`: the frames shown now; null: none.
+    Result<void> go_on(const FramePair* shown);
+
+private:
+    Result<void> ask(PlaybackVerb verb, std::int64_t first = 0, std::int64_t second = 0) {
+        return give_(verb, first, second);
+    }
+
+    FrameRate rate_;
+    std::int64_t frames_;
+    State state_;
+    Ask give_;
+    std::optional<std::int64_t> wanted_ns_;  // clip time to seek to
+};
+
+/// Position of reading in an epoch.
+struct ReadPlace {
+    std::uint64_t epoch = 0;
+    std::int64_t start_ns = 0;  ///< start of the epoch
+    std::int64_t first_shown = 0, next_number = 0;
+
+    bool is_of(const MediaMoment& moment) const {
+        return epoch == moment.epoch && start_ns == moment.start_ns;
+    }
+};
+/// Where reading an epoch begins: at the frame at its start, at most the last of `frames` (nothing or 0:
+/// unknown), or at a temporal filter's warm-up frames before.
+ReadPlace first_place(std::uint64_t epoch, std::int64_t start_ns, const FrameRate& rate,
+                      std::optional<std::int64_t> frames, int warm_up_frames);
 
 /// Publishes the clock's state to other threads (seqlock): each reader gets one tick's whole state. The
 /// writer never waits; a reader retries if a write overlapped its read.

@@ -152,12 +152,8 @@ SurfaceFeed::SurfaceFeed(std::unique_ptr<ClipReader> reader, std::unique_ptr<Sur
 }
 
 Result<void> SurfaceFeed::read_from(std::uint64_t epoch, std::int64_t start_ns) {
-    ReadPlace place{epoch, start_ns, rate_.frame_at(start_ns), 0};
-    if (const auto count = reader_->frame_count(); count && *count > 0)
-        place.first_shown = std::min(place.first_shown, *count - 1);
-    const std::int64_t before = settles_ ? warm_up_frames_ : 0;
-    place.next_number = std::max<std::int64_t>(0, place.first_shown - before);
-    return go_back(place);
+    return go_back(
+        first_place(epoch, start_ns, rate_, reader_->frame_count(), settles_ ? warm_up_frames_ : 0));
 }
 
 Result<void> SurfaceFeed::go_back(const ReadPlace& place) {
@@ -255,11 +251,7 @@ Result<bool> SurfaceFeed::publish(const FedFrame& frame) {
 Result<bool> SurfaceFeed::publish(const FedFrame& frame, bool unchanged, std::optional<double> began_ms) {
     const RawFrame& raw = frame.raw;
     const auto start = std::chrono::steady_clock::now();
-    if (raw.epoch != built_epoch_) {
-        timeline_.begin_epoch(raw.epoch);
-        built_epoch_ = raw.epoch;
-        newest_.reset();
-    }
+    if (raw.epoch != timeline_.epoch()) timeline_.begin_epoch(raw.epoch);
     if (frame.shown && eye_ != SurfaceTimeline::Eye::none) stored_planes_.put(raw);
     const auto done =
         unchanged ? timeline_.republish(raw.number, raw.time_ns) : build(frame, began_ms.has_value());
@@ -364,7 +356,7 @@ Result<FramePair> SurfaceFeed::pair_at(const MediaMoment& moment) {
     }
     FramePair pair;
     const auto is_there = [&] {
-        return built_epoch_ >= moment.epoch && timeline_.newest_time() > moment.time_ns;
+        return timeline_.epoch() >= moment.epoch && timeline_.newest_time() > moment.time_ns;
     };
     // Each pair_at lets the timeline release frames before the build, so a slot is free however far time
     // jumps.

@@ -15,6 +15,7 @@
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/surface/surface_builder.hpp"
+#include "player/run/playback.hpp"
 
 namespace touchable {
 
@@ -158,17 +159,6 @@ struct FedFrame {
     bool shown = true;  ///< false: a warm-up frame before the epoch's first, for a temporal filter
 };
 
-/// Position of reading in an epoch.
-struct ReadPlace {
-    std::uint64_t epoch = 0;
-    std::int64_t start_ns = 0;  ///< start of the epoch
-    std::int64_t first_shown = 0, next_number = 0;
-
-    bool is_of(const MediaMoment& moment) const {
-        return epoch == moment.epoch && start_ns == moment.start_ns;
-    }
-};
-
 /// Figures of a running feed.
 struct FeedFigures {
     std::string builder;
@@ -226,7 +216,7 @@ public:
     Result<bool> publish(const FedFrame& frame);
     /// Builder thread: all frames of this epoch have been passed to it.
     void end_epoch(std::uint64_t epoch) {
-        if (epoch == built_epoch_) timeline_.end_epoch();
+        if (epoch == timeline_.epoch()) timeline_.end_epoch();
     }
     SurfaceTimeline& timeline() { return timeline_; }
     /// Filled only with an eye.
@@ -250,7 +240,7 @@ public:
     bool any_valid() const { return any_valid_; }
     bool ended() const { return ended_; }
     /// The newest epoch built, and the end of its newest frame.
-    MediaMoment end() const { return {built_epoch_, end_ns(), 0}; }
+    MediaMoment end() const { return {timeline_.epoch(), end_ns(), 0}; }
     std::int64_t end_ns() const { return rate_.time_ns(newest_number_ + 1); }
     /// The frames built, in order, which `planes_hash` covers; empty without a hash.
     const std::vector<FrameRun>& built() const { return built_; }
@@ -302,7 +292,6 @@ private:
     std::vector<DroppedFrames> dropped_, left_out_;
     std::int64_t dropped_long_ago_ = 0;  // frames no longer in `dropped_`
     // Builder thread.
-    std::uint64_t built_epoch_ = 0;
     PlanesHash hash_;
     bool hashed_ = true;
     std::vector<FrameRun> built_;

@@ -13,8 +13,7 @@ namespace touchable {
 namespace {
 
 // A silent hand and a stalled program are handled by the same time limit.
-static_assert(HandControl::away_ticks * std::int64_t{1'000'000} +
-                  static_cast<std::int64_t>(HapticDevice::oldest_s * 1e9) ==
+static_assert(HandControl::away_ticks * tick_ns + static_cast<std::int64_t>(HapticDevice::oldest_s * 1e9) ==
               HapticLoop::longest_gap_ns);
 
 /// A device held by the user, with the mapping, clutch and force enabling between it and the fingers.
@@ -209,23 +208,14 @@ Result<void> WatchedSession::ask(PlaybackVerb verb, std::int64_t first, std::int
 const WatchedMoment* WatchedSession::look() {
     const SurfaceTimeline::HeldPair* held = setup_->feed->timeline().look();
     if (!held) return nullptr;
-    const auto nearer = [](const FramePair& pair) { return pair.blend < 0.5 ? pair.prev : pair.next; };
     seen_.held = *held;
-    seen_.stored = setup_->feed->stored_planes().find(held->pair.epoch, nearer(held->pair).number);
+    seen_.stored = setup_->feed->stored_planes().find(held->pair.epoch, held->pair.nearer().number);
     ticks_->copy_newest(seen_.felt);
     return &seen_;
 }
 
 PlaybackState WatchedSession::playback() const {
-    PlaybackState now = live_->playback();
-    const std::int64_t end_ns = clip_end_ns_.value_or(live_->clip_end_ns());
-    const FrameRate& rate = setup_->scene.rate;
-    if (end_ns <= 0 || now.loops) return now;
-    // The clock goes on; the clip stands still.
-    const std::int64_t last_ns = rate.time_ns(rate.frame_at(end_ns) - 1);
-    now.at_end = now.moment.time_ns >= last_ns;
-    now.moment.time_ns = std::min(now.moment.time_ns, last_ns);
-    return now;
+    return until_end(live_->playback(), setup_->scene.rate, clip_end_ns_.value_or(live_->clip_end_ns()));
 }
 
 std::string WatchedSession::silence(const WatchedMoment& moment) const {

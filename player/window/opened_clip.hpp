@@ -192,47 +192,4 @@ private:
     std::unique_ptr<WatchedSession> session_;  // ends before the data it uses
 };
 
-/// The user's control of the clip's playback. Errors (ErrorKind::usage) come from the clip's clock.
-class PlaybackControl {
-public:
-    static constexpr double slowest = 0.1, fastest = 4;  ///< times the clip's own speed
-
-    /// `clip` must outlive it.
-    explicit PlaybackControl(OpenedClip& clip) : clip_(&clip) {}
-
-    /// At the end, plays again from the beginning.
-    Result<void> play_or_pause();
-    Result<void> pause(bool on) { return ask(on ? PlaybackVerb::pause : PlaybackVerb::play); }
-    void seek_to(double seconds);
-    void seek_by(double seconds) {
-        const std::int64_t from = wanted_ns_.value_or(clip_->session().playback().moment.time_ns);
-        seek_to(static_cast<double>(from) * 1e-9 + seconds);
-    }
-    /// Steps a frame forward, or back if `frames` is negative; and pauses.
-    Result<void> step(double frames);
-    /// Clamped to slowest and fastest.
-    Result<void> set_speed(double times) {
-        return ask(PlaybackVerb::rate, std::lround(std::clamp(times, slowest, fastest) * 1000));
-    }
-    Result<void> change_speed(double factor) {
-        return set_speed(factor * static_cast<double>(clip_->session().playback().rate) / 1000);
-    }
-    /// Restarts the clip with its initial commands, playing; `loops`: loops at least the whole clip, if it is
-    /// long enough.
-    Result<void> begin_anew(std::span<const PlaybackCommand> first, bool loops);
-    /// Switches looping from end to beginning.
-    Result<void> toggle_loop();
-    /// Once a turn: seeks to the wanted moment, one seek at a time. So dragging the seek bar shows every
-    /// place that there is time for, and finally the last. `moment`: the one shown now.
-    Result<void> go_on(const WatchedMoment* moment);
-
-private:
-    Result<void> ask(PlaybackVerb verb, std::int64_t first = 0, std::int64_t second = 0) {
-        return clip_->session().ask(verb, first, second);
-    }
-
-    OpenedClip* clip_;
-    std::optional<std::int64_t> wanted_ns_;  // clip time to seek to
-};
-
 }  // namespace touchable

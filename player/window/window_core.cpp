@@ -67,7 +67,9 @@ Result<void> WindowCore::open_screen(const KeptSettings& kept) {
 
 void WindowCore::set_clip(std::unique_ptr<OpenedClip> clip) {
     clip_ = std::move(clip);
-    playback_.emplace(*clip_);
+    playback_.emplace(
+        clip_->scene().rate, clip_->frames(), [clip = clip_.get()] { return clip->session().playback(); },
+        [clip = clip_.get()](auto... command) { return clip->session().ask(command...); });
     hand_.lead();
 }
 

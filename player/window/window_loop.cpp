@@ -39,7 +39,7 @@ private:
     Result<void> turn() {
         OpenedClip* const clip = core_.clip();
         const WatchedMoment* const moment = clip ? clip->session().look() : nullptr;
-        if (clip) core_.say(core_.playback().go_on(moment));
+        if (clip) core_.say(core_.playback().go_on(moment ? &moment->held.pair : nullptr));
         if (clip && options_.hand) core_.hand().look_after();
         if (moment)
             for (WindowMode* const mode : core_.modes()) mode->look(*moment);

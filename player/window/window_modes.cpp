@@ -116,7 +116,7 @@ void MeasureMode::prepare(const Seen& seen) {
                 .pair = pair,
                 .camera = seen.camera,
                 .stored = seen.moment.stored ? seen.moment.stored->depth : PlaneView{},
-                .frame = pair.blend < 0.5 ? pair.prev.number : pair.next.number,
+                .frame = pair.nearer().number,
                 .pointer = core_.input().pointer_over_picture()});
     constexpr std::size_t most_told = 1000;
     for (MeasureTool::News& news : tool_.take_news()) {
