@@ -249,7 +249,6 @@ Result<touch_status> push(SurfaceObject& surface, const touch_frame& frame, touc
 }
 
 constexpr int most_fingers = 256;
-constexpr std::int64_t tick_ns = 1'000'000;
 
 static_assert(TOUCH_GUARD_STIFFNESS == guard_stiffness && TOUCH_GUARD_FORCE == guard_force &&
               TOUCH_GUARD_RAMP == guard_ramp && TOUCH_GUARD_FAULT == guard_fault &&

@@ -161,7 +161,7 @@ public:
     using MomentOfTick = std::function<MediaMoment(std::int64_t)>;
     /// TouchStep's longest gap. After a longer one, because the program was stopped, or the machine was
     /// suspended or busy, the next tick begins with TouchStep::come_back.
-    static constexpr std::int64_t longest_gap_ns = TouchStep::longest_gap_ticks * std::int64_t{1'000'000};
+    static constexpr std::int64_t longest_gap_ns = TouchStep::longest_gap_ticks * tick_ns;
     /// All arguments outlive the loop; it is the only reader of `timeline` and the only writer of `log`.
     HapticLoop(const Scene& scene, SurfaceTimeline& timeline, TouchStep& step, HapticPort& port, TickLog& log,
                MomentOfTick moment_of_tick = {});

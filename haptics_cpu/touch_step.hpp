@@ -40,6 +40,8 @@ struct Workspace {
 /// units), spans 0.16 m of device space; the device's centre is at that depth on the optical axis.
 Workspace default_workspace(int width, double fx, double median_depth);
 
+inline constexpr std::int64_t tick_ns = 1'000'000;  ///< duration of a tick
+
 /// Results of one tick; spans hold one element per finger.
 struct TouchTick {
     std::int64_t tick = 0, time_ns = 0;

@@ -24,6 +24,7 @@
 #include "haptics_cpu/height_field.hpp"
 #include "haptics_cpu/touch_step.hpp"
 #include "player/audio/contact_sound.hpp"
+#include "player/draw/drawn_surface.hpp"
 #include "player/draw/view.hpp"
 #include "player/run/playback.hpp"
 #include "player/window/pointer.hpp"
@@ -45,7 +46,6 @@ enum Role { depth_role, haptic_role, height_role, roles };
 namespace {
 
 constexpr int pointer_fingers = PointerFingers::most, most_ticks_at_once = 1000;
-constexpr std::int64_t tick_ns = 1'000'000;
 constexpr double metres_per_newton = 0.004;  // an arrow's length, of the hand
 
 /// What the page sees of a finger, as doubles.
@@ -98,74 +98,55 @@ public:
     // ---- Frames, as SurfaceFeed of a run reads and publishes them
 
     /// Makes samples the newest picture of a plane.
-    void set_plane(Role role, int bytes_per_sample, int channels, std::span<const std::uint16_t> samples) {
-        const auto bytes = static_cast<std::size_t>(bytes_per_sample);
-        const std::size_t stride = bytes * static_cast<std::size_t>(channels);
-        const std::size_t pixels = pixel_count(scene_.width, scene_.height);
+    void set_plane(Role role, int bytes_per_sample, int channels, std::vector<std::uint8_t> samples) {
         RawPlane& plane = opened_.planes[role];
-        plane.samples = std::make_shared<std::vector<std::uint8_t>>(samples.size() * bytes);
-        for (std::size_t k = 0; k < samples.size(); ++k) {
-            std::uint8_t* const to = plane.samples->data() + k % pixels * stride + k / pixels * bytes;
-            to[0] = static_cast<std::uint8_t>(samples[k]);
-            if (bytes == 2) to[1] = static_cast<std::uint8_t>(samples[k] >> 8);
-        }
+        plane.samples = std::make_shared<std::vector<std::uint8_t>>(std::move(samples));
         plane.view =
             packed_plane(plane.samples->data(), scene_.width, scene_.height, bytes_per_sample, channels);
     }
 
     Result<void> take_packet(Role role, int bytes_per_sample, int channels,
                              std::span<const std::uint8_t> packet) {
-        const int rows = scene_.height * channels;
-        std::vector<std::uint16_t> samples(pixel_count(scene_.width, rows));
-        const auto head = rank_head(packet, samples.size());
-        if (!head || !take_rank_content(*head, packet.subspan(head->bytes), scene_.width, rows,
-                                        samples.data(), scene_.width))
-            return input_error("the clip is damaged: a packet holds no picture of its size");
-        set_plane(role, bytes_per_sample, channels, samples);
+        const auto head = rank_head(packet, pixel_count(scene_.width, scene_.height * channels));
+        auto samples = head ? rank_plane(*head, packet.subspan(head->bytes), scene_.width, scene_.height,
+                                         bytes_per_sample, channels)
+                            : std::nullopt;
+        if (!samples) return input_error("the clip is damaged: a packet holds no picture of its size");
+        set_plane(role, bytes_per_sample, channels, std::move(*samples));
         return {};
     }
 
     /// The frame that is needed next; -1: none, or no room for one.
     std::int64_t wanted() {
-        if (opened_.is_live) return timeline_.acquire() ? next_number_ : -1;
-        if (moment_.epoch > epoch_) {
-            epoch_ = moment_.epoch;
-            read_from(moment_);
-        }
-        if (next_number_ >= opened_.frames && !has_ended_) {
-            has_ended_ = true;
-            if (built_epoch_ == epoch_) timeline_.end_epoch();
-        }
-        return has_ended_ || is_full_ || !timeline_.acquire() ? -1 : next_number_;
+        if (moment_.epoch > place_.epoch) read_from(moment_);
+        const bool has_ended = place_.next_number >= opened_.frames;
+        if (has_ended && timeline_.epoch() == place_.epoch) timeline_.end_epoch();
+        return has_ended || is_full_ || !timeline_.acquire() ? -1 : place_.next_number;
     }
 
     /// Builds and publishes the frame that was wanted, of the planes that were taken.
     Result<void> give() {
         RawFrame raw;
-        raw.number = next_number_;
+        raw.number = place_.next_number;
         raw.time_ns = opened_.is_live ? std::max(timeline_.newest_time() + 1, tick_ * tick_ns)
                                       : scene_.rate.time_ns(raw.number);
-        raw.epoch = epoch_;
+        raw.epoch = place_.epoch;
         raw.depth = opened_.planes[depth_role].view;
         raw.haptic = opened_.planes[haptic_role].view;
         raw.height = opened_.planes[height_role].view;
         raw.storage = std::make_shared<std::array<RawPlane, roles>>(opened_.planes);
-        if (epoch_ != built_epoch_) {
-            timeline_.begin_epoch(epoch_);
-            built_epoch_ = epoch_;
-            newest_.reset();
-        }
+        if (raw.epoch != timeline_.epoch()) timeline_.begin_epoch(raw.epoch);
         if (!remembers_ && newest_ && newest_->epoch == raw.epoch && same_touch_planes(*newest_, raw)) {
             TRY_ASSIGN(const bool has_room, timeline_.republish(raw.number, raw.time_ns));
             is_full_ = !has_room;  // until a tick has passed
-            next_number_ += has_room;
+            place_.next_number += has_room;
             return {};
         }
         SurfaceFrame* const slot = timeline_.acquire();
         if (!slot) return internal_error("a frame came without room for it");
         TRY(builder_->build(raw, *slot));
-        ++next_number_;
-        if (raw.number < first_shown_) return {};
+        ++place_.next_number;
+        if (raw.number < place_.first_shown) return {};
         TRY(timeline_.publish(raw.number, raw.time_ns));
         if (!remembers_) newest_ = raw;
         return {};
@@ -175,41 +156,27 @@ public:
 
     /// Runs ticks up to this one; one of a script stops before a tick whose frames are missing. Returns how
     /// many.
-    int run(int ticks) {
+    Result<int> run(int ticks) {
+        TRY(control_.go_on(pair_ ? &*pair_ : nullptr));
         if (ticks > most_ticks_at_once && script_.empty())
             tick_ += std::exchange(ticks, 1) - 1;  // a gap for the hand
-        for (int done = 0; done < ticks; ++done)
-            if (!run_tick()) return done;
+        for (int done = 0; done < ticks; ++done) {
+            TRY_ASSIGN(const bool has_run, run_tick());
+            if (!has_run) return done;
+        }
         return ticks;
     }
-    /// Why no tick can be run.
-    const std::optional<Error>& fault() const { return fault_; }
 
     /// A live source has no clock to command.
     Result<void> command(ClockCommand verb, double number) {
         if (opened_.is_live) return {};
-        using enum PlaybackVerb;
-        const auto jump = [this](double ns) {
-            return log_->ask(seek, std::llround(std::clamp(ns, 0.0, static_cast<double>(last_ns()))), 0);
-        };
-        switch (verb) {
-            case ClockCommand::play_pause:
-                if (is_at_end()) TRY(log_->ask(seek, 0, 0));
-                return log_->ask(state_.playing && !is_at_end() ? pause : play, 0, 0);
-            case ClockCommand::seek:
-                return jump(1e9 * number);
-            case ClockCommand::seek_by:
-                return jump(static_cast<double>(state_.moment.time_ns) + 1e9 * number);
-            case ClockCommand::step:
-                if (number > 0) return log_->ask(step, 0, 0);
-                TRY(log_->ask(pause, 0, 0));
-                return log_->ask(seek, scene_.rate.time_ns(std::max<std::int64_t>(0, shown_number() - 1)), 0);
-            case ClockCommand::rate:
-                return log_->ask(rate, std::llround(std::clamp(1000 * number, 100.0, 4000.0)), 0);
-            case ClockCommand::loop:
-                if (number == 0 || end_ns() < shortest_loop_ns) return log_->ask(unloop, 0, 0);
-                return log_->ask(loop, 0, end_ns());
-        }
+        using enum ClockCommand;
+        if (verb == seek) control_.seek_to(number);
+        if (verb == seek_by) control_.seek_by(number);
+        if (verb == play_pause) return control_.play_or_pause();
+        if (verb == step) return control_.step(number);
+        if (verb == rate) return control_.set_speed(number);
+        if (verb == loop && end_ns() >= shortest_loop_ns) return control_.toggle_loop();
         return {};
     }
 
@@ -242,12 +209,12 @@ public:
     const Shown* look() {
         shown_ = {};
         shown_.picked = -1;
-        shown_.playing = state_.playing && !is_at_end();
+        shown_.playing = state_.playing && !state_.at_end;
         if (!pair_ || !step_) return &shown_;
         const HeightField field(scene_, *pair_);
         shown_.tick = static_cast<double>(tick_);
         shown_.seconds = 1e-9 * static_cast<double>(state_.moment.time_ns);
-        shown_.at_end = is_at_end();
+        shown_.at_end = state_.at_end;
         shown_.loops = state_.loops;
         shown_.rate = static_cast<double>(state_.rate) / 1000;
         shown_.late_frames = static_cast<double>(late_);
@@ -270,26 +237,18 @@ public:
 
     // ---- What is drawn and heard
 
-    std::int64_t shown_number() const { return pair_ ? shown_frame().number : -1; }
+    std::int64_t shown_number() const { return pair_ ? pair_->nearer().number : -1; }
     /// A picture of the frame nearest in time, row by row, by role: planar depths as floats, 0 where there
     /// are none, haptic samples as they are, or heights of 16 bits. Null: the frame has none.
     const void* drawn(Role role) {
         if (!pair_) return nullptr;
-        const SurfaceFrame& frame = *shown_frame().frame;
+        const SurfaceFrame& frame = *pair_->nearer().frame;
         if (role == haptic_role) return frame.haptic.empty() ? nullptr : frame.haptic.data();
         if (role == height_role) return frame.heights.empty() ? nullptr : frame.heights.data();
         FramePair one;
-        one.prev = one.next = shown_frame();
-        const HeightField field(scene_, one);
-        const bool is_range = scene_.depth.semantics == DepthSemantics::range;
-        drawn_.resize(pixel_count(scene_.width, scene_.height));
-        float* depth = drawn_.data();
-        for (int y = 0; y < scene_.height; ++y)
-            for (int x = 0; x < scene_.width; ++x) {
-                const FieldVertex vertex = field.vertex(x, y);
-                const double along = is_range ? scene_.camera.ray_length(x, y) : 1;
-                *depth++ = vertex.valid ? static_cast<float>(vertex.depth / along) : 0;
-            }
+        one.prev = one.next = pair_->nearer();
+        drawn_ = q_of(HeightField(scene_, one));
+        for (float& vertex : drawn_) vertex = vertex > 0 ? 1 / vertex : 0;
         return drawn_.data();
     }
     std::string hash() const { return hash_.hex(); }
@@ -324,19 +283,11 @@ private:
         bool by_pen = false;
     };
 
-    std::int64_t end_ns() const {
-        return opened_.is_live ? latest_moment_ns : scene_.rate.time_ns(opened_.frames);
-    }
-    std::int64_t last_ns() const { return opened_.is_live ? 0 : scene_.rate.time_ns(opened_.frames - 1); }
-    bool is_at_end() const { return !opened_.is_live && !state_.loops && state_.moment.time_ns >= last_ns(); }
-    TimedFrame shown_frame() const { return pair_->blend < 0.5 ? pair_->prev : pair_->next; }
-
+    /// 0: a live source has none.
+    std::int64_t end_ns() const { return opened_.is_live ? 0 : scene_.rate.time_ns(opened_.frames); }
     void read_from(const MediaMoment& moment) {
-        first_shown_ = opened_.is_live ? next_number_
-                                       : std::min(scene_.rate.frame_at(moment.start_ns), opened_.frames - 1);
-        next_number_ = std::max<std::int64_t>(
-            0, first_shown_ - (remembers_ && !opened_.is_live ? temporal_warm_up_frames : 0));
-        has_ended_ = false;
+        place_ = first_place(moment.epoch, moment.start_ns, scene_.rate, opened_.frames,
+                             remembers_ ? temporal_warm_up_frames : 0);
     }
 
     /// What a run begins with is known once the first frame is there.
@@ -358,22 +309,20 @@ private:
         return {};
     }
 
-    bool run_tick() {
+    Result<bool> run_tick() {
         const std::int64_t tick = tick_ + 1;
         if (log_->is_open()) log_->take(tick);
         moment_ = clock_.at(tick);
-        const bool is_late =
-            wanted() >= 0 && !(built_epoch_ >= moment_.epoch && timeline_.newest_time() > moment_.time_ns);
+        const bool is_late = wanted() >= 0 && !(timeline_.epoch() >= moment_.epoch &&
+                                                timeline_.newest_time() > moment_.time_ns);
         FramePair pair;
         if (!timeline_.pair_at(moment_, pair) || (is_late && !script_.empty())) return false;
         tick_ = tick;
         late_ += is_late && !opened_.is_live;
         pair_ = pair;
         is_full_ = false;
-        if (!step_)
-            if (auto met = meet(*pair.prev.frame); !met) fault_ = met.error();
-        if (fault_) return false;
-        state_ = clock_.state_at(tick);
+        if (!step_) TRY(meet(*pair.prev.frame));
+        state_ = until_end(clock_.state_at(tick), scene_.rate, end_ns());
         lead(tick);
         const TouchTick done = step_->run(tick, tick * tick_ns, scene_, pair);
         contacts_.assign(done.contacts.begin(), done.contacts.end());
@@ -430,8 +379,7 @@ private:
         const auto met = PointerFingers::ground_at(field, camera, at);
         shown_.picked = met ? 1 : 0;
         if (!met) return;
-        const PixelValues values = values_at(field, *pair_, static_cast<int>(std::lround(met->x)),
-                                             static_cast<int>(std::lround(met->y)));
+        const PixelValues values = values_at(field, *pair_, met->pixel().x, met->pixel().y);
         shown_.depth_m = values.z * scene_.metres_per_unit;
         shown_.stiffness = values.properties.stiffness / 1000;
         shown_.static_friction = values.properties.static_friction;
@@ -448,15 +396,16 @@ private:
     const std::shared_ptr<PlaybackLog> log_;
     PlaybackClock clock_{scene_.rate, log_};
     PlaybackState state_;
+    PlaybackControl control_{scene_.rate, opened_.frames, [this] { return state_; },
+                             [this](auto... command) { return log_->ask(command...); }};
     MediaMoment moment_;  // of the next tick
     SurfaceTimeline timeline_{4};
     const std::unique_ptr<SurfaceBuilder> builder_ = make_cpu_builder(scene_);
     const bool remembers_ = FilterPlan(scene_).remembers();
-    bool has_ended_ = false, is_full_ = false;
-    std::optional<Error> fault_;
+    bool is_full_ = false;
+    ReadPlace place_;
     std::optional<RawFrame> newest_;
-    std::uint64_t epoch_ = 0, built_epoch_ = 0;
-    std::int64_t next_number_ = 0, first_shown_ = 0, tick_ = -1, late_ = 0;
+    std::int64_t tick_ = -1, late_ = 0;
     std::optional<FramePair> pair_;
     Workspace workspace_;
     std::unique_ptr<TouchSolver> solver_;
@@ -534,7 +483,7 @@ Result<void> open_picture(int width, int height, double metres, double degrees) 
     choose_filters(estimator.measured(), all_unstated, scene);
     TRY(validate(scene));
     clip = std::make_unique<Clip>(OpenedClip{std::move(scene)});
-    clip->set_plane(depth_role, 2, 1, codes);
+    clip->set_plane(depth_role, 2, 1, {inbox.begin(), inbox.end()});
     return {};
 }
 
@@ -585,9 +534,9 @@ struct PageExports {
     }
     /// -1: no tick can be run.
     EXPORTED(run) static int run(int ticks) {
-        const int done = clip->run(ticks);
-        if (clip->fault()) text = clip->fault()->message;
-        return clip->fault() ? -1 : done;
+        const auto done = clip->run(ticks);
+        if (!done) text = done.error().message;
+        return done ? *done : -1;
     }
     EXPORTED(size) static void size(int width, int height) {
         canvas_width = width;

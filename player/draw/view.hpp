@@ -16,6 +16,7 @@
 // Threads: any may call all functions, several at once, while the field's frames live: they depend only on
 // their arguments.
 
+#include <cmath>
 #include <cstdint>
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
@@ -78,6 +79,8 @@ struct ViewCamera {
         bool from_front;
         /// False: a hole, or in a turned view a wall (shaders/cut_rule.h), with nothing drawn behind it.
         bool drawn;
+
+        glm::ivec2 pixel() const { return {std::lround(x), std::lround(y)}; }  ///< the nearest one
     };
 
     glm::dmat4 clip_from_world{1.0};    ///< (X, Y, Z, 1) -> clip space; 0 < z <= w is visible

@@ -73,7 +73,6 @@ public:
     virtual Result<void> consume(const TouchTick& tick) = 0;
 };
 
-inline constexpr std::int64_t tick_ns = 1'000'000;
 /// A run without a stated length lasts at least this long; after the clip's end its surface stands still.
 inline constexpr std::int64_t shortest_run_ns = 3'000'000'000;
 

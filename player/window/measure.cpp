@@ -72,7 +72,7 @@ bool MeasureTool::take(const InputEvent& event, const glm::dvec2& pointer) {
 std::optional<glm::ivec2> MeasureTool::pixel_at(const glm::dvec2& at, const Seen& seen) {
     const auto met = pick(seen.field, seen.camera, at.x, at.y);
     if (!met || !met->drawn) return std::nullopt;
-    const glm::ivec2 pixel(std::lround(met->x), std::lround(met->y));
+    const glm::ivec2 pixel = met->pixel();
     if (!values_at(seen.field, seen.pair, pixel.x, pixel.y).valid) return std::nullopt;
     return pixel;
 }

@@ -207,8 +207,7 @@ HeldBrush::Place WindowBrush::place_at(const glm::dvec2& at, const WatchedMoment
     const HeightField field(clip_->scene(), moment.held.pair);
     const auto met = pick(field, clip_->view().camera(size.width, size.height), at.x, at.y);
     if (!met || !met->drawn) return {at};
-    return {at, PixelOfFrame{static_cast<int>(std::lround(met->x)), static_cast<int>(std::lround(met->y)),
-                             shown_frame(moment)}};
+    return {at, PixelOfFrame{met->pixel().x, met->pixel().y, shown_frame(moment)}};
 }
 
 bool WindowBrush::take(const InputEvent& event, const glm::dvec2& pointer, bool is_of_panel,

@@ -38,7 +38,7 @@ PlaceFacts place_facts(const OpenedClip& clip, const WatchedMoment& moment, cons
     const auto met = pick(field, camera, pointer->x, pointer->y);
     if (!met) return {};
     const Scene& scene = clip.scene();
-    const int x = static_cast<int>(std::lround(met->x)), y = static_cast<int>(std::lround(met->y));
+    const int x = met->pixel().x, y = met->pixel().y;
     const PixelValues values = values_at(field, moment.held.pair, x, y);
     PlaceFacts place{{formatted("pixel %d, %d", x, y)}};
     std::vector<std::string>& lines = place.lines;
