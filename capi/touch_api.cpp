@@ -53,7 +53,6 @@ struct SurfaceObject {
     const Scene scene;
     std::atomic_flag pushing = ATOMIC_FLAG_INIT;  ///< guards the members up to the timeline
     std::unique_ptr<SurfaceBuilder> builder;
-    std::uint64_t epoch = 0;
     bool epoch_has_ended = false;
     std::optional<FramePlace> newest;  ///< of this epoch
     FrameScratch scratch;
@@ -225,9 +224,8 @@ void write_metres(const PlaneView& depth, const DepthCoding& coding, const std::
 constexpr touch_surface_settings default_surface_settings{sizeof(touch_surface_settings), 1, 4, 0};
 
 double hand_scale_of(const Scene& scene, const SurfaceFrame& first) {
-    if (scene.device_metres_per_unit) return *scene.device_metres_per_unit;
     std::vector<double> depths = valid_depths(scene, first);
-    return default_workspace(scene.width, scene.camera.fx, quantile(depths, 0.5)).metres_per_scene_unit;
+    return default_workspace(scene, quantile(depths, 0.5)).metres_per_scene_unit;
 }
 
 Result<touch_status> push(SurfaceObject& surface, const touch_frame& frame, touch_error* error) {
@@ -236,7 +234,7 @@ Result<touch_status> push(SurfaceObject& surface, const touch_frame& frame, touc
         return fail(error, TOUCH_FULL,
                     "every frame is still needed; push this one again once ticks have gone on");
     TRY_ASSIGN(auto raw, raw_frame(frame, surface.scene, surface.scratch));
-    raw.epoch = surface.epoch;
+    raw.epoch = surface.timeline.epoch();
     if (surface.epoch_has_ended) return usage_error("the epoch has ended; begin another one first");
     if (surface.newest && (raw.number <= surface.newest->number || raw.time_ns <= surface.newest->time_ns))
         return usage_error("the frame's number or time_ns is not later than the one before");
@@ -545,10 +543,9 @@ touch_status touch_surface_begin_epoch(touch_surface surface, uint64_t epoch, to
         if (!use) return fail_without(use, error, "surface");
         const TryLock lock(use->pushing);
         if (!lock) return fail(error, TOUCH_BUSY, "another thread is pushing to this surface");
-        if (epoch <= use->epoch || epoch == std::numeric_limits<std::uint64_t>::max())
+        if (epoch <= use->timeline.epoch() || epoch == std::numeric_limits<std::uint64_t>::max())
             return usage_error("the epoch's number is not larger than the one before");
         use->timeline.begin_epoch(epoch);
-        use->epoch = epoch;
         use->epoch_has_ended = false;
         use->newest.reset();
         return TOUCH_OK;

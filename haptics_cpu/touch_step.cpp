@@ -22,6 +22,12 @@ Workspace default_workspace(int width, double fx, double median_depth) {
     return {picture_width / scene_width, {0, 0, -median_depth}};
 }
 
+Workspace default_workspace(const Scene& scene, double median_depth) {
+    Workspace workspace = default_workspace(scene.width, scene.camera.fx, median_depth);
+    workspace.metres_per_scene_unit = scene.device_metres_per_unit.value_or(workspace.metres_per_scene_unit);
+    return workspace;
+}
+
 TouchStep::TouchStep(const TouchSolver& solver, const GuardSettings& guard, int fingers)
     : solver_(solver), waits_to_be_free_(guard.waits_to_be_free), stale_(guard) {
     const auto count = static_cast<std::size_t>(fingers);

@@ -39,6 +39,8 @@ struct Workspace {
 /// The default: a picture `width` pixels wide, seen with focal length `fx` (pixels) at `median_depth` (scene
 /// units), spans 0.16 m of device space; the device's centre is at that depth on the optical axis.
 Workspace default_workspace(int width, double fx, double median_depth);
+/// The same for a scene, at its `device_metres_per_unit` if it has that.
+Workspace default_workspace(const Scene& scene, double median_depth);
 
 inline constexpr std::int64_t tick_ns = 1'000'000;  ///< duration of a tick
 

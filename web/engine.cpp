@@ -8,7 +8,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <glm/geometric.hpp>
 #include <memory>
 #include <string>
@@ -58,16 +57,10 @@ struct ShownFinger {
 struct Shown {
     double tick, seconds, playing, at_end, loops, rate, force_on, own_view, newtons, rumble_low, rumble_high,
         late_frames, fingers;
-    double picked, depth_m, stiffness, static_friction, dynamic_friction, height_mm;
+    double picked = -1, depth_m, stiffness, static_friction, dynamic_friction, height_mm;
     double sound, sound_samples;  // address of the samples, floats, valid until the next look; how many
     double matrix[16];
     ShownFinger finger[pointer_fingers];
-};
-
-/// A plane of the frame that is being put together. Its memory is new whenever its samples are.
-struct RawPlane {
-    PlaneView view{};
-    std::shared_ptr<std::vector<std::uint8_t>> samples{};
 };
 
 /// What is kept of a clip when it goes back to its beginning. A still picture is a clip of one frame.
@@ -75,7 +68,9 @@ struct OpenedClip {
     Scene scene;
     std::int64_t frames = 1;
     bool is_live = false;
-    std::array<RawPlane, roles> planes{};
+    /// The frame that is being put together. A plane's memory is new whenever its samples are.
+    RawFrame raw{};
+    std::array<std::shared_ptr<const std::vector<std::uint8_t>>, roles> samples{};
 };
 
 int canvas_width = 1, canvas_height = 1;  // pixels
@@ -85,7 +80,7 @@ class Clip : NonCopyable {
 public:
     /// At the clip's beginning, with so many fingers. A script has a goal for each finger of each tick, and
     /// all commands to the clip's clock.
-    explicit Clip(OpenedClip opened, int fingers = 1, std::vector<glm::dvec3> script = {},
+    explicit Clip(OpenedClip opened, int fingers = pointer_fingers, std::vector<glm::dvec3> script = {},
                   std::vector<PlaybackCommand> commands = {})
         : opened_(std::move(opened)),
           script_(std::move(script)),
@@ -98,21 +93,20 @@ public:
     // ---- Frames, as SurfaceFeed of a run reads and publishes them
 
     /// Makes samples the newest picture of a plane.
-    void set_plane(Role role, int bytes_per_sample, int channels, std::vector<std::uint8_t> samples) {
-        RawPlane& plane = opened_.planes[role];
-        plane.samples = std::make_shared<std::vector<std::uint8_t>>(std::move(samples));
-        plane.view =
-            packed_plane(plane.samples->data(), scene_.width, scene_.height, bytes_per_sample, channels);
+    void set_plane(Role role, PlaneView form, std::vector<std::uint8_t> samples) {
+        opened_.samples[role] = std::make_shared<std::vector<std::uint8_t>>(std::move(samples));
+        form.data = opened_.samples[role]->data();
+        opened_.raw.*std::array{&RawFrame::depth, &RawFrame::haptic, &RawFrame::height}[role] = form;
     }
 
     Result<void> take_packet(Role role, int bytes_per_sample, int channels,
                              std::span<const std::uint8_t> packet) {
-        const auto head = rank_head(packet, pixel_count(scene_.width, scene_.height * channels));
-        auto samples = head ? rank_plane(*head, packet.subspan(head->bytes), scene_.width, scene_.height,
-                                         bytes_per_sample, channels)
-                            : std::nullopt;
-        if (!samples) return input_error("the clip is damaged: a packet holds no picture of its size");
-        set_plane(role, bytes_per_sample, channels, std::move(*samples));
+        const PlaneView form = packed_plane(nullptr, scene_.width, scene_.height, bytes_per_sample, channels);
+        const auto head = rank_head(packet, pixel_count(form.width, form.height * channels));
+        std::vector<std::uint8_t> samples;
+        if (!head || !take_rank_plane(*head, packet.subspan(head->bytes), form, samples))
+            return input_error("the clip is damaged: a packet holds no picture of its size");
+        set_plane(role, form, std::move(samples));
         return {};
     }
 
@@ -126,17 +120,14 @@ public:
 
     /// Builds and publishes the frame that was wanted, of the planes that were taken.
     Result<void> give() {
-        RawFrame raw;
+        RawFrame raw = opened_.raw;
         raw.number = place_.next_number;
         raw.time_ns = opened_.is_live ? std::max(timeline_.newest_time() + 1, tick_ * tick_ns)
                                       : scene_.rate.time_ns(raw.number);
         raw.epoch = place_.epoch;
-        raw.depth = opened_.planes[depth_role].view;
-        raw.haptic = opened_.planes[haptic_role].view;
-        raw.height = opened_.planes[height_role].view;
-        raw.storage = std::make_shared<std::array<RawPlane, roles>>(opened_.planes);
+        raw.storage = std::make_shared<decltype(opened_.samples)>(opened_.samples);
         if (raw.epoch != timeline_.epoch()) timeline_.begin_epoch(raw.epoch);
-        if (!remembers_ && newest_ && newest_->epoch == raw.epoch && same_touch_planes(*newest_, raw)) {
+        if (newest_ && newest_->epoch == raw.epoch && same_touch_planes(*newest_, raw)) {
             TRY_ASSIGN(const bool has_room, timeline_.republish(raw.number, raw.time_ns));
             is_full_ = !has_room;  // until a tick has passed
             place_.next_number += has_room;
@@ -157,7 +148,7 @@ public:
     /// Runs ticks up to this one; one of a script stops before a tick whose frames are missing. Returns how
     /// many.
     Result<int> run(int ticks) {
-        TRY(control_.go_on(pair_ ? &*pair_ : nullptr));
+        TRY(control_.go_on(&felt_.pair));
         if (ticks > most_ticks_at_once && script_.empty())
             tick_ += std::exchange(ticks, 1) - 1;  // a gap for the hand
         for (int done = 0; done < ticks; ++done) {
@@ -183,16 +174,26 @@ public:
     // ---- Hand and view
 
     void command(HandCommand verb, double a, double b) {
-        if (hand_) hand_->command(verb, a, b);
+        using enum HandCommand;
+        if (!hand_) return;
+        if (verb == count) hand_->fingers.set_count(std::clamp(static_cast<int>(a), 1, pointer_fingers));
+        if (verb == deepen) hand_->fingers.deepen(a);
+        if (verb == point) hand_->pointer.move_by({a, b}, canvas_width, canvas_height, hand_->fingers);
+        if (verb == force) hand_->device.set_force(!hand_->device.force_is_on());
+        if (verb == turn) hand_->view.turn(a, b);
+        if (verb == near_by) hand_->view.near_by(a);
+        if (verb == home) hand_->view.go_home();
+        if (verb == press) hand_->fingers.press(a > 0);
     }
     void event(const InputEvent& event, double pen, bool turns) {
-        if (!hand_ || !pair_) return;
-        const HeightField field(scene_, *pair_);
+        if (!hand_) return;
+        const HeightField field(scene_, felt_.pair);
         if (is_touch(event)) {
-            const bool touches =
+            using enum TouchInput::Ground;
+            const bool meets =
                 !turns && PointerFingers::ground_at(field, hand_->camera(), {event.x, event.y});
-            hand_->touches.take(event, touches ? TouchInput::Ground::surface : TouchInput::Ground::nothing,
-                                {&hand_->fingers, &hand_->view}, canvas_width, canvas_height);
+            hand_->touches.take(event, meets ? surface : nothing, {&hand_->fingers, &hand_->view},
+                                canvas_width, canvas_height);
             return;
         }
         hand_->pointer.take(event, turns ? PointerInput::Leads::view : PointerInput::Leads::fingers,
@@ -208,10 +209,9 @@ public:
     /// Sets the fingers' goals for the next ticks, and tells what is to be seen.
     const Shown* look() {
         shown_ = {};
-        shown_.picked = -1;
         shown_.playing = state_.playing && !state_.at_end;
-        if (!pair_ || !step_) return &shown_;
-        const HeightField field(scene_, *pair_);
+        if (!hand_) return &shown_;
+        const HeightField field(scene_, felt_.pair);
         shown_.tick = static_cast<double>(tick_);
         shown_.seconds = 1e-9 * static_cast<double>(state_.moment.time_ns);
         shown_.at_end = state_.at_end;
@@ -219,7 +219,7 @@ public:
         shown_.rate = static_cast<double>(state_.rate) / 1000;
         shown_.late_frames = static_cast<double>(late_);
         const ViewCamera camera = hand_->camera();
-        if (script_.empty()) hand_->fingers.intend(field, camera, contacts_);
+        if (script_.empty()) hand_->fingers.intend(field, camera, felt_.contacts);
         shown_.force_on = hand_->device.force_is_on();
         shown_.own_view = hand_->view.own();
         for (int k = 0; k < 16; ++k) shown_.matrix[k] = camera.clip_from_lattice[k / 4][k % 4];
@@ -237,16 +237,16 @@ public:
 
     // ---- What is drawn and heard
 
-    std::int64_t shown_number() const { return pair_ ? pair_->nearer().number : -1; }
+    std::int64_t shown_number() const { return felt_.pair.nearer().number; }
     /// A picture of the frame nearest in time, row by row, by role: planar depths as floats, 0 where there
     /// are none, haptic samples as they are, or heights of 16 bits. Null: the frame has none.
     const void* drawn(Role role) {
-        if (!pair_) return nullptr;
-        const SurfaceFrame& frame = *pair_->nearer().frame;
-        if (role == haptic_role) return frame.haptic.empty() ? nullptr : frame.haptic.data();
-        if (role == height_role) return frame.heights.empty() ? nullptr : frame.heights.data();
         FramePair one;
-        one.prev = one.next = pair_->nearer();
+        one.prev = one.next = felt_.pair.nearer();
+        const SurfaceFrame* const frame = one.prev.frame;
+        if (!frame) return nullptr;
+        if (role == haptic_role) return frame->haptic.empty() ? nullptr : frame->haptic.data();
+        if (role == height_role) return frame->heights.empty() ? nullptr : frame->heights.data();
         drawn_ = q_of(HeightField(scene_, one));
         for (float& vertex : drawn_) vertex = vertex > 0 ? 1 / vertex : 0;
         return drawn_.data();
@@ -254,33 +254,23 @@ public:
     std::string hash() const { return hash_.hex(); }
 
 private:
-    /// The pointer's fingers as a device, and what leads them.
+    /// The pointer's fingers as a device, what leads them, and what they feel.
     struct Hand {
-        Hand(const Scene& scene, const Workspace& workspace, const glm::dvec3& middle)
-            : device(pointer_fingers, workspace.to_device(glm::dvec3(0.0))),
-              fingers(device, workspace),
-              view(scene, middle) {
-            static_cast<void>(device.open());
-        }
-        ViewCamera camera() const { return view.camera(canvas_width, canvas_height); }
-        void command(HandCommand verb, double a, double b) {
-            using enum HandCommand;
-            if (verb == count) fingers.set_count(std::clamp(static_cast<int>(a), 1, pointer_fingers));
-            if (verb == deepen) fingers.deepen(a);
-            if (verb == point) pointer.move_by({a, b}, canvas_width, canvas_height, fingers);
-            if (verb == force) device.set_force(!device.force_is_on());
-            if (verb == turn) view.turn(a, b);
-            if (verb == near_by) view.near_by(a);
-            if (verb == home) view.go_home();
-            if (verb == press) fingers.press(a > 0);
-        }
-
-        PointerDevice device;
-        PointerFingers fingers;
-        WindowView view;
-        PointerInput pointer;
-        TouchInput touches;
+        const Scene& scene;
+        const Workspace workspace;
+        const TouchSolver solver;
+        const GuardSettings guard;
+        const int count;
+        const glm::dvec3 middle;
+        TouchStep step{solver, guard, count};
+        PointerDevice device{pointer_fingers, workspace.to_device(glm::dvec3(0.0))};
+        PointerFingers fingers{device, workspace};
+        WindowView view{scene, middle};
+        PointerInput pointer{};
+        TouchInput touches{};
         bool by_pen = false;
+
+        ViewCamera camera() const { return view.camera(canvas_width, canvas_height); }
     };
 
     /// 0: a live source has none.
@@ -291,22 +281,17 @@ private:
     }
 
     /// What a run begins with is known once the first frame is there.
-    Result<void> meet(const SurfaceFrame& first) {
-        std::vector<double> depths = valid_depths(scene_, first);
-        workspace_ = default_workspace(scene_.width, scene_.camera.fx, quantile(depths, 0.5));
-        double& metres = workspace_.metres_per_scene_unit;
-        metres = scene_.device_metres_per_unit.value_or(metres);
+    Result<void> meet(const FramePair& first) {
+        std::vector<double> depths = valid_depths(scene_, *first.prev.frame);
+        const Workspace workspace = default_workspace(scene_, quantile(depths, 0.5));
         TouchSettings settings;
-        settings.metres_per_scene_unit = metres;
-        TRY_ASSIGN(auto solver, TouchSolver::create(scene_, settings));
-        solver_ = std::make_unique<TouchSolver>(std::move(solver));
+        settings.metres_per_scene_unit = workspace.metres_per_scene_unit;
+        TRY_ASSIGN(const auto solver, TouchSolver::create(scene_, settings));
         GuardSettings guard;
         if (opened_.is_live) guard.stale_after_ns = 250 * tick_ns;
-        largest_force_ = guard.max_force;
-        step_ = std::make_unique<TouchStep>(*solver_, guard, script_.empty() ? pointer_fingers : count_);
-        const HeightField field(scene_, *pair_);
-        hand_ = std::make_unique<Hand>(scene_, workspace_, subject_of(field).middle);
-        return {};
+        const HeightField field(scene_, first);
+        hand_.reset(new Hand{scene_, workspace, solver, guard, count_, subject_of(field).middle});
+        return hand_->device.open();
     }
 
     Result<bool> run_tick() {
@@ -319,17 +304,14 @@ private:
         if (!timeline_.pair_at(moment_, pair) || (is_late && !script_.empty())) return false;
         tick_ = tick;
         late_ += is_late && !opened_.is_live;
-        pair_ = pair;
         is_full_ = false;
-        if (!step_) TRY(meet(*pair.prev.frame));
+        if (!hand_) TRY(meet(pair));
         state_ = until_end(clock_.state_at(tick), scene_.rate, end_ns());
         lead(tick);
-        const TouchTick done = step_->run(tick, tick * tick_ns, scene_, pair);
-        contacts_.assign(done.contacts.begin(), done.contacts.end());
-        forces_.assign(done.forces.begin(), done.forces.end());
-        for (const GuardedForce& force : done.forces) hash_.add(force.force);
+        felt_ = hand_->step.run(tick, tick * tick_ns, scene_, pair);
+        for (const GuardedForce& force : felt_.forces) hash_.add(force.force);
         if (!script_.empty()) return true;
-        const HeardTick heard = heard_contacts_.hear(done);
+        const HeardTick heard = heard_contacts_.hear(felt_);
         rumble_ = motors_.next(heard);
         constexpr std::size_t most_samples = 48'000;  // of half a second
         ContactSound::Samples samples;
@@ -341,23 +323,21 @@ private:
 
     /// The goals of this tick: the script's, whose last ones stay, or those of the pointer's fingers.
     void lead(std::int64_t tick) {
-        const auto goals = step_->goals();
+        const auto goals = hand_->step.goals();
         if (!script_.empty()) {
             const std::size_t count = goals.size(), last = script_.size() / count - 1;
             const std::size_t at = std::min(static_cast<std::size_t>(tick), last) * count;
             std::copy_n(script_.begin() + static_cast<std::ptrdiff_t>(at), count, goals.begin());
             return;
         }
-        std::array<glm::dvec3, pointer_fingers> places{};
-        hand_->device.read_positions(places);
-        for (std::size_t k = 0; k < goals.size(); ++k) goals[k] = workspace_.to_scene(places[k]);
+        hand_->device.read_positions(goals);
+        for (glm::dvec3& goal : goals) goal = hand_->workspace.to_scene(goal);
     }
 
     void show_finger(std::size_t k, const ViewCamera& camera) {
-        if (k >= contacts_.size()) return;
-        const Contact& contact = contacts_[k];
-        const glm::dvec3& force = forces_[k].force;
-        const double metres = workspace_.metres_per_scene_unit;  // of the hand
+        const Contact& contact = felt_.contacts[k];
+        const glm::dvec3& force = felt_.forces[k].force;
+        const double metres = felt_.metres_per_scene_unit;  // of the hand
         const auto at = camera.project(contact.proxy), goal = camera.project(contact.goal);
         if (!at || !goal) return;
         ShownFinger& finger = shown_.finger[k];
@@ -368,7 +348,7 @@ private:
             glm::dvec2(camera.project(contact.proxy + force * (metres_per_newton / metres)).value_or(*at));
         finger.newtons = glm::length(force);
         finger.touching = contact.touching;
-        finger.share = finger.newtons / largest_force_;
+        finger.share = finger.newtons / hand_->guard.max_force;
         finger.depth_mm = 1000 * metres * glm::length(contact.proxy - contact.goal);
         finger.stiffness = contact.properties.stiffness / 1000;
         finger.friction = contact.properties.static_friction;
@@ -379,7 +359,7 @@ private:
         const auto met = PointerFingers::ground_at(field, camera, at);
         shown_.picked = met ? 1 : 0;
         if (!met) return;
-        const PixelValues values = values_at(field, *pair_, met->pixel().x, met->pixel().y);
+        const PixelValues values = values_at(field, felt_.pair, met->pixel().x, met->pixel().y);
         shown_.depth_m = values.z * scene_.metres_per_unit;
         shown_.stiffness = values.properties.stiffness / 1000;
         shown_.static_friction = values.properties.static_friction;
@@ -406,15 +386,9 @@ private:
     ReadPlace place_;
     std::optional<RawFrame> newest_;
     std::int64_t tick_ = -1, late_ = 0;
-    std::optional<FramePair> pair_;
-    Workspace workspace_;
-    std::unique_ptr<TouchSolver> solver_;
-    std::unique_ptr<TouchStep> step_;
-    double largest_force_ = 1;
-    std::vector<Contact> contacts_;
-    std::vector<GuardedForce> forces_;
     ForceHash hash_;
-    std::unique_ptr<Hand> hand_;
+    std::unique_ptr<Hand> hand_;  // once the first frame is there
+    TouchTick felt_;
     HeardContacts heard_contacts_{scene_.width};
     ContactSound sound_;
     ContactRumble motors_;
@@ -462,11 +436,8 @@ Result<void> open_picture(int width, int height, double metres, double degrees) 
     DepthCoding& depth = scene.depth;
     depth.kind = DepthCodingKind::metric;
     depth.semantics = DepthSemantics::planar;
-    depth.near_is_high = false;
     depth.code_max = 65535;
     depth.scale = metres / scene.metres_per_unit;
-    depth.invalid_codes = {0, 65535};
-    depth.invalid_code_count = 2;
     scene.depth_bits = 16;
     scene.hole_stiffness = Scene::soft_holes;
     int deepest = 0;
@@ -483,7 +454,7 @@ Result<void> open_picture(int width, int height, double metres, double degrees) 
     choose_filters(estimator.measured(), all_unstated, scene);
     TRY(validate(scene));
     clip = std::make_unique<Clip>(OpenedClip{std::move(scene)});
-    clip->set_plane(depth_role, 2, 1, {inbox.begin(), inbox.end()});
+    clip->set_plane(depth_role, raw.depth, {inbox.begin(), inbox.end()});
     return {};
 }
 
@@ -520,7 +491,8 @@ struct PageExports {
     /// Goes back to the clip's beginning. In `room`: goals, 3 doubles each, finger by finger and tick by
     /// tick, and then commands, 4 doubles each.
     EXPORTED(begin) static void begin(int fingers, std::size_t goals, std::size_t commands) {
-        if (fingers < 1 || goals % static_cast<std::size_t>(fingers) != 0) fingers = 1, goals = commands = 0;
+        if (goals == 0 || fingers < 1 || goals % static_cast<std::size_t>(fingers) != 0)
+            fingers = pointer_fingers, goals = commands = 0;
         const auto places = taken<glm::dvec3>(goals);
         const auto asked = taken<double>(3 * goals + 4 * commands).subspan(3 * goals);
         std::vector<PlaybackCommand> playback;

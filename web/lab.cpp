@@ -23,11 +23,12 @@ namespace touchable {
 namespace {
 
 std::shared_ptr<const PaperClip> lab_content;
+Figures lab_figures;
 std::string lab_said;
 
-int answered(const Result<void>& result, const Figures& figures) {
+int answered(const Result<void>& result) {
     lab_said.clear();
-    for (const Figure& figure : figures)
+    for (const Figure& figure : std::exchange(lab_figures, {}))
         lab_said +=
             figure.metric + "\t" + (figure.name ? *figure.name : formatted("%.17g", figure.value)) + "\n";
     if (!result) lab_said = result.error().message;
@@ -36,11 +37,8 @@ int answered(const Result<void>& result, const Figures& figures) {
 
 Result<void> make_clip(int content, double noise_levels, int frames, int seed) {
     lab_content.reset();  // before the next one, for its memory
-    if (content != 0) {
-        lab_content = make_chest_clip(noise_levels, frames, seed);
-        return {};
-    }
-    TRY_ASSIGN(lab_content, make_globe_clip());
+    if (content == 0) return assign(lab_content, make_globe_clip());
+    lab_content = make_chest_clip(noise_levels, frames, seed);
     return {};
 }
 
@@ -53,7 +51,7 @@ glm::dvec3 normal_at(const Camera& camera, int x, int y, auto&& planar) {
 
 /// What a filter leaves of the noise, where hands scratch: errors of the last frame's depth and normals
 /// against the true surface, RMS. With `temporal` the frames before are averaged into it.
-Result<void> measure_surface(const PaperFilter& filter, Figures& figures) {
+Result<void> measure_surface(const PaperFilter& filter) {
     constexpr int half_side = 40;  // pixels: 2 cm of the hand's path to each side
     TRY_ASSIGN(const auto played, PlayedClip::make(lab_content, filter));
     const Scene& scene = played->scene();
@@ -76,15 +74,13 @@ Result<void> measure_surface(const PaperFilter& filter, Figures& figures) {
             angles += angle * angle;
         }
     constexpr double degrees = 180 / pi;
-    figures.push_back({"depth_mm_rms", 1000 * scene.metres_per_unit * std::sqrt(depths / count), "mm"});
-    figures.push_back({"normal_deg_rms", degrees * std::sqrt(angles / count), "deg"});
+    lab_figures.push_back({"depth_mm_rms", 1000 * scene.metres_per_unit * std::sqrt(depths / count), "mm"});
+    lab_figures.push_back({"normal_deg_rms", degrees * std::sqrt(angles / count), "deg"});
     return {};
 }
 
 TouchCase setup_of(int is_world) {
-    TouchCase setup;
-    setup.metric = is_world != 0 ? TouchMetric::world : TouchMetric::pixel;
-    return setup;
+    return {.metric = is_world != 0 ? TouchMetric::world : TouchMetric::pixel};
 }
 PaperFilter filter_of(int median, int terraces, int temporal, int lazy) {
     return {median, terraces != 0, temporal != 0, lazy != 0};
@@ -94,7 +90,7 @@ PaperFilter filter_of(int median, int terraces, int temporal, int lazy) {
 
 /// `content`: 0 the globe (noise and frames are its own), 1 the chest, whose first frame has noise `seed`.
 EXPORTED(lab_clip) int lab_clip(int content, double noise_levels, int frames, int seed) {
-    return answered(make_clip(content, noise_levels, frames, seed), {});
+    return answered(make_clip(content, noise_levels, frames, seed));
 }
 /// Table I: hand `path` of fast_hands, `speed` times as fast.
 EXPORTED(lab_sweep)
@@ -103,20 +99,17 @@ int lab_sweep(int is_world, int median, int terraces, int lazy, int path, double
     run.path.hz_x *= speed;
     run.path.hz_y *= speed;
     run.path.turn_hz *= speed;
-    Figures figures;
-    return answered(count_primitives(lab_content, run, figures), figures);
+    return answered(count_primitives(lab_content, run, lab_figures));
 }
 /// Fig. 19: hand `hand` of scratch_hands, which presses with `newtons`.
 EXPORTED(lab_scratch)
 int lab_scratch(int is_world, int median, int terraces, int temporal, int hand, double newtons) {
     ScratchRun run{setup_of(is_world), filter_of(median, terraces, temporal, 0), scratch_hands[hand]};
     run.hand.press_n = newtons;
-    Figures figures;
-    return answered(measure_scratch(lab_content, run, figures), figures);
+    return answered(measure_scratch(lab_content, run, lab_figures));
 }
 EXPORTED(lab_surface) int lab_surface(int median, int terraces, int temporal) {
-    Figures figures;
-    return answered(measure_surface(filter_of(median, terraces, temporal, 0), figures), figures);
+    return answered(measure_surface(filter_of(median, terraces, temporal, 0)));
 }
 EXPORTED(lab_text) const char* lab_text() {
     return lab_said.c_str();

@@ -122,22 +122,21 @@ bool take_rank_content(const RankHead& head, std::span<const std::uint8_t> conte
     return head.mode == samples_by_gradient || look_up(distinct, width, height, samples, stride);
 }
 
-std::optional<std::vector<std::uint8_t>> rank_plane(const RankHead& head,
-                                                    std::span<const std::uint8_t> content, int width,
-                                                    int height, int bytes_per_sample, int channels) {
-    const auto bytes = static_cast<std::size_t>(bytes_per_sample);
-    const std::size_t pixels = pixel_count(width, height), stride = pixel_count(channels, bytes_per_sample);
-    std::vector<std::uint16_t> samples(pixel_count(width, height * channels));
-    if (!take_rank_content(head, content, width, height * channels, samples.data(), width))
-        return std::nullopt;
-    std::vector<std::uint8_t> plane(samples.size() * bytes);
-    const std::uint16_t* from = samples.data();
+bool take_rank_plane(const RankHead& head, std::span<const std::uint8_t> content, const PlaneView& form,
+                     std::vector<std::uint8_t>& samples) {
+    const int rows = form.height * form.channels;
+    std::vector<std::uint16_t> values(pixel_count(form.width, rows));
+    if (!take_rank_content(head, content, form.width, rows, values.data(), form.width)) return false;
+    samples.resize(form.bytes());
+    const auto bytes = static_cast<std::size_t>(form.bytes_per_sample);
+    const std::size_t stride = pixel_count(form.channels, form.bytes_per_sample);
+    const std::uint16_t* value = values.data();
     for (std::size_t first = 0; first < stride; first += bytes)
-        for (std::size_t at = first; at < pixels * stride; at += stride, ++from) {
-            plane[at] = static_cast<std::uint8_t>(*from);
-            if (bytes == 2) plane[at + 1] = static_cast<std::uint8_t>(*from >> 8);
+        for (std::size_t at = first; at < samples.size(); at += stride, ++value) {
+            samples[at] = static_cast<std::uint8_t>(*value);
+            if (bytes == 2) std::memcpy(&samples[at], value, 2);
         }
-    return plane;
+    return true;
 }
 
 void RankEncoder::take_samples(const PlaneView& plane) {

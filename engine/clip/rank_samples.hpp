@@ -53,11 +53,10 @@ std::optional<RankHead> rank_head(std::span<const std::uint8_t> packet, std::siz
 bool take_rank_content(const RankHead& head, std::span<const std::uint8_t> content, int width, int height,
                        std::uint16_t* samples, std::ptrdiff_t stride);
 
-/// The same content as a plane's samples of one or two bytes, row by row; of several channels, whose pictures
-/// it has one below the other, interleaved. nullopt: it holds no such picture.
-std::optional<std::vector<std::uint8_t>> rank_plane(const RankHead& head,
-                                                    std::span<const std::uint8_t> content, int width,
-                                                    int height, int bytes_per_sample, int channels);
+/// The same into the samples of a plane of this form, row by row; channels, whose pictures content has one
+/// below the other, become interleaved.
+bool take_rank_plane(const RankHead& head, std::span<const std::uint8_t> content, const PlaneView& form,
+                     std::vector<std::uint8_t>& samples);
 
 class RankEncoder : NonCopyable {
 public:

@@ -228,11 +228,11 @@ private:
         const auto head = rank_head({reinterpret_cast<const std::uint8_t*>(packet.data()), packet.size()}, count);
         if (head) TRY(check_expansion(head->content(count), packet.size(), "it"));
         std::vector<std::uint8_t> content(head ? head->content(count) : 0);
-        std::optional<std::vector<std::uint8_t>> samples;
-        if (head && inflates(packet.substr(head->bytes), content))
-            samples = rank_plane(*head, content, width_, height_, plane.bytes_per_sample, plane.channels);
-        if (!samples) return input_error("is damaged: is no picture of the clip");
-        return Image{width_, height_, plane.bytes_per_sample, plane.channels, std::move(*samples)};
+        Image image{width_, height_, plane.bytes_per_sample, plane.channels, {}};
+        if (!head || !inflates(packet.substr(head->bytes), content) ||
+            !take_rank_plane(*head, content, image.view(), image.samples))
+            return input_error("is damaged: is no picture of the clip");
+        return image;
     }
 
     fs::path file_;

@@ -83,9 +83,7 @@ private:
 
 Workspace clip_workspace(const Scene& scene, const SurfaceFrame& first) {
     std::vector<double> depths = valid_depths(scene, first);
-    Workspace workspace = default_workspace(scene.width, scene.camera.fx, quantile(depths, 0.5));
-    workspace.metres_per_scene_unit = scene.device_metres_per_unit.value_or(workspace.metres_per_scene_unit);
-    return workspace;
+    return default_workspace(scene, quantile(depths, 0.5));
 }
 
 Workspace held_workspace(const Scene& scene, const SurfaceFrame& first, const glm::dvec3& reach) {

@@ -3,14 +3,9 @@
 // Stands before engine/base/threads.hpp on the include path of WebAssembly, which has one thread here: what
 // the engine uses of it, without threads. The worker of a page is never asked to stop: the page ends it.
 
-#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <exception>
-#include <memory>
-#include <utility>
-#include <vector>
 
 #include "engine/base/result.hpp"
 
