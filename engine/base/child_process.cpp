@@ -20,10 +20,6 @@ constexpr std::chrono::milliseconds child_step(10);
 // From SIGTERM to SIGKILL; once this program is asked to stop it has to end within 0.2 s itself.
 constexpr std::chrono::milliseconds child_grace(2000), child_grace_at_stop(100);
 
-std::string failure_words(int failure) {
-    return std::generic_category().message(failure);
-}
-
 struct Pipe {
     Descriptor out, in;  ///< the end to read from without waiting; the end to write to
 };

@@ -34,8 +34,7 @@ const char* other_kind(mode_t mode) {
 }
 
 std::string words_of(int error) {
-    return error == ENOENT ? "does not exist"
-                           : "cannot be read (" + std::generic_category().message(error) + ")";
+    return error == ENOENT ? "does not exist" : "cannot be read (" + failure_words(error) + ")";
 }
 
 /// Puts the file's name, if any, before the message.
@@ -186,8 +185,7 @@ Result<void> GivenFile::fill(std::uint64_t at) {
     block_ = std::move(block);
     block_at_ = at;
     if (got == -ETIMEDOUT) return input_error("cannot be read: its server sends it too slowly");
-    if (got < 0)
-        return input_error("cannot be read: " + std::generic_category().message(static_cast<int>(-got)));
+    if (got < 0) return input_error("cannot be read: " + failure_words(static_cast<int>(-got)));
     return got > 0 ? Result<void>() : input_error("is cut short");
 }
 
@@ -316,7 +314,7 @@ void NewFile::open_named(const fs::path& folder) {
 }
 
 Error NewFile::failed(int why) const {
-    return input_error(target_.string() + ": cannot be written: " + std::generic_category().message(why));
+    return input_error(target_.string() + ": cannot be written: " + failure_words(why));
 }
 
 Result<void> NewFile::check() const {

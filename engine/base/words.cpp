@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <numeric>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -71,6 +72,10 @@ std::size_t letters_between(std::string_view a, std::string_view b) {
 }
 
 }  // namespace
+
+std::string failure_words(int failure) {
+    return std::generic_category().message(failure);
+}
 
 std::string formatted(const char* format, ...) {
     std::va_list values, again;

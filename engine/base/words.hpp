@@ -33,6 +33,9 @@ auto* named_in(Range& range, const Name& name, Of name_of) {
     return found == std::ranges::end(range) ? nullptr : &*found;
 }
 
+/// What a call of the system says by this errno.
+std::string failure_words(int failure);
+
 /// Numbers and words as printf writes them.
 [[gnu::format(printf, 1, 2)]] std::string formatted(const char* format, ...);
 

@@ -126,10 +126,6 @@ FrameRate rate_of(const std::vector<std::int64_t>& sent_ns) {
 
 constexpr std::int64_t longest_way_ns = 100'000'000;  // believed from being taken to arrival
 
-std::string failure_text(int failure) {
-    return std::generic_category().message(failure);
-}
-
 /// What a connection sends, to be read like the output of a ChildProcess.
 class Connection {
 public:
@@ -143,7 +139,7 @@ public:
     }
     std::array<pollfd, 2> waits() const { return {pollfd{socket_.get(), POLLIN, 0}, {-1, POLLIN, 0}}; }
     std::string how_it_ended() const {
-        return failure_ == 0 ? "closed the connection" : "was lost (" + failure_text(failure_) + ")";
+        return failure_ == 0 ? "closed the connection" : "was lost (" + failure_words(failure_) + ")";
     }
 
 private:
@@ -188,7 +184,7 @@ Result<LiveBytes> connect_to(const std::string& address) {
     TRY_ASSIGN(const auto read, read_address(address));
     Descriptor socket(::socket(read.storage.ss_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
     const auto no_connection = [&](int failure) {
-        return input_error("tcp://" + address + ": no connection: " + failure_text(failure) +
+        return input_error("tcp://" + address + ": no connection: " + failure_words(failure) +
                            "; does the sender listen there?");
     };
     if (socket.get() < 0) return no_connection(errno);

@@ -95,7 +95,7 @@ std::string node_trouble(const std::string& node, int failure) {
         case ENOTTY:
             return name + ": is no camera's node; touchable cameras lists those that are";
         default:
-            return name + ": cannot be used: " + std::generic_category().message(failure);
+            return name + ": cannot be used: " + failure_words(failure);
     }
 }
 
@@ -505,7 +505,7 @@ Result<std::optional<v4l2_buffer>> V4l2Stream::dequeue() {
         return std::optional<v4l2_buffer>();
     }
     if (failure == ENODEV) return input_error("was unplugged");
-    return input_error("stopped (" + std::generic_category().message(failure) + ")");
+    return input_error("stopped (" + failure_words(failure) + ")");
 }
 
 TakenPicture V4l2Stream::copied(const v4l2_buffer& buffer) const {

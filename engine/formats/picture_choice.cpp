@@ -200,7 +200,7 @@ Error without_depth(const fs::path& folder, const std::vector<PictureGroup>& gro
     std::error_code failure;
     for (const auto& entry : fs::directory_iterator(folder, failure))
         if (entry.is_directory(failure) && ::euidaccess(entry.path().c_str(), R_OK | X_OK) != 0)
-            return input_error(entry.path().string() + ": " + std::generic_category().message(errno));
+            return input_error(entry.path().string() + ": " + failure_words(errno));
     std::string message =
         folder.string() + ": no pictures of depth were found (there are " + found_there(groups);
     const std::string elsewhere = found_elsewhere(folder);

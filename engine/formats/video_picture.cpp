@@ -10,10 +10,6 @@
 namespace touchable {
 namespace {
 
-const AVPixFmtDescriptor& pixel_format_of(const AVFrame& frame) {
-    return *av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
-}
-
 /// Converts grey of two bytes in the other byte order, such as PNG's, to the host's; otherwise nothing.
 std::optional<Image> in_host_order(const AVFrame& frame) {
     const AVPixFmtDescriptor& format = pixel_format_of(frame);

@@ -38,17 +38,8 @@ Result<std::vector<RawFrame>> noisy_frames() {
     return frames;
 }
 
-template <class T>
-bool same_bytes(const FrameArray<T>& a, const FrameArray<T>& b) {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
-}
-
 bool same_frames(const SurfaceFrame& a, const SurfaceFrame& b) {
-    const auto same_bounds = [](const TileBounds& x, const TileBounds& y) {
-        return x.least == y.least && x.greatest == y.greatest && x.any_invalid == y.any_invalid;
-    };
-    return same_bytes(a.codes, b.codes) && same_bytes(a.validity, b.validity) &&
-           std::equal(a.tiles.begin(), a.tiles.end(), b.tiles.begin(), b.tiles.end(), same_bounds);
+    return a.codes == b.codes && a.validity == b.validity && a.tiles == b.tiles;
 }
 
 using Slots = SurfaceFrame[2];

@@ -300,10 +300,6 @@ Result<FramePtr> decode_png(const std::string& where, const AVPacket& packet, co
 
 constexpr bool host_is_big_endian = std::endian::native == std::endian::big;
 
-const AVPixFmtDescriptor& descriptor(const AVFrame& frame) {
-    return *av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
-}
-
 void move_palette(const AVFrame& frame, const std::uint8_t* from, std::uint8_t* to) {
     for (int x = 0; x < frame.width; ++x, to += 3) {
         std::uint32_t entry;  // 0xAARRGGBB in host order
@@ -315,7 +311,7 @@ void move_palette(const AVFrame& frame, const std::uint8_t* from, std::uint8_t* 
 /// Returns the whole pages of these rows to the system: they may not be read again. The frame must have no
 /// other owner.
 void drop_rows(AVFrame& frame, int first, int count) {
-    const AVPixFmtDescriptor& format = descriptor(frame);
+    const AVPixFmtDescriptor& format = pixel_format_of(frame);
     const bool has_palette = (format.flags & AV_PIX_FMT_FLAG_PAL) != 0;
     if (format.log2_chroma_h != 0) return;  // chroma planes have fewer rows
     for (int plane = 0; plane < (has_palette ? 1 : AV_NUM_DATA_POINTERS) && frame.data[plane]; ++plane) {
@@ -369,7 +365,7 @@ std::optional<NumbersInColour> numbers_in_colour(const AVFrame& frame) {
     std::array<std::vector<bool>, 3> seen;
     for (auto& values : seen) values.resize(65536);
     std::array<bool, 3> differs{};  // from the next channel
-    const int step = 2 * descriptor(frame).nb_components;
+    const int step = 2 * pixel_format_of(frame).nb_components;
     for (int y = 0; y < frame.height; ++y) {
         if (stop_requested()) return std::nullopt;
         const std::uint8_t* from = frame.data[0] + std::ptrdiff_t{frame.linesize[0]} * y;
@@ -407,7 +403,7 @@ struct GreyOfPng {
     bool is_it() const { return is_deep() || frame.format == AV_PIX_FMT_YA8; }
     void operator()(Samples& to, int y) const {
         const bool deep = is_deep();
-        const int step = (deep ? 2 : 1) * descriptor(frame).nb_components;
+        const int step = (deep ? 2 : 1) * pixel_format_of(frame).nb_components;
         const std::uint8_t* from =
             frame.data[0] + static_cast<std::ptrdiff_t>(frame.linesize[0]) * y + 2 * channel;
         for (int x = 0; x < frame.width; ++x, from += step) {
@@ -507,11 +503,11 @@ std::string format_name(const AVFrame& frame) {
 }
 
 int sample_bits(const AVFrame& frame) {
-    return descriptor(frame).comp[0].depth;
+    return pixel_format_of(frame).comp[0].depth;
 }
 
 bool is_rgb8(const AVFrame& frame) {
-    const AVPixFmtDescriptor& format = descriptor(frame);
+    const AVPixFmtDescriptor& format = pixel_format_of(frame);
     if (frame.format == AV_PIX_FMT_PAL8) return true;
     if ((format.flags & AV_PIX_FMT_FLAG_RGB) == 0 || format.nb_components < 3) return false;
     if ((format.flags & (AV_PIX_FMT_FLAG_BITSTREAM | AV_PIX_FMT_FLAG_HWACCEL | AV_PIX_FMT_FLAG_BAYER |
@@ -523,11 +519,11 @@ bool is_rgb8(const AVFrame& frame) {
 }
 
 std::optional<PlaneView> grey_samples(const AVFrame& frame) {
-    return descriptor(frame).nb_components == 1 ? luma_samples(frame) : std::nullopt;
+    return pixel_format_of(frame).nb_components == 1 ? luma_samples(frame) : std::nullopt;
 }
 
 std::optional<PlaneView> luma_samples(const AVFrame& frame) {
-    const AVPixFmtDescriptor& format = descriptor(frame);
+    const AVPixFmtDescriptor& format = pixel_format_of(frame);
     const AVComponentDescriptor& samples = format.comp[0];
     const int bytes = samples.depth > 8 ? 2 : 1;
     constexpr std::uint64_t other = AV_PIX_FMT_FLAG_RGB | AV_PIX_FMT_FLAG_PAL | AV_PIX_FMT_FLAG_BITSTREAM |
@@ -559,7 +555,7 @@ void move_rgb_row(const AVFrame& frame, int y, std::uint8_t* rgb) {
     std::array<const std::uint8_t*, 3> from{};
     std::array<int, 3> places{}, steps{};
     for (int c = 0; c < 3; ++c) {
-        const AVComponentDescriptor& samples = descriptor(frame).comp[c];
+        const AVComponentDescriptor& samples = pixel_format_of(frame).comp[c];
         const auto n = static_cast<std::size_t>(c);
         from[n] = frame.data[samples.plane] + std::ptrdiff_t{frame.linesize[samples.plane]} * y;
         places[n] = samples.offset;

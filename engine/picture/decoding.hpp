@@ -25,6 +25,10 @@
 
 namespace touchable {
 
+/// FFmpeg's description of the format.
+inline const AVPixFmtDescriptor& pixel_format_of(const AVFrame& frame) {
+    return *av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
+}
 /// FFmpeg's name of the format, "gray10le" for one.
 std::string format_name(const AVFrame& frame);
 

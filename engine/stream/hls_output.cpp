@@ -68,8 +68,8 @@ public:
         fs::create_directories(path, failure);
         folder.opened_ = Descriptor(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
         if (folder.opened_.get() < 0)
-            return input_error(path.string() + ": is no folder that can be made or read: " +
-                               std::generic_category().message(errno));
+            return input_error(path.string() +
+                               ": is no folder that can be made or read: " + failure_words(errno));
         if (flock(folder.opened_.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
             return input_error(path.string() + ": another program writes a stream there now");
         TRY(folder.look());

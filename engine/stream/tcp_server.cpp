@@ -90,7 +90,7 @@ private:
         std::array<char, 4096> bytes;
         const auto got = ::recv(socket_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
         if (got < 0 && would_wait(errno)) return;
-        if (got < 0) return end("is lost (" + std::generic_category().message(errno) + ")");
+        if (got < 0) return end("is lost (" + failure_words(errno) + ")");
         if (got == 0) {
             // A client that sends nothing more may still listen, unless it never got anything.
             hears_no_more_ = true;
@@ -120,9 +120,8 @@ private:
                 continue;
             }
             if (!would_wait(errno))
-                return end(errno == EPIPE || errno == ECONNRESET
-                               ? "has gone"
-                               : "is lost (" + std::generic_category().message(errno) + ")");
+                return end(errno == EPIPE || errno == ECONNRESET ? "has gone"
+                                                                 : "is lost (" + failure_words(errno) + ")");
             is_blocked_ = true;
             // Only a stream without a page has colour that can be left out.
             if (phase_ == Phase::listens && page_.empty() && ring_.has_next(cursor_) &&
@@ -315,8 +314,7 @@ private:
         constexpr int most_waiting = 64;
         if (socket < 0 || ::bind(socket, address->get(), address->length) != 0 ||
             ::listen(socket, most_waiting) != 0)
-            return input_error(printable(url.text) +
-                               ": cannot listen there: " + std::generic_category().message(errno));
+            return input_error(printable(url.text) + ": cannot listen there: " + failure_words(errno));
         doors_.push_back(std::move(door));
         return {};
     }

@@ -18,11 +18,6 @@ constexpr int rows_at_once = 4;
 /// A block's row without differences, of at most 3 channels or 2 bytes.
 constexpr std::uint8_t nothing[3 * BlockGrid::width] = {};
 
-std::uint64_t new_builder() {
-    static std::atomic<std::uint64_t> last{0};
-    return ++last;
-}
-
 /// Adds to `columns` the bits of every byte in which one of the rows differs.
 template <class Lanes>
 [[gnu::always_inline]] inline void add_bits(const std::uint8_t* const (&before)[rows_at_once],
@@ -71,7 +66,7 @@ BlockGrid::Run FrameChanges::StaleBlocks::next_run(int first_row, int last_row, 
 }
 
 FrameChanges::FrameChanges(int width, int height, std::optional<int> reach, VectorUnit unit)
-    : builder_(new_builder()),
+    : builder_(new_content_number()),
       reach_(reach),
       unit_(unit),
       grid_(BlockGrid::of(width, height)),

@@ -75,10 +75,6 @@ std::string of_its_forces(const HapticDevice& device, const HandControl& control
 
 constexpr double longest_seconds = 1e6;
 
-std::int64_t nanoseconds(double seconds) {
-    return std::llround(seconds * 1e9);
-}
-
 constexpr int largest_side = 8192;
 
 }  // namespace
@@ -241,11 +237,12 @@ Result<std::vector<PlaybackCommand>> read_playback(const PlaybackTyped& typed) {
     std::vector<PlaybackCommand> commands;
     if (typed.rate) commands.push_back({0, PlaybackVerb::rate, std::llround(*typed.rate * 1000), 0});
     const double start = typed.start.value_or(typed.loop.empty() ? 0 : typed.loop[0]);
-    if (start > 0) commands.push_back({0, PlaybackVerb::seek, nanoseconds(start), 0});
+    if (start > 0) commands.push_back({0, PlaybackVerb::seek, nanoseconds_of(start), 0});
     if (!typed.loop.empty()) {
-        if (nanoseconds(typed.loop[1]) - nanoseconds(typed.loop[0]) < shortest_loop_ns)
+        if (nanoseconds_of(typed.loop[1]) - nanoseconds_of(typed.loop[0]) < shortest_loop_ns)
             return usage_error("--loop must end 0.1 s or more after it begins");
-        commands.push_back({0, PlaybackVerb::loop, nanoseconds(typed.loop[0]), nanoseconds(typed.loop[1])});
+        commands.push_back(
+            {0, PlaybackVerb::loop, nanoseconds_of(typed.loop[0]), nanoseconds_of(typed.loop[1])});
     }
     if (!typed.script) return commands;
     TRY_ASSIGN(auto script, read_playback(*typed.script));

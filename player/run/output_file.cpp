@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "player/run/standard_output.hpp"
 #include "player/run/terminal.hpp"
 
@@ -228,7 +229,7 @@ bool OutputFile::is_unread() const {
 }
 
 Error OutputFile::failed(int why) const {
-    return input_error(name() + ": cannot be written: " + std::generic_category().message(why));
+    return input_error(name() + ": cannot be written: " + failure_words(why));
 }
 
 Result<void> all_ok(const std::vector<Result<void>>& finished) {

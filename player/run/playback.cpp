@@ -192,14 +192,13 @@ Result<void> PlaybackControl::step(double frames) {
 
 Result<void> PlaybackControl::begin_anew(std::span<const PlaybackCommand> first, bool loops) {
     wanted_ns_.reset();
-    std::vector<PlaybackCommand> commands{
-        {0, PlaybackVerb::rate, 1000, 0}, {0, PlaybackVerb::unloop, 0, 0}, {0, PlaybackVerb::seek, 0, 0}};
+    TRY(ask(PlaybackVerb::rate, 1000));
+    TRY(ask(PlaybackVerb::unloop));
+    TRY(ask(PlaybackVerb::seek));
     const std::int64_t end_ns = rate_.time_ns(frames_);
-    if (loops && end_ns >= shortest_loop_ns) commands.push_back({0, PlaybackVerb::loop, 0, end_ns});
-    commands.insert(commands.end(), first.begin(), first.end());
-    commands.push_back({0, PlaybackVerb::play, 0, 0});
-    for (const PlaybackCommand& command : commands) TRY(ask(command.verb, command.first, command.second));
-    return {};
+    if (loops && end_ns >= shortest_loop_ns) TRY(ask(PlaybackVerb::loop, 0, end_ns));
+    for (const PlaybackCommand& command : first) TRY(ask(command.verb, command.first, command.second));
+    return ask(PlaybackVerb::play);
 }
 
 Result<void> PlaybackControl::toggle_loop() {

@@ -77,6 +77,10 @@ inline constexpr std::int64_t slowest_rate = 1, fastest_rate = 8000;  ///< thous
 inline constexpr std::int64_t shortest_loop_ns = 100'000'000;         ///< time in which a jump fades
 /// The latest moment that a command may name, ns: eleven days.
 inline constexpr std::int64_t latest_moment_ns = 1'000'000'000'000'000;
+/// A person's seconds.
+inline std::int64_t nanoseconds_of(double seconds) {
+    return std::llround(seconds * 1e9);
+}
 
 /// Refuses (ErrorKind::input, naming the command by its place from 1) ticks that are negative or decrease,
 /// unknown verbs, and rates, moments and loops out of range.

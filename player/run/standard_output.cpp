@@ -5,6 +5,7 @@
 #include <cerrno>
 
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "player/run/terminal.hpp"
 
 namespace touchable {
@@ -45,7 +46,7 @@ Result<StandardOutput::Taken> StandardOutput::give(int patience_ms) {
     const ssize_t count = ::write(STDOUT_FILENO, bytes.data(), bytes.size());
     if (count < 0 && (errno == EINTR || errno == EAGAIN)) return Taken::nothing_yet;
     if (count < 0 && errno != EPIPE)
-        return input_error("standard output cannot be written: " + std::generic_category().message(errno));
+        return input_error("standard output cannot be written: " + failure_words(errno));
     gone_ = count < 0;  // the reader has closed the pipe: no error
     const std::size_t given = gone_ ? rest().size() : static_cast<std::size_t>(count);
     given_ += given;

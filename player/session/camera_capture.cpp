@@ -8,6 +8,7 @@
 #include "engine/camera/camera.hpp"
 #include "engine/clip/clip_file.hpp"
 #include "engine/clip/readers.hpp"
+#include "player/run/touch_session.hpp"
 #include "player/session/clip_choice.hpp"
 
 namespace touchable {
@@ -35,10 +36,6 @@ FrameRate rate_of(double per_second) {
     const std::int64_t thousandths = std::llround(per_second * thousand);
     const std::int64_t common = std::gcd(thousandths, thousand);
     return {thousandths / common, thousand / common};
-}
-
-std::int64_t nanoseconds_of(double seconds) {
-    return std::llround(seconds * 1e9);
 }
 
 /// The words after the kind: a file name and, after the first comma, keys.

@@ -198,7 +198,7 @@ Result<fs::path> set_aside(const fs::path& file) {
         failed = move_to_free_name(file, aside);
         if (failed == 0) return aside;
     }
-    return input_error("it cannot be set aside (" + std::generic_category().message(failed) + ")");
+    return input_error("it cannot be set aside (" + failure_words(failed) + ")");
 }
 
 }  // namespace touchable
