@@ -7,7 +7,7 @@ const most_frames = 1e6, most_side = 16384, most_pixels = 1 << 25;
 const first_bytes = 1 << 16, run_bytes = 1 << 20, most_kept = 64 << 20, most_whole = 256 << 20;
 const roles = ['depth', 'haptic', 'height', 'colour'];
 
-export const is_whole = (value, least, most) => Number.isInteger(value) && value >= least && value <= most;
+const is_whole = (value, least, most) => Number.isInteger(value) && value >= least && value <= most;
 
 /** `sentence`: for people. */
 export function refuse(sentence) {
@@ -16,6 +16,13 @@ export function refuse(sentence) {
 
 function require(condition, what) {
   if (!condition) refuse(`The clip is damaged, or was changed: ${what}.`);
+}
+
+/** `least`: pixels a side. */
+export function check_size(width, height, least) {
+  if (![width, height].every((side) => is_whole(side, least, most_side)) || width * height > most_pixels)
+    refuse(`The picture has ${width} x ${height} pixels. This page takes ${least} x ${least} to ` +
+      `${most_pixels / 1e6 | 0} million pixels, at most ${most_side} a side.`);
 }
 
 /** What `read` takes of a server's answer; an Error with a sentence if there is none, or if it breaks off. */
@@ -67,15 +74,14 @@ export class ByteReader {
 export const inflating = (pieces, format = 'deflate-raw') =>
   new Blob(pieces).stream().pipeThrough(new DecompressionStream(format));
 
-/** Inflates raw deflate to exactly `size` bytes behind `head`, and takes no more in. */
-async function inflated(packet, head, size) {
-  const whole = new Uint8Array(head + size), reader = new ByteReader(inflating([packet.subarray(head)]));
-  whole.set(packet.subarray(0, head));
-  const fits = async () => await reader.fill(whole, head) === whole.length && !await reader.has_more();
-  const is_whole = await fits().catch(() => false);
+/** Fills the rest of `whole`, from `at` on, with what the pieces inflate to. False: they are damaged, or inflate to
+ *  less or more; then no more is taken in. */
+export async function inflate_into(whole, at, pieces, format) {
+  const reader = new ByteReader(inflating(pieces, format));
+  const fits = async () => await reader.fill(whole, at) === whole.length && !await reader.has_more();
+  const has_fitted = await fits().catch(() => false);
   reader.cancel();
-  require(is_whole, 'a picture does not inflate to its size');
-  return whole;
+  return has_fitted;
 }
 
 export class PackedClip {
@@ -99,10 +105,7 @@ export class PackedClip {
     require(numbers && typeof numbers === 'object' && planes && typeof planes === 'object', 'it has no scene');
     this.numbers = Float64Array.from(Object.values(numbers), (value) => (value === null ? NaN : value));
     const {width, height} = Object.assign(this, {width: numbers.width, height: numbers.height});
-    require(is_whole(width, 1, most_side) && is_whole(height, 1, most_side), 'its size is none');
-    if (width * height > most_pixels)
-      refuse(`The clip's pictures are ${width} x ${height}: this page shows up to ` +
-        `${most_pixels / 1e6 | 0} million pixels.`);
+    check_size(width, height, 1);
     this.live = typeof json.live === 'string' ? json.live : null;
     require(this.live === null || /^[\w-]+$/.test(this.live), 'its live stream is not beside it');
     this.frames = this.live ? 0 : json.frames;
@@ -185,7 +188,11 @@ export class PackedClip {
     const head = packet[0] === 0 ? 1 : 3, distinct = head === 3 ? 1 + packet[1] + (packet[2] << 8) : 0;
     const samples = this.width * this.height * plane.channels;
     require(packet[0] <= 2 && packet.length > head && distinct <= samples, 'a packet has no head');
-    return inflated(packet, head, 2 * (distinct + samples));
+    const whole = new Uint8Array(head + 2 * (distinct + samples));
+    whole.set(packet.subarray(0, head));
+    const fits = await inflate_into(whole, head, [packet.subarray(head)]);
+    require(fits, 'a picture does not inflate to its size');
+    return whole;
   }
 }
 

@@ -1,14 +1,19 @@
 // Reads a grey PNG of 8 or 16 bits without the browser's own decoder, which keeps only 8 bits.
 //
-//     const {width, height, bits, codes} = await unpack_png(bytes);   // codes: Uint16Array, row by row
+//     const {width, height, codes} = await unpack_png(bytes);   // codes: Uint16Array, row by row
 //
 // Throws an Error whose message is a sentence for people. Runs in pages, workers and Node. Nothing is allocated
 // before the sizes in the file are known to be within the limits.
 
-import {ByteReader, inflating, refuse} from './clip.js';
+import {check_size, inflate_into, refuse} from './clip.js';
 
-const most_pixels = 33e6, longest_side = 16384;
 const signature = [137, 80, 78, 71, 13, 10, 26, 10];
+const kinds = {0: 'grey', 2: 'in colour (RGB)', 3: 'in colour (a palette)', 4: 'grey with transparency',
+               6: 'in colour with transparency'};
+
+function require(condition, what) {
+    if (!condition) refuse(`This PNG is damaged: ${what}.`);
+}
 
 const crc_table = Uint32Array.from({length: 256}, (_, n) => {
     for (let k = 0; k < 8; ++k) n = n & 1 ? 0xedb88320 ^ (n >>> 1) : n >>> 1;
@@ -22,65 +27,47 @@ function crc_of(bytes) {
 
 // The header's sizes, and the compressed data as pieces of the file.
 function chunks_of(file) {
-    const view = new DataView(file.buffer, file.byteOffset, file.byteLength), data = [];
+    const view = new DataView(file.buffer), data = [];
     if (!signature.every((byte, k) => file[k] === byte)) refuse('This file is not a PNG picture.');
-    let header = null, at = 8;
-    for (;;) {
-        if (at + 12 > file.length) refuse('This PNG breaks off before its end.');
-        const length = view.getUint32(at), name = String.fromCharCode(...file.subarray(at + 4, at + 8));
-        if (length > file.length - at - 12) refuse('This PNG breaks off before its end.');
-        if (crc_of(file.subarray(at + 4, at + 8 + length)) !== view.getUint32(at + 8 + length))
-            refuse('This PNG is damaged: a checksum is wrong.');
-        const body = file.subarray(at + 8, at + 8 + length);
-        if ((name === 'IHDR') !== !header) refuse('This PNG is damaged: its header is not where it belongs.');
+    let header = null, name = '';
+    for (let at = 8, length; name !== 'IEND'; at += 12 + length) {
+        const fits = at + 12 <= file.length && at + 12 + view.getUint32(at) <= file.length;
+        require(fits, 'it breaks off before its end');
+        length = view.getUint32(at);
+        name = String.fromCharCode(...file.subarray(at + 4, at + 8));
+        const body = file.subarray(at + 8, at + 8 + length), crc = view.getUint32(at + 8 + length);
+        require(crc_of(file.subarray(at + 4, at + 8 + length)) === crc, 'a checksum is wrong');
+        require((name === 'IHDR') === !header, 'its header is not where it belongs');
         if (name === 'IHDR') header = header_of(body);
         else if (name === 'IDAT') data.push(body);  // usually of 8 KB or more; a million of them is an attack
-        else if (name === 'IEND') break;
-        else if (!(file[at + 4] & 32) && name !== 'PLTE') refuse('This PNG has a part that this page does not know.');
+        else if (!(file[at + 4] & 32) && !['PLTE', 'IEND'].includes(name))
+            refuse('This PNG has a part that this page does not know.');
         if (data.length > 1e5) refuse('This PNG is cut into too many pieces.');
-        at += 12 + length;
     }
-    if (!data.length) refuse('This PNG holds no picture.');
     return {...header, data};
 }
 
 function header_of(body) {
-    if (body.length !== 13) refuse('This PNG is damaged: its header has a wrong size.');
-    const view = new DataView(body.buffer, body.byteOffset, 13);
-    const width = view.getUint32(0), height = view.getUint32(4);
+    require(body.length === 13, 'its header has a wrong size');
+    const view = new DataView(body.buffer, body.byteOffset), width = view.getUint32(0), height = view.getUint32(4);
     const [bits, kind, method, filter, interlace] = body.subarray(8);
-    const other = {2: 'in colour (RGB)', 3: 'in colour (a palette)', 4: 'grey with transparency',
-                   6: 'in colour with transparency'}[kind];
-    if (other) refuse(`This PNG is ${other}. A depth picture is grey, with 16 bits and without transparency.`);
     if (kind !== 0 || (bits !== 8 && bits !== 16))
-        refuse(`This PNG has ${bits} bits a pixel. A depth picture is grey, with 16 (or 8) bits.`);
-    if (method || filter || interlace > 1) refuse('This PNG uses a method that this page does not know.');
-    if (interlace) refuse('This PNG is interlaced. Save it without interlacing.');
-    if (width < 2 || height < 2 || width > longest_side || height > longest_side || width * height > most_pixels)
-        refuse(`This PNG has ${width} x ${height} pixels. The page takes 2 x 2 to 33 million pixels, ` +
-               `at most ${longest_side} a side.`);
-    return {width, height, bits};
-}
-
-// Exactly `size` bytes of zlib data; a stream that gives more is cancelled at once.
-async function inflated(pieces, size) {
-    const result = new Uint8Array(size), reader = new ByteReader(inflating(pieces, 'deflate'));
-    const damaged = () => refuse('This PNG is damaged: its picture cannot be unpacked.');
-    if (await reader.fill(result).catch(damaged) < size) refuse('This PNG breaks off before its end.');
-    const has_more = await reader.has_more().catch(damaged);
-    reader.cancel();
-    if (has_more) refuse('This PNG is damaged: it unpacks to more than its header says.');
-    return result;
+        refuse(`This PNG is ${kinds[kind] ?? 'of an unknown kind'}, with ${bits} bits. A depth picture is grey, ` +
+               'with 16 (or 8) bits and without transparency.');
+    if (method || filter || interlace)
+        refuse('This PNG is interlaced, or uses a method that this page does not know. Save it without interlacing.');
+    check_size(width, height, 2);  // fewer have no surface
+    return {width, height, step: bits / 8};
 }
 
 export async function unpack_png(bytes) {
-    if (!globalThis.DecompressionStream) refuse('This browser cannot unpack pictures (DecompressionStream).');
-    const {width, height, bits, data} = chunks_of(new Uint8Array(bytes)), step = bits / 8, row = width * step;
-    const packed = await inflated(data, (row + 1) * height), codes = new Uint16Array(width * height);
+    const {width, height, step, data} = chunks_of(new Uint8Array(bytes)), row = width * step;
+    const packed = new Uint8Array((row + 1) * height), codes = new Uint16Array(width * height);
+    require(await inflate_into(packed, 0, data, 'deflate'), 'its picture does not unpack to its size');
     let above = new Uint8Array(row);
     for (let y = 0; y < height; ++y) {
         const filter = packed[y * (row + 1)], line = packed.subarray(y * (row + 1) + 1, (y + 1) * (row + 1));
-        if (filter > 4) refuse('This PNG is damaged: a row has an unknown filter.');
+        require(filter <= 4, 'a row has an unknown filter');
         for (let k = 0; filter && k < row; ++k) {
             const left = k < step ? 0 : line[k - step], up = above[k];
             if (filter === 1) line[k] += left;
@@ -96,5 +83,5 @@ export async function unpack_png(bytes) {
             codes[to] = step === 2 ? (line[2 * x] << 8) | line[2 * x + 1] : line[x];
         above = line;
     }
-    return {width, height, bits, codes};
+    return {width, height, codes};
 }
