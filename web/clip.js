@@ -5,7 +5,7 @@
 
 const most_frames = 1e6, most_side = 16384, most_pixels = 1 << 25;
 const first_bytes = 1 << 16, run_bytes = 1 << 20, most_kept = 64 << 20, most_whole = 256 << 20;
-const roles = ['depth', 'haptic', 'height', 'colour'];
+export const roles = ['depth', 'haptic', 'height', 'colour'];
 
 const is_whole = (value, least, most) => Number.isInteger(value) && value >= least && value <= most;
 

@@ -24,7 +24,7 @@ uniform bool is_flat;
 const vertex_source = `${both_begin}
 uniform mat4 clip_from_lattice;
 uniform int stride, last;
-uniform float cut_ratio, hole_q, focal;
+uniform float cut_ratio, hole_q;
 out vec2 at;
 out float depth, light;
 flat out float cut;  // of the triangle whose last vertex this is
@@ -39,10 +39,10 @@ float q_at(ivec2 pixel) {
     float planar = texelFetch(depths, pixel, 0).r;
     return planar > 0.0 ? 1.0 / planar : hole_q;
 }
-// Slope of the surface along an axis of the picture; 0 beside a hole.
+// Slope of the surface along an axis of the picture, as of a camera with a focal length of its width; 0 beside a hole.
 float slope(ivec2 pixel, ivec2 step, float q) {
     float after = q_at(min(pixel + step, size - 1)), before = q_at(max(pixel - step, ivec2(0)));
-    return after > 0.0 && before > 0.0 ? focal * (before - after) / (float(2 * stride) * q) : 0.0;
+    return after > 0.0 && before > 0.0 ? float(size.x) * (before - after) / (float(2 * stride) * q) : 0.0;
 }
 void main() {
     ivec2 pixel = place(gl_VertexID);
@@ -150,25 +150,23 @@ export class SurfacePicture {
         gl.texImage2D(gl.TEXTURE_2D, 0, internal, width, height, 0, format, type, samples);
     }
 
-    // Forgets the planes of the clip before. `focal`: of its camera, pixels, if the clip says it.
-    begin({width, height, focal, far}) {
+    // Forgets the planes of the clip before.
+    begin({width, height, far}) {
         const most = this.gl.getParameter(this.gl.MAX_TEXTURE_SIZE) ?? Infinity;
         if (Math.max(width, height) > most)
             throw new Error(`This picture has ${width} x ${height} pixels; this device draws ${most} a side.`);
         this.planes.colour?.close();
         this.planes = {};
-        Object.assign(this, {width, height, range: [0, 1], is_measured: false, focal: focal || width,
-                             far: 0.999 * (far || Infinity)});
+        Object.assign(this, {width, height, range: [0, 1], is_measured: false, far: 0.999 * (far || Infinity)});
     }
 
-    // A plane that is null stays as it was. All are kept for a lost context.
-    show({depths, colour, haptic, heights}) {
-        const old = this.planes;
-        if (colour) old.colour?.close();
-        this.planes = {depths, colour: colour ?? old.colour, haptic: haptic ?? old.haptic,
-                       heights: heights ?? old.heights};
-        for (const [name, plane] of Object.entries({depths, colour, haptic, heights}))
-            if (plane) this.stale.add(name);
+    // A plane that is not there stays as it was. All are kept for a lost context.
+    show(planes) {
+        if (planes.colour) this.planes.colour?.close();
+        for (const name of ['depths', 'colour', 'haptic', 'heights'].filter((name) => planes[name])) {
+            this.planes[name] = planes[name];
+            this.stale.add(name);
+        }
     }
 
     // Brings the planes that are shown up to date: the others would cost a slow device a third of its pictures.
@@ -212,7 +210,6 @@ export class SurfacePicture {
         gl.uniform1i(at.stride, stride);
         gl.uniform1i(at.last, 2 * columns - 1);
         gl.uniform1i(at.shown, overlays.indexOf(shown));
-        gl.uniform1f(at.focal, this.focal);
         gl.uniform1f(at.hole_q, shown === 'missing' ? 1 / this.range[1] : 0);
         // Turned views do not draw a curtain between depths that differ by more than 6 % (shaders/cut_rule.h).
         gl.uniform1f(at.cut_ratio, own_view ? 0 : 1 / (1.06 ** stride));

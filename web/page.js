@@ -46,7 +46,7 @@ const touchable = globalThis.touchable = {
     })
 };
 let picture = null, verified = null;
-let unit = 1, size = 1;  // canvas pixels of a CSS pixel; of the picture
+let unit = 1, width = 1, height = 1;  // canvas pixels of a CSS pixel; of the stage
 let unanswered = Infinity;  // 'due's: one may be under way while the answer to another is drawn
 let new_frame = false, drawn_view = '', drawn_fingers = '';
 let enter_held = false, pad_presses = false, seeking = false, used_keys = false, touched = false;
@@ -82,9 +82,9 @@ function stop(text) {
 }
 function say_finger() {
     const finger = touchable.state?.fingers[0], mm = finger?.depth_mm;
-    const where = touchable.state?.pick?.valid === false ? 'nothing to touch'
+    const where = touchable.state?.pick?.valid === 0 ? 'nothing to touch'
         : `${Math.abs(mm).toFixed(1)} millimetres ${mm < 0 ? 'above the surface' : 'deep'}`;
-    const text = finger ? `${finger.label || ''} ${where}, ${finger.newtons.toFixed(1)} newtons`.trim()
+    const text = finger ? `${where}, ${finger.newtons.toFixed(1)} newtons`
                         : 'No finger is on the picture.';
     put($('said'), '');
     clock.later(60, () => put($('said'), text));  // or the same words would not be read again
@@ -104,8 +104,8 @@ const answers = {
         $('seek').max = clip.seconds || 1;
         const plane_of = {stiffness: 'haptic', friction: 'haptic', height: 'height'};
         for (const option of $('overlay').options)
-            option.disabled = option.value in plane_of && !clip.has[plane_of[option.value]];
-        $('overlay').options[0].label = clip.has.colour ? 'colour' : 'shape';
+            option.disabled = option.value in plane_of && !clip.planes.includes(plane_of[option.value]);
+        $('overlay').options[0].label = clip.planes.includes('colour') ? 'colour' : 'shape';
         show_overlay('colour');
         put($('invite'), kiosk || by_touch ? `Touch the ${word}` : `Move over the ${word}. Hold to press.`);
         put($('hint'), by_touch ? 'One finger touches, two turn it.' : kiosk ? 'Move, hold the button, and feel.'
@@ -132,7 +132,7 @@ const answers = {
         draw(state);
         show_state(state);
         sound.play(state.sound);
-        tremble(gamepad(), state.rumble ?? [0, 0], touches && !touched);
+        tremble(gamepad(), state.rumble_low, state.rumble_high, touches && !touched);
         touched = touches;
     },
     verified(result) {
@@ -154,7 +154,7 @@ function draw({matrix, own_view, fingers}) {
         drawn_view = view;
         if (picture.drawn_ms) pace.note(picture.drawn_ms);
     }
-    const marks = JSON.stringify(fingers);
+    const marks = JSON.stringify(fingers), size = Math.min(width, 1.4 * height);
     if (marks !== drawn_fingers) paint_fingers($('fingers'), unit, size, by_touch ? 15 : 9, fingers);
     drawn_fingers = marks;
 }
@@ -190,7 +190,7 @@ function show_values(pick) {
     put($('values'), !pick.valid ? 'nothing to touch' : `distance ${pick.depth_m.toFixed(4)} m\n` +
         `stiffness ${pick.stiffness.toFixed(2)} N/mm\n` +
         `friction ${pick.friction_static.toFixed(2)}, sliding ${pick.friction_dynamic.toFixed(2)}` +
-        (touchable.clip.has.height ? `\nheight ${pick.height_mm.toFixed(2)} mm` : ''));
+        (touchable.clip.planes.includes('height') ? `\nheight ${pick.height_mm.toFixed(2)} mm` : ''));
 }
 
 function show_overlay(value) {
@@ -227,13 +227,11 @@ const pace = {
 function resize() {
     const {clientWidth, clientHeight} = stage, [share, stride] = levels[pace.level];
     unit = Math.min(devicePixelRatio || 1, 3);
-    const width = Math.round(clientWidth * unit), height = Math.round(clientHeight * unit);
-    size = Math.min(width, 1.4 * height);
+    [width, height] = [clientWidth, clientHeight].map((length) => Math.round(length * unit));
     const drawn = share * Math.min(1, Math.sqrt(3e6 / Math.max(1, width * height)));
     Object.assign(canvas, {width: Math.ceil(width * drawn), height: Math.ceil(height * drawn)});
     picture.stride = stride;
     drawn_view = drawn_fingers = '';
-    post({do: 'size', width, height});
     if (touchable.clip && touchable.state) draw(touchable.state);  // a canvas with another size is black
 }
 
@@ -424,7 +422,7 @@ function tick(now) {
     last_tick = now;
     if (!touchable.clip || unanswered > 1 || verified) return;
     read_gamepad(Math.min(ms, 100) / 1000);
-    post({do: 'due', pressed: enter_held || pad_presses});
+    post({do: 'due', width, height, pressed: enter_held || pad_presses});
     ++unanswered;
 }
 

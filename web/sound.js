@@ -55,7 +55,7 @@ export class ContactSound {
 }
 
 // Strong and weak: 0 to 1. A telephone knows on and off alone: it ticks when a finger meets the surface.
-export function tremble(pad, [strong, weak], meets) {
+export function tremble(pad, strong, weak, meets) {
     const effect = {duration: 60, strongMagnitude: strong, weakMagnitude: weak};
     if (pad?.vibrationActuator?.playEffect) {
         if (strong + weak > 0.01) pad.vibrationActuator.playEffect('dual-rumble', effect).catch(() => {});

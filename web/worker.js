@@ -2,24 +2,22 @@
 // elapsed at each event and each picture, and sends what is to be drawn, heard and read. One thread: no memory is
 // shared, so any web server will do.
 
-import {PackedClip, answer_of, inflating, live_framesets, refuse} from './clip.js';
+import {PackedClip, answer_of, inflating, live_framesets, refuse, roles} from './clip.js';
 import {unpack_png} from './png.js';
 
 const event_kinds = ['moved', 'pressed', 'released', 'wheel', 'key', 'key_released', 'resized', 'dropped',
   'left_window', 'touch_began', 'touch_moved', 'touch_ended'];
 const buttons = {left: 1, right: 2, middle: 3};
-const roles = ['depth', 'haptic', 'height'];
-// The members of Shown in engine.cpp before its matrix, and those of ShownFinger behind its three places.
+// Members of Shown in engine.cpp, in this order, and of ShownFinger those behind its places.
 const members = ['tick', 'time', 'playing', 'at_end', 'loops', 'speed', 'force_on', 'own_view', 'newtons', 'rumble_low',
-  'rumble_high', 'late_frames', 'fingers', 'picked', 'depth_m', 'stiffness', 'friction_static', 'friction_dynamic',
-  'height_mm', 'sound', 'sound_samples'];
+  'rumble_high', 'late_frames', 'fingers'];
+const pick_members = ['valid', 'depth_m', 'stiffness', 'friction_static', 'friction_dynamic', 'height_mm'];
 const finger_members = ['newtons', 'touching', 'share', 'depth_mm', 'stiffness', 'friction'];
-const finger_size = 7 + finger_members.length;
 const play = (verb, number = 0) => check(engine.play(verb, number));
 // Of the page's commands the engine's: numbers are those of ClockCommand and of HandCommand in engine.cpp.
 const commands = {
   'play-pause': () => play(0), seek: (s) => play(1, s), 'seek-by': (s) => play(2, s), step: (n) => play(3, n),
-  speed: (x) => play(4, x), faster: (x) => play(4, seen.speed * x), loop: () => play(5, +!seen.loops),
+  faster: (x) => play(4, seen.speed * x), loop: () => play(5, +!seen.loops),
   fingers: (n) => engine.hand(0, n, 0), deeper: (mm) => engine.hand(1, mm / 1000, 0),
   'point-right': (px) => engine.hand(2, px, 0), 'point-down': (px) => engine.hand(2, 0, px),
   force: () => engine.hand(3, 0, 0), turn: (degrees) => engine.hand(4, degrees, 0),
@@ -27,12 +25,15 @@ const commands = {
   home: () => engine.hand(6, 0, 0), press: (on) => engine.hand(7, +on, 0), turning: () => { turning = !turning; },
 };
 
-let engine, clip, size, broken = false, shown = -1;
-let turning = false, pressed = false, stands_still = false, feeding = null, last_ms = 0, owed_ms = 0, us_per_tick = 0;
-let build_ms = 0, decode_ms = 0, seen = {speed: 1, loops: 0}, live_stop = null;
-let opening = 0; // counts clips and beginnings: what was under way for an earlier one ends without a trace
-let taken = {}, sent = {}; // by role the frame whose picture the engine has, and the page (of colour the picture)
-const colours = new Map(); // by frame, of those that may still be shown: JPEG, and what it is decoded to, ahead
+let engine, clip, session, turning = false, pressed = false, stands_still = false;
+let build_ms = 0, decode_ms = 0, seen = {speed: 1, loops: 0};
+
+/** What is forgotten when a clip begins anew. Work under way for an earlier session ends without a trace. */
+const new_session = () => ({
+  feeding: false, shown: -1, ran_until: null, live_stop: new AbortController(),
+  taken: {}, sent: {}, // by role the frame whose picture the engine has, and the page (of colour the picture)
+  colours: new Map(), // by frame, of those that may still be shown: JPEG, and what it is decoded to, ahead
+});
 
 const say = (message, transfers = []) => postMessage(message, transfers);
 
@@ -87,7 +88,7 @@ async function open({url, files, json, wasm, calm}) {
   let packed;
   [engine, packed] =
     await Promise.all([engine ?? load_engine(wasm), PackedClip.open(files ? json : url, files, told)]);
-  const {planes, times, frames, live, json: {name, remarks, numbers}} = packed;
+  const {times, frames, live, json: {name, remarks, numbers}} = packed;
   if (text_at(engine.scene_names()) !== Object.keys(numbers).join('\n'))
     refuse("The clip is of another version than this page. touchable convert --web of the page's version writes one.");
   put(Float64Array.from([...packed.numbers, ...times]));
@@ -95,10 +96,9 @@ async function open({url, files, json, wasm, calm}) {
   check(engine.open_scene(packed.numbers.length, times.length, known_frames, live ? 1 : 0));
   const rate = numbers['rate.num'] / numbers['rate.den'];
   met(packed, {
-    name: String(name ?? ''), remarks: (remarks ?? []).map(String), frames, rate, live: live !== null,
+    name: String(name ?? ''), remarks: (remarks ?? []).map(String), frames, live: live !== null,
     seconds: times.length ? times.at(-1) / 1e9 + 1 / rate : frames / rate,
-    has: {colour: !!planes.colour, haptic: !!planes.haptic, height: !!planes.height},
-    unit: numbers.metres_per_unit, near: numbers['depth.near'], far: numbers['depth.far'],
+    unit: numbers.metres_per_unit, far: numbers['depth.far'],
   });
 }
 
@@ -107,17 +107,14 @@ async function open_picture({bytes, name, unit, fov}) {
   const {width, height, codes} = await unpack_png(bytes);
   put(codes);
   check(engine.open_picture(width, height, unit, fov));
-  met({width, height, planes: {}}, {
-    name, remarks: [], frames: 1, rate: 30, seconds: 0, live: false, has: {}, unit: 0.001, near: 0, far: 0,
-  });
+  met({width, height, planes: {}}, {name, remarks: [], frames: 1, seconds: 0, live: false, unit: 0.001, far: 0});
 }
 
 function met(packed, about) {
   clip = packed;
   begun();
   start();
-  if (size) engine.size(size.width, size.height);
-  say({is: 'clip', width: packed.width, height: packed.height, ...about});
+  say({is: 'clip', width: clip.width, height: clip.height, planes: Object.keys(clip.planes), ...about});
 }
 
 /** A clip plays and loops from the start, unless the person asked for less motion; a live one is followed. */
@@ -130,25 +127,19 @@ function start() {
 
 /** The clip is at its beginning. */
 function begun() {
-  ++opening;
-  live_stop?.abort();
-  feeding = null;
-  broken = false;
-  shown = -1;
-  colours.clear();
-  [taken, sent] = [{}, {}];
-  last_ms = owed_ms = 0;
+  session?.live_stop.abort();
+  session = new_session();
 }
 
 // ---- Frames
 
 async function give_frame(frame) {
-  const of = opening, start = performance.now();
+  const of = session, start = performance.now();
   for (const role of Object.keys(clip.planes)) {
     const own = clip.own(role, frame);
-    if (role === 'colour' ? colours.has(own) : taken[role] === own) continue;
+    if (role === 'colour' ? of.colours.has(own) : of.taken[role] === own) continue;
     const packet = await clip.picture(role, frame);
-    if (of !== opening) return;
+    if (of !== session) return;
     give_packet(role, own, packet);
   }
   if (engine.wanted() !== frame) return; // the clip was sent elsewhere meanwhile
@@ -160,6 +151,7 @@ async function give_frame(frame) {
 
 function give_packet(role, own, packet) {
   if (role === 'colour') {
+    const {colours} = session;
     const jpeg = new Blob([packet], {type: 'image/jpeg'});
     colours.set(clip.live ? 'newest' : own, {jpeg, bitmap: bitmap_of(jpeg)});
     if (colours.size > 16) colours.delete(colours.keys().next().value);
@@ -168,38 +160,37 @@ function give_packet(role, own, packet) {
   const {bytes_per_sample, channels} = clip.planes[role];
   put(packet);
   check(engine.plane(roles.indexOf(role), bytes_per_sample, channels, packet.length));
-  taken[role] = own;
+  session.taken[role] = own;
 }
 
 /** Gives the engine the frames that it wants, one after the other; one such work at a time. */
-function feed() {
-  if (feeding || broken || clip.live) return;
-  const of = opening;
-  feeding = (async () => {
-    for (let frame; of === opening && (frame = engine.wanted()) >= 0;) await give_frame(frame);
-  })().catch((error) => {
-    if (of !== opening) return;
-    broken = true;
-    faulty(error);
-  }).finally(() => { if (of === opening) feeding = null; });
+async function feed() {
+  const of = session;
+  if (of.feeding || clip.live) return;
+  of.feeding = true; // and stays so after a fault: the next frame would have it, too
+  try {
+    for (let frame; of === session && (frame = engine.wanted()) >= 0;) await give_frame(frame);
+    of.feeding = false;
+  } catch (error) {
+    if (of === session) faulty(error);
+  }
 }
 
 async function follow(url) {
-  const of = opening;
-  live_stop = new AbortController();
+  const of = session;
   try {
-    for await (const packets of live_framesets(url, clip.planes, live_stop.signal)) {
-      if (of !== opening) return;
+    for await (const packets of live_framesets(url, clip.planes, of.live_stop.signal)) {
+      if (of !== session) return;
       const number = engine.wanted();
       for (const [role, packet] of Object.entries(packets)) {
         const unpacked = await clip.unpacked(clip.planes[role], packet);
-        if (of !== opening) return;
+        if (of !== session) return;
         give_packet(role, number, unpacked);
       }
       if (number >= 0) check(engine.give());
     }
   } catch (error) {
-    if (of === opening) faulty(error);
+    if (of === session) faulty(error);
   }
 }
 
@@ -207,39 +198,30 @@ async function follow(url) {
 
 /** Runs the ticks that have elapsed. */
 function run_elapsed() {
-  if (!clip) return;
-  const now = performance.now();
-  if (last_ms) owed_ms += now - last_ms;
-  last_ms = now;
-  const ticks = Math.floor(owed_ms);
+  const now = performance.now(), ticks = Math.floor(now - (session.ran_until ??= now));
   if (ticks < 1) return;
-  owed_ms -= ticks;
-  const ran = engine.run(ticks);
-  check(ran >= 0);
-  if (ran > 0) us_per_tick = (1000 * (performance.now() - now)) / ran;
+  session.ran_until += ticks;
+  check(engine.run(ticks) >= 0);
   feed();
 }
 
 function look() {
-  const values = memory(Float64Array, engine.look()), first = members.length + 16;
-  const named = (names, from) => Object.fromEntries(names.map((name, k) => [name, values[from + k]]));
-  const state = {is: 'state', turning, us_per_tick, build_ms, decode_ms, ...named(members, 0)};
+  const values = memory(Float64Array, engine.look());
+  let at = 0;
+  const next = (count) => [...values.subarray(at, at += count)];
+  const named = (names) => Object.fromEntries(next(names.length).map((value, k) => [names[k], value]));
+  const state = {is: 'state', turning, build_ms, decode_ms, frame: engine.shown_number(), ...named(members)};
   for (const name of ['playing', 'at_end', 'loops', 'force_on', 'own_view']) state[name] = state[name] > 0;
-  const begins = Array.from({length: Math.min(state.fingers, 5)}, (_, k) => first + finger_size * k);
-  state.fingers = begins.filter((begin) => values[begin] > 0).map((begin) => {
-    const [at, goal, tip] = [1, 3, 5].map((k) => [values[begin + k], values[begin + k + 1]]);
-    const finger = named(finger_members, begin + 7);
-    return {...finger, at, goal, tip, touching: finger.touching > 0};
+  const pick = named(pick_members), [sound, samples] = next(2), matrix = next(16);
+  const fingers = Array.from({length: Math.min(state.fingers, 5)}, () => {
+    const [[shown], at, goal, tip] = [1, 2, 2, 2].map(next);
+    return {shown, at, goal, tip, ...named(finger_members)};
   });
-  const {picked, depth_m, stiffness, friction_static, friction_dynamic, height_mm} = state;
-  const pick = {valid: picked > 0, depth_m, stiffness, friction_static, friction_dynamic, height_mm};
-  state.pick = picked < 0 ? null : pick;
-  state.rumble = [state.rumble_low, state.rumble_high];
-  state.frame = engine.shown_number();
+  state.fingers = fingers.filter(({shown}) => shown > 0);
+  state.pick = pick.valid < 0 ? null : pick;
   // Until the first frame after a beginning is there, the picture of before stays.
-  const is_new = state.frame >= 0 || !seen.matrix;
-  state.matrix = is_new ? Float32Array.from(values.subarray(members.length, first)) : seen.matrix;
-  state.sound = state.sound_samples ? memory(Float32Array, state.sound, state.sound_samples).slice() : null;
+  state.matrix = state.frame >= 0 || !seen.matrix ? Float32Array.from(matrix) : seen.matrix;
+  state.sound = samples ? memory(Float32Array, sound, samples).slice() : null;
   return seen = state;
 }
 
@@ -247,15 +229,15 @@ const bitmap_of = (jpeg) => createImageBitmap(jpeg).catch(() => null);
 
 /** Sends the frame that is to be drawn, if it is another than before. */
 async function draw() {
-  const number = engine.shown_number(), count = clip.width * clip.height;
-  if (number < 0 || number === shown) return false;
-  shown = number;
-  const [depths, haptic, heights] = roles.map((_, role) => engine.drawn(role));
-  const message = {is: 'frame', number, haptic: null, heights: null, colour: null};
-  const has_haptic = clip.planes.haptic && sent.haptic === clip.own('haptic', number);
-  message.depths = memory(Float32Array, depths, count).slice();
-  if (haptic && !has_haptic) message.haptic = memory(Uint8Array, haptic, 3 * count).slice();
-  if (haptic) sent.haptic = clip.own('haptic', number);
+  const {sent, colours} = session, number = engine.shown_number(), count = clip.width * clip.height;
+  if (number < 0 || number === session.shown) return false;
+  session.shown = number;
+  const [depths, haptic, heights] = [0, 1, 2].map((role) => engine.drawn(role));
+  const message = {is: 'frame', number, depths: memory(Float32Array, depths, count).slice()};
+  if (haptic && sent.haptic !== clip.own('haptic', number)) {
+    sent.haptic = clip.own('haptic', number);
+    message.haptic = memory(Uint8Array, haptic, 3 * count).slice();
+  }
   if (heights) message.heights = memory(Uint16Array, heights, count).slice();
   const transfers = [message.depths, message.haptic, message.heights].flatMap((plane) => plane?.buffer ?? []);
   const picture = clip.planes.colour && colours.get(clip.live ? 'newest' : clip.own('colour', number));
@@ -285,7 +267,7 @@ async function verify({goals, fingers, ticks, commands: asked}) {
       if (frame < 0) refuse('The clip has no frame for a tick.');
       await give_frame(frame);
     } else if (await draw()) {
-      frames.push(shown);
+      frames.push(session.shown);
       say(look());
     }
   }
@@ -304,17 +286,13 @@ function reset() {
 function faulty(error) {
   // After a trap, or without memory, nothing that the engine has can be relied on.
   const trapped = error instanceof WebAssembly.RuntimeError || error instanceof RangeError;
-  if (trapped) engine = clip = undefined;
-  const text = trapped ? 'The engine stopped: memory may not suffice for this clip.' : String(error?.message ?? error);
+  if (trapped) engine = clip = session = undefined;
+  const text = trapped ? 'The engine stopped: memory may not suffice for this clip.' : error.message;
   say({is: 'fault', text, fatal: !clip || trapped});
 }
 
 const work = {
   open, picture: open_picture, verify, reset,
-  size(given) {
-    size = given;
-    engine?.size(size.width, size.height);
-  },
   event({kind, word, x, y, control, shift, touch, seconds, press}) {
     run_elapsed();
     engine.event(event_kinds.indexOf(kind), buttons[word] ?? 0, x, y, control, shift, touch, seconds, press, turning);
@@ -328,8 +306,9 @@ const work = {
     if (!worked) refuse(text);
     say({is: 'figures', figures: Object.fromEntries(text.split('\n').map((line) => line.split('\t')))});
   },
-  async due(due) {
-    if (due.pressed !== pressed) commands.press(pressed = due.pressed);
+  async due({width, height, pressed: presses}) {
+    engine.size(width, height);
+    if (presses !== pressed) commands.press(pressed = presses);
     run_elapsed();
     await draw();
     say(look());
@@ -340,6 +319,6 @@ let queue = Promise.resolve();
 onmessage = ({data}) => {
   // One thing after the other: what opens or verifies a clip is not disturbed.
   queue = queue.then(async () => {
-    if (clip || ['open', 'picture', 'size', 'lab'].includes(data.do)) await work[data.do]?.(data);
+    if (clip || ['open', 'picture', 'lab'].includes(data.do)) await work[data.do]?.(data);
   }).catch(faulty);
 };
