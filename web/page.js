@@ -2,8 +2,8 @@
 // gamepad, picture and sound. The messages between both are listed by `work` in worker.js and `answers` here.
 //
 // Once per animation frame the page sends 'due'; the worker runs the ticks that have elapsed and answers by one
-// 'state', which is drawn at once. Nothing runs while the page is hidden. All waiting goes through `clock`, which
-// tests move by window.touchable.advance(ms). `?clip=URL` names the clip, `?kiosk` makes an unattended exhibit.
+// 'state', which is drawn at once. Nothing runs while the page is hidden. `?clip=URL` names the clip, `?kiosk` makes an
+// unattended exhibit.
 
 import {SurfacePicture, paint_fingers, ramp_colours} from './draw.js';
 import {ContactSound, tremble} from './sound.js';
@@ -16,41 +16,20 @@ const one_file = globalThis.touchable_one_file;  // touch.html: {worker: URL, cl
 const canvas = $('picture'), stage = $('stage'), invitation = $('invitation'), sound = new ContactSound();
 const invited_again_ms = 20000, reset_ms = 60000;
 
-const clock = {
-    ahead: 0, waiting: [],
-    now() { return performance.now() + this.ahead; },
-    later(ms, call) {
-        this.waiting.push({at: this.now() + ms, call});
-        setTimeout(() => this.run(), ms);
-    },
-    run() {
-        const now = this.now(), due = this.waiting.filter(({at}) => at <= now);
-        this.waiting = this.waiting.filter(({at}) => at > now);
-        for (const {call} of due) call();
-    },
-    advance(ms) {
-        for (let left = ms; left > 0; left -= 250) {
-            this.ahead += Math.min(left, 250);
-            this.run();
-        }
-    }
-};
-
-// For tests. `verify` resolves to the worker's 'verified', whose frames are drawn as they are met.
+// For tests; `advance` lets so many ms pass for an exhibit without a visitor.
 const touchable = globalThis.touchable = {
     worker: null, clip: null, state: null, frames_drawn: 0, pictures_drawn: 0, errors: [],
-    advance: (ms) => clock.advance(ms),
-    verify: (goals, fingers, ticks, commands = []) => new Promise((resolve) => {
-        verified = resolve;
-        post({do: 'verify', goals, fingers, ticks, commands});
-    })
+    advance(ms) {
+        last_input -= ms;
+        watch_visitors();
+    }
 };
-let picture = null, verified = null;
+let picture = null;
 let unit = 1, width = 1, height = 1;  // canvas pixels of a CSS pixel; of the stage
 let unanswered = Infinity;  // 'due's: one may be under way while the answer to another is drawn
 let new_frame = false, drawn_view = '', drawn_fingers = '';
 let enter_held = false, pad_presses = false, seeking = false, used_keys = false, touched = false;
-let last_input = clock.now(), last_tick = 0;
+let last_input = performance.now(), last_tick = 0;
 const held = new Map();  // pointers that are down, with the buttons of each
 
 const post = (message, transfer = []) => touchable.worker.postMessage(message, transfer);
@@ -84,10 +63,9 @@ function say_finger() {
     const finger = touchable.state?.fingers[0], mm = finger?.depth_mm;
     const where = touchable.state?.pick?.valid === 0 ? 'nothing to touch'
         : `${Math.abs(mm).toFixed(1)} millimetres ${mm < 0 ? 'above the surface' : 'deep'}`;
-    const text = finger ? `${where}, ${finger.newtons.toFixed(1)} newtons`
-                        : 'No finger is on the picture.';
+    const text = finger ? `${where}, ${finger.newtons.toFixed(1)} newtons` : 'No finger is on the picture.';
     put($('said'), '');
-    clock.later(60, () => put($('said'), text));  // or the same words would not be read again
+    setTimeout(() => put($('said'), text), 60);  // or the same words would not be read again
 }
 
 // ---- Messages of the worker
@@ -122,7 +100,6 @@ const answers = {
     frame(frame) {
         picture.show(frame);
         new_frame = true;
-        if (verified && touchable.state) draw(touchable.state);
     },
     state(state) {
         unanswered = Math.max(unanswered - 1, 0);
@@ -134,11 +111,6 @@ const answers = {
         sound.play(state.sound);
         tremble(gamepad(), state.rumble_low, state.rumble_high, touches && !touched);
         touched = touches;
-    },
-    verified(result) {
-        verified?.(result);
-        verified = null;
-        unanswered = 0;
     },
     fault: ({text, fatal}) => show_fault(String(text), fatal)
 };
@@ -152,7 +124,7 @@ function draw({matrix, own_view, fingers}) {
         touchable.frames_drawn += drew && new_frame;
         new_frame = false;
         drawn_view = view;
-        if (picture.drawn_ms) pace.note(picture.drawn_ms);
+        if (picture.drawn_ms) keep_pace(picture.drawn_ms);
     }
     const marks = JSON.stringify(fingers), size = Math.min(width, 1.4 * height);
     if (marks !== drawn_fingers) paint_fingers($('fingers'), unit, size, by_touch ? 15 : 9, fingers);
@@ -213,19 +185,17 @@ function show_legend({unit: metres}) {
 // ---- Sizes: a picture takes at most 20 ms to draw, at a lower resolution if need be
 
 const levels = [[1, 1], [0.75, 1], [0.75, 2], [0.5, 2], [0.5, 3], [0.35, 4]];  // pixels a side, stride of vertices
-const pace = {
-    level: 0, slow: 0,
-    note(ms) {
-        this.slow = Math.min(Math.max(this.slow + (ms > 80 ? 4 : ms > 50 ? 2 : ms > 20 ? 1 : ms < 5 ? -0.1 : 0), -2), 4);
-        const level = Math.min(Math.max(this.level + Math.trunc(this.slow / 2), 0), levels.length - 1);
-        if (level === this.level) return;
-        this.level = level;
-        this.slow = 0;
-        resize();
-    }
-};
+let level = 0, slow = 0;
+function keep_pace(ms) {
+    slow += ms > 80 ? 4 : ms > 50 ? 2 : ms > 20 ? 1 : ms < 5 ? -0.1 : 0;
+    slow = Math.min(Math.max(slow, -2), 4);
+    const next = Math.min(Math.max(level + Math.trunc(slow / 2), 0), levels.length - 1);
+    if (next === level) return;
+    [level, slow] = [next, 0];
+    resize();
+}
 function resize() {
-    const {clientWidth, clientHeight} = stage, [share, stride] = levels[pace.level];
+    const {clientWidth, clientHeight} = stage, [share, stride] = levels[level];
     unit = Math.min(devicePixelRatio || 1, 3);
     [width, height] = [clientWidth, clientHeight].map((length) => Math.round(length * unit));
     const drawn = share * Math.min(1, Math.sqrt(3e6 / Math.max(1, width * height)));
@@ -343,15 +313,14 @@ function invite(shown) {
     invitation.classList.toggle('away', !shown);
 }
 function note_input(pressed = false) {
-    last_input = clock.now();
+    last_input = performance.now();
     if (!pressed) return;
     invite(false);
     sound.start();
 }
 function watch_visitors() {
-    clock.later(1000, watch_visitors);
     if (held.size || !touchable.clip) return;
-    const idle_ms = clock.now() - last_input;
+    const idle_ms = performance.now() - last_input;
     if (idle_ms >= invited_again_ms) invite(true);
     if (idle_ms < reset_ms) return;
     last_input = Infinity;  // once, until the next visitor
@@ -389,28 +358,27 @@ const by_hand = {
 };
 const topics = {begin: 'View', touch: 'Touch', view: 'View', play: 'Play', data: 'Data', window: 'Page'};
 function show_help() {
-    const sections = new Map(Object.entries(by_hand).map(
-        ([title, rows]) => [title, new Map(rows.map(([key, words]) => [words, key]))]));
+    const sections = structuredClone(by_hand);
     let held_before = '';
     for (const {topic, what, key, control, shift} of keys.filter(({command}) => is_handled(command))) {
-        const hold = `${control ? 'Ctrl ' : ''}${shift ? 'Shift ' : ''}`, title = topics[topic] ?? topic;
+        const hold = `${control ? 'Ctrl ' : ''}${shift ? 'Shift ' : ''}`;
         const name = {left: '←', right: '→', up: '↑', down: '↓'}[key] ?? key[0].toUpperCase() + key.slice(1);
-        if (!sections.has(title)) sections.set(title, new Map());
-        const before = sections.get(title).get(what);
-        sections.get(title).set(what, before ? `${before} ${hold === held_before ? '' : hold}${name}` : hold + name);
+        const rows = sections[topics[topic]] ??= [], row = rows.find(([, words]) => words === what);
+        if (row) row[0] += ` ${hold === held_before ? '' : hold}${name}`;
+        else rows.push([hold + name, what]);
         held_before = hold;
     }
     const {clip} = touchable, size_words = `${clip?.width} x ${clip?.height} pixels, ${clip?.frames || 'live'} frames`;
     const facts = clip ? [`${clip.name}: ${size_words}`, ...clip.remarks] : [];
-    const shown = [...sections].map(([title, rows]) => [title, [...rows].map(([words, key]) => [key, words])]);
-    shown.push(['This clip', facts.map((words) => [words, ''])]);
+    sections['This clip'] = facts.map((words) => [words, '']);
     const made = (tag, ...inside) => {
         const element = document.createElement(tag);
         element.append(...inside);  // strings as text
         return element;
     };
-    $('about-text').replaceChildren(...shown.map(([title, rows]) => made('section', made('h3', title),
-        made('dl', ...rows.flatMap(([key, words]) => [made('dt', key), made('dd', words)])))));
+    const section_of = ([title, rows]) => made('section', made('h3', title),
+        made('dl', ...rows.flatMap(([key, words]) => [made('dt', key), made('dd', words)])));
+    $('about-text').replaceChildren(...Object.entries(sections).map(section_of));
     $('about').showModal();
 }
 
@@ -420,7 +388,7 @@ function tick(now) {
     requestAnimationFrame(tick);
     const ms = now - last_tick;
     last_tick = now;
-    if (!touchable.clip || unanswered > 1 || verified) return;
+    if (!touchable.clip || unanswered > 1) return;
     read_gamepad(Math.min(ms, 100) / 1000);
     post({do: 'due', width, height, pressed: enter_held || pad_presses});
     ++unanswered;
@@ -454,9 +422,9 @@ function connect_controls() {
         else sound.resume();
     });
     new ResizeObserver(resize).observe(stage);
-    const names = {play: 'play-pause', loop: 'loop', turning: 'turning', home: 'home', mute: 'mute', help: 'help',
-                   fullscreen: 'fullscreen'};
-    for (const [id, name] of Object.entries(names)) on($(id), 'click', () => do_command(name));
+    on($('play'), 'click', () => do_command('play-pause'));
+    for (const name of ['loop', 'turning', 'home', 'mute', 'help', 'fullscreen'])
+        on($(name), 'click', () => do_command(name));
     on($('speed'), 'click', () => {
         const {speed} = touchable.state;
         command('faster', ({1: 0.5, 0.5: 0.25, 0.25: 2}[speed] ?? 1) / speed);
@@ -511,7 +479,7 @@ function start() {
     const {json, files = null} = one_file?.clip ?? {};
     const url = new URL(query.get('clip') || 'clip.json', location.href).href;
     post({do: 'open', url, json, files, wasm: one_file?.wasm, calm});
-    if (kiosk) watch_visitors();
+    if (kiosk) setInterval(watch_visitors, 1000);
     requestAnimationFrame(tick);
 }
 start();

@@ -3,7 +3,6 @@
 
 Prints times of ticks against the program's, frames built a second by size, pictures a second at a CPU slowed by 4, the
 time from a link to the first force with cold caches, on loopback and by 10 Mbit/s and 50 ms, and bytes loaded."""
-import base64
 import json
 import pathlib
 import re
@@ -46,13 +45,10 @@ def press(browser):
 
 def verified(browser, recording):
     """Hash, and microseconds a tick: mean, and the least that 99 % do not exceed."""
-    return browser.run(f"""
-        const text = atob('{base64.b64encode(recording.goals).decode()}');
-        const goals = new Float64Array(Uint8Array.from(text, letter => letter.charCodeAt(0)).buffer);
-        const result = await touchable.verify(goals, {recording.fingers}, {recording.ticks}, []);
+    return recording.run_in(browser, """
         const us = result.us.sort();
-        return {{hash: result.hash, mean: us.reduce((a, b) => a + b) / us.length,
-                 p99: us[Math.ceil(0.99 * us.length) - 1]}}""")
+        return {hash: result.hash, mean: us.reduce((a, b) => a + b) / us.length,
+                p99: us[Math.ceil(0.99 * us.length) - 1]}""")
 
 
 def main(touchable, page):

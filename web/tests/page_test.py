@@ -57,6 +57,21 @@ class Recording:
         self.commands = [struct.unpack_from("<qIqq", data, facts_at - 8 - 28 * (count - k)) for k in range(count)]
         self.hash = json.loads(data[facts_at:facts_at + facts_size])["force_hash"]
 
+    def run_in(self, browser, script):
+        """Runs goals and commands in the worker of an open page, in virtual time, and then the script, to which
+        `result` is what the worker answered. Frames are drawn as they are met."""
+        return browser.run(f"""
+            const bytes = Uint8Array.from(atob('{base64.b64encode(self.goals).decode()}'),
+                                          letter => letter.charCodeAt(0));
+            const result = await new Promise((resolve, refuse) => {{
+                touchable.worker.addEventListener('message', ({{data}}) => {{
+                    if (data.is === 'verified') resolve(data);
+                    if (data.is === 'fault') refuse(new Error(data.text));
+                }});
+                touchable.worker.postMessage({{do: 'verify', goals: new Float64Array(bytes.buffer),
+                    fingers: {self.fingers}, ticks: {self.ticks}, commands: {json.dumps(self.commands)}}});
+            }});""" + script)
+
 
 class Clips:
     """A folder for a server: globe/ has the page and a clip, rough/ and recording/ too."""
@@ -200,16 +215,10 @@ class Page(unittest.TestCase):
                 native = CLIPS.touch(name)
                 self.assertGreaterEqual(len(native.frames), 20)
                 self.open(f"globe/index.html?clip=../{name}/clip.json")
-                commands = [[int(part) for part in command] for command in native.commands]
-                result = self.browser.run(f"""
-                    const bytes = Uint8Array.from(atob('{base64.b64encode(native.goals).decode()}'),
-                                                  letter => letter.charCodeAt(0));
-                    const fault = new Promise((_, refuse) => touchable.worker.addEventListener('message', ({{data}}) =>
-                        data.is === 'fault' && refuse(new Error(data.text))));
-                    const drawn = touchable.frames_drawn;
-                    const {{hash, ticks, frames}} = await Promise.race([fault, touchable.verify(
-                        new Float64Array(bytes.buffer), {native.fingers}, {native.ticks}, {json.dumps(commands)})]);
-                    return {{hash, ticks, frames, drawn: touchable.frames_drawn - drawn}}""")
+                drawn = self.browser.run("return touchable.frames_drawn")
+                result = native.run_in(self.browser, f"""
+                    const {{hash, ticks, frames}} = result;
+                    return {{hash, ticks, frames, drawn: touchable.frames_drawn - {drawn}}}""")
                 self.assertEqual(result["hash"], native.hash)
                 self.assertEqual(result["ticks"], native.ticks)
                 # Of two frames that a tick lies between, one is drawn.
