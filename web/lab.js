@@ -1,8 +1,6 @@
 // The lab hour: three experiments, each a form, a plot, a table and a CSV file. All numbers come from lab.cpp in a
 // worker; this module chooses the settings, and compares with the program's own figures.
 
-import {plot, save, show} from './lab_plot.js';
-
 // The program's own figures, shown beside the page's: `touchable-bench paper --json paper.json` gives them (with
 // --quick those of 10 s). Fig. 19 by the end of the cases' names: hashes by pixel, then by world, without a filter,
 // -m3, -m5, -m5-t, and with -temporal (not of -still, a single frame). Table I by content, metric and seconds:
@@ -43,10 +41,10 @@ const experiments = {
         const ours = metric === 'world', settings = !ours ? [0, 3, 0, 1] : is_chest ? [1, 5, 1, 0] : [1, 0, 1, 0];
         for (const [path, hand] of hands.entries()) {
           const got = await ask('lab_sweep', ...settings, path, speed, seconds);
-          const known = speed === 1 ? sweeps[`${content} ${metric} ${seconds}`]?.split(' ') : null;
-          const native = known ? known.slice(3 * path, 3 * path + 3) : ['', '', null], mean = +got.primitives_mean;
+          const known = speed === 1 ? sweeps[`${content} ${metric} ${seconds}`] : null, mean = +got.primitives_mean;
+          const [known_largest = '', known_mean = '', hash] = known?.slice(3 * path) ?? [];
           add(content, ours ? 'ours' : "the paper's", hand, +got.primitives_second_max, mean,
-            known ? +native[0] : '', known ? +native[1] : '', ...verdict(got.force_hash, native[2]));
+            known_largest, known_mean, ...verdict(got.force_hash, hash));
           const x = ticks.length;
           lines.push({points: [[x, 0], [x, mean]], width: 22, colour: filters[ours ? 3 : 1].colour,
             words: {0: "the paper's method", 3: 'ours'}[x]});
@@ -103,8 +101,8 @@ const experiments = {
       const errors = kept.find((row) => row[0] === words && row[1] === noise).slice(2);
       const got = averages ? null : await ask('lab_scratch', 1, ...of, 0, 1);
       const native = seed === 0 ? scratches[`n${noise}-still`]?.[4 + k] : null;
-      const felt = got && [+got.force_band_mn, +got.held_back_mm, ...verdict(got.force_hash, native)];
-      add(words, ...errors, ...(felt ?? ['', '', '', '']));
+      const felt = got ? [+got.force_band_mn, +got.held_back_mm, ...verdict(got.force_hash, native)] : ['', '', '', ''];
+      add(words, ...errors, ...felt);
     }
     lines.push({points: [[noise, 0.1], [noise, 100]], colour: white, width: 1, dashes: [3, 5]});
     return [[{title: 'Error of the normals, RMS', lines,
@@ -113,13 +111,72 @@ const experiments = {
   },
 };
 
+/** Draws panels side by side: {title, x, y, lines}. An axis is {name, from, to, log, ticks, words}, a line {points,
+ *  colour, words, width, dashes}. What colours mean is written below, by the first panel's lines. */
+function plot(canvas, panels) {
+  canvas.hidden = false;
+  const scale = devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight;
+  const top = 46, bottom = height - (width < 640 ? 100 : 66);
+  Object.assign(canvas, {width: width * scale, height: height * scale});
+  const c = canvas.getContext('2d');
+  c.scale(scale, scale);
+  c.font = '13px system-ui, sans-serif';
+  const write = (words, x, y, textAlign, fillStyle = '#a9b0bc') =>
+    Object.assign(c, {textAlign, fillStyle}).fillText(words, x, y);
+  const share = ({log, from, to}, v) => (log ? Math.log(v / from) / Math.log(to / from) : (v - from) / (to - from));
+  for (const [n, {title, x, y, lines}] of panels.entries()) {
+    const left = n * width / panels.length + 56, right = (n + 1) * width / panels.length - 14;
+    const at = ([a, b]) =>
+      [left + share(x, a) * (right - left), bottom - share(y, Math.max(b, y.from)) * (bottom - top)];
+    const draw = ({points, colour, width: lineWidth = 1.8, dashes = []}) => {
+      Object.assign(c, {strokeStyle: colour, lineWidth}).setLineDash(dashes);
+      c.beginPath();
+      for (const point of points) c.lineTo(...at(point));
+      c.stroke();
+    };
+    x.ticks.forEach((v, k) => write(x.words?.[k] ?? v, at([v, 0])[0], bottom + 18, 'center'));
+    for (const v of y.ticks) {
+      draw({points: [[x.from, v], [x.to, v]], colour: '#2c3038', width: 1});
+      write(y.log && v < 0.01 ? v.toExponential(0) : v, left - 8, at([x.from, v])[1] + 4, 'right');
+    }
+    write(title, left, 16, 'left', '#eef0f4');
+    write(x.name, right, bottom + 36, 'right');
+    write(y.name, left - 50, 34, 'left');
+    lines.forEach(draw);
+  }
+  let begin = 6, row = bottom + 58;
+  for (const {words, colour} of panels[0].lines.filter((line) => line.words)) {
+    const wide = c.measureText(words).width;
+    if (begin + wide > width) [begin, row] = [6, row + 18];
+    write(words, begin, row, 'left', colour);
+    begin += wide + 22;
+  }
+}
+
+/** Adds a row to a table, whose first is its heading; numbers have four digits, as the program prints them. */
+function show(table, cells) {
+  const row = table.insertRow(), kind = table.rows.length > 1 ? 'td' : 'th';
+  for (const value of cells) {
+    const cell = row.appendChild(document.createElement(kind));
+    cell.textContent = typeof value === 'number' ? Number(value.toPrecision(4)) : value;
+    if (typeof value === 'string') cell.className = {equal: 'equal', not: 'other'}[value.split(' ')[0]] ?? 'word';
+  }
+}
+
+function save(name, rows) {
+  const text = rows.map((row) => row.map((value) => `"${value}"`).join(',')).join('\n');
+  const href = URL.createObjectURL(new Blob([text, '\n'], {type: 'text/csv'}));
+  Object.assign(document.createElement('a'), {href, download: name}).click();
+  setTimeout(() => URL.revokeObjectURL(href), 10_000);
+}
+
 const status = document.getElementById('status'), buttons = [];
 for (const [id, run] of Object.entries(experiments)) {
   const section = document.getElementById(id), form = section.querySelector('form');
-  const made = (place, name, more) => place.appendChild(Object.assign(document.createElement(name), more));
-  const start = made(form, 'button', {type: 'button', className: 'main', textContent: 'Run'});
-  const csv = made(form, 'button', {type: 'button', textContent: 'CSV', disabled: true});
-  const canvas = made(section, 'canvas', {hidden: true}), table = made(made(section, 'div'), 'table');
+  form.insertAdjacentHTML('beforeend',
+    '<button type="button" class="main">Run</button><button type="button" disabled>CSV</button>');
+  section.insertAdjacentHTML('beforeend', '<canvas hidden></canvas><div><table></table></div>');
+  const [start, csv] = form.querySelectorAll('button'), [canvas, table] = section.querySelectorAll('canvas, table');
   form.oninput = () => {
     for (const output of form.querySelectorAll('output')) output.value = output.previousElementSibling.value;
   };
@@ -131,7 +188,11 @@ for (const [id, run] of Object.entries(experiments)) {
     for (const button of [...buttons, csv]) button.disabled = true;
     status.textContent = 'Running. A row appears as soon as it is there.';
     try {
-      const [panels, kept] = await run(settings, (...row) => show(table, (rows.push(row), rows)));
+      table.replaceChildren();
+      const [panels, kept] = await run(settings, (...row) => {
+        rows.push(row);
+        show(table, row);
+      });
       plot(canvas, panels);
       csv.onclick = () => save(`${id}.csv`, [...Object.entries(settings), [], ...rows, [], ...kept]);
       csv.disabled = false;

@@ -52,7 +52,7 @@ function header_of(body) {
     const view = new DataView(body.buffer, body.byteOffset), width = view.getUint32(0), height = view.getUint32(4);
     const [bits, kind, method, filter, interlace] = body.subarray(8);
     if (kind !== 0 || (bits !== 8 && bits !== 16))
-        refuse(`This PNG is ${kinds[kind] ?? 'of an unknown kind'}, with ${bits} bits. A depth picture is grey, ` +
+        refuse(`This PNG has ${bits} bits and is ${kinds[kind] ?? 'of an unknown kind'}. A depth picture is grey, ` +
                'with 16 (or 8) bits and without transparency.');
     if (method || filter || interlace)
         refuse('This PNG is interlaced, or uses a method that this page does not know. Save it without interlacing.');
