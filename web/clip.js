@@ -45,13 +45,12 @@ export class ByteReader {
   }
 
   /** Fills `bytes` from `at` on, and answers where it ended: before their end if the stream ends there. */
-  async fill(bytes, at = 0, told = null) {
+  async fill(bytes, at = 0) {
     while (at < bytes.length && await this.has_more()) {
       const part = this.rest.subarray(0, bytes.length - at);
       bytes.set(part, at);
       at += part.length;
       this.rest = this.rest.subarray(part.length);
-      told?.(at);
     }
     return at;
   }
@@ -86,8 +85,8 @@ export async function inflate_into(whole, at, pieces, format) {
 
 export class PackedClip {
   /** `place`: the URL of clip.json, or with `files` its text; `files`: the planes' files as Blobs, by name. */
-  static async open(place, files, told) {
-    const clip = Object.assign(new PackedClip(), {files, told, base: place});
+  static async open(place, files) {
+    const clip = Object.assign(new PackedClip(), {files, base: place});
     const text = files ? place : await answer_of(place, 'clip.json', (answer) => answer.text());
     try {
       clip.json = JSON.parse(text);
@@ -150,10 +149,8 @@ export class PackedClip {
       run = await this.fetched(plane, at, size);
       require(run.is_whole && holds(run), `${plane.file} is shorter than it says`);
       plane.kept.push(run);
-      for (let bytes = 0, k = plane.kept.length - 1; k >= 0; --k) {
-        bytes += plane.kept[k].bytes.length;
-        if (bytes > most_kept && k < plane.kept.length - 1) plane.kept.splice(k, 1);
-      }
+      const kept = () => plane.kept.reduce((sum, {bytes}) => sum + bytes.length, 0);
+      while (plane.kept.length > 1 && kept() > most_kept) plane.kept.shift();
     }
     return run.bytes.subarray(at - run.at, at - run.at + size);
   }
@@ -171,7 +168,7 @@ export class PackedClip {
       const [from, size] = answer.status === 206 ? [at, end - at] : [0, length];
       require(size <= most_whole, `${plane.file} is too large for a server that knows no ranges`);
       const bytes = new Uint8Array(size), reader = new ByteReader(answer.body);
-      const got = await reader.fill(bytes, 0, (now) => this.told?.(now, size, plane.file));
+      const got = await reader.fill(bytes);
       reader.cancel();
       return {at: from, bytes, is_whole: got === size};
     }, {headers: {Range: `bytes=${at}-${end - 1}`}});

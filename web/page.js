@@ -28,7 +28,7 @@ let picture = null;
 let unit = 1, width = 1, height = 1;  // canvas pixels of a CSS pixel; of the stage
 let unanswered = Infinity;  // 'due's: one may be under way while the answer to another is drawn
 let new_frame = false, drawn_view = '', drawn_fingers = '';
-let enter_held = false, pad_presses = false, seeking = false, used_keys = false, touched = false;
+let enter_held = false, pad_presses = false, seeking = false, touched = false;
 let last_input = performance.now(), last_tick = 0;
 const held = new Map();  // pointers that are down, with the buttons of each
 
@@ -40,13 +40,10 @@ function put(element, text) {
 
 // ---- Sentences: in place of the picture, as a notice above it, for a screen reader
 
-function show_message(text, stops = false, share = NaN) {
-    const [words, progress] = $('message').children;
+function show_message(text, stops = false) {
     $('message').hidden = !text;
     $('message').className = stops ? 'stop' : '';
-    put(words, text);
-    progress.hidden = !(share >= 0);
-    if (share >= 0) progress.value = share;
+    put($('message').firstElementChild, text);
     if (stops) invitation.hidden = true;
 }
 function show_fault(text, fatal = false) {
@@ -93,9 +90,6 @@ const answers = {
         $('bar').classList.remove('empty');
         $('force').hidden = false;
         unanswered = 0;
-    },
-    progress({loaded, total, what}) {
-        if (!touchable.clip) show_message(`Loading ${what || 'the clip'} …`, false, total > 0 ? loaded / total : NaN);
     },
     frame(frame) {
         picture.show(frame);
@@ -210,7 +204,7 @@ function resize() {
 function send(kind, event, more = {}) {
     const {clientX = 0, clientY = 0, ctrlKey: control = false, shiftKey: shift = false, pointerId: touch = 0} = event;
     const press = event.pointerType === 'pen' ? event.pressure : 0;
-    post({do: 'event', kind, x: clientX * unit, y: clientY * unit, word: '', control, shift, touch, press,
+    post({do: 'event', kind, x: clientX * unit, y: clientY * unit, button: 0, control, shift, touch, press,
           seconds: event.timeStamp / 1000, ...more});
 }
 function leave(event) {
@@ -231,10 +225,10 @@ function on_pointer(event) {
     }
     invitation.classList.add('over');
     for (const part of parts) send('moved', part);
-    // A second button comes as a movement, so the buttons are compared.
+    // A second button comes as a movement, so the buttons are compared: bits of the event, numbers of the engine.
     const before = held.get(id) ?? 0, now = type === 'pointercancel' ? 0 : event.buttons;
-    for (const [bit, word] of [[1, 'left'], [2, 'right'], [4, 'middle']])
-        if ((before ^ now) & bit) send(now & bit ? 'pressed' : 'released', event, {word});
+    for (const [bit, button] of [[1, 1], [2, 2], [4, 3]])
+        if ((before ^ now) & bit) send(now & bit ? 'pressed' : 'released', event, {button});
     if (now) held.set(id, now);
     else held.delete(id);
 }
@@ -277,7 +271,6 @@ function binding_of(event) {
 }
 function on_key(event) {
     const {target, key} = event, over_picture = target === canvas || target === document.body;
-    used_keys = true;
     if (event.altKey || event.metaKey || !touchable.clip || document.querySelector('dialog[open]')) return;
     if (target.matches('select') || (!over_picture && /^(Enter| )$/.test(key))) return;
     if (target === $('seek') && /^(Arrow|Home|End|Page)/.test(key)) return;
@@ -414,7 +407,6 @@ function connect_controls() {
     on(canvas, 'dblclick', () => kiosk || by_touch || do_command('fullscreen'));
     on(window, 'keydown', on_key);
     on(window, 'keyup', (event) => { if (event.key === 'Enter') enter_held = false; });
-    on(window, 'pointerdown', () => { used_keys = false; }, true);
     on(window, 'blur', leave);
     on(document, 'visibilitychange', (event) => {
         leave(event);
@@ -434,9 +426,9 @@ function connect_controls() {
         if (seeking) command('seek', $('seek').valueAsNumber);
     });
     on($('overlay'), 'change', () => show_overlay($('overlay').value));
-    on($('bar'), 'click', (event) => {  // keys belong to the picture again, unless keys clicked
+    on($('bar'), 'click', ({target}) => {  // keys belong to the picture again, unless keys clicked
         note_input(true);
-        if (!used_keys && event.target.closest('button')) canvas.focus({preventScroll: true});
+        if (target.closest('button:not(:focus-visible)')) canvas.focus({preventScroll: true});
     });
     on($('notice'), 'click', () => { $('notice').hidden = true; });
     on($('open'), 'click', () => $('file').click());

@@ -7,7 +7,6 @@ import {unpack_png} from './png.js';
 
 const event_kinds = ['moved', 'pressed', 'released', 'wheel', 'key', 'key_released', 'resized', 'dropped',
   'left_window', 'touch_began', 'touch_moved', 'touch_ended'];
-const buttons = {left: 1, right: 2, middle: 3};
 // Members of Shown in engine.cpp, in this order, and of ShownFinger those behind its places.
 const members = ['tick', 'time', 'playing', 'at_end', 'loops', 'speed', 'force_on', 'own_view', 'newtons', 'rumble_low',
   'rumble_high', 'late_frames', 'fingers'];
@@ -84,10 +83,8 @@ const check = (worked) => worked || refuse(text_at(engine.fault()));
 
 async function open({url, files, json, wasm, calm}) {
   stands_still = calm;
-  const told = (loaded, total, what) => say({is: 'progress', loaded, total, what});
   let packed;
-  [engine, packed] =
-    await Promise.all([engine ?? load_engine(wasm), PackedClip.open(files ? json : url, files, told)]);
+  [engine, packed] = await Promise.all([engine ?? load_engine(wasm), PackedClip.open(files ? json : url, files)]);
   const {times, frames, live, json: {name, remarks, numbers}} = packed;
   if (text_at(engine.scene_names()) !== Object.keys(numbers).join('\n'))
     refuse("The clip is of another version than this page. touchable convert --web of the page's version writes one.");
@@ -293,9 +290,9 @@ function faulty(error) {
 
 const work = {
   open, picture: open_picture, verify, reset,
-  event({kind, word, x, y, control, shift, touch, seconds, press}) {
+  event({kind, button, x, y, control, shift, touch, seconds, press}) {
     run_elapsed();
-    engine.event(event_kinds.indexOf(kind), buttons[word] ?? 0, x, y, control, shift, touch, seconds, press, turning);
+    engine.event(event_kinds.indexOf(kind), button, x, y, control, shift, touch, seconds, press, turning);
   },
   command: ({name, number}) => commands[name]?.(number),
   /** Of the lab hour (lab.html): calls a function of lab.cpp, and answers by its figures, texts by name. */
