@@ -4,7 +4,7 @@
 // (player/window/finger_halos.cpp).
 //
 //     const picture = new SurfacePicture(canvas);     // throws a sentence for people
-//     picture.show(frame);                            // a 'frame' of the worker
+//     picture.show(planes);                           // of a 'state' of the worker
 //     picture.draw(state.matrix, state.own_view, 'depth');
 //
 // All rows of cells are one triangle strip without vertex data: the shader fetches depths by gl_VertexID. Triangles

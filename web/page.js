@@ -27,7 +27,7 @@ const touchable = globalThis.touchable = {
 let picture = null;
 let unit = 1, width = 1, height = 1;  // canvas pixels of a CSS pixel; of the stage
 let unanswered = Infinity;  // 'due's: one may be under way while the answer to another is drawn
-let new_frame = false, drawn_view = '', drawn_fingers = '';
+let drawn_view = '', drawn_fingers = '';
 let enter_held = false, pad_presses = false, seeking = false, touched = false;
 let last_input = performance.now(), last_tick = 0;
 const held = new Map();  // pointers that are down, with the buttons of each
@@ -91,16 +91,12 @@ const answers = {
         $('force').hidden = false;
         unanswered = 0;
     },
-    frame(frame) {
-        picture.show(frame);
-        new_frame = true;
-    },
-    state(state) {
+    state({planes, ...state}) {
         unanswered = Math.max(unanswered - 1, 0);
         touchable.state = state;
-        if (!touchable.clip) return;
+        if (planes) picture.show(planes);
+        draw(state, !!planes);
         const touches = state.fingers.some((finger) => finger.touching);
-        draw(state);
         show_state(state);
         sound.play(state.sound);
         tremble(gamepad(), state.rumble_low, state.rumble_high, touches && !touched);
@@ -109,14 +105,13 @@ const answers = {
     fault: ({text, fatal}) => show_fault(String(text), fatal)
 };
 
-function draw({matrix, own_view, fingers}) {
+function draw({matrix, own_view, fingers}, is_new = false) {
     const overlay = $('overlay').value;
     const view = [overlay, own_view, canvas.width, canvas.height, picture.stride, matrix].join();
-    if (new_frame || view !== drawn_view) {
+    if (is_new || view !== drawn_view) {
         const drew = picture.draw(matrix, own_view, overlay);
         touchable.pictures_drawn += drew;
-        touchable.frames_drawn += drew && new_frame;
-        new_frame = false;
+        touchable.frames_drawn += drew && is_new;
         drawn_view = view;
         if (picture.drawn_ms) keep_pace(picture.drawn_ms);
     }
@@ -196,7 +191,7 @@ function resize() {
     Object.assign(canvas, {width: Math.ceil(width * drawn), height: Math.ceil(height * drawn)});
     picture.stride = stride;
     drawn_view = drawn_fingers = '';
-    if (touchable.clip && touchable.state) draw(touchable.state);  // a canvas with another size is black
+    if (touchable.state) draw(touchable.state);  // a canvas with another size is black
 }
 
 // ---- Pointers: mouse, pen and touches become the window's events. The stage begins in the page's corner.

@@ -34,8 +34,6 @@ const new_session = () => ({
   colours: new Map(), // by frame, of those that may still be shown: JPEG, and what it is decoded to, ahead
 });
 
-const say = (message, transfers = []) => postMessage(message, transfers);
-
 // ---- The engine
 
 /** The few calls that its C++ library makes: the time, and writing to nowhere. */
@@ -111,7 +109,7 @@ function met(packed, about) {
   clip = packed;
   begun();
   start();
-  say({is: 'clip', width: clip.width, height: clip.height, planes: Object.keys(clip.planes), ...about});
+  postMessage({is: 'clip', width: clip.width, height: clip.height, planes: Object.keys(clip.planes), ...about});
 }
 
 /** A clip plays and loops from the start, unless the person asked for less motion; a live one is followed. */
@@ -224,28 +222,31 @@ function look() {
 
 const bitmap_of = (jpeg) => createImageBitmap(jpeg).catch(() => null);
 
-/** Sends the frame that is to be drawn, if it is another than before. */
-async function draw() {
+/** The planes of the frame that is to be drawn, if it is another than before; of these those that have changed. */
+async function new_planes() {
   const {sent, colours} = session, number = engine.shown_number(), count = clip.width * clip.height;
-  if (number < 0 || number === session.shown) return false;
+  if (number < 0 || number === session.shown) return null;
   session.shown = number;
   const [depths, haptic, heights] = [0, 1, 2].map((role) => engine.drawn(role));
-  const message = {is: 'frame', number, depths: memory(Float32Array, depths, count).slice()};
+  const planes = {depths: memory(Float32Array, depths, count).slice()};
   if (haptic && sent.haptic !== clip.own('haptic', number)) {
     sent.haptic = clip.own('haptic', number);
-    message.haptic = memory(Uint8Array, haptic, 3 * count).slice();
+    planes.haptic = memory(Uint8Array, haptic, 3 * count).slice();
   }
-  if (heights) message.heights = memory(Uint16Array, heights, count).slice();
-  const transfers = [message.depths, message.haptic, message.heights].flatMap((plane) => plane?.buffer ?? []);
+  if (heights) planes.heights = memory(Uint16Array, heights, count).slice();
   const picture = clip.planes.colour && colours.get(clip.live ? 'newest' : clip.own('colour', number));
   if (picture && sent.colour !== picture) {
     sent.colour = picture;
-    message.colour = await (picture.bitmap ?? bitmap_of(picture.jpeg));
+    const bitmap = await (picture.bitmap ?? bitmap_of(picture.jpeg));
     picture.bitmap = null; // it goes to the page
-    if (message.colour) transfers.push(message.colour);
+    if (bitmap) planes.colour = bitmap;
   }
-  say(message, transfers);
-  return true;
+  return planes;
+}
+
+function tell(planes) {
+  const transfers = Object.values(planes ?? {}).map((plane) => plane.buffer ?? plane);
+  postMessage({...look(), planes}, transfers);
 }
 
 /** Runs a script in virtual time, from the clip's beginning, and draws the frames that it meets. */
@@ -263,14 +264,16 @@ async function verify({goals, fingers, ticks, commands: asked}) {
       const frame = engine.wanted();
       if (frame < 0) refuse('The clip has no frame for a tick.');
       await give_frame(frame);
-    } else if (await draw()) {
-      frames.push(session.shown);
-      say(look());
+      continue;
     }
+    const planes = await new_planes();
+    if (!planes) continue;
+    frames.push(session.shown);
+    tell(planes);
   }
   const hash = text_at(engine.hash());
   reset();
-  say({is: 'verified', hash, ticks, frames, us});
+  postMessage({is: 'verified', hash, ticks, frames, us});
 }
 
 function reset() {
@@ -285,7 +288,7 @@ function faulty(error) {
   const trapped = error instanceof WebAssembly.RuntimeError || error instanceof RangeError;
   if (trapped) engine = clip = session = undefined;
   const text = trapped ? 'The engine stopped: memory may not suffice for this clip.' : error.message;
-  say({is: 'fault', text, fatal: !clip || trapped});
+  postMessage({is: 'fault', text, fatal: !clip || trapped});
 }
 
 const work = {
@@ -301,14 +304,13 @@ const work = {
     if (!name) return; // it shall only be loaded
     const worked = engine[name](...numbers), text = text_at(engine.lab_text());
     if (!worked) refuse(text);
-    say({is: 'figures', figures: Object.fromEntries(text.split('\n').map((line) => line.split('\t')))});
+    postMessage({is: 'figures', figures: Object.fromEntries(text.split('\n').map((line) => line.split('\t')))});
   },
   async due({width, height, pressed: presses}) {
     engine.size(width, height);
     if (presses !== pressed) commands.press(pressed = presses);
     run_elapsed();
-    await draw();
-    say(look());
+    tell(await new_planes());
   },
 };
 
