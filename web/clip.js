@@ -136,9 +136,11 @@ export class PackedClip {
     return plane;
   }
 
-  /** The number of the frame whose packet this frame shows: the same for frames that show one picture. */
+  /** The number of the frame whose packet this frame shows: the same for frames that show one picture. A live clip
+   *  shows the newest colour. */
   own(role, frame) {
-    return this.live ? frame : this.planes[role].own[frame];
+    if (this.live) return role === 'colour' ? 'newest' : frame;
+    return this.planes[role].own[frame];
   }
 
   /** Bytes from `at` on of a plane's file, from what is kept, or fetched with what follows. */
@@ -147,7 +149,7 @@ export class PackedClip {
     let run = plane.kept.find(holds);
     if (!run) {
       run = await this.fetched(plane, at, size);
-      require(run.is_whole && holds(run), `${plane.file} is shorter than it says`);
+      require(holds(run), `${plane.file} is shorter than it says`);
       plane.kept.push(run);
       const kept = () => plane.kept.reduce((sum, {bytes}) => sum + bytes.length, 0);
       while (plane.kept.length > 1 && kept() > most_kept) plane.kept.shift();
@@ -158,11 +160,7 @@ export class PackedClip {
   async fetched(plane, at, wanted) {
     const length = plane.ends.at(-1), run = plane.kept.length ? run_bytes : first_bytes;
     const end = Math.min(length, at + Math.max(wanted, run));
-    if (this.files) {
-      const blob = this.files[plane.file];
-      require(blob, `${plane.file} is not there`);
-      return {at, bytes: new Uint8Array(await blob.slice(at, end).arrayBuffer()), is_whole: true};
-    }
+    if (this.files) return {at, bytes: new Uint8Array(await this.files[plane.file]?.slice(at, end).arrayBuffer())};
     return answer_of(new URL(plane.file, this.base), plane.file, async (answer) => {
       // A server without ranges answers 200 and sends all, which is kept.
       const [from, size] = answer.status === 206 ? [at, end - at] : [0, length];
@@ -170,7 +168,7 @@ export class PackedClip {
       const bytes = new Uint8Array(size), reader = new ByteReader(answer.body);
       const got = await reader.fill(bytes);
       reader.cancel();
-      return {at: from, bytes, is_whole: got === size};
+      return {at: from, bytes: bytes.subarray(0, got)};
     }, {headers: {Range: `bytes=${at}-${end - 1}`}});
   }
 

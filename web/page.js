@@ -102,7 +102,7 @@ const answers = {
         tremble(gamepad(), state.rumble_low, state.rumble_high, touches && !touched);
         touched = touches;
     },
-    fault: ({text, fatal}) => show_fault(String(text), fatal)
+    fault: ({text, fatal}) => show_fault(text, fatal)
 };
 
 function draw({matrix, own_view, fingers}, is_new = false) {
@@ -137,7 +137,7 @@ function show_state(state) {
     $('turning').ariaPressed = state.turning;
     $('home').disabled = state.own_view;
     const [number, newton, force] = $('force').children;
-    const share = Math.min(1, Math.max(0, ...state.fingers.map((finger) => finger.share || 0)));
+    const share = Math.min(1, Math.max(0, ...state.fingers.map((finger) => finger.share)));
     put(number, state.force_on ? state.newtons.toFixed(1) : 'off');
     newton.hidden = !state.force_on;
     force.firstElementChild.style.transform = `scaleX(${share.toFixed(3)})`;
@@ -212,20 +212,18 @@ function on_pointer(event) {
     const coalesced = moves && event.getCoalescedEvents?.() || [], parts = coalesced.length ? coalesced : [event];
     note_input(!moves);  // browsers allow sound when a touch ends
     if (down) canvas.setPointerCapture(id);
+    const before = held.get(id) ?? 0, now = type === 'pointercancel' ? 0 : event.buttons;
+    if (now) held.set(id, now);
+    else held.delete(id);
     if (pointerType === 'touch') {
         for (const part of parts) send(down ? 'touch_began' : moves ? 'touch_moved' : 'touch_ended', part);
-        if (down) held.set(id, 1);
-        else if (!moves) held.delete(id);
         return;
     }
     invitation.classList.add('over');
     for (const part of parts) send('moved', part);
     // A second button comes as a movement, so the buttons are compared: bits of the event, numbers of the engine.
-    const before = held.get(id) ?? 0, now = type === 'pointercancel' ? 0 : event.buttons;
     for (const [bit, button] of [[1, 1], [2, 2], [4, 3]])
         if ((before ^ now) & bit) send(now & bit ? 'pressed' : 'released', event, {button});
-    if (now) held.set(id, now);
-    else held.delete(id);
 }
 
 // ---- Keys and gamepad
@@ -278,7 +276,7 @@ function on_key(event) {
         if (/Left|Right/.test(key)) do_command(turns ? 'turn' : 'point-right', side * (turns ? 5 : 8));
         else do_command(turns ? 'tilt' : 'point-down', side * (turns ? -5 : 8));
     } else if (!found) return;
-    else if (!event.repeat || held_keys_repeat.includes(found.command)) do_command(found.command, found.number ?? 0);
+    else if (!event.repeat || held_keys_repeat.includes(found.command)) do_command(found.command, found.number);
     event.preventDefault();
     note_input(true);
 }
@@ -287,11 +285,9 @@ const gamepad = () => [...(navigator.getGamepads?.() ?? [])].find((pad) => pad?.
 function read_gamepad(seconds) {
     const pad = gamepad(), axes = pad ? pad.axes.map((value) => (Math.abs(value) < 0.15 ? 0 : value)) : [];
     pad_presses = pad?.buttons[7]?.value > 0.15;
-    const moved = ['point-right', 'point-down', 'turn', 'tilt'].filter((name, k) => {
+    for (const [k, name] of ['point-right', 'point-down', 'turn', 'tilt'].entries())
         if (axes[k]) do_command(name, axes[k] * seconds * [420, 420, 90, -90][k]);
-        return axes[k];
-    });
-    if (pad_presses || moved.length) note_input(true);
+    if (pad_presses || axes.slice(0, 4).some((value) => value)) note_input(true);
 }
 
 // ---- The invitation, and the exhibit's reset

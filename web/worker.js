@@ -107,23 +107,18 @@ async function open_picture({bytes, name, unit, fov}) {
 
 function met(packed, about) {
   clip = packed;
-  begun();
   start();
   postMessage({is: 'clip', width: clip.width, height: clip.height, planes: Object.keys(clip.planes), ...about});
 }
 
-/** A clip plays and loops from the start, unless the person asked for less motion; a live one is followed. */
+/** A clip begins: it plays and loops, unless the person asked for less motion; a live one is followed. */
 function start() {
+  session?.live_stop.abort();
+  session = new_session();
   if (clip.live) follow(new URL(clip.live, clip.base));
   if (!(clip.frames > 1)) return;
   if (stands_still) play(0);
   play(5, 1);
-}
-
-/** The clip is at its beginning. */
-function begun() {
-  session?.live_stop.abort();
-  session = new_session();
 }
 
 // ---- Frames
@@ -148,7 +143,7 @@ function give_packet(role, own, packet) {
   if (role === 'colour') {
     const {colours} = session;
     const jpeg = new Blob([packet], {type: 'image/jpeg'});
-    colours.set(clip.live ? 'newest' : own, {jpeg, bitmap: bitmap_of(jpeg)});
+    colours.set(own, {jpeg, bitmap: bitmap_of(jpeg)});
     if (colours.size > 16) colours.delete(colours.keys().next().value);
     return;
   }
@@ -180,7 +175,7 @@ async function follow(url) {
       for (const [role, packet] of Object.entries(packets)) {
         const unpacked = await clip.unpacked(clip.planes[role], packet);
         if (of !== session) return;
-        give_packet(role, number, unpacked);
+        give_packet(role, clip.own(role, number), unpacked);
       }
       if (number >= 0) check(engine.give());
     }
@@ -234,7 +229,7 @@ async function new_planes() {
     planes.haptic = memory(Uint8Array, haptic, 3 * count).slice();
   }
   if (heights) planes.heights = memory(Uint16Array, heights, count).slice();
-  const picture = clip.planes.colour && colours.get(clip.live ? 'newest' : clip.own('colour', number));
+  const picture = clip.planes.colour && colours.get(clip.own('colour', number));
   if (picture && sent.colour !== picture) {
     sent.colour = picture;
     const bitmap = await (picture.bitmap ?? bitmap_of(picture.jpeg));
@@ -251,7 +246,7 @@ function tell(planes) {
 
 /** Runs a script in virtual time, from the clip's beginning, and draws the frames that it meets. */
 async function verify({goals, fingers, ticks, commands: asked}) {
-  begun();
+  session = new_session();
   put(Float64Array.from([...goals, ...asked.flat()]));
   engine.begin(fingers, goals.length / 3, asked.length);
   const frames = [], us = new Float64Array(ticks); // what each tick took
@@ -279,7 +274,6 @@ async function verify({goals, fingers, ticks, commands: asked}) {
 function reset() {
   turning = false;
   engine.begin(1, 0, 0);
-  begun();
   start();
 }
 
