@@ -14,9 +14,9 @@ export function refuse(sentence) {
   throw new Error(sentence);
 }
 
-function require(condition, what) {
-  if (!condition) refuse(`The clip is damaged, or was changed: ${what}.`);
-}
+/** A function that refuses what does not hold, by sentences that begin so. */
+export const requiring = (begin) => (condition, what) => condition || refuse(`${begin}: ${what}.`);
+const require = requiring('The clip is damaged, or was changed');
 
 /** `least`: pixels a side. */
 export function check_size(width, height, least) {

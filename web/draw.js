@@ -233,14 +233,13 @@ export function paint_fingers(canvas, unit, size, least, fingers) {
     canvas.hidden = !points.length;
     if (canvas.hidden) return;
     const [left, top] = [0, 1].map((k) => Math.floor(Math.min(...points.map((p) => p[k])) - 5 * radius));
-    const [width, height] = [0, 1].map((k) => Math.max(...points.map((p) => p[k])) + 5 * radius - [left, top][k]);
-    const sides = [width, height].map((side) => 64 * Math.ceil(side / 64));
+    const [right, bottom] = [0, 1].map((k) => Math.max(...points.map((p) => p[k])) + 5 * radius);
+    const sides = [right - left, bottom - top].map((side) => 64 * Math.ceil(side / 64));
     if (canvas.width !== sides[0] || canvas.height !== sides[1]) [canvas.width, canvas.height] = sides;
     Object.assign(canvas.style, {left: `${left / unit}px`, top: `${top / unit}px`, width: `${sides[0] / unit}px`,
                                  height: `${sides[1] / unit}px`});
-    c.setTransform(1, 0, 0, 1, 0, 0);
-    c.clearRect(0, 0, canvas.width, canvas.height);
-    c.translate(-left, -top);
+    c.setTransform(1, 0, 0, 1, -left, -top);
+    c.clearRect(left, top, ...sides);
     const stroke = (style, width) => Object.assign(c, {lineWidth: width * unit, strokeStyle: style}).stroke();
     const circle = (x, y, r, style, width = 0, share = 1) => {  // filled; with a width: a ring, clockwise from above
         c.beginPath();

@@ -49,7 +49,7 @@ function show_message(text, stops = false) {
 function show_fault(text, fatal = false) {
     if (touchable.errors.length < 100) touchable.errors.push(text);
     show_message(fatal ? text : '', fatal);
-    if (!fatal) put($('notice').firstElementChild, text);
+    put($('notice').firstElementChild, text);
     $('notice').hidden = fatal;
 }
 function stop(text) {
@@ -133,7 +133,7 @@ function show_state(state) {
     $('speed').ariaLabel = `Speed ${$('speed').textContent}`;
     $('play').toggleAttribute('data-on', state.playing);
     $('play').ariaLabel = state.playing ? 'Pause' : 'Play';
-    $('loop').ariaPressed = state.loops;
+    $('loop').ariaPressed = state.loops > 0;
     $('turning').ariaPressed = state.turning;
     $('home').disabled = state.own_view;
     const [number, newton, force] = $('force').children;
@@ -459,9 +459,8 @@ function start() {
     set_sound(1, false);
     connect_controls();
     show_message('Loading the clip …');
-    const {json, files = null} = one_file?.clip ?? {};
     const url = new URL(query.get('clip') || 'clip.json', location.href).href;
-    post({do: 'open', url, json, files, wasm: one_file?.wasm, calm});
+    post({do: 'open', url, ...one_file?.clip, wasm: one_file?.wasm, calm});
     if (kiosk) setInterval(watch_visitors, 1000);
     requestAnimationFrame(tick);
 }

@@ -5,15 +5,12 @@
 // Throws an Error whose message is a sentence for people. Runs in pages, workers and Node. Nothing is allocated
 // before the sizes in the file are known to be within the limits.
 
-import {check_size, inflate_into, refuse} from './clip.js';
+import {check_size, inflate_into, refuse, requiring} from './clip.js';
 
 const signature = [137, 80, 78, 71, 13, 10, 26, 10];
 const kinds = {0: 'grey', 2: 'in colour (RGB)', 3: 'in colour (a palette)', 4: 'grey with transparency',
                6: 'in colour with transparency'};
-
-function require(condition, what) {
-    if (!condition) refuse(`This PNG is damaged: ${what}.`);
-}
+const require = requiring('This PNG is damaged');
 
 const crc_table = Uint32Array.from({length: 256}, (_, n) => {
     for (let k = 0; k < 8; ++k) n = n & 1 ? 0xedb88320 ^ (n >>> 1) : n >>> 1;

@@ -201,13 +201,12 @@ function look() {
   const next = (count) => [...values.subarray(at, at += count)];
   const named = (names) => Object.fromEntries(next(names.length).map((value, k) => [names[k], value]));
   const state = {is: 'state', turning, build_ms, decode_ms, frame: engine.shown_number(), ...named(members)};
-  for (const name of ['playing', 'at_end', 'loops', 'force_on', 'own_view']) state[name] = state[name] > 0;
   const pick = named(pick_members), [sound, samples] = next(2), matrix = next(16);
   const fingers = Array.from({length: Math.min(state.fingers, 5)}, () => {
     const [[shown], at, goal, tip] = [1, 2, 2, 2].map(next);
     return {shown, at, goal, tip, ...named(finger_members)};
   });
-  state.fingers = fingers.filter(({shown}) => shown > 0);
+  state.fingers = fingers.filter(({shown}) => shown);
   state.pick = pick.valid < 0 ? null : pick;
   // Until the first frame after a beginning is there, the picture of before stays.
   state.matrix = state.frame >= 0 || !seen.matrix ? Float32Array.from(matrix) : seen.matrix;
