@@ -28,12 +28,13 @@ let picture = null;
 let unit = 1, width = 1, height = 1;  // canvas pixels of a CSS pixel; of the stage
 let unanswered = Infinity;  // 'due's: one may be under way while the answer to another is drawn
 let drawn_view = '', drawn_fingers = '';
-let enter_held = false, pad_presses = false, seeking = false, touched = false;
+let enter_held = false, pad_presses = false, seeking = false, turning = false, touched = false;
 let last_input = performance.now(), last_tick = 0;
 const held = new Map();  // pointers that are down, with the buttons of each
 
 const post = (message, transfer = []) => touchable.worker.postMessage(message, transfer);
-const command = (name, number = 0) => post({do: 'command', name, number});
+const play = (verb, number = 0) => post({do: 'play', verb, number});
+const hand = (verb, a = 0, b = 0) => post({do: 'hand', verb, a, b});
 function put(element, text) {
     if (element.textContent !== text) element.textContent = text;
 }
@@ -134,7 +135,7 @@ function show_state(state) {
     $('play').toggleAttribute('data-on', state.playing);
     $('play').ariaLabel = state.playing ? 'Pause' : 'Play';
     $('loop').ariaPressed = state.loops > 0;
-    $('turning').ariaPressed = state.turning;
+    $('turning').ariaPressed = turning;
     $('home').disabled = state.own_view;
     const [number, newton, force] = $('force').children;
     const share = Math.min(1, Math.max(0, ...state.fingers.map((finger) => finger.share)));
@@ -199,7 +200,7 @@ function resize() {
 function send(kind, event, more = {}) {
     const {clientX = 0, clientY = 0, ctrlKey: control = false, shiftKey: shift = false, pointerId: touch = 0} = event;
     const press = event.pointerType === 'pen' ? event.pressure : 0;
-    post({do: 'event', kind, x: clientX * unit, y: clientY * unit, button: 0, control, shift, touch, press,
+    post({do: 'event', kind, x: clientX * unit, y: clientY * unit, button: 0, control, shift, touch, press, turning,
           seconds: event.timeStamp / 1000, ...more});
 }
 function leave(event) {
@@ -228,10 +229,15 @@ function on_pointer(event) {
 
 // ---- Keys and gamepad
 
-const worker_commands = ['home', 'fingers', 'deeper', 'point-down', 'point-right', 'force', 'turning', 'turn', 'tilt',
-                         'nearer', 'play-pause', 'seek-by', 'step', 'faster', 'loop'];
 const held_keys_repeat = ['deeper', 'point-down', 'point-right', 'turn', 'tilt', 'nearer', 'seek-by', 'step', 'louder'];
-const page_commands = {
+// Verbs are those of ClockCommand and of HandCommand in engine.cpp.
+const commands = {
+    'play-pause': () => play(0), 'seek-by': (seconds) => play(2, seconds), step: (frames) => play(3, frames),
+    faster: (factor) => play(4, factor * touchable.state.speed), loop: () => play(5, touchable.state.loops ? 0 : 1),
+    fingers: (count) => hand(0, count), deeper: (mm) => hand(1, mm / 1000),
+    'point-right': (pixels) => hand(2, pixels * unit), 'point-down': (pixels) => hand(2, 0, pixels * unit),
+    force: () => hand(3), turn: (degrees) => hand(4, degrees), tilt: (degrees) => hand(4, 0, degrees),
+    nearer: (factor) => hand(5, factor), home: () => hand(6), turning: () => { turning = !turning; },
     mute: () => set_sound(sound.volume, !sound.muted),
     louder: (number) => set_sound(Math.min(Math.max(sound.volume + number / 100, 0), 1), false),
     overlay() {
@@ -242,17 +248,12 @@ const page_commands = {
     fullscreen: () => (document.fullscreenElement ? document.exitFullscreen() : document.body.requestFullscreen())
         .catch(() => {})
 };
-const is_handled = (name) => (worker_commands.includes(name) || name in page_commands) &&
-                             !(kiosk && ['help', 'fullscreen', 'loop'].includes(name));
+const is_handled = (name) => name in commands && !(kiosk && ['help', 'fullscreen', 'loop'].includes(name));
 
 function set_sound(volume, muted) {
     sound.set(volume, muted);
     $('mute').toggleAttribute('data-on', !muted);
     $('mute').ariaPressed = !muted;
-}
-function do_command(name, number = 0) {
-    if (name in page_commands) page_commands[name](number);
-    else command(name, name.startsWith('point-') ? number * unit : number);
 }
 // The row of the table; not Latin letters are where they are on an American keyboard.
 function binding_of(event) {
@@ -264,19 +265,19 @@ function binding_of(event) {
 }
 function on_key(event) {
     const {target, key} = event, over_picture = target === canvas || target === document.body;
-    if (event.altKey || event.metaKey || !touchable.clip || document.querySelector('dialog[open]')) return;
+    if (event.altKey || event.metaKey || !touchable.state || document.querySelector('dialog[open]')) return;
     if (target.matches('select') || (!over_picture && /^(Enter| )$/.test(key))) return;
     if (target === $('seek') && /^(Arrow|Home|End|Page)/.test(key)) return;
-    const found = binding_of(event), side = /Left|Up/.test(key) ? -1 : 1, turns = touchable.state?.turning;
+    const found = binding_of(event), side = /Left|Up/.test(key) ? -1 : 1;
     if (key === 'Escape') $('notice').hidden = true;
     if (key === 'Enter') enter_held = true;
     else if (key === 'i' && !event.ctrlKey) say_finger();
     else if (over_picture && key.startsWith('Arrow') && !event.ctrlKey && !event.shiftKey) {
         // On the picture arrows lead the finger, or turn the view while dragging does.
-        if (/Left|Right/.test(key)) do_command(turns ? 'turn' : 'point-right', side * (turns ? 5 : 8));
-        else do_command(turns ? 'tilt' : 'point-down', side * (turns ? -5 : 8));
+        if (/Left|Right/.test(key)) commands[turning ? 'turn' : 'point-right'](side * (turning ? 5 : 8));
+        else commands[turning ? 'tilt' : 'point-down'](side * (turning ? -5 : 8));
     } else if (!found) return;
-    else if (!event.repeat || held_keys_repeat.includes(found.command)) do_command(found.command, found.number);
+    else if (!event.repeat || held_keys_repeat.includes(found.command)) commands[found.command](found.number);
     event.preventDefault();
     note_input(true);
 }
@@ -286,7 +287,7 @@ function read_gamepad(seconds) {
     const pad = gamepad(), axes = pad ? pad.axes.map((value) => (Math.abs(value) < 0.15 ? 0 : value)) : [];
     pad_presses = pad?.buttons[7]?.value > 0.15;
     for (const [k, name] of ['point-right', 'point-down', 'turn', 'tilt'].entries())
-        if (axes[k]) do_command(name, axes[k] * seconds * [420, 420, 90, -90][k]);
+        if (axes[k]) commands[name](axes[k] * seconds * [420, 420, 90, -90][k]);
     if (pad_presses || axes.slice(0, 4).some((value) => value)) note_input(true);
 }
 
@@ -309,6 +310,7 @@ function watch_visitors() {
     if (idle_ms < reset_ms) return;
     last_input = Infinity;  // once, until the next visitor
     post({do: 'reset'});
+    turning = false;
     show_overlay('colour');
     set_sound(1, false);
     $('notice').hidden = $('lock').hidden = true;
@@ -395,7 +397,7 @@ function connect_controls() {
         picture.prepare();
         drawn_view = '';
     });
-    on(canvas, 'dblclick', () => kiosk || by_touch || do_command('fullscreen'));
+    on(canvas, 'dblclick', () => kiosk || by_touch || commands.fullscreen());
     on(window, 'keydown', on_key);
     on(window, 'keyup', (event) => { if (event.key === 'Enter') enter_held = false; });
     on(window, 'blur', leave);
@@ -405,16 +407,12 @@ function connect_controls() {
         else sound.resume();
     });
     new ResizeObserver(resize).observe(stage);
-    on($('play'), 'click', () => do_command('play-pause'));
-    for (const name of ['loop', 'turning', 'home', 'mute', 'help', 'fullscreen'])
-        on($(name), 'click', () => do_command(name));
-    on($('speed'), 'click', () => {
-        const {speed} = touchable.state;
-        command('faster', ({1: 0.5, 0.5: 0.25, 0.25: 2}[speed] ?? 1) / speed);
-    });
+    on($('play'), 'click', commands['play-pause']);
+    for (const name of ['loop', 'turning', 'home', 'mute', 'help', 'fullscreen']) on($(name), 'click', commands[name]);
+    on($('speed'), 'click', () => play(4, {1: 0.5, 0.5: 0.25, 0.25: 2}[touchable.state.speed] ?? 1));
     on($('seek'), 'input change', ({type}) => {
         seeking = type === 'input';
-        if (seeking) command('seek', $('seek').valueAsNumber);
+        if (seeking) play(1, $('seek').valueAsNumber);
     });
     on($('overlay'), 'change', () => show_overlay($('overlay').value));
     on($('bar'), 'click', ({target}) => {  // keys belong to the picture again, unless keys clicked

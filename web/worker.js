@@ -12,20 +12,7 @@ const members = ['tick', 'time', 'playing', 'at_end', 'loops', 'speed', 'force_o
   'rumble_high', 'late_frames', 'fingers'];
 const pick_members = ['valid', 'depth_m', 'stiffness', 'friction_static', 'friction_dynamic', 'height_mm'];
 const finger_members = ['newtons', 'touching', 'share', 'depth_mm', 'stiffness', 'friction'];
-const play = (verb, number = 0) => check(engine.play(verb, number));
-// Of the page's commands the engine's: numbers are those of ClockCommand and of HandCommand in engine.cpp.
-const commands = {
-  'play-pause': () => play(0), seek: (s) => play(1, s), 'seek-by': (s) => play(2, s), step: (n) => play(3, n),
-  faster: (x) => play(4, seen.speed * x), loop: () => play(5, +!seen.loops),
-  fingers: (n) => engine.hand(0, n, 0), deeper: (mm) => engine.hand(1, mm / 1000, 0),
-  'point-right': (px) => engine.hand(2, px, 0), 'point-down': (px) => engine.hand(2, 0, px),
-  force: () => engine.hand(3, 0, 0), turn: (degrees) => engine.hand(4, degrees, 0),
-  tilt: (degrees) => engine.hand(4, 0, degrees), nearer: (x) => engine.hand(5, x, 0),
-  home: () => engine.hand(6, 0, 0), press: (on) => engine.hand(7, +on, 0), turning: () => { turning = !turning; },
-};
-
-let engine, clip, session, turning = false, pressed = false, stands_still = false;
-let build_ms = 0, decode_ms = 0, seen = {speed: 1, loops: 0};
+let engine, clip, session, pressed = false, stands_still = false, build_ms = 0, decode_ms = 0, seen_matrix;
 
 /** What is forgotten when a clip begins anew. Work under way for an earlier session ends without a trace. */
 const new_session = () => ({
@@ -76,6 +63,8 @@ function text_at(at) {
   return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
 }
 const check = (worked) => worked || refuse(text_at(engine.fault()));
+/** `verb`: of ClockCommand in engine.cpp. */
+const play = (verb, number = 0) => check(engine.play(verb, number));
 
 // ---- Opening
 
@@ -200,7 +189,7 @@ function look() {
   let at = 0;
   const next = (count) => [...values.subarray(at, at += count)];
   const named = (names) => Object.fromEntries(next(names.length).map((value, k) => [names[k], value]));
-  const state = {is: 'state', turning, build_ms, decode_ms, frame: engine.shown_number(), ...named(members)};
+  const state = {is: 'state', build_ms, decode_ms, frame: engine.shown_number(), ...named(members)};
   const pick = named(pick_members), [sound, samples] = next(2), matrix = next(16);
   const fingers = Array.from({length: Math.min(state.fingers, 5)}, () => {
     const [[shown], at, goal, tip] = [1, 2, 2, 2].map(next);
@@ -209,9 +198,10 @@ function look() {
   state.fingers = fingers.filter(({shown}) => shown);
   state.pick = pick.valid < 0 ? null : pick;
   // Until the first frame after a beginning is there, the picture of before stays.
-  state.matrix = state.frame >= 0 || !seen.matrix ? Float32Array.from(matrix) : seen.matrix;
+  if (state.frame >= 0 || !seen_matrix) seen_matrix = Float32Array.from(matrix);
+  state.matrix = seen_matrix;
   state.sound = samples ? memory(Float32Array, sound, samples).slice() : null;
-  return seen = state;
+  return state;
 }
 
 const bitmap_of = (jpeg) => createImageBitmap(jpeg).catch(() => null);
@@ -271,7 +261,6 @@ async function verify({goals, fingers, ticks, commands: asked}) {
 }
 
 function reset() {
-  turning = false;
   engine.begin(1, 0, 0);
   start();
 }
@@ -286,11 +275,12 @@ function faulty(error) {
 
 const work = {
   open, picture: open_picture, verify, reset,
-  event({kind, button, x, y, control, shift, touch, seconds, press}) {
+  event({kind, button, x, y, control, shift, touch, seconds, press, turning}) {
     run_elapsed();
     engine.event(event_kinds.indexOf(kind), button, x, y, control, shift, touch, seconds, press, turning);
   },
-  command: ({name, number}) => commands[name]?.(number),
+  play: ({verb, number}) => play(verb, number),
+  hand: ({verb, a, b}) => engine.hand(verb, a, b),
   /** Of the lab hour (lab.html): calls a function of lab.cpp, and answers by its figures, texts by name. */
   async lab({name, numbers}) {
     engine ??= await load_engine();
@@ -301,7 +291,8 @@ const work = {
   },
   async due({width, height, pressed: presses}) {
     engine.size(width, height);
-    if (presses !== pressed) commands.press(pressed = presses);
+    if (presses !== pressed) engine.hand(7, presses, 0); // HandCommand::press
+    pressed = presses;
     run_elapsed();
     tell(await new_planes());
   },
