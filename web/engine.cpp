@@ -36,7 +36,7 @@ std::shared_ptr<std::uint8_t> take_plane_memory(std::size_t bytes, PlaneContent)
     return {new std::uint8_t[bytes](), std::default_delete<std::uint8_t[]>()};
 }
 
-/// Commands of the page to the clip's clock, and to the hand and its view; worker.js has the same numbers.
+/// Commands of the page to the clip's clock, and to the hand and its view; page.js has the same numbers.
 enum class ClockCommand { play_pause, seek, seek_by, step, rate, loop };
 enum class HandCommand { count, deepen, point, force, turn, near_by, home, press };
 
