@@ -7,8 +7,9 @@ namespace {
 
 // Decoded frames that wait for the builder: enough to absorb slow frames, few enough to keep memory small.
 constexpr std::ptrdiff_t queue_length = 3;
-// How long the builder waits for the hand to move past a frame before it looks again.
-constexpr std::chrono::milliseconds slot_wait(1);
+// How long the builder waits for the hand to move past a frame before it looks again: at first, and at most, as
+// while a clip is paused.
+constexpr std::chrono::milliseconds slot_wait(1), longest_slot_wait(8);
 
 /// Whether the command may keep the clip from moments it would have reached without it. True for all but
 /// play, pause and rate, which only change when they are reached.
@@ -218,7 +219,7 @@ FeedThreads::Turn FeedThreads::turn_of(const Queued& queued) const {
 
 /// False once the threads must stop.
 bool FeedThreads::publish(const Queued& queued) {
-    while (true) {
+    for (auto wait = slot_wait;; wait = std::min(2 * wait, longest_slot_wait)) {
         const auto published = feed_.publish(*queued.frame);
         if (!published) {
             if (!stop_requested()) fail(Error(published.error()));
@@ -230,7 +231,7 @@ bool FeedThreads::publish(const Queued& queued) {
             return true;
         }
         std::unique_lock lock(mutex_);
-        if (changed_.wait_for(lock, slot_wait, [this] { return stopping_.stop_requested(); })) return false;
+        if (changed_.wait_for(lock, wait, [this] { return stopping_.stop_requested(); })) return false;
         if (turn_of(queued) == Turn::past) return true;
     }
 }

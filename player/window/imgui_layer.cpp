@@ -10,6 +10,7 @@
 #include <set>
 #include <utility>
 
+#include "engine/base/same_bits.hpp"
 #include "player/window/panel_parts.hpp"
 
 namespace touchable {
@@ -320,6 +321,21 @@ void ImGuiLayer::begin(int width, int height, double seconds, std::span<const In
 
 void ImGuiLayer::end() {
     ImGui::Render();
+}
+
+std::uint64_t ImGuiLayer::hash() const {
+    ByteHash hash;
+    const auto add = [&hash](const auto& vector) {
+        hash.add(vector.Data, static_cast<std::size_t>(vector.size_in_bytes()));
+    };
+    const ImDrawData* const drawn = ImGui::GetDrawData();
+    for (int k = 0; drawn && k < drawn->CmdListsCount; ++k) {
+        const ImDrawList& list = *drawn->CmdLists[k];
+        add(list.VtxBuffer);
+        add(list.IdxBuffer);
+        for (const ImDrawCmd& command : list.CmdBuffer) hash.add(&command.ClipRect, sizeof(command.ClipRect));
+    }
+    return hash.value();
 }
 
 bool ImGuiLayer::holds_pointer() const {

@@ -2,6 +2,7 @@
 
 struct ImGuiContext;
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -57,6 +58,8 @@ public:
     /// Begins a picture of that size, `seconds` after the previous one; ImGui calls up to `end` build it.
     void begin(int width, int height, double seconds, std::span<const InputEvent> events);
     void end();
+    /// Of the draw data that `end` made: equal ones make the same picture.
+    std::uint64_t hash() const;
     /// Whether a widget of the panel is being pressed or dragged.
     bool holds_pointer() const;
 

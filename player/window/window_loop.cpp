@@ -59,8 +59,8 @@ private:
         // Until another frame is due, or the first clip is open.
         const int longest_ms =
             (clip ? clip->session().playback().playing : core_.clips().is_opening()) ? 2 : 8;
-        const auto wait =
-            std::chrono::milliseconds(std::clamp(static_cast<int>(core_.picture().left_ms()), 1, longest_ms));
+        const int left_ms = static_cast<int>(core_.picture().left_ms());  // below 0: nothing has moved
+        const std::chrono::milliseconds wait(left_ms < 0 ? longest_ms : std::clamp(left_ms, 1, longest_ms));
         const std::vector<InputEvent> events = core_.screen().poll(wait);
         time.script_s = script_clock_.at(time.now_s(), is_at_work());
         core_.input().lift_after_sleep();

@@ -18,7 +18,7 @@ namespace {
 // Least time from the start of one picture to the next: a screen's period, or longer if drawing is so slow
 // that decoding would suffer. For a new frame of the clip it is shorter.
 constexpr double picture_pause_ms = 16, slowest_pause_ms = 50, share_of_drawing = 0.95, frame_pause_ms = 8;
-constexpr double idle_pause_ms = 200;   // longest pause, so that clock and figures advance
+constexpr double words_pause_ms = 200;  // while nothing moves: clock and figures may advance
 constexpr double after_input_ms = 300;  // buttons fade
 // FingerTrails' nearest_share: a pointer's finger is hidden far from the surface, a device's hardly ever.
 constexpr double nearest_of_pointer = 0.5, nearest_of_hand = 0.125;
@@ -79,6 +79,11 @@ std::vector<std::string> figure_words(const OpenedClip& clip, const ClipPicture&
                 (clip.builder_why().empty() ? "" : ": " + clip.builder_why()),
             "picture by the " + std::string(picture.graphics().painter()) + " painter on " +
                 (picture.graphics().gpu().empty() ? "the CPU" : picture.graphics().gpu())};
+}
+
+bool touches(const WatchedMoment& moment) {
+    return std::ranges::any_of(moment.felt.fingers,
+                               [](const WatchedTick::Finger& finger) { return finger.contact.touching; });
 }
 
 /// Whether a finger waits inside a surface that has appeared around it.
@@ -253,7 +258,7 @@ void WindowPicture::begin_clip(bool goes_on) {
 Result<void> WindowPicture::draw_if_due(const WatchedMoment* moment) {
     const auto now = Clock::now();
     if (moment && seen_.is_other_frame(*moment) && frame_came_at_ <= last_picture_) frame_came_at_ = now;
-    if (!is_due(moment, now)) return {};
+    if (!is_due(moment, now) && !words_differ(moment)) return {};
     const auto drawn = draw_what_is_there(moment);
     return drawn ? drawn : open_graphics_anew(drawn.error());
 }
@@ -265,17 +270,41 @@ bool WindowPicture::is_due(const WatchedMoment* moment, Clock::time_point now) c
     const bool is_soon_after_input =
         1000 * Clock::seconds_between(core_.time.last_event, now) < after_input_ms;
     const OpenedClip* const clip = core_.clip();
-    if (!clip) return since_ms >= (is_soon_after_input ? picture_pause_ms : idle_pause_ms);
+    if (!clip) return is_soon_after_input && since_ms >= picture_pause_ms;
     if (!moment || since_ms < frame_pause_ms) return false;
     if (seen_.is_other_frame(*moment)) return true;
     if (since_ms < pause_ms()) return false;
     const PlaybackState playback = clip->session().playback();
     const double left_ms = frame_ms() - 1000 * Clock::seconds_between(frame_came_at_, now);
     // A frame overdue by its own duration is not waited for.
-    if (playback.playing && !playback.at_end && left_ms < redraw_.ms() && left_ms > -frame_ms()) return false;
+    const bool plays = playback.playing && !playback.at_end;
+    if (plays && left_ms < redraw_.ms() && left_ms > -frame_ms()) return false;
+    // Without input a pointer's finger that touches nothing only follows the clip's surface.
+    const bool follows_frames = plays && !core_.options.hand && !touches(*moment);
     return core_.any(&WindowMode::moves_by_itself) || core_.input().has_events() || is_soon_after_input ||
-           since_ms >= idle_pause_ms ||
-           seen_.differs(*moment, clip->shown(), clip->sizes().finger_radius / 50);
+           (!follows_frames && seen_.differs(*moment, clip->shown(), clip->sizes().finger_radius / 50));
+}
+
+/// Whether texts, bars and curves would look other than in the last picture, made anew if the pause is over.
+bool WindowPicture::words_differ(const WatchedMoment* moment) {
+    const auto now = Clock::now();
+    const double since = Clock::seconds_between(std::max(last_picture_, last_words_), now);
+    const ScreenSize size = core_.screen().size();
+    if (1000 * since < words_pause_ms || size.width < 1 || size.height < 1) return false;
+    last_words_ = now;
+    core_.notices.pass(core_.time.script_s);
+    const std::uint64_t before = layer_->hash();
+    layer_->begin(size.width, size.height, since, {});
+    if (!core_.clip()) {
+        panel_->draw_without_clip(facts_without_clip(), size.width, size.height, asked_);
+    } else if (moment) {
+        const HeightField field(core_.clip()->scene(), moment->held.pair);
+        PanelFacts facts = facts_of(*moment, field, core_.clip()->view().camera(size.width, size.height));
+        facts.halos = halos_;
+        panel_->draw(facts, size.width, size.height, asked_);
+    }
+    layer_->end();
+    return layer_->hash() != before;
 }
 
 double WindowPicture::pause_ms() const {
@@ -370,7 +399,7 @@ Result<void> WindowPicture::draw(const WatchedMoment& moment) {
                       vertex_step(drawn_from)));
     const auto drawn = Clock::now();
     PanelFacts facts = facts_of(moment, field, camera);
-    facts.halos = finger_halos(marks, clip.sizes(), field, camera);
+    facts.halos = halos_ = finger_halos(marks, clip.sizes(), field, camera);
     layer_->begin(size.width, size.height, since, core_.input().take_events());
     panel_->draw(facts, size.width, size.height, asked_);
     layer_->end();
@@ -483,6 +512,16 @@ void WindowPicture::note_frame(const WatchedMoment& moment, bool is_new) {
     least = std::min(least, governor_.detail());
 }
 
+PanelFacts WindowPicture::facts_without_clip() const {
+    PanelFacts facts;
+    const WindowClips& clips = core_.clips();
+    facts.is_empty = clips.waits_for_wish() && !clips.is_opening();
+    if (core_.is_unattended()) return facts;
+    add_notices(facts, core_.notices);
+    if (facts.message.empty() && clips.is_opening()) facts.message = clips.words() + " ...";
+    return facts;
+}
+
 /// Shown before the first clip. Draws a finger behind the eye to compile its programs, and at half size for
 /// the governor, as compiling later would make a picture late. It counts as the window's first picture only
 /// if no clip was named.
@@ -495,8 +534,7 @@ Result<void> WindowPicture::draw_opening() {
         core_.input().take_events();
         return {};
     }
-    Notices& notices = core_.notices;
-    notices.pass(core_.time.script_s);
+    core_.notices.pass(core_.time.script_s);
     TRY(fit_words(size));
     WindowGraphics& graphics = surface_.graphics();
     TRY(graphics.begin());
@@ -511,13 +549,7 @@ Result<void> WindowPicture::draw_opening() {
     const ViewCamera camera =
         own_view(scene, std::max(size.width / part, 1), std::max(size.height / part, 1), 0.1);
     TRY(graphics.draw(camera, {{finger}}, {}, size.width, size.height));
-    PanelFacts facts;
-    const WindowClips& clips = core_.clips();
-    facts.is_empty = clips.waits_for_wish() && !clips.is_opening();
-    if (!core_.is_unattended()) {
-        add_notices(facts, notices);
-        if (facts.message.empty() && clips.is_opening()) facts.message = clips.words() + " ...";
-    }
+    const PanelFacts facts = facts_without_clip();
     for (int k = 0; k < 2; ++k) {  // ImGui sizes a text box at the second pass
         layer_->begin(size.width, size.height, k == 0 ? since : 1e-3, core_.input().take_events());
         panel_->draw_without_clip(facts, size.width, size.height, asked_);
@@ -525,7 +557,7 @@ Result<void> WindowPicture::draw_opening() {
     }
     TRY(graphics.finish());
     PlayFigures& figures = core_.figures;
-    if (!core_.time.begun && clips.waits_for_wish())
+    if (!core_.time.begun && core_.clips().waits_for_wish())
         figures.first_picture_ms = core_.time.begin(Clock::now());
     if (core_.time.begun) ++figures.pictures;
     return {};

@@ -4,7 +4,8 @@
 // haptic moment, with fingers, messages and panels; before the first clip, only messages.
 //
 // A picture is due with each new frame of the clip; within a frame, after movement or user input, if there is
-// time before the next. Its size and level of detail follow from the drawing time (PictureGovernor). If the
+// time before the next. While nothing moves, texts and bars alone are made a few times a second, and drawn if
+// they differ. Its size and level of detail follow from the drawing time (PictureGovernor). If the
 // GPU is lost, new graphics are opened once.
 //
 // Runs on the window's thread. A film is encoded on a separate thread (WindowFilm).
@@ -77,6 +78,7 @@ private:
     Result<void> open_graphics();
     Result<void> open_graphics_anew(const Error& error);
     bool is_due(const WatchedMoment* moment, Clock::time_point now) const;
+    bool words_differ(const WatchedMoment* moment);
     double pause_ms() const;
     double frame_ms() const;
     ViewCamera drawn_camera(const ScreenSize& size) const;
@@ -85,6 +87,7 @@ private:
     Result<void> draw_what_is_there(const WatchedMoment* moment);
     Result<void> draw(const WatchedMoment& moment);
     PanelFacts facts_of(const WatchedMoment& moment, const HeightField& field, const ViewCamera& camera);
+    PanelFacts facts_without_clip() const;
     void add_message(PanelFacts& facts) const;
     void note_picture(const PanelFacts& facts, Clock::time_point begin);
     void note_frame(const WatchedMoment& moment, bool is_new);
@@ -98,7 +101,8 @@ private:
     bool is_dented_ = true;
     std::optional<Clock::time_point> lost_at_;  // the last loss of graphics
     DrawnState seen_;
-    Clock::time_point last_picture_, frame_came_at_;
+    Clock::time_point last_picture_, last_words_, frame_came_at_;
+    std::vector<FingerHalo> halos_;  // of the last picture
     double last_draw_ms_ = 0;
     std::string shown_message_;
     std::size_t place_lines_ = 0;
