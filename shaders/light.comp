@@ -128,7 +128,7 @@ void shade(int y, int lane_column, vec3 normals[LIGHT_COLUMNS], Row row) {
         const float light = light_on(normal);
         if (has_colour != 0u) {
             const vec3 colour = vec3(byte_at(bytes, 3 * n), byte_at(bytes, 3 * n + 1), byte_at(bytes, 3 * n + 2));
-            word[n] = packed_colour(lit_colour(colour, light));
+            word[n] = packed_colour(lit_colour(colour, light, push.strength));
         } else {
             word[n] = packed_colour(lit_clay((row.q[n + 4] - push.far_q) * push.per_q_range, light));
         }

@@ -35,6 +35,7 @@ struct LightPush {
     float unit;             // scene units: as large as any depth, so that sums stay in the range of floats
     float far_q;            // clay: q of the far end; below, 1 / (q of the near end - that)
     float per_q_range;
+    float strength;         // of the light on colours
     uint width, height;     // of the lattice
     uint pitch;             // texels of a row of q
     uint strip;             // rows of a lane

@@ -28,9 +28,12 @@ LIGHT_FUNCTION float light_on(vec3 normal) {
     return 0.22f + 0.16f * sky + 0.55f * max(0.0f, dot(normal, key)) + 0.12f * max(0.0f, dot(normal, fill));
 }
 
-/// A colour in a gentle light, which shows relief.
-LIGHT_FUNCTION vec3 lit_colour(vec3 colour, float light) {
-    return clamp(colour * (0.45f + 0.7f * light), 0.0f, 255.0f);
+/// What light does to a colour, to show relief. `strength`: 1 for a gentle light, 0 leaves the colour alone.
+LIGHT_FUNCTION float light_gain(float light, float strength) {
+    return 1.0f - 0.55f * strength + 0.7f * strength * light;
+}
+LIGHT_FUNCTION vec3 lit_colour(vec3 colour, float light, float strength) {
+    return clamp(colour * light_gain(light, strength), 0.0f, 255.0f);
 }
 
 /// Clay in a full light, nearer (up to 1) warmer and farther (down to 0) cooler.

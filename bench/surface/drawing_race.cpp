@@ -107,7 +107,7 @@ public:
 
     Result<void> show(SurfaceDrawing& drawing) const {
         return submit([&](GpuCommands& commands) {
-            return drawing.show(commands, *field_, pair(), frames_.first.colour, Lighting::lit);
+            return drawing.show(commands, *field_, pair(), frames_.first.colour, Lighting::full);
         });
     }
     /// Draws; `moves`: from the other viewpoint than last time.
@@ -126,7 +126,7 @@ public:
     Result<void> show_and_draw(SurfaceDrawing& drawing) {
         view_ = 1 - view_;
         return submit([&](GpuCommands& commands) -> Result<void> {
-            TRY(drawing.show(commands, *field_, pair(), frames_.first.colour, Lighting::lit));
+            TRY(drawing.show(commands, *field_, pair(), frames_.first.colour, Lighting::full));
             return drawing.draw(commands, views_[view_], fingers_, sizes_, target_);
         });
     }
@@ -138,7 +138,7 @@ public:
     }
     /// The steps for a picture in a file: the surface, then painted and composed with one sample per pixel.
     Result<void> make_surface(SurfacePainter& painter) {
-        auto surface = painter.surface_of(*field_, pair(), frames_.first.colour);
+        auto surface = painter.surface_of(*field_, pair(), frames_.first.colour, Lighting::full);
         if (!surface) return surface.error();
         surface_ = std::move(*surface);
         return {};

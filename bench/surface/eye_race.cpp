@@ -43,7 +43,8 @@ public:
     }
     /// q and tiles again, in memory readable by the CPU.
     Result<ViewSurface> seen() {
-        return lattices_.surface_of(HeightField(picture_.scene, still(frame_)), still(frame_), {});
+        return lattices_.surface_of(HeightField(picture_.scene, still(frame_)), still(frame_), {},
+                                    Lighting::full);
     }
     const std::vector<GpuDevice::Time>& stages() const { return stages_; }
     const SurfaceFrame& codes() const { return frame_; }

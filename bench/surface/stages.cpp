@@ -99,7 +99,7 @@ Result<void> measure_drawing(const SurfaceCase& c, const Picture& picture, Surfa
     SurfaceFrame frame;
     if (auto built = builder.build(picture.raw, frame); !built) return built;
     const HeightField field(picture.scene, still(frame));
-    const auto surface = (*painter)->surface_of(field, still(frame), {});
+    const auto surface = (*painter)->surface_of(field, still(frame), {}, Lighting::full);
     if (!surface) return surface.error();
     const ViewCamera camera = own_view(picture.scene, c.width, c.height, picture.scene.depth.near / 2);
     const auto twin = make_cpu_painter()->paint(*surface, camera);

@@ -51,7 +51,7 @@ struct PlayWords {
     std::optional<fs::path> script;
     std::vector<fs::path> more_clips;
     const CLI::App* command = nullptr;
-    std::string dent;
+    std::string dent, light;
     LiveTyped live;
     KioskWords kiosk;
 };
@@ -306,6 +306,7 @@ Result<PlayOptions> read_words(const PlayWords& words) {
     if (words.script) TRY(assign(options.script, read_window_script(*words.script)));
     options.size_is_stated = words.command->count("--size") > 0;
     if (!words.dent.empty()) options.dent = words.dent == "on";
+    if (!words.light.empty()) TRY(assign(options.light, light_after(Lighting::off, words.light)));
     options.filters_are_stated = std::ranges::any_of(words.command->get_options(), [](const auto* option) {
         return option->get_group() == filters_topic && option->count() > 0;
     });
@@ -460,6 +461,10 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
                     "show how the surface gives way under a finger. Changes no force; by default as in the "
                     "last window, at first on",
                     {"on", "off"});
+    add_word_option(sub, "--light", words.light,
+                    "light on the clip's colours, which shows relief. By default as in the last window, at "
+                    "first off",
+                    {light_names.begin(), light_names.end()});
     add_number_option(sub, "--seconds", o.seconds, "close the window after so many seconds", 0.1, 1e6)
         ->type_name("SECONDS");
     sub.add_flag("--rumble", o.rumble, "let a gamepad that is plugged in rumble with what is felt");

@@ -285,6 +285,10 @@ void add_picture_options(CLI::App& sub, PictureOptions& options) {
                     "validity: where there is depth")
         ->type_name(type_with_words("WORD", overlay_names()))
         ->needs(picture);
+    add_word_option(sub, "--light", options.light, "light on the clip's colours, which shows relief",
+                    {light_names.begin(), light_names.end()})
+        ->default_str(options.light)
+        ->needs(picture);
 }
 
 Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options, Existing existing,
@@ -301,6 +305,7 @@ Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options,
                }));
     order.any_painter = options.painter == "auto";
     order.show = options.show;
+    TRY_ASSIGN(order.light, light_after(order.light, options.light));
     order.file = std::make_unique<NewFile>(*options.file, existing);
     if (auto usable = order.file->check(); !usable)
         return Error{usable.error().kind, "--picture " + usable.error().message};
@@ -312,8 +317,9 @@ Result<Image> PictureOrder::draw(const HeightField& field, const FramePair& pair
     Overlays overlays;
     const Overlays::Picture* const overlay =
         show == Overlay::colour ? nullptr : &overlays.paint(show, field, pair);
-    TRY_ASSIGN(auto surface, painter->surface_of(field, pair, overlay ? overlay->view() : colour));
-    if (overlay) quieten_light(show, *overlay, surface);
+    TRY_ASSIGN(auto surface, painter->surface_of(field, pair, overlay ? overlay->view() : colour,
+                                                 overlay ? light_of(show) : light));
+    surface.colours_are_values = overlay != nullptr;
     const Viewpoint::Subject subject = subject_of(field);
     TRY_ASSIGN(auto image, make_picture(settings, field.scene(), surface, subject, fingers,
                                         mark_sizes(field.scene(), subject.middle), *painter));

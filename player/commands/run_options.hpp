@@ -72,6 +72,7 @@ struct PictureOptions {
     std::string painter = "auto";  ///< see make_painter
     std::string size = "1280x720";
     Overlay show = Overlay::colour;
+    std::string light = light_names[0];
 
     bool draws_on_gpu() const { return file && painter != "cpu"; }
 };
@@ -79,7 +80,7 @@ struct PictureOptions {
 /// Adds --painter (make_painter).
 CLI::Option* add_painter_option(CLI::App& sub, std::string& painter);
 
-/// Adds --picture FILE, --view, --painter, --picture-size and --show.
+/// Adds --picture FILE, --view, --painter, --picture-size, --show and --light.
 void add_picture_options(CLI::App& sub, PictureOptions& options);
 
 /// A picture to draw, checked before any work: view and size are valid, the painter is available, and the
@@ -90,6 +91,7 @@ struct PictureOrder {
     std::unique_ptr<SurfacePainter> painter;
     bool any_painter = false;  ///< if the GPU fails, the cpu may draw instead
     Overlay show = Overlay::colour;
+    Lighting light = Lighting::off;  ///< on the clip's own colours
 
     /// Draws the surface of `field`, made from `pair`, coloured by `show` (`colour` if not empty), and writes
     /// the file.

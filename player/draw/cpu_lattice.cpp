@@ -26,7 +26,8 @@ struct LightTerms {
     float farthest = 1;        ///< an upper bound of depth, scene units
     const float* q = nullptr;  ///< rows of `pitch`
     int width = 0, height = 0, pitch = 0;
-    PlaneView colour;  ///< RGB of 8 bits, of that size; or empty for clay
+    PlaneView colour;    ///< RGB of 8 bits, of that size; or empty for clay
+    float strength = 1;  ///< of the light on them
     UsualQ usual{};    ///< clay's coolest and warmest q
     float cut_ratio = CUT_RULE_RATIO;
 };
@@ -115,10 +116,10 @@ struct Lens {
 }
 
 /// `lit_colour` for non-negative light.
-[[gnu::always_inline]] inline void shade_colours(const std::uint8_t* rgb, const float* light, int width,
-                                                 PackedColour* __restrict colours) {
+[[gnu::always_inline]] inline void shade_colours(const std::uint8_t* rgb, const float* light, float strength,
+                                                 int width, PackedColour* __restrict colours) {
     for (int x = 0; x < width; ++x) {
-        const float gain = 0.45F + 0.7F * light[x];
+        const float gain = light_gain(light[x], strength);
         const auto r = static_cast<float>(rgb[3 * x]), g = static_cast<float>(rgb[3 * x + 1]),
                    b = static_cast<float>(rgb[3 * x + 2]);
         colours[x] = channel(r * gain) | channel(g * gain) << 8 | channel(b * gain) << 16 | 0xff000000U;
@@ -382,7 +383,7 @@ void CpuLattices::LightRows::light(const LightTerms& terms, int first, int end, 
             if (terms.colour.empty())
                 shade_clay(q_row(done), terms.usual, sum.x, width, to);
             else
-                shade_colours(terms.colour.row(done), sum.x, width, to);
+                shade_colours(terms.colour.row(done), sum.x, terms.strength, width, to);
         }
     };
     run_vectors(unit, rows);
@@ -475,14 +476,20 @@ ViewSurface::Tiles CpuLattices::tiles_of(int width, int height, const std::vecto
 void CpuLattices::light(const HeightField& field, const float* q, int pitch, const PlaneView& colour,
                         Lighting lighting, PackedColour* colours, float cut_ratio) {
     const Scene& scene = field.scene();
-    LightTerms terms{
-        scene.camera, static_cast<float>(scene.depth.far), q, field.width(), field.height(), pitch, colour};
+    LightTerms terms{scene.camera,
+                     static_cast<float>(scene.depth.far),
+                     q,
+                     field.width(),
+                     field.height(),
+                     pitch,
+                     colour,
+                     light_strength(lighting)};
     terms.cut_ratio = cut_ratio;
     if (colour.empty())
         terms.usual = usual_q(terms.width, terms.height, [q, pitch](int x, int y) {
             return q[static_cast<std::ptrdiff_t>(y) * pitch + x];
         });
-    const bool is_lit = colour.empty() || lighting == Lighting::lit;
+    const bool is_lit = colour.empty() || terms.strength > 0;
     bands_.for_each_band(terms.height, TileGrid::cells, [&](const RowBand& band) {
         if (is_lit)
             light_rows_[static_cast<std::size_t>(band.thread)].light(terms, band.first, band.last, unit_,
@@ -492,12 +499,12 @@ void CpuLattices::light(const HeightField& field, const float* q, int pitch, con
     });
 }
 
-ViewSurface CpuLattices::surface_of(const HeightField& field, const FramePair& pair,
-                                    const PlaneView& colour) {
+ViewSurface CpuLattices::surface_of(const HeightField& field, const FramePair& pair, const PlaneView& colour,
+                                    Lighting lighting) {
     std::vector<float> q;
     q_of(field, pair, q);
     ViewSurface::Tiles tiles = tiles_of(field.width(), field.height(), q);
-    return make_view_surface(field, std::move(q), std::move(tiles), colour);
+    return make_view_surface(field, std::move(q), std::move(tiles), colour, lighting);
 }
 
 SurfaceEdges::SurfaceEdges(int threads, VectorUnit vectors)

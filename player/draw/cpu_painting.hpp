@@ -43,7 +43,8 @@ public:
                Lighting lighting, PackedColour* colours, float cut_ratio = CUT_RULE_RATIO);
 
     /// `make_view_surface`, with this class's q and tiles.
-    ViewSurface surface_of(const HeightField& field, const FramePair& pair, const PlaneView& colour);
+    ViewSurface surface_of(const HeightField& field, const FramePair& pair, const PlaneView& colour,
+                           Lighting lighting);
 
 private:
     class LightRows;

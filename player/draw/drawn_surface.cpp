@@ -112,13 +112,14 @@ std::vector<float> q_of(const HeightField& field) {
 }
 
 ViewSurface make_view_surface(const HeightField& field, std::vector<float> q, ViewSurface::Tiles tiles,
-                              const PlaneView& colour) {
+                              const PlaneView& colour, Lighting lighting) {
     ViewSurface surface;
     surface.width = field.width();
     surface.height = field.height();
     surface.q = std::move(q);
     surface.tiles = std::move(tiles);
-    surface.colours = lit_colours(field.scene().camera, surface, colour);
+    surface.colours = lit_colours(field.scene().camera, surface, colour, lighting);
+    surface.colours_are_values = lighting == Lighting::values && !colour.empty();
     return surface;
 }
 
@@ -138,7 +139,7 @@ UsualQ usual_q(int width, int height, const std::function<float(int x, int y)>& 
 }
 
 std::vector<PackedColour> lit_colours(const Camera& camera, const ViewSurface& surface,
-                                      const PlaneView& colour) {
+                                      const PlaneView& colour, Lighting lighting) {
     std::vector<glm::vec3> normals = vertex_normals(camera, surface);
     smooth(surface, normals);
     const auto [farthest_q, nearest_q] =
@@ -155,7 +156,8 @@ std::vector<PackedColour> lit_colours(const Camera& camera, const ViewSurface& s
             const float light = light_on(glm::vec3(normal));
             if (!colour.empty()) {
                 const std::uint8_t* rgb = colour.row(y) + std::ptrdiff_t{3} * x;
-                colours.push_back(packed(lit_colour(glm::vec3(rgb[0], rgb[1], rgb[2]), light)));
+                colours.push_back(
+                    packed(lit_colour(glm::vec3(rgb[0], rgb[1], rgb[2]), light, light_strength(lighting))));
                 continue;
             }
             colours.push_back(packed(lit_clay((surface.q[at] - farthest_q) / q_range, light)));

@@ -71,10 +71,10 @@ FieldVertex drawn_vertex(const HeightField& field, std::int64_t i, std::int64_t 
 float drawn_q(const HeightField& field, int x, int y);
 std::vector<float> q_of(const HeightField& field);
 
-/// The surface of a field with the given q and tiles. `colour` (3 channels of the field's size) is gently
-/// lit; if it is empty, clay shows light and depth alone.
+/// The surface of a field with the given q and tiles. `colour` has 3 channels of the field's size; if it is
+/// empty, clay shows light and depth alone.
 ViewSurface make_view_surface(const HeightField& field, std::vector<float> q, ViewSurface::Tiles tiles,
-                              const PlaneView& colour);
+                              const PlaneView& colour, Lighting lighting);
 
 /// The 4 % and 96 % quantiles of valid vertices' q, from a sample.
 struct UsualQ {
@@ -82,11 +82,11 @@ struct UsualQ {
 };
 UsualQ usual_q(int width, int height, const std::function<float(int x, int y)>& q_at);
 
-/// A colour for every vertex of `surface` (reads its q, not its colours): that of `colour`, in a gentle light
-/// that shows relief; if `colour` is empty, clay in full light, warmer when nearer, cooler when farther. The
-/// light comes from the upper left behind the clip's camera.
+/// A colour for every vertex of `surface` (reads its q, not its colours): that of `colour`, lit; if it is
+/// empty, clay in full light, warmer when nearer, cooler when farther. The light comes from the upper left
+/// behind the clip's camera.
 std::vector<PackedColour> lit_colours(const Camera& camera, const ViewSurface& surface,
-                                      const PlaneView& colour);
+                                      const PlaneView& colour, Lighting lighting);
 
 /// A field's lattice as painters draw it, for callers that need few of its vertices: vertices are computed on
 /// demand and cached.

@@ -31,7 +31,7 @@
 namespace touchable {
 namespace {
 
-static_assert(sizeof(UnprojectPush) == 80 && sizeof(LightPush) == 44);
+static_assert(sizeof(UnprojectPush) == 80 && sizeof(LightPush) == 48);
 static_assert(CUT_TILES_CELLS == TileGrid::cells);
 static_assert(offsetof(TileListsHeader, mixed_vertices) - offsetof(TileListsHeader, whole_indices) ==
                   sizeof(VkDrawIndexedIndirectCommand) &&
@@ -427,12 +427,12 @@ Result<GpuLattice> GpuLattices::read_back(const HeightField& field, const FrameP
 }
 
 Result<ViewSurface> GpuLattices::surface_of(const HeightField& field, const FramePair& pair,
-                                            const PlaneView& colour) {
+                                            const PlaneView& colour, Lighting lighting) {
     if (!SurfaceUnproject::has_codes(field, pair))
-        return CpuLattices(CpuLattices::usual_threads()).surface_of(field, pair, colour);
+        return CpuLattices(CpuLattices::usual_threads()).surface_of(field, pair, colour, lighting);
     auto lattice = std::make_shared<GpuLattice>();
     TRY_ASSIGN(const auto seen, read_back(field, pair, *lattice));
-    ViewSurface surface = make_view_surface(field, q_from(seen), read_tiles(seen.tiles), colour);
+    ViewSurface surface = make_view_surface(field, q_from(seen), read_tiles(seen.tiles), colour, lighting);
     surface.on_gpu = std::move(lattice);
     return surface;
 }
@@ -487,7 +487,7 @@ Result<void> SurfaceLighting::make_program() {
 
 Result<void> SurfaceLighting::record(GpuCommands& commands, const HeightField& field,
                                      const GpuLattice& lattice, const PlaneView& colour, Lighting lighting) {
-    const bool has_colour = !colour.empty(), is_lit = !has_colour || lighting == Lighting::lit;
+    const bool has_colour = !colour.empty(), is_lit = !has_colour || light_strength(lighting) > 0;
     TRY(check_colour(colour, lattice.width, lattice.height));
     GpuBuffer rgb = lattice.q;
     if (has_colour)
@@ -507,6 +507,7 @@ Result<void> SurfaceLighting::record(GpuCommands& commands, const HeightField& f
         push.far_q = usual.farthest;
         push.per_q_range = 1 / std::max(usual.nearest - usual.farthest, 1e-30F);
     }
+    push.strength = light_strength(lighting);
     push.width = static_cast<std::uint32_t>(lattice.width);
     push.height = static_cast<std::uint32_t>(lattice.height);
     push.pitch = static_cast<std::uint32_t>(lattice.pitch / 4);

@@ -147,7 +147,8 @@ public:
 
     /// `make_view_surface`, with q and tiles from `record`, which also stay on the GPU; if the frames have no
     /// codes, CpuLattices::surface_of.
-    Result<ViewSurface> surface_of(const HeightField& field, const FramePair& pair, const PlaneView& colour);
+    Result<ViewSurface> surface_of(const HeightField& field, const FramePair& pair, const PlaneView& colour,
+                                   Lighting lighting);
 
     /// A surface for this device's painters: uploads only colours if the rest is there already. Reuses the
     /// same buffers: the caller must have waited for the commands that read the last one.

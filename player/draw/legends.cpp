@@ -315,6 +315,15 @@ Result<Overlay> overlay_after(Overlay now, const std::string& name) {
                        listed(names_of_overlays));
 }
 
+Result<Lighting> light_after(Lighting now, std::string_view name) {
+    constexpr std::size_t count = light_names.size();
+    if (name.empty()) return static_cast<Lighting>((static_cast<std::size_t>(now) + 1) % count);
+    const auto named = std::ranges::find(light_names, name);
+    if (named != light_names.end()) return static_cast<Lighting>(named - light_names.begin());
+    return usage_error("unknown light '" + printable(std::string(name)) + "'; must be one of " +
+                       listed(light_names));
+}
+
 double Overlays::Scale::share_of(double value) const {
     if (!(range.greatest > range.least)) return 0.5;
     const double share = std::clamp((value - range.least) / (range.greatest - range.least), 0.0, 1.0);

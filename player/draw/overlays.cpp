@@ -299,20 +299,10 @@ const Overlays::Picture& Overlays::paint(Overlay kind, const HeightField& field,
     return painter_->paint(kind, field, pair);
 }
 
-void quieten_light(Overlay kind, const Overlays::Picture& overlay, ViewSurface& surface) {
+Lighting light_of(Overlay kind) {
     const bool shows_relief =
         kind == Overlay::depth || kind == Overlay::depth_linear || kind == Overlay::normals;
-    const unsigned lit_share = shows_relief ? 0 : 128;  // of 256
-    surface.colours_are_values = true;
-    for (std::size_t k = 0; k < surface.colours.size(); ++k) {
-        const std::uint8_t* rgb = overlay.rgb.data() + 3 * k;
-        const PackedColour lit = surface.colours[k];
-        const auto mixed = [&](int channel) {
-            const unsigned of_light = lit >> (8 * channel) & 255U;
-            return (rgb[channel] * (256 - lit_share) + of_light * lit_share + 128) >> 8;
-        };
-        surface.colours[k] = pack_colour(mixed(0), mixed(1), mixed(2));
-    }
+    return shows_relief ? Lighting::values : Lighting::soft;
 }
 
 }  // namespace touchable

@@ -4,11 +4,11 @@
 //
 // An `Overlay` names the property (depth, stiffness, normals, ...); `overlay_after` parses its name, or steps
 // to the next. `Overlays` paints it frame after frame into an `Overlays::Picture`, which is passed to a
-// painter or a drawing as the surface's colour with Lighting::plain, or softened by `quieten_light`:
+// painter or a drawing as the surface's colour with Lighting::values, or in the light of `light_of`:
 //
 //     Overlays overlays;
 //     const Overlays::Picture& painted = overlays.paint(Overlay::depth, field, pair);
-//     drawing.show(field, pair, painted.view(), Lighting::plain);
+//     drawing.show(field, pair, painted.view(), Lighting::values);
 //     TRY(draw_scale_bar(painted.scale, image));
 //
 // A scale's ramp goes from dark blue through green to light yellow (`ramp_colour`).
@@ -20,6 +20,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/base/result.hpp"
@@ -51,6 +52,23 @@ std::vector<std::string> overlay_names();
 /// The overlay named `name`; if `name` is empty, the one after `now`, cyclically. Fails (ErrorKind::usage)
 /// with the list of names.
 Result<Overlay> overlay_after(Overlay now, const std::string& name);
+
+/// How a vertex's colour is lit, to show relief. Clay is always in full light.
+enum class Lighting {
+    off,     ///< unchanged: photographs have the light of their place
+    soft,    ///< half of the full light's effect
+    full,    ///< a gentle light
+    values,  ///< unchanged, for maps, whose colours carry values: nothing may darken them
+};
+inline constexpr std::array<const char*, 3> light_names{"off", "soft", "full"};
+
+/// The lighting of that name, off, soft or full; the next one for an empty name.
+Result<Lighting> light_after(Lighting now, std::string_view name);
+
+/// How much of the full light's effect a colour gets, 0 to 1.
+constexpr float light_strength(Lighting lighting) {
+    return lighting == Lighting::full ? 1.0F : lighting == Lighting::soft ? 0.5F : 0.0F;
+}
 
 /// Paints overlays, frame after frame; remembers scales to avoid flicker.
 class Overlays {
@@ -113,11 +131,8 @@ private:
     std::unique_ptr<Painter> painter_;
 };
 
-struct ViewSurface;
-
-/// Replaces a lit surface's colours by readable overlay colours: relief stays, weaker, unless the overlay
-/// shows relief itself.
-void quieten_light(Overlay kind, const Overlays::Picture& overlay, ViewSurface& surface);
+/// The light in which a single picture of an overlay stays readable: none if the overlay shows relief itself.
+Lighting light_of(Overlay kind);
 
 /// Colours from dark blue through green to light yellow, lightness growing evenly as perceived (OKLab), none
 /// of them grey: legible without telling red from green, by lightness and by blue and yellow.

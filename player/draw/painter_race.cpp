@@ -65,7 +65,7 @@ public:
             if (stop_requested()) return interrupted_error();
             const auto begin = std::chrono::steady_clock::now();
             TRY_ASSIGN(auto commands, GpuCommands::begin(device_, "painter race", GpuTiming::none));
-            TRY(drawing->show(commands, field, pair, {}, Lighting::lit, 1));
+            TRY(drawing->show(commands, field, pair, {}, Lighting::full, 1));
             TRY(drawing->draw(commands, camera, {}, {}, target_));
             TRY(std::move(commands).run());
             const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;

@@ -62,9 +62,9 @@ class CpuPainter final : public SurfacePainter {
 public:
     std::string_view name() const override { return "cpu"; }
 
-    Result<ViewSurface> surface_of(const HeightField& field, const FramePair& pair,
-                                   const PlaneView& colour) override {
-        return lattices_.surface_of(field, pair, colour);
+    Result<ViewSurface> surface_of(const HeightField& field, const FramePair& pair, const PlaneView& colour,
+                                   Lighting lighting) override {
+        return lattices_.surface_of(field, pair, colour, lighting);
     }
 
     Result<PicturePlanes> paint(const ViewSurface& surface, const ViewCamera& camera) override {
@@ -213,7 +213,7 @@ void CpuDrawing::show(const HeightField& field, const FramePair& pair, const Pla
     surface.width = field.width();
     surface.height = field.height();
     lattices.q_of(field, pair, surface.q);
-    surface.colours_are_values = lighting == Lighting::plain && !colour.empty();
+    surface.colours_are_values = lighting == Lighting::values && !colour.empty();
     surface.colours.resize(surface.q.size());
     lattices.light(field, surface.q.data(), surface.width, colour, lighting, surface.colours.data());
 }

@@ -5,7 +5,7 @@
 // For a single picture, make a painter, let it make the surface, and compose the picture:
 //
 //     TRY_ASSIGN(const auto painter, make_painter("auto", open_gpu));
-//     TRY_ASSIGN(const auto surface, painter->surface_of(field, pair, colour));
+//     TRY_ASSIGN(const auto surface, painter->surface_of(field, pair, colour, Lighting::off));
 //     TRY_ASSIGN(auto image,
 //                make_picture({viewpoint}, scene, surface, subject_of(field), {}, {}, *painter));
 //
@@ -31,6 +31,7 @@
 #include "engine/scene/frames.hpp"
 #include "haptics_cpu/height_field.hpp"
 #include "player/draw/finger_marks.hpp"
+#include "player/draw/overlays.hpp"
 #include "player/draw/view.hpp"
 
 namespace touchable {
@@ -41,12 +42,6 @@ struct GpuFacts;
 class GpuImage;
 struct GpuLattice;
 struct PicturePlanes;
-
-/// How a vertex's colour is lit.
-enum class Lighting {
-    lit,    ///< in a gentle light that shows relief
-    plain,  ///< unchanged, for maps, whose colours carry values
-};
 
 /// What a painter draws: the lattice at one moment, with a colour at every vertex.
 struct ViewSurface {
@@ -85,7 +80,7 @@ public:
     /// `make_view_surface` of `field`, which was made from `pair`, on this painter's hardware: q agrees to
     /// 1e-6.
     virtual Result<ViewSurface> surface_of(const HeightField& field, const FramePair& pair,
-                                           const PlaneView& colour) = 0;
+                                           const PlaneView& colour, Lighting lighting) = 0;
     virtual Result<PicturePlanes> paint(const ViewSurface& surface, const ViewCamera& camera) = 0;
 };
 

@@ -114,7 +114,7 @@ private:
     /// Invalidates everything until the new surface is made.
     Result<void> begin_surface(const HeightField& field, const PlaneView& colour, Lighting lighting) {
         for (GpuCommands::Made* const made : {&shown_, &listed_, &edged_, &drawn_}) made->reset();
-        are_values_ = lighting == Lighting::plain && !colour.empty();
+        are_values_ = lighting == Lighting::values && !colour.empty();
         return check_colour(colour, field.width(), field.height());
     }
 

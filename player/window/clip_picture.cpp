@@ -97,6 +97,11 @@ void ClipPicture::set_overlay(Overlay overlay) {
     shown_.reset();
 }
 
+void ClipPicture::set_light(Lighting light) {
+    light_ = light;
+    shown_.reset();
+}
+
 Result<void> ClipPicture::show(const WatchedMoment& moment, const HeightField& field, int step) {
     const FramePair& pair = moment.held.pair;
     const PlaneView colour = moment.colour();
@@ -106,11 +111,11 @@ Result<void> ClipPicture::show(const WatchedMoment& moment, const HeightField& f
     Result<void> shown;
     if (overlay_ == Overlay::colour) {
         const PlaneView seen = tinted_ ? tint_.paint(tinted_, pair.prev.number, colour) : colour;
-        shown = graphics_->show(field, pair, seen, Lighting::lit, step);
+        shown = graphics_->show(field, pair, seen, light_, step);
     } else {
         const Overlays::Picture& picture = overlays_->paint(overlay_, field, pair);
         scale_ = picture.scale;
-        shown = graphics_->show(field, pair, picture.view(), Lighting::plain, step);
+        shown = graphics_->show(field, pair, picture.view(), Lighting::values, step);
     }
     if (shown) shown_ = now;
     return shown;

@@ -110,6 +110,9 @@ public:
     int drawn_step() const { return shown_ ? shown_->step : 1; }  ///< from vertex to vertex
     Overlay overlay() const { return overlay_; }
     void set_overlay(Overlay overlay);
+    Lighting light() const { return light_; }
+    /// Of the clip's own colours.
+    void set_light(Lighting light);
     /// Paints segments instead of the clip's colours; null: the clip's.
     void set_tint(std::shared_ptr<const PaintedSegments> painted) { tinted_ = std::move(painted); }
     /// The scale of the overlay's colours; null for the clip's own.
@@ -135,6 +138,7 @@ private:
     std::unique_ptr<Overlays> overlays_ = std::make_unique<Overlays>();
     int drawn_width_ = 0, drawn_height_ = 0;
     Overlay overlay_ = Overlay::colour;
+    Lighting light_ = Lighting::off;
     Overlays::Scale scale_;
     std::optional<Shown> shown_;
 };

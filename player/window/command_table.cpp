@@ -33,6 +33,14 @@ void set_overlay(Window window, Command command) {
     surface.set_overlay(*overlay);
 }
 
+void set_light(Window window, Command command) {
+    ClipPicture& surface = window.picture().surface();
+    const auto light = light_after(surface.light(), command.word);
+    if (!light) return window.say(light.error());
+    surface.set_light(*light);
+    window.say("light on colours: " + std::string(light_names[static_cast<std::size_t>(*light)]));
+}
+
 void keep_screenshot(Window window, Command command) {
     if (auto drawn = window.picture().draw_newest(); !drawn) return window.say(drawn);
     window.say(window.picture().keep(command.word));
@@ -45,6 +53,7 @@ void reset_all(Window window, Command) {
     window.clip()->fingers().set_count(KeptSettings().fingers);
     window.sound().set_volume(KeptSettings().volume);
     window.picture().surface().set_overlay(Overlay::colour);
+    window.picture().surface().set_light(KeptSettings().light);
     window.measure().let_go();
     const ScreenOptions& screen = window.options.screen;
     if (!window.input().fullscreen()) window.screen().set_size(screen.width, screen.height);
@@ -141,6 +150,8 @@ std::vector<CommandRow> all_rows() {
         [](Window w, Command c) { set_volume(w, c.number); });
     add(overlay, "overlay", data, {word}, for_visitors, {{"o"}},
         "colour the surface by depth, stiffness, ...", set_overlay);
+    add(light, "light", data, {word}, 0, {{"i"}}, "light on the clip's colours: off, soft, full", set_light,
+        "off, soft or full; or nothing, for the next one");
     add(settings, "settings", data, {word}, 0, {{"b"}}, "switch between the settings A and B", take_setting,
         "a or b, or nothing for the other one");
     add(feel, nullptr, data, {}, 0, {}, nullptr, take_setting);

@@ -163,6 +163,7 @@ struct PanelFacts {
     std::vector<double> forces;     ///< newtons, by finger
     double limit_newtons = 10;      ///< the greatest force
     bool is_dented = true;          ///< dents are drawn
+    Lighting light = Lighting::off;
     std::vector<FingerHalo> halos;
     PlaceFacts place;
     SettingsFacts settings;

@@ -29,6 +29,7 @@
 #include "engine/base/result.hpp"
 #include "engine/scene/scene.hpp"
 #include "player/audio/window_sound.hpp"
+#include "player/draw/overlays.hpp"
 #include "player/session/touch_setup.hpp"
 #include "player/window/kiosk.hpp"
 #include "player/window/persistent_device.hpp"
@@ -111,6 +112,7 @@ struct PlayOptions {
     /// Folder for keeping a brush's changes between windows (BrushFiles); nullopt: they are not kept.
     std::optional<std::filesystem::path> brush_history;
     std::optional<bool> dent;  ///< whether dents are drawn; nullopt: as in the kept settings
+    std::optional<Lighting> light;  ///< on the clip's colours; nullopt: as in the kept settings
     /// The user stated the size in `screen` (the kept size is ignored), or the filters in `session.clip` (the
     /// kept sets A and B are not used).
     bool size_is_stated = false, filters_are_stated = false;

@@ -128,6 +128,11 @@ void draw_finger(const PanelFacts& facts, float scale, std::vector<WindowCommand
     if (ImGui::Button((facts.overlay + "##colours").c_str(), ImVec2(-1, 0)))
         asked.push_back({WindowVerb::overlay});
     explain_row("Colours the surface by depth, stiffness and others. A click, or O: the next.");
+    const int light =
+        draw_words_row("light", {light_names.begin(), light_names.end()}, static_cast<int>(facts.light),
+                       scale, "How strongly relief is lit. Off: colours are the clip's own. I: the next.");
+    if (light >= 0)
+        asked.push_back({.verb = WindowVerb::light, .word = light_names[static_cast<std::size_t>(light)]});
     const int dents = draw_words_row(
         "dents", {"off", "on"}, facts.is_dented, scale,
         "Whether you see the surface give way under a finger, and stretch where it sticks. It changes no "

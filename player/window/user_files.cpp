@@ -38,7 +38,11 @@ Json to_json(const SessionSettings& settings) {
 }
 
 Json to_json(const KeptSettings& kept) {
-    Json json{{"panel", kept.panel}, {"dent", kept.dent}, {"fingers", kept.fingers}, {"volume", kept.volume}};
+    Json json{{"panel", kept.panel},
+              {"dent", kept.dent},
+              {"light", light_names[static_cast<std::size_t>(kept.light)]},
+              {"fingers", kept.fingers},
+              {"volume", kept.volume}};
     if (kept.width > 0) json["window"] = {kept.width, kept.height};
     json["a"] = to_json(kept.a);
     if (kept.b) json["b"] = to_json(*kept.b);
@@ -91,6 +95,12 @@ std::string read_member(const std::string& name, const Json& value, KeptSettings
         const auto whole = whole_in(value, least, most);
         if (!whole) return quoted + formatted("must be %d to %d", least, most);
         kept.*member = *whole;
+        return "";
+    }
+    if (name == "light") {
+        const auto light = light_after(kept.light, value.is_string() ? value.get<std::string>() : "?");
+        if (!light) return quoted + "must be one of " + listed(light_names);
+        kept.light = *light;
         return "";
     }
     if (name == "overlay") return "";  // kept by earlier versions

@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "engine/base/result.hpp"
+#include "player/draw/overlays.hpp"
 #include "player/session/clip_choice.hpp"
 #include "player/window/session_settings.hpp"
 
@@ -43,7 +44,8 @@ struct KeptSettings {
     int width = 0, height = 0;  ///< of the window, in units of `--size`; 0: unknown
     SessionSettings a;
     std::optional<SessionSettings> b;
-    bool dent = true;  ///< dents are drawn
+    bool dent = true;                ///< dents are drawn
+    Lighting light = Lighting::off;  ///< on the clip's colours
     int volume = 100;  ///< of sound, 0 to 100
     bool operator==(const KeptSettings&) const = default;
 };

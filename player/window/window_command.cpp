@@ -66,6 +66,9 @@ Result<bool> read_words(const std::string& rest, WindowCommand& command) {
         case WindowVerb::overlay:
             TRY(overlay_after(Overlay::colour, rest));
             return true;
+        case WindowVerb::light:
+            TRY(light_after(Lighting::off, rest));
+            return true;
         case WindowVerb::material:
             return find_material(rest) ? Result<bool>(true)
                                        : usage_error("material: " + no_such_material(rest));

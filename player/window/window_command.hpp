@@ -50,6 +50,7 @@ enum class WindowVerb {
     measure,      ///< `places`: two pixels; none: `word`, empty: takes the tool or puts it away, "off":
                   ///< removes the line
     overlay,      ///< `word`: the surface's colouring; empty: the next one
+    light,        ///< `word`: off, soft or full (light_names); empty: the next one
     dent,         ///< `number`: 1: dents are drawn, 0: they are not
     home,         ///< the clip's own view
     turn,         ///< `number`: degrees to the right

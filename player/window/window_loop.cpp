@@ -212,6 +212,7 @@ private:
         KeptSettings kept = core_.settings_file().read();
         kept.panel = core_.picture().panel().shown;
         if (!options_.dent) kept.dent = core_.picture().is_dented();
+        if (!options_.light) kept.light = core_.picture().surface().light();
         kept.fingers = core_.clip()->fingers().count();
         kept.volume = core_.sound().volume();
         if (!options_.filters_are_stated) {

@@ -188,6 +188,7 @@ Result<void> WindowPicture::open(const KeptSettings& kept) {
     panel_.emplace(scale);
     panel_->shown = kept.panel;
     is_dented_ = options.dent.value_or(kept.dent);
+    surface_.set_light(options.light.value_or(kept.light));
     if (!options.video) return {};
     TRY_ASSIGN(film_, WindowFilm::create(*options.video, options.existing));
     return {};
@@ -427,6 +428,7 @@ PanelFacts WindowPicture::facts_of(const WatchedMoment& moment, const HeightFiel
     facts.settings.b_is_on = core_.clips().settings().in_effect.b_is_on;
     facts.settings.relief = relief_words(core_);
     facts.is_dented = is_dented_;
+    facts.light = surface_.light();
     facts.has_touch_screen = core_.input().has_touch_screen();
     WindowSound& sound = core_.sound();
     facts.figures.push_back(sound.state());

@@ -467,7 +467,7 @@ protected:
     void compare(const Scene& scene, const SurfaceFrame& prev, const SurfaceFrame& next, double blend) {
         const FramePair pair{{0, 0, &prev}, {1, 1'000'000, &next}, blend};
         const HeightField field(scene, pair);
-        const ViewSurface surface = must(lattices->surface_of(field, pair, {}));
+        const ViewSurface surface = must(lattices->surface_of(field, pair, {}, Lighting::full));
         const std::vector<float> twin = q_of(field), &made = surface.q;
         ASSERT_TRUE(surface.on_gpu);
         EXPECT_EQ(surface.tiles, classify_tiles(scene.width, scene.height, made));
@@ -521,7 +521,7 @@ TEST_F(Unproject, UsesVerticesWithoutCodes) {
     FramePair pair;
     pair.prev = pair.next = {0, 0, &lazy};
     const HeightField field(globe->scene, pair);
-    const ViewSurface surface = must(lattices->surface_of(field, pair, {}));
+    const ViewSurface surface = must(lattices->surface_of(field, pair, {}, Lighting::full));
     EXPECT_FALSE(surface.on_gpu);
     EXPECT_EQ(surface.q, q_of(globe->field()));
     EXPECT_EQ(surface.tiles, classify_tiles(96, 64, surface.q));
@@ -540,10 +540,10 @@ TEST_F(Unproject, ReadsVulkanFramesInPlace) {
         // The CPU's copy of them does not count.
         const FramePair pair{{0, 0, &prev}, {1, 1, &next}, 0.4};
         const HeightField field(globe->scene, pair);
-        const std::vector<float> q = must(lattices->surface_of(field, pair, {})).q;
+        const std::vector<float> q = must(lattices->surface_of(field, pair, {}, Lighting::full)).q;
         prev.codes.assign(prev.codes.size(), 0);
         prev.validity.assign(prev.validity.size(), 0);
-        EXPECT_EQ(must(lattices->surface_of(field, pair, {})).q, q);
+        EXPECT_EQ(must(lattices->surface_of(field, pair, {}, Lighting::full)).q, q);
     }
 }
 
@@ -553,7 +553,7 @@ TEST_F(Unproject, RejectsTooLargeFrame) {
     must(make_cpu_builder(globe->scene)->build(globe->raw_prev, frame));
     const FramePair still{{0, 0, &frame}, {0, 0, &frame}, 0};
     gpu->vulkan()->facts.limits.max_texel_buffer_elements = 96 / 8 * 64 - 1;
-    const auto surface = lattices->surface_of(HeightField(globe->scene, still), still, {});
+    const auto surface = lattices->surface_of(HeightField(globe->scene, still), still, {}, Lighting::full);
     ASSERT_FALSE(surface);
     EXPECT_EQ(surface.error().kind, ErrorKind::gpu);
     EXPECT_NE(surface.error().message.find("kernel unproject"), std::string::npos) << surface.error().message;

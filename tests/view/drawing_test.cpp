@@ -104,7 +104,7 @@ protected:
         return must(GpuImage::create(*gpu, "target", width, height, VK_FORMAT_R8G8B8A8_UNORM));
     }
     void show(SurfaceDrawing& drawing, const HeightField& field, const FramePair& pair,
-              const PlaneView& colour, Lighting lighting = Lighting::lit) {
+              const PlaneView& colour, Lighting lighting = Lighting::full) {
         auto commands = must(GpuCommands::begin(gpu, "show"));
         must(drawing.show(commands, field, pair, colour, lighting));
         must(must(std::move(commands).submit()).wait());
@@ -197,13 +197,13 @@ TEST_F(Drawing, CpuTwinMatchesRaster) {
     // Before anything is shown there is background.
     EXPECT_EQ(must(twin.draw(camera, {}, globe.sizes))->samples,
               picture_of(*raster, camera, {}, globe.sizes, target).samples);
-    twin.show(other->field(), other->pair(), {}, Lighting::lit);
+    twin.show(other->field(), other->pair(), {}, Lighting::full);
     must(twin.draw(camera, {}, globe.sizes));
     const std::vector<std::uint8_t> bytes(203 * 133 * 3, 77);
     const PlaneView map{bytes.data(), 203 * 3, 203, 133, 1, 3};
     for (const auto& [plane, lighting] :
-         {std::pair(globe.colour, Lighting::lit), std::pair(PlaneView{}, Lighting::lit),
-          std::pair(map, Lighting::plain)}) {
+         {std::pair(globe.colour, Lighting::full), std::pair(PlaneView{}, Lighting::full),
+          std::pair(map, Lighting::values)}) {
         show(*raster, globe.field, globe.pair, plane, lighting);
         twin.show(globe.field, globe.pair, plane, lighting);
         const Image bare = *must(twin.draw(camera, {}, globe.sizes));
@@ -311,10 +311,10 @@ TEST_F(Drawing, RepeatsToTheBit) {
         const GpuImage target = target_of(240, 160), other = target_of(240, 160);
         // All of it in one submission: what is uploaded for the second surface leaves the first alone.
         auto commands = must(GpuCommands::begin(gpu, "pictures"));
-        must(drawing->show(commands, field, shown->pair(), {}, Lighting::lit));
+        must(drawing->show(commands, field, shown->pair(), {}, Lighting::full));
         must(drawing->draw(commands, camera, {}, sizes, other));
         must(drawing->show(commands, shown->field(0.5), shown->pair(0.5), shown->raw_prev.colour,
-                           Lighting::lit));
+                           Lighting::full));
         must(drawing->draw(commands, camera, {}, sizes, target));
         must(drawing->draw(commands, camera, fingers, sizes, target));
         const Image first = read(std::move(commands), target);
@@ -349,7 +349,7 @@ TEST_F(Drawing, RedoesDiscardedCommands) {
             must(record(commands));
         };
         forget([&](GpuCommands& commands) {
-            return drawing->show(commands, field, shown->pair(), colour, Lighting::lit);
+            return drawing->show(commands, field, shown->pair(), colour, Lighting::full);
         });
         EXPECT_EQ(picture_of(*drawing, camera, {}, {}, target).samples, background.samples) << painter;
         show(*drawing, field, shown->pair(), colour);
@@ -419,7 +419,7 @@ TEST_F(Drawing, MapsKeepTheirColours) {
     const PlaneView map{bytes.data(), 96 * 3, 96, 64, 1, 3};
     for (const char* painter : gpu_painters) {
         const auto drawing = drawing_by(painter);
-        show(*drawing, shown->field(), shown->pair(), map, Lighting::plain);
+        show(*drawing, shown->field(), shown->pair(), map, Lighting::values);
         const Image drawn =
             picture_of(*drawing, own_view(shown->scene, 96, 64, 1), {}, {}, target_of(96, 64));
         EXPECT_GT(std::count(drawn.samples.begin(), drawn.samples.end(), 77), 90 * 60 * 3) << painter;
@@ -562,7 +562,7 @@ TEST_P(KeptPlanes, ExcludeDiscardedCommands) {
     const FramePair pair = clip->pair_at(0.3);
     {
         auto forgotten = must(GpuCommands::begin(gpu, "forgotten"));
-        must(drawing->show(forgotten, HeightField(clip->shown->scene, pair), pair, colour(), Lighting::lit));
+        must(drawing->show(forgotten, HeightField(clip->shown->scene, pair), pair, colour(), Lighting::full));
     }
     expect_as_anew(pair, "for the first time");
 }

@@ -396,7 +396,7 @@ protected:
                 for (const int value : {x, y, 100}) bytes_.push_back(static_cast<std::uint8_t>(value));
         drawing_.show(shown_->field(), shown_->pair(),
                       PlaneView{bytes_.data(), std::ptrdiff_t{3} * width, width, height, 1, 3},
-                      Lighting::plain);
+                      Lighting::values);
         camera_ = own_view(shown_->scene, width, height, 1e-3 * shown_->scene.depth.near);
         const double depth = planar_depth(shown_->scene.camera, shown_->scene.depth.semantics, width / 2,
                                           height / 2, shown_->field().vertex(width / 2, height / 2).depth);
@@ -562,8 +562,8 @@ protected:
             for (const float each : q) depths.push_back(1 / static_cast<double>(each));
         };
         of_q(q_of(field));
-        of_q(CpuLattices(1).surface_of(field, pair, {}).q);
-        of_q(must(GpuLattices(gpu).surface_of(field, pair, {})).q);
+        of_q(CpuLattices(1).surface_of(field, pair, {}, Lighting::full).q);
+        of_q(must(GpuLattices(gpu).surface_of(field, pair, {}, Lighting::full)).q);
         std::vector<double> values, rows;
         ScalarRows reads;
         reads.begin(Scalar::depth, field, pair);

@@ -458,9 +458,8 @@ TEST(Overlays, LightDependsOnKind) {
     Overlays overlays;
     for (const auto kind : {Overlay::depth, Overlay::depth_linear, Overlay::stiffness}) {
         const Overlays::Picture& picture = overlays.paint(kind, field, pair);
-        ViewSurface surface = make_view_surface(field, picture.view());
-        const std::vector<PackedColour> lit = surface.colours;
-        quieten_light(kind, picture, surface);
+        const std::vector<PackedColour> lit = make_view_surface(field, picture.view()).colours;
+        const ViewSurface surface = make_view_surface(field, picture.view(), light_of(kind));
         for (std::size_t k = 0; k < lit.size(); ++k) {
             const glm::ivec3 flat(picture.rgb[3 * k], picture.rgb[3 * k + 1], picture.rgb[3 * k + 2]);
             const glm::ivec3 drawn = channels(surface.colours[k]), in_light = channels(lit[k]);

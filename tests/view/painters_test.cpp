@@ -343,11 +343,12 @@ TEST_F(Painters, DrawGpuSurfacesAlike) {
         const HeightField field = shown->field(blend);
         const ViewCamera camera = view_of(*shown, field, "orbit:az=25,el=10", 300, 200);
         const auto cpu = make_cpu_painter();
-        const ViewSurface made = must(cpu->surface_of(field, shown->pair(blend), shown->raw_prev.colour));
+        const ViewSurface made =
+            must(cpu->surface_of(field, shown->pair(blend), shown->raw_prev.colour, Lighting::full));
         const PicturePlanes expected = must(cpu->paint(made, camera));
         for (SurfacePainter* painter : {raster.get(), mesh.get()}) {
             ViewSurface surface =
-                must(painter->surface_of(field, shown->pair(blend), shown->raw_prev.colour));
+                must(painter->surface_of(field, shown->pair(blend), shown->raw_prev.colour, Lighting::full));
             ASSERT_TRUE(surface.on_gpu) << painter->name();
             const float subpixels = painter == mesh.get() ? 2 : 0;
             expect_alike(must(cpu->paint(surface, camera)), must(painter->paint(surface, camera)), subpixels,
@@ -364,9 +365,9 @@ TEST_F(Painters, KeepSurfacesApart) {
     const auto globe = shown_scene("globe", 96, 64), step = shown_scene("step", 96, 64);
     const auto painter = must(make_raster_painter(gpu));
     const ViewCamera camera = own_view(globe->scene, 96, 64, 1);
-    const ViewSurface first = must(painter->surface_of(globe->field(), globe->pair(), {}));
+    const ViewSurface first = must(painter->surface_of(globe->field(), globe->pair(), {}, Lighting::full));
     const PicturePlanes before = must(painter->paint(first, camera));
-    const ViewSurface second = must(painter->surface_of(step->field(), step->pair(), {}));
+    const ViewSurface second = must(painter->surface_of(step->field(), step->pair(), {}, Lighting::full));
     EXPECT_NE(must(painter->paint(second, camera)).z, before.z);
     EXPECT_EQ(must(painter->paint(first, camera)).z, before.z);
 }
@@ -562,12 +563,12 @@ void compare_light(const HeightField& field, const FramePair& pair, const PlaneV
         for (int x = 0; x < pitch; ++x)
             ASSERT_EQ(q[static_cast<std::size_t>(y * pitch + x)],
                       x < surface.width ? surface.q[surface.index(x, y)] : 0.0F);
-    const std::vector<PackedColour> twin = lit_colours(field.scene().camera, surface, colour);
+    const std::vector<PackedColour> twin = lit_colours(field.scene().camera, surface, colour, Lighting::full);
     std::vector<PackedColour> first;
     for (const VectorUnit unit : usable_vector_units())
         for (const int threads : {1, 3}) {
             std::vector<PackedColour> lit(q.size(), 7);
-            CpuLattices(threads, unit).light(field, q.data(), pitch, colour, Lighting::lit, lit.data());
+            CpuLattices(threads, unit).light(field, q.data(), pitch, colour, Lighting::full, lit.data());
             if (first.empty()) first = lit;
             ASSERT_EQ(lit, first) << threads << " threads";
         }
@@ -617,7 +618,7 @@ TEST(CpuLattices, KeepPlainColours) {
     CpuLattices lattices(2);
     lattices.q_of(shown->field(), shown->pair(), q);
     std::vector<PackedColour> plain(q.size());
-    lattices.light(shown->field(), q.data(), 67, colours.view(), Lighting::plain, plain.data());
+    lattices.light(shown->field(), q.data(), 67, colours.view(), Lighting::values, plain.data());
     for (std::size_t k = 0; k < plain.size(); ++k) ASSERT_EQ(plain[k], colours.at(k));
 }
 
@@ -655,7 +656,8 @@ TEST(CpuLattices, UseVerticesWithoutCodes) {
     ASSERT_TRUE(make_lazy_builder(globe->scene)->build(globe->raw_prev, lazy));
     FramePair pair;
     pair.prev = pair.next = {0, 0, &lazy};
-    const ViewSurface surface = CpuLattices(1).surface_of(HeightField(globe->scene, pair), pair, {});
+    const ViewSurface surface =
+        CpuLattices(1).surface_of(HeightField(globe->scene, pair), pair, {}, Lighting::full);
     EXPECT_EQ(surface.q, q_of(HeightField(globe->scene, pair)));
     EXPECT_EQ(surface.tiles, classify_tiles(96, 64, surface.q));
 }

@@ -248,12 +248,13 @@ protected:
 
     /// Against `lit_colours` of the same q.
     void compare(const HeightField& field, const FramePair& pair, const PlaneView& colour) {
-        Lit lit = light(field, pair, colour, Lighting::lit);
+        Lit lit = light(field, pair, colour, Lighting::full);
         ViewSurface surface;
         surface.width = field.width();
         surface.height = field.height();
         surface.q = std::move(lit.q);
-        const std::vector<PackedColour> twin = lit_colours(field.scene().camera, surface, colour);
+        const std::vector<PackedColour> twin =
+            lit_colours(field.scene().camera, surface, colour, Lighting::full);
         int worst = 0;
         for (std::size_t k = 0; k < twin.size(); ++k) {
             ASSERT_EQ(lit.colours[k] >> 24, 255U) << "vertex " << k;
@@ -299,7 +300,7 @@ TEST_F(SurfaceLight, MatchesTwinForAnySize) {
 TEST_F(SurfaceLight, KeepsPlainColours) {
     const auto shown = shown_scene("globe", 67, 45);
     const ManyColours colours(67, 45);
-    const Lit lit = light(shown->field(), shown->pair(), colours.view(), Lighting::plain);
+    const Lit lit = light(shown->field(), shown->pair(), colours.view(), Lighting::values);
     for (std::size_t k = 0; k < lit.colours.size(); ++k) ASSERT_EQ(lit.colours[k], colours.at(k));
 }
 
@@ -315,7 +316,7 @@ TEST_F(SurfaceLight, LightsFramesWithoutCodes) {
 TEST_F(SurfaceLight, RejectsColoursOfAnotherSize) {
     const auto shown = shown_scene("globe", 67, 45);
     const ManyColours colours(67, 44);
-    EXPECT_THROW(light(shown->field(), shown->pair(), colours.view(), Lighting::lit), std::runtime_error);
+    EXPECT_THROW(light(shown->field(), shown->pair(), colours.view(), Lighting::full), std::runtime_error);
 }
 
 TEST(ViewSurface, QMatchesTouchedField) {

@@ -351,7 +351,7 @@ Felt felt_where(bool is_dented) {
         if (is_dented)
             mark.given_way =
                 given_way(mark.force, tick.contacts[0].properties.stiffness, tick.metres_per_scene_unit);
-        drawing.show(field, tick.pair, {}, Lighting::lit);
+        drawing.show(field, tick.pair, {}, Lighting::full);
         const auto picture = drawing.draw(camera, std::span(&mark, 1), sizes);
         ASSERT_TRUE(picture);
         felt.last_picture = (*picture)->samples;
