@@ -218,6 +218,7 @@ public:
         shown_.loops = state_.loops;
         shown_.rate = static_cast<double>(state_.rate) / 1000;
         shown_.late_frames = static_cast<double>(late_);
+        hand_->view.note_middle(field);
         const ViewCamera camera = hand_->camera();
         if (script_.empty()) hand_->fingers.intend(field, camera, felt_.contacts);
         shown_.force_on = hand_->device.force_is_on();

@@ -1,9 +1,11 @@
 #include "player/window/pointer.hpp"
 
+#include <array>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
 #include "device/point_motion.hpp"
+#include "engine/base/same_bits.hpp"
 
 namespace touchable {
 namespace {
@@ -57,8 +59,100 @@ ViewCamera WindowView::camera(int width, int height) const {
     Viewpoint viewpoint = orbit_;
     viewpoint.own = own_;
     const int below = std::clamp(static_cast<int>(std::lround(below_ * height)), 0, std::max(height - 1, 0));
-    const ViewCamera camera = make_view(viewpoint, scene_, centre_, width, height - below);
+    ViewCamera camera = make_view(viewpoint, scene_, centre_, width, height - below);
+    if (!own_) (placing_ ? *placing_ : placing(camera.width, camera.height)).apply(camera);
     return below > 0 ? with_rows_below(camera, below) : camera;
+}
+
+void WindowView::note_middle(const HeightField& field) {
+    if (!own_) return;
+    constexpr int columns = 48, rows = 36;
+    struct Place {
+        glm::dvec3 at;
+        double depth = 0;  // planar; 0: none
+        bool is_found = false;
+    };
+    std::array<Place, columns * rows> places;
+    const Place* start = nullptr;
+    double least = 0;
+    for (int k = 0; k < columns * rows; ++k) {
+        const int x = (2 * (k % columns) + 1) * scene_.width / (2 * columns),
+                  y = (2 * (k / columns) + 1) * scene_.height / (2 * rows);
+        const FieldVertex vertex = field.vertex(x, y);
+        if (!vertex.valid) continue;
+        const double depth = planar_depth(scene_.camera, scene_.depth.semantics, x, y, vertex.depth),
+                     off = std::hypot(x - scene_.camera.cx, y - scene_.camera.cy);
+        places[static_cast<std::size_t>(k)] = {unproject(scene_.camera, x, y, depth), depth};
+        if (start && off >= least) continue;
+        start = &places[static_cast<std::size_t>(k)];
+        least = off;
+    }
+    if (!start) return;
+    // Neighbours are of one thing unless an edge lies between them.
+    constexpr double most_apart = 1.15;
+    std::vector<int> found{static_cast<int>(start - places.data())};
+    std::vector<double> depths;
+    thing_.clear();
+    places[static_cast<std::size_t>(found[0])].is_found = true;
+    for (std::size_t n = 0; n < found.size(); ++n) {
+        const Place& from = places[static_cast<std::size_t>(found[n])];
+        thing_.push_back(from.at);
+        depths.push_back(from.depth);
+        for (const int by : {-1, 1, -columns, columns}) {
+            const int k = found[n] + by;
+            if (k < 0 || k >= columns * rows || (std::abs(by) == 1 && k / columns != found[n] / columns))
+                continue;
+            Place& to = places[static_cast<std::size_t>(k)];
+            const bool is_near = std::max(from.depth, to.depth) < most_apart * std::min(from.depth, to.depth);
+            if (!is_near || std::exchange(to.is_found, true)) continue;
+            found.push_back(k);
+        }
+    }
+    centre_.z = home_.z = -sorted_element(depths, depths.size() / 2);
+}
+
+/// What the thing covers, without outliers, in shares of the picture from -1 to 1.
+WindowView::Covered WindowView::covered_by_thing(const Viewpoint& viewpoint, int width, int height) const {
+    const ViewCamera camera = make_view(viewpoint, scene_, centre_, width, height);
+    std::array<std::vector<double>, 2> places;
+    for (const glm::dvec3& point : thing_)
+        if (const auto at = camera.project(point)) {
+            places[0].push_back(2 * at->x / width - 1);
+            places[1].push_back(2 * at->y / height - 1);
+        }
+    Covered covered;
+    for (int axis = 0; axis < 2 && !places[0].empty(); ++axis) {
+        std::vector<double>& of = places[static_cast<std::size_t>(axis)];
+        const std::size_t few = of.size() / 50;
+        const double least = sorted_element(of, few), greatest = sorted_element(of, of.size() - 1 - few);
+        covered.middle[axis] = (least + greatest) / 2;
+        covered.size[axis] = greatest - least;
+    }
+    return covered;
+}
+
+/// Keeps the thing where it is in a view that is not turned, and no larger.
+WindowView::Placing WindowView::placing(int width, int height) const {
+    Viewpoint straight = orbit_;
+    straight.azimuth = straight.elevation = 0;
+    const Covered before = covered_by_thing(straight, width, height),
+                  after = covered_by_thing(orbit_, width, height);
+    Placing placing;
+    for (int axis = 0; axis < 2; ++axis)
+        if (after.size[axis] > before.size[axis])
+            placing.scale = std::min(placing.scale, before.size[axis] / after.size[axis]);
+    placing.shift = before.middle - placing.scale * after.middle;
+    return placing;
+}
+
+void WindowView::Placing::apply(ViewCamera& camera) const {
+    camera.focal *= scale;
+    for (glm::dmat4* const matrix : {&camera.clip_from_world, &camera.clip_from_lattice})
+        for (int column = 0; column < 4; ++column) {
+            glm::dvec4& to = (*matrix)[column];
+            to.x = scale * to.x + shift.x * to.w;
+            to.y = scale * to.y + shift.y * to.w;
+        }
 }
 
 double WindowView::pixels_per_vertex(int width, int height) const {
@@ -75,6 +169,7 @@ void WindowView::turn(double azimuth, double elevation) {
 
 void WindowView::pan(double x, double y, int width, int height) {
     own_ = false;
+    if (!placing_) placing_ = placing(std::max(width, 1), std::max(height, 1));
     const ViewCamera camera = this->camera(std::max(width, 1), std::max(height, 1));
     const auto middle = camera.project(centre_);
     if (!middle) return;
@@ -98,6 +193,7 @@ void WindowView::look_as(const WindowView& other) {
 
 void WindowView::go_home() {
     own_ = true;
+    placing_.reset();
     orbit_ = Viewpoint{};
     orbit_.zoom = 1;
     orbit_.keeps_axis = true;

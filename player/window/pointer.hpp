@@ -44,6 +44,10 @@ public:
     ViewCamera camera(int width, int height) const;
     /// Keeps the lower `share` of the picture's height free.
     void leave_below(double share) { below_ = share; }
+    /// Call it with each picture's field. In the clip's own view, it finds the thing in the middle of the
+    /// picture: the surface that reaches from there to the next edge, or what is nearest to it. A later turn
+    /// goes round that thing and keeps it where it is in the picture. At first, or without depth, `middle`.
+    void note_middle(const HeightField& field);
     /// Copies the rotation and zoom of `other`, the view of another clip.
     void look_as(const WindowView& other);
     /// Whether the view is the clip's own camera.
@@ -67,18 +71,32 @@ public:
     /// Makes the view turn round this place, and shows it at the clip camera's principal point.
     void look_at(const glm::dvec3& place) {
         own_ = false;
+        placing_.emplace();
         set_centre(place);
     }
     void go_home();
 
 private:
     void set_centre(const glm::dvec3& place);
+    struct Covered {
+        glm::dvec2 middle{0.0}, size{0.0};
+    };
+    Covered covered_by_thing(const Viewpoint& viewpoint, int width, int height) const;
+    /// Of what a camera sees in its picture: about the middle, in shares from -1 to 1.
+    struct Placing {
+        double scale = 1;
+        glm::dvec2 shift{0.0};
+        void apply(ViewCamera& camera) const;
+    };
+    Placing placing(int width, int height) const;
 
     const Scene& scene_;
     glm::dvec3 home_, centre_{0.0};
     bool own_ = true;
     double below_ = 0;
     Viewpoint orbit_{};
+    std::vector<glm::dvec3> thing_;   // points of what turns in place, world
+    std::optional<Placing> placing_;  // of a view that was moved; else `placing` follows the thing
 };
 
 /// The pointer over the picture as fingers of a device: hovering above the surface, or pressed into it. Or

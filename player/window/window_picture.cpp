@@ -373,6 +373,7 @@ Result<void> WindowPicture::draw(const WatchedMoment& moment) {
     double below = 0;
     for (const WindowMode* const mode : core_.modes()) below += mode->strip_below(size);
     clip.view().leave_below(below);
+    clip.view().note_middle(field);
     const ViewCamera camera = clip.view().camera(size.width, size.height);
     if (const auto at = core_.input().take_double_click())
         if (const auto met = pick(field, camera, at->x, at->y)) clip.view().look_at(met->point);
