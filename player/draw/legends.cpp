@@ -308,7 +308,10 @@ std::vector<std::string> overlay_names() {
 
 Result<Overlay> overlay_after(Overlay now, const std::string& name) {
     constexpr std::size_t count = names_of_overlays.size();
-    if (name.empty()) return static_cast<Overlay>((static_cast<std::size_t>(now) + 1) % count);
+    if (name.empty()) {
+        const auto next = static_cast<Overlay>((static_cast<std::size_t>(now) + 1) % count);
+        return next == Overlay::tiles ? Overlay::validity : next;
+    }
     const auto named = std::ranges::find(names_of_overlays, name);
     if (named != names_of_overlays.end()) return static_cast<Overlay>(named - names_of_overlays.begin());
     return usage_error("unknown overlay '" + printable(name) + "'; must be one of " +

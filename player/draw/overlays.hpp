@@ -49,8 +49,8 @@ enum class Overlay {
 std::string name_of(Overlay overlay);
 /// The names of all overlays.
 std::vector<std::string> overlay_names();
-/// The overlay named `name`; if `name` is empty, the one after `now`, cyclically. Fails (ErrorKind::usage)
-/// with the list of names.
+/// The overlay named `name`; if `name` is empty, the one after `now`, cyclically, without
+/// tiles. Fails (ErrorKind::usage) with the list of names.
 Result<Overlay> overlay_after(Overlay now, const std::string& name);
 
 /// How a vertex's colour is lit, to show relief. Clay is always in full light.

@@ -41,6 +41,11 @@ void set_light(Window window, Command command) {
     window.say("light on colours: " + std::string(light_names[static_cast<std::size_t>(*light)]));
 }
 
+void hide_words(Window window, Command) {
+    turn_over(window.picture().panel().hidden);
+    if (window.picture().panel().hidden) window.say("H shows bars and words again");
+}
+
 void keep_screenshot(Window window, Command command) {
     if (auto drawn = window.picture().draw_newest(); !drawn) return window.say(drawn);
     window.say(window.picture().keep(command.word));
@@ -177,6 +182,7 @@ std::vector<CommandRow> all_rows() {
         [](Window w, Command) { turn_over(w.picture().panel().shown); });
     add(help, "help", window, {}, without_clip, {{"?"}, {"f1"}}, "show or hide this list",
         [](Window w, Command) { turn_over(w.picture().panel().help_shown); });
+    add(hide, "hide", window, {}, 0, {{"h"}}, "hide or show all bars and words", hide_words);
     add(dismiss, "dismiss", window, {}, without_clip, {}, nullptr,
         [](Window w, Command) { w.notices.dismiss(); });
     add(fullscreen, "fullscreen", window, {}, without_clip, {{"f11"}},

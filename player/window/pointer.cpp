@@ -10,14 +10,17 @@
 namespace touchable {
 namespace {
 
-/// Adds rows below the same pixels.
-ViewCamera with_rows_below(ViewCamera camera, int rows) {
-    const double share = static_cast<double>(camera.height) / (camera.height + rows);
+/// Adds columns to the right of the same pixels, and rows below.
+ViewCamera with_margins(ViewCamera camera, int columns, int rows) {
+    const double across = static_cast<double>(camera.width) / (camera.width + columns),
+                 down = static_cast<double>(camera.height) / (camera.height + rows);
     for (glm::dmat4* const matrix : {&camera.clip_from_world, &camera.clip_from_lattice})
         for (int column = 0; column < 4; ++column) {
             glm::dvec4& to = (*matrix)[column];
-            to.y = share * to.y - (1 - share) * to.w;
+            to.x = across * to.x - (1 - across) * to.w;
+            to.y = down * to.y - (1 - down) * to.w;
         }
+    camera.width += columns;
     camera.height += rows;
     return camera;
 }
@@ -58,10 +61,13 @@ WindowView::WindowView(const Scene& scene, const glm::dvec3& middle) : scene_(sc
 ViewCamera WindowView::camera(int width, int height) const {
     Viewpoint viewpoint = orbit_;
     viewpoint.own = own_;
-    const int below = std::clamp(static_cast<int>(std::lround(below_ * height)), 0, std::max(height - 1, 0));
-    ViewCamera camera = make_view(viewpoint, scene_, centre_, width, height - below);
+    const auto margin = [](double share, int side) {
+        return std::clamp(static_cast<int>(std::lround(share * side)), 0, std::max(side - 1, 0));
+    };
+    const int right = margin(free_.x, width), below = margin(free_.y, height);
+    ViewCamera camera = make_view(viewpoint, scene_, centre_, width - right, height - below);
     if (!own_) (placing_ ? *placing_ : placing(camera.width, camera.height)).apply(camera);
-    return below > 0 ? with_rows_below(camera, below) : camera;
+    return right + below > 0 ? with_margins(camera, right, below) : camera;
 }
 
 void WindowView::note_middle(const HeightField& field) {
@@ -157,7 +163,7 @@ void WindowView::Placing::apply(ViewCamera& camera) const {
 
 double WindowView::pixels_per_vertex(int width, int height) const {
     const double whole =
-        std::min(static_cast<double>(width) / scene_.width, (1 - below_) * height / scene_.height);
+        std::min((1 - free_.x) * width / scene_.width, (1 - free_.y) * height / scene_.height);
     return own_ ? whole : whole * orbit_.zoom.value_or(1);
 }
 

@@ -42,8 +42,8 @@ public:
     WindowView(const Scene& scene, const glm::dvec3& middle);
 
     ViewCamera camera(int width, int height) const;
-    /// Keeps the lower `share` of the picture's height free.
-    void leave_below(double share) { below_ = share; }
+    /// Keeps a share of the picture's width on the right free, and one of its height below.
+    void leave_free(const glm::dvec2& shares) { free_ = shares; }
     /// Call it with each picture's field. In the clip's own view, it finds the thing in the middle of the
     /// picture: the surface that reaches from there to the next edge, or what is nearest to it. A later turn
     /// goes round that thing and keeps it where it is in the picture. At first, or without depth, `middle`.
@@ -93,7 +93,7 @@ private:
     const Scene& scene_;
     glm::dvec3 home_, centre_{0.0};
     bool own_ = true;
-    double below_ = 0;
+    glm::dvec2 free_{0.0};
     Viewpoint orbit_{};
     std::vector<glm::dvec3> thing_;   // points of what turns in place, world
     std::optional<Placing> placing_;  // of a view that was moved; else `placing` follows the thing

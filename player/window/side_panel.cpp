@@ -355,8 +355,9 @@ void SettingsPanel::draw(SettingOf of, const SettingsFacts& facts, float scale,
         if (set >= 0) asked.push_back({WindowVerb::settings, 0, set == 0 ? "a" : "b"});
     }
     for (const SessionSetting& setting : session_settings())
-        if (setting.of == of ||
-            (of == SettingOf::felt && setting.of == SettingOf::device && facts.has_device))
+        if (setting.name != "metric" &&  // for the paper's experiments, by its option
+            (setting.of == of ||
+             (of == SettingOf::felt && setting.of == SettingOf::device && facts.has_device)))
             draw_row(setting, facts, asked);
     if (of == SettingOf::filters) draw_reasons(facts.filters);
     if (of == SettingOf::relief && !facts.relief.empty()) draw_remark(facts.relief);

@@ -59,6 +59,7 @@ enum class WindowVerb {
     nearer,       ///< `number`: zoom factor
     panel,        ///< shown or not
     help,         ///< shown or not
+    hide,         ///< all bars and words, or shows them again
     dismiss,      ///< dismisses the shown fault
     leave,        ///< the frontmost item: help, fault, brush, full screen; else the window
     fullscreen,   ///< on or off

@@ -157,6 +157,10 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     const bool is_stopped = !facts.force_on && !facts.hand;
     if (is_stopped && !facts.kiosk && !help_shown) draw_stop(w, h);
     words_bottom_ = 0;
+    if (hidden && !facts.kiosk) {
+        draw_fault(facts, w, asked);
+        return draw_message(facts, w);
+    }
     const bool has_page = facts.study && facts.study->is_page;
     if (!help_shown && !has_page) draw_state(facts, w);  // the help shows the state
     if (facts.study) {
@@ -190,6 +194,11 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
         draw_overlay_scale(*facts.scale, right, bottom - explained, scale_);
     }
     if (shown) draw_side(facts, w, h, asked);
+}
+
+float WindowPanel::aside(float width) const {
+    return shown && !hidden && !help_shown && is_roomy(width) ? side_width(width) + 2 * panel_margin * scale_
+                                                              : 0;
 }
 
 void WindowPanel::draw_without_clip(const PanelFacts& facts, int width, int height,
@@ -325,6 +334,12 @@ void PlaybackBar::draw_seek(const PanelFacts& facts, float scale, float room,
     }
     dragging_ = ImGui::IsItemActive();
     const float grab = ImGui::GetStyle().GrabMinSize / 2 + 2, tall = ImGui::GetItemRectSize().y;
+    if (ImGui::IsItemHovered()) {
+        const float share = (ImGui::GetMousePos().x - at_left.x - grab) / (wide - 2 * grab);
+        explains_ = true;
+        ImGui::SetTooltip("%s",
+                          clock_words(static_cast<double>(std::clamp(share, 0.0F, 1.0F) * end)).c_str());
+    }
     for (const double cut : facts.cuts) {
         if (cut > end) continue;  // streams have no end
         const float x = at_left.x + grab + (wide - 2 * grab) * static_cast<float>(cut) / end;

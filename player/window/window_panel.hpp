@@ -87,6 +87,7 @@ public:
     explicit WindowPanel(double scale) : scale_(static_cast<float>(scale)) {}
     void set_scale(double scale) { scale_ = static_cast<float>(scale); }
     bool shown = false, help_shown = false;
+    bool hidden = false;    ///< all but messages and what lies on the surface
     bool bar_shown = true;  ///< unless something else needs it
 
     /// Call between ImGuiLayer's `begin` and `draw`.
@@ -99,6 +100,8 @@ public:
     }
     /// Whether the bar covers the point when shown.
     bool is_bar(double x, double y) const { return bar_box_.has(x, y); }
+    /// Width that the panel takes from the picture, pixels: 0 where it lies over it.
+    float aside(float width) const;
     /// Once a picture, whether or not the panel is drawn.
     void remember(const PanelFacts& facts, double picture_ms, double tick_us) {
         curves_.remember(facts, picture_ms, tick_us);

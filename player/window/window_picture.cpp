@@ -372,7 +372,8 @@ Result<void> WindowPicture::draw(const WatchedMoment& moment) {
     const HeightField field(clip.scene(), moment.held.pair);
     double below = 0;
     for (const WindowMode* const mode : core_.modes()) below += mode->strip_below(size);
-    clip.view().leave_below(below);
+    const double aside = core_.is_unattended() ? 0 : panel_->aside(static_cast<float>(size.width));
+    clip.view().leave_free({aside / size.width, below});
     clip.view().note_middle(field);
     const ViewCamera camera = clip.view().camera(size.width, size.height);
     if (const auto at = core_.input().take_double_click())
@@ -450,6 +451,7 @@ void WindowPicture::add_message(PanelFacts& facts) const {
     facts.message =
         clips.seconds() > opening_is_quick_s ? clips.words() + " ..." : core_.brush().brush().words();
     if (!facts.message.empty() || !facts.faults.empty()) return;  // no hint beside a fault
+    if (panel_->hidden) return;
     const OpenedClip& clip = *core_.clip();
     const auto failure = fault_of(clip);
     const std::vector<std::string> remarks = clip.remarks();

@@ -47,6 +47,52 @@ TEST(HeadlessWindow, ShowsFingerUnderPointer) {
     EXPECT_TRUE(contains(with.outcome.out, "pictures"));
 }
 
+/// To the bit, where vertices lie on pixels: all but the last row and column.
+TEST(HeadlessWindow, ShowsColoursAsTheyAre) {
+    const TemporaryFolder folder;
+    const auto& clip = made_clip("globe", 1);
+    ASSERT_EQ(run_touchable({"export", clip.string(), "--frame", "0", "--out", folder.path() / "frame"}).code,
+              0);
+    const auto colour = read_image(folder / "frame/colour.png");
+    ASSERT_TRUE(colour);
+    for (const auto* light : {"off", "full"}) {
+        const Image shown =
+            played_by({clip.string(), "--painter", "cpu", "--light", light}, "", "0.3", "160x120").image;
+        const int unlike = differences(*colour, shown, {0, 0, 159, 119}, 0);
+        EXPECT_TRUE(light == std::string("off") ? unlike == 0 : unlike > 1000) << light << ": " << unlike;
+    }
+}
+
+/// A window whose clock runs ahead, a tenth of a second each turn.
+class HastyScreen final : public WrappedScreen {
+public:
+    using WrappedScreen::WrappedScreen;
+    std::vector<InputEvent> poll(std::chrono::milliseconds longest) override {
+        WindowClock::put_forward(std::chrono::milliseconds(100));
+        return WrappedScreen::poll(longest);
+    }
+};
+
+/// How many pictures half a minute of a still globe has.
+std::int64_t pictures_at_rest(const std::string& script) {
+    PlayOptions options = headless_by_cpu(made_clip("globe", 1));
+    options.make_screen = [](const ScreenOptions& size) { return std::make_unique<HastyScreen>(size); };
+    options.script = inputs_of(script);
+    options.seconds = 30;
+    const auto played = play_in_window(options);
+    EXPECT_TRUE(played);
+    return played ? played->pictures : -1;
+}
+
+/// A few at first, and when words come and go.
+TEST(HeadlessWindow, DrawsNothingAtRest) {
+    const std::int64_t few = pictures_at_rest(""), more = pictures_at_rest("10 volume 50\n");
+    EXPECT_GT(few, 0);
+    EXPECT_LT(few, 20) << "five a second would be 150";
+    EXPECT_GE(more, few + 2);
+    EXPECT_LT(more, few + 20);
+}
+
 /// In the middle, where there is no panel and beside the finger no ring: nothing draws those without a GPU.
 /// (Fingers are compared by Drawing.CpuTwinMatchesRaster.)
 TEST(HeadlessWindow, CpuPictureMatchesGpu) {

@@ -219,6 +219,41 @@ TEST_F(Pointer, MiddleButtonTurnsView) {
     EXPECT_NEAR(view_.orbit().azimuth, -27, 1e-9);
 }
 
+/// The globe neither swings aside nor grows, however far the view is turned; and follows the pointer from
+/// there.
+TEST_F(Pointer, TurnedThingStaysInPlace) {
+    view_.note_middle(field());
+    std::vector<glm::dvec3> globe;
+    const double nearest = pick(field(), camera(), 160, 120)->depth;
+    for (int y = 0; y < height_; y += 4)
+        for (int x = 0; x < width_; x += 4)
+            if (const auto met = pick(field(), camera(), x, y);
+                met && met->drawn && met->depth < 1.3 * nearest)
+                globe.push_back(met->point);
+    const auto covered = [&](int axis) {
+        double least = 1e9, greatest = -1e9;
+        for (const glm::dvec3& point : globe) {
+            const auto at = camera().project(point);
+            if (!at) return glm::dvec2(0.0);
+            least = std::min(least, (*at)[axis]);
+            greatest = std::max(greatest, (*at)[axis]);
+        }
+        return glm::dvec2((least + greatest) / 2, greatest - least);
+    };
+    const glm::dvec2 across = covered(0), down = covered(1);
+    ASSERT_GT(across.y, 100);
+    for (const double turned : {20.0, 30.0, 20.0, -140.0}) {  // to 70 and to -70
+        view_.turn(turned, 0);
+        EXPECT_NEAR(covered(0).x, across.x, 0.05 * width_) << view_.orbit().azimuth;
+        EXPECT_NEAR(covered(1).x, down.x, 0.05 * height_) << view_.orbit().azimuth;
+        EXPECT_LT(covered(0).y, 1.1 * across.y) << view_.orbit().azimuth;
+        EXPECT_LT(covered(1).y, 1.1 * down.y) << view_.orbit().azimuth;
+    }
+    const double before = covered(0).x;
+    view_.pan(40, 0, width_, height_);
+    EXPECT_NEAR(covered(0).x, before + 40, 5);
+}
+
 /// A touchpad has no middle button.
 TEST_F(Pointer, ControlLeftActsAsMiddle) {
     const auto press_with_control = [this](bool shift) {

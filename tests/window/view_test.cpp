@@ -77,7 +77,7 @@ TEST_F(WindowViewTest, LookAtKeepsDistance) {
 /// The view and picks are those of a picture that has the upper part alone.
 TEST_F(WindowViewTest, BottomMarginShrinksPicture) {
     WindowView upper(scene, {0, 0, -600});
-    view.leave_below(0.125);
+    view.leave_free({0, 0.125});
     const glm::dvec3 place(40, -130, -550);
     for (const bool is_turned : {false, true}) {
         if (is_turned) view.turn(20, 5);
@@ -93,7 +93,7 @@ TEST_F(WindowViewTest, BottomMarginShrinksPicture) {
     const ViewCamera own = camera();
     const glm::dvec4 corner = own.clip_from_lattice * glm::dvec4(0, scene.height - 0.5, 1, 1 / 600.0);
     EXPECT_NEAR((corner.y / corner.w + 1) * 240, 420, 1e-9) << "the clip's lowest row";
-    view.leave_below(0);
+    view.leave_free({0, 0});
     EXPECT_EQ(largest_difference(camera().clip_from_world, own_view(scene, 720, 480, 0.6).clip_from_world),
               0);
 }
