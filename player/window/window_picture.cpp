@@ -20,6 +20,7 @@ namespace {
 constexpr double picture_pause_ms = 16, slowest_pause_ms = 50, share_of_drawing = 0.95, frame_pause_ms = 8;
 constexpr double words_pause_ms = 200;  // while nothing moves: clock and figures may advance
 constexpr double after_input_ms = 300;  // buttons fade
+constexpr int fine_samples = 2, most_fine_pixels = 1 << 24, longest_side = 8192;  // a side; of a fine picture
 // FingerTrails' nearest_share: a pointer's finger is hidden far from the surface, a device's hardly ever.
 constexpr double nearest_of_pointer = 0.5, nearest_of_hand = 0.125;
 constexpr const char* first_words =
@@ -259,7 +260,12 @@ void WindowPicture::begin_clip(bool goes_on) {
 Result<void> WindowPicture::draw_if_due(const WatchedMoment* moment) {
     const auto now = Clock::now();
     if (moment && seen_.is_other_frame(*moment) && frame_came_at_ <= last_picture_) frame_came_at_ = now;
-    if (!is_due(moment, now) && !words_differ(moment)) return {};
+    const auto since = std::max(last_picture_, core_.time.last_event);
+    const bool moves = is_due(moment, now),
+               rests = 1000 * Clock::seconds_between(since, now) > after_input_ms,
+               is_fine = !moves && (is_fine_ || (rests && has_finer()));
+    if (!moves && is_fine == is_fine_ && !words_differ(moment)) return {};
+    is_fine_ = is_fine;
     const auto drawn = draw_what_is_there(moment);
     return drawn ? drawn : open_graphics_anew(drawn.error());
 }
@@ -308,6 +314,15 @@ bool WindowPicture::words_differ(const WatchedMoment* moment) {
     return layer_->hash() != before;
 }
 
+/// Whether the view is turned, so that several samples a pixel smooth its edges, and has room for them.
+bool WindowPicture::has_finer() const {
+    const OpenedClip* const clip = core_.clip();
+    const ScreenSize size = core_.screen().size();
+    return clip && !clip->view().own() && surface_.graphics().can_stretch() &&
+           fine_samples * std::max(size.width, size.height) <= longest_side &&
+           fine_samples * fine_samples * size.width * size.height <= most_fine_pixels;
+}
+
 double WindowPicture::pause_ms() const {
     return std::clamp(redraw_.ms() / share_of_drawing, picture_pause_ms, slowest_pause_ms);
 }
@@ -321,7 +336,7 @@ double WindowPicture::frame_ms() const {
 
 /// The camera at the size that there is time to draw.
 ViewCamera WindowPicture::drawn_camera(const ScreenSize& size) const {
-    const double share = surface_.graphics().can_stretch() ? governor_.share() : 1;
+    const double share = is_fine_ ? fine_samples : surface_.graphics().can_stretch() ? governor_.share() : 1;
     const auto side = [share](int pixels) {
         return std::max(1, static_cast<int>(std::lround(pixels * share)));
     };
@@ -343,6 +358,7 @@ Result<void> WindowPicture::draw_what_is_there(const WatchedMoment* moment) {
 }
 
 Result<void> WindowPicture::draw_newest() {
+    is_fine_ = has_finer();
     return draw_what_is_there(core_.clip() ? core_.clip()->session().look() : nullptr);
 }
 
@@ -500,7 +516,7 @@ void WindowPicture::note_picture(const PanelFacts& facts, Clock::time_point begi
 /// Counts whether the picture was in time, and adapts the next one's size.
 void WindowPicture::note_frame(const WatchedMoment& moment, bool is_new) {
     if (!is_new) {
-        redraw_.add(last_draw_ms_);
+        if (!is_fine_) redraw_.add(last_draw_ms_);
         return;
     }
     redraw_.add_frame();

@@ -5,8 +5,8 @@
 //
 // A picture is due with each new frame of the clip; within a frame, after movement or user input, if there is
 // time before the next. While nothing moves, texts and bars alone are made a few times a second, and drawn if
-// they differ. Its size and level of detail follow from the drawing time (PictureGovernor). If the
-// GPU is lost, new graphics are opened once.
+// they differ; and a turned view is drawn once more with four samples a pixel. Its size and level of detail
+// follow from the drawing time (PictureGovernor). If the GPU is lost, new graphics are opened once.
 //
 // Runs on the window's thread. A film is encoded on a separate thread (WindowFilm).
 
@@ -79,6 +79,7 @@ private:
     Result<void> open_graphics_anew(const Error& error);
     bool is_due(const WatchedMoment* moment, Clock::time_point now) const;
     bool words_differ(const WatchedMoment* moment);
+    bool has_finer() const;
     double pause_ms() const;
     double frame_ms() const;
     ViewCamera drawn_camera(const ScreenSize& size) const;
@@ -104,6 +105,7 @@ private:
     Clock::time_point last_picture_, last_words_, frame_came_at_;
     std::vector<FingerHalo> halos_;  // of the last picture
     double last_draw_ms_ = 0;
+    bool is_fine_ = false;  // the last picture had several samples a pixel
     std::string shown_message_;
     std::size_t place_lines_ = 0;
     RedrawEstimator redraw_;
