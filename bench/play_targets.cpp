@@ -19,6 +19,14 @@ const std::vector<Target>& play_targets() {
         {"  input to picture, p99", demo, "input_ms_p99", {40, Sense::at_most, "ms"}},
         {"  turned by 7, 30, 70 degrees: in time", turned, "frames_in_time_pct", {98, Sense::at_least, "%"}},
         {"  turned: input to picture, p99", turned, "input_ms_p99", {40, Sense::at_most, "ms"}},
+        {"  watched: processor time",
+         {"window-globe-720x480-16-watched"},
+         "cpu_pct",
+         {50, Sense::at_most, "%"}},
+        {"  paused: pictures/s",
+         {"window-globe-720x480-16-paused"},
+         "pictures_per_s",
+         {0.2, Sense::below, ""}},
         {"globe 1920x1080, any angle: pictures/s", full_hd, "pictures_per_s", {30, Sense::at_least, ""}},
     };
     return targets;

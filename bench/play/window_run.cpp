@@ -15,8 +15,10 @@ namespace {
 constexpr double moves_per_s = 20;
 constexpr double warm_up_s = 0.5;
 
-/// Five pressed fingers around a pointer that moves in circles, at times not aligned to frames.
+/// Of `touched`: five pressed fingers around a pointer that moves in circles, at times not aligned to frames.
 std::vector<ScriptedInput> hand(const WindowRun& run, double seconds) {
+    if (run.use == WindowRun::Use::paused) return {{0.3, WindowCommand{WindowVerb::play_pause}}};
+    if (run.use == WindowRun::Use::watched) return {};
     const double x = run.width / 2.0, y = run.height / 2.0;
     using Kind = InputEvent::Kind;
     std::vector<ScriptedInput> script{{0, WindowCommand{WindowVerb::fingers, 5, ""}},
@@ -57,8 +59,19 @@ Result<PlayFigures> run_window(const WindowRun& run, const std::filesystem::path
 
 Result<void> measure_window(const WindowRun& run, LiveClips& clips, Figures& figures) {
     TRY_ASSIGN(const auto file, clips.file(run.clip));
+    const double seconds = run.clip.frames / 30.0;
     TRY(run_window(run, file, warm_up_s));
-    TRY_ASSIGN(const PlayFigures p, run_window(run, file, run.clip.frames / 30.0));
+    if (run.use == WindowRun::Use::paused) {
+        constexpr double until_rest_s = 3;
+        TRY_ASSIGN(const PlayFigures before, run_window(run, file, until_rest_s));
+        TRY_ASSIGN(const PlayFigures after, run_window(run, file, until_rest_s + seconds));
+        const double more = after.seconds - before.seconds;
+        figures.push_back(
+            {"pictures_per_s", static_cast<double>(after.pictures - before.pictures) / more, ""});
+        figures.push_back({"cpu_pct", (after.process_cpu_ms - before.process_cpu_ms) / (10 * more), "%"});
+        return {};
+    }
+    TRY_ASSIGN(const PlayFigures p, run_window(run, file, seconds));
     if (p.pictures < 1) return Error{ErrorKind::check, "the window showed no pictures"};
 
     const auto pictures = static_cast<double>(p.pictures);
@@ -72,6 +85,7 @@ Result<void> measure_window(const WindowRun& run, LiveClips& clips, Figures& fig
     add_spread(figures, "input_ms", p.input_to_picture_ms);
     figures.push_back({"first_picture_ms", p.first_picture_ms, "ms"});
     figures.push_back({"cpu_ms_per_picture", p.process_cpu_ms / counted, "ms"});
+    figures.push_back({"cpu_pct", p.process_cpu_ms / (10 * p.seconds), "%"});
     figures.push_back({"window_cpu_ms", p.window_cpu_ms / counted, "ms"});
     figures.push_back({"least_detail_pct", 100 * p.least_detail, "%"});
     const auto& [feed, ticks, late_frames] = p.sessions;
