@@ -216,7 +216,8 @@ constexpr const char* other_things =
 /// Hints for users without a clip.
 constexpr struct {
     const char *wish, *command;
-} ways[] = {{"make one", "touchable make globe globe.mkv"},
+} ways[] = {{"choose one", "a click, or Ctrl O"},
+            {"make one", "touchable make globe globe.mkv"},
             {"what can be opened", "touchable formats"},
             {"a depth camera that is plugged in", "touchable cameras"},
             {"close", "Q, or Escape"}};

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "engine/base/child_process.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -15,6 +16,20 @@ namespace {
 
 // Interval of attempts to renew a session; few commands come in that time compared to the remaining room.
 constexpr std::chrono::seconds renew_pause(20);
+
+/// What a dialog of the desktop returns; empty: it was closed.
+Result<std::string> chosen_file() {
+    constexpr std::size_t longest_name = 1 << 16;
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{"zenity", "--file-selection", "--title=Open a clip"},
+          std::vector<std::string>{"kdialog", "--title", "Open a clip", "--getopenfilename", "."}}) {
+        TRY_ASSIGN(const auto dialog, ChildProcess::start(words));
+        if (!dialog) continue;
+        const auto output = dialog->all_output(longest_name);
+        return output ? output->substr(0, output->find('\n')) : std::string();
+    }
+    return usage_error("a dialog to choose a file needs zenity or kdialog; or drop the file on the window");
+}
 
 std::string title_of(const std::filesystem::path& file) {
     const std::string name = file.filename().string();
@@ -197,6 +212,12 @@ void WindowClips::ask_for_change(const WindowSettings& wanted) {
 
 Result<void> WindowClips::go_on() {
     if (auto made = opening_.take()) TRY(take_made(std::move(*made)));
+    if (const auto chosen = choosing_.take()) {
+        if (!*chosen)
+            core_.say(chosen->error());
+        else if (!chosen->value().empty())
+            open_others({chosen->value()});
+    }
     // Finishes the brush's work before its clip goes.
     if (ready_ &&
         (ready_->clip ? !core_.brush().brush().is_changing() : core_.clip()->has_come_to(*ready_->change))) {
@@ -350,6 +371,10 @@ void WindowClips::open_others(std::vector<std::string> named) {
                          Tone::refusal);
     core_.notices.clear_passing();
     ask_for_named(std::move(named));
+}
+
+void WindowClips::ask_for_file() {
+    if (!core_.is_unattended()) choosing_.ask("choosing a file", chosen_file);
 }
 
 void WindowClips::open_instead(Playlist list, int by) {

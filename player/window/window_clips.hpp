@@ -45,6 +45,8 @@ public:
     /// Opens the first clip that can be opened of these, including clips in folders. They, and the clips of a
     /// folder, become the list.
     void open_others(std::vector<std::string> named);
+    /// Asks for a file by a dialog of the desktop, and opens it.
+    void ask_for_file();
     /// Opens the list's clip; if it cannot be opened, tries the others in steps of `by`; 0: no other.
     void open_instead(Playlist list, int by);
     /// Reopens the current clip.
@@ -88,8 +90,14 @@ public:
     void note_slow_reading();
 
     // Shutdown.
-    void let_go() { opening_.let_go(); }
-    void give_up() { opening_.give_up(); }
+    void let_go() {
+        opening_.let_go();
+        choosing_.let_go();
+    }
+    void give_up() {
+        opening_.give_up();
+        choosing_.give_up();
+    }
     /// Counts the current clip's ended session, and notes its failure, or the haptic device's.
     void note_end();
 
@@ -137,6 +145,7 @@ private:
     bool is_told_of_reading_ = false;
     std::optional<Ready> ready_;  // a change waits until the clip reaches its start
     LongWork<Ready> opening_{"clip-opening", "that opens clips"};  // ends before the data it uses
+    LongWork<std::string> choosing_{"file-dialog", "that asks for a file"};  // empty: none was chosen
 };
 
 }  // namespace touchable

@@ -206,7 +206,11 @@ void WindowPanel::draw_without_clip(const PanelFacts& facts, int width, int heig
     const auto w = static_cast<float>(width), h = static_cast<float>(height);
     boxes_.clear();
     words_bottom_ = 0;
-    if (facts.is_empty && !help_shown) draw_empty_page(w, h, scale_);
+    if (facts.is_empty && !help_shown) {
+        draw_empty_page(w, h, scale_);
+        if (ImGui::IsMouseClicked(ImGuiMouseButton_Left) && !ImGui::GetIO().WantCaptureMouse)
+            asked.push_back({WindowVerb::choose});
+    }
     draw_fault(facts, w, asked);
     draw_message(facts, w);
     if (!help_shown) return;

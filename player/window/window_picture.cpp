@@ -298,6 +298,7 @@ bool WindowPicture::words_differ(const WatchedMoment* moment) {
     const double since = Clock::seconds_between(std::max(last_picture_, last_words_), now);
     const ScreenSize size = core_.screen().size();
     if (1000 * since < words_pause_ms || size.width < 1 || size.height < 1) return false;
+    if (film_) return true;  // it has no gaps
     last_words_ = now;
     core_.notices.pass(core_.time.script_s);
     const std::uint64_t before = layer_->hash();

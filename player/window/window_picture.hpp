@@ -66,6 +66,7 @@ public:
     void forget_session() {
         surface_.forget();
         frames_shown_.forget();
+        seen_ = {};  // a picture is due, even if it looks the same
     }
     const FramesShown& frames_shown() const { return frames_shown_; }
 
