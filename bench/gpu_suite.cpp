@@ -43,7 +43,7 @@ std::vector<BenchCase> window_cases(const LiveClip& clip, bool quick,
                                     const std::shared_ptr<LiveClips>& clips) {
     std::vector<BenchCase> cases;
     const auto add = [&](const std::string& pair, const std::string& painter, const std::string& builder) {
-        const WindowRun run{clip, 30, 1920, 1080, painter, builder};
+        const WindowRun run{clip, WindowRun::Use::touched, 30, 1920, 1080, painter, builder};
         cases.push_back(
             {"window-" + std::to_string(clip.width) + "x" + std::to_string(clip.height) + "-" + pair,
              [=](Figures& figures) -> Result<void> {
