@@ -71,7 +71,7 @@ ViewCamera WindowView::camera(int width, int height) const {
 }
 
 void WindowView::note_middle(const HeightField& field) {
-    if (!own_) return;
+    if (!own_ && !thing_.empty()) return;  // a view as another clip's begins turned
     constexpr int columns = 48, rows = 36;
     struct Place {
         glm::dvec3 at;

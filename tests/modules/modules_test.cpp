@@ -291,10 +291,11 @@ TEST(Modules, LiteralsAreFoundInCode) {
 // player/commands/setting_words.cpp knows its option.
 TEST(Modules, OnlyCommandLineNamesOptions) {
     // Options of udevadm, and the command whose output goes to it; of programs that export other recordings;
-    // of h5dump.
-    const std::set<std::string> allowed{"--udev-rules",       "--reload",   "--mode 4",
-                                        "--output_path_dir",  "--filename", "--export_depth_images",
-                                        "--no-compact-subset"};
+    // of h5dump, zenity and kdialog.
+    const std::set<std::string> allowed{"--udev-rules",        "--reload",         "--mode 4",
+                                        "--output_path_dir",   "--filename",       "--export_depth_images",
+                                        "--no-compact-subset", "--file-selection", "--title",
+                                        "--getopenfilename"};
     const auto is_allowed = [&](const std::string& literal) {
         return std::ranges::any_of(
             allowed, [&](const std::string& option) { return literal.find(option) != std::string::npos; });
