@@ -26,7 +26,7 @@ const std::vector<Target>& play_targets() {
         {"  paused: pictures/s",
          {"window-globe-720x480-16-paused"},
          "pictures_per_s",
-         {0.2, Sense::below, ""}},
+         {0.5, Sense::below, ""}},
         {"globe 1920x1080, any angle: pictures/s", full_hd, "pictures_per_s", {30, Sense::at_least, ""}},
     };
     return targets;
