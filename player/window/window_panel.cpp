@@ -22,8 +22,9 @@ float wide_digits(std::string words) {
     return ImGui::CalcTextSize(words.c_str()).x;
 }
 
-/// Ordered from dispensable to needed; the first are dropped when room is short.
-enum class Need { colours, loop, speed, other_clip, settings, turn, measure, home, always };
+/// Ordered from dispensable to needed; the first are dropped when room is short. The panel behind `settings`
+/// has the others.
+enum class Need { colours, loop, speed, other_clip, measure, turn, settings, home, always };
 
 struct BarButton {
     std::string words;  ///< with an ImGui id after ##
@@ -292,7 +293,7 @@ void PlaybackBar::draw(const PanelFacts& facts, float width, float height, float
         "playback",
         {.x = m, .y = height - m, .pivot_y = 1, .width = width - 2 * m, .height = panel_bar_height * scale});
     ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, ImVec2(8 * scale, (side - ImGui::GetFontSize()) / 2));
-    const TimeWords time = time_words(facts, width > 420 * scale);
+    const TimeWords time = time_words(facts, width > 520 * scale);
     std::vector<BarButton> left = buttons_of_list(facts),
                            right = buttons_of(facts, scale, panel_shown, help_shown);
     const auto room = [&] {
