@@ -161,8 +161,8 @@ private:
     std::vector<WatchedTick::Finger> fingers_;
 };
 
-/// What is reduced when pictures come late. If the CPU draws (SurfaceDrawing::thins_vertices), the surface's
-/// vertices cost the most, and stretching costs as much as a smaller picture saves.
+/// What is reduced first when pictures come late. If the CPU draws (SurfaceDrawing::thins_vertices), the
+/// surface's vertices cost the most, and stretching costs half of what a smaller picture saves.
 enum class LessOf { vertices, pixels };
 
 /// Chooses the surface's level of detail so that pictures come in time: all vertices, or no more than the
@@ -196,7 +196,8 @@ private:
     };
     static constexpr std::array<Level, 4> by_pixels{
         {{1, false, 1, 3}, {1, true, 1, 1.78}, {0.75, true, 1, 2.25}, {0.5, true, 1, 1}}};
-    static constexpr std::array<Level, 3> by_vertices{{{1, false, 1, 3}, {1, true, 1, 1.5}, {1, true, 2, 1}}};
+    static constexpr std::array<Level, 4> by_vertices{
+        {{1, false, 1, 3}, {1, true, 1, 1.5}, {1, true, 2, 1.5}, {0.5, true, 2, 1}}};
     static constexpr std::int64_t few = 15;   // frames judged together
     static constexpr double tolerated = 0.9;  // share of them in time
     static constexpr double cause = 0.5;      // of a frame's duration: faster drawing delays nothing

@@ -243,6 +243,8 @@ TEST_F(PictureGovernorTest, DropsVerticesBeforePixels) {
     play_for(20, 0.7, 0.5);
     EXPECT_EQ(governor.step(), 1);
     EXPECT_TRUE(governor.coarse());
+    for (const double end = now + 5; now < end; now += 1.0 / 30) add(now, governor.share() < 1 ? 0.7 : 1.3);
+    EXPECT_EQ(governor.share(), 0.5) << "fewer vertices do not suffice";
 }
 
 TEST_F(PictureGovernorTest, HeedsEveryTenthLatePicture) {
