@@ -614,6 +614,9 @@ private:
             of(window).note_size();
             of(window).add({.kind = Kind::resized});
         });
+        // A window that was covered: at rest nothing else would show its picture again.
+        glfwSetWindowRefreshCallback(window_,
+                                     [](GLFWwindow* window) { of(window).add({.kind = Kind::resized}); });
         glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
             for (int k = 0; k < count; ++k) of(window).add({.kind = Kind::dropped, .word = paths[k]});
         });

@@ -14,7 +14,7 @@ struct InputEvent {
         wheel,     ///< turned by y notches, away from the person is positive
         key,  ///< `word`: a letter, digit or sign, or space, left, right, up, down, home, tab, escape, ...
         key_released,  ///< as `key`
-        resized,       ///< the picture has another size
+        resized,       ///< the picture has another size, or has to be shown again
         dropped,       ///< `word`: a file or folder that was dropped on the window
         left_window,   ///< the pointer left, or the window lost the focus: nothing touches
         touch_began,   ///< a finger came down on a touch screen, at (x, y); `touch` is its number
