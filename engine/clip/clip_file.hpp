@@ -114,20 +114,22 @@ constexpr int height_bits(const HeightCoding& height) {
 inline constexpr const char* low_track_suffix = "_low";
 
 /// A film of what was shown and heard, for ordinary players: H.264 and AAC in MP4, or H.264 and FLAC in
-/// Matroska, by the name's end (.mp4, .mkv, in small or capital letters); a picture every thirtieth of a
-/// second, and two channels at SoundTrack::rate. The file has its name once it is complete.
+/// Matroska, by the name's end (.mp4, .mkv, in small or capital letters), and two channels at
+/// SoundTrack::rate. The file has its name once it is complete. Or PNG files without sound, by a name such as
+/// shot-%04d.png: each picture that is added, numbered from 1, in its own size.
 class FilmWriter {
 public:
-    static constexpr int pictures_per_second = 30;
+    static constexpr int usual_rate = 30, most_rate = 240;  ///< pictures a second
 
     /// Refused: a name of another kind (ErrorKind::usage), a place where nothing can be written, and, with
     /// `keep`, an existing file (ErrorKind::input).
-    static Result<std::unique_ptr<FilmWriter>> create(const std::filesystem::path& file, Existing existing);
+    static Result<std::unique_ptr<FilmWriter>> create(const std::filesystem::path& file, Existing existing,
+                                                      int pictures_per_second = usual_rate);
     virtual ~FilmWriter() = default;
 
-    /// Shows `picture` (RGB, 8 bits) from `place` of the film on (0, 1, ...: thirtieths of a second); until
-    /// then the one before stays. The film has the first one's size, rounded down to even numbers; others are
-    /// fitted into it, on black. An error (ErrorKind::input) if it cannot be written.
+    /// Shows `picture` (RGB, 8 bits) from `place` of the film on (0, 1, ...); until then the one before
+    /// stays. The film has the first one's size, rounded down to even numbers; others are fitted into it, on
+    /// black. An error (ErrorKind::input) if it cannot be written.
     virtual Result<void> add(const PlaneView& picture, std::int64_t place) = 0;
     /// Adds sound from `sample` of the film on (0: with its first picture); call it after the first picture.
     /// Gaps are silent. Sound that comes after later sound is dropped, and sound that comes two seconds later
@@ -137,6 +139,10 @@ public:
     /// written; then there is no file, unless the disk became full: the film up to there is kept.
     virtual Result<void> finish(std::int64_t end) = 0;
 };
+
+/// The name of a numbered picture, by a pattern such as shot-%04d.png; nothing: `pattern` is none.
+std::optional<std::filesystem::path> numbered_picture(const std::filesystem::path& pattern,
+                                                      std::int64_t number);
 
 /// A folder with a hidden name for files that are to appear together; the destructor removes it with all that
 /// is left in it.

@@ -1,4 +1,4 @@
-// Films of a window: its pictures as H.264, 30 a second, and its sound as AAC or FLAC.
+// Films of a window: its pictures as H.264, and its sound as AAC or FLAC; or numbered PNG files.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -130,11 +130,8 @@ private:
     std::int64_t next_ = 0;
 };
 
-/// Distance of keyframes, pictures.
-constexpr std::int64_t film_access_interval = 2 * FilmWriter::pictures_per_second;
-constexpr std::int64_t samples_per_picture = SoundTrack::rate / FilmWriter::pictures_per_second;
-/// Largest distance of sound from its picture in the file, pictures.
-constexpr std::int64_t most_pictures_apart = 2 * FilmWriter::pictures_per_second;
+/// Distance of keyframes, and the largest of sound from its picture in the file.
+constexpr std::int64_t access_interval_s = 2, most_apart_s = 2;
 
 int even_side(double side) {
     return std::max(2, static_cast<int>(std::floor(side)) / 2 * 2);
@@ -142,7 +139,8 @@ int even_side(double side) {
 
 class FfmpegFilm final : public FilmWriter {
 public:
-    FfmpegFilm(const std::filesystem::path& file, Existing existing) : output_(file, existing) {}
+    FfmpegFilm(const std::filesystem::path& file, Existing existing, int rate)
+        : output_(file, existing), rate_(rate) {}
     Result<void> open(const char* format) {
         TRY(output_.check());
         AVFormatContext* muxer = nullptr;
@@ -200,7 +198,7 @@ private:
         samples = samples.subspan(static_cast<std::size_t>(late));
         if (samples.empty()) return {};
         const std::int64_t end = sample + late + std::ssize(samples);
-        TRY(repeat_until(end / samples_per_picture - most_pictures_apart));
+        TRY(repeat_until((end / SoundTrack::rate - most_apart_s) * rate_));
         TRY(check_status(sound_.fill_until(sample)));
         return check_status(sound_.add(samples));
     }
@@ -208,13 +206,13 @@ private:
     /// Makes both tracks equally long and flushes them.
     Result<void> end_tracks(std::int64_t end) {
         TRY(repeat_until(std::max(end, next_ + 1)));
-        TRY(check_status(sound_.fill_until(next_ * samples_per_picture)));
+        TRY(check_status(sound_.fill_until(next_ * SoundTrack::rate / rate_)));
         return check_status(sound_.finish());
     }
 
     Result<void> begin(int width, int height) {
-        TRY_ASSIGN(codec_, open_encoder(TrackCoding::h264_visual, AV_PIX_FMT_YUV420P, width, height,
-                                        {pictures_per_second, 1}));
+        TRY_ASSIGN(codec_,
+                   open_encoder(TrackCoding::h264_visual, AV_PIX_FMT_YUV420P, width, height, {rate_, 1}));
         picture_ = blank_picture(AV_PIX_FMT_YUV420P, width, height);
         if (!picture_) return refuse("out of memory");
         AVStream* const stream = avformat_new_stream(muxer_.get(), nullptr);
@@ -230,11 +228,11 @@ private:
     /// Encodes the newest picture for all places before `end`.
     Result<void> repeat_until(std::int64_t end) {
         for (; next_ < end; ++next_) {
-            const std::int64_t least_heard = (next_ - most_pictures_apart) * samples_per_picture;
-            TRY(check_status(sound_.fill_until(least_heard)));
+            const std::int64_t shown = next_ * SoundTrack::rate / rate_;
+            TRY(check_status(sound_.fill_until(shown - most_apart_s * SoundTrack::rate)));
             picture_->pts = next_;
             picture_->pict_type =
-                next_ % film_access_interval == 0 ? AV_PICTURE_TYPE_I : AV_PICTURE_TYPE_NONE;
+                next_ % (access_interval_s * rate_) == 0 ? AV_PICTURE_TYPE_I : AV_PICTURE_TYPE_NONE;
             PacketPtr packet(av_packet_alloc());
             if (!packet) return refuse("out of memory");
             int status = avcodec_send_frame(codec_.get(), picture_.get());
@@ -262,7 +260,7 @@ private:
             const int taken_width = same ? width : picture.width,
                       taken_height = same ? height : picture.height;
             scaler_ = scaler_from_rgb(taken_width, taken_height, AV_PIX_FMT_YUV420P, width, height,
-                                      SWS_BILINEAR | SWS_ACCURATE_RND);
+                                      SWS_BILINEAR | SWS_ACCURATE_RND | SWS_BITEXACT);
             if (!scaler_) return refuse("pictures of this size cannot be fitted");
             from_width_ = picture.width;
             from_height_ = picture.height;
@@ -282,6 +280,7 @@ private:
     }
 
     NewFile output_;
+    const int rate_;
     ReservedOutput room_;
     MuxedClipWriter::Muxer muxer_;
     CodecPtr codec_;
@@ -293,14 +292,56 @@ private:
     Result<void> so_far_;                   // the first fault, or none
 };
 
+class NumberedPictures final : public FilmWriter {
+public:
+    NumberedPictures(std::filesystem::path pattern, Existing existing)
+        : pattern_(std::move(pattern)), existing_(existing) {}
+    Result<void> add(const PlaneView& picture, std::int64_t) override {
+        if (!so_far_) return so_far_;
+        NewFile out(*numbered_picture(pattern_, ++number_), existing_);
+        so_far_ = out.check();
+        if (so_far_) so_far_ = write_png(out, picture);
+        if (so_far_) so_far_ = out.commit();
+        return so_far_;
+    }
+    Result<void> add_sound(std::int64_t, std::span<const StereoSample>) override { return so_far_; }
+    Result<void> finish(std::int64_t) override { return so_far_; }
+
+private:
+    const std::filesystem::path pattern_;
+    const Existing existing_;
+    std::int64_t number_ = 0;
+    Result<void> so_far_;  // the first fault, or none
+};
+
 }  // namespace
 
-Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::filesystem::path& file, Existing existing) {
+std::optional<std::filesystem::path> numbered_picture(const std::filesystem::path& pattern,
+                                                      std::int64_t number) {
+    const std::string name = pattern.filename().string();
+    const std::size_t begin = name.find('%'), end = name.find_first_not_of("0123456789", begin + 1);
+    if (begin == std::string::npos || end == std::string::npos || name[end] != 'd' || end > begin + 3 ||
+        name.find('%', end) != std::string::npos || !has_ending(pattern, ".png"))
+        return std::nullopt;
+    const std::string width = name.substr(begin + 1, end - begin - 1), digits = std::to_string(number);
+    const std::size_t wide = width.empty() ? 0 : std::stoul(width);
+    const std::string room(wide > digits.size() ? wide - digits.size() : 0, width[0] == '0' ? '0' : ' ');
+    return pattern.parent_path() / (name.substr(0, begin) + room + digits + name.substr(end + 1));
+}
+
+Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::filesystem::path& file, Existing existing,
+                                                       int pictures_per_second) {
+    if (const auto first = numbered_picture(file, 1)) {
+        TRY(NewFile(*first, existing).check());
+        return std::make_unique<NumberedPictures>(file, existing);
+    }
     silence_ffmpeg();
     const bool is_mp4 = is_mp4_name(file);
     if (!is_mp4 && !has_ending(file, ".mkv"))
-        return usage_error(file.string() + " is no name of a film; must end in .mp4 or .mkv");
-    return opened_as<FilmWriter>(std::make_unique<FfmpegFilm>(file, existing), is_mp4 ? "mp4" : "matroska");
+        return usage_error(file.string() +
+                           " is no name of a film; must end in .mp4 or .mkv, or be like shot-%04d.png");
+    return opened_as<FilmWriter>(std::make_unique<FfmpegFilm>(file, existing, pictures_per_second),
+                                 is_mp4 ? "mp4" : "matroska");
 }
 
 }  // namespace touchable

@@ -117,7 +117,14 @@ void ClipSound::open(const std::filesystem::path& file) {
 
 bool ClipSound::read(std::int64_t first, std::span<StereoSample> to) {
     std::fill(to.begin(), to.end(), StereoSample{});
-    const std::lock_guard lock(mutex_);
+    const std::int64_t wanted = std::max<std::int64_t>(first, 0) / block;
+    std::unique_lock lock(mutex_);
+    if (waits_ && thread_.joinable()) {
+        constexpr std::chrono::milliseconds pause(20);
+        wanted_ = wanted;
+        news_.notify_all();
+        while ((is_new_ || missing()) && !stop_requested()) news_.wait_for(lock, pause);
+    }
     if (!has_track_) return false;
     bool is_there = true;
     for (std::int64_t k = std::max<std::int64_t>(-first, 0); k < std::ssize(to);) {
@@ -130,7 +137,6 @@ bool ClipSound::read(std::int64_t first, std::span<StereoSample> to) {
             is_there = false;
         k += count;
     }
-    const std::int64_t wanted = std::max<std::int64_t>(first, 0) / block;
     if (std::exchange(wanted_, wanted) != wanted) news_.notify_all();
     return is_there;
 }
@@ -143,7 +149,7 @@ std::string ClipSound::fault() const {
 /// The next block to decode; the caller holds the lock.
 std::optional<std::int64_t> ClipSound::missing() {
     if (!has_track_) return std::nullopt;
-    for (std::int64_t number = wanted_; number <= wanted_ + ahead; ++number)
+    for (std::int64_t number = wanted_; number <= last_wanted(); ++number)
         if (place_of(number).number != number) return number;
     return std::nullopt;
 }
@@ -181,10 +187,11 @@ void ClipSound::run() {
         next = *number + 1;
         lock.lock();
         // A block that is no longer wanted would replace an audible one.
-        if (is_new_ || *number < wanted_ || *number > wanted_ + ahead) continue;
+        if (is_new_ || *number < wanted_ || *number > last_wanted()) continue;
         Block& to = place_of(*number);
         to.number = *number;
         to.samples = samples;
+        news_.notify_all();
         if (track->is_damaged()) fault_ = file_.string() + ": its sound is damaged, and silent where it is";
     }
 }

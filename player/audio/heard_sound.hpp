@@ -52,8 +52,10 @@ public:
 
     /// Switches to this file's track, if it has one; the previous one is silent at once. The window's thread.
     void open(const std::filesystem::path& file);
+    /// From now on `read` waits for decoding, so that the same is heard on each run. Before everything else.
+    void wait_for_decoding() { waits_ = true; }
     /// Copies the samples from `first` on, with silence for missing ones; returns false without a track, or
-    /// if some are not decoded yet. Any thread; does not wait for decoding.
+    /// if some are not decoded yet. Any thread; does not wait for decoding by default.
     bool read(std::int64_t first, std::span<StereoSample> to);
     /// Why a clip with a sound track is silent, or in part; otherwise empty. Any thread.
     std::string fault() const;
@@ -71,8 +73,11 @@ private:
         return blocks_[static_cast<std::size_t>(number) % blocks_.size()];
     }
     std::optional<std::int64_t> missing();
+    /// The last block to decode ahead. Waiting: no more than a read needs, as it would depend on the time.
+    std::int64_t last_wanted() const { return wanted_ + (waits_ ? 1 : ahead); }
     void take_file(std::unique_lock<std::mutex>& lock, std::unique_ptr<SoundTrack>& track);
 
+    bool waits_ = false;
     mutable std::mutex mutex_;
     std::condition_variable news_;
     // Guarded by `mutex_`.

@@ -191,10 +191,7 @@ void WindowSound::consume(HeardTick tick, std::int64_t passed) {
     }
     if (rumble_) rumble_->consume(tick);
     if (output_) ticks_->push(tick);
-    if (is_filmed_.load(std::memory_order_acquire)) {
-        const auto since = std::chrono::steady_clock::now() - film_begun_;
-        film_->consume(tick, passed, *clip_, std::chrono::floor<std::chrono::milliseconds>(since).count());
-    }
+    if (is_filmed_.load(std::memory_order_acquire)) film_->consume(tick, passed, *clip_, film_now_ms_());
     if (!file_) return;
     for (std::int64_t k = std::min(passed, longest_gap); k > 1; --k) {
         kept_.render(going_on(tick), *clip_, samples_);
@@ -204,9 +201,9 @@ void WindowSound::consume(HeardTick tick, std::int64_t passed) {
     file_->add(samples_);
 }
 
-void WindowSound::film(FilmedSound::Keep keep, std::chrono::steady_clock::time_point begun) {
+void WindowSound::film(FilmedSound::Keep keep, std::function<std::int64_t()> now_ms) {
     film_.emplace(std::move(keep));
-    film_begun_ = begun;
+    film_now_ms_ = std::move(now_ms);
     is_filmed_.store(true, std::memory_order_release);
 }
 

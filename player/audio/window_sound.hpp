@@ -14,7 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <chrono>
+#include <functional>
 #include <glm/vec3.hpp>
 
 #include "engine/base/files.hpp"
@@ -63,8 +63,11 @@ public:
     std::string rumble_state() const { return rumble_ ? rumble_->state() : std::string(); }
     /// Uses this file's sound, if it has any, as the clip's own.
     void open_clip(const std::filesystem::path& file) { clip_->open(file); }
-    /// Passes all sound from now on to a film that began at `begun`. Once; `keep` must outlive the sessions.
-    void film(FilmedSound::Keep keep, std::chrono::steady_clock::time_point begun);
+    /// ClipSound::wait_for_decoding, of all clips.
+    void wait_for_decoding() { clip_->wait_for_decoding(); }
+    /// Passes all sound from now on to a film, at `now_ms` of its time (any thread). Once; both must outlive
+    /// the sessions.
+    void film(FilmedSound::Keep keep, std::function<std::int64_t()> now_ms);
     /// Volume of all sound, 0 to 100; half of it sounds half as loud (a factor of 1/8).
     void set_volume(int percent) { volume_.store(std::clamp(percent, 0, 100), std::memory_order_relaxed); }
     int volume() const { return volume_.load(std::memory_order_relaxed); }
@@ -101,7 +104,7 @@ private:
     std::shared_ptr<ClipSound> clip_ = std::make_shared<ClipSound>();
     std::shared_ptr<HeardTicks> ticks_ = std::make_shared<HeardTicks>(clip_);
     std::optional<FilmedSound> film_;
-    std::chrono::steady_clock::time_point film_begun_;
+    std::function<std::int64_t()> film_now_ms_;
     std::atomic<bool> is_filmed_{false};
     std::unique_ptr<WavFile> file_;
     std::optional<GamepadRumble> rumble_;

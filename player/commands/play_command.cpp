@@ -51,7 +51,7 @@ struct PlayWords {
     std::optional<fs::path> script;
     std::vector<fs::path> more_clips;
     const CLI::App* command = nullptr;
-    std::string dent, light;
+    std::string dent, light, samples = "2";
     LiveTyped live;
     KioskWords kiosk;
 };
@@ -64,7 +64,8 @@ Result<void> check_files(PlayOptions& options, const std::optional<fs::path>& sc
     if (options.record && options.session.clip.plugged)
         outputs.files.push_back({"the film of --record", film_beside(*options.record)});
     if (options.sound) outputs.files.push_back({"--sound", *options.sound});
-    if (options.video) outputs.files.push_back({"--video", *options.video});
+    if (options.video)
+        outputs.files.push_back({"--video", numbered_picture(*options.video, 1).value_or(*options.video)});
     if (options.screenshot) outputs.files.push_back({"--screenshot", *options.screenshot});
     std::vector<NamedFile> inputs, saved;
     for (const ScriptedInput& input : options.script) {
@@ -136,6 +137,27 @@ Result<void> check_empty(const PlayOptions& options) {
         if (need.is_asked_for)
             return usage_error(std::string(need.name) +
                                ": needs a CLIP or a --camera; see touchable play -h");
+    return {};
+}
+
+/// Options of a film that is drawn offline.
+Result<void> check_film(const PlayWords& words, const PlayOptions& options) {
+    constexpr int longest_side = 16384;  // of a Vulkan picture, mostly
+    const bool is_numbered = options.video && numbered_picture(*options.video, 1);
+    if (options.video && !is_numbered && CLI::detail::to_lower(options.video->extension()) == ".png")
+        return usage_error("--video " + options.video->string() +
+                           ": many pictures need a number in their name, such as shot-%04d.png");
+    std::string asked = is_numbered ? "--video " + options.video->string() : "";
+    for (const char* const name : {"--fps", "--samples", "--words"})
+        if (words.command->count(name) > 0) asked = name;
+    if (!asked.empty() && !options.is_offline())
+        return usage_error(asked + ": is for a film without a window; give --headless and --video, without " +
+                           "--camera and --device");
+    const int side = options.film.samples * std::max(options.screen.width, options.screen.height);
+    if (options.is_offline() && side > longest_side)
+        return usage_error("--samples " + std::to_string(options.film.samples) +
+                           ": a side of --size would be " + std::to_string(side) +
+                           " samples; must be at most " + std::to_string(longest_side));
     return {};
 }
 
@@ -304,6 +326,7 @@ Result<PlayOptions> read_words(const PlayWords& words) {
     if (!is_empty && !options.session.clip.plugged) TRY(read_list(words, options));
     TRY_ASSIGN(options.session.playback, read_playback(words.playback));
     if (words.script) TRY(assign(options.script, read_window_script(*words.script)));
+    options.film.samples = std::stoi(words.samples);
     options.size_is_stated = words.command->count("--size") > 0;
     if (!words.dent.empty()) options.dent = words.dent == "on";
     if (!words.light.empty()) TRY(assign(options.light, light_after(Lighting::off, words.light)));
@@ -319,6 +342,7 @@ Result<PlayOptions> read_words(const PlayWords& words) {
     if (options.headless && !options.seconds && !ends_by_itself(options.script))
         return usage_error(
             "--headless needs an end: give --seconds or --screenshot, or put quit into --script");
+    TRY(check_film(words, options));
     TRY(check_files(options, words.script));
     if (options.segments) TRY(read_segment_names(*options.segments));
     return options;
@@ -480,8 +504,17 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
     sub.get_option("--seconds")->excludes("--at");
     add_file_option(sub, "--record", o.record,
                     "save what it takes to repeat the touch. touchable touch --replay FILE repeats it");
-    add_file_option(sub, "--video", o.video, "save what is seen and heard as a film, .mp4 or .mkv")
-        ->check(ends_in({".mp4", ".mkv"}, "a film"));
+    add_file_option(sub, "--video", o.video,
+                    "save what is seen and heard as a film, .mp4 or .mkv. With --headless each picture is "
+                    "drawn in its own time, also as shot-%04d.png, without sound")
+        ->check(ends_in({".mp4", ".mkv", ".png"}, "a film"));
+    add_whole_option(sub, "--fps", o.film.rate, "pictures a second of --video with --headless, 1 to 240", 1,
+                     FilmWriter::most_rate)
+        ->capture_default_str();
+    add_word_option(sub, "--samples", words.samples, "samples along a pixel's side in that film",
+                    {"1", "2", "4"})
+        ->capture_default_str();
+    sub.add_flag("--words", o.film.has_words, "show bars and words in that film (H does so later)");
     add_file_option(sub, "--sound", o.sound, "save what is heard as a WAV file")
         ->check(ends_in({".wav"}, "sound"));
     add_file_option(sub, "--segments", o.segments,

@@ -219,7 +219,7 @@ void CpuDrawing::show(const HeightField& field, const FramePair& pair, const Pla
 }
 
 Result<const Image*> CpuDrawing::draw(const ViewCamera& camera, std::span<const FingerMark> fingers,
-                                      const MarkSizes& sizes) {
+                                      const MarkSizes& sizes, int samples) {
     auto& [lattices, painter, surface, bare, painted, picture] = *parts_;
     if (painted != camera.clip_from_lattice || bare.width != camera.width || bare.height != camera.height) {
         TRY_ASSIGN(auto planes, painter->paint(surface, camera));
@@ -228,7 +228,7 @@ Result<const Image*> CpuDrawing::draw(const ViewCamera& camera, std::span<const 
     }
     LightPicture touched = bare;
     draw_fingers(fingers, sizes, camera, touched);
-    picture = developed(touched, 1);
+    picture = developed(touched, samples);
     return &picture;
 }
 

@@ -170,9 +170,9 @@ public:
     void show(const HeightField& field, const FramePair& pair, const PlaneView& colour, Lighting lighting);
 
     /// Surface, background and fingers; before the first `show`, without the surface. Of the camera's size,
-    /// RGB; valid until the next call.
+    /// or with several samples along a pixel's side, averaged as light; RGB; valid until the next call.
     Result<const Image*> draw(const ViewCamera& camera, std::span<const FingerMark> fingers,
-                              const MarkSizes& sizes);
+                              const MarkSizes& sizes, int samples = 1);
 
 private:
     struct Parts;

@@ -179,6 +179,30 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     return conclude(loop, taken);
 }
 
+Result<void> LiveSession::run_tick(std::span<TouchSink* const> sinks) {
+    if (stop_requested()) return interrupted_error();
+    if (feed_.reader().is_live())
+        return usage_error("a camera's time is not virtual; a film without a window needs a clip");
+    if (!step_) {
+        step_.emplace(solver_, settings_.guard, settings_.fingers);
+        clock_.emplace(scene_.rate, log_);
+        feed_.work_ahead();
+    }
+    const std::int64_t tick = next_tick_++;
+    log_->take(tick);
+    const PlaybackState now = clock_->state_at(tick);
+    TRY_ASSIGN(const auto pair, feed_.pair_at(now.moment));
+    board_.set(now);
+    if (feed_.ended()) clip_end_ns_.store(feed_.end_ns(), std::memory_order_relaxed);
+    feed_.timeline().show(tick);
+    const HeightField field(scene_, pair);
+    if (!port_.read_goals(tick, field, step_->goals())) return device_error("the fingers have no places");
+    for (std::size_t k = 0; k < step_->hops().size(); ++k) step_->hops()[k] = port_.hops(k);
+    const TouchTick done = step_->run(tick, tick * tick_ns, scene_, pair);
+    for (TouchSink* const sink : sinks) TRY(sink->consume(done));
+    return {};
+}
+
 Error fell_behind_error(const std::string& files, std::int64_t ticks_missing) {
     const std::string slow = files.empty() ? "this machine was" : files + ": its disk or its reader was";
     return input_error(slow + " too slow for 1000 ticks a second: " + std::to_string(ticks_missing) +

@@ -183,6 +183,9 @@ public:
     /// with an open log the hand outlasts the clip. Ticks until then count: an error is returned only if no
     /// tick was run or ticks were lost.
     Result<void> run(std::span<TouchSink* const> sinks);
+    /// Instead of `run`: the next tick, on the caller's thread and in virtual time. Reads the frames that it
+    /// needs, so none is late. For a clip, and an open log.
+    Result<void> run_tick(std::span<TouchSink* const> sinks);
 
     // Any thread, during `run`.
     /// Unpowers the hand after the tick in progress, without waiting for a sink; `run` returns once the sink
@@ -215,6 +218,9 @@ private:
     TouchSessionSettings settings_;
     std::shared_ptr<PlaybackLog> log_;
     PlaybackBoard board_;
+    std::optional<TouchStep> step_;  // of run_tick, with its clock and the next tick
+    std::optional<PlaybackClock> clock_;
+    std::int64_t next_tick_ = 0;
     std::atomic<bool> stopping_{false};
     std::mutex loop_mutex_;
     HapticLoop* loop_ = nullptr;  // the loop of `run`

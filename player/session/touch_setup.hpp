@@ -285,8 +285,9 @@ public:
     /// Begins at once. `setup` was made for a watched live run. `sinks` get every tick on the session's own
     /// thread and must outlive it. Refused (ErrorKind::usage): playback commands of later ticks than 0, which
     /// only a run without a watcher takes.
+    /// `stepped`: in virtual time, on the watcher's thread, which runs the ticks.
     static Result<std::unique_ptr<WatchedSession>> start(std::unique_ptr<TouchSetup> setup,
-                                                         std::vector<TouchSink*> sinks);
+                                                         std::vector<TouchSink*> sinks, bool stepped = false);
     ~WatchedSession();  ///< calls stop
 
     /// Sends zero force, ends the threads, closes the device; the setup's settings then hold all commands.
@@ -294,6 +295,8 @@ public:
     bool running() const { return running_.load(std::memory_order_acquire); }
 
     // One thread, the watcher's.
+    /// Stepped: runs the next tick (LiveSession::run_tick); no effect after the end.
+    void run_tick();
     /// Takes effect at the next tick. Refused (ErrorKind::usage): invalid commands, moments beyond the clip's
     /// end, any command to a camera or after the end, and more than `most_commands`.
     Result<void> ask(PlaybackVerb verb, std::int64_t first = 0, std::int64_t second = 0);
@@ -328,6 +331,7 @@ private:
     class Ticks;
     WatchedSession(std::unique_ptr<TouchSetup> setup, std::vector<TouchSink*> sinks);
     void run();
+    void note_end();
     void close_devices();
 
     std::unique_ptr<TouchSetup> setup_;
@@ -339,6 +343,7 @@ private:
     std::vector<TouchSink*> sinks_;
     WatchedMoment seen_;
     std::atomic<bool> running_{false};
+    bool is_stopped_ = false;
     // Owned by the session's thread until it has ended.
     Result<void> ran_;
     LiveFacts facts_;

@@ -132,7 +132,7 @@ void explain_failure(const TouchSetup& setup, LiveFacts& facts) {
 }
 
 Result<std::unique_ptr<WatchedSession>> WatchedSession::start(std::unique_ptr<TouchSetup> setup,
-                                                              std::vector<TouchSink*> sinks) {
+                                                              std::vector<TouchSink*> sinks, bool stepped) {
     for (const PlaybackCommand& command : setup->options.playback)
         if (command.tick > 0)
             return usage_error("playback '" + in_words({command}) +
@@ -143,6 +143,7 @@ Result<std::unique_ptr<WatchedSession>> WatchedSession::start(std::unique_ptr<To
     TRY_ASSIGN(session->port_, open_port(s));
     session->live_.emplace(s.scene, *s.feed, *session->port_, *s.solver, s.options, session->log_);
     session->running_.store(true, std::memory_order_release);
+    if (stepped) return session;
     auto begun =
         start_thread(session->thread_, "session", "of the session", [it = session.get()] { it->run(); });
     if (begun) return session;
@@ -173,15 +174,26 @@ void WatchedSession::run() {
     } catch (const std::exception& fault) {
         ran_ = internal_error(std::string("while the session ran: ") + fault.what());
     }
+    note_end();
+}
+
+void WatchedSession::run_tick() {
+    if (!running()) return;
+    ran_ = live_->run_tick(sinks_);
+    if (!ran_) note_end();
+}
+
+void WatchedSession::note_end() {
     facts_ = live_->facts();
     explain_failure(*setup_, facts_);
     running_.store(false, std::memory_order_release);
 }
 
 void WatchedSession::stop() {
-    if (!thread_.joinable()) return;
+    if (!live_ || std::exchange(is_stopped_, true)) return;
     live_->stop();
-    thread_.join();
+    if (thread_.joinable()) thread_.join();
+    if (running()) note_end();  // stepped
     close_devices();
     setup_->options.playback = log_->commands();
 }

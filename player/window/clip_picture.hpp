@@ -51,7 +51,8 @@ public:
     /// As SurfaceDrawing::show.
     virtual Result<void> show(const HeightField& field, const FramePair& pair, const PlaneView& colour,
                               Lighting lighting, int step) = 0;
-    /// As SurfaceDrawing::draw, stretched over a picture of width x height.
+    /// As SurfaceDrawing::draw, stretched over a picture of width x height. A camera two or four times as
+    /// large gives each pixel the mean of its samples; that needs no `can_stretch`.
     virtual Result<void> draw(const ViewCamera& camera, std::span<const FingerMark> fingers,
                               const MarkSizes& sizes, int width, int height) = 0;
     /// Draws ImGui's draw data on top, and shows the picture. Its inputs are not read afterwards.

@@ -6,6 +6,7 @@
 
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"
+#include "player/window/window_clock.hpp"
 
 namespace touchable {
 
@@ -57,7 +58,7 @@ public:
     /// Since the work began.
     double seconds() const {
         if (!is_busy() || !work_) return 0;
-        return std::chrono::duration<double>(Clock::now() - work_->begun).count();
+        return Clock::seconds_between(work_->begun, Clock::now());
     }
     /// Once a turn of the window: the result or error; nullopt while in progress.
     std::optional<Result<Made>> take() {
@@ -73,7 +74,7 @@ public:
     }
 
 private:
-    using Clock = std::chrono::steady_clock;
+    using Clock = WindowClock;
     struct Work {
         std::string words;
         Make make;

@@ -4,6 +4,7 @@
 
 #include "engine/base/try.hpp"
 #include "player/session/run_record.hpp"
+#include "player/window/window_clock.hpp"
 
 namespace touchable {
 namespace {
@@ -214,7 +215,7 @@ Result<void> OpenedClip::start_session(std::unique_ptr<TouchSetup> setup) {
     std::vector<TouchSink*> sinks{&*listener_};
     if (record_) sinks.push_back(record_.get());
     if (options_.meter) sinks.push_back(options_.meter.get());
-    TRY_ASSIGN(session_, WatchedSession::start(std::move(setup), std::move(sinks)));
+    TRY_ASSIGN(session_, WatchedSession::start(std::move(setup), std::move(sinks), options_.is_offline()));
     control_ = session_->setup().options.control.get();
     return {};
 }
@@ -236,7 +237,7 @@ std::vector<PlaybackCommand> OpenedClip::choose_begin(Change& change, std::int64
 
 Result<OpenedClip::Change> OpenedClip::prepare(const SessionSettings& settings,
                                                std::shared_ptr<const PaintedSegments> painted) const {
-    using Clock = std::chrono::steady_clock;
+    using Clock = WindowClock;
     Change change;
     change.settings = settings;
     change.painted = painted;

@@ -27,6 +27,7 @@
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
+#include "engine/clip/clip_file.hpp"
 #include "engine/scene/scene.hpp"
 #include "player/audio/window_sound.hpp"
 #include "player/draw/overlays.hpp"
@@ -104,6 +105,15 @@ struct PlayOptions {
     std::optional<std::filesystem::path> sound;  ///< a WAV file of the audible sound
     bool rumble = false;                         ///< a gamepad rumbles with contacts; not if `headless`
     std::optional<std::filesystem::path> video;  ///< a film of the window (FilmWriter)
+    /// Whether that film is drawn offline, in the window's virtual time: each picture at its time, none left
+    /// out, and the same bytes on each run. A camera and a haptic device keep the time of the clock.
+    bool is_offline() const { return headless && video && !hand && !session.clip.is_camera(); }
+    /// Of such a film: pictures a second, samples along a pixel's side (1, 2 or 4), and whether bars and
+    /// words are shown from the start.
+    struct Offline {
+        int rate = FilmWriter::usual_rate, samples = 2;
+        bool has_words = false;
+    } film{};
     Existing existing = Existing::keep;
     Names names{};
     std::optional<std::filesystem::path> settings_file;  ///< nullopt: settings are not kept

@@ -16,7 +16,6 @@
 // into the surface; all other positions are in world coordinates.
 
 #include <array>
-#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <glm/vec2.hpp>
@@ -32,6 +31,7 @@
 #include "haptics_cpu/touch_step.hpp"
 #include "player/draw/view.hpp"
 #include "player/window/input_event.hpp"
+#include "player/window/window_clock.hpp"
 
 namespace touchable {
 
@@ -184,7 +184,7 @@ private:
 /// The mouse's actions over the picture. The left button with Ctrl acts as the middle button.
 class PointerInput {
 public:
-    using Clock = std::chrono::steady_clock;
+    using Clock = WindowClock;
 
     enum class Leads {
         fingers,  ///< the left button presses them, the right one and the wheel deepen; the middle one turns

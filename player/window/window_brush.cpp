@@ -188,6 +188,8 @@ void WindowBrush::go_on(const ScreenSize& size) {
 
 /// Reports a history's fault once.
 void WindowBrush::note_files() {
+    while (options_.is_offline() && !stop_requested() && !files_.wait(std::chrono::milliseconds(50))) {
+    }
     for (const auto& [file, clip, written] : files_.take()) {
         const bool is_saved = !clip.empty();
         if (is_saved)

@@ -11,18 +11,24 @@
 namespace touchable {
 
 /// The window's clock: std::chrono::steady_clock, which a test can advance, so that a day of a kiosk takes
-/// minutes. Sessions and their forces use their own clocks. Any thread.
+/// minutes. While a film is drawn without a window it stands, and advances by `put_forward` alone. Sessions
+/// and their forces use their own clocks. Any thread.
 class WindowClock {
 public:
     using duration = std::chrono::steady_clock::duration;
     using time_point = std::chrono::steady_clock::time_point;
 
     static time_point now() {
-        return std::chrono::steady_clock::now() + duration(ahead_.load(std::memory_order_relaxed));
+        const duration ahead(ahead_.load(std::memory_order_relaxed)), stands(stands_.load());
+        return (stands.count() != 0 ? time_point(stands) : std::chrono::steady_clock::now()) + ahead;
+    }
+    static void stand_still(bool on) {
+        stands_.store(on ? std::chrono::steady_clock::now().time_since_epoch().count() : 0);
     }
     static void put_forward(duration by) { ahead_.fetch_add(by.count(), std::memory_order_relaxed); }
     /// Total time that the machine was suspended, which `now` does not count; a test can add to it.
     static duration slept() {
+        if (stands_.load() != 0) return {};
         const auto steady = std::chrono::steady_clock::now().time_since_epoch();
         return std::chrono::nanoseconds(boot_ns()) - steady +
                duration(asleep_.load(std::memory_order_relaxed));
@@ -33,7 +39,7 @@ public:
     }
 
 private:
-    static inline std::atomic<duration::rep> ahead_{0}, asleep_{0};
+    static inline std::atomic<duration::rep> ahead_{0}, asleep_{0}, stands_{0};
 };
 
 /// The time of a script, and of `seconds`, after which the window closes. After a stall, as on a machine that

@@ -20,6 +20,7 @@ Result<void> WindowCore::open() {
     TRY_ASSIGN(sound_,
                WindowSound::create(!options.headless, options.sound, options.existing, options.names.sound));
     sound_->set_volume(kept.volume);
+    if (options.is_offline()) sound_->wait_for_decoding();
     if (options.rumble && !options.headless) sound_->begin_rumble();
     TRY(open_screen(kept));
     clips_.ask_for_first();

@@ -48,9 +48,10 @@ BackgroundWriter::Job text_file(fs::path file, std::string text, std::string tag
             .replaces = true};
 }
 
-Result<std::unique_ptr<WindowFilm>> WindowFilm::create(const std::filesystem::path& file, Existing existing) {
-    TRY_ASSIGN(auto film, FilmWriter::create(file, existing));
-    std::unique_ptr<WindowFilm> made(new WindowFilm(std::move(film)));
+Result<std::unique_ptr<WindowFilm>> WindowFilm::create(const std::filesystem::path& file, Existing existing,
+                                                       int rate, bool is_whole) {
+    TRY_ASSIGN(auto film, FilmWriter::create(file, existing, rate));
+    std::unique_ptr<WindowFilm> made(new WindowFilm(std::move(film), rate, is_whole));
     TRY(start_thread(made->thread_, "film-encoder", "of the film", [it = made.get()] { it->encode(); }));
     return made;
 }
@@ -60,10 +61,13 @@ void WindowFilm::stop() {
 }
 
 bool WindowFilm::wants(double seconds) {
-    const auto place = static_cast<std::int64_t>(std::floor(seconds * FilmWriter::pictures_per_second));
-    const std::lock_guard lock(mutex_);
-    if (place <= last_place_ || !encoded_) return false;
-    last_place_ = place;
+    constexpr std::chrono::milliseconds pause(20);
+    if (!is_due(seconds)) return false;
+    last_place_ = place_at(seconds);
+    std::unique_lock lock(mutex_);
+    while (is_whole_ && encoded_ && in_use_ == most_waiting && !stop_requested())
+        changed_.wait_for(lock, pause);
+    if (!encoded_) return false;
     if (in_use_ < most_waiting) return true;
     ++left_out_;
     return false;
@@ -113,13 +117,13 @@ void WindowFilm::encode() {
         lock.lock();
         encoded_ = std::move(added);
         if (picture) --in_use_;
+        changed_.notify_all();
     }
 }
 
 Result<void> WindowFilm::finish(double seconds) {
     stop();
-    const auto end = static_cast<std::int64_t>(std::ceil(seconds * FilmWriter::pictures_per_second));
-    pictures_ = std::max(end, last_place_ + 1);
+    pictures_ = std::max(place_at(seconds - 1e-9) + 1, last_place_ + 1);
     return film_->finish(pictures_);
 }
 

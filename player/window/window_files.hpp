@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <deque>
 #include <mutex>
@@ -30,14 +31,18 @@ using TextCheck = std::function<Result<void>(const std::filesystem::path& file)>
 BackgroundWriter::Job text_file(std::filesystem::path file, std::string text, std::string tag = {},
                                 TextCheck check = {});
 
-/// A film of the window's picture and sound. Both are encoded on a separate thread; pictures and sound that
-/// come too fast are dropped, so that the window does not wait.
+/// A film of the window's picture and sound, encoded on a separate thread. What comes too fast is dropped, so
+/// that the window does not wait; a film of which nothing may be left out (`is_whole`) lets it wait.
 class WindowFilm : NonCopyable {
 public:
-    static Result<std::unique_ptr<WindowFilm>> create(const std::filesystem::path& file, Existing existing);
+    static Result<std::unique_ptr<WindowFilm>> create(const std::filesystem::path& file, Existing existing,
+                                                      int rate = FilmWriter::usual_rate,
+                                                      bool is_whole = false);
     ~WindowFilm() { stop(); }
 
     // For the window's thread.
+    /// Whether a picture is due that was not wanted before.
+    bool is_due(double seconds) const { return place_at(seconds) > last_place_; }
     /// Whether the film needs a picture of this moment, and has room for it; times must not go backward.
     bool wants(double seconds);
     /// Adds the picture last wanted, RGB.
@@ -66,7 +71,12 @@ private:
         std::int64_t first;
         std::vector<StereoSample> samples;
     };
-    explicit WindowFilm(std::unique_ptr<FilmWriter> film) : film_(std::move(film)) {}
+    WindowFilm(std::unique_ptr<FilmWriter> film, int rate, bool is_whole)
+        : film_(std::move(film)), rate_(rate), is_whole_(is_whole) {}
+    /// Exact for whole nanoseconds.
+    std::int64_t place_at(double seconds) const {
+        return std::llround(seconds * 1e9) * rate_ / 1'000'000'000;
+    }
     bool has_work() const {
         return !waiting_.empty() || sound_waits_ > much_sound || (stopping_ && sound_waits_ > 0);
     }
@@ -78,6 +88,8 @@ private:
     // Sound samples: enough that pictures rarely lack their sound, and the maximum.
     static constexpr std::size_t much_sound = SoundTrack::rate / 2, most_sound = 10 * SoundTrack::rate;
     std::unique_ptr<FilmWriter> film_;
+    const int rate_;
+    const bool is_whole_;
     std::int64_t last_place_ = -1, left_out_ = 0, pictures_ = 0;
     std::mutex mutex_;
     std::condition_variable changed_;

@@ -246,7 +246,14 @@ public:
         if (canvas_.is_of_size(camera.width, camera.height)) return draw_on(canvas_, camera, fingers, sizes);
         TRY(reserve(small_, "small picture", camera.width, camera.height));
         TRY(draw_on(small_, camera, fingers, sizes));
-        record_stretch(*commands_, small_, canvas_);
+        if (camera.width != 4 * width) {
+            record_stretch(*commands_, small_, canvas_);
+            return {};
+        }
+        // A stretch reads four samples a pixel.
+        TRY(reserve(half_, "half as large a picture", 2 * width, 2 * height));
+        record_stretch(*commands_, small_, half_);
+        record_stretch(*commands_, half_, canvas_);
         return {};
     }
 
@@ -293,7 +300,7 @@ private:
     std::optional<CpuDrawing> by_cpu_;  // replaces drawing_
     UploadPool uploads_;
     std::unique_ptr<ImGuiVulkan> imgui_;
-    GpuImage canvas_, small_;              // small_: stretched over the canvas, if used
+    GpuImage canvas_, small_, half_;       // small_: stretched over the canvas, if used, by way of half_
     std::optional<GpuCommands> commands_;  // of the current picture
 };
 
@@ -307,8 +314,8 @@ public:
         return {};
     }
     Result<void> draw(const ViewCamera& camera, std::span<const FingerMark> fingers, const MarkSizes& sizes,
-                      int /*width*/, int /*height*/) override {
-        TRY_ASSIGN(picture_, drawing_.draw(camera, fingers, sizes));
+                      int width, int /*height*/) override {
+        TRY_ASSIGN(picture_, drawing_.draw(camera, fingers, sizes, std::max(camera.width / width, 1)));
         return {};
     }
     Result<Image> picture() const override {

@@ -23,6 +23,12 @@ void share_memory_among_threads() {
 #endif
 }
 
+/// Stops the window's clock while it lives.
+struct StandingClock : NonCopyable {
+    explicit StandingClock(bool stands) { WindowClock::stand_still(stands); }
+    ~StandingClock() { WindowClock::stand_still(false); }
+};
+
 /// Runs a window (window_core.hpp) to its end.
 class WindowLoop {
 public:
@@ -43,7 +49,7 @@ private:
         if (clip && options_.hand) core_.hand().look_after();
         if (moment)
             for (WindowMode* const mode : core_.modes()) mode->look(*moment);
-        TRY(core_.picture().draw_if_due(moment));
+        if (!is_offline_ || !is_busy()) TRY(core_.picture().draw_if_due(moment));
         TRY(core_.screen().health());
         take_input();
         if (clip) go_on_with_clip();
@@ -56,13 +62,8 @@ private:
     void take_input() {
         WindowTime& time = core_.time;
         const OpenedClip* const clip = core_.clip();
-        // Until another frame is due, or the first clip is open.
-        const int longest_ms =
-            (clip ? clip->session().playback().playing : core_.clips().is_opening()) ? 2 : 8;
-        const int left_ms = static_cast<int>(core_.picture().left_ms());  // below 0: nothing has moved
-        const std::chrono::milliseconds wait(left_ms < 0 ? longest_ms : std::clamp(left_ms, 1, longest_ms));
-        const std::vector<InputEvent> events = core_.screen().poll(wait);
-        time.script_s = script_clock_.at(time.now_s(), is_at_work());
+        const std::vector<InputEvent> events = core_.screen().poll(is_offline_ ? pass_time() : pause());
+        time.script_s = is_offline_ ? time.now_s() : script_clock_.at(time.now_s(), is_at_work());
         core_.input().lift_after_sleep();
         for (const InputEvent& event : events) core_.take(event);
         if (time.begun && !core_.quits()) take_script();
@@ -72,6 +73,31 @@ private:
         if (clip && time.begun)
             for (WindowMode* const mode : core_.modes()) mode->tick(time.now_s());
         for (const WindowCommand& command : core_.picture().take_asked()) core_.take(command);
+    }
+    /// Until another frame is due, or the first clip is open.
+    std::chrono::milliseconds pause() {
+        const OpenedClip* const clip = core_.clip();
+        const int longest_ms =
+            (clip ? clip->session().playback().playing : core_.clips().is_opening()) ? 2 : 8;
+        const int left_ms = static_cast<int>(core_.picture().left_ms());  // below 0: nothing has moved
+        return std::chrono::milliseconds(left_ms < 0 ? longest_ms : std::clamp(left_ms, 1, longest_ms));
+    }
+    /// Offline: goes on by a tick and a millisecond. While a clip is opened or the brush works, the time
+    /// stands; returns how long to wait for that.
+    std::chrono::milliseconds pass_time() {
+        constexpr std::chrono::milliseconds work_pause(2), tick(1);
+        OpenedClip* const clip = core_.clip();
+        const WatchedMoment* const moment = clip ? clip->session().look() : nullptr;
+        // The brush may wait for a moment.
+        if (!clip || core_.clips().is_opening() || (moment && is_busy())) return work_pause;
+        WatchedSession& session = clip->session();
+        if (moment) core_.picture().lead_fingers(*moment);
+        session.run_tick();
+        if (!core_.time.begun && session.running())
+            core_.picture().begin_time(WindowClock::now());
+        else if (moment || !session.running())
+            WindowClock::put_forward(tick);
+        return {};
     }
     void take_script() {
         // The first clip is opened before.
@@ -100,6 +126,7 @@ private:
             core_.quit();  // there will be no picture
     }
     bool is_at_work() const { return core_.any(&WindowMode::is_at_work); }
+    bool is_busy() { return core_.clips().is_opening() || is_at_work(); }
     /// Whether the brush is still working on requests made before the window was closed. Closing it again
     /// does not wait. The haptic device has no forces by then.
     bool has_to_stay() {
@@ -126,6 +153,10 @@ private:
             if (fault) faults.push_back(*fault);
         for (const WindowMode* const mode : core_.modes())
             for (const Error& fault : mode->faults()) faults.push_back(fault);
+        if (is_offline_ && film->fault()) core_.quit();
+        // What is said of a file does not depend on the disk's time.
+        while (is_offline_ && !stop_requested() && !core_.screenshots().wait(std::chrono::milliseconds(50))) {
+        }
         for (const Error& fault : faults)
             if (core_.is_new_fault(fault)) core_.say(fault.message, Tone::fault);
         for (const auto& written : core_.screenshots().take())
@@ -158,7 +189,7 @@ private:
         sum_up();
         PlayFigures& figures = core_.figures;
         const auto& film = picture.film();
-        const bool is_filmed = film && (core_.time.begun || !stop_requested());
+        const bool is_filmed = film && (core_.figures.pictures > 0 || !stop_requested());
         const Result<void> filmed = is_filmed ? film->finish(core_.time.now_s()) : Result<void>();
         if (film) figures.film_pictures = film->pictures();
         if (film) figures.film_left_out = film->left_out();
@@ -271,6 +302,7 @@ private:
 
     WindowCore core_;
     PlayOptions& options_;
+    const bool is_offline_ = options_.is_offline();
     std::size_t scripted_ = 0;
     ScriptClock script_clock_;
     std::string sound_fault_;
@@ -281,6 +313,7 @@ private:
 
 Result<PlayFigures> play_in_window(PlayOptions options) {
     share_memory_among_threads();
+    const StandingClock standing(options.is_offline());
     WindowLoop window(std::move(options));
     return window.run();
 }

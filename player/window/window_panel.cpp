@@ -156,8 +156,9 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     draw_measured_line(facts.measure, scale_);
     draw_finger_halos(facts.halos, scale_);
     const bool is_stopped = !facts.force_on && !facts.hand;
-    if (is_stopped && !facts.kiosk && !help_shown) draw_stop(w, h);
     words_bottom_ = 0;
+    if (hidden && silent && !facts.kiosk) return;
+    if (is_stopped && !facts.kiosk && !help_shown) draw_stop(w, h);
     if (hidden && !facts.kiosk) {
         draw_fault(facts, w, asked);
         return draw_message(facts, w);

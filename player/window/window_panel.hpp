@@ -88,6 +88,7 @@ public:
     void set_scale(double scale) { scale_ = static_cast<float>(scale); }
     bool shown = false, help_shown = false;
     bool hidden = false;    ///< all but messages and what lies on the surface
+    bool silent = false;    ///< hides messages too while `hidden`
     bool bar_shown = true;  ///< unless something else needs it
 
     /// Call between ImGuiLayer's `begin` and `draw`.

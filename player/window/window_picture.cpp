@@ -180,6 +180,7 @@ std::string relief_words(WindowCore& core) {
 Result<void> WindowPicture::open(const KeptSettings& kept) {
     PlayOptions& options = core_.options;
     last_picture_ = core_.time.asked_for;
+    is_offline_ = options.is_offline();
     const double scale = scale_of_words(core_.screen().size());
     std::string letters;
     for (const WindowMode* const mode : core_.modes()) letters += mode->letters();
@@ -190,9 +191,10 @@ Result<void> WindowPicture::open(const KeptSettings& kept) {
     panel_->shown = kept.panel;
     is_dented_ = options.dent.value_or(kept.dent);
     surface_.set_light(options.light.value_or(kept.light));
+    panel_->hidden = panel_->silent = is_offline_ && !options.film.has_words;
     if (!options.video) return {};
-    TRY_ASSIGN(film_, WindowFilm::create(*options.video, options.existing));
-    return {};
+    const int rate = is_offline_ ? options.film.rate : FilmWriter::usual_rate;
+    return assign(film_, WindowFilm::create(*options.video, options.existing, rate, is_offline_));
 }
 
 double WindowPicture::scale_of_words(const ScreenSize& size) const {
@@ -212,13 +214,20 @@ Result<void> WindowPicture::fit_words(const ScreenSize& size) {
 Result<std::unique_ptr<WindowGraphics>> WindowPicture::make_graphics() {
     const PlayOptions& options = core_.options;
     if (options.headless && options.painter == "cpu") return make_cpu_graphics();
-    auto device =
-        options.painter == "auto" ? options.gpu->open_measured(measure_painters) : options.gpu->open();
+    // A film's painter is the same on each run: it does not depend on times.
+    auto device = options.painter == "auto" && !is_offline_ ? options.gpu->open_measured(measure_painters)
+                                                            : options.gpu->open();
     const bool is_asked_for = options.painter != "auto" || options.session.builder.names_gpu();
     if (!device && options.headless && (!is_asked_for || lost_at_)) return make_cpu_graphics();
     if (!device) return device.error();
     TRY(core_.screen().attach(*device));
-    return make_gpu_graphics(std::move(*device), options.painter, core_.screen());
+    std::string_view painter = options.painter;
+    if (is_offline_ && painter == "auto") {
+        GpuFacts facts = (*device)->facts();
+        facts.measured = {};
+        painter = draws_by_mesh(facts) ? "mesh" : "raster";
+    }
+    return make_gpu_graphics(std::move(*device), painter, core_.screen());
 }
 
 Result<void> WindowPicture::open_graphics() {
@@ -259,6 +268,18 @@ void WindowPicture::begin_clip(bool goes_on) {
 
 Result<void> WindowPicture::draw_if_due(const WatchedMoment* moment) {
     const auto now = Clock::now();
+    if (is_offline_) {
+        if (!core_.time.begun || !moment || !film_->is_due(core_.time.now_s())) return {};
+        const ScreenSize size = core_.screen().size();
+        const int samples = core_.options.film.samples;
+        const auto drawn = within_memory(
+            "pictures of " + size_text(samples * size.width, samples * size.height) + " samples",
+            [&]() -> Result<void> {
+                TRY(draw(*moment));
+                return add_to_film();
+            });
+        return drawn ? drawn : open_graphics_anew(drawn.error());
+    }
     if (moment && seen_.is_other_frame(*moment) && frame_came_at_ <= last_picture_) frame_came_at_ = now;
     const auto since = std::max(last_picture_, core_.time.last_event);
     const bool moves = is_due(moment, now),
@@ -267,7 +288,14 @@ Result<void> WindowPicture::draw_if_due(const WatchedMoment* moment) {
     if (!moves && is_fine == is_fine_ && !words_differ(moment)) return {};
     is_fine_ = is_fine;
     const auto drawn = draw_what_is_there(moment);
-    return drawn ? drawn : open_graphics_anew(drawn.error());
+    return drawn ? add_to_film() : open_graphics_anew(drawn.error());
+}
+
+Result<void> WindowPicture::add_to_film() {
+    if (!film_ || !core_.time.begun || !film_->wants(core_.time.now_s())) return {};
+    TRY_ASSIGN(auto picture, surface_.graphics().picture());
+    film_->add(std::move(picture));
+    return {};
 }
 
 /// A new frame of the clip is drawn at once. The current one is redrawn only if something has moved and there
@@ -337,7 +365,10 @@ double WindowPicture::frame_ms() const {
 
 /// The camera at the size that there is time to draw.
 ViewCamera WindowPicture::drawn_camera(const ScreenSize& size) const {
-    const double share = is_fine_ ? fine_samples : surface_.graphics().can_stretch() ? governor_.share() : 1;
+    const double share = is_offline_                         ? core_.options.film.samples
+                         : is_fine_                          ? fine_samples
+                         : surface_.graphics().can_stretch() ? governor_.share()
+                                                             : 1;
     const auto side = [share](int pixels) {
         return std::max(1, static_cast<int>(std::lround(pixels * share)));
     };
@@ -350,7 +381,9 @@ int WindowPicture::vertex_step(const ViewCamera& camera) {
     const int coarse = SurfaceDrawing::step_for(clip.view().pixels_per_vertex(camera.width, camera.height));
     coarse_saves_ = coarse > 1;
     const PlaybackState playback = clip.session().playback();
-    return governor_.coarse() && playback.playing && !playback.at_end ? coarse * governor_.step() : 1;
+    return !is_offline_ && governor_.coarse() && playback.playing && !playback.at_end
+               ? coarse * governor_.step()
+               : 1;
 }
 
 Result<void> WindowPicture::draw_what_is_there(const WatchedMoment* moment) {
@@ -369,6 +402,16 @@ bool WindowPicture::pointer_is_on_bar() const {
     const auto& at = fingers.pointer();  // includes moves by keys
     return at && !core_.options.hand && !fingers.is_touched() && !core_.input().holds_pointer() &&
            is_bar(*at) && panel_covers(*at);
+}
+
+void WindowPicture::lead_fingers(const WatchedMoment& moment) {
+    OpenedClip& clip = *core_.clip();
+    const ScreenSize size = core_.screen().size();
+    std::vector<Contact> met;
+    for (const WatchedTick::Finger& finger : moment.felt.fingers) met.push_back(finger.contact);
+    if (!core_.options.hand)
+        clip.fingers().intend(HeightField(clip.scene(), moment.held.pair),
+                              clip.view().camera(size.width, size.height), met);
 }
 
 Result<void> WindowPicture::draw(const WatchedMoment& moment) {
@@ -396,10 +439,8 @@ Result<void> WindowPicture::draw(const WatchedMoment& moment) {
     if (const auto at = core_.input().take_double_click())
         if (const auto met = pick(field, camera, at->x, at->y)) clip.view().look_at(met->point);
     for (WindowMode* const mode : core_.modes()) mode->prepare({moment, field, camera});
-    std::vector<Contact> met;
-    for (const WatchedTick::Finger& finger : moment.felt.fingers) met.push_back(finger.contact);
+    if (!is_offline_) lead_fingers(moment);
     const bool is_held = core_.options.hand != nullptr;
-    if (!is_held) clip.fingers().intend(field, camera, met);
 
     WindowGraphics& graphics = surface_.graphics();
     TRY(graphics.begin());
@@ -431,10 +472,6 @@ Result<void> WindowPicture::draw(const WatchedMoment& moment) {
         figures.words_ms.add(1000 * Clock::seconds_between(drawn, worded));
         figures.shown_ms.add(1000 * Clock::seconds_between(worded, Clock::now()));
     }
-    if (film_ && film_->wants(core_.time.now_s())) {
-        TRY_ASSIGN(auto picture, graphics.picture());
-        film_->add(std::move(picture));
-    }
     note_picture(facts, begin);
     note_frame(moment, is_new);
     return {};
@@ -449,6 +486,7 @@ PanelFacts WindowPicture::facts_of(const WatchedMoment& moment, const HeightFiel
     facts.is_dented = is_dented_;
     facts.light = surface_.light();
     facts.has_touch_screen = core_.input().has_touch_screen();
+    if (is_offline_) facts.figures.clear();  // they depend on the machine
     WindowSound& sound = core_.sound();
     facts.figures.push_back(sound.state());
     for (std::string words : {core_.screen().touch_state(), sound.rumble_state()})
@@ -497,21 +535,24 @@ void WindowPicture::note_picture(const PanelFacts& facts, Clock::time_point begi
     shown_message_ = said;
     const auto end = Clock::now();
     last_draw_ms_ = Clock::seconds_between(begin, end) * 1000;
-    panel_->remember(facts, last_draw_ms_, core_.clip()->session().figures().ticks.solve_us);
+    const double solve_us = core_.clip()->session().figures().ticks.solve_us;
+    panel_->remember(facts, last_draw_ms_, is_offline_ ? 0 : solve_us);
     PlayFigures& figures = core_.figures;
-    if (!core_.time.begun) {
-        figures.first_picture_ms = core_.time.begin(end);
-        if (film_)
-            core_.sound().film(
-                [film = film_.get()](std::int64_t first, std::span<const StereoSample> samples) {
-                    film->add_sound(first, samples);
-                },
-                end);
-    }
+    if (!core_.time.begun) begin_time(end);
     ++figures.pictures;
     figures.draw_ms.add(last_draw_ms_);
     if (const auto first = core_.input().take_first_event())
         figures.input_to_picture_ms.add(Clock::seconds_between(*first, end) * 1000);
+}
+
+void WindowPicture::begin_time(Clock::time_point at) {
+    core_.figures.first_picture_ms = core_.time.begin(at);
+    if (!film_) return;
+    core_.sound().film(
+        [film = film_.get()](std::int64_t first, std::span<const StereoSample> samples) {
+            film->add_sound(first, samples);
+        },
+        [at] { return std::chrono::floor<std::chrono::milliseconds>(Clock::now() - at).count(); });
 }
 
 /// Counts whether the picture was in time, and adapts the next one's size.

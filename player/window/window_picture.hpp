@@ -8,6 +8,9 @@
 // they differ; and a turned view is drawn once more with four samples a pixel. Its size and level of detail
 // follow from the drawing time (PictureGovernor). If the GPU is lost, new graphics are opened once.
 //
+// With a film that is drawn offline (PlayOptions), a picture is due with each of the film's, in full detail,
+// however long it takes.
+//
 // Runs on the window's thread. A film is encoded on a separate thread (WindowFilm).
 
 #include "player/draw/view.hpp"
@@ -37,6 +40,10 @@ public:
     Result<void> open(const KeptSettings& kept);
     /// Draws the moment, if a picture is due. Null: nothing of the clip is visible.
     Result<void> draw_if_due(const WatchedMoment* moment);
+    /// Offline: time begins with the moment, before its picture. Otherwise the first picture begins it.
+    void begin_time(WindowClock::time_point at);
+    /// Leads the pointer's fingers over the moment. Offline once a tick, otherwise once a picture.
+    void lead_fingers(const WatchedMoment& moment);
     /// Draws with the effects of all input so far.
     Result<void> draw_newest();
     Result<void> draw_opening();
@@ -87,6 +94,7 @@ private:
     int vertex_step(const ViewCamera& camera);
     bool pointer_is_on_bar() const;
     Result<void> draw_what_is_there(const WatchedMoment* moment);
+    Result<void> add_to_film();
     Result<void> draw(const WatchedMoment& moment);
     PanelFacts facts_of(const WatchedMoment& moment, const HeightField& field, const ViewCamera& camera);
     PanelFacts facts_without_clip() const;
@@ -103,6 +111,7 @@ private:
     bool is_dented_ = true;
     std::optional<Clock::time_point> lost_at_;  // the last loss of graphics
     DrawnState seen_;
+    bool is_offline_ = false;
     Clock::time_point last_picture_, last_words_, frame_came_at_;
     std::vector<FingerHalo> halos_;  // of the last picture
     double last_draw_ms_ = 0;
