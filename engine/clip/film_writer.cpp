@@ -300,7 +300,7 @@ public:
         if (!so_far_) return so_far_;
         NewFile out(*numbered_picture(pattern_, ++number_), existing_);
         so_far_ = out.check();
-        if (so_far_) so_far_ = write_png(out, picture);
+        if (so_far_) so_far_ = write_png_to(out.path(), picture, out.target(), PngEffort::quick);
         if (so_far_) so_far_ = out.commit();
         return so_far_;
     }

@@ -56,6 +56,22 @@ struct PlayWords {
     KioskWords kiosk;
 };
 
+/// The file of --video; of numbered pictures the first, and all that are there.
+void add_film(const fs::path& video, std::vector<NamedFile>& files) {
+    const auto first = numbered_picture(video, 1);
+    files.push_back({"--video", first.value_or(video)});
+    const fs::path folder = video.has_parent_path() ? video.parent_path() : fs::path(".");
+    const std::size_t place = video.filename().string().find('%');
+    std::error_code failed;
+    for (fs::directory_iterator at(folder, failed), end; first && !failed && at != end;
+         at.increment(failed)) {
+        const std::string name = at->path().filename().string();
+        const long long number = name.size() > place ? std::atoll(name.c_str() + place) : 0;
+        if (number > 1 && numbered_picture(video, number)->filename() == name)
+            files.push_back({"--video", at->path()});
+    }
+}
+
 /// Refuses outputs that would replace a file that the window shows or reads, under any name, or an existing
 /// file. A clip opened here to list its inputs stays open for the window.
 Result<void> check_files(PlayOptions& options, const std::optional<fs::path>& script) {
@@ -64,8 +80,7 @@ Result<void> check_files(PlayOptions& options, const std::optional<fs::path>& sc
     if (options.record && options.session.clip.plugged)
         outputs.files.push_back({"the film of --record", film_beside(*options.record)});
     if (options.sound) outputs.files.push_back({"--sound", *options.sound});
-    if (options.video)
-        outputs.files.push_back({"--video", numbered_picture(*options.video, 1).value_or(*options.video)});
+    if (options.video) add_film(*options.video, outputs.files);
     if (options.screenshot) outputs.files.push_back({"--screenshot", *options.screenshot});
     std::vector<NamedFile> inputs, saved;
     for (const ScriptedInput& input : options.script) {
@@ -151,8 +166,8 @@ Result<void> check_film(const PlayWords& words, const PlayOptions& options) {
     for (const char* const name : {"--fps", "--samples", "--words"})
         if (words.command->count(name) > 0) asked = name;
     if (!asked.empty() && !options.is_offline())
-        return usage_error(asked + ": is for a film without a window; give --headless and --video, without " +
-                           "--camera and --device");
+        return usage_error(asked + " applies to a film without a window; give --headless and --video, and " +
+                           "neither --camera nor --device");
     const int side = options.film.samples * std::max(options.screen.width, options.screen.height);
     if (options.is_offline() && side > longest_side)
         return usage_error("--samples " + std::to_string(options.film.samples) +
@@ -357,7 +372,7 @@ void print(const PlayFigures& figures) {
                 figures.painter.c_str(), figures.gpu.empty() ? "" : (" on " + figures.gpu).c_str());
     std::printf("%-24s%lld of %lld\n", "frames shown in time", static_cast<long long>(figures.frames_in_time),
                 static_cast<long long>(figures.frames_due));
-    std::printf("%-24sp50 %.1f, p99 %.1f ms\n", "time per picture", draw.p50, draw.p99);
+    if (draw.max > 0) std::printf("%-24sp50 %.1f, p99 %.1f ms\n", "time per picture", draw.p50, draw.p99);
     if (input.max > 0) std::printf("%-24sp50 %.1f, p99 %.1f ms\n", "input to picture", input.p50, input.p99);
     const auto& [feed, ticks, late_frames] = figures.sessions;
     std::printf("%-24s%lld, %lld too late\n", "ticks", static_cast<long long>(ticks.ticks),

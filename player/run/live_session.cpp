@@ -61,7 +61,13 @@ LiveSession::LiveSession(const Scene& scene, SurfaceFeed& feed, HapticPort& port
 
 LiveSession::LiveSession(const Scene& scene, SurfaceFeed& feed, HapticPort& port, const TouchSolver& solver,
                          const TouchSessionSettings& settings, std::shared_ptr<PlaybackLog> log)
-    : scene_(scene), feed_(feed), port_(port), solver_(solver), settings_(settings), log_(std::move(log)) {
+    : scene_(scene),
+      feed_(feed),
+      port_(port),
+      settings_(settings),
+      log_(std::move(log)),
+      step_(solver, settings.guard, settings.fingers),
+      clock_(scene.rate, log_) {
     board_.set(PlaybackClock(scene.rate, log_).state_at(0));
 }
 
@@ -101,10 +107,8 @@ void LiveSession::set_loop(HapticLoop* loop) {
 
 Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     if (stop_requested()) return interrupted_error();
-    TouchStep step(solver_, settings_.guard, settings_.fingers);
     TickLog log(log_ticks, settings_.fingers);
-    PlaybackClock clock(scene_.rate, log_);
-    clock.at(0);
+    clock_.at(0);
     const bool live_source = feed_.reader().is_live();
     CameraFigures camera(feed_.reader(), feed_.frames());
     FeedThreads threads(
@@ -115,10 +119,10 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
             const bool begins = log_->is_open() && raw.number <= scene_.rate.frame_at(now.start_ns) + 1;
             return !live_source && !begins && comes_late(raw, scene_, now);
         },
-        clock, [this] { return board_.moment(); });
-    HapticLoop loop(scene_, feed_.timeline(), step, port_, log, [&](std::int64_t tick) {
+        clock_, [this] { return board_.moment(); });
+    HapticLoop loop(scene_, feed_.timeline(), step_, port_, log, [&](std::int64_t tick) {
         log_->take(tick);
-        const PlaybackState now = clock.state_at(tick);
+        const PlaybackState now = clock_.state_at(tick);
         board_.set(now);
         return now.moment;
     });
@@ -181,24 +185,17 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
 
 Result<void> LiveSession::run_tick(std::span<TouchSink* const> sinks) {
     if (stop_requested()) return interrupted_error();
-    if (feed_.reader().is_live())
-        return usage_error("a camera's time is not virtual; a film without a window needs a clip");
-    if (!step_) {
-        step_.emplace(solver_, settings_.guard, settings_.fingers);
-        clock_.emplace(scene_.rate, log_);
-        feed_.work_ahead();
-    }
     const std::int64_t tick = next_tick_++;
     log_->take(tick);
-    const PlaybackState now = clock_->state_at(tick);
+    const PlaybackState now = clock_.state_at(tick);
     TRY_ASSIGN(const auto pair, feed_.pair_at(now.moment));
     board_.set(now);
     if (feed_.ended()) clip_end_ns_.store(feed_.end_ns(), std::memory_order_relaxed);
     feed_.timeline().show(tick);
     const HeightField field(scene_, pair);
-    if (!port_.read_goals(tick, field, step_->goals())) return device_error("the fingers have no places");
-    for (std::size_t k = 0; k < step_->hops().size(); ++k) step_->hops()[k] = port_.hops(k);
-    const TouchTick done = step_->run(tick, tick * tick_ns, scene_, pair);
+    if (!port_.read_goals(tick, field, step_.goals())) return device_error("the fingers have no places");
+    for (std::size_t k = 0; k < step_.hops().size(); ++k) step_.hops()[k] = port_.hops(k);
+    const TouchTick done = step_.run(tick, tick * tick_ns, scene_, pair);
     for (TouchSink* const sink : sinks) TRY(sink->consume(done));
     return {};
 }

@@ -214,13 +214,12 @@ private:
     const Scene& scene_;
     SurfaceFeed& feed_;
     HapticPort& port_;
-    const TouchSolver& solver_;
     TouchSessionSettings settings_;
     std::shared_ptr<PlaybackLog> log_;
     PlaybackBoard board_;
-    std::optional<TouchStep> step_;  // of run_tick, with its clock and the next tick
-    std::optional<PlaybackClock> clock_;
-    std::int64_t next_tick_ = 0;
+    TouchStep step_;
+    PlaybackClock clock_;
+    std::int64_t next_tick_ = 0;  // of run_tick
     std::atomic<bool> stopping_{false};
     std::mutex loop_mutex_;
     HapticLoop* loop_ = nullptr;  // the loop of `run`

@@ -143,7 +143,10 @@ Result<std::unique_ptr<WatchedSession>> WatchedSession::start(std::unique_ptr<To
     TRY_ASSIGN(session->port_, open_port(s));
     session->live_.emplace(s.scene, *s.feed, *session->port_, *s.solver, s.options, session->log_);
     session->running_.store(true, std::memory_order_release);
-    if (stepped) return session;
+    if (stepped) {
+        s.feed->work_ahead();
+        return session;
+    }
     auto begun =
         start_thread(session->thread_, "session", "of the session", [it = session.get()] { it->run(); });
     if (begun) return session;

@@ -23,12 +23,6 @@ void share_memory_among_threads() {
 #endif
 }
 
-/// Stops the window's clock while it lives.
-struct StandingClock : NonCopyable {
-    explicit StandingClock(bool stands) { WindowClock::stand_still(stands); }
-    ~StandingClock() { WindowClock::stand_still(false); }
-};
-
 /// Runs a window (window_core.hpp) to its end.
 class WindowLoop {
 public:
@@ -189,7 +183,7 @@ private:
         sum_up();
         PlayFigures& figures = core_.figures;
         const auto& film = picture.film();
-        const bool is_filmed = film && (core_.figures.pictures > 0 || !stop_requested());
+        const bool is_filmed = film && (core_.figures.pictures > 0 || (ended && !stop_requested()));
         const Result<void> filmed = is_filmed ? film->finish(core_.time.now_s()) : Result<void>();
         if (film) figures.film_pictures = film->pictures();
         if (film) figures.film_left_out = film->left_out();
@@ -313,9 +307,11 @@ private:
 
 Result<PlayFigures> play_in_window(PlayOptions options) {
     share_memory_among_threads();
-    const StandingClock standing(options.is_offline());
+    WindowClock::stand_still(options.is_offline());
     WindowLoop window(std::move(options));
-    return window.run();
+    auto played = window.run();
+    WindowClock::stand_still(false);
+    return played;
 }
 
 }  // namespace touchable

@@ -221,13 +221,7 @@ Result<std::unique_ptr<WindowGraphics>> WindowPicture::make_graphics() {
     if (!device && options.headless && (!is_asked_for || lost_at_)) return make_cpu_graphics();
     if (!device) return device.error();
     TRY(core_.screen().attach(*device));
-    std::string_view painter = options.painter;
-    if (is_offline_ && painter == "auto") {
-        GpuFacts facts = (*device)->facts();
-        facts.measured = {};
-        painter = draws_by_mesh(facts) ? "mesh" : "raster";
-    }
-    return make_gpu_graphics(std::move(*device), painter, core_.screen());
+    return make_gpu_graphics(std::move(*device), options.painter, core_.screen());
 }
 
 Result<void> WindowPicture::open_graphics() {
@@ -409,9 +403,9 @@ void WindowPicture::lead_fingers(const WatchedMoment& moment) {
     const ScreenSize size = core_.screen().size();
     std::vector<Contact> met;
     for (const WatchedTick::Finger& finger : moment.felt.fingers) met.push_back(finger.contact);
-    if (!core_.options.hand)
-        clip.fingers().intend(HeightField(clip.scene(), moment.held.pair),
-                              clip.view().camera(size.width, size.height), met);
+    const HeightField field(clip.scene(), moment.held.pair);
+    clip.view().note_middle(field);
+    if (!core_.options.hand) clip.fingers().intend(field, clip.view().camera(size.width, size.height), met);
 }
 
 Result<void> WindowPicture::draw(const WatchedMoment& moment) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -155,7 +156,7 @@ TEST(WindowFiles, FilmMatchesWindow) {
     // comes later where ticks are skipped, and at the other size the pointer is beside the globe.
     const Played shot =
         shot_of(made_clip("globe", 1), "0 move 160 130\n0.2 press left\n1.3 size 640x480\n1.3 panel\n", "1.8",
-                {"--video", film});
+                {"--video", film, "--words"});
     EXPECT_TRUE(contains(shot.outcome.out, "film "));
     const auto seen = seen_in_film(film);
     ASSERT_GE(seen.size(), 30U);
@@ -187,6 +188,169 @@ TEST(WindowFiles, FilmMatchesWindow) {
     expect_refused({"play", made_clip("globe", 1).string(), "--headless", "--seconds", "0.2", "--video",
                     (folder / "film.avi").string()},
                    2);
+}
+
+// Films without a window, in virtual time.
+
+/// A turning globe that beeps, and a touch: with settings, another clip and paint in between.
+class OfflineFilm : public ::testing::Test {
+protected:
+    void SetUp() override {
+        write_sounding_clip(clip_, tone(480, 1.8), made_clip("globe", 30));
+        std::ofstream(folder_ / "script") << "0 move 80 60\n0 press left\n0.1 move 90 64\n0.1 median 5\n"
+                                             "0.15 seek 0.5\n0.2 turn 20\n0.25 material brick\n"
+                                             "0.25 paint 60,70\n0.3 drop "
+                                          << made_clip("globe", 1).string() << "\n0.35 press left\n";
+    }
+    /// Of 0.4 s by the CPU, unless the words `more` say otherwise.
+    Outcome film(const std::string& name, std::vector<std::string> more = {}, bool has_script = true) const {
+        std::vector<std::string> words{"play",      clip_.string(), "--headless", "--seconds", "0.4",
+                                       "--builder", "cpu",          "--video",    path(name)};
+        if (has_script) words.insert(words.end(), {"--script", path("script")});
+        for (const auto& [option, usual] : {std::pair{"--size", "160x120"}, {"--painter", "cpu"}})
+            if (std::ranges::find(more, option) == more.end()) words.insert(words.end(), {option, usual});
+        words.insert(words.end(), more.begin(), more.end());
+        Outcome made = run_touchable(words);
+        EXPECT_EQ(made.code, 0) << made.err;
+        return made;
+    }
+    std::string path(const std::string& name) const { return (folder_ / name).string(); }
+    Image picture(const std::string& name) const {
+        auto read = read_image(path(name));
+        EXPECT_TRUE(read) << read.error().message;
+        return read ? std::move(*read) : Image();
+    }
+
+    const TemporaryFolder folder_;
+    const std::filesystem::path clip_ = folder_ / "sounding.mkv";
+};
+
+/// Beside another run of its own, which slows both.
+TEST_F(OfflineFilm, HasSameBytesOnEachRun) {
+    for (const std::string ending : {".mp4", ".mkv"}) {
+        EXPECT_TRUE(contains(film("alone" + ending).out, "12 pictures, 0 left out\n"));
+        std::thread beside([&] { film("beside" + ending, {"--words"}); });
+        EXPECT_TRUE(contains(film("busy" + ending).out, "12 pictures, 0 left out\n"));
+        beside.join();
+        EXPECT_EQ(seen_in_film(path("busy" + ending)).size(), 12U);
+        EXPECT_EQ(file_contents(path("alone" + ending)), file_contents(path("busy" + ending))) << ending;
+    }
+}
+
+/// Bars and messages included.
+TEST_F(OfflineFilm, GpuPicturesAreRepeatable) {
+    const std::vector<std::string> words{"--painter", "raster", "--words"};
+    film("a%d.png", words);
+    film("b%d.png", words);
+    film("bare%d.png", {"--painter", "raster"});
+    for (const std::string number : {"1", "5", "12"})
+        EXPECT_EQ(file_contents(path("a" + number + ".png")), file_contents(path("b" + number + ".png")));
+    EXPECT_GT(differences(picture("a12.png"), picture("bare12.png"), {0, 90, 159, 119}), 500) << "no bar";
+}
+
+/// Pictures, by contrast, are of the rate.
+TEST_F(OfflineFilm, TouchMatchesReplayAtAnyRate) {
+    std::ofstream(folder_ / "script") << "0 move 80 60\n0.05 press left\n0.11 move 90 64\n0.2 turn 20\n";
+    std::vector<std::string> hashes;
+    for (const auto& [rate, pictures] : {std::pair{"7", 3U}, {"60", 24U}}) {
+        const std::string name = std::string("at") + rate;
+        film(name + ".mkv", {"--fps", rate, "--record", path(name + ".touch")});
+        const auto seen = seen_in_film(path(name + ".mkv"));
+        ASSERT_EQ(seen.size(), pictures);
+        EXPECT_NEAR(seen.back().seconds, (pictures - 1) / std::stod(rate), 0.001);
+        const std::string told = replayed(folder_.path(), name + ".touch");
+        const std::size_t at = told.find("\"force_hash\"");
+        ASSERT_NE(at, std::string::npos) << told;
+        hashes.push_back(told.substr(at, 40));
+    }
+    EXPECT_EQ(hashes[0], hashes[1]);
+}
+
+TEST_F(OfflineFilm, SoundLastsAsLongAsPictures) {
+    film("film.mkv", {}, false);
+    auto track = SoundTrack::open(path("film.mkv"));
+    ASSERT_TRUE(track && *track);
+    std::vector<StereoSample> heard(48'000);
+    (*track)->read(heard);
+    const auto is_heard = [&](std::size_t from, std::size_t to) {
+        return std::any_of(heard.begin() + static_cast<std::ptrdiff_t>(from),
+                           heard.begin() + static_cast<std::ptrdiff_t>(to),
+                           [](const StereoSample& sample) { return std::abs(sample.left) > 0.05F; });
+    };
+    EXPECT_TRUE(is_heard(0, 480)) << "from the first picture on";
+    EXPECT_TRUE(is_heard(19'200 - 100, 19'200)) << "to the last one's end";
+    EXPECT_FALSE(is_heard(19'200, 48'000));
+}
+
+TEST_F(OfflineFilm, WritesNumberedPictures) {
+    film("shot-%03d.png", {"--size", "161x121"});
+    for (int number = 1; number <= 12; ++number) {
+        const Image seen =
+            picture("shot-0" + std::string(number < 10 ? "0" : "") + std::to_string(number) + ".png");
+        EXPECT_EQ(seen.width, 161);
+        EXPECT_EQ(seen.height, 121);
+    }
+    EXPECT_FALSE(std::filesystem::exists(path("shot-000.png")));
+    EXPECT_FALSE(std::filesystem::exists(path("shot-013.png")));
+    std::filesystem::remove(path("shot-001.png"));
+    const std::vector<std::string> play{"play",      clip_.string(), "--headless",
+                                        "--seconds", "0.1",          "--painter",
+                                        "cpu",       "--video",      path("shot-%03d.png")};
+    expect_refused(play, 2, "shot-0");
+    EXPECT_FALSE(std::filesystem::exists(path("shot-001.png")));
+    film("shot-%03d.png", {"--size", "64x64", "--overwrite"});
+    EXPECT_EQ(picture("shot-012.png").width, 64);
+}
+
+/// Of the picture that is twice or four times as large, averaged as light (sRGB).
+TEST_F(OfflineFilm, PixelIsMeanOfSamples) {
+    std::ofstream(folder_ / "turned") << "0 turn 30\n";
+    const auto first = [&](const std::string& samples, const std::string& size) {
+        const std::string name = "s" + samples + "-" + size;
+        film(name + "-%d.png", {"--samples", samples, "--size", size, "--script", path("turned")}, false);
+        return picture(name + "-1.png");
+    };
+    const auto light_of = [](int byte) {
+        const double share = byte / 255.0;
+        return share <= 0.04045 ? share / 12.92 : std::pow((share + 0.055) / 1.055, 2.4);
+    };
+    for (const int samples : {2, 4}) {
+        const Image large = first("1", std::to_string(samples * 80) + "x" + std::to_string(samples * 64)),
+                    mean = first(std::to_string(samples), "80x64");
+        int most = 0;
+        for (int y = 0; y < 64; ++y)
+            for (int x = 0; x < 80; ++x)
+                for (std::size_t c = 0; c < 3; ++c) {
+                    double light = 0;
+                    for (int k = 0; k < samples * samples; ++k)
+                        light += light_of(
+                            colour_at(large, samples * x + k % samples, samples * y + k / samples)[c]);
+                    light /= samples * samples;
+                    const double share =
+                        light <= 0.0031308 ? light * 12.92 : 1.055 * std::pow(light, 1 / 2.4) - 0.055;
+                    most = std::max(most, static_cast<int>(
+                                              std::lround(std::abs(255 * share - colour_at(mean, x, y)[c]))));
+                }
+        EXPECT_LE(most, 1) << samples;
+    }
+}
+
+TEST_F(OfflineFilm, RefusesOptionsWithoutIt) {
+    const auto refused = [&](std::vector<std::string> more, const std::string& part) {
+        more.insert(more.begin(), {"play", clip_.string(), "--seconds", "0.1"});
+        expect_refused(more, 2, part);
+    };
+    const std::string video = path("film.mp4");
+    refused({"--video", video, "--fps", "60"}, "--headless");
+    refused({"--headless", "--samples", "1"}, "--video");
+    refused({"--headless", "--words"}, "--video");
+    refused({"--video", path("shot-%d.png")}, "--headless");
+    refused({"--headless", "--video", path("shot.png")}, "shot-%04d.png");
+    refused({"--headless", "--video", path("shot-%s.png")}, "shot-%04d.png");
+    refused({"--headless", "--video", video, "--fps", "241"}, "1 to 240");
+    refused({"--headless", "--video", video, "--samples", "3"}, "1, 2 or 4");
+    refused({"--headless", "--video", video, "--size", "8192x64", "--samples", "4"}, "32768 samples");
+    EXPECT_FALSE(std::filesystem::exists(video));
 }
 
 // The brush of materials in a window, by scripts: what it shows, saves, and finds again.
