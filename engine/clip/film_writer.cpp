@@ -130,8 +130,7 @@ private:
     std::int64_t next_ = 0;
 };
 
-/// Distance of keyframes, and the largest of sound from its picture in the file.
-constexpr std::int64_t access_interval_s = 2, most_apart_s = 2;
+constexpr std::int64_t access_interval_s = 2;  // from keyframe to keyframe
 
 int even_side(double side) {
     return std::max(2, static_cast<int>(std::floor(side)) / 2 * 2);
@@ -140,7 +139,7 @@ int even_side(double side) {
 class FfmpegFilm final : public FilmWriter {
 public:
     FfmpegFilm(const std::filesystem::path& file, Existing existing, int rate)
-        : output_(file, existing), rate_(rate) {}
+        : output_(file, existing), rate_(rate), most_apart_s_(std::max(2, 1 + 8 / rate)) {}
     Result<void> open(const char* format) {
         TRY(output_.check());
         AVFormatContext* muxer = nullptr;
@@ -198,7 +197,7 @@ private:
         samples = samples.subspan(static_cast<std::size_t>(late));
         if (samples.empty()) return {};
         const std::int64_t end = sample + late + std::ssize(samples);
-        TRY(repeat_until((end / SoundTrack::rate - most_apart_s) * rate_));
+        TRY(repeat_until((end / SoundTrack::rate - most_apart_s_) * rate_));
         TRY(check_status(sound_.fill_until(sample)));
         return check_status(sound_.add(samples));
     }
@@ -229,7 +228,7 @@ private:
     Result<void> repeat_until(std::int64_t end) {
         for (; next_ < end; ++next_) {
             const std::int64_t shown = next_ * SoundTrack::rate / rate_;
-            TRY(check_status(sound_.fill_until(shown - most_apart_s * SoundTrack::rate)));
+            TRY(check_status(sound_.fill_until(shown - most_apart_s_ * SoundTrack::rate)));
             picture_->pts = next_;
             picture_->pict_type =
                 next_ % (access_interval_s * rate_) == 0 ? AV_PICTURE_TYPE_I : AV_PICTURE_TYPE_NONE;
@@ -281,6 +280,7 @@ private:
 
     NewFile output_;
     const int rate_;
+    const std::int64_t most_apart_s_;  // sound from its picture; the window has some pictures waiting
     ReservedOutput room_;
     MuxedClipWriter::Muxer muxer_;
     CodecPtr codec_;

@@ -519,16 +519,17 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
     sub.get_option("--seconds")->excludes("--at");
     add_file_option(sub, "--record", o.record,
                     "save what it takes to repeat the touch. touchable touch --replay FILE repeats it");
-    add_file_option(sub, "--video", o.video,
-                    "save what is seen and heard as a film, .mp4 or .mkv. With --headless each picture is "
-                    "drawn in its own time, also as shot-%04d.png, without sound")
+    add_file_option(
+        sub, "--video", o.video,
+        "save what is seen and heard as a film, .mp4 or .mkv. With --headless each picture is "
+        "drawn at its moment, however long it takes, also as shot-%04d.png (from 1), without sound")
         ->check(ends_in({".mp4", ".mkv", ".png"}, "a film"));
     add_whole_option(sub, "--fps", o.film.rate, "pictures a second of --video with --headless, 1 to 240", 1,
                      FilmWriter::most_rate)
         ->capture_default_str();
     add_word_option(sub, "--samples", words.samples, "samples along a pixel's side in that film",
                     {"1", "2", "4"})
-        ->capture_default_str();
+        ->default_str(words.samples);
     sub.add_flag("--words", o.film.has_words, "show bars and words in that film (H does so later)");
     add_file_option(sub, "--sound", o.sound, "save what is heard as a WAV file")
         ->check(ends_in({".wav"}, "sound"));

@@ -38,6 +38,25 @@ TEST(Film, ShowsPicturesFromTheirPlaces) {
     }
 }
 
+/// However far its sound is ahead, as of a window that draws quickly.
+TEST(Film, KeepsPicturesAtAnyRate) {
+    for (const int rate : {1, 7, 240}) {
+        const TemporaryFolder folder;
+        auto film = must(FilmWriter::create(folder / "film.mkv", Existing::keep, rate));
+        const auto dark = grey(64, 48, 0), light = grey(64, 48, 255);
+        ASSERT_TRUE(film->add(dark.view(), 0));
+        ASSERT_TRUE(film->add_sound(0, tone(480, std::min(5.0, 5.0 / rate))));
+        for (int place = 1; place < 6; ++place) ASSERT_TRUE(film->add(light.view(), place));
+        ASSERT_TRUE(film->finish(6));
+        const auto seen = seen_in_film(folder / "film.mkv");
+        ASSERT_EQ(seen.size(), 6U) << rate;
+        for (std::size_t k = 0; k < seen.size(); ++k) {
+            EXPECT_NEAR(seen[k].seconds, static_cast<double>(k) / rate, 0.001) << rate;
+            EXPECT_NEAR(seen[k].at(32, 24), k < 1 ? 16 : 235, 6) << rate << ' ' << k;
+        }
+    }
+}
+
 /// Root of the mean square of the left channel.
 double loudness(SoundTrack& track, double from_s, double to_s) {
     const auto samples = heard_in(track, std::lround(from_s * SoundTrack::rate),
