@@ -266,6 +266,15 @@ TEST_F(OfflineFilm, TouchMatchesReplayAtAnyRate) {
     EXPECT_EQ(hashes[0], hashes[1]);
 }
 
+/// However long it takes to open.
+TEST_F(OfflineFilm, ShowsNextClipAtItsMoment) {
+    std::ofstream(folder_ / "script") << "0.2 drop " << made_clip("bumps", 1).string() << "\n";
+    film("shot-%d.png");
+    const Image last = picture("shot-6.png"), next = picture("shot-7.png"), later = picture("shot-8.png");
+    EXPECT_GT(differences(last, next, {0, 0, 159, 119}), 5000);
+    EXPECT_EQ(differences(next, later, {0, 0, 159, 119}, 0), 0);
+}
+
 TEST_F(OfflineFilm, SoundLastsAsLongAsPictures) {
     film("film.mkv", {}, false);
     auto track = SoundTrack::open(path("film.mkv"));
