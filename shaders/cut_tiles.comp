@@ -49,8 +49,9 @@ void main() {
             const bool no_lower = triangle_is_cut(upper.q[k], upper.q[k + 1], lower.q[k + 1]);
             const bool no_upper = triangle_is_cut(upper.q[k], lower.q[k + 1], lower.q[k]);
             any_cut = any_cut || (is_there && (no_lower || no_upper));
-            const bool is_hole = triangle_has_hole(upper.q[k], upper.q[k + 1], lower.q[k + 1]) &&
-                                 triangle_has_hole(upper.q[k], lower.q[k + 1], lower.q[k]);
+            // What is eroded, q below 0, leaves gaps to fill.
+            const bool is_hole = triangle_has_hole(abs(upper.q[k]), abs(upper.q[k + 1]), abs(lower.q[k + 1])) &&
+                                 triangle_has_hole(abs(upper.q[k]), abs(lower.q[k + 1]), abs(lower.q[k]));
             any_shown = any_shown || (is_there && !is_hole);
         }
         upper = lower;

@@ -15,8 +15,9 @@
 // extrapolated from the two vertices within, by the mean of those along the edge.
 //
 // A surface that falls away steeply at an edge is a streak from the side, in colours that a camera saw at a
-// grazing angle or mixed. It is darkened with its slope: from a quarter to three quarters of what cut_rule.h
-// allows. The slope, too, is averaged along the edge: it differs from pixel to pixel as the edge's steps do.
+// grazing angle or mixed, with teeth as long as its steps are high. Up to EDGE_ERODED vertices from a gap it
+// is eroded where it is too steep, and ends between two vertices where it becomes so. What lies behind an
+// edge loses one vertex, in which cameras mix near and far. Touch has all of them.
 // Threads: any; nothing here keeps state.
 #ifndef TOUCHABLE_SHADERS_EDGE_RULE_H
 #define TOUCHABLE_SHADERS_EDGE_RULE_H
@@ -36,10 +37,11 @@ using glm::ivec2;
 #define EDGE_PRECISE precise
 #endif
 
-#define EDGE_REACH 4     // vertices to either side
-#define EDGE_UNIT 64     // steps of a pixel
-#define EDGE_MOST 48     // steps of a move
-#define EDGE_DARKEST 12  // steps of a colour, of EDGE_UNIT
+#define EDGE_REACH 4        // vertices to either side
+#define EDGE_UNIT 128       // steps of a pixel
+#define EDGE_MOST 96        // steps of a move
+#define EDGE_MOST_STEEP 121 // of a move towards an eroded vertex
+#define EDGE_ERODED 2        // vertices from a gap
 
 /// Rows of q, 0 where there is no surface. (In C++ any lattice with an `edge_q` works.)
 struct EdgeLattice {
@@ -49,14 +51,13 @@ struct EdgeLattice {
     int width, height;
     int pitch;    // vertices from one row of q to the next
     float ratio;  // of cut_rule.h
+    float steepest;  // change of q per vertex, relative to q, that is drawn beside a gap
 };
 
-/// Where a vertex is drawn: its offset from its pixel, in steps of EDGE_UNIT, and its q there; and the share
-/// of its colour, in the same steps.
+/// Where a vertex is drawn: its offset from its pixel, in steps of EDGE_UNIT, and its q there.
 struct EdgeMove {
     ivec2 by;
     float q;
-    int shade;
 };
 
 #ifdef __cplusplus
@@ -71,11 +72,21 @@ EDGE_FUNCTION bool edge_is_there(EDGE_LATTICE lattice, ivec2 at) {
     return at.x >= 0 && at.y >= 0 && at.x < lattice.width && at.y < lattice.height;
 }
 
-/// Whether two neighbours are of one surface.
-EDGE_FUNCTION bool edge_joins(EDGE_LATTICE lattice, ivec2 one, ivec2 other) {
-    const float a = edge_q(lattice, one), b = edge_q(lattice, other);
+/// Whether neighbours with these q are of one surface.
+EDGE_FUNCTION bool edge_are_near(EDGE_LATTICE lattice, float a, float b) {
     const float least = a < b ? a : b, greatest = a < b ? b : a;
     return least > 0.0f && greatest <= lattice.ratio * least;
+}
+
+/// Whether two neighbours are of one surface, and none is eroded.
+EDGE_FUNCTION bool edge_joins(EDGE_LATTICE lattice, ivec2 one, ivec2 other) {
+    return edge_are_near(lattice, edge_q(lattice, one), edge_q(lattice, other));
+}
+
+/// q without erosion.
+EDGE_FUNCTION float edge_whole_q(EDGE_LATTICE lattice, ivec2 at) {
+    const float q = edge_q(lattice, at);
+    return q < 0.0f ? -q : q;
 }
 
 /// Whether there is a gap between a vertex and its neighbour `beside` in the picture.
@@ -99,10 +110,10 @@ EDGE_FUNCTION bool edge_goes_on(EDGE_LATTICE lattice, EDGE_CHANGED(ivec2) at, iv
     return edge_has_gap(lattice, next, next + out_);
 }
 
-/// Adds q of the surface within, extrapolated to a vertex at its edge, its change per vertex outwards, and
-/// the change to the vertex's own q; false if the surface is too narrow to tell.
+/// Adds q of the surface within, extrapolated to a vertex at its edge, and its change per vertex outwards;
+/// false if the surface is too narrow to tell.
 EDGE_FUNCTION bool edge_slope(EDGE_LATTICE lattice, ivec2 at, ivec2 out_, EDGE_CHANGED(float) q,
-                              EDGE_CHANGED(float) change, EDGE_CHANGED(float) last) {
+                              EDGE_CHANGED(float) change) {
     const ivec2 within = at - out_, farther = within - out_;
     if (!edge_is_there(lattice, farther) || !edge_joins(lattice, at, within) ||
         !edge_joins(lattice, within, farther))
@@ -111,38 +122,97 @@ EDGE_FUNCTION bool edge_slope(EDGE_LATTICE lattice, ivec2 at, ivec2 out_, EDGE_C
     EDGE_PRECISE float step = here - edge_q(lattice, farther);
     EDGE_PRECISE float sum = q + (here + step);
     EDGE_PRECISE float changes = change + step;
-    EDGE_PRECISE float lasts = last + (edge_q(lattice, at) - here);
     q = sum;
     change = changes;
-    last = lasts;
     return true;
 }
 
-/// The share of the colour left at an edge with q `here`, which differs by `steepest` from pixel to pixel.
-EDGE_FUNCTION int edge_shade_of(EDGE_LATTICE lattice, float here, float steepest) {
-    // In steps of a quarter of what is allowed, without division: the same on every machine.
-    EDGE_PRECISE float quarter = (0.25f * (lattice.ratio - 1.0f)) * here;
-    EDGE_PRECISE float step = quarter * (2.0f / float(EDGE_UNIT - EDGE_DARKEST));
-    int shade = EDGE_UNIT;
-    for (int half_of = 32; half_of > 0; half_of /= 2) {
-        EDGE_PRECISE float reached = quarter + float(EDGE_UNIT - shade + half_of) * step;
-        if (shade - half_of >= EDGE_DARKEST && steepest >= reached) shade -= half_of;
+/// How steep the surface is at a vertex: the square of q's change per vertex, of the less steep sides, which
+/// are within a surface that ends here.
+EDGE_FUNCTION float edge_steepness(EDGE_LATTICE lattice, ivec2 at) {
+    const float here = edge_whole_q(lattice, at);
+    EDGE_PRECISE float squares = 0.0f;
+    for (int axis = 0; axis < 2; ++axis) {
+        const ivec2 along = ivec2(1 - axis, axis);
+        float least = 0.0f;
+        bool is_one = false;
+        for (int side = -1; side <= 1; side += 2) {
+            const ivec2 beside = at + side * along;
+            if (!edge_is_there(lattice, beside)) continue;
+            const float there = edge_whole_q(lattice, beside);
+            if (!edge_are_near(lattice, here, there)) continue;
+            const float apart = here < there ? there - here : here - there;
+            least = is_one && least < apart ? least : apart;
+            is_one = true;
+        }
+        EDGE_PRECISE float square = least * least;
+        squares = squares + square;
     }
-    return shade;
+    return squares;
 }
 
-/// The shade of a vertex beside a gap, by its own neighbours.
-EDGE_FUNCTION int edge_shade(EDGE_LATTICE lattice, ivec2 at) {
-    const float here = edge_q(lattice, at);
-    float steepest = 0.0f;
+/// The greatest steepness that is drawn beside a gap.
+EDGE_FUNCTION float edge_steepest(EDGE_LATTICE lattice, float here) {
+    EDGE_PRECISE float change = lattice.steepest * here;
+    EDGE_PRECISE float square = change * change;
+    return square;
+}
+
+/// q of a vertex as edges are found from it: negative if the vertex is eroded.
+EDGE_FUNCTION float edge_eroded_q(EDGE_LATTICE lattice, ivec2 at) {
+    const float here = edge_whole_q(lattice, at);
+    if (!(here > 0.0f)) return here;
+    const bool is_steep = edge_steepness(lattice, at) > edge_steepest(lattice, here);
     for (int side = 0; side < 4; ++side) {
-        const ivec2 beside = at + (side < 2 ? ivec2(2 * side - 1, 0) : ivec2(0, 2 * side - 5));
-        if (!edge_is_there(lattice, beside) || !edge_joins(lattice, at, beside)) continue;
-        const float there = edge_q(lattice, beside);
-        const float apart = here < there ? there - here : here - there;
-        steepest = apart > steepest ? apart : steepest;
+        const ivec2 out_ = side < 2 ? ivec2(2 * side - 1, 0) : ivec2(0, 2 * side - 5);
+        ivec2 last = at;
+        for (int n = 0; n < EDGE_ERODED; ++n) {
+            const ivec2 next = last + out_;
+            if (!edge_is_there(lattice, next)) break;
+            const float one = edge_whole_q(lattice, last), other = edge_whole_q(lattice, next);
+            if (!edge_are_near(lattice, one, other)) {
+                if (is_steep || (n == 0 && other > one)) return -here;
+                break;
+            }
+            if (!is_steep) break;
+            last = next;
+        }
     }
-    return edge_shade_of(lattice, here, steepest);
+    return here;
+}
+
+/// Moves a vertex towards its eroded neighbour `beside`, to where the surface becomes too steep: a ball's
+/// 1 / steepness is linear there. False if the neighbour was eroded for another reason.
+EDGE_FUNCTION bool edge_to_steep(EDGE_LATTICE lattice, ivec2 at, ivec2 out_, EDGE_CHANGED(EdgeMove) move) {
+    const float beside = -edge_q(lattice, at + out_);
+    const bool is_eroded = edge_are_near(lattice, edge_q(lattice, at), beside);
+    // Between the vertex and its eroded neighbour, or beyond the vertex by what it is beside the one within.
+    const ivec2 from = is_eroded ? at : at - out_, to = from + out_;
+    if (!edge_is_there(lattice, from)) return false;
+    const float here = edge_q(lattice, from), there = edge_whole_q(lattice, to);
+    if (!edge_are_near(lattice, here, there)) return false;
+    const float flat_ = edge_steepness(lattice, from), steep = edge_steepness(lattice, to),
+                most = edge_steepest(lattice, here);
+    // Without an eroded neighbour only what steepens as a ball does has a limb; a last pixel in which near and
+    // far are mixed has none.
+    const bool is_limb = is_eroded ? steep > edge_steepest(lattice, there)
+                                   : steep > 0.25f * most && steep > 1.25f * flat_ && steep < 4.0f * flat_;
+    if (!is_limb) return false;
+    // Without division: the same on every machine.
+    EDGE_PRECISE float both = flat_ * steep;
+    const int first = is_eroded ? 0 : EDGE_UNIT;
+    int steps = 0;
+    for (int half_of = EDGE_UNIT / 2; half_of > 0; half_of /= 2) {
+        const float share = float(first + steps + half_of) / float(EDGE_UNIT);
+        EDGE_PRECISE float mean = flat_ + (1.0f - share) * (steep - flat_);
+        EDGE_PRECISE float reached = most * mean;
+        if (steps + half_of <= EDGE_MOST_STEEP && reached >= both) steps += half_of;
+    }
+    if (!is_eroded && steps == EDGE_MOST_STEEP) return false;
+    move.by = steps * out_;
+    EDGE_PRECISE float q = here + (float(first + steps) / float(EDGE_UNIT)) * (there - here);
+    move.q = q;
+    return true;
 }
 
 /// The move of a vertex with a gap on one side, `out_`; returns how far its edge was followed.
@@ -150,32 +220,29 @@ EDGE_FUNCTION int edge_across(EDGE_LATTICE lattice, ivec2 at, ivec2 out_, EDGE_C
     const float shares[EDGE_REACH + 1] = {1.0f, 1.0f / 3.0f, 1.0f / 5.0f, 1.0f / 7.0f, 1.0f / 9.0f};
     const ivec2 along = ivec2(out_.y, out_.x);
     ivec2 left = at, right = at;
-    float q = 0.0f, change = 0.0f, last = 0.0f;
+    float q = 0.0f, change = 0.0f;
     int reach = 0, beyond = 0;
-    const bool is_wide = edge_slope(lattice, at, out_, q, change, last);
+    const bool is_wide = edge_slope(lattice, at, out_, q, change);
     while (reach < EDGE_REACH) {
         if (!edge_goes_on(lattice, left, -along, out_) || !edge_goes_on(lattice, right, along, out_)) break;
-        float sum = q, changes = change, lasts = last;
-        if (is_wide && (!edge_slope(lattice, left, out_, sum, changes, lasts) ||
-                        !edge_slope(lattice, right, out_, sum, changes, lasts)))
+        float sum = q, changes = change;
+        if (is_wide && (!edge_slope(lattice, left, out_, sum, changes) ||
+                        !edge_slope(lattice, right, out_, sum, changes)))
             break;
         q = sum;
         change = changes;
-        last = lasts;
         const ivec2 both = (left - at) + (right - at);
         beyond += both.x * out_.x + both.y * out_.y;
         ++reach;
     }
+    if (edge_to_steep(lattice, at, out_, move)) return reach;
     // The mean, made positive to be rounded down; half a pixel farther.
     const int count = 2 * reach + 1;
     int steps = (EDGE_UNIT * (beyond + EDGE_REACH * count)) / count - EDGE_UNIT * EDGE_REACH + EDGE_UNIT / 2;
     steps = steps < 0 ? 0 : (steps > EDGE_MOST ? EDGE_MOST : steps);
     move.by = steps * out_;
     move.q = edge_q(lattice, at);
-    if (!is_wide) {
-        move.shade = edge_shade(lattice, at);
-        return reach;
-    }
+    if (!is_wide) return reach;
     const float within = edge_q(lattice, at - out_);
     EDGE_PRECISE float mean = q * shares[reach];
     EDGE_PRECISE float slope = change * shares[reach];
@@ -186,8 +253,6 @@ EDGE_FUNCTION int edge_across(EDGE_LATTICE lattice, ivec2 at, ivec2 out_, EDGE_C
     EDGE_PRECISE float least = within - apart;
     EDGE_PRECISE float most = within + apart;
     move.q = here < least ? least : (here > most ? most : here);
-    EDGE_PRECISE float apart_last = last * shares[reach];
-    move.shade = edge_shade_of(lattice, within, apart_last < 0.0f ? -apart_last : apart_last);
     return reach;
 }
 
@@ -210,7 +275,6 @@ EDGE_FUNCTION EdgeMove edge_move(EDGE_LATTICE lattice, ivec2 at) {
     EdgeMove move;
     move.by = ivec2(0, 0);
     move.q = edge_q(lattice, at);
-    move.shade = EDGE_UNIT;
     if (!(move.q > 0.0f)) return move;
     const ivec2 right = ivec2(1, 0), down = ivec2(0, 1);
     const bool gap_right = edge_has_gap(lattice, at, at + right),
@@ -223,10 +287,7 @@ EDGE_FUNCTION EdgeMove edge_move(EDGE_LATTICE lattice, ivec2 at) {
         const int steep_reach = upright ? edge_across(lattice, at, gap_down ? down : -down, steep) : -1;
         return steep_reach >= level_reach ? steep : level;
     }
-    if (gap_right || gap_down) {  // on both sides
-        move.shade = edge_shade(lattice, at);
-        return move;
-    }
+    if (gap_right || gap_down) return move;  // on both sides
     const ivec2 aslant = ivec2(1, 1);
     const bool gap_after = edge_has_gap(lattice, at, at + aslant),
                gap_before = edge_has_gap(lattice, at, at - aslant);
@@ -245,7 +306,6 @@ EDGE_FUNCTION EdgeMove edge_move(EDGE_LATTICE lattice, ivec2 at) {
                    drawn_other = edge_farther(lattice, other, out_other, steep, reach_other);
     EDGE_PRECISE float sum = drawn_one.q + drawn_other.q;
     move.q = 0.5f * sum;
-    move.shade = (drawn_one.shade + drawn_other.shade) / 2;
     return move;
 }
 

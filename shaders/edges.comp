@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 
-// q of every vertex -> where those at edges are drawn.
+// q of every vertex, eroded -> where those at edges are drawn.
 
 #include "shaders/edges.h"
 
@@ -23,12 +23,10 @@ void main() {
     if (x >= push.pitch) return;
     uvec2 words = uvec2(0u);
     if (x < push.width) {
-        const EdgeLattice lattice = EdgeLattice(int(push.width), int(push.height), int(push.pitch), push.ratio);
+        const EdgeLattice lattice = lattice_of(push);
         const EdgeMove move = edge_move(lattice, ivec2(x, y));
-        const int shade = push.are_values != 0u ? EDGE_UNIT : move.shade;
-        if (move.by != ivec2(0) || move.q != edge_q(lattice, ivec2(x, y)) || shade != EDGE_UNIT)
-            words = uvec2(floatBitsToUint(move.q),
-                          (uint(move.by.x) & 255u) | (uint(move.by.y) & 255u) << 8 | uint(shade) << 16);
+        if (move.by != ivec2(0) || move.q != edge_q(lattice, ivec2(x, y)))
+            words = uvec2(floatBitsToUint(move.q), (uint(move.by.x) & 255u) | (uint(move.by.y) & 255u) << 8);
     }
     moved[y * push.pitch + x] = words;
 }

@@ -1,8 +1,8 @@
-// Interface of the kernel edges.comp, the shaders that draw from its output, and C++.
+// Interface of the kernels erode.comp and edges.comp, the shaders that draw from their output, and C++.
 //
-// A lane for each vertex finds from q where it is drawn at edges (edge_rule.h): two words a vertex, the bits
-// of q there, 0 if the vertex is drawn at its pixel, and from the lowest byte on the move in x, in y, and the
-// shade. Views from the clip's own place do not use it.
+// A lane for each vertex erodes q (edge_rule.h); in the clip's own view it fills holes. Then, for turned views,
+// one finds from it where the vertex is drawn: two words, the bits of q there, 0 if the vertex is drawn at its
+// pixel, and from the lowest byte on the move in x and in y.
 // Threads: any; nothing here keeps state.
 #ifndef TOUCHABLE_SHADERS_EDGES_H
 #define TOUCHABLE_SHADERS_EDGES_H
@@ -17,13 +17,15 @@ using uint = unsigned int;
 #define EDGES_LANES 64
 
 #define EDGES_Q 0      // words
-#define EDGES_MOVED 1  // two words each, rows as long as q's
+#define EDGES_MOVED 1  // of erode.comp a word, of edges.comp two each, rows as long as q's
 
 struct EdgesPush {
     uint width, height;  // of the lattice
     uint pitch;          // vertices of a row of q
     float ratio;         // of cut_rule.h
-    uint are_values;     // colours are of a scale and not shaded
+    float steepest;      // of edge_rule.h
+    uint is_turned;      // 0: the clip's own view, which erodes nothing
+    uint fills_gaps;     // and then shows colours where depth is missing
 };
 
 #ifndef __cplusplus
@@ -32,9 +34,8 @@ vec3 edge_place(uvec2 moved, uint x, uint y) {
     const ivec2 by = ivec2(bitfieldExtract(int(moved.y), 0, 8), bitfieldExtract(int(moved.y), 8, 8));
     return vec3(vec2(x, y) + vec2(by) / float(EDGE_UNIT), uintBitsToFloat(moved.x));
 }
-/// The share of its colour.
-float edge_light(uvec2 moved) {
-    return float(moved.y >> 16) / float(EDGE_UNIT);
+EdgeLattice lattice_of(EdgesPush push) {
+    return EdgeLattice(int(push.width), int(push.height), int(push.pitch), push.ratio, push.steepest);
 }
 #else
 }  // namespace touchable

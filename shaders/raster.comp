@@ -89,6 +89,13 @@ void leave_to_large(uint cell) {
     }
 }
 
+/// Whether a cell has a gap that is filled.
+bool has_gap(Corner top_left, Corner top_right, Corner bottom_right, Corner bottom_left) {
+    if (push.fills_gaps == 0u || top_left.q == 0.0f || bottom_right.q == 0.0f) return false;
+    return (top_right.q != 0.0f && is_cut(top_left.q, top_right.q, bottom_right.q)) ||
+           (bottom_left.q != 0.0f && is_cut(top_left.q, bottom_right.q, bottom_left.q));
+}
+
 /// Whether the cell is left to raster_large.comp.
 bool draw_cell(Corner top_left, Corner top_right, Corner bottom_right, Corner bottom_left) {
     const bool no_lower = is_cut(top_left.q, top_right.q, bottom_right.q);
@@ -143,15 +150,18 @@ void main() {
     const uint first_row = tile / push.tiles_x * RASTER_TILE;
     const uint end = min(first_row + RASTER_TILE, push.height - 1u);
     if (i + 1u >= push.width) return;
-    uint large_rows = 0u;
+    uint large_rows = 0u, gap_rows = 0u;
     Corner top_left = corner(i, first_row), top_right = corner(i + 1u, first_row);
     for (uint j = first_row; j < end; ++j) {
         const Corner bottom_left = corner(i, j + 1u), bottom_right = corner(i + 1u, j + 1u);
         if (draw_cell(top_left, top_right, bottom_right, bottom_left)) large_rows |= 1u << (j - first_row);
+        else if (has_gap(top_left, top_right, bottom_right, bottom_left)) gap_rows |= 1u << (j - first_row);
         top_left = bottom_left;
         top_right = bottom_right;
     }
     // Here, because a software GPU executes the atomics even if no lane needs them.
     for (; large_rows != 0u; large_rows &= large_rows - 1u)
         leave_to_large((first_row + uint(findLSB(large_rows))) * push.pitch + i);
+    for (; gap_rows != 0u; gap_rows &= gap_rows - 1u)
+        leave_to_large(((first_row + uint(findLSB(gap_rows))) * push.pitch + i) | RASTER_GAPS_ALONE);
 }

@@ -2,7 +2,8 @@
 //
 // raster.comp draws a tile of 16x16 cells with a lane for each column of cells, which marches down, so that a
 // cell costs two new vertices. It leaves cells that reach before the near plane, or over RASTER_LARGE_CELL
-// subpixels, in a list for raster_large.comp, which draws each with a whole workgroup.
+// subpixels, in a list for raster_large.comp, which draws each with a whole workgroup; so it does with cells
+// that have a gap to fill (gap_fill.h).
 //
 // A pixel is z's bits above the colour's (PackedColour): z > 0 and larger when nearer, so the greatest is the
 // nearest; 0 is empty.
@@ -38,10 +39,13 @@ struct RasterPush {
     uint picture_width, picture_height;  // pixels
     uint picture_pitch;                  // pixels from one row of them to the next
     uint is_turned;                      // 0: the clip's own view, every vertex at its pixel
+    uint fills_gaps;                     // 0: no
 };
 
 /// Words before the cells (row * pitch + column): workgroups in x, y, z, and how many cells follow.
 #define RASTER_LARGE_HEADER 4
+/// Added to a cell of which only gaps are left to draw.
+#define RASTER_GAPS_ALONE 0x80000000u
 #define RASTER_MOST_GROUPS 4096u
 
 #ifdef __cplusplus

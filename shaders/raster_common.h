@@ -4,6 +4,8 @@
 
 #include "shaders/cut_rule.h"
 #include "shaders/edges.h"
+#define GAP_LATTICE
+#include "shaders/gap_fill.h"
 #include "shaders/raster.h"
 
 layout(push_constant, std430) uniform Push {
@@ -43,9 +45,17 @@ Projected projected(uint vertex, uint x, uint y) {
     uvec2 moved = uvec2(0u);
     if (push.is_turned != 0u) moved = moved_vertices[vertex];
     const vec3 colour = unpacked(colour_at(vertex));
-    if (moved.x == 0u) return Projected(view_clip(push.rows, float(x), float(y), q_at(vertex)), colour);
+    if (moved.x == 0u) return Projected(view_clip(push.rows, float(x), float(y), abs(q_at(vertex))), colour);
     const vec3 place = edge_place(moved, x, y);
-    return Projected(view_clip(push.rows, place.x, place.y, place.z), colour * edge_light(moved));
+    return Projected(view_clip(push.rows, place.x, place.y, place.z), colour);
+}
+
+float gap_q(ivec2 at) {
+    return q_at(uint(at.y) * push.pitch + uint(at.x));
+}
+
+vec3 gap_colour(ivec2 at) {
+    return unpacked(colour_at(uint(at.y) * push.pitch + uint(at.x)));
 }
 
 /// Cuts by the rule of this view.

@@ -319,7 +319,6 @@ Result<Image> PictureOrder::draw(const HeightField& field, const FramePair& pair
         show == Overlay::colour ? nullptr : &overlays.paint(show, field, pair);
     TRY_ASSIGN(auto surface, painter->surface_of(field, pair, overlay ? overlay->view() : colour,
                                                  overlay ? light_of(show) : light));
-    surface.colours_are_values = overlay != nullptr;
     const Viewpoint::Subject subject = subject_of(field);
     TRY_ASSIGN(auto image, make_picture(settings, field.scene(), surface, subject, fingers,
                                         mark_sizes(field.scene(), subject.middle), *painter));

@@ -503,22 +503,52 @@ ViewSurface CpuLattices::surface_of(const HeightField& field, const FramePair& p
                                     Lighting lighting) {
     std::vector<float> q;
     q_of(field, pair, q);
-    ViewSurface::Tiles tiles = tiles_of(field.width(), field.height(), q);
-    return make_view_surface(field, std::move(q), std::move(tiles), colour, lighting);
+    return make_view_surface(field, std::move(q), colour, lighting);
 }
 
 SurfaceEdges::SurfaceEdges(int threads, VectorUnit vectors)
     : unit_(vectors), bands_(threads), scratch_(static_cast<std::size_t>(threads)) {}
 
-void SurfaceEdges::find(const float* q, int width, int height, int pitch, float cut_ratio, bool are_values) {
-    rows_.resize(static_cast<std::size_t>(height));
+void SurfaceEdges::find(const EdgeLattice& lattice) {
+    rows_.resize(static_cast<std::size_t>(lattice.height));
     for (auto& row : rows_) row.clear();
-    if (width < 2 || height < 2) return;
-    const EdgeLattice lattice{q, width, height, pitch, cut_ratio};
-    bands_.for_each_band(height, 16, [&](const RowBand& band) { find_rows(lattice, are_values, band); });
+    eroded_.assign(lattice.q, lattice.q + static_cast<std::ptrdiff_t>(lattice.height) * lattice.pitch);
+    if (lattice.width < 2 || lattice.height < 2) return;
+    bands_.for_each_band(lattice.height, 16, [&](const RowBand& band) { erode_rows(lattice, band); });
+    EdgeLattice eroded = lattice;
+    eroded.q = eroded_.data();
+    bands_.for_each_band(lattice.height, 16, [&](const RowBand& band) { find_rows(eroded, band); });
 }
 
-void SurfaceEdges::find_rows(const EdgeLattice& lattice, bool are_values, const RowBand& band) {
+void SurfaceEdges::erode_rows(const EdgeLattice& lattice, const RowBand& band) {
+    // Only vertices with a steep side, of any kind, are looked at one by one.
+    const float flat = 1 + 0.7F * lattice.steepest;
+    Scratch& of = scratch_[static_cast<std::size_t>(band.thread)];
+    const int width = lattice.width;
+    for (auto* each : {&of.right, &of.down, &of.upper_down})
+        each->assign(static_cast<std::size_t>(width) + 1, -1);
+    const auto all = [&](auto) __attribute__((always_inline)) {
+        for (int y = std::max(band.first - 1, 0); y < band.last; ++y) {
+            const float* row = lattice.q + static_cast<std::ptrdiff_t>(y) * lattice.pitch;
+            of.down.swap(of.upper_down);
+            if (y + 1 < lattice.height)
+                join_row(row, row + lattice.pitch, width, flat, of.down.data());
+            else
+                std::fill(of.down.begin(), of.down.end(), -1);
+            if (y < band.first) continue;
+            join_row(row, row + 1, width - 1, flat, of.right.data() + 1);
+            float* const to = eroded_.data() + static_cast<std::ptrdiff_t>(y) * lattice.pitch;
+            const std::int32_t *right = of.right.data(), *down = of.down.data(),
+                               *upper = of.upper_down.data();
+            for (int x = 0; x < width; ++x)
+                if ((right[x] & right[x + 1] & down[x] & upper[x]) == 0)
+                    to[x] = edge_eroded_q(lattice, {x, y});
+        }
+    };
+    run_vectors(unit_, all);
+}
+
+void SurfaceEdges::find_rows(const EdgeLattice& lattice, const RowBand& band) {
     Scratch& of = scratch_[static_cast<std::size_t>(band.thread)];
     const int width = lattice.width;
     // Padding at both ends counts as joined: a picture's border is no edge.
@@ -560,12 +590,10 @@ void SurfaceEdges::find_rows(const EdgeLattice& lattice, bool are_values, const 
                 while (x + 8 <= width && is_none(candidates + x)) x += 8;
                 if (x == width || candidates[x] == 0) continue;
                 const EdgeMove move = edge_move(lattice, {x, y});
-                const int shade = are_values ? EDGE_UNIT : move.shade;
-                if (move.by == ivec2(0, 0) && move.q == row[x] && shade == EDGE_UNIT) continue;
+                if (move.by == ivec2(0, 0) && move.q == row[x]) continue;
                 constexpr float step = 1.0F / EDGE_UNIT;
                 found.push_back({x, static_cast<float>(x) + step * static_cast<float>(move.by.x),
-                                 static_cast<float>(y) + step * static_cast<float>(move.by.y), move.q,
-                                 step * static_cast<float>(shade)});
+                                 static_cast<float>(y) + step * static_cast<float>(move.by.y), move.q});
             }
         }
     };

@@ -42,7 +42,7 @@ public:
     void light(const HeightField& field, const float* q, int pitch, const PlaneView& colour,
                Lighting lighting, PackedColour* colours, float cut_ratio = CUT_RULE_RATIO);
 
-    /// `make_view_surface`, with this class's q and tiles.
+    /// `make_view_surface`, with this class's q.
     ViewSurface surface_of(const HeightField& field, const FramePair& pair, const PlaneView& colour,
                            Lighting lighting);
 
@@ -64,17 +64,17 @@ public:
     struct Vertex {
         std::int32_t x;
         float at_x, at_y, q;  ///< where it is drawn, pixels
-        float light;          ///< the factor on its colour, 0 to 1
     };
 
     explicit SurfaceEdges(int threads, VectorUnit vectors = usable_vector_units().front());
 
-    /// Finds the vertices from q, in rows of `pitch`; q = 0: no surface. `are_values`: colours of a scale,
-    /// which are not shaded.
-    void find(const float* q, int width, int height, int pitch, float cut_ratio = CUT_RULE_RATIO,
-              bool are_values = false);
+    /// Erodes q (0: no surface), and finds the vertices.
+    void find(const EdgeLattice& lattice);
     /// Forgets all of them.
     void clear() { rows_.clear(); }
+
+    /// q as it was given, but negative where the surface is eroded; valid until the next `find`.
+    const float* eroded_q() const { return eroded_.data(); }
 
     /// The vertices of a row, from left to right.
     std::span<const Vertex> row(int y) const;
@@ -86,12 +86,14 @@ private:
     struct Scratch {
         std::vector<std::int32_t> right, down, aslant, upper_down, upper_aslant, candidates;
     };
-    void find_rows(const EdgeLattice& lattice, bool are_values, const RowBand& band);
+    void erode_rows(const EdgeLattice& lattice, const RowBand& band);
+    void find_rows(const EdgeLattice& lattice, const RowBand& band);
 
     VectorUnit unit_;
     RowBands bands_;
     std::vector<Scratch> scratch_;
     std::vector<std::vector<Vertex>> rows_;
+    std::vector<float> eroded_;
 };
 
 /// A surface reduced to every `step`th vertex across and down, for windows with fewer pixels than the clip: a
@@ -141,6 +143,16 @@ struct MappedLattice {
     const PackedColour* colours;
     int width, height, pitch;
     int step = 1;  ///< of the clip's pixels, from vertex to vertex (Decimation)
+    bool fills_gaps = false;  ///< ViewSurface's
+
+    // The interface that shaders/gap_fill.h needs from a lattice.
+    friend float gap_q(const MappedLattice& lattice, const glm::ivec2& at) {
+        return lattice.q[std::ptrdiff_t{at.y} * lattice.pitch + at.x];
+    }
+    friend glm::vec3 gap_colour(const MappedLattice& lattice, const glm::ivec2& at) {
+        const PackedColour c = lattice.colours[std::ptrdiff_t{at.y} * lattice.pitch + at.x];
+        return {c & 255U, c >> 8 & 255U, c >> 16 & 255U};
+    }
 };
 
 /// Draws a lattice's triangles from any view on the CPU: the same bits with any number of threads and any
@@ -153,7 +165,7 @@ public:
 
     /// Writes colours and z (0: empty) of the camera's pixels, rows of `pitch`. `edges` are those of
     /// `lattice`; `background`: a colour per row.
-    void draw(const MappedLattice& lattice, const SurfaceEdges& edges, const ViewCamera& camera,
+    void draw(MappedLattice lattice, const SurfaceEdges& edges, const ViewCamera& camera,
               std::span<const PackedColour> background, int pitch, std::span<PackedColour> colours,
               std::span<float> z);
 
@@ -165,6 +177,28 @@ private:
     RowBands bands_;
     std::vector<Rows> rows_;             ///< by thread
     std::vector<std::uint64_t> pixels_;  ///< z's bits above the colour's, as in shaders/raster.h
+};
+
+/// Smooths the silhouettes of a picture with a sample a pixel, after a LatticeRaster: each pixel at one gets
+/// as much of the colour beyond as the edge, which follows from its course, leaves there.
+class Silhouettes {
+public:
+    explicit Silhouettes(VectorUnit vectors = usable_vector_units().front()) : unit_(vectors) {}
+    /// Both in rows of `pitch`.
+    void smooth(std::span<PackedColour> colours, std::span<const float> z, int width, int height, int pitch);
+    /// The same before the background, which it draws.
+    void smooth(PicturePlanes& planes);
+
+private:
+    /// Strides, and numbers of places: across silhouettes, and along them.
+    struct Steps {
+        int across, most_across, along, most_along;
+    };
+    void smooth_steps(const Steps& steps, std::span<PackedColour> colours) const;
+    static const std::uint8_t* find_side(const std::uint8_t* from, const std::uint8_t* end);
+
+    VectorUnit unit_;
+    std::vector<std::uint8_t> sides_;  // of each pixel and the next, to the right or below
 };
 
 /// Draws the surface from the clip's own camera on the CPU. A vertex's screen position then does not depend

@@ -9,6 +9,7 @@
 #include "engine/base/vectors.hpp"
 #include "player/draw/cpu_painting.hpp"
 #include "player/draw/drawn_surface.hpp"
+#include "shaders/gap_fill.h"
 #include "shaders/raster.h"
 #include "shaders/view_project.h"
 
@@ -202,6 +203,7 @@ public:
     RowProjection(const MappedLattice& lattice, const SurfaceEdges& edges, const ViewCamera& camera)
         : lattice_(lattice),
           edges_(edges),
+          fills_holes_(lattice.fills_gaps && is_own_view(camera)),
           view_(rows_of(camera)),
           screen_width_(static_cast<float>(camera.width)),
           screen_height_(static_cast<float>(camera.height)) {}
@@ -215,6 +217,7 @@ public:
         const std::ptrdiff_t start = std::ptrdiff_t{y} * lattice_.pitch;
         row.resize((count + n) / n * n + n);
         std::memcpy(row.q.data(), lattice_.q + start, count * sizeof(float));
+        for (std::size_t i = 0; fills_holes_ && i < count; ++i) row.q[i] = std::max(row.q[i], HOLE_Q);
         std::fill(row.q.begin() + static_cast<std::ptrdiff_t>(count), row.q.end(), 0.0F);
         std::memcpy(row.colours.data(), lattice_.colours + start, count * sizeof(PackedColour));
         const F at = F{} + static_cast<float>(y);
@@ -222,7 +225,7 @@ public:
         F column = lane_numbers<n>();
         for (std::size_t i = 0; i < count; i += n, column += static_cast<float>(n)) {
             const F q = load<F>(&row.q[i]);
-            const Placed<n> placed = place<n>(column, at, q, load<I>(&row.colours[i]));
+            const Placed<n> placed = place<n>(column, at, q < 0.0F ? -q : q, load<I>(&row.colours[i]));
             store(placed.x, &row.x[i]);
             store(placed.y, &row.y[i]);
             store(placed.in_front, &row.in_front[i]);
@@ -231,7 +234,7 @@ public:
             store(placed.red * placed.share, &row.red[i]);
             store(placed.green * placed.share, &row.green[i]);
             store(placed.blue * placed.share, &row.blue[i]);
-            const I is_there = q > 0.0F;
+            const I is_there = q != 0.0F;
             least_y = (is_there & (placed.y < least_y)) ? placed.y : least_y;
             most_y = (is_there & (placed.y > most_y)) ? placed.y : most_y;
             in_front &= placed.in_front | ~is_there;
@@ -276,19 +279,18 @@ private:
         const std::span<const SurfaceEdges::Vertex> edges = edges_.row(y);
         for (std::size_t first = 0; first < edges.size(); first += n) {
             const std::size_t count = std::min<std::size_t>(n, edges.size() - first);
-            F column{}, at{}, q{}, light{};
+            F column{}, at{}, q{};
             I colour{};
             for (std::size_t k = 0; k < n; ++k) {
                 const SurfaceEdges::Vertex& edge = edges[first + std::min(k, count - 1)];
                 column[k] = edge.at_x;
                 at[k] = edge.at_y;
                 q[k] = edge.q;
-                light[k] = edge.light;
                 colour[k] = static_cast<std::int32_t>(row.colours[static_cast<std::size_t>(edge.x)]);
             }
             const Placed<n> placed = place<n>(column, at, q, colour);
-            const F red = placed.red * light * placed.share, green = placed.green * light * placed.share,
-                    blue = placed.blue * light * placed.share;
+            const F red = placed.red * placed.share, green = placed.green * placed.share,
+                    blue = placed.blue * placed.share;
             for (std::size_t k = 0; k < count; ++k) {
                 const auto i = static_cast<std::size_t>(edges[first + k].x);
                 row.x[i] = placed.x[k];
@@ -308,6 +310,7 @@ private:
 
     const MappedLattice& lattice_;
     const SurfaceEdges& edges_;
+    const bool fills_holes_;
     const ViewRows view_;
     const float screen_width_, screen_height_;
 };
@@ -329,6 +332,7 @@ struct PixelRow {
     const float* into;  ///< position in the cell, from the left
     float down;         ///< position in the cell, from above
     float z_per_q;
+    float hole_q;  ///< drawn where there is no surface; 0: nothing is
     PackedColour background;
 };
 
@@ -343,6 +347,10 @@ struct PixelRow {
 [[gnu::always_inline]] inline float chosen(std::int32_t mask, float value, float other) {
     return std::bit_cast<float>(
         chosen(mask, std::bit_cast<std::uint32_t>(value), std::bit_cast<std::uint32_t>(other)));
+}
+
+[[gnu::always_inline]] inline float greater_of(float a, float b) {
+    return a > b ? a : b;
 }
 
 /// A channel of an interpolated colour, rounded.
@@ -365,8 +373,10 @@ struct PixelRow {
         const std::int32_t is_right = mask_of(into >= down);
         const float right_of = into - down;
         const float of_other = chosen(is_right, right_of, -right_of), of_c = chosen(is_right, down, into);
-        const float a_q = from.upper_left_q[x], c_q = from.lower_right_q[x];
-        const float other_q = chosen(is_right, from.upper_right_q[x], from.lower_left_q[x]);
+        const float hole = from.hole_q;
+        const float a_q = greater_of(from.upper_left_q[x], hole),
+                    c_q = greater_of(from.lower_right_q[x], hole);
+        const float other_q = greater_of(chosen(is_right, from.upper_right_q[x], from.lower_left_q[x]), hole);
         const PackedColour a = from.upper_left[x], c = from.lower_right[x];
         const PackedColour other = chosen(is_right, from.upper_right[x], from.lower_left[x]);
         const PackedColour colour = channel_of(a, other, c, of_other, of_c, 0) |
@@ -401,7 +411,8 @@ public:
           last_(band.last - 1),
           height_(camera.height),
           pitch_(pitch),
-          cut_ratio_(is_own_view(camera) ? std::numeric_limits<float>::max() : cut_ratio(lattice.step)),
+          is_turned_(!is_own_view(camera)),
+          cut_ratio_(is_turned_ ? cut_ratio(lattice.step) : std::numeric_limits<float>::max()),
           pixels_(pixels) {}
 
     void draw(VectorUnit unit, Rows& rows) {
@@ -468,6 +479,9 @@ private:
                 q11 = load<F>(&low.q[x + 1]);
         const I no_right = cut(q00, q10, q11, cut_ratio_), no_left = cut(q00, q11, q01, cut_ratio_);
         I is_drawn = ~(no_right & no_left);
+        if (is_turned_ && lattice_.fills_gaps)
+            fill_gaps<n>(x, y, no_right & (q10 != 0.0F), no_left & (q01 != 0.0F),
+                         (q00 != 0.0F) & (q11 != 0.0F));
         if (or_of(is_drawn) == 0) return;
         Cells<n> cells{corners_of<n>(up, x), corners_of<n>(up, x + 1), corners_of<n>(low, x + 1),
                        corners_of<n>(low, x)};
@@ -499,6 +513,20 @@ private:
             is_drawn &= folded;
             if (again || or_of(is_drawn) == 0) return;
             cells.top_right = cells.top_left;
+        }
+    }
+
+    /// Fills the gaps among n cells from (x, y) on. `is_there`: the diagonal.
+    template <int n>
+    [[gnu::always_inline]] void fill_gaps(int x, int y, const Ints<n>& right, const Ints<n>& left,
+                                          const Ints<n>& is_there) {
+        if (or_of((right | left) & is_there) == 0) return;
+        for (int k = 0; k < n; ++k) {
+            if (is_there[k] == 0 || (right[k] | left[k]) == 0) continue;
+            const glm::vec3 colour = gap_fill(lattice_, {x + k, y}, {lattice_.width, lattice_.height});
+            const auto part = [&](int i, int j) { return FillCorner{corner(x + k + i, y + j).clip, colour}; };
+            if (right[k] != 0) fill_one({part(0, 0), part(1, 0), part(1, 1)}, GAP_Z);
+            if (left[k] != 0) fill_one({part(0, 0), part(1, 1), part(0, 1)}, GAP_Z);
         }
     }
 
@@ -618,26 +646,28 @@ private:
 
     /// Draws a cell that is larger on the screen, or partly in front of the near plane.
     void draw_cell(int x, int y, bool no_right, bool no_left) {
-        const auto corner = [&](int i, int j) {
-            const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(j) * lattice_.pitch + i;
-            const PackedColour c = lattice_.colours[at];
-            const glm::vec3 colour(c & 255U, c >> 8 & 255U, c >> 16 & 255U);
-            if (const SurfaceEdges::Vertex* edge = edges_.at(i, j); edge != nullptr)
-                return FillCorner{view_clip(view_, edge->at_x, edge->at_y, edge->q), colour * edge->light};
-            return FillCorner{view_clip(view_, static_cast<float>(i), static_cast<float>(j), lattice_.q[at]),
-                              colour};
-        };
-        const auto fill_one = [&](const std::array<FillCorner, 3>& corners) {
-            fill_triangle(corners, width_, height_, [&](int px, int py, float z, const glm::vec3& colour) {
-                const glm::uvec3 byte(colour + 0.5F);
-                if (z > 0.0F && py >= first_ && py <= last_)
-                    keep_nearest(pixels_[static_cast<std::ptrdiff_t>(py) * pitch_ + px],
-                                 std::bit_cast<std::uint32_t>(z), pack_colour(byte.r, byte.g, byte.b));
-            });
-        };
         const FillCorner top_left = corner(x, y), bottom_right = corner(x + 1, y + 1);
-        if (!no_right) fill_one({top_left, corner(x + 1, y), bottom_right});
-        if (!no_left) fill_one({top_left, bottom_right, corner(x, y + 1)});
+        if (!no_right) fill_one({top_left, corner(x + 1, y), bottom_right}, 1);
+        if (!no_left) fill_one({top_left, bottom_right, corner(x, y + 1)}, 1);
+    }
+
+    FillCorner corner(int i, int j) const {
+        const glm::vec3 colour = gap_colour(lattice_, {i, j});
+        if (const SurfaceEdges::Vertex* edge = edges_.at(i, j); edge != nullptr)
+            return {view_clip(view_, edge->at_x, edge->at_y, edge->q), colour};
+        const float q = is_turned_ || !lattice_.fills_gaps ? std::abs(gap_q(lattice_, {i, j}))
+                                                           : std::max(gap_q(lattice_, {i, j}), HOLE_Q);
+        return {view_clip(view_, static_cast<float>(i), static_cast<float>(j), q), colour};
+    }
+
+    void fill_one(const std::array<FillCorner, 3>& corners, float scale_of_z) {
+        fill_triangle(corners, width_, height_, [&](int px, int py, float z, const glm::vec3& colour) {
+            const glm::uvec3 byte(colour + 0.5F);
+            if (z > 0.0F && py >= first_ && py <= last_)
+                keep_nearest(pixels_[static_cast<std::ptrdiff_t>(py) * pitch_ + px],
+                             std::bit_cast<std::uint32_t>(z * scale_of_z),
+                             pack_colour(byte.r, byte.g, byte.b));
+        });
     }
 
     const MappedLattice& lattice_;
@@ -645,6 +675,7 @@ private:
     const RowProjection projection_;
     const ViewRows view_;
     const int width_, first_, last_, height_, pitch_;
+    const bool is_turned_;
     const float cut_ratio_;  // in the clip's own view only holes are cut
     std::uint64_t* const pixels_;
 };
@@ -654,9 +685,10 @@ LatticeRaster::LatticeRaster(int threads, VectorUnit vectors)
 
 LatticeRaster::~LatticeRaster() = default;
 
-void LatticeRaster::draw(const MappedLattice& lattice, const SurfaceEdges& edges, const ViewCamera& camera,
+void LatticeRaster::draw(MappedLattice lattice, const SurfaceEdges& edges, const ViewCamera& camera,
                          std::span<const PackedColour> background, int pitch, std::span<PackedColour> colours,
                          std::span<float> z) {
+    if (!is_own_view(camera)) lattice.q = edges.eroded_q();
     pixels_.resize(static_cast<std::size_t>(pitch) * static_cast<std::size_t>(camera.height));
     const auto row_of = [pitch](int y) {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(pitch);
@@ -770,6 +802,7 @@ void OwnViewPicture::draw(const MappedLattice& lattice, const ViewCamera& camera
                               columns_.into.data() + first,
                               rows_.into[static_cast<std::size_t>(y)],
                               view.z.w,
+                              lattice.fills_gaps ? HOLE_Q : 0,
                               empty};
         const auto draw_pixels = [&](auto) __attribute__((always_inline)) {
             draw_row(pixels, end - first, to + first, to_z + first);

@@ -28,7 +28,7 @@ namespace touchable {
 struct PicturePlanes {
     int width = 0, height = 0;
     std::vector<float> z;
-    std::vector<PackedColour> colours;  ///< undefined where nothing is drawn
+    std::vector<PackedColour> colours;  ///< of no opacity where nothing is drawn
 
     std::size_t index(int x, int y) const { return pixel_place(x, y, width); }
 };
@@ -49,6 +49,13 @@ inline bool is_own_view(const ViewCamera& camera) {
 
 /// Replaces CUT_RULE_RATIO in a decimated lattice: vertices farther apart may differ more in depth.
 float cut_ratio(int step);
+/// A lattice as edges are found in it. `focal_length`: of its own camera, vertices.
+EdgeLattice edge_lattice(const float* q, int width, int height, int pitch, int step, float focal_length);
+
+/// ViewSurface::fills_gaps of a surface with this colour.
+inline bool fills_gaps(const PlaneView& colour, Lighting lighting) {
+    return lighting != Lighting::values && !colour.empty();
+}
 
 /// The same view of a lattice that keeps every `step`th vertex.
 ViewCamera decimated(ViewCamera camera, int step);
@@ -71,10 +78,10 @@ FieldVertex drawn_vertex(const HeightField& field, std::int64_t i, std::int64_t 
 float drawn_q(const HeightField& field, int x, int y);
 std::vector<float> q_of(const HeightField& field);
 
-/// The surface of a field with the given q and tiles. `colour` has 3 channels of the field's size; if it is
+/// The surface of a field with the given q. `colour` has 3 channels of the field's size; if it is
 /// empty, clay shows light and depth alone.
-ViewSurface make_view_surface(const HeightField& field, std::vector<float> q, ViewSurface::Tiles tiles,
-                              const PlaneView& colour, Lighting lighting);
+ViewSurface make_view_surface(const HeightField& field, std::vector<float> q, const PlaneView& colour,
+                              Lighting lighting);
 
 /// The 4 % and 96 % quantiles of valid vertices' q, from a sample.
 struct UsualQ {
@@ -87,61 +94,6 @@ UsualQ usual_q(int width, int height, const std::function<float(int x, int y)>& 
 /// behind the clip's camera.
 std::vector<PackedColour> lit_colours(const Camera& camera, const ViewSurface& surface,
                                       const PlaneView& colour, Lighting lighting);
-
-/// A field's lattice as painters draw it, for callers that need few of its vertices: vertices are computed on
-/// demand and cached.
-class DrawnLattice {
-public:
-    /// `is_turned`: true for every view but the clip's own. In turned views vertices at edges move
-    /// (shaders/edge_rule.h) and depth steps are cut; in the clip's own view all vertices are at their
-    /// pixels, and only holes are cut.
-    DrawnLattice(const HeightField& field, bool is_turned)
-        : width(field.width()),
-          height(field.height()),
-          field_(field),
-          is_turned_(is_turned),
-          vertices_(side * side),
-          edges_(is_turned ? side * side : 0) {}
-
-    struct Triangle {
-        std::array<glm::dvec3, 3> corners;  ///< (x, y, q) as drawn
-        bool cut;                           ///< not drawn (shaders/cut_rule.h)
-        bool moved;                         ///< a corner is not at its pixel
-    };
-    /// A triangle of cell (i, j): the one to the right of the diagonal from its first corner, or the one
-    /// below.
-    Triangle triangle(int i, int j, bool right);
-    /// Whether a neighbouring cell's triangle may be drawn over this cell.
-    bool is_near_edges(int i, int j);
-
-    // The interface that shaders/edge_rule.h needs from a lattice.
-    const int width, height;
-    const float ratio = CUT_RULE_RATIO;
-    friend float edge_q(const DrawnLattice& lattice, const glm::ivec2& at) { return lattice.vertex(at).q; }
-
-private:
-    struct Vertex {
-        int x = -1, y = -1;
-        double exact_q = 0;
-        float q = 0;  ///< 0: invalid
-    };
-    struct Edge {
-        int x = -1, y = -1;
-        bool is_moved = false;
-        glm::dvec3 place{0.0};
-    };
-    static constexpr int side = 32;  ///< of the cached part; a ray crosses it once
-    static std::size_t slot(int x, int y) {
-        return static_cast<std::size_t>(y % side) * side + static_cast<std::size_t>(x % side);
-    }
-    const Vertex& vertex(const glm::ivec2& at) const;
-    const Edge& edge(int x, int y);
-
-    const HeightField& field_;
-    const bool is_turned_;
-    mutable std::vector<Vertex> vertices_;
-    std::vector<Edge> edges_;
-};
 
 /// A corner in clip space (ViewCamera) with a value to interpolate: a colour, a normal or similar.
 struct FillCorner {
@@ -180,6 +132,15 @@ inline std::array<int, 2> pixels_between(std::int64_t least, std::int64_t greate
             static_cast<int>(std::clamp<std::int64_t>(last, -1, size - 1))};
 }
 
+/// Limits a row's pixels, counted from one where the edge from a to b has the value `at`, to those inside it.
+inline void limit_span(const Point& a, const Point& b, std::int64_t at, std::int64_t& first,
+                       std::int64_t& last) {
+    const std::int64_t step = (a.y - b.y) * VIEW_SUBPIXELS, lacks = least_inside(a, b) - at;
+    if (step > 0 && lacks > 0) first = std::max(first, (lacks + step - 1) / step);
+    if (step < 0) last = std::min(last, lacks > 0 ? -1 : lacks / step);
+    if (step == 0 && lacks > 0) last = -1;
+}
+
 template <class Plot>
 void triangle(const Point& a, Point b, Point c, int width, int height, Plot& plot) {
     std::int64_t area = edge(a, b, c.x, c.y);
@@ -191,17 +152,23 @@ void triangle(const Point& a, Point b, Point c, int width, int height, Plot& plo
     const auto [x0, x1] = pixels_between(std::min({a.x, b.x, c.x}), std::max({a.x, b.x, c.x}), width);
     const auto [y0, y1] = pixels_between(std::min({a.y, b.y, c.y}), std::max({a.y, b.y, c.y}), height);
     const float scale = 1.0F / static_cast<float>(area);
-    for (int y = y0; y <= y1; ++y)
-        for (int x = x0; x <= x1; ++x) {
-            const std::int64_t px = x * VIEW_SUBPIXELS + VIEW_SUBPIXELS / 2,
-                               py = y * VIEW_SUBPIXELS + VIEW_SUBPIXELS / 2;
-            const std::int64_t ab = edge(a, b, px, py), bc = edge(b, c, px, py), ca = edge(c, a, px, py);
-            if (ab < least_inside(a, b) || bc < least_inside(b, c) || ca < least_inside(c, a)) continue;
+    for (int y = y0; y <= y1; ++y) {
+        const std::int64_t px = x0 * VIEW_SUBPIXELS + VIEW_SUBPIXELS / 2,
+                           py = y * VIEW_SUBPIXELS + VIEW_SUBPIXELS / 2;
+        std::int64_t first = 0, last = x1 - x0;
+        std::array<std::int64_t, 3> at{edge(a, b, px, py), edge(b, c, px, py), edge(c, a, px, py)};
+        limit_span(a, b, at[0], first, last);
+        limit_span(b, c, at[1], first, last);
+        limit_span(c, a, at[2], first, last);
+        for (std::int64_t x = first; x <= last; ++x) {
+            const std::int64_t ab = at[0] - (b.y - a.y) * VIEW_SUBPIXELS * x,
+                               ca = at[2] - (a.y - c.y) * VIEW_SUBPIXELS * x;
             const float of_b = static_cast<float>(ca) * scale, of_c = static_cast<float>(ab) * scale;
             const float share = a.share + of_b * (b.share - a.share) + of_c * (c.share - a.share);
-            plot(x, y, a.z + of_b * (b.z - a.z) + of_c * (c.z - a.z),
+            plot(x0 + static_cast<int>(x), y, a.z + of_b * (b.z - a.z) + of_c * (c.z - a.z),
                  (a.value + of_b * (b.value - a.value) + of_c * (c.value - a.value)) / share);
         }
+    }
 }
 
 }  // namespace fill

@@ -17,6 +17,7 @@
 #include "shaders/cut_tiles.spv.h"
 #include "shaders/edges.h"
 #include "shaders/edges.spv.h"
+#include "shaders/erode.spv.h"
 #include "shaders/light.h"
 #include "shaders/light.spv.h"
 #include "shaders/list_tiles.spv.h"
@@ -24,9 +25,9 @@
 #include "shaders/unproject.h"
 #include "shaders/unproject.spv.h"
 
-// Lattices in GPU memory. Kernels compute q of a pair of frames (unproject), the tiles to draw (cut_tiles,
-// list_tiles), positions of vertices at edges (edges), and lit colours (light). Without codes, the CPU
-// computes q and it is uploaded.
+// Lattices in GPU memory. Kernels compute q of a pair of frames (unproject), what a view draws of it (erode),
+// positions of vertices at edges (edges), the tiles to draw (cut_tiles, list_tiles), and lit colours (light).
+// Without codes, the CPU computes q and it is uploaded.
 
 namespace touchable {
 namespace {
@@ -84,15 +85,6 @@ std::size_t parts_of(int count, int size) {
     return static_cast<std::size_t>((count + size - 1) / size);
 }
 
-void write_tiles(const ViewSurface::Tiles& tiles, const GpuBuffer& buffer) {
-    const TileListsHeader header = tile_lists_header(static_cast<std::uint32_t>(tiles.whole.size()),
-                                                     static_cast<std::uint32_t>(tiles.mixed.size()));
-    buffer.mapped<TileListsHeader>()[0] = header;
-    const auto list = buffer.mapped<std::uint32_t>().subspan(header_words);
-    std::copy(tiles.mixed.begin(), tiles.mixed.end(),
-              std::copy(tiles.whole.begin(), tiles.whole.end(), list.begin()));
-}
-
 /// Copies rows of 4 bytes a vertex into rows of `pitch` vertices.
 template <class T>
 void put_rows(const std::vector<T>& values, const GpuLattice& lattice, const GpuBuffer& buffer) {
@@ -107,8 +99,8 @@ bool is_same_content(const PlaneView& a, const PlaneView& b) {
            same_form(a, b);
 }
 
-std::vector<float> q_from(const GpuLattice& lattice) {
-    const PlaneView rows{lattice.q.mapped<std::uint8_t>().data(),
+std::vector<float> q_from(const GpuLattice& lattice, const GpuBuffer& seen) {
+    const PlaneView rows{seen.mapped<std::uint8_t>().data(),
                          std::ptrdiff_t{4} * lattice.pitch,
                          lattice.width,
                          lattice.height,
@@ -285,12 +277,13 @@ Result<void> GpuLattices::check_size(const char* name, std::size_t bytes) const 
                      " bytes are more than a kernel may read on " + device_->facts().name);
 }
 
-void GpuLattices::set_size(int width, int height, GpuLattice& lattice) const {
+void GpuLattices::set_size(int width, int height, float focal_length, GpuLattice& lattice) const {
     lattice.vulkan = device_->vulkan();
     lattice.width = width;
     lattice.height = height;
     lattice.pitch = SurfaceUnproject::pitch(width);
     lattice.step = 1;
+    lattice.focal_length = focal_length;
 }
 
 Result<void> GpuLattices::reserve(GpuBuffer& buffer, const char* name, std::size_t bytes, GpuMemory memory) {
@@ -305,7 +298,7 @@ Result<void> GpuLattices::reserve_colours(GpuLattice& lattice) {
 }
 
 Result<void> GpuLattices::renew(const HeightField& field, GpuLattice& lattice) {
-    set_size(field.width(), field.height(), lattice);
+    set_size(field.width(), field.height(), static_cast<float>(field.scene().camera.fx), lattice);
     const std::size_t bytes = SurfaceUnproject::q_bytes(lattice.width, lattice.height);
     for (GpuBuffer* const buffer : {&lattice.q, &lattice.colours}) {
         *buffer = {};
@@ -329,7 +322,7 @@ Result<void> GpuLattices::record_q(GpuCommands& commands, const HeightField& fie
 
 Result<void> GpuLattices::record(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                                  GpuLattice& lattice) {
-    set_size(field.width(), field.height(), lattice);
+    set_size(field.width(), field.height(), static_cast<float>(field.scene().camera.fx), lattice);
     const std::size_t bytes = SurfaceUnproject::q_bytes(lattice.width, lattice.height);
     TRY(reserve(lattice.q, "lattice q", bytes, kernel_memory(*device_)));
     TRY(record_q(commands, field, pair, lattice));
@@ -344,26 +337,22 @@ std::size_t GpuLattices::tile_list_bytes(int width, int height) {
 
 Result<void> GpuLattices::make_programs() {
     unproject_.make_programs_in_pairs();
-    TRY(make_tile_programs());
-    return make_edge_program();
+    return make_view_programs();
 }
 
-Result<void> GpuLattices::make_tile_programs() {
+Result<void> GpuLattices::make_view_programs() {
     if (list_tiles_) return {};
-    TRY_ASSIGN(cut_tiles_, GpuProgram::create(
-                               *device_, "cut_tiles", cut_tiles_spv,
-                               {sizeof(CutTilesPush), {texel_kind, storage_kind}, {CUT_TILES_LANES, 1, 1}}));
-    return assign(
-        list_tiles_,
-        GpuProgram::create(*device_, "list_tiles", list_tiles_spv,
-                           {sizeof(CutTilesPush), {storage_kind, storage_kind}, {LIST_TILES_LANES, 1, 1}}));
-}
-
-Result<void> GpuLattices::make_edge_program() {
-    if (edges_) return {};
-    return assign(edges_,
-                  GpuProgram::create(*device_, "edges", edges_spv,
-                                     {sizeof(EdgesPush), {texel_kind, storage_kind}, {EDGES_LANES, 1, 1}}));
+    const auto make = [&](GpuProgram& program, const char* name, std::span<const std::uint32_t> code,
+                          const GpuLayout& layout) {
+        return assign(program, GpuProgram::create(*device_, name, code, layout));
+    };
+    const GpuLayout edges{sizeof(EdgesPush), {texel_kind, storage_kind}, {EDGES_LANES, 1, 1}};
+    TRY(make(erode_, "erode", erode_spv, edges));
+    TRY(make(edges_, "edges", edges_spv, edges));
+    TRY(make(cut_tiles_, "cut_tiles", cut_tiles_spv,
+             {sizeof(CutTilesPush), {texel_kind, storage_kind}, {CUT_TILES_LANES, 1, 1}}));
+    return make(list_tiles_, "list_tiles", list_tiles_spv,
+                {sizeof(CutTilesPush), {storage_kind, storage_kind}, {LIST_TILES_LANES, 1, 1}});
 }
 
 Result<void> GpuLattices::record_tiles(GpuCommands& commands, GpuLattice& lattice) {
@@ -371,55 +360,61 @@ Result<void> GpuLattices::record_tiles(GpuCommands& commands, GpuLattice& lattic
     const TileGrid grid = TileGrid::of(width, height);
     TRY(reserve(lattice.tiles, "lattice tiles", tile_list_bytes(width, height), kernel_memory(*device_)));
     TRY(reserve(lattice.classes, "tile classes", 4 * grid.count(), GpuMemory::device));
-    TRY(make_tile_programs());
     CutTilesPush push{};
     push.width = static_cast<std::uint32_t>(width);
     push.height = static_cast<std::uint32_t>(height);
     push.pitch = static_cast<std::uint32_t>(lattice.pitch / 4);
     push.tiles_x = static_cast<std::uint32_t>(grid.tiles_x);
     push.tiles = static_cast<std::uint32_t>(grid.count());
-    commands.barrier(GpuStage::compute, GpuStage::compute);
-    commands.dispatch(cut_tiles_, push, {lattice.q, lattice.classes},
+    commands.dispatch(cut_tiles_, push, {lattice.drawn_q, lattice.classes},
                       {groups_for(push.tiles, CUT_TILES_LANES)});
     commands.barrier(GpuStage::compute, GpuStage::compute);
     commands.dispatch(list_tiles_, push, {lattice.classes, lattice.tiles}, {1});
-    commands.mark("tiles");
+    commands.barrier(GpuStage::compute, GpuStage::indirect);
     return {};
 }
 
-Result<void> GpuLattices::record_edges(GpuCommands& commands, const ViewCamera& camera, bool are_values,
-                                       GpuLattice& lattice) {
-    if (is_own_view(camera)) return {};
-    TRY(make_edge_program());
-    const std::size_t bytes = 2 * SurfaceUnproject::q_bytes(lattice.width, lattice.height);
-    TRY(reserve(lattice.edges, "lattice edges", bytes, kernel_memory(*device_)));
-    uploaded_.edges = lattice.edges;
-    const EdgesPush push{
-        static_cast<std::uint32_t>(lattice.width), static_cast<std::uint32_t>(lattice.height),
-        static_cast<std::uint32_t>(lattice.pitch), cut_ratio(lattice.step), are_values ? 1U : 0U};
-    commands.barrier(GpuStage::graphics, GpuStage::compute);
+Result<void> GpuLattices::record_view(GpuCommands& commands, bool is_turned, GpuLattice& lattice) {
+    TRY(make_view_programs());
+    const std::size_t bytes = SurfaceUnproject::q_bytes(lattice.width, lattice.height);
+    TRY(reserve(lattice.drawn_q, "drawn q", bytes, kernel_memory(*device_)));
+    if (is_turned) TRY(reserve(lattice.edges, "lattice edges", 2 * bytes, kernel_memory(*device_)));
+    const EdgeLattice at = edge_lattice(nullptr, lattice.width, lattice.height, lattice.pitch, lattice.step,
+                                        lattice.focal_length);
+    const EdgesPush push{static_cast<std::uint32_t>(at.width),
+                         static_cast<std::uint32_t>(at.height),
+                         static_cast<std::uint32_t>(at.pitch),
+                         at.ratio,
+                         at.steepest,
+                         is_turned ? 1U : 0U,
+                         lattice.fills_gaps ? 1U : 0U};
+    const GpuCommands::Groups groups{groups_for(push.pitch, EDGES_LANES), push.height};
+    for (const GpuStage before : {GpuStage::graphics, GpuStage::indirect, GpuStage::compute})
+        commands.barrier(before, GpuStage::compute);
+    commands.dispatch(erode_, push, {GpuBinding::words(lattice.q), lattice.drawn_q}, groups);
     commands.barrier(GpuStage::compute, GpuStage::compute);
-    commands.dispatch(edges_, push, {GpuBinding::words(lattice.q), lattice.edges},
-                      {groups_for(push.pitch, EDGES_LANES), push.height});
-    commands.mark("edges");
+    if (is_turned)
+        commands.dispatch(edges_, push, {GpuBinding::words(lattice.drawn_q), lattice.edges}, groups);
+    TRY(record_tiles(commands, lattice));
+    uploaded_.drawn_q = lattice.drawn_q;
+    uploaded_.tiles = lattice.tiles;
+    uploaded_.classes = lattice.classes;
+    uploaded_.edges = lattice.edges;
+    commands.mark("view");
     return {};
 }
 
-/// Makes a lattice; returns one whose q and tiles the CPU can read.
-Result<GpuLattice> GpuLattices::read_back(const HeightField& field, const FramePair& pair,
-                                          GpuLattice& lattice) {
+/// Makes a lattice; returns its q, for the CPU to read.
+Result<GpuBuffer> GpuLattices::read_back(const HeightField& field, const FramePair& pair,
+                                         GpuLattice& lattice) {
     TRY_ASSIGN(auto commands, GpuCommands::begin(device_, "lattice"));
     TRY(record(commands, field, pair, lattice));
-    TRY(record_tiles(commands, lattice));
-    GpuLattice seen = lattice;
+    GpuBuffer seen = lattice.q;
     if (!device_->facts().unified_memory) {
+        TRY_ASSIGN(
+            seen, GpuBuffer::create(*device_, "lattice q read back", lattice.q.bytes(), GpuMemory::readback));
         commands.barrier(GpuStage::compute, GpuStage::transfer);
-        for (GpuBuffer* buffer : {&seen.q, &seen.tiles}) {
-            TRY_ASSIGN(auto made, GpuBuffer::create(*device_, buffer->name() + " read back", buffer->bytes(),
-                                                    GpuMemory::readback));
-            commands.copy(*buffer, 0, made, 0, buffer->bytes());
-            *buffer = made;
-        }
+        commands.copy(lattice.q, 0, seen, 0, seen.bytes());
     }
     TRY_ASSIGN(const auto submission, std::move(commands).submit());
     TRY(submission.wait_for_picture());
@@ -432,33 +427,27 @@ Result<ViewSurface> GpuLattices::surface_of(const HeightField& field, const Fram
         return CpuLattices(CpuLattices::usual_threads()).surface_of(field, pair, colour, lighting);
     auto lattice = std::make_shared<GpuLattice>();
     TRY_ASSIGN(const auto seen, read_back(field, pair, *lattice));
-    ViewSurface surface = make_view_surface(field, q_from(seen), read_tiles(seen.tiles), colour, lighting);
+    ViewSurface surface = make_view_surface(field, q_from(*lattice, seen), colour, lighting);
     surface.on_gpu = std::move(lattice);
     return surface;
 }
 
 Result<GpuLattice> GpuLattices::lattice_of(const ViewSurface& surface) {
-    GpuLattice lattice = uploaded_;
     const bool is_here = surface.on_gpu && surface.on_gpu->vulkan == device_->vulkan();
-    if (is_here) {
-        lattice = *surface.on_gpu;
-        lattice.colours = uploaded_.colours;
-        lattice.edges = uploaded_.edges;
-    } else {
-        set_size(surface.width, surface.height, lattice);
-    }
+    GpuLattice lattice = uploaded_;
+    set_size(surface.width, surface.height, surface.focal_length, lattice);
+    lattice.fills_gaps = surface.fills_gaps;
     const GpuMemory memory = device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::upload;
     const std::size_t bytes = SurfaceUnproject::q_bytes(surface.width, surface.height);  // colours have the
                                                                                          // same size
     TRY(reserve(lattice.colours, "lattice colours", bytes, memory));
-    uploaded_.colours = lattice.colours;
     put_rows(surface.colours, lattice, lattice.colours);
-    if (is_here) return lattice;
-    TRY(reserve(lattice.q, "lattice q", bytes, memory));
-    TRY(reserve(lattice.tiles, "lattice tiles", tile_list_bytes(surface.width, surface.height), memory));
-    put_rows(surface.q, lattice, lattice.q);
-    write_tiles(surface.tiles, lattice.tiles);
+    if (!is_here) {
+        TRY(reserve(lattice.q, "lattice q", bytes, memory));
+        put_rows(surface.q, lattice, lattice.q);
+    }
     uploaded_ = lattice;
+    if (is_here) lattice.q = surface.on_gpu->q;
     return lattice;
 }
 

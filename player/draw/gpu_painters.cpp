@@ -2,6 +2,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <tuple>
 #include <type_traits>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "player/draw/drawn_surface.hpp"
 #include "player/draw/gpu_painting.hpp"
 #include "player/draw/pictures.hpp"
+#include "shaders/gap_fill.h"
 #include "shaders/raster.h"
 #include "shaders/raster.spv.h"
 #include "shaders/raster_large.spv.h"
@@ -27,7 +29,7 @@ namespace touchable {
 namespace {
 
 static_assert(RASTER_TILE == TileGrid::cells);
-static_assert(std::is_trivially_copyable_v<RasterPush> && sizeof(RasterPush) == 96);
+static_assert(std::is_trivially_copyable_v<RasterPush> && sizeof(RasterPush) == 100);
 static_assert(MESH_TILE == TileGrid::cells);
 static_assert(sizeof(MeshPush) == 84);
 static_assert(TILE_LISTS_CORNERS == MESH_TILE_CELLS * 6);
@@ -86,7 +88,7 @@ public:
         }
 
         TRY_ASSIGN(auto commands, GpuCommands::begin(device_, "mesh"));
-        TRY(lattices_.record_edges(commands, camera, surface.colours_are_values, lattice));
+        TRY(lattices_.record_view(commands, !is_own_view(camera), lattice));
         commands.barrier(GpuStage::compute, GpuStage::graphics);
         for (const auto& each : planes)
             record_transition(commands, each.image, VK_IMAGE_LAYOUT_UNDEFINED, each.drawn);
@@ -130,7 +132,7 @@ public:
         TRY(reserve(bytes, SurfaceRaster::large_bytes(surface.width, surface.height)));
 
         TRY_ASSIGN(auto commands, GpuCommands::begin(device_, "raster"));
-        TRY(lattices_.record_edges(commands, camera, surface.colours_are_values, lattice));
+        TRY(lattices_.record_view(commands, !is_own_view(camera), lattice));
         commands.barrier(GpuStage::compute, GpuStage::compute);
         raster_.record(commands, lattice, camera, pixels_, camera.width, large_);
         if (seen_.handle() != pixels_.handle()) {
@@ -187,15 +189,17 @@ Result<MeshPipeline> MeshPipeline::create(const GpuDevice& device) {
             device.facts().name + " draws no triangles, which the painter mesh needs; raster and cpu do not",
             {{Setting::painter, "raster"}}};
     MeshPipeline pipeline;
-    for (const bool is_mixed : {false, true}) {
-        const GraphicsLook look{.vertex = view_mesh_vert_spv,
-                                .fragment = view_mesh_frag_spv,
-                                .push_bytes = sizeof(MeshPush),
-                                .bindings = std::vector(4, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER),
-                                .constants = {is_mixed ? 1U : 0U}};
-        TRY(assign(is_mixed ? pipeline.mixed_ : pipeline.whole_,
-                   GraphicsProgram::create(device, is_mixed ? "mixed tiles" : "whole tiles", look)));
-    }
+    for (const auto& [program, name, constants] :
+         {std::tuple{&pipeline.whole_, "whole tiles", std::vector{0U, 0U}},
+          {&pipeline.mixed_, "mixed tiles", {1U, 0U}},
+          {&pipeline.gaps_, "gaps", {1U, 1U}}})
+        TRY(assign(*program,
+                   GraphicsProgram::create(device, name,
+                                           {.vertex = view_mesh_vert_spv,
+                                            .fragment = view_mesh_frag_spv,
+                                            .push_bytes = sizeof(MeshPush),
+                                            .bindings = std::vector(4, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER),
+                                            .constants = constants})));
     TRY_ASSIGN(pipeline.pattern_, make_tile_pattern(device));
     return pipeline;
 }
@@ -208,14 +212,19 @@ void MeshPipeline::draw(GpuCommands& commands, const GpuLattice& lattice, const 
                         static_cast<std::uint32_t>(lattice.pitch),
                         static_cast<std::uint32_t>(TileGrid::of(lattice.width, lattice.height).tiles_x),
                         is_own ? 0U : 1U};
-    const GpuBuffer& edges = is_own ? lattice.q : lattice.edges;
+    const GpuBuffer &q = lattice.drawn_q, &edges = is_own ? q : lattice.edges, &tiles = lattice.tiles;
     const VkCommandBuffer drawing = commands.handle();
-    whole_.bind(commands, push, {lattice.q, lattice.colours, lattice.tiles, edges});
+    whole_.bind(commands, push, {q, lattice.colours, tiles, edges});
     vkCmdBindIndexBuffer(drawing, pattern_.handle(), 0, VK_INDEX_TYPE_UINT16);
     commands.keep(pattern_.keep_alive());
-    vkCmdDrawIndexedIndirect(drawing, lattice.tiles.handle(), offsetof(TileListsHeader, whole_indices), 1, 0);
-    mixed_.bind(commands, push, {lattice.q, lattice.colours, lattice.tiles, edges});
-    vkCmdDrawIndirect(drawing, lattice.tiles.handle(), offsetof(TileListsHeader, mixed_vertices), 1, 0);
+    vkCmdDrawIndexedIndirect(drawing, tiles.handle(), offsetof(TileListsHeader, whole_indices), 1, 0);
+    mixed_.bind(commands, push, {q, lattice.colours, tiles, edges});
+    vkCmdDrawIndirect(drawing, tiles.handle(), offsetof(TileListsHeader, mixed_vertices), 1, 0);
+    if (is_own || !lattice.fills_gaps) return;
+    gaps_.bind(commands, push, {q, lattice.colours, tiles, edges});
+    scale_z(commands, {static_cast<std::uint32_t>(camera.width), static_cast<std::uint32_t>(camera.height)},
+            GAP_Z);
+    vkCmdDrawIndirect(drawing, tiles.handle(), offsetof(TileListsHeader, mixed_vertices), 1, 0);
 }
 
 Result<SurfaceRaster> SurfaceRaster::create(const GpuDevice& device) {
@@ -256,7 +265,9 @@ void SurfaceRaster::record(GpuCommands& commands, const GpuLattice& lattice, con
     push.picture_width = static_cast<std::uint32_t>(camera.width);
     push.picture_height = static_cast<std::uint32_t>(camera.height);
     push.picture_pitch = static_cast<std::uint32_t>(pitch);
-    push.is_turned = is_own_view(camera) ? 0 : 1;
+    const bool is_own = is_own_view(camera);
+    push.is_turned = is_own ? 0 : 1;
+    push.fills_gaps = !is_own && lattice.fills_gaps ? 1 : 0;
 
     commands.fill(pixels, 0, 0, std::size_t{8} * push.picture_pitch * push.picture_height);
     // x is 0 groups so far, y and z are 1; 0 cells.
@@ -264,10 +275,10 @@ void SurfaceRaster::record(GpuCommands& commands, const GpuLattice& lattice, con
     commands.fill(large, 1, 4, 8);
     commands.fill(large, 0, 12, 4);
     commands.barrier(GpuStage::transfer, GpuStage::compute);
-    const auto q = GpuBinding::words(lattice.q), colours = GpuBinding::words(lattice.colours);
-    const GpuBuffer& edges = push.is_turned != 0 ? lattice.edges : lattice.q;
-    commands.dispatch_indirect(raster_, push, {q, colours, pixels, large, edges, lattice.tiles},
-                               lattice.tiles, offsetof(TileListsHeader, groups_x));
+    const auto q = GpuBinding::words(lattice.drawn_q), colours = GpuBinding::words(lattice.colours);
+    const GpuBuffer &edges = is_own ? lattice.drawn_q : lattice.edges, &tiles = lattice.tiles;
+    commands.dispatch_indirect(raster_, push, {q, colours, pixels, large, edges, tiles}, tiles,
+                               offsetof(TileListsHeader, groups_x));
     commands.barrier(GpuStage::compute, GpuStage::indirect);
     commands.barrier(GpuStage::compute, GpuStage::compute);
     commands.dispatch_indirect(large_, push, {q, colours, pixels, large, edges}, large);

@@ -33,8 +33,12 @@ struct GpuLattice {
     int width = 0, height = 0;
     int pitch = 0;      ///< vertices from one row of q and colours to the next
     int step = 1;       ///< of the clip's pixels per vertex (Decimation)
+    float focal_length = 0;   ///< of the lattice's camera, vertices
+    bool fills_gaps = false;  ///< ViewSurface's
     GpuBuffer q;        ///< floats, row-major
     GpuBuffer colours;  ///< PackedColour, row-major
+    // What a view draws (GpuLattices::record_view):
+    GpuBuffer drawn_q;  ///< as q, negative where it is eroded (shaders/edge_rule.h)
     GpuBuffer tiles;    ///< non-empty tiles: shaders/tile_lists.h
     GpuBuffer classes;  ///< of each tile, passed from cut_tiles to list_tiles
     GpuBuffer edges;    ///< drawn positions of vertices at edges: shaders/edges.h; for turned views
@@ -126,7 +130,7 @@ public:
     explicit GpuLattices(std::shared_ptr<GpuDevice> device)
         : device_(std::move(device)), unproject_(device_), uploads_(device_) {}
 
-    /// Compiles the programs of `record_tiles` and `record_edges` now, and those of `record` in pairs
+    /// Compiles the programs of `record_view` now, and those of `record` in pairs
     /// (SurfaceUnproject). Some GPUs take half a second for one, which would stall a window later.
     Result<void> make_programs();
 
@@ -135,15 +139,11 @@ public:
     /// must have been recorded before, followed by a barrier.
     Result<void> record(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                         GpuLattice& lattice);
-    /// Records the making of the tile lists, after q is written: the kernels cut_tiles and list_tiles, the
-    /// twin of `CpuLattices::tiles_of`. The same q gives the same lists.
-    Result<void> record_tiles(GpuCommands& commands, GpuLattice& lattice);
+    /// Records what the painters need for the clip's own view or a turned one, after q is written: drawn q
+    /// and edges, the twin of SurfaceEdges with the same bits, and the tile lists (cut_tiles, list_tiles),
+    /// the twin of `CpuLattices::tiles_of`.
+    Result<void> record_view(GpuCommands& commands, bool is_turned, GpuLattice& lattice);
     static std::size_t tile_list_bytes(int width, int height);
-
-    /// Records finding the vertices at edges, after q is written: SurfaceEdges' twin, with the same bits.
-    /// Does nothing for the clip's own view. `are_values`: as in SurfaceEdges::find.
-    Result<void> record_edges(GpuCommands& commands, const ViewCamera& camera, bool are_values,
-                              GpuLattice& lattice);
 
     /// `make_view_surface`, with q and tiles from `record`, which also stay on the GPU; if the frames have no
     /// codes, CpuLattices::surface_of.
@@ -161,19 +161,19 @@ public:
     Result<void> renew(const HeightField& field, GpuLattice& lattice);
 
 private:
-    Result<void> make_tile_programs();
-    Result<void> make_edge_program();
+    Result<void> make_view_programs();
+    Result<void> record_tiles(GpuCommands& commands, GpuLattice& lattice);
     Result<void> record_q(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                           const GpuLattice& lattice);
     Result<void> check_size(const char* name, std::size_t bytes) const;
-    void set_size(int width, int height, GpuLattice& lattice) const;
+    void set_size(int width, int height, float focal_length, GpuLattice& lattice) const;
     Result<void> reserve(GpuBuffer& buffer, const char* name, std::size_t bytes, GpuMemory memory);
-    Result<GpuLattice> read_back(const HeightField& field, const FramePair& pair, GpuLattice& lattice);
+    Result<GpuBuffer> read_back(const HeightField& field, const FramePair& pair, GpuLattice& lattice);
 
     std::shared_ptr<GpuDevice> device_;
     SurfaceUnproject unproject_;
     UploadPool uploads_;
-    GpuProgram cut_tiles_, list_tiles_, edges_;  // made when first needed
+    GpuProgram erode_, edges_, cut_tiles_, list_tiles_;  // made when first needed
     GpuLattice uploaded_;
 };
 
@@ -214,7 +214,7 @@ public:
     void draw(GpuCommands& commands, const GpuLattice& lattice, const ViewCamera& camera) const;
 
 private:
-    GraphicsProgram whole_, mixed_;
+    GraphicsProgram whole_, mixed_, gaps_;
     GpuBuffer pattern_;  // indices of a full tile's triangles
 };
 

@@ -304,11 +304,15 @@ void begin_drawing(GpuCommands& commands, const DrawTarget& target) {
     }
     commands.keep(target.colour.keep_alive());
     vkCmdBeginRendering(commands.handle(), &rendering);
-    const VkViewport viewport{0, 0, static_cast<float>(extent.width), static_cast<float>(extent.height),
-                              0, 1};
+    scale_z(commands, extent, 1);
     const VkRect2D all{{0, 0}, extent};
-    vkCmdSetViewport(commands.handle(), 0, 1, &viewport);
     vkCmdSetScissor(commands.handle(), 0, 1, &all);
+}
+
+void scale_z(GpuCommands& commands, VkExtent2D extent, float by) {
+    const VkViewport viewport{0, 0, static_cast<float>(extent.width), static_cast<float>(extent.height),
+                              0, by};
+    vkCmdSetViewport(commands.handle(), 0, 1, &viewport);
 }
 
 void end_drawing(GpuCommands& commands) {

@@ -103,5 +103,7 @@ struct DrawTarget {
 /// VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, and VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL for z.
 void begin_drawing(GpuCommands& commands, const DrawTarget& target);
 void end_drawing(GpuCommands& commands);
+/// Scales z of the draws that follow, until the next begin_drawing. `extent`: of the images.
+void scale_z(GpuCommands& commands, VkExtent2D extent, float by);
 
 }  // namespace touchable

@@ -74,9 +74,10 @@ public:
                              std::vector<PackedColour>(width * height)};
         edges_.clear();
         if (!is_own_view(camera))
-            edges_.find(surface.q.data(), surface.width, surface.height, surface.width, CUT_RULE_RATIO,
-                        surface.colours_are_values);
-        raster_.draw({surface.q.data(), surface.colours.data(), surface.width, surface.height, surface.width},
+            edges_.find(edge_lattice(surface.q.data(), surface.width, surface.height, surface.width, 1,
+                                     surface.focal_length));
+        raster_.draw({surface.q.data(), surface.colours.data(), surface.width, surface.height, surface.width,
+                      1, surface.fills_gaps},
                      edges_, camera, std::vector<PackedColour>(height), camera.width, planes.colours,
                      planes.z);
         return planes;
@@ -134,7 +135,7 @@ LightPicture on_background(PicturePlanes planes) {
         const glm::vec3 background = background_light(y, picture.height);
         for (int x = 0; x < picture.width; ++x) {
             const std::size_t at = picture.index(x, y);
-            picture.light[at] = picture.z[at] > 0 ? light_of(planes.colours[at]) : background;
+            picture.light[at] = planes.colours[at] >> 24 != 0 ? light_of(planes.colours[at]) : background;
         }
     }
     return picture;
@@ -197,6 +198,7 @@ struct CpuDrawing::Parts {
     CpuLattices lattices{CpuLattices::usual_threads()};
     std::unique_ptr<SurfacePainter> painter = make_cpu_painter();
     ViewSurface surface;
+    Silhouettes silhouettes;
     LightPicture bare;                  // the surface on its background, without fingers
     std::optional<glm::dmat4> painted;  // clip_from_lattice of `bare`
     Image picture;
@@ -212,17 +214,19 @@ void CpuDrawing::show(const HeightField& field, const FramePair& pair, const Pla
     parts_->painted.reset();
     surface.width = field.width();
     surface.height = field.height();
+    surface.focal_length = static_cast<float>(field.scene().camera.fx);
+    surface.fills_gaps = fills_gaps(colour, lighting);
     lattices.q_of(field, pair, surface.q);
-    surface.colours_are_values = lighting == Lighting::values && !colour.empty();
     surface.colours.resize(surface.q.size());
     lattices.light(field, surface.q.data(), surface.width, colour, lighting, surface.colours.data());
 }
 
 Result<const Image*> CpuDrawing::draw(const ViewCamera& camera, std::span<const FingerMark> fingers,
                                       const MarkSizes& sizes, int samples) {
-    auto& [lattices, painter, surface, bare, painted, picture] = *parts_;
+    auto& [lattices, painter, surface, silhouettes, bare, painted, picture] = *parts_;
     if (painted != camera.clip_from_lattice || bare.width != camera.width || bare.height != camera.height) {
         TRY_ASSIGN(auto planes, painter->paint(surface, camera));
+        if (samples == 1 && !is_own_view(camera)) silhouettes.smooth(planes);
         bare = on_background(std::move(planes));
         painted = camera.clip_from_lattice;
     }

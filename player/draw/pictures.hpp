@@ -45,7 +45,7 @@ struct PicturePlanes;
 
 /// What a painter draws: the lattice at one moment, with a colour at every vertex.
 struct ViewSurface {
-    /// Non-empty tiles of TileGrid, as row * tiles_x + column, ascending.
+    /// Tiles of TileGrid with something to draw, as row * tiles_x + column, ascending.
     struct Tiles {
         std::vector<std::uint32_t> whole;  ///< no triangle is cut (shaders/cut_rule.h)
         /// Some triangles are cut; at least one has no hole, so the clip's own view shows it.
@@ -54,11 +54,11 @@ struct ViewSurface {
     };
 
     int width = 0, height = 0;
+    float focal_length = 0;             ///< of the clip's camera, pixels
+    bool fills_gaps = false;            ///< with these colours, and holes (shaders/gap_fill.h)
     std::vector<float> q;               ///< 1 / planar depth, height subtracted; 0: invalid. Row-major
     std::vector<PackedColour> colours;  ///< row-major
-    bool colours_are_values = false;    ///< colours of a scale: must not be darkened
-    Tiles tiles;
-    std::shared_ptr<const GpuLattice> on_gpu;  ///< q and tiles in GPU memory, if they were made there
+    std::shared_ptr<const GpuLattice> on_gpu;  ///< q in GPU memory, if it was made there
 
     std::size_t index(int x, int y) const { return pixel_place(x, y, width); }
 };
@@ -84,7 +84,7 @@ public:
     virtual Result<PicturePlanes> paint(const ViewSurface& surface, const ViewCamera& camera) = 0;
 };
 
-/// Uses the CPU's vectors and threads, without a GPU. Does not read a surface's tiles.
+/// Uses the CPU's vectors and threads, without a GPU.
 std::unique_ptr<SurfacePainter> make_cpu_painter();
 
 /// Measures the time of either painter for a picture on a GPU (facts.measured), unless it is known: some tens

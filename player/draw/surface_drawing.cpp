@@ -114,7 +114,7 @@ private:
     /// Invalidates everything until the new surface is made.
     Result<void> begin_surface(const HeightField& field, const PlaneView& colour, Lighting lighting) {
         for (GpuCommands::Made* const made : {&shown_, &listed_, &edged_, &drawn_}) made->reset();
-        are_values_ = lighting == Lighting::values && !colour.empty();
+        lattice_.fills_gaps = fills_gaps(colour, lighting);
         return check_colour(colour, field.width(), field.height());
     }
 
@@ -181,36 +181,37 @@ private:
                                     lattice_.width,
                                     lattice_.height,
                                     lattice_.pitch,
-                                    lattice_.step};
-        if (OwnViewPicture::draws(seen))
+                                    lattice_.step,
+                                    lattice_.fills_gaps};
+        if (OwnViewPicture::draws(seen)) {
             own_view_.draw(lattice, seen, background, pitch, colours, z);
-        else
-            turned_view_->draw(lattice, edges_of(commands, seen), seen, background, pitch, colours, z);
+            return {};
+        }
+        find_edges(commands, seen);
+        turned_view_->draw(lattice, *edges_, seen, background, pitch, colours, z);
+        if (!is_own_view(seen)) silhouettes_.smooth(colours, z, camera.width, camera.height, pitch);
         return {};
     }
 
-    /// The edges of the surface for a camera's view; found once per surface.
-    const SurfaceEdges& edges_of(const GpuCommands& commands, const ViewCamera& camera) {
+    /// Finds the edges of the surface for a camera's view, once per surface.
+    void find_edges(const GpuCommands& commands, const ViewCamera& camera) {
         if (is_own_view(camera)) {
             edges_->clear();
             edged_.reset();
         } else if (!edged_.is_there_for(commands)) {
-            edges_->find(lattice_.q.mapped<float>().data(), lattice_.width, lattice_.height, lattice_.pitch,
-                         cut_ratio(lattice_.step), are_values_);
+            edges_->find(edge_lattice(lattice_.q.mapped<float>().data(), lattice_.width, lattice_.height,
+                                      lattice_.pitch, lattice_.step, lattice_.focal_length));
             edged_.by(commands);
         }
-        return *edges_;
     }
 
-    /// Records the surface's tiles, once, and its edges.
+    /// Records what is drawn of the surface, once for the clip's own view or for turned ones.
     Result<void> list_triangles(GpuCommands& commands, const ViewCamera& camera) {
-        if (!listed_.is_there_for(commands)) {
-            TRY(lattices_.record_tiles(commands, lattice_));
-            listed_.by(commands);
-        }
-        if (edged_.is_there_for(commands) || is_own_view(camera)) return {};
-        TRY(lattices_.record_edges(commands, camera, are_values_, lattice_));
-        edged_.by(commands);
+        const bool is_turned = !is_own_view(camera);
+        if (listed_.is_there_for(commands) && is_listed_turned_ == is_turned) return {};
+        TRY(lattices_.record_view(commands, is_turned, lattice_));
+        listed_.by(commands);
+        is_listed_turned_ = is_turned;
         return {};
     }
 
@@ -289,6 +290,7 @@ private:
                                                 // the view
     std::optional<LatticeRaster> turned_view_;  // for other views there
     std::optional<SurfaceEdges> edges_;         // for turned_view_
+    Silhouettes silhouettes_;                   // of its pictures
     GpuLattices lattices_;
     SurfaceLighting lighting_;
     std::optional<CpuLattices> by_cpu_;     // replaces lattices_ and lighting_ on a software device
@@ -300,9 +302,9 @@ private:
 
     GpuLattice lattice_;
     GpuCommands::Made shown_;       // the surface
-    GpuCommands::Made listed_;      // its tiles
-    GpuCommands::Made edged_;       // its edges
-    bool are_values_ = false;       // its colours are those of a scale
+    GpuCommands::Made listed_;      // what is drawn of it
+    bool is_listed_turned_ = false;
+    GpuCommands::Made edged_;       // its edges, if the CPU draws
     GpuBuffer pixels_, large_;      // for the raster
     GpuBuffer colours_, z_values_;  // surface and background, copied into images
     UploadPool pictures_;           // colours_ and z_values_, if the CPU writes them

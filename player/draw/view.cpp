@@ -158,22 +158,17 @@ double longest_ray(const HeightField& field, double left, double top, double rig
 class NearestDrawn {
 public:
     explicit NearestDrawn(const HeightField& field) : field_(field) {}
-    /// No surface drawn over the cell has a greater q. Includes the neighbouring tiles, whose edges may reach
-    /// the cell, and the extrapolation at edges (shaders/edge_rule.h).
+    /// No surface over the cell has a greater q.
     double greatest_q(int i, int j) {
         const TileGrid tiles = field_.tiles();
         const int x = tiles.column_of_cell(i), y = tiles.row_of_cell(j);
         if (x == x_ && y == y_) return q_;
         x_ = x;
         y_ = y;
-        double nearest = never;
-        for (int row = std::max(y - 1, 0); row <= std::min(y + 1, tiles.tiles_y - 1); ++row)
-            for (int column = std::max(x - 1, 0); column <= std::min(x + 1, tiles.tiles_x - 1); ++column)
-                nearest = std::min(nearest, field_.nearest_depth(column, row));
+        const double nearest = field_.nearest_depth(x, y);
         constexpr int side = TileGrid::cells;
-        const double longest =
-            longest_ray(field_, side * (x - 1), side * (y - 1), side * (x + 2), side * (y + 2));
-        q_ = nearest > 0 ? static_cast<double>(CUT_RULE_RATIO) * longest / nearest : never;
+        q_ = nearest > 0 ? longest_ray(field_, side * x, side * y, side * (x + 1), side * (y + 1)) / nearest
+                         : never;
         return q_;
     }
 
@@ -231,6 +226,7 @@ private:
 /// A triangle of the lattice, in the picture.
 struct Triangle {
     std::array<glm::dvec3, 3> corners;  // (x, y, q)
+    bool has_hole;
 
     double q_at(double x, double y) const {
         const glm::dvec3 a = corners[1] - corners[0], b = corners[2] - corners[0];
@@ -245,8 +241,9 @@ std::array<int, 2> cell_at(int width, int height, double x, double y) {
             static_cast<int>(std::clamp(std::floor(y), 0.0, height - 2.0))};
 }
 
-/// The triangle of the felt surface at a picture location.
-Triangle triangle_at(const HeightField& field, double x, double y) {
+/// The triangle at a picture location, of the vertices that `vertex_of` has.
+template <class VertexOf>
+Triangle triangle_at(const HeightField& field, double x, double y, const VertexOf& vertex_of) {
     const auto [i, j] = cell_at(field.width(), field.height(), x, y);
     const bool lower = x - i >= y - j;
     const std::array<std::array<int, 2>, 3> at{
@@ -254,9 +251,11 @@ Triangle triangle_at(const HeightField& field, double x, double y) {
     const Scene& scene = field.scene();
     Triangle out{};
     for (std::size_t k = 0; k < 3; ++k) {
-        const double depth = field.vertex(at[k][0], at[k][1]).depth;
-        out.corners[k] = {at[k][0], at[k][1],
-                          1 / planar_depth(scene.camera, scene.depth.semantics, at[k][0], at[k][1], depth)};
+        const FieldVertex vertex = vertex_of(at[k][0], at[k][1]);
+        out.has_hole = out.has_hole || !vertex.valid;
+        out.corners[k] = {
+            at[k][0], at[k][1],
+            1 / planar_depth(scene.camera, scene.depth.semantics, at[k][0], at[k][1], vertex.depth)};
     }
     return out;
 }
@@ -291,43 +290,6 @@ void for_each_place(const LatticeWay& way, const Take& take) {
         if (!take(way.at(0.5 * (s + end)), s, end)) return;
         s = end;
     }
-}
-
-/// Where the ray crosses a triangle with moved corners, between s0 and s1.
-std::optional<Meeting> meeting_anywhere(const LatticeWay& way, const DrawnLattice::Triangle& triangle,
-                                        double s0, double s1) {
-    const glm::dvec3 &a = triangle.corners[0], b = triangle.corners[1] - a, c = triangle.corners[2] - a;
-    const double area = b.x * c.y - b.y * c.x;
-    if (!(area > 0)) return std::nullopt;
-    // (share of b, share of c, distance in q in front of the triangle) at s; linear along the ray.
-    const auto seen = [&](double s) {
-        const glm::dvec3 p = way.at(s) - a;
-        const double of_b = (p.x * c.y - p.y * c.x) / area, of_c = (b.x * p.y - b.y * p.x) / area;
-        return glm::dvec3(of_b, of_c, p.z - of_b * b.z - of_c * c.z);
-    };
-    const glm::dvec3 first = seen(s0), last = seen(s1);
-    if (first.z == last.z || (first.z >= 0) == (last.z >= 0)) return std::nullopt;
-    const double share = first.z / (first.z - last.z);
-    const double of_b = first.x + share * (last.x - first.x), of_c = first.y + share * (last.y - first.y);
-    if (of_b < 0 || of_c < 0 || of_b + of_c > 1) return std::nullopt;
-    return Meeting{s0 + (s1 - s0) * share, first.z >= 0};
-}
-
-/// The first hit of a triangle with moved corners, in the cell under a place and its neighbours.
-std::optional<Meeting> meeting_edges(const LatticeWay& way, DrawnLattice& lattice, const glm::dvec3& at,
-                                     double s0, double s1) {
-    const auto [i, j] = cell_at(lattice.width, lattice.height, at.x, at.y);
-    if (!lattice.is_near_edges(i, j)) return std::nullopt;
-    std::optional<Meeting> first;
-    for (int y = std::max(j - 1, 0); y <= std::min(j + 1, lattice.height - 2); ++y)
-        for (int x = std::max(i - 1, 0); x <= std::min(i + 1, lattice.width - 2); ++x)
-            for (const bool right : {true, false}) {
-                const DrawnLattice::Triangle triangle = lattice.triangle(x, y, right);
-                if (!triangle.moved) continue;
-                const auto met = meeting_anywhere(way, triangle, s0, s1);
-                if (met && (!first || met->s < first->s)) first = met;
-            }
-    return first;
 }
 
 /// Height subtracted from the drawn depth of a valid pixel.
@@ -451,7 +413,7 @@ std::optional<ViewCamera::Pick> pick(const HeightField& field, const ViewCamera&
     const double near = glm::length(camera.unproject(x, y, 1) - camera.eye);
     const auto way = way_of(camera.eye, direction, near, farthest, field);
     if (!way) return std::nullopt;
-    DrawnLattice lattice(field, !is_own_view(camera));
+    const bool is_turned = !is_own_view(camera);
     NearestDrawn nearest(field);
     std::optional<ViewCamera::Pick> found;  // a wall at first, if the ray meets one
     for_each_place(*way, [&](const glm::dvec3& at, double s, double end) {
@@ -459,12 +421,11 @@ std::optional<ViewCamera::Pick> pick(const HeightField& field, const ViewCamera&
         const auto [i, j] = cell_at(field.width(), field.height(), at.x, at.y);
         // Most of a ray runs in front of all surfaces.
         if (std::min(way->at(s).z, way->at(end).z) > nearest.greatest_q(i, j)) return true;
-        const DrawnLattice::Triangle triangle = lattice.triangle(i, j, at.x - i >= at.y - j);
-        const auto face = triangle.moved ? std::nullopt : meeting(*way, {triangle.corners}, s, end);
-        const auto edge = meeting_edges(*way, lattice, at, s, end);
-        const bool is_edge = edge && (!face || triangle.cut || edge->s < face->s);
-        const bool drawn = is_edge || !triangle.cut;
-        if (const auto& met = is_edge ? edge : face; met && (!found || drawn)) {
+        const Triangle triangle = triangle_at(
+            field, at.x, at.y, [&](int column, int row) { return drawn_vertex(field, column, row); });
+        const auto q = [&](std::size_t corner) { return static_cast<float>(triangle.corners[corner].z); };
+        const bool drawn = !triangle.has_hole && !(is_turned && triangle_is_cut(q(0), q(1), q(2)));
+        if (const auto met = meeting(*way, triangle, s, end); met && (!found || drawn)) {
             const glm::dvec3 p = way->at(met->s);
             const glm::dvec3 point = unproject(field.scene().camera, p.x, p.y, 1 / p.z);
             found = {point, p.x, p.y, 1 / p.z, direction, met->front, drawn};
@@ -497,7 +458,8 @@ std::optional<SurfaceOnWay> surface_on_way(const HeightField& field, const glm::
         found.nearest = std::min(found.nearest, surface);
     };
     for_each_place(way, [&](const glm::dvec3& place, double from_s, double to_s) {
-        const Triangle triangle = triangle_at(field, place.x, place.y);
+        const Triangle triangle = triangle_at(field, place.x, place.y,
+                                              [&](int column, int row) { return field.vertex(column, row); });
         look(triangle, from_s);
         look(triangle, to_s);
         return true;

@@ -214,6 +214,18 @@ bool is_inside(const PicturePlanes& planes, int x, int y) {
     return true;
 }
 
+/// Whether a turned view may draw otherwise than touch feels: near a gap, where vertices are eroded or moved.
+bool is_beside_gap(const ViewSurface& surface, const glm::ivec2& at) {
+    constexpr int reach = 3;
+    for (int y = std::max(at.y - reach, 0); y <= std::min(at.y + reach, surface.height - 2); ++y)
+        for (int x = std::max(at.x - reach, 0); x <= std::min(at.x + reach, surface.width - 2); ++x) {
+            const auto q = [&](int i, int j) { return surface.q[surface.index(x + i, y + j)]; };
+            if (triangle_is_cut(q(0, 0), q(1, 0), q(1, 1)) || triangle_is_cut(q(0, 0), q(1, 1), q(0, 1)))
+                return true;
+        }
+    return false;
+}
+
 /// Planar depth of the surface under a place of the picture, by the cell's two triangles.
 double plain_depth_at(const HeightField& field, double x, double y) {
     const int i = std::min(static_cast<int>(x), field.width() - 2),
@@ -228,18 +240,23 @@ double plain_depth_at(const HeightField& field, double x, double y) {
 }
 
 struct Compared {
-    int drawn = 0, walls = 0, nothing = 0, backs = 0;
+    int drawn = 0, walls = 0, nothing = 0, backs = 0, beside_gaps = 0;
 };
 
 Compared compare(const Shown& shown, const HeightField& field, const ViewCamera& camera) {
-    const ViewSurface surface = make_view_surface(field, {});
+    ViewSurface surface = make_view_surface(field, {});
+    surface.fills_gaps = false;
     const PicturePlanes planes = plain_picture(surface, camera);
     Compared counts;
-    for (int y = 1; y + 1 < camera.height; y += 2)
-        for (int x = 1; x + 1 < camera.width; x += 2) {
+    for (int y = 1; y + 1 < camera.height; ++y)
+        for (int x = 1; x + 1 < camera.width; ++x) {
             if (!is_inside(planes, x, y)) continue;
             const double z = static_cast<double>(planes.z[planes.index(x, y)]);
             const auto found = pick(field, camera, x + 0.5, y + 0.5);
+            if (!is_own_view(camera) && found && is_beside_gap(surface, found->pixel())) {
+                ++counts.beside_gaps;
+                continue;
+            }
             EXPECT_EQ(found && found->drawn, z > 0) << x << ", " << y;
             if (found && !found->drawn) ++counts.walls;
             if (!found) ++counts.nothing;
@@ -334,10 +351,7 @@ TEST(SurfacePick, LiesExactlyOnTriangle) {
     for (int k = 0; k < 200; ++k) {
         const auto found = pick(field, camera, 30 + 0.5 * k, 50 + 0.1 * k);
         if (!found) continue;
-        // The point is on the triangle of its cell, and on the line of sight. Vertices at edges are drawn
-        // elsewhere.
-        const auto i = static_cast<int>(found->x), j = static_cast<int>(found->y);
-        if (DrawnLattice(field, true).is_near_edges(i, j)) continue;
+        // The point is on the triangle of its cell, and on the line of sight.
         ++inside;
         EXPECT_NEAR(found->depth / plain_depth_at(field, found->x, found->y), 1, 1e-9);
         const glm::dvec3 way = found->point - camera.eye;
@@ -459,7 +473,7 @@ protected:
         GpuTest::TearDown();
     }
 
-    /// q and tiles of the kernels against their twins.
+    /// q of the kernel against its twin.
     template <class Frames>
     void compare(const Frames& frames, double blend) {
         compare(frames.scene, frames.prev, frames.next, blend);
@@ -470,7 +484,6 @@ protected:
         const ViewSurface surface = must(lattices->surface_of(field, pair, {}, Lighting::full));
         const std::vector<float> twin = q_of(field), &made = surface.q;
         ASSERT_TRUE(surface.on_gpu);
-        EXPECT_EQ(surface.tiles, classify_tiles(scene.width, scene.height, made));
         expect_close(field, prev, twin, made);
     }
 
@@ -524,7 +537,6 @@ TEST_F(Unproject, UsesVerticesWithoutCodes) {
     const ViewSurface surface = must(lattices->surface_of(field, pair, {}, Lighting::full));
     EXPECT_FALSE(surface.on_gpu);
     EXPECT_EQ(surface.q, q_of(globe->field()));
-    EXPECT_EQ(surface.tiles, classify_tiles(96, 64, surface.q));
 }
 
 TEST_F(Unproject, ReadsVulkanFramesInPlace) {

@@ -112,9 +112,12 @@ protected:
 };
 
 /// The same by the CPU: painter, background and fingers, a sample a pixel.
-Image cpu_picture(const ViewSurface& surface, const ViewCamera& camera, std::span<const FingerMark> fingers,
-                  const MarkSizes& sizes) {
-    LightPicture picture = on_background(plain_picture(surface, camera));
+/// As `drawing` draws it: the CPU smooths silhouettes of turned views.
+Image cpu_picture(const SurfaceDrawing& drawing, const ViewSurface& surface, const ViewCamera& camera,
+                  std::span<const FingerMark> fingers, const MarkSizes& sizes) {
+    PicturePlanes planes = plain_picture(surface, camera);
+    if (drawing.thins_vertices() && !is_own_view(camera)) Silhouettes().smooth(planes);
+    LightPicture picture = on_background(std::move(planes));
     draw_fingers(fingers, sizes, camera, picture);
     return developed(picture, 1);
 }
@@ -177,7 +180,7 @@ TEST_F(Drawing, SurfaceMatchesCpu) {
                 const ViewSurface surface = make_view_surface(field, colour);
                 for (const char* words : {"own", "orbit:az=25,el=10"}) {
                     const ViewCamera camera = view_of(*shown, field, words, 300, 200);
-                    const Image expected = cpu_picture(surface, camera, {}, {});
+                    const Image expected = cpu_picture(*drawing, surface, camera, {}, {});
                     // Silhouettes, by the rounding of a projection; light by 2, and a rounding.
                     EXPECT_LE(different(picture_of(*drawing, camera, {}, {}, target), expected, 3), 60U)
                         << painter << ", " << words << ", " << blend;
@@ -226,8 +229,8 @@ TEST_F(Drawing, FingersMatchCpu) {
         const GpuImage target = target_of(600, 400);
         for (const char* words : {"own", "orbit:az=25,el=10", "orbit:az=-60,el=30,zoom=2"}) {
             const ViewCamera camera = globe.camera(words);
-            const Image bare = cpu_picture(globe.surface, camera, {}, {});
-            const Image expected = cpu_picture(globe.surface, camera, globe.fingers, globe.sizes);
+            const Image bare = cpu_picture(*drawing, globe.surface, camera, {}, {});
+            const Image expected = cpu_picture(*drawing, globe.surface, camera, globe.fingers, globe.sizes);
             const Image drawn = picture_of(*drawing, camera, globe.fingers, globe.sizes, target);
             const std::size_t marked = different(bare, expected, 3);
             EXPECT_GT(marked, 3000U);
@@ -250,7 +253,7 @@ TEST_F(Drawing, BallsMatchCpu) {
         const GpuImage target = target_of(600, 400);
         for (const char* words : {"own", "orbit:az=-60,el=30,zoom=3", "orbit:az=10,el=0,zoom=0.3"}) {
             const ViewCamera camera = globe.camera(words);
-            const Image expected = cpu_picture(globe.surface, camera, fingers, globe.sizes);
+            const Image expected = cpu_picture(*drawing, globe.surface, camera, fingers, globe.sizes);
             double round = 0;  // pixels
             for (const FingerMark& finger : fingers)
                 round += 2 * 3.15 * camera.focal * globe.sizes.finger_radius /
@@ -284,8 +287,8 @@ TEST_F(Drawing, DentsMatchCpu) {
             const Image dented = picture_of(*drawing, camera, fingers, globe.sizes, target);
             const std::size_t gave_way = different(flat, dented, 3);
             EXPECT_GT(gave_way, 800U) << painter << ", " << words;
-            const Image expected_flat = cpu_picture(globe.surface, camera, unmoved, globe.sizes);
-            const Image expected = cpu_picture(globe.surface, camera, fingers, globe.sizes);
+            const Image expected_flat = cpu_picture(*drawing, globe.surface, camera, unmoved, globe.sizes);
+            const Image expected = cpu_picture(*drawing, globe.surface, camera, fingers, globe.sizes);
             // Beyond what differs without a dent: the edges of fingers. By the CPU colours come from places
             // that are exact to half a pixel.
             const bool by_cpu = drawing->painter() == "raster";
@@ -319,14 +322,15 @@ TEST_F(Drawing, RepeatsToTheBit) {
         must(drawing->draw(commands, camera, fingers, sizes, target));
         const Image first = read(std::move(commands), target);
         const Image before = read(must(GpuCommands::begin(gpu, "before")), other);
-        EXPECT_LE(different(before, cpu_picture(make_view_surface(field, {}), camera, {}, {}), 3), 40U)
+        EXPECT_LE(different(before, cpu_picture(*drawing, make_view_surface(field, {}), camera, {}, {}), 3),
+                  40U)
             << painter;
         EXPECT_EQ(first.samples, picture_of(*drawing, camera, fingers, sizes, target).samples) << painter;
         const Image bare = picture_of(*drawing, camera, {}, sizes, target);
         EXPECT_GT(different(first, bare, 3), 100U);
         // A finger that goes leaves nothing behind.
         const ViewSurface surface = make_view_surface(shown->field(0.5), shown->raw_prev.colour);
-        EXPECT_LE(different(bare, cpu_picture(surface, camera, {}, {}), 3), 40U) << painter;
+        EXPECT_LE(different(bare, cpu_picture(*drawing, surface, camera, {}, {}), 3), 40U) << painter;
     }
 }
 
@@ -369,7 +373,7 @@ TEST_F(Drawing, AcceptsChangingSizes) {
             height += 50;
             const ViewCamera camera = view_of(*shown, field, "orbit:az=15,el=5", 210, height % 140 + 20);
             const GpuImage target = target_of(camera.width, camera.height);
-            const Image expected = cpu_picture(make_view_surface(field, {}), camera, {}, {});
+            const Image expected = cpu_picture(*drawing, make_view_surface(field, {}), camera, {}, {});
             EXPECT_LE(different(picture_of(*drawing, camera, {}, {}, target), expected, 3), 60U) << painter;
         }
     }
@@ -388,7 +392,7 @@ TEST_F(Drawing, EmptySurfaceShowsFingers) {
     for (const char* painter : gpu_painters) {
         const auto drawing = drawing_by(painter);
         const GpuImage target = target_of(192, 128);
-        const Image expected = cpu_picture(empty, camera, {}, {});
+        const Image expected = cpu_picture(*drawing, empty, camera, {}, {});
         EXPECT_EQ(picture_of(*drawing, camera, {}, sizes, target).samples, expected.samples) << painter;
         show(*drawing, field, shown->pair(), {});
         EXPECT_EQ(picture_of(*drawing, camera, {}, sizes, target).samples, expected.samples) << painter;
@@ -495,7 +499,7 @@ protected:
         Image drawn = picture(*drawing, pair);
         EXPECT_EQ(drawn.samples, picture(*anew, pair).samples) << what;
         const HeightField field(clip->shown->scene, pair);
-        const Image expected = cpu_picture(make_view_surface(field, colour()), camera(), {}, {});
+        const Image expected = cpu_picture(*drawing, make_view_surface(field, colour()), camera(), {}, {});
         EXPECT_LE(different(drawn, expected, 3), 60U) << what;
         EXPECT_NE(drawn.samples, last.samples) << what;
         last = std::move(drawn);

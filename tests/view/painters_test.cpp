@@ -103,7 +103,7 @@ TEST_F(Painters, DrawAStepAlike) {
 TEST_F(Painters, DrawNoiseAlike) {
     const auto shown = shown_scene("noise", 128, 128);
     const HeightField field = shown->field();
-    const ViewSurface surface = make_view_surface(field, {});
+    const ViewSurface surface = make_view_surface(field, ManyColours(128, 128).view());  // gaps are filled
     const ViewCamera camera = view_of(*shown, field, "orbit:az=20,el=8", 480, 320);
     const PicturePlanes cpu = plain_picture(surface, camera);
     expect_alike(cpu, must(must(make_raster_painter(gpu))->paint(surface, camera)), 0, "raster");
@@ -156,7 +156,6 @@ struct Step {
                 surface.colours.push_back(is_near ? pack_colour(red, 240, 30) : pack_colour(red, 20, 210));
             }
         surface.q[1] = 0;
-        surface.tiles = classify_tiles(side, side, surface.q);
         scene.camera = {50.0, 50.0, side / 2.0, side / 2.0};
     }
     /// The clip's picture between its pixels, by the triangle there.
@@ -210,9 +209,6 @@ ViewSurface flat(int width, int height, float depth) {
     const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     surface.q.assign(pixels, 1 / depth);
     surface.colours.assign(pixels, pack_colour(10, 200, 90));
-    const TileGrid grid = TileGrid::of(width, height);
-    for (int tile = 0; tile < grid.tiles_x * grid.tiles_y; ++tile)
-        surface.tiles.whole.push_back(static_cast<std::uint32_t>(tile));
     return surface;
 }
 
@@ -288,16 +284,9 @@ TEST_F(Painters, DrawNothingForEmptySurface) {
     ViewSurface surface = flat(40, 40, 100);
     const Scene scene = scene_of(surface, 20);
     const ViewCamera camera = own_view(scene, 60, 60, 1);
-    for (const bool tiles : {true, false}) {
-        surface.q.assign(surface.q.size(), 0.0F);
-        if (!tiles)
-            surface.tiles.whole.clear();
-        else
-            std::swap(surface.tiles.whole, surface.tiles.mixed);
-        for (const auto& painter : all_painters())
-            for (const float z : must(painter->paint(surface, camera)).z)
-                ASSERT_EQ(z, 0.0F) << painter->name();
-    }
+    surface.q.assign(surface.q.size(), 0.0F);
+    for (const auto& painter : all_painters())
+        for (const float z : must(painter->paint(surface, camera)).z) ASSERT_EQ(z, 0.0F) << painter->name();
 }
 
 TEST_F(Painters, DrawPicturesOfAnySize) {
@@ -355,7 +344,6 @@ TEST_F(Painters, DrawGpuSurfacesAlike) {
                          "its own surface");
             // q may differ by a rounding, and so may edges; from the GPU alone, for all it needs is there.
             surface.q.clear();
-            surface.tiles = {};
             expect_alike(expected, must(painter->paint(surface, camera)), subpixels, "without the CPU's");
         }
     }
@@ -396,8 +384,13 @@ TEST_F(Painters, ReportTooLargeAndLost) {
 class LatticePicture : public GpuTest {};
 
 MappedLattice mapped(const GpuLattice& lattice) {
-    return {lattice.q.mapped<float>().data(), lattice.colours.mapped<PackedColour>().data(), lattice.width,
-            lattice.height, lattice.pitch};
+    return {lattice.q.mapped<float>().data(),
+            lattice.colours.mapped<PackedColour>().data(),
+            lattice.width,
+            lattice.height,
+            lattice.pitch,
+            1,
+            lattice.fills_gaps};
 }
 
 /// A picture of 301x200 in rows of 304, and the background behind it.
@@ -462,7 +455,7 @@ TEST_F(LatticePicture, AnyViewMatchesPlainPicture) {
         const bool has_gap = std::string_view(scene) == "rows without surface";
         const auto shown = shown_scene(has_gap ? "globe" : scene, 203, 133);
         const HeightField field = shown->field();
-        ViewSurface surface = make_view_surface(field, shown->raw_prev.colour);
+        ViewSurface surface = make_view_surface(field, ManyColours(203, 133).view());
         if (has_gap) std::fill(surface.q.begin() + 40 * 203, surface.q.begin() + 60 * 203, 0.0F);
         GpuLattices lattices(gpu);
         const GpuLattice lattice = must(lattices.lattice_of(surface));
@@ -473,7 +466,8 @@ TEST_F(LatticePicture, AnyViewMatchesPlainPicture) {
             const PicturePlanes expected = plain_picture(surface, camera);
             SurfaceEdges edges(1);
             if (!is_own_view(camera))
-                edges.find(surface.q.data(), surface.width, surface.height, surface.width);
+                edges.find(edge_lattice(lattice.q.mapped<float>().data(), lattice.width, lattice.height,
+                                        lattice.pitch, 1, lattice.focal_length));
             std::vector<std::pair<int, VectorUnit>> ways{{2, usable_vector_units().front()}};
             for (const VectorUnit unit : usable_vector_units()) ways.emplace_back(1, unit);
             for (const auto& [threads, unit] : ways) {
@@ -516,7 +510,8 @@ TEST_F(LatticePicture, ForgetsWiderLattice) {
         const ViewCamera camera = view_of(shown, field, "orbit:az=30,el=5,zoom=0.5", 301, 200);
         const GpuLattice lattice = must(lattices.lattice_of(make_view_surface(field, shown.raw_prev.colour)));
         SurfaceEdges edges(1);
-        edges.find(lattice.q.mapped<float>().data(), lattice.width, lattice.height, lattice.pitch);
+        edges.find(edge_lattice(lattice.q.mapped<float>().data(), lattice.width, lattice.height,
+                                lattice.pitch, 1, lattice.focal_length));
         PaddedPicture picture;
         raster.draw(mapped(lattice), edges, camera, background, 304, picture.colours, picture.z);
         return picture;
@@ -659,7 +654,6 @@ TEST(CpuLattices, UseVerticesWithoutCodes) {
     const ViewSurface surface =
         CpuLattices(1).surface_of(HeightField(globe->scene, pair), pair, {}, Lighting::full);
     EXPECT_EQ(surface.q, q_of(HeightField(globe->scene, pair)));
-    EXPECT_EQ(surface.tiles, classify_tiles(96, 64, surface.q));
 }
 
 class TileListsOnGpu : public GpuTest {
@@ -683,7 +677,7 @@ protected:
             }
         GpuLattices lattices(gpu);
         auto commands = must(GpuCommands::begin(gpu, "tile lists"));
-        must(lattices.record_tiles(commands, lattice));
+        must(lattices.record_view(commands, false, lattice));
         must(must(std::move(commands).submit()).wait());
         const ViewSurface::Tiles tiles = read_tiles(lattice.tiles);
         EXPECT_EQ(tiles, classify_tiles(width, height, q)) << width << "x" << height;

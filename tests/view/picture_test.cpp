@@ -61,12 +61,35 @@ TEST(ScenePicture, IsTheSameEveryTime) {
 TEST(ScenePicture, IsBackgroundWithoutSurface) {
     auto shown = shown_scene("globe", 96, 64);
     shown->prev.vertices = std::make_unique<ExactVertices>(96, 64, std::vector<double>(96 * 64, NAN));
-    const auto image = picture(*shown, {{}, 20, 10}, {});
+    const auto image = picture(*shown, {*parse_viewpoint("orbit:az=30"), 20, 10}, {});
     ASSERT_TRUE(image);
     for (int y = 0; y < 10; ++y)
         for (int x = 1; x < 20; ++x)
             for (int channel = 0; channel < 3; ++channel)
                 EXPECT_EQ(image->view().sample(x, y, channel), image->view().sample(0, y, channel));
+}
+
+/// The clip's own view shows colours where depth is missing; a turned one does not know where they are.
+TEST(ScenePicture, ShowsColoursWithoutDepth) {
+    auto shown = shown_scene("globe", 96, 64);
+    const ManyColours colours(96, 64);
+    std::vector<double> depths(96 * 64);
+    for (std::size_t k = 0; k < depths.size(); ++k) depths[k] = k % 96 < 48 ? NAN : 100.0;
+    shown->prev.vertices = std::make_unique<ExactVertices>(96, 64, depths);
+    const HeightField field = shown->field();
+    const ViewCamera camera = own_view(shown->scene, 96, 64, 10);
+    for (const Lighting lighting : {Lighting::off, Lighting::values}) {
+        const ViewSurface surface = make_view_surface(field, colours.view(), lighting);
+        const PicturePlanes planes = must(make_cpu_painter()->paint(surface, camera));
+        for (const int x : {10, 30, 70}) {
+            const std::size_t at = planes.index(x, 20);
+            EXPECT_EQ(planes.z[at] > 0, x > 48 || lighting == Lighting::off) << x;
+            if (planes.z[at] > 0) {
+                EXPECT_EQ(planes.colours[at], colours.at(at)) << x;
+            }
+            EXPECT_EQ(planes.z[at] > 1e-6F, x > 48) << x << ": fingers are in front of what is missing";
+        }
+    }
 }
 
 int pixels_that_differ(const Image& a, const Image& b) {

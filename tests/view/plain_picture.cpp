@@ -7,6 +7,7 @@
 #include "player/draw/cpu_painting.hpp"
 #include "player/draw/drawn_surface.hpp"
 #include "shaders/cut_rule.h"
+#include "shaders/gap_fill.h"
 
 namespace touchable::test {
 namespace {
@@ -20,8 +21,8 @@ public:
         planes_.z.assign(pixels, 0.0F);
         planes_.colours.assign(pixels, 0);
         if (is_turned_)
-            edges_.find(surface.q.data(), surface.width, surface.height, surface.width, CUT_RULE_RATIO,
-                        surface.colours_are_values);
+            edges_.find(edge_lattice(surface.q.data(), surface.width, surface.height, surface.width, 1,
+                                     surface.focal_length));
     }
 
     PicturePlanes paint() && {
@@ -40,17 +41,30 @@ private:
         for (std::size_t k = 0; k < 3; ++k) {
             const auto [x, y] = at[k];
             const std::size_t index = surface_.index(x, y);
-            q[k] = surface_.q[index];
+            q[k] = is_turned_ ? edges_.eroded_q()[index] : surface_.q[index];
+            if (!is_turned_ && surface_.fills_gaps && q[k] == 0) q[k] = HOLE_Q;
             const PackedColour c = surface_.colours[index];
             const glm::vec3 colour(c & 255U, c >> 8 & 255U, c >> 16 & 255U);
             if (const SurfaceEdges::Vertex* edge = edges_.at(x, y); edge != nullptr)
-                corners[k] = {view_clip(rows_, edge->at_x, edge->at_y, edge->q), colour * edge->light};
+                corners[k] = {view_clip(rows_, edge->at_x, edge->at_y, edge->q), colour};
             else
-                corners[k] = {view_clip(rows_, static_cast<float>(x), static_cast<float>(y), q[k]), colour};
+                corners[k] = {view_clip(rows_, static_cast<float>(x), static_cast<float>(y), std::fabs(q[k])),
+                              colour};
         }
-        if (is_turned_ ? triangle_is_cut(q[0], q[1], q[2]) : triangle_has_hole(q[0], q[1], q[2])) return;
+        float scale_of_z = 1;
+        if (is_turned_ ? triangle_is_cut(q[0], q[1], q[2]) : triangle_has_hole(q[0], q[1], q[2])) {
+            const bool is_gap = is_turned_ && surface_.fills_gaps && q[0] * q[1] * q[2] != 0;
+            if (!is_gap) return;
+            scale_of_z = GAP_Z;
+            const MappedLattice lattice{edges_.eroded_q(), surface_.colours.data(), surface_.width,
+                                        surface_.height, surface_.width};
+            const glm::vec3 colour =
+                gap_fill(lattice, {at[0][0], at[0][1]}, {surface_.width, surface_.height});
+            for (FillCorner& corner : corners) corner.value = colour;
+        }
         fill_triangle(corners, planes_.width, planes_.height,
-                      [&](int x, int y, float z, const glm::vec3& colour) {
+                      [&](int x, int y, float z_before, const glm::vec3& colour) {
+                          const float z = z_before * scale_of_z;
                           const std::size_t pixel = planes_.index(x, y);
                           const glm::uvec3 byte(colour + 0.5F);
                           const PackedColour packed = pack_colour(byte.r, byte.g, byte.b);

@@ -232,9 +232,7 @@ inline ViewSurface::Tiles classify_tiles(int width, int height, const std::vecto
 /// With q_of(field), and classify_tiles of that.
 inline ViewSurface make_view_surface(const HeightField& field, const PlaneView& colour,
                                      Lighting lighting = Lighting::full) {
-    std::vector<float> q = q_of(field);
-    ViewSurface::Tiles tiles = classify_tiles(field.width(), field.height(), q);
-    return make_view_surface(field, std::move(q), std::move(tiles), colour, lighting);
+    return make_view_surface(field, q_of(field), colour, lighting);
 }
 
 /// Every channel another, every pixel another.
