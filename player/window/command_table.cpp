@@ -131,6 +131,8 @@ std::vector<CommandRow> all_rows() {
     add(nearer, "nearer", view, {number, 0.1, 10}, by_steps | for_participants,
         {{"+", 1.25}, {"=", 1.25}, {"-", 0.8}}, "nearer or farther; also Ctrl and the wheel",
         [](Window w, Command c) { w.clip()->view().near_by(c.number); });
+    add(undo_view, "undo-view", view, {}, by_steps, {{"u"}}, "the view before; again: the one before that",
+        [](Window w, Command) { w.view().undo(); });
     add(play_pause, "play-pause", play, {}, for_visitors, {{"space"}}, "play or pause; touch goes on",
         [](Window w, Command) { w.clips().play_or_pause(); });
     add(seek_to, "seek", play, {number, 0, long_s}, 0, {}, nullptr,

@@ -153,6 +153,7 @@ struct PanelFacts {
     std::string silence{};    ///< of its source: no frame comes, and why; empty: frames come
     std::size_t clips = 1;    ///< of the playlist
     bool is_turning = false;  ///< dragging turns the view
+    bool can_undo_view = false;
     bool has_touch_screen = false;
     double speed = 1;
     std::string overlay;                     ///< of the surface's colours

@@ -53,6 +53,7 @@ enum class WindowVerb {
     light,        ///< `word`: off, soft or full (light_names); empty: the next one
     dent,         ///< `number`: 1: dents are drawn, 0: they are not
     home,         ///< the clip's own view
+    undo_view,    ///< the view before the last change
     turn,         ///< `number`: degrees to the right
     tilt,         ///< `number`: degrees up
     turning,      ///< dragging turns the view, or presses the finger again

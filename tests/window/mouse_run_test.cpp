@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <random>
 #include <sstream>
 #include <string>
@@ -271,6 +272,29 @@ TEST(PlayerControls, KeysStepThroughFolder) {
     EXPECT_LT(in_the_middle(played_by({folder}, on + "2.4 key pagedown\n", "3.5").image, last), 50);
     expect_refused({"play", folder, "--headless", "--seconds", "1", "--record", "a.touch"}, 2);
     expect_refused({"play", clip(still), "nowhere.mkv", "--headless", "--seconds", "1"}, 3, "nowhere.mkv");
+}
+
+TEST(PlayerControls, UndoesViewByGesture) {
+    const TemporaryFolder folder;
+    const auto played = run_scripted({clip(still)},
+                                     "0.1 turn 10\n0.3 turn 15\n0.4 turn -5\n0.8 screenshot turned.png\n"
+                                     "1.2 nearer 1.6\n1.9 home\n2.1 screenshot home.png\n"
+                                     "2.2 key u\n2.4 screenshot near.png\n"
+                                     "2.5 key u\n2.7 screenshot back.png\n"
+                                     "2.8 undo-view\n3 screenshot own.png\n3.1 undo-view\n3.2 quit\n",
+                                     folder.path());
+    ASSERT_EQ(played.code, 0) << played.err;
+    EXPECT_TRUE(contains(played.err, "the view has not been turned")) << "there were three gestures";
+    std::map<std::string, Image> seen;
+    for (const std::string name : {"turned", "home", "near", "back", "own"}) {
+        auto image = read_image(folder / (name + ".png"));
+        ASSERT_TRUE(image) << name;
+        seen[name] = std::move(*image);
+    }
+    EXPECT_GT(in_the_middle(seen["turned"], seen["home"]), 1000);
+    EXPECT_GT(in_the_middle(seen["near"], seen["turned"]), 1000);
+    EXPECT_LT(in_the_middle(seen["back"], seen["turned"]), 50);
+    EXPECT_LT(in_the_middle(seen["own"], seen["home"]), 50);
 }
 
 TEST(PlayerControls, SkipsUnopenableClip) {
