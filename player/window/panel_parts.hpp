@@ -74,10 +74,12 @@ void begin_box(const char* name, const FixedBox& box);
 void draw_force(const PanelFacts& facts, float height, float scale);
 /// The values at the pointer, unless the bar or the panel covers it. Lower left; at most a fifth of the
 /// window's height and half of its width, to keep the picture free: smaller text, then fewer lines, if it is
-/// small. Returns the lowest free y above it.
-float draw_place(const PanelFacts& facts, float width, float height, float scale);
-/// The scale of the surface's colours: a ramp with its ends, or a list. Its lower right corner is given.
-void draw_overlay_scale(const Overlays::Scale& scale_of, float right, float bottom, float scale);
+/// small.
+void draw_place(const PanelFacts& facts, float width, float height, float scale);
+inline constexpr float widest_scale = 330;
+/// The scale of the surface's colours: a ramp with its ends, or a list. Its lower right corner is given, and
+/// its greatest width: below `widest_scale` it has smaller text.
+void draw_overlay_scale(const Overlays::Scale& scale_of, float right, float bottom, float room, float scale);
 
 /// The measured line, or the brush's unfinished one, over the picture and below all panels.
 void draw_measured_line(const MeasureFacts& facts, float scale);

@@ -91,6 +91,10 @@ void draw_view(float scale, std::vector<WindowCommand>& asked) {
     ImGui::SameLine(0, gap);
     if (ImGui::ArrowButton("##down", ImGuiDir_Down)) asked.push_back({WindowVerb::tilt, -5});
     ImGui::SameLine(0, gap);
+    if (ImGui::GetContentRegionAvail().x < 2 * side + gap) {
+        ImGui::NewLine();
+        draw_label("zoom", scale);
+    }
     if (ImGui::Button("+##nearer", ImVec2(side, 0))) asked.push_back({WindowVerb::nearer, 1.25});
     ImGui::SameLine(0, gap);
     if (ImGui::Button("-##farther", ImVec2(side, 0))) asked.push_back({WindowVerb::nearer, 0.8});
@@ -119,6 +123,9 @@ void draw_finger(const PanelFacts& facts, float scale, std::vector<WindowCommand
                     ImGuiSliderFlags_Logarithmic))
         asked.push_back({WindowVerb::speed, static_cast<double>(speed)});
     explain_row("How fast the clip plays. Fingers keep their own time.");
+    const int loops = draw_words_row("loop", {"off", "on"}, facts.looping, scale,
+                                     "Whether the clip begins again at its end. L: on or off.");
+    if (loops >= 0 && (loops == 1) != facts.looping) asked.push_back({WindowVerb::loop});
     draw_label("volume", scale);
     auto volume = static_cast<float>(facts.volume);
     if (draw_slider("##volume", volume, 0, 100, formatted("%d %%", facts.volume), scale))
@@ -144,7 +151,7 @@ void draw_finger(const PanelFacts& facts, float scale, std::vector<WindowCommand
     if (ImGui::Button(facts.force_on ? "force off" : "force on", ImVec2(half, 0)))
         asked.push_back({WindowVerb::force});
     ImGui::SameLine();
-    if (ImGui::Button("clip's own view", ImVec2(-1, 0))) asked.push_back({WindowVerb::home});
+    if (ImGui::Button("own view", ImVec2(-1, 0))) asked.push_back({WindowVerb::home});
 }
 
 /// A colour chip and the name. Returns whether it was clicked.
@@ -341,7 +348,7 @@ void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
 }
 
 float WindowPanel::side_width(float width) const {
-    return is_roomy(width) ? 310 * scale_ : std::min(250 * scale_, width * 0.4F);
+    return is_roomy(width) ? 310 * scale_ : std::min(250 * scale_, width * 0.44F);
 }
 
 void SettingsPanel::draw(SettingOf of, const SettingsFacts& facts, float scale,

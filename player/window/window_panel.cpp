@@ -22,8 +22,8 @@ float wide_digits(std::string words) {
     return ImGui::CalcTextSize(words.c_str()).x;
 }
 
-/// Ordered from dispensable to needed; the first are dropped when room is short. All but looping are in the
-/// panel behind `settings`, too.
+/// Ordered from dispensable to needed; the first are dropped when room is short. All are in the panel behind
+/// `settings`, too.
 enum class Need { colours, loop, speed, other_clip, measure, turn, settings, home, always };
 
 struct BarButton {
@@ -159,7 +159,7 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     if (is_stopped && !facts.kiosk && !help_shown) draw_stop(w, h);
     words_bottom_ = 0;
     if (hidden && !facts.kiosk) {
-        draw_fault(facts, w, asked);
+        draw_fault(facts, w, h, asked);
         return draw_message(facts, w);
     }
     const bool has_page = facts.study && facts.study->is_page;
@@ -178,7 +178,7 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
         bar_box_ = note_box();
         ImGui::End();
     }
-    draw_fault(facts, w, asked);
+    draw_fault(facts, w, h, asked);
     if (!help_shown || facts.message_is_bad) draw_message(facts, w);
     if (help_shown) {
         begin_help(facts, w, h, scale_);  // the help needs the room
@@ -186,13 +186,13 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
         return ImGui::End();
     }
     draw_force(facts, h, scale_);
-    const float above_place = draw_place(facts, w, h, scale_);
+    draw_place(facts, w, h, scale_);
     if (facts.scale && (!shown || is_roomy(w))) {
-        const float right = w - m - (shown ? side_width(w) + m : 0);
-        const bool is_beside = right > 580 * scale_;  // the right side is clear of the place's values
-        const float bottom = is_beside ? h - 2 * m - bar : above_place;
+        const float right = w - m - (shown ? side_width(w) + m : 0), bottom = h - 2 * m - bar,
+                    beside_place = right - w / 2 - 2 * m;
         const float explained = wants_bar(facts) && bar_.explains() ? explanation_height() : 0;
-        draw_overlay_scale(*facts.scale, right, bottom - explained, scale_);
+        draw_overlay_scale(*facts.scale, right, bottom - explained,
+                           right > 580 * scale_ ? widest_scale * scale_ : beside_place, scale_);
     }
     if (shown) draw_side(facts, w, h, asked);
 }
@@ -212,7 +212,7 @@ void WindowPanel::draw_without_clip(const PanelFacts& facts, int width, int heig
         if (ImGui::IsMouseClicked(ImGuiMouseButton_Left) && !ImGui::GetIO().WantCaptureMouse)
             asked.push_back({WindowVerb::choose});
     }
-    draw_fault(facts, w, asked);
+    draw_fault(facts, w, h, asked);
     draw_message(facts, w);
     if (!help_shown) return;
     begin_help(facts, w, h, scale_);
@@ -226,11 +226,11 @@ WindowPanel::Box WindowPanel::note_box() {
 }
 
 WindowPanel::Free WindowPanel::free_of(const PanelFacts& facts, float width) const {
-    const bool is_narrow = width < 480 * scale_ && !facts.is_empty;  // no force is shown there
+    const bool is_narrow = !is_roomy(width) && !facts.is_empty;  // no force is shown there
     const float m = panel_margin * scale_, from = shown || facts.hand || is_narrow ? 104 * scale_ : 0.0F,
                 to = shown ? width - side_width(width) - 2 * m : width, room = to - from - m;
     return {(from + to) / 2, words_bottom_ > 0 ? words_bottom_ + m / 2 : m, room,
-            shown ? room : std::min(room, width * 0.6F)};
+            (is_roomy(width) && !shown ? std::min(room, width * 0.6F) : room) - m};
 }
 
 /// Draws the state of forces, always visible.
@@ -252,10 +252,15 @@ void WindowPanel::draw_state(const PanelFacts& facts, float width) {
 }
 
 /// Draws a fault until it is dismissed.
-void WindowPanel::draw_fault(const PanelFacts& facts, float width, std::vector<WindowCommand>& asked) {
+void WindowPanel::draw_fault(const PanelFacts& facts, float width, float height,
+                             std::vector<WindowCommand>& asked) {
     if (facts.faults.empty()) return;
     const Free free = free_of(facts, width);
-    begin_box("fault", {.x = free.middle, .y = free.top, .pivot_x = 0.5F});
+    const float room =
+        height - free.top - 2 * panel_margin * scale_ - panel_bar_height * scale_;  // to the bar
+    ImGui::SetNextWindowSizeConstraints(ImVec2(0, 0),
+                                        ImVec2(width, std::max(room, 2 * ImGui::GetFontSize())));
+    begin_box("fault", {.x = free.middle, .y = free.top, .pivot_x = 0.5F, .scrolls = true});
     note_box();
     ImGui::PushTextWrapPos(free.wrap);
     ImGui::TextColored(bad_words, "%s", facts.faults.front().c_str());

@@ -407,6 +407,7 @@ public:
         release(at_s + 0.15);
         leave(at_s + 0.2);
     }
+    void key(double at_s, const std::string& name) { add(at_s, "key " + name); }
     void turn(double at_s, int degrees) { add(at_s, "turn " + std::to_string(degrees)); }
     void quit(double at_s) { add(at_s, "quit"); }
     const std::string& words() const { return words_; }
@@ -548,8 +549,8 @@ INSTANTIATE_TEST_SUITE_P(Sizes, MouseOnly,
                                            WindowOfSize{2560, 1440}),
                          [](const auto& named) { return "Wide" + std::to_string(named.param.width); });
 
-/// In a narrow window the bar keeps what is needed most, and the legend of an overlay has a place beside
-/// what is said of the pixel under the pointer.
+/// In a narrow window the bar keeps what is needed most, and the legend of an overlay is in the lower right,
+/// beside what is said of the pixel under the pointer.
 class NarrowWindowMouse : public MouseOnly {};
 
 TEST_P(NarrowWindowMouse, FindsHelpAndReadsLegends) {
@@ -561,14 +562,35 @@ TEST_P(NarrowWindowMouse, FindsHelpAndReadsLegends) {
     script.picture(0.9, "away.png");
     script.click_bar(1, help);
     script.picture(1.4, "help.png");
-    script.quit(1.5);
+    script.click_bar(1.5, help);
+    script.key(1.6, "h");
+    script.leave(1.6);
+    script.picture(1.9, "bare.png");
+    script.quit(2);
     play({"globe.mkv"}, legend + script.words());
     EXPECT_GT(differs("help.png", "away.png", 200, 100, 800, 600), 0.3);
-    // The lower right, where the legend is when nothing is said of a pixel.
     const auto [width, height] = GetParam();
-    const int top = 1000 - 110'000 / height, bottom = 1000 - 66'000 / height;
-    EXPECT_GT(differs("legend.png", "away.png", 1000 - 200'000 / width, top, 1000 - 20'000 / width, bottom),
-              0.2);
+    const int left = 1000 - 120'000 / width, top = 1000 - 110'000 / height, right = 1000 - 20'000 / width,
+              bottom = 1000 - 76'000 / height;
+    EXPECT_GT(differs("legend.png", "bare.png", left, top, right, bottom), 0.5);
+    EXPECT_LT(differs("legend.png", "away.png", left, top, right, bottom), 0.001) << "it has moved";
+    EXPECT_LT(differs("away.png", "bare.png", 350, 350, 1000, 1000 - 170'000 / height), 0.001)
+        << "it covers the middle";
+}
+
+/// What is wrong is said above the bar, however long it is.
+TEST_P(NarrowWindowMouse, FaultLeavesBarFree) {
+    MouseScript script(GetParam());
+    script.leave(0.1);
+    script.click_bar(0.2, GetParam().width < 400 ? help : settings);
+    script.leave(0.4);
+    script.picture(0.7, "before.png");
+    std::string path = "0.8 drop ";
+    for (int k = 0; k < 20; ++k) path += "/nowhere-at-all-" + std::to_string(k);
+    play({"globe.mkv"}, script.words() + path + "\n1.5 screenshot fault.png\n1.6 quit\n");
+    const int bar = 1000 - 64'000 / GetParam().height;
+    EXPECT_GT(differs("fault.png", "before.png", 0, 0, 1000, bar), 0.05);
+    EXPECT_LT(differs("fault.png", "before.png", 0, bar, 1000, 1000), 0.001);
 }
 
 /// They take a fifth of its height, and are not said of what the bar covers, where buttons explain
