@@ -193,8 +193,8 @@ std::vector<CommandRow> all_rows() {
         [](Window w, Command c) { w.screen().set_size(c.width, c.height); });
     add(screenshot, "screenshot", window, {word}, without_clip, {{"f12"}}, "save a picture of the window",
         keep_screenshot, "a name that ends in .png, or nothing for a new one");
-    add(choose, "choose", window, {}, without_clip, {{"o", 0, true}}, "choose a file to open",
-        [](Window w, Command) { w.clips().ask_for_file(); });
+    add(choose, "choose", window, {word}, without_clip, {{"o", 0, true}}, "choose a file to open",
+        [](Window w, Command c) { w.clips().ask_for_file(c.word); });
     add(
         open, "open", window, {word}, without_clip, {}, nullptr,
         [](Window w, Command c) { w.clips().open_others({c.word}); }, "a name");

@@ -19,6 +19,7 @@
 #include "player/window/measure.hpp"
 #include "player/window/persistent_device.hpp"
 #include "player/window/session_settings.hpp"
+#include "player/window/user_files.hpp"
 #include "player/window/window_command.hpp"
 
 namespace touchable {
@@ -177,6 +178,7 @@ struct PanelFacts {
     std::vector<std::string> faults;  ///< not dismissed yet; the first is shown
     int volume = 100;
     bool is_empty = false;            ///< no clip was named yet
+    FileList files;                   ///< to choose from
     std::optional<KioskFacts> kiosk;  ///< the visitor's view; nullopt: no kiosk
     std::optional<StudyFacts> study;  ///< for a kiosk whose visitors are participants
 };

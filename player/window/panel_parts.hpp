@@ -65,7 +65,8 @@ struct FixedBox {
     float pivot_x = 0, pivot_y = 0;  ///< the point of the box at (x, y)
     float width = 0, height = 0;
     int flags = 0;
-    bool scrolls = false;  ///< scrolls overflowing content
+    bool scrolls = false;   ///< scrolls overflowing content
+    bool has_keys = false;  ///< arrows, Space and Enter go through its items (WindowPanel::takes_keys)
 };
 void begin_box(const char* name, const FixedBox& box);
 
@@ -101,9 +102,14 @@ std::vector<HelpGroup> help_groups(const PanelFacts& facts);
 /// ScreenSize; sizes in pixels.
 void begin_help(const PanelFacts& facts, float width, float height, float scale);
 
-/// Draws the page of a window without a clip: what may be dropped, and sources of clips. Between ImGuiLayer's
-/// `begin` and `end`; `scale` as in ScreenSize.
-void draw_empty_page(float width, float height, float scale);
+/// Draws the page of a window without a clip: what may be dropped, and recent clips or, without any, sources
+/// of clips. Between ImGuiLayer's `begin` and `end`; `scale` as in ScreenSize.
+void draw_empty_page(const FileList& files, float width, float height, float scale,
+                     std::vector<WindowCommand>& asked);
+
+/// Begins the box of files to choose from, over the picture; the caller calls ImGui::End.
+void begin_files(const FileList& files, float width, float height, float scale,
+                 std::vector<WindowCommand>& asked);
 
 /// Shows in large text over the lower part of the picture that forces of the mouse's fingers are off, except
 /// in a kiosk. Between ImGuiLayer's `begin` and `end`.

@@ -222,6 +222,16 @@ constexpr struct {
             {"a depth camera that is plugged in", "touchable cameras"},
             {"close", "Q, or Escape"}};
 
+void draw_rows(const std::vector<FileList::Row>& rows, std::vector<WindowCommand>& asked) {
+    for (const FileList::Row& row : rows) {
+        ImGui::PushID(row.path.c_str());
+        if (ImGui::Selectable(row.words.c_str()))
+            asked.push_back(
+                {.verb = row.is_folder ? WindowVerb::choose : WindowVerb::open, .word = row.path.string()});
+        ImGui::PopID();
+    }
+}
+
 }  // namespace
 
 void draw_force(const PanelFacts& facts, float height, float scale) {
@@ -416,7 +426,25 @@ void begin_help(const PanelFacts& facts, float width, float height, float scale)
     draw_more(scale);
 }
 
-void draw_empty_page(float width, float height, float scale) {
+void begin_files(const FileList& files, float width, float height, float scale,
+                 std::vector<WindowCommand>& asked) {
+    const float m = panel_margin * scale;
+    begin_box("files", {.x = width / 2,
+                        .y = m,
+                        .pivot_x = 0.5F,
+                        .width = std::min(520 * scale, width - 2 * m),
+                        .height = height - 3 * m - panel_bar_height * scale,
+                        .scrolls = true,
+                        .has_keys = true});
+    draw_remark(files.folder.string() + "; arrows and Enter, or a click: opens; Escape: closes");
+    ImGui::Separator();
+    draw_rows(files.recent, asked);
+    if (!files.recent.empty()) ImGui::Separator();
+    draw_rows(files.rows, asked);
+}
+
+void draw_empty_page(const FileList& files, float width, float height, float scale,
+                     std::vector<WindowCommand>& asked) {
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     ImFont* const large = ImGui::GetIO().Fonts->Fonts.back();
     ImFont* const font = ImGui::GetFont();
@@ -428,24 +456,36 @@ void draw_empty_page(float width, float height, float scale) {
     };
     const float room = 0.9F * width, plain = wide(large, 1, 0, empty_page_title).x;
     const float title_size = std::clamp(room / plain, size, 48 * scale);
+    const auto shown = std::span(ways).first(files.recent.empty() ? std::size(ways) : 1);
     float wish = 0, command = 0;
-    for (const auto& way : ways) {
+    for (const auto& way : shown) {
         wish = std::max(wish, wide(font, size, 0, way.wish).x);
         command = std::max(command, wide(font, size, 0, way.command).x);
     }
     const ImVec2 whole = wide(font, size, room, other_things);
-    const float tall = 1.5F * title_size + whole.y + gap + line * static_cast<float>(std::size(ways));
+    const float recent = line * static_cast<float>(files.recent.size());
+    const float tall = 1.5F * title_size + whole.y + gap + line * static_cast<float>(shown.size()) + recent;
     float y = std::max((height - tall) / 2, size);
     list.AddText(large, title_size, ImVec2((width - plain * title_size) / 2, y), ink, empty_page_title);
     y += 1.5F * title_size;
     list.AddText(font, size, ImVec2((width - whole.x) / 2, y), dim, other_things, nullptr, room);
     y += whole.y + gap;
     const float left = std::max((width - wish - gap - command) / 2, size / 2);
-    for (const auto& way : ways) {
+    for (const auto& way : shown) {
         list.AddText(font, size, ImVec2(left, y), dim, way.wish);
         list.AddText(font, size, ImVec2(left + wish + gap, y), accent, way.command);
         y += line;
     }
+    if (files.recent.empty() || !files.folder.empty()) return;
+    const float m = panel_margin * scale, most = std::min(520 * scale, width - 2 * m);
+    begin_box("recent", {.x = (width - most) / 2,
+                         .y = y,
+                         .width = most,
+                         .height = std::min(recent + 2 * m, height - y - m),
+                         .scrolls = true,
+                         .has_keys = true});
+    draw_rows(files.recent, asked);
+    ImGui::End();
 }
 
 }  // namespace touchable

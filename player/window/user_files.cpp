@@ -46,6 +46,7 @@ Json to_json(const KeptSettings& kept) {
     if (kept.width > 0) json["window"] = {kept.width, kept.height};
     json["a"] = to_json(kept.a);
     if (kept.b) json["b"] = to_json(*kept.b);
+    if (!kept.recent.empty()) json["recent"] = kept.recent;
     return json;
 }
 
@@ -103,6 +104,14 @@ std::string read_member(const std::string& name, const Json& value, KeptSettings
         kept.light = *light;
         return "";
     }
+    if (name == "recent") {
+        const auto is_text = [](const Json& one) { return one.is_string(); };
+        if (!value.is_array() || value.size() > SettingsFile::most_recent ||
+            !std::ranges::all_of(value, is_text))
+            return quoted + formatted("must be up to %zu files", SettingsFile::most_recent);
+        kept.recent = value.get<std::vector<std::string>>();
+        return "";
+    }
     if (name == "overlay") return "";  // kept by earlier versions
     if (name == "window") {
         const bool two = value.is_array() && value.size() == 2;
@@ -142,6 +151,34 @@ std::vector<fs::path> clips_of(const fs::path& named) {
     if (clips.empty() || fs::exists(named / "scene.json", failed) || guess_clip(named, {})) return {named};
     std::ranges::sort(clips, by_name);
     return clips;
+}
+
+Result<FileList> list_files(const fs::path& folder, const std::vector<std::string>& recent) {
+    FileList list;
+    std::error_code failed;
+    for (const fs::path file : recent)
+        if (fs::exists(file, failed))
+            list.recent.push_back({file.filename().string() + ", in " + file.parent_path().string(), file});
+    if (folder.empty()) return list;
+    list.folder = fs::canonical(folder, failed);
+    std::vector<fs::path> folders, clips;
+    for (fs::directory_iterator entry(list.folder, failed), end; !failed && entry != end;
+         entry.increment(failed)) {
+        std::error_code unknown;
+        if (entry->path().filename().string().front() == '.') continue;
+        if (looks_like_clip(*entry))
+            clips.push_back(entry->path());
+        else if (entry->is_directory(unknown))
+            folders.push_back(entry->path());
+    }
+    if (failed) return input_error(folder.string() + ": cannot be listed: " + failed.message());
+    std::ranges::sort(folders, by_name);
+    std::ranges::sort(clips, by_name);
+    list.rows.push_back({"../", list.folder.parent_path(), true});
+    for (const fs::path& one : folders) list.rows.push_back({one.filename().string() + "/", one, true});
+    for (const fs::path& one : clips) list.rows.push_back({one.filename().string(), one});
+    if (clips.size() > 1) list.rows.push_back({"all clips of this folder", list.folder});
+    return list;
 }
 
 const ClipChoice* Playlist::go(int by) {

@@ -17,8 +17,8 @@ namespace {
 // Interval of attempts to renew a session; few commands come in that time compared to the remaining room.
 constexpr std::chrono::seconds renew_pause(20);
 
-/// What a dialog of the desktop returns; empty: it was closed.
-Result<std::string> chosen_file() {
+/// What a dialog of the desktop returns; nothing: there is no such program.
+Result<std::optional<std::string>> chosen_by_dialog() {
     constexpr std::size_t longest_name = 1 << 16;
     for (const std::vector<std::string>& words :
          {std::vector<std::string>{"zenity", "--file-selection", "--title=Open a clip"},
@@ -26,9 +26,9 @@ Result<std::string> chosen_file() {
         TRY_ASSIGN(const auto dialog, ChildProcess::start(words));
         if (!dialog) continue;
         const auto output = dialog->all_output(longest_name);
-        return output ? output->substr(0, output->find('\n')) : std::string();
+        return std::optional(output ? output->substr(0, output->find('\n')) : std::string());
     }
-    return usage_error("a dialog to choose a file needs zenity or kdialog; or drop the file on the window");
+    return std::optional<std::string>();
 }
 
 std::string title_of(const std::filesystem::path& file) {
@@ -102,11 +102,12 @@ std::optional<Error> fault_of(const OpenedClip& clip) {
 
 void WindowClips::keep(const KeptSettings& kept) {
     if (!core_.options.filters_are_stated) settings_.kept = {kept.a, kept.b};
+    recent_ = kept.recent;
 }
 
 /// The first clip may be open already, to know which files may be written; later openings reopen it.
 void WindowClips::ask_for_first() {
-    if (waits_for_wish()) return;
+    if (waits_for_wish()) return choose("", false);
     PlayOptions& options = core_.options;
     const ClipChoice first = options.session.clip;
     options.session.clip.shared_clip.reset();
@@ -215,8 +216,10 @@ Result<void> WindowClips::go_on() {
     if (const auto chosen = choosing_.take()) {
         if (!*chosen)
             core_.say(chosen->error());
-        else if (!chosen->value().empty())
-            open_others({chosen->value()});
+        else if ((*chosen)->files)
+            files_ = *(*chosen)->files;
+        else if (!(*chosen)->file.empty())
+            open_others({(*chosen)->file});
     }
     // Finishes the brush's work before its clip goes.
     if (ready_ &&
@@ -353,7 +356,18 @@ Result<void> WindowClips::show(Ready& ready) {
     for (WindowMode* const mode : core_.modes()) mode->begin_clip(goes_on);
     tell_guesses(core_);
     if (wanted_settings_) wanted_settings_->painted.reset();
+    note_recent(clip.choice().file);
     return {};
+}
+
+/// Not of cameras and streams, which are no files.
+void WindowClips::note_recent(const std::filesystem::path& clip) {
+    std::error_code failed;
+    if (!std::filesystem::exists(clip, failed)) return;
+    const std::string file = std::filesystem::absolute(clip, failed).lexically_normal().string();
+    std::erase(recent_, file);
+    recent_.insert(recent_.begin(), file);
+    recent_.resize(std::min(recent_.size(), SettingsFile::most_recent));
 }
 
 /// Whether the clip's session failed: the window reports it, and so does the program at its end.
@@ -370,11 +384,22 @@ void WindowClips::open_others(std::vector<std::string> named) {
         return core_.say("the recording is of this clip; another opens in a window that does not record",
                          Tone::refusal);
     core_.notices.clear_passing();
+    close_files();
     ask_for_named(std::move(named));
 }
 
-void WindowClips::ask_for_file() {
-    if (!core_.is_unattended()) choosing_.ask("choosing a file", chosen_file);
+/// Without a dialog, `folder` is listed; an empty one: only recent clips.
+void WindowClips::choose(const std::string& folder, bool by_dialog) {
+    if (core_.is_unattended()) return;
+    choosing_.ask("choosing a file", [folder, by_dialog, recent = recent_]() -> Result<Chosen> {
+        Chosen chosen;
+        if (by_dialog) {
+            TRY_ASSIGN(const auto file, chosen_by_dialog());
+            if (file) return Chosen{*file, {}};
+        }
+        TRY_ASSIGN(chosen.files, list_files(by_dialog ? "." : folder, recent));
+        return chosen;
+    });
 }
 
 void WindowClips::open_instead(Playlist list, int by) {

@@ -67,7 +67,7 @@ enum class WindowVerb {
     size,         ///< `width` x `height`: of the window, pixels
     screenshot,   ///< `word`: the file; empty: a new name in the working folder
     open,         ///< `word`: a clip
-    choose,       ///< a file to open, by a dialog
+    choose,       ///< a file to open, by a dialog; `word`: of that folder, by the window's own list
     feel,         ///< `word`: a setting of touch and its value, "median 5" (session_settings.hpp)
     settings,     ///< `word`: "a" or "b", the set to put into effect; empty: the other one
     reset,        ///< all kept settings

@@ -55,6 +55,7 @@ void WindowInput::take_key(const InputEvent& event) {
                 core_.take(WindowCommand{WindowVerb::clutch, 0});
         return;
     }
+    if (core_.picture().panel().takes_key(event)) return;
     const KeyBinding* const binding = binding_of(event.word, event.control, event.shift);
     if (binding && (!event.repeated || row_of(binding->verb).has(CommandRow::by_steps)))
         core_.take(WindowCommand{binding->verb, event.stopped_force ? -1 : binding->number, ""});

@@ -148,10 +148,23 @@ float bar_width(const std::vector<BarButton>& buttons, float side) {
 
 }  // namespace
 
+/// Call once a picture.
+void WindowPanel::lead_keys(bool into_a_list) {
+    ImGui::GetIO().ConfigFlags = into_a_list ? ImGuiConfigFlags_NavEnableKeyboard : 0;
+    if (has_keys_ && !into_a_list) ImGui::SetWindowFocus(nullptr);
+    has_keys_ = into_a_list;
+}
+
+bool WindowPanel::takes_key(const InputEvent& event) const {
+    const auto keys = {"up", "down", "left", "right", "space", "enter"};
+    return has_keys_ && !event.control && std::ranges::find(keys, event.word) != keys.end();
+}
+
 void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vector<WindowCommand>& asked) {
     const auto w = static_cast<float>(width), h = static_cast<float>(height);
     const float m = panel_margin * scale_, bar = panel_bar_height * scale_;
     boxes_.clear();
+    lead_keys(!facts.files.folder.empty());
     draw_brush_line(facts.brush, scale_);
     draw_measured_line(facts.measure, scale_);
     draw_finger_halos(facts.halos, scale_);
@@ -185,6 +198,11 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
         note_box();
         return ImGui::End();
     }
+    if (!facts.files.folder.empty()) {
+        begin_files(facts.files, w, h, scale_, asked);
+        note_box();
+        return ImGui::End();
+    }
     draw_force(facts, h, scale_);
     draw_place(facts, w, h, scale_);
     if (facts.scale && (!shown || is_roomy(w))) {
@@ -207,15 +225,17 @@ void WindowPanel::draw_without_clip(const PanelFacts& facts, int width, int heig
     const auto w = static_cast<float>(width), h = static_cast<float>(height);
     boxes_.clear();
     words_bottom_ = 0;
-    if (facts.is_empty && !help_shown) {
-        draw_empty_page(w, h, scale_);
+    const bool is_choosing = !facts.files.folder.empty();
+    lead_keys(is_choosing || !facts.files.recent.empty());
+    if (facts.is_empty && !help_shown && !is_choosing) {
+        draw_empty_page(facts.files, w, h, scale_, asked);
         if (ImGui::IsMouseClicked(ImGuiMouseButton_Left) && !ImGui::GetIO().WantCaptureMouse)
             asked.push_back({WindowVerb::choose});
     }
     draw_fault(facts, w, h, asked);
     draw_message(facts, w);
-    if (!help_shown) return;
-    begin_help(facts, w, h, scale_);
+    if (!help_shown && !is_choosing) return;
+    help_shown ? begin_help(facts, w, h, scale_) : begin_files(facts.files, w, h, scale_, asked);
     note_box();
     ImGui::End();
 }

@@ -89,6 +89,8 @@ public:
     bool shown = false, help_shown = false;
     bool hidden = false;    ///< all but messages and what lies on the surface
     bool bar_shown = true;  ///< unless something else needs it
+    /// Whether a list takes this key, to go through its items.
+    bool takes_key(const InputEvent& event) const;
 
     /// Call between ImGuiLayer's `begin` and `draw`.
     void draw(const PanelFacts& facts, int width, int height, std::vector<WindowCommand>& asked);
@@ -132,6 +134,7 @@ private:
         }
     };
     Box note_box();
+    void lead_keys(bool into_a_list);
     /// Also shown beside the panel, and at the end, where it is used to continue.
     bool wants_bar(const PanelFacts& facts) const {
         return bar_shown || shown || help_shown || (facts.at_end && facts.last_seconds > 0);
@@ -140,7 +143,7 @@ private:
     float scale_;
     std::vector<Box> boxes_;  // of clickable items
     Box bar_box_;             // shown or hidden
-    bool tool_was_held_ = false;
+    bool tool_was_held_ = false, has_keys_ = false;
     float words_bottom_ = 0;  // lower edge of messages above the picture; 0: none
     PlaybackBar bar_;
     SettingsPanel settings_;

@@ -454,6 +454,7 @@ PanelFacts WindowPicture::facts_of(const WatchedMoment& moment, const HeightFiel
     for (std::string words : {core_.screen().touch_state(), sound.rumble_state()})
         if (!words.empty()) facts.figures.push_back(std::move(words));
     facts.volume = sound.volume();
+    facts.files = core_.clips().files();
     for (WindowMode* const mode : core_.modes()) mode->draw(facts, {moment, field, camera});
     if (!core_.is_unattended()) add_message(facts);
     return facts;
@@ -538,6 +539,7 @@ PanelFacts WindowPicture::facts_without_clip() const {
     PanelFacts facts;
     const WindowClips& clips = core_.clips();
     facts.is_empty = clips.waits_for_wish() && !clips.is_opening();
+    facts.files = clips.files();
     if (core_.is_unattended()) return facts;
     add_notices(facts, core_.notices);
     if (facts.message.empty() && clips.is_opening()) facts.message = clips.words() + " ...";

@@ -236,6 +236,27 @@ TEST(Playlist, FolderIsSortedByName) {
     EXPECT_EQ(clips_of(folder.path()), std::vector<fs::path>{folder.path()});
 }
 
+TEST(FileList, HasFoldersClipsAndRecent) {
+    const TemporaryFolder folder;
+    for (const char* name : {"clip10.mkv", "clip2.MKV", ".hidden.mkv", "notes.txt"})
+        std::ofstream(folder / name) << "x";
+    fs::create_directories(folder / "others/inner");
+    fs::create_directories(folder / "pictures");
+    std::ofstream(folder / "pictures/scene.json") << "{}";
+    const auto list =
+        list_files(folder / "others/..", {(folder / "gone.mkv").string(), (folder / "clip10.mkv").string()});
+    ASSERT_TRUE(list) << list.error().message;
+    std::string rows;
+    for (const FileList::Row& row : list->rows) rows += row.words + (row.is_folder ? "*; " : "; ");
+    EXPECT_EQ(rows, "../*; others/*; clip2.MKV; clip10.mkv; pictures; all clips of this folder; ");
+    EXPECT_EQ(list->rows[0].path, fs::canonical(folder.path()).parent_path());
+    ASSERT_EQ(list->recent.size(), 1U) << "one is gone";
+    EXPECT_EQ(list->recent[0].path, folder / "clip10.mkv");
+    EXPECT_TRUE(contains(list->recent[0].words, "clip10.mkv, in "));
+    EXPECT_TRUE(list_files("", {})->rows.empty());
+    EXPECT_TRUE(contains(list_files(folder / "nowhere", {}).error().message, "cannot be listed"));
+}
+
 TEST(DoubleClick, NeedsTwoQuickClosePresses) {
     DoubleClick click;
     EXPECT_FALSE(click.press(0, {100, 100}));

@@ -346,6 +346,23 @@ TEST(PlayerControls, EmptyWindowOpensDroppedClip) {
     expect_refused({"play", "--headless", "--seconds", "1", "--record", "a.touch"}, 2);
 }
 
+TEST(PlayerControls, ListOpensChosenFile) {
+    const TemporaryFolder folder;
+    const std::string settings = (folder / "play.json").string();
+    const std::vector<std::string> words{"--settings", settings};
+    const Image wanted = shown(still, "", "0.8"), page = played_by(words, "", "0.6").image;
+    const std::string list = "0.1 choose " + some_clips().string() + "\n";
+    // ../, a-globe, b-still, c-bumps; over a clip below that one, the last opened
+    const std::string third = "1.2 key down\n1.4 key down\n1.6 key down\n1.8 key enter\n";
+    EXPECT_LT(in_the_middle(played_by(words, list + third, "4").image, wanted), 50);
+    EXPECT_TRUE(contains(file_contents(settings), "/b-still.mkv"));
+    EXPECT_LT(in_the_middle(played_by({clip(bumps)}, list + "1 key down\n" + third, "4").image, wanted), 50);
+    EXPECT_TRUE(stays({clip(bumps)}, list + "0.5 key escape\n", "0.7", "1")) << "Escape closed the window";
+    // The page of the next window has it, below what may be dropped.
+    EXPECT_GT(differences(played_by(words, "", "0.6").image, page, {10, 120, 310, 230}), 300);
+    EXPECT_LT(in_the_middle(played_by(words, "0.6 key down\n0.8 key enter\n", "3").image, wanted), 50);
+}
+
 TEST(PlayerControls, ScaleEnlargesText) {
     const auto height = [](const char* scale) {
         const std::string large = "0 size 640x480\n0.3 move 20 20\n";
