@@ -19,7 +19,7 @@ namespace {
 // that decoding would suffer. For a new frame of the clip it is shorter.
 constexpr double picture_pause_ms = 16, slowest_pause_ms = 50, share_of_drawing = 0.95, frame_pause_ms = 8;
 constexpr double words_pause_ms = 200;  // while nothing moves: clock and figures may advance
-constexpr double after_input_ms = 300;  // buttons fade
+constexpr double after_input_ms = 300, hint_s = 15;  // buttons fade; hints leave
 constexpr int fine_samples = 2, most_fine_pixels = 1 << 24, longest_side = 8192;  // a side; of a fine picture
 // FingerTrails' nearest_share: a pointer's finger is hidden far from the surface, a device's hardly ever.
 constexpr double nearest_of_pointer = 0.5, nearest_of_hand = 0.125;
@@ -481,6 +481,8 @@ void WindowPicture::add_message(PanelFacts& facts) const {
         facts.message = remarks.back();
     else if (!facts.silence.empty())
         facts.message = facts.silence;
+    else if (core_.time.script_s - core_.time.stirred_s > hint_s)
+        return;
     else if (!core_.options.hand && !clip.fingers().was_pressed())
         facts.message = facts.has_touch_screen             ? first_touch_words
                         : facts.at_end && !clip.is_still() ? end_first_words

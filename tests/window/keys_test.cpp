@@ -145,7 +145,7 @@ TEST(Help, FitsInLargeWindow) {
     EXPECT_EQ(differences(top, end, {140, 110, 1140, 550}), 0) << "something was scrolled to";
 }
 
-TEST(Notices, RemarksExpireFaultsWait) {
+TEST(Notices, RemarksExpireBeforeFaults) {
     Notices notices;
     notices.say("no such clip", Tone::fault, 0);
     notices.say("volume 80 %", Tone::remark, 1);
@@ -154,9 +154,15 @@ TEST(Notices, RemarksExpireFaultsWait) {
     EXPECT_FALSE(notices.is_refusal());
     notices.pass(5.1);
     EXPECT_EQ(notices.passing(), "");
-    notices.pass(1e6);
-    ASSERT_EQ(notices.faults().size(), 1U);
+    notices.say("the disk is full", Tone::fault, 20);
+    notices.pass(34.8);
+    ASSERT_EQ(notices.faults().size(), 2U);
     EXPECT_EQ(notices.faults().front(), "no such clip");
+    notices.pass(35);
+    notices.pass(36);
+    notices.pass(65.9);
+    ASSERT_EQ(notices.faults().size(), 1U) << "each is shown for 30 s";
+    EXPECT_EQ(notices.faults().front(), "the disk is full");
     EXPECT_TRUE(notices.dismiss());
     EXPECT_TRUE(notices.faults().empty());
     EXPECT_FALSE(notices.dismiss()) << "Escape is free for something else";
