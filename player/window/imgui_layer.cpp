@@ -191,18 +191,11 @@ void apply_theme(double scale) {
 }
 
 /// Keys of lists and sliders; ImGui 1.86 knows a key by its place here.
-constexpr std::pair<std::string_view, ImGuiKey> panel_keys[] = {
-    {"tab", ImGuiKey_Tab},           {"left", ImGuiKey_LeftArrow},      {"right", ImGuiKey_RightArrow},
-    {"up", ImGuiKey_UpArrow},        {"down", ImGuiKey_DownArrow},      {"pageup", ImGuiKey_PageUp},
-    {"pagedown", ImGuiKey_PageDown}, {"home", ImGuiKey_Home},           {"end", ImGuiKey_End},
-    {"delete", ImGuiKey_Delete},     {"backspace", ImGuiKey_Backspace}, {"space", ImGuiKey_Space},
-    {"escape", ImGuiKey_Escape}};
-
-bool* state_of_key(ImGuiIO& io, const std::string& word) {
-    const auto* const key = std::ranges::find(panel_keys, word == "enter" ? "space" : std::string_view(word),
-                                              &std::pair<std::string_view, ImGuiKey>::first);
-    return key == std::end(panel_keys) ? nullptr : &io.KeysDown[key - std::begin(panel_keys)];
-}
+constexpr std::pair<std::string_view, ImGuiKey> panel_keys[] = {{"left", ImGuiKey_LeftArrow},
+                                                                {"right", ImGuiKey_RightArrow},
+                                                                {"up", ImGuiKey_UpArrow},
+                                                                {"down", ImGuiKey_DownArrow},
+                                                                {"space", ImGuiKey_Space}};
 
 int button_of(const std::string& word) {
     return word == "left" ? 0 : (word == "right" ? 1 : 2);
@@ -225,7 +218,9 @@ void tell(ImGuiIO& io, const InputEvent& event) {
             io.MouseWheel += static_cast<float>(event.y);
             break;
         case Kind::key:
-            if (bool* const state = state_of_key(io, event.word)) *state = true;
+            for (std::size_t k = 0; k < std::size(panel_keys); ++k)
+                if (panel_keys[k].first == (event.word == "enter" ? "space" : event.word))
+                    io.KeysDown[k] = true;
             io.KeyCtrl = event.control;
             io.KeyShift = event.shift;
             break;
@@ -308,17 +303,11 @@ void ImGuiLayer::begin(int width, int height, double seconds, std::span<const In
     now.insert(now.end(), events.begin(), events.end());
     std::set<std::string> pressed;
     bool is_released = false;
-    // A key is down for one picture, and up in the next: so a held one repeats as the keyboard says.
-    bool was_down[std::size(panel_keys)];
-    std::copy_n(io.KeysDown, std::size(panel_keys), was_down);
-    std::fill_n(io.KeysDown, std::size(panel_keys), false);
     for (const InputEvent& event : now) {
         using Kind = InputEvent::Kind;
         const bool is_let_go = event.kind == Kind::released && pressed.contains(event.word),
                    goes = (event.kind == Kind::moved || event.kind == Kind::left_window) && is_released;
-        const bool* const key = event.kind == Kind::key ? state_of_key(io, event.word) : nullptr;
-        const bool is_again = key && (*key || was_down[key - io.KeysDown]);
-        if (is_let_go || goes || is_again || !later_.empty()) {
+        if (is_let_go || goes || !later_.empty()) {
             later_.push_back(event);
             continue;
         }
@@ -327,6 +316,7 @@ void ImGuiLayer::begin(int width, int height, double seconds, std::span<const In
         tell(io, event);
     }
     ImGui::NewFrame();
+    std::ranges::fill(io.KeysDown, false);  // a held key repeats as the keyboard says
 }
 
 void ImGuiLayer::end() {

@@ -86,6 +86,8 @@ void draw_overlay_scale(const Overlays::Scale& scale_of, float right, float bott
 void draw_measured_line(const MeasureFacts& facts, float scale);
 void draw_brush_line(const BrushFacts& facts, float scale);
 
+/// The first key of a command, as keyboards print it; empty: it has none.
+std::string keys_of(WindowVerb verb);
 /// Help on keys, mouse and touch screen, in titled groups.
 struct HelpGroup {
     struct Row {
@@ -102,13 +104,13 @@ std::vector<HelpGroup> help_groups(const PanelFacts& facts);
 /// ScreenSize; sizes in pixels.
 void begin_help(const PanelFacts& facts, float width, float height, float scale);
 
-/// Draws the page of a window without a clip: what may be dropped, and recent clips or, without any, sources
-/// of clips. Between ImGuiLayer's `begin` and `end`; `scale` as in ScreenSize.
-void draw_empty_page(const FileList& files, float width, float height, float scale,
-                     std::vector<WindowCommand>& asked);
+/// Draws the page of a window without a clip: what may be dropped, and sources of clips unless there are so
+/// many `recent` ones; returns the end of it. Between ImGuiLayer's `begin` and `end`; `scale` as in
+/// ScreenSize.
+float draw_empty_page(std::size_t recent, float width, float height, float scale);
 
-/// Begins the box of files to choose from, over the picture; the caller calls ImGui::End.
-void begin_files(const FileList& files, float width, float height, float scale,
+/// Begins the box of files to choose from, as high as it needs; the caller calls ImGui::End.
+void begin_files(const FileList& files, float top, float width, float bottom, float scale,
                  std::vector<WindowCommand>& asked);
 
 /// Shows in large text over the lower part of the picture that forces of the mouse's fingers are off, except

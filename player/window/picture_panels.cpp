@@ -101,7 +101,7 @@ std::vector<HelpRow> gestures(CommandRow::Topic topic, const PanelFacts& facts) 
         rows = {{"Drag", "turns the view; with the right button: moves it"}, {"Wheel", "nearer or farther"}};
     } else if (topic == CommandRow::Topic::begin) {
         rows = {{"Left button", "hold it down: the finger presses"},
-                {"Right button", "drag down: presses deeper, and stays so; up: less"},
+                {"Right button", "drag down: presses deeper, up: less; a click: menu"},
                 {"Ctrl and drag", "turns the view; also the middle button"}};
         if (facts.has_touch_screen)
             rows.push_back({"Touch screen", "each finger touches; two at once turn the view and zoom"});
@@ -222,16 +222,6 @@ constexpr struct {
             {"a depth camera that is plugged in", "touchable cameras"},
             {"close", "Q, or Escape"}};
 
-void draw_rows(const std::vector<FileList::Row>& rows, std::vector<WindowCommand>& asked) {
-    for (const FileList::Row& row : rows) {
-        ImGui::PushID(row.path.c_str());
-        if (ImGui::Selectable(row.words.c_str()))
-            asked.push_back(
-                {.verb = row.is_folder ? WindowVerb::choose : WindowVerb::open, .word = row.path.string()});
-        ImGui::PopID();
-    }
-}
-
 }  // namespace
 
 void draw_force(const PanelFacts& facts, float height, float scale) {
@@ -325,11 +315,9 @@ void draw_overlay_scale(const Overlays::Scale& scale_of, float right, float bott
               {.x = right, .y = bottom, .pivot_x = 1, .pivot_y = 1, .flags = ImGuiWindowFlags_NoInputs});
     if (is_small) ImGui::SetWindowFontScale(smallest_share);
     const std::string everywhere = scale_of.everywhere();
-    Overlays::Scale titled = scale_of;
-    const auto fits = [&] { return ImGui::CalcTextSize(titled.title().c_str()).x <= text; };
-    if (!everywhere.empty() || !fits()) titled.spread.clear();
-    if (!everywhere.empty() || !fits()) titled.unit.clear();
-    ImGui::TextUnformatted(titled.title().c_str());
+    std::string title = everywhere.empty() ? scale_of.title() : scale_of.name;
+    if (ImGui::CalcTextSize(title.c_str()).x > text) title = scale_of.name;
+    ImGui::TextUnformatted(title.c_str());
     for (const Overlays::Scale::Class& named : scale_of.classes)
         draw_class(named.colour, named.words.c_str(), text, scale);
     if (!everywhere.empty()) draw_class(ramp_colour(0.5), everywhere.c_str(), text, scale);
@@ -362,6 +350,11 @@ void draw_brush_line(const BrushFacts& facts, float scale) {
     list.AddPolyline(points.data(), count, line_ink, 0, 2 * scale);
     list.AddCircleFilled(points.front(), 5 * scale, line_rim);
     list.AddCircleFilled(points.front(), 3 * scale, line_ink);
+}
+
+std::string keys_of(WindowVerb verb) {
+    const auto key = std::ranges::find(key_bindings(), verb, &KeyBinding::verb);
+    return key == key_bindings().end() ? "" : names_of({key, 1});
 }
 
 std::vector<HelpGroup> help_groups(const PanelFacts& facts) {
@@ -426,25 +419,25 @@ void begin_help(const PanelFacts& facts, float width, float height, float scale)
     draw_more(scale);
 }
 
-void begin_files(const FileList& files, float width, float height, float scale,
+void begin_files(const FileList& files, float top, float width, float bottom, float scale,
                  std::vector<WindowCommand>& asked) {
-    const float m = panel_margin * scale;
-    begin_box("files", {.x = width / 2,
-                        .y = m,
-                        .pivot_x = 0.5F,
-                        .width = std::min(520 * scale, width - 2 * m),
-                        .height = height - 3 * m - panel_bar_height * scale,
-                        .scrolls = true,
-                        .has_keys = true});
-    draw_remark(files.folder.string() + "; arrows and Enter, or a click: opens; Escape: closes");
-    ImGui::Separator();
-    draw_rows(files.recent, asked);
-    if (!files.recent.empty()) ImGui::Separator();
-    draw_rows(files.rows, asked);
+    const float wide = std::min(520 * scale, width - 2 * panel_margin * scale);
+    ImGui::SetNextWindowSizeConstraints(ImVec2(0, 0), ImVec2(width, std::max(bottom - top, 60 * scale)));
+    ImGui::SetNextWindowBgAlpha(0.95F);
+    begin_box("files",
+              {.x = width / 2, .y = top, .pivot_x = 0.5F, .width = wide, .scrolls = true, .has_keys = true});
+    if (!files.folder.empty())
+        draw_remark(files.folder.string() + "; arrows and Enter, or a click: opens; Escape: closes");
+    for (const FileList::Row& row : files.rows) {
+        ImGui::PushID(row.path.c_str());
+        if (ImGui::Selectable(row.words.c_str()))
+            asked.push_back(
+                {.verb = row.is_folder ? WindowVerb::choose : WindowVerb::open, .word = row.path.string()});
+        ImGui::PopID();
+    }
 }
 
-void draw_empty_page(const FileList& files, float width, float height, float scale,
-                     std::vector<WindowCommand>& asked) {
+float draw_empty_page(std::size_t recent, float width, float height, float scale) {
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     ImFont* const large = ImGui::GetIO().Fonts->Fonts.back();
     ImFont* const font = ImGui::GetFont();
@@ -456,15 +449,14 @@ void draw_empty_page(const FileList& files, float width, float height, float sca
     };
     const float room = 0.9F * width, plain = wide(large, 1, 0, empty_page_title).x;
     const float title_size = std::clamp(room / plain, size, 48 * scale);
-    const auto shown = std::span(ways).first(files.recent.empty() ? std::size(ways) : 1);
+    const auto shown = std::span(ways).first(recent == 0 ? std::size(ways) : 1);
     float wish = 0, command = 0;
     for (const auto& way : shown) {
         wish = std::max(wish, wide(font, size, 0, way.wish).x);
         command = std::max(command, wide(font, size, 0, way.command).x);
     }
     const ImVec2 whole = wide(font, size, room, other_things);
-    const float recent = line * static_cast<float>(files.recent.size());
-    const float tall = 1.5F * title_size + whole.y + gap + line * static_cast<float>(shown.size()) + recent;
+    const float tall = 1.5F * title_size + whole.y + gap + line * static_cast<float>(shown.size() + recent);
     float y = std::max((height - tall) / 2, size);
     list.AddText(large, title_size, ImVec2((width - plain * title_size) / 2, y), ink, empty_page_title);
     y += 1.5F * title_size;
@@ -476,16 +468,7 @@ void draw_empty_page(const FileList& files, float width, float height, float sca
         list.AddText(font, size, ImVec2(left + wish + gap, y), accent, way.command);
         y += line;
     }
-    if (files.recent.empty() || !files.folder.empty()) return;
-    const float m = panel_margin * scale, most = std::min(520 * scale, width - 2 * m);
-    begin_box("recent", {.x = (width - most) / 2,
-                         .y = y,
-                         .width = most,
-                         .height = std::min(recent + 2 * m, height - y - m),
-                         .scrolls = true,
-                         .has_keys = true});
-    draw_rows(files.recent, asked);
-    ImGui::End();
+    return y;
 }
 
 }  // namespace touchable

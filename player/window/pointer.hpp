@@ -211,7 +211,8 @@ public:
     void leave(PointerFingers& fingers);
     /// Whether a button pressed over the picture is held.
     bool holds() const { return !held_.empty(); }
-    /// Returns the place of a double click with the middle button, once.
+    void ask_for_middle(const glm::dvec2& at) { double_click_ = at; }
+    /// Returns the place of a double click with the middle button, or one asked for, once.
     std::optional<glm::dvec2> take_double_click() { return std::exchange(double_click_, std::nullopt); }
 
 private:

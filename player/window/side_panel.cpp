@@ -80,8 +80,8 @@ void draw_hand(const HandFacts& hand, float scale) {
 
 /// Buttons for users with neither a middle button nor keys.
 void draw_view(float scale, std::vector<WindowCommand>& asked) {
-    draw_label("view", scale);
     const float gap = ImGui::GetStyle().ItemInnerSpacing.x / 2, side = ImGui::GetFrameHeight();
+    if (ImGui::GetContentRegionAvail().x > 12 * side) draw_label("view", scale);
     ImGui::PushButtonRepeat(true);
     if (ImGui::ArrowButton("##left", ImGuiDir_Left)) asked.push_back({WindowVerb::turn, -5});
     ImGui::SameLine(0, gap);
@@ -91,10 +91,6 @@ void draw_view(float scale, std::vector<WindowCommand>& asked) {
     ImGui::SameLine(0, gap);
     if (ImGui::ArrowButton("##down", ImGuiDir_Down)) asked.push_back({WindowVerb::tilt, -5});
     ImGui::SameLine(0, gap);
-    if (ImGui::GetContentRegionAvail().x < 2 * side + gap) {
-        ImGui::NewLine();
-        draw_label("zoom", scale);
-    }
     if (ImGui::Button("+##nearer", ImVec2(side, 0))) asked.push_back({WindowVerb::nearer, 1.25});
     ImGui::SameLine(0, gap);
     if (ImGui::Button("-##farther", ImVec2(side, 0))) asked.push_back({WindowVerb::nearer, 0.8});
@@ -147,11 +143,8 @@ void draw_finger(const PanelFacts& facts, float scale, std::vector<WindowCommand
     if (dents >= 0) asked.push_back({WindowVerb::dent, static_cast<double>(dents)});
     draw_view(scale, asked);
     draw_measure(facts.measure, scale, asked);
-    const float half = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
-    if (ImGui::Button(facts.force_on ? "force off" : "force on", ImVec2(half, 0)))
+    if (ImGui::Button(facts.force_on ? "force off" : "force on", ImVec2(-1, 0)))
         asked.push_back({WindowVerb::force});
-    ImGui::SameLine();
-    if (ImGui::Button("own view", ImVec2(-1, 0))) asked.push_back({WindowVerb::home});
 }
 
 /// A colour chip and the name. Returns whether it was clicked.
@@ -324,7 +317,8 @@ void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
                         .pivot_x = 1,
                         .width = side_width(width),
                         .height = height - 3 * m - panel_bar_height * scale_,
-                        .scrolls = true});
+                        .scrolls = true,
+                        .has_keys = has_focus && !menu_at});
     note_box();
     ImGui::SetWindowFontScale(scale / scale_);
     const ImGuiStyle& style = ImGui::GetStyle();

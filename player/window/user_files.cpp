@@ -155,21 +155,18 @@ std::vector<fs::path> clips_of(const fs::path& named) {
 
 Result<FileList> list_files(const fs::path& folder, const std::vector<std::string>& recent) {
     FileList list;
-    std::error_code failed;
+    std::error_code failed, unknown;
     for (const fs::path file : recent)
-        if (fs::exists(file, failed))
-            list.recent.push_back({file.filename().string() + ", in " + file.parent_path().string(), file});
+        if (fs::exists(file, unknown))
+            list.rows.push_back({file.filename().string() + ", in " + file.parent_path().string(), file});
     if (folder.empty()) return list;
     list.folder = fs::canonical(folder, failed);
     std::vector<fs::path> folders, clips;
     for (fs::directory_iterator entry(list.folder, failed), end; !failed && entry != end;
          entry.increment(failed)) {
-        std::error_code unknown;
-        if (entry->path().filename().string().front() == '.') continue;
-        if (looks_like_clip(*entry))
-            clips.push_back(entry->path());
-        else if (entry->is_directory(unknown))
-            folders.push_back(entry->path());
+        const bool is_clip = looks_like_clip(*entry);
+        if (entry->path().filename().string().front() != '.' && (is_clip || entry->is_directory(unknown)))
+            (is_clip ? clips : folders).push_back(entry->path());
     }
     if (failed) return input_error(folder.string() + ": cannot be listed: " + failed.message());
     std::ranges::sort(folders, by_name);

@@ -45,9 +45,10 @@ struct FileList {
         bool is_folder = false;
     };
     std::filesystem::path folder;  ///< empty: no folder is listed
-    std::vector<Row> recent, rows;
+    std::vector<Row> rows;
+    std::string chosen;  ///< by a dialog; empty: none was
 };
-/// The recent clips that still exist; and of `folder`, unless it is empty, the folder above it, its folders
+/// The recent clips that still exist; then of `folder`, unless it is empty, the folder above it, its folders
 /// and what is named as a clip. Waits for the disk.
 Result<FileList> list_files(const std::filesystem::path& folder, const std::vector<std::string>& recent);
 

@@ -501,8 +501,8 @@ void WindowPanel::draw_turn_back(const std::string& words, float width, std::vec
 }
 
 void draw_stop(float width, float height) {
-    const bool is_low = height < 32 * ImGui::GetFontSize();  // above the values at the pointer there
-    draw_large(stop_words, go_on_words, 1, width, height, is_low ? 0.5F : 0.62F);
+    // Above the bar; in a low window also above the values at the pointer.
+    draw_large(stop_words, go_on_words, 1, width, height, height < 32 * ImGui::GetFontSize() ? 0.5F : 0.62F);
 }
 
 void begin_study(const StudyFacts& facts, float width, float height, std::vector<WindowCommand>& asked) {

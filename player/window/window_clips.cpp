@@ -17,8 +17,8 @@ namespace {
 // Interval of attempts to renew a session; few commands come in that time compared to the remaining room.
 constexpr std::chrono::seconds renew_pause(20);
 
-/// What a dialog of the desktop returns; nothing: there is no such program.
-Result<std::optional<std::string>> chosen_by_dialog() {
+/// By a dialog of the desktop; without one, the content of the working folder.
+Result<FileList> chosen_file(const std::vector<std::string>& recent) {
     constexpr std::size_t longest_name = 1 << 16;
     for (const std::vector<std::string>& words :
          {std::vector<std::string>{"zenity", "--file-selection", "--title=Open a clip"},
@@ -26,9 +26,11 @@ Result<std::optional<std::string>> chosen_by_dialog() {
         TRY_ASSIGN(const auto dialog, ChildProcess::start(words));
         if (!dialog) continue;
         const auto output = dialog->all_output(longest_name);
-        return std::optional(output ? output->substr(0, output->find('\n')) : std::string());
+        auto list = list_files("", recent);
+        if (list && output) list->chosen = output->substr(0, output->find('\n'));
+        return list;
     }
-    return std::optional<std::string>();
+    return list_files(".", recent);
 }
 
 std::string title_of(const std::filesystem::path& file) {
@@ -107,7 +109,8 @@ void WindowClips::keep(const KeptSettings& kept) {
 
 /// The first clip may be open already, to know which files may be written; later openings reopen it.
 void WindowClips::ask_for_first() {
-    if (waits_for_wish()) return choose("", false);
+    if (waits_for_wish())
+        return choosing_.ask("listing", [recent = recent_] { return list_files("", recent); });
     PlayOptions& options = core_.options;
     const ClipChoice first = options.session.clip;
     options.session.clip.shared_clip.reset();
@@ -216,10 +219,8 @@ Result<void> WindowClips::go_on() {
     if (const auto chosen = choosing_.take()) {
         if (!*chosen)
             core_.say(chosen->error());
-        else if ((*chosen)->files)
-            files_ = *(*chosen)->files;
-        else if (!(*chosen)->file.empty())
-            open_others({(*chosen)->file});
+        else if (files_ = **chosen; !files_.chosen.empty())
+            open_others({files_.chosen});
     }
     // Finishes the brush's work before its clip goes.
     if (ready_ &&
@@ -388,17 +389,10 @@ void WindowClips::open_others(std::vector<std::string> named) {
     ask_for_named(std::move(named));
 }
 
-/// Without a dialog, `folder` is listed; an empty one: only recent clips.
-void WindowClips::choose(const std::string& folder, bool by_dialog) {
+void WindowClips::ask_for_file(const std::string& folder) {
     if (core_.is_unattended()) return;
-    choosing_.ask("choosing a file", [folder, by_dialog, recent = recent_]() -> Result<Chosen> {
-        Chosen chosen;
-        if (by_dialog) {
-            TRY_ASSIGN(const auto file, chosen_by_dialog());
-            if (file) return Chosen{*file, {}};
-        }
-        TRY_ASSIGN(chosen.files, list_files(by_dialog ? "." : folder, recent));
-        return chosen;
+    choosing_.ask("choosing a file", [folder, recent = recent_] {
+        return folder.empty() ? chosen_file(recent) : list_files(folder, recent);
     });
 }
 

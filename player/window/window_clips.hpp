@@ -47,7 +47,7 @@ public:
     void open_others(std::vector<std::string> named);
     /// Asks for a file by a dialog of the desktop, and opens it; or, without such a program or of a stated
     /// folder, by the window's own list.
-    void ask_for_file(const std::string& folder) { choose(folder, folder.empty()); }
+    void ask_for_file(const std::string& folder);
     /// Returns whether the list was shown.
     bool close_files() { return !std::exchange(files_.folder, {}).empty(); }
     /// Opens the list's clip; if it cannot be opened, tries the others in steps of `by`; 0: no other.
@@ -70,8 +70,11 @@ public:
     }
 
     // State.
-    /// To choose from: shown if it has a folder, or in a window without a clip.
-    const FileList& files() const { return files_; }
+    /// To choose from, now: of a folder, or recent clips in an empty window.
+    FileList files() const {
+        const bool is_empty = waits_for_wish() && !is_opening();
+        return is_empty || !files_.folder.empty() ? files_ : FileList();
+    }
     const std::vector<std::string>& recent() const { return recent_; }
     /// Whether no clip was named yet.
     bool waits_for_wish() const;
@@ -108,11 +111,6 @@ public:
     void note_end();
 
 private:
-    /// By a person: a file, or, without a dialog, a list to choose from.
-    struct Chosen {
-        std::string file;  ///< empty: none
-        std::optional<FileList> files;
-    };
     /// A prepared result: another clip, or a change of the current one. Neither: none of the clips could be
     /// opened.
     struct Ready {
@@ -141,7 +139,6 @@ private:
     Result<void> take(Ready& ready);
     Result<void> show(Ready& ready);
     void note_recent(const std::filesystem::path& clip);
-    void choose(const std::string& folder, bool by_dialog);
     bool note_failure();
 
     WindowCore& core_;
@@ -158,7 +155,7 @@ private:
     bool is_told_of_reading_ = false;
     std::optional<Ready> ready_;  // a change waits until the clip reaches its start
     LongWork<Ready> opening_{"clip-opening", "that opens clips"};  // ends before the data it uses
-    LongWork<Chosen> choosing_{"file-dialog", "that asks for a file"};  // empty: none was chosen
+    LongWork<FileList> choosing_{"file-dialog", "that asks for a file"};
     FileList files_;
     std::vector<std::string> recent_;
 };

@@ -106,6 +106,10 @@ void PlaylistMode::begin_clip(bool) {
 
 void MeasureMode::take(const WindowCommand& command) {
     if (command.word == "off") return let_go();
+    if (command.word == "here") {
+        if (!tool_.is_held()) take({WindowVerb::measure});
+        return (void)tool_.take({.kind = InputEvent::Kind::pressed, .word = "left"}, core_.input().clicked());
+    }
     if (command.places.empty()) {
         tool_.hold(!tool_.is_held());
         if (!tool_.is_held()) return;

@@ -164,7 +164,7 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     const auto w = static_cast<float>(width), h = static_cast<float>(height);
     const float m = panel_margin * scale_, bar = panel_bar_height * scale_;
     boxes_.clear();
-    lead_keys(!facts.files.folder.empty());
+    lead_keys(menu_at || !facts.files.rows.empty() || (has_focus && shown && !help_shown && !hidden));
     draw_brush_line(facts.brush, scale_);
     draw_measured_line(facts.measure, scale_);
     draw_finger_halos(facts.halos, scale_);
@@ -193,16 +193,7 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     }
     draw_fault(facts, w, h, asked);
     if (!help_shown || facts.message_is_bad) draw_message(facts, w);
-    if (help_shown) {
-        begin_help(facts, w, h, scale_);  // the help needs the room
-        note_box();
-        return ImGui::End();
-    }
-    if (!facts.files.folder.empty()) {
-        begin_files(facts.files, w, h, scale_, asked);
-        note_box();
-        return ImGui::End();
-    }
+    if (draw_page(facts, m, w, h, asked)) return;  // it needs the room
     draw_force(facts, h, scale_);
     draw_place(facts, w, h, scale_);
     if (facts.scale && (!shown || is_roomy(w))) {
@@ -213,6 +204,37 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
                            right > 580 * scale_ ? widest_scale * scale_ : beside_place, scale_);
     }
     if (shown) draw_side(facts, w, h, asked);
+    if (menu_at) draw_menu(facts, w, h, asked);
+}
+
+/// What can be done, with keys; a choice, or a click beside it, closes it.
+void WindowPanel::draw_menu(const PanelFacts& facts, float width, float height,
+                            std::vector<WindowCommand>& asked) {
+    const std::tuple<const char*, WindowCommand, bool> rows[] = {
+        {"copy the values here", {WindowVerb::copy}, true},
+        {"measure from here", {WindowVerb::measure, 0, "here"}, true},
+        {"make this the view's middle", {WindowVerb::centre}, true},
+        {"the view before", {WindowVerb::undo_view}, facts.can_undo_view},
+        {"the clip's own view", {WindowVerb::home}, true},
+        {"next colours", {WindowVerb::overlay}, true},
+        {"hide bars and words", {WindowVerb::hide}, true},
+        {"full screen", {WindowVerb::fullscreen}, true},
+        {"save a picture of the window", {WindowVerb::screenshot}, true},
+        {"open a file", {WindowVerb::choose}, true}};
+    const float m = panel_margin * scale_, x = static_cast<float>(menu_at->x),
+                tall = ImGui::GetTextLineHeightWithSpacing() * std::size(rows) + 2 * m;
+    ImGui::SetNextWindowBgAlpha(0.95F);
+    begin_box("menu", {.x = x,
+                       .y = std::max(std::min(static_cast<float>(menu_at->y), height - m - tall), m),
+                       .pivot_x = x > width / 2 ? 1.0F : 0.0F,
+                       .has_keys = true});
+    note_box();
+    const std::size_t before = asked.size();
+    for (const auto& [words, command, may] : rows)
+        if (ImGui::MenuItem(words, keys_of(command.verb).c_str(), false, may)) asked.push_back(command);
+    const bool is_beside = ImGui::IsMouseClicked(ImGuiMouseButton_Left) && !ImGui::IsWindowHovered();
+    if (asked.size() > before || is_beside) menu_at.reset();
+    ImGui::End();
 }
 
 float WindowPanel::aside(float width) const {
@@ -225,19 +247,29 @@ void WindowPanel::draw_without_clip(const PanelFacts& facts, int width, int heig
     const auto w = static_cast<float>(width), h = static_cast<float>(height);
     boxes_.clear();
     words_bottom_ = 0;
-    const bool is_choosing = !facts.files.folder.empty();
-    lead_keys(is_choosing || !facts.files.recent.empty());
-    if (facts.is_empty && !help_shown && !is_choosing) {
-        draw_empty_page(facts.files, w, h, scale_, asked);
+    lead_keys(!facts.files.rows.empty());
+    float top = panel_margin * scale_;
+    if (facts.is_empty && facts.files.folder.empty() && !help_shown) {
+        top = draw_empty_page(facts.files.rows.size(), w, h, scale_);
         if (ImGui::IsMouseClicked(ImGuiMouseButton_Left) && !ImGui::GetIO().WantCaptureMouse)
             asked.push_back({WindowVerb::choose});
     }
     draw_fault(facts, w, h, asked);
     draw_message(facts, w);
-    if (!help_shown && !is_choosing) return;
-    help_shown ? begin_help(facts, w, h, scale_) : begin_files(facts.files, w, h, scale_, asked);
+    draw_page(facts, top, w, h, asked);
+}
+
+/// The help, or the files to choose from; returns whether it was shown.
+bool WindowPanel::draw_page(const PanelFacts& facts, float top, float width, float height,
+                            std::vector<WindowCommand>& asked) {
+    if (!help_shown && facts.files.rows.empty()) return false;
+    const float bottom = height - (facts.is_empty ? 1 : 2) * panel_margin * scale_ -
+                         (facts.is_empty ? 0 : panel_bar_height * scale_);
+    help_shown ? begin_help(facts, width, height, scale_)
+               : begin_files(facts.files, top, width, bottom, scale_, asked);
     note_box();
     ImGui::End();
+    return true;
 }
 
 WindowPanel::Box WindowPanel::note_box() {

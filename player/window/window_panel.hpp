@@ -87,6 +87,15 @@ public:
     explicit WindowPanel(double scale) : scale_(static_cast<float>(scale)) {}
     void set_scale(double scale) { scale_ = static_cast<float>(scale); }
     bool shown = false, help_shown = false;
+    bool has_focus = false;             ///< the panel has the keys
+    std::optional<glm::dvec2> menu_at;  ///< window, pixels; nullopt: no menu
+    /// Shows or hides the panel. `by_key`: it gets the keys, even if it was shown.
+    void turn_over(bool by_key) {
+        has_focus = by_key && !(shown && has_focus);
+        shown = by_key ? has_focus : !shown;
+    }
+    /// Closes the menu, or gives the keys back; returns whether there was something.
+    bool leave() { return std::exchange(menu_at, std::nullopt) || std::exchange(has_focus, false); }
     bool hidden = false;    ///< all but messages and what lies on the surface
     bool bar_shown = true;  ///< unless something else needs it
     /// Whether a list takes this key, to go through its items.
@@ -110,6 +119,7 @@ public:
     }
 
 private:
+    void draw_menu(const PanelFacts& facts, float width, float height, std::vector<WindowCommand>& asked);
     void draw_side(const PanelFacts& facts, float width, float height, std::vector<WindowCommand>& asked);
     void draw_kiosk(const PanelFacts& facts, float width, float height, std::vector<WindowCommand>& asked);
     void draw_turn_back(const std::string& words, float width, std::vector<WindowCommand>& asked);
@@ -135,6 +145,8 @@ private:
     };
     Box note_box();
     void lead_keys(bool into_a_list);
+    bool draw_page(const PanelFacts& facts, float top, float width, float height,
+                   std::vector<WindowCommand>& asked);
     /// Also shown beside the panel, and at the end, where it is used to continue.
     bool wants_bar(const PanelFacts& facts) const {
         return bar_shown || shown || help_shown || (facts.at_end && facts.last_seconds > 0);

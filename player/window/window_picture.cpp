@@ -457,7 +457,15 @@ PanelFacts WindowPicture::facts_of(const WatchedMoment& moment, const HeightFiel
     facts.files = core_.clips().files();
     for (WindowMode* const mode : core_.modes()) mode->draw(facts, {moment, field, camera});
     if (!core_.is_unattended()) add_message(facts);
+    if (!facts.place.lines.empty()) values_ = listed(facts.place.lines);
     return facts;
+}
+
+void WindowPicture::copy_values() {
+    if (values_.empty())
+        return core_.say("no values to copy: move the pointer over the picture", Tone::refusal);
+    core_.screen().set_clipboard(values_);
+    core_.say("copied: " + values_);
 }
 
 /// The last message; else work in progress, a fault, or a hint.

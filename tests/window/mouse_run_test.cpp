@@ -23,6 +23,7 @@
 #include "player/window/window_command.hpp"
 #include "tests/player/program.hpp"
 #include "tests/window/scripted_window.hpp"
+#include "tests/window/window_rig.hpp"
 
 namespace touchable::test {
 namespace {
@@ -361,6 +362,72 @@ TEST(PlayerControls, ListOpensChosenFile) {
     // The page of the next window has it, below what may be dropped.
     EXPECT_GT(differences(played_by(words, "", "0.6").image, page, {10, 120, 310, 230}), 300);
     EXPECT_LT(in_the_middle(played_by(words, "0.6 key down\n0.8 key enter\n", "3").image, wanted), 50);
+}
+
+class ClipboardScreen final : public WrappedScreen {
+public:
+    ClipboardScreen(const ScreenOptions& options, std::string& copied)
+        : WrappedScreen(options), copied_(copied) {}
+    void set_clipboard(const std::string& text) override { copied_ = text; }
+
+private:
+    std::string& copied_;
+};
+
+/// What a window of a globe's still has copied by this script.
+std::string copied_by(const std::string& script) {
+    std::string copied;
+    PlayOptions options = headless_by_cpu(clip(still));
+    options.make_screen = [&copied](const ScreenOptions& wanted) {
+        return std::make_unique<ClipboardScreen>(wanted, copied);
+    };
+    options.script = inputs_of(script + "2 quit\n");
+    const auto played = play_in_window(std::move(options));
+    EXPECT_TRUE(played) << played.error().message;
+    return copied;
+}
+
+TEST(PlayerControls, CopiesValuesAtPointer) {
+    EXPECT_EQ(copied_by("0.1 copy\n"), "") << "nothing was pointed at";
+    const std::string copied = copied_by("0.1 move 160 110\n0.6 copy\n");
+    EXPECT_EQ(copied.find("pixel 80, 5"), 0U) << copied;
+    for (const char* part : {", code ", ", z ", " m, ", ", stiffness ", ", friction ", ", sliding "})
+        EXPECT_TRUE(contains(copied, part));
+    EXPECT_EQ(copied.find('\n'), std::string::npos) << "it is one line";
+}
+
+const std::string right_click = "0.1 move 160 110\n0.5 press right\n0.6 release right\n";
+
+TEST(PlayerControls, RightClickOpensMenu) {
+    const std::string copied = copied_by("0.1 move 160 110\n0.6 copy\n");
+    EXPECT_EQ(copied_by(right_click + "0.9 move 200 30\n1 press left\n1.1 release left\n"), copied);
+    EXPECT_EQ(copied_by(right_click + "0.9 key down\n1 key enter\n"), copied);
+    EXPECT_EQ(copied_by(right_click + "0.9 key escape\n1 key down\n1.1 key enter\n"), "") << "it is closed";
+    EXPECT_EQ(copied_by("0.1 move 160 110\n0.5 press right\n0.55 move 160 140\n0.6 release right\n"
+                        "0.9 key down\n1 key enter\n"),
+              "")
+        << "a drag presses deeper";
+    const auto measured = played_by({clip(still)},
+                                    right_click +
+                                        "0.9 key down\n1 key down\n1.1 key enter\n1.4 move 130 100\n"
+                                        "1.6 press left\n1.7 release left\n",
+                                    "2.2");
+    EXPECT_TRUE(contains(measured.outcome.out, "measured"));
+}
+
+TEST(PlayerControls, TabLeadsKeysIntoPanel) {
+    const TemporaryFolder folder;
+    const std::string settings = (folder / "play.json").string();
+    // reset, fingers 1, 2, 3
+    const std::string third = "0.5 key down\n0.7 key down\n0.9 key right\n1.1 key right\n1.3 key enter\n";
+    const auto fingers_after = [&](const std::string& script) {
+        std::filesystem::remove(settings);
+        played_by({clip(still), "--settings", settings}, script + "1.5 key 9\n", "1.8");
+        return nlohmann::json::parse(file_contents(settings)).at("fingers").get<int>();
+    };
+    EXPECT_EQ(fingers_after("0.1 key tab\n" + third), 3);
+    EXPECT_EQ(fingers_after("0.1 key tab\n0.3 key escape\n" + third), 1) << "Escape gives them back";
+    EXPECT_EQ(fingers_after("0.1 panel\n" + third), 1) << "a click on the button leaves them";
 }
 
 TEST(PlayerControls, ScaleEnlargesText) {
