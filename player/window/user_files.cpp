@@ -105,9 +105,8 @@ std::string read_member(const std::string& name, const Json& value, KeptSettings
         return "";
     }
     if (name == "recent") {
-        const auto is_text = [](const Json& one) { return one.is_string(); };
         if (!value.is_array() || value.size() > SettingsFile::most_recent ||
-            !std::ranges::all_of(value, is_text))
+            !std::ranges::all_of(value, &Json::is_string))
             return quoted + formatted("must be up to %zu files", SettingsFile::most_recent);
         kept.recent = value.get<std::vector<std::string>>();
         return "";

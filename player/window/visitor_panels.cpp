@@ -502,7 +502,7 @@ void WindowPanel::draw_turn_back(const std::string& words, float width, std::vec
 
 void draw_stop(float width, float height) {
     // Above the bar; in a low window also above the values at the pointer.
-    draw_large(stop_words, go_on_words, 1, width, height, height < 32 * ImGui::GetFontSize() ? 0.5F : 0.62F);
+    draw_large(stop_words, go_on_words, 1, width, height, height < 32 * ImGui::GetFontSize() ? 0.44F : 0.62F);
 }
 
 void begin_study(const StudyFacts& facts, float width, float height, std::vector<WindowCommand>& asked) {

@@ -226,7 +226,7 @@ void WindowPanel::draw_menu(const PanelFacts& facts, float width, float height,
     ImGui::SetNextWindowBgAlpha(0.95F);
     begin_box("menu", {.x = x,
                        .y = std::max(std::min(static_cast<float>(menu_at->y), height - m - tall), m),
-                       .pivot_x = x > width / 2 ? 1.0F : 0.0F,
+                       .pivot_x = x + 19 * ImGui::GetFontSize() > width ? x / width : 0,
                        .has_keys = true});
     note_box();
     const std::size_t before = asked.size();
@@ -278,11 +278,12 @@ WindowPanel::Box WindowPanel::note_box() {
 }
 
 WindowPanel::Free WindowPanel::free_of(const PanelFacts& facts, float width) const {
-    const bool is_narrow = !is_roomy(width) && !facts.is_empty;  // no force is shown there
-    const float m = panel_margin * scale_, from = shown || facts.hand || is_narrow ? 104 * scale_ : 0.0F,
-                to = shown ? width - side_width(width) - 2 * m : width, room = to - from - m;
+    const bool has_clip = !facts.clip.empty(), is_beside = shown && has_clip;
+    const float m = panel_margin * scale_,
+                from = facts.hand || (has_clip && (shown || !is_roomy(width))) ? 104 * scale_ : 0.0F,
+                to = is_beside ? width - side_width(width) - 2 * m : width, room = to - from - m;
     return {(from + to) / 2, words_bottom_ > 0 ? words_bottom_ + m / 2 : m, room,
-            (is_roomy(width) && !shown ? std::min(room, width * 0.6F) : room) - m};
+            (is_roomy(width) && !is_beside ? std::min(room, width * 0.6F) : room) - m};
 }
 
 /// Draws the state of forces, always visible.

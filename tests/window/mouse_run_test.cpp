@@ -396,21 +396,22 @@ TEST(PlayerControls, CopiesValuesAtPointer) {
     EXPECT_EQ(copied.find('\n'), std::string::npos) << "it is one line";
 }
 
-const std::string right_click = "0.1 move 160 110\n0.5 press right\n0.6 release right\n";
-
 TEST(PlayerControls, RightClickOpensMenu) {
-    const std::string copied = copied_by("0.1 move 160 110\n0.6 copy\n");
-    EXPECT_EQ(copied_by(right_click + "0.9 move 200 30\n1 press left\n1.1 release left\n"), copied);
-    EXPECT_EQ(copied_by(right_click + "0.9 key down\n1 key enter\n"), copied);
-    EXPECT_EQ(copied_by(right_click + "0.9 key escape\n1 key down\n1.1 key enter\n"), "") << "it is closed";
-    EXPECT_EQ(copied_by("0.1 move 160 110\n0.5 press right\n0.55 move 160 140\n0.6 release right\n"
-                        "0.9 key down\n1 key enter\n"),
+    // Left of its rows, so that keys begin at the first.
+    const std::string click = "0.1 move 40 60\n0.5 press right\n0.6 release right\n";
+    const std::string copied = copied_by("0.1 move 40 60\n0.6 copy\n");
+    ASSERT_NE(copied, "");
+    EXPECT_EQ(copied_by(click + "0.9 move 200 30\n1 press left\n1.1 release left\n"), copied);
+    EXPECT_EQ(copied_by(click + "0.9 key down\n1.1 key enter\n"), copied);
+    EXPECT_EQ(copied_by(click + "0.9 key escape\n1 key down\n1.2 key enter\n"), "") << "it is closed";
+    EXPECT_EQ(copied_by("0.1 move 40 60\n0.5 press right\n0.55 move 40 90\n0.6 release right\n"
+                        "0.9 key down\n1.1 key enter\n"),
               "")
         << "a drag presses deeper";
     const auto measured = played_by({clip(still)},
-                                    right_click +
-                                        "0.9 key down\n1 key down\n1.1 key enter\n1.4 move 130 100\n"
-                                        "1.6 press left\n1.7 release left\n",
+                                    "0.1 move 160 110\n0.5 press right\n0.6 release right\n"
+                                    "0.9 move 200 51\n1 press left\n1.1 release left\n"
+                                    "1.4 move 130 100\n1.6 press left\n1.7 release left\n",
                                     "2.2");
     EXPECT_TRUE(contains(measured.outcome.out, "measured"));
 }
