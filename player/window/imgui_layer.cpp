@@ -219,8 +219,7 @@ void tell(ImGuiIO& io, const InputEvent& event) {
             break;
         case Kind::key:
             for (std::size_t k = 0; k < std::size(panel_keys); ++k)
-                if (panel_keys[k].first == (event.word == "enter" ? "space" : event.word))
-                    io.KeysDown[k] = true;
+                io.KeysDown[k] |= panel_keys[k].first == (event.word == "enter" ? "space" : event.word);
             io.KeyCtrl = event.control;
             io.KeyShift = event.shift;
             break;

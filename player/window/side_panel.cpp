@@ -143,8 +143,10 @@ void draw_finger(const PanelFacts& facts, float scale, std::vector<WindowCommand
     if (dents >= 0) asked.push_back({WindowVerb::dent, static_cast<double>(dents)});
     draw_view(scale, asked);
     draw_measure(facts.measure, scale, asked);
-    if (ImGui::Button(facts.force_on ? "force off" : "force on", ImVec2(-1, 0)))
+    const float half = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
+    if (ImGui::Button(facts.force_on ? "force off" : "force on", ImVec2(half, 0)))
         asked.push_back({WindowVerb::force});
+    ImGui::SameLine();
 }
 
 /// A colour chip and the name. Returns whether it was clicked.
@@ -326,6 +328,7 @@ void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
     ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(style.ItemSpacing.x, 4 * scale));
     draw_title(facts, scale, asked);
     draw_finger(facts, scale, asked);
+    if (ImGui::Button("menu", ImVec2(-1, 0))) menu_at.emplace(0.0);  // for touch screens
     // Opens the materials when a tool is taken.
     const bool is_held = facts.brush.tool != BrushTool::touch;
     if (std::exchange(tool_was_held_, is_held) != is_held) ImGui::SetNextItemOpen(is_held);

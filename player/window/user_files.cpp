@@ -137,22 +137,7 @@ fs::path followed(const fs::path& file) {
     return failed ? file : target;
 }
 
-}  // namespace
-
-std::vector<fs::path> clips_of(const fs::path& named) {
-    std::error_code failed;
-    if (!fs::is_directory(named, failed)) return {named};
-    std::vector<fs::path> clips;
-    for (fs::directory_iterator entry(named, failed), end; !failed && entry != end; entry.increment(failed))
-        if (entry->path().filename().string().front() != '.' && looks_like_clip(*entry))
-            clips.push_back(entry->path());
-    // A folder of pictures may also contain videos.
-    if (clips.empty() || fs::exists(named / "scene.json", failed) || guess_clip(named, {})) return {named};
-    std::ranges::sort(clips, by_name);
-    return clips;
-}
-
-Result<FileList> list_files(const fs::path& folder, const std::vector<std::string>& recent) {
+Result<FileList> read_list(const fs::path& folder, const std::vector<std::string>& recent) {
     FileList list;
     std::error_code failed, unknown;
     for (const fs::path file : recent)
@@ -173,8 +158,28 @@ Result<FileList> list_files(const fs::path& folder, const std::vector<std::strin
     list.rows.push_back({"../", list.folder.parent_path(), true});
     for (const fs::path& one : folders) list.rows.push_back({one.filename().string() + "/", one, true});
     for (const fs::path& one : clips) list.rows.push_back({one.filename().string(), one});
-    if (clips.size() > 1) list.rows.push_back({"all clips of this folder", list.folder});
+    list.rows.push_back({"open this folder", list.folder});
     return list;
+}
+
+}  // namespace
+
+std::vector<fs::path> clips_of(const fs::path& named) {
+    std::error_code failed;
+    if (!fs::is_directory(named, failed)) return {named};
+    std::vector<fs::path> clips;
+    for (fs::directory_iterator entry(named, failed), end; !failed && entry != end; entry.increment(failed))
+        if (entry->path().filename().string().front() != '.' && looks_like_clip(*entry))
+            clips.push_back(entry->path());
+    // A folder of pictures may also contain videos.
+    if (clips.empty() || fs::exists(named / "scene.json", failed) || guess_clip(named, {})) return {named};
+    std::ranges::sort(clips, by_name);
+    return clips;
+}
+
+Result<FileList> list_files(const fs::path& folder, const std::vector<std::string>& recent) {
+    auto list = unless_stopped([folder, recent] { return read_list(folder, recent); });
+    return list ? std::move(*list) : Result<FileList>(interrupted_error());
 }
 
 const ClipChoice* Playlist::go(int by) {

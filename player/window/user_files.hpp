@@ -49,7 +49,7 @@ struct FileList {
     std::string chosen;  ///< by a dialog; empty: none was
 };
 /// The recent clips that still exist; then of `folder`, unless it is empty, the folder above it, its folders
-/// and what is named as a clip. Waits for the disk.
+/// and what is named as a clip. Waits for the disk until a stop is requested.
 Result<FileList> list_files(const std::filesystem::path& folder, const std::vector<std::string>& recent);
 
 /// The settings with which the next window begins, for any clip.

@@ -357,18 +357,14 @@ Result<void> WindowClips::show(Ready& ready) {
     for (WindowMode* const mode : core_.modes()) mode->begin_clip(goes_on);
     tell_guesses(core_);
     if (wanted_settings_) wanted_settings_->painted.reset();
-    note_recent(clip.choice().file);
-    return {};
-}
-
-/// Not of cameras and streams, which are no files.
-void WindowClips::note_recent(const std::filesystem::path& clip) {
     std::error_code failed;
-    if (!std::filesystem::exists(clip, failed)) return;
-    const std::string file = std::filesystem::absolute(clip, failed).lexically_normal().string();
+    const std::string file =
+        std::filesystem::absolute(clip.choice().file, failed).lexically_normal().string();
+    if (!std::filesystem::exists(file, failed)) return {};  // a camera or a stream
     std::erase(recent_, file);
     recent_.insert(recent_.begin(), file);
     recent_.resize(std::min(recent_.size(), SettingsFile::most_recent));
+    return {};
 }
 
 /// Whether the clip's session failed: the window reports it, and so does the program at its end.

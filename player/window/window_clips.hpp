@@ -72,8 +72,7 @@ public:
     // State.
     /// To choose from, now: of a folder, or recent clips in an empty window.
     FileList files() const {
-        const bool is_empty = waits_for_wish() && !is_opening();
-        return is_empty || !files_.folder.empty() ? files_ : FileList();
+        return (waits_for_wish() && !is_opening()) || !files_.folder.empty() ? files_ : FileList();
     }
     const std::vector<std::string>& recent() const { return recent_; }
     /// Whether no clip was named yet.
@@ -138,7 +137,6 @@ private:
     void go_on_changing();
     Result<void> take(Ready& ready);
     Result<void> show(Ready& ready);
-    void note_recent(const std::filesystem::path& clip);
     bool note_failure();
 
     WindowCore& core_;

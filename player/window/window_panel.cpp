@@ -171,7 +171,7 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     const bool is_stopped = !facts.force_on && !facts.hand;
     if (is_stopped && !facts.kiosk && !help_shown) draw_stop(w, h);
     words_bottom_ = 0;
-    if (hidden && !facts.kiosk) {
+    if (hidden && !facts.kiosk && !menu_at && facts.files.rows.empty()) {
         draw_fault(facts, w, h, asked);
         return draw_message(facts, w);
     }
@@ -262,7 +262,7 @@ void WindowPanel::draw_without_clip(const PanelFacts& facts, int width, int heig
 /// The help, or the files to choose from; returns whether it was shown.
 bool WindowPanel::draw_page(const PanelFacts& facts, float top, float width, float height,
                             std::vector<WindowCommand>& asked) {
-    if (!help_shown && facts.files.rows.empty()) return false;
+    if (menu_at || (!help_shown && facts.files.rows.empty())) return false;
     const float bottom = height - (facts.is_empty ? 1 : 2) * panel_margin * scale_ -
                          (facts.is_empty ? 0 : panel_bar_height * scale_);
     help_shown ? begin_help(facts, width, height, scale_)
@@ -309,10 +309,9 @@ void WindowPanel::draw_fault(const PanelFacts& facts, float width, float height,
                              std::vector<WindowCommand>& asked) {
     if (facts.faults.empty()) return;
     const Free free = free_of(facts, width);
-    const float room =
-        height - free.top - 2 * panel_margin * scale_ - panel_bar_height * scale_;  // to the bar
-    ImGui::SetNextWindowSizeConstraints(ImVec2(0, 0),
-                                        ImVec2(width, std::max(room, 2 * ImGui::GetFontSize())));
+    // At most down to the bar.
+    const float room = height - free.top - (2 * panel_margin + panel_bar_height) * scale_;
+    ImGui::SetNextWindowSizeConstraints(ImVec2(0, 0), ImVec2(width, std::max(room, 30 * scale_)));
     begin_box("fault", {.x = free.middle, .y = free.top, .pivot_x = 0.5F, .scrolls = true});
     note_box();
     ImGui::PushTextWrapPos(free.wrap);

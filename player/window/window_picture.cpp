@@ -254,6 +254,7 @@ Result<void> WindowPicture::keep(const std::filesystem::path& name) {
 
 void WindowPicture::begin_clip(bool goes_on) {
     if (!goes_on) surface_.set_overlay(Overlay::colour);  // a newly opened clip shows its own colours first
+    values_.clear();
     forget_session();
 }
 
@@ -462,8 +463,7 @@ PanelFacts WindowPicture::facts_of(const WatchedMoment& moment, const HeightFiel
 }
 
 void WindowPicture::copy_values() {
-    if (values_.empty())
-        return core_.say("no values to copy: move the pointer over the picture", Tone::refusal);
+    if (values_.empty()) return core_.say("point at the picture to copy its values", Tone::refusal);
     core_.screen().set_clipboard(values_);
     core_.say("copied: " + values_);
 }

@@ -255,7 +255,7 @@ TEST(FileList, HasFoldersClipsAndRecent) {
     std::string rows;
     for (const FileList::Row& row : list->rows) rows += row.words + (row.is_folder ? "*; " : "; ");
     EXPECT_EQ(rows, "clip10.mkv, in " + folder.path().string() +
-                        "; ../*; others/*; clip2.MKV; clip10.mkv; pictures; all clips of this folder; ");
+                        "; ../*; others/*; clip2.MKV; clip10.mkv; pictures; open this folder; ");
     EXPECT_EQ(list->rows[0].path, folder / "clip10.mkv");
     EXPECT_EQ(list->rows[1].path, fs::canonical(folder.path()).parent_path());
     EXPECT_TRUE(list_files("", {})->rows.empty());

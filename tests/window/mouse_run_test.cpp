@@ -398,13 +398,14 @@ TEST(PlayerControls, CopiesValuesAtPointer) {
 
 TEST(PlayerControls, RightClickOpensMenu) {
     // Left of its rows, so that keys begin at the first.
-    const std::string click = "0.1 move 40 60\n0.5 press right\n0.6 release right\n";
-    const std::string copied = copied_by("0.1 move 40 60\n0.6 copy\n");
+    const std::string click = "0.1 move 20 60\n0.5 press right\n0.6 release right\n";
+    const std::string copied = copied_by("0.1 move 20 60\n0.6 copy\n");
     ASSERT_NE(copied, "");
     EXPECT_EQ(copied_by(click + "0.9 move 200 30\n1 press left\n1.1 release left\n"), copied);
     EXPECT_EQ(copied_by(click + "0.9 key down\n1.1 key enter\n"), copied);
+    EXPECT_EQ(copied_by("0 key h\n" + click + "0.9 key down\n1.1 key enter\n"), copied) << "all is hidden";
     EXPECT_EQ(copied_by(click + "0.9 key escape\n1 key down\n1.2 key enter\n"), "") << "it is closed";
-    EXPECT_EQ(copied_by("0.1 move 40 60\n0.5 press right\n0.55 move 40 90\n0.6 release right\n"
+    EXPECT_EQ(copied_by("0.1 move 20 60\n0.5 press right\n0.55 move 20 90\n0.6 release right\n"
                         "0.9 key down\n1.1 key enter\n"),
               "")
         << "a drag presses deeper";
