@@ -22,8 +22,8 @@ float wide_digits(std::string words) {
     return ImGui::CalcTextSize(words.c_str()).x;
 }
 
-/// Ordered from dispensable to needed; the first are dropped when room is short. All are in the panel behind
-/// `settings`, too.
+/// Ordered from dispensable to needed; the first are dropped when room is short. The panel behind `settings`
+/// has all, too, and its menu has the house.
 enum class Need { colours, loop, speed, other_clip, measure, turn, settings, home, always };
 
 struct BarButton {
