@@ -131,6 +131,9 @@ std::vector<CommandRow> all_rows() {
     add(nearer, "nearer", view, {number, 0.1, 10}, by_steps | for_participants,
         {{"+", 1.25}, {"=", 1.25}, {"-", 0.8}}, "nearer or farther; also Ctrl and the wheel",
         [](Window w, Command c) { w.clip()->view().near_by(c.number); });
+    add(undo_view, "undo-view", view, {}, by_steps, {{"u"}}, "the view before; again: the one before that",
+        [](Window w, Command) { w.view().undo(); });
+    add(centre, nullptr, view, {}, 0, {}, nullptr, [](Window w, Command) { w.input().centre(); });
     add(play_pause, "play-pause", play, {}, for_visitors, {{"space"}}, "play or pause; touch goes on",
         [](Window w, Command) { w.clips().play_or_pause(); });
     add(seek_to, "seek", play, {number, 0, long_s}, 0, {}, nullptr,
@@ -153,6 +156,8 @@ std::vector<CommandRow> all_rows() {
         [](Window w, Command c) { set_volume(w, w.sound().volume() + c.number); });
     add(volume, "volume", play, {number, 0, 100}, without_clip, {}, nullptr,
         [](Window w, Command c) { set_volume(w, c.number); });
+    add(copy, "copy", data, {}, 0, {{"c", 0, true}}, "copy the values at the pointer",
+        [](Window w, Command) { w.picture().copy_values(); });
     add(overlay, "overlay", data, {word}, for_visitors, {{"o"}},
         "colour the surface by depth, stiffness, ...", set_overlay);
     add(light, "light", data, {word}, 0, {{"i"}}, "light on the clip's colours: off, soft, full", set_light,
@@ -178,8 +183,8 @@ std::vector<CommandRow> all_rows() {
         "pixels of a stroke over one frame, X,Y or X,Y,FRAME each, such as 120,80 160,85 200,90");
     add(go_on, "continue", data, {}, 0, {}, nullptr, refuse_study);
     add(answer, "answer", data, {whole_number, 1, 11}, 0, {}, nullptr, refuse_study);
-    add(panel, "panel", window, {}, 0, {{"tab"}}, "show or hide the panel of settings",
-        [](Window w, Command) { turn_over(w.picture().panel().shown); });
+    add(panel, "panel", window, {}, 0, {{"tab", 1}}, "the panel of settings: arrows and Enter; again: hide",
+        [](Window w, Command c) { w.picture().panel().turn_over(c.number > 0); });
     add(help, "help", window, {}, without_clip, {{"?"}, {"f1"}}, "show or hide this list",
         [](Window w, Command) { turn_over(w.picture().panel().help_shown); });
     add(hide, "hide", window, {}, 0, {{"h"}}, "hide or show all bars and words", hide_words);
@@ -191,8 +196,8 @@ std::vector<CommandRow> all_rows() {
         [](Window w, Command c) { w.screen().set_size(c.width, c.height); });
     add(screenshot, "screenshot", window, {word}, without_clip, {{"f12"}}, "save a picture of the window",
         keep_screenshot, "a name that ends in .png, or nothing for a new one");
-    add(choose, "choose", window, {}, without_clip, {{"o", 0, true}}, "choose a file to open",
-        [](Window w, Command) { w.clips().ask_for_file(); });
+    add(choose, "choose", window, {word}, without_clip, {{"o", 0, true}}, "choose a file to open",
+        [](Window w, Command c) { w.clips().ask_for_file(c.word); });
     add(
         open, "open", window, {word}, without_clip, {}, nullptr,
         [](Window w, Command c) { w.clips().open_others({c.word}); }, "a name");

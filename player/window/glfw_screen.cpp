@@ -367,6 +367,10 @@ public:
         ask([this, title] { glfwSetWindowTitle(window_, title.c_str()); });
     }
 
+    void set_clipboard(const std::string& text) override {
+        ask([this, text] { glfwSetClipboardString(window_, text.c_str()); });
+    }
+
     void set_fullscreen(bool on) override {
         ask_and_wait([this, on] { fill_screen(on); });
     }

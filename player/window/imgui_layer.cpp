@@ -190,13 +190,12 @@ void apply_theme(double scale) {
     style.ScaleAllSizes(static_cast<float>(scale));
 }
 
-/// Keys of text fields and sliders; ImGui 1.86 knows a key by its place here.
-constexpr std::pair<std::string_view, ImGuiKey> panel_keys[] = {
-    {"tab", ImGuiKey_Tab},           {"left", ImGuiKey_LeftArrow},      {"right", ImGuiKey_RightArrow},
-    {"up", ImGuiKey_UpArrow},        {"down", ImGuiKey_DownArrow},      {"pageup", ImGuiKey_PageUp},
-    {"pagedown", ImGuiKey_PageDown}, {"home", ImGuiKey_Home},           {"end", ImGuiKey_End},
-    {"delete", ImGuiKey_Delete},     {"backspace", ImGuiKey_Backspace}, {"enter", ImGuiKey_Enter},
-    {"escape", ImGuiKey_Escape}};
+/// Keys of lists and sliders; ImGui 1.86 knows a key by its place here.
+constexpr std::pair<std::string_view, ImGuiKey> panel_keys[] = {{"left", ImGuiKey_LeftArrow},
+                                                                {"right", ImGuiKey_RightArrow},
+                                                                {"up", ImGuiKey_UpArrow},
+                                                                {"down", ImGuiKey_DownArrow},
+                                                                {"space", ImGuiKey_Space}};
 
 int button_of(const std::string& word) {
     return word == "left" ? 0 : (word == "right" ? 1 : 2);
@@ -219,9 +218,8 @@ void tell(ImGuiIO& io, const InputEvent& event) {
             io.MouseWheel += static_cast<float>(event.y);
             break;
         case Kind::key:
-        case Kind::key_released:
             for (std::size_t k = 0; k < std::size(panel_keys); ++k)
-                if (panel_keys[k].first == event.word) io.KeysDown[k] = event.kind == Kind::key;
+                io.KeysDown[k] |= panel_keys[k].first == (event.word == "enter" ? "space" : event.word);
             io.KeyCtrl = event.control;
             io.KeyShift = event.shift;
             break;
@@ -317,6 +315,7 @@ void ImGuiLayer::begin(int width, int height, double seconds, std::span<const In
         tell(io, event);
     }
     ImGui::NewFrame();
+    std::ranges::fill(io.KeysDown, false);  // a held key repeats as the keyboard says
 }
 
 void ImGuiLayer::end() {

@@ -19,6 +19,7 @@
 #include "player/window/measure.hpp"
 #include "player/window/persistent_device.hpp"
 #include "player/window/session_settings.hpp"
+#include "player/window/user_files.hpp"
 #include "player/window/window_command.hpp"
 
 namespace touchable {
@@ -27,7 +28,7 @@ namespace touchable {
 enum class Tone {
     remark,   ///< a result: disappears by itself
     refusal,  ///< a refused request: disappears by itself
-    fault     ///< a fault: stays until dismissed
+    fault     ///< a fault: stays longer, or until dismissed
 };
 
 /// The subject of a fault: the fault disappears with it.
@@ -36,7 +37,7 @@ enum class About { window, clip };
 /// A window's messages for the user. Times are the window's, seconds, monotonic.
 class Notices {
 public:
-    static constexpr double shown_s = 4;           ///< of passing messages
+    static constexpr double shown_s = 4, fault_s = 30;  ///< of passing messages and of each fault
     static constexpr std::size_t most_faults = 5;  ///< waiting: the newest of more
 
     void say(std::string words, Tone tone, double now_s, About about = About::window) {
@@ -57,15 +58,19 @@ public:
         std::erase_if(faults_, [this](const std::string& fault) { return of_clip_.contains(fault); });
         of_clip_.clear();
     }
-    /// Removes a message after its time.
+    /// Removes a message after its time, and the shown fault.
     void pass(double now_s) {
         if (now_s - said_s_ > shown_s) passing_.clear();
+        if (faults_.empty()) return fault_since_s_.reset();
+        if (!fault_since_s_) fault_since_s_ = now_s;
+        if (now_s - *fault_since_s_ > fault_s) dismiss();
     }
     /// Removes the passing message now.
     void clear_passing() { passing_.clear(); }
     /// Dismisses the shown fault; returns whether there was one.
     bool dismiss() {
         if (faults_.empty()) return false;
+        fault_since_s_.reset();
         of_clip_.erase(faults_.front());
         faults_.pop_front();
         return true;
@@ -79,6 +84,7 @@ private:
     std::string passing_;
     bool is_refusal_ = false;
     double said_s_ = 0;
+    std::optional<double> fault_since_s_;
     std::deque<std::string> faults_;  // the first one is shown
     std::set<std::string> of_clip_;   // the faults about the clip
 };
@@ -153,6 +159,7 @@ struct PanelFacts {
     std::string silence{};    ///< of its source: no frame comes, and why; empty: frames come
     std::size_t clips = 1;    ///< of the playlist
     bool is_turning = false;  ///< dragging turns the view
+    bool can_undo_view = false;
     bool has_touch_screen = false;
     double speed = 1;
     std::string overlay;                     ///< of the surface's colours
@@ -176,6 +183,7 @@ struct PanelFacts {
     std::vector<std::string> faults;  ///< not dismissed yet; the first is shown
     int volume = 100;
     bool is_empty = false;            ///< no clip was named yet
+    FileList files;                   ///< to choose from
     std::optional<KioskFacts> kiosk;  ///< the visitor's view; nullopt: no kiosk
     std::optional<StudyFacts> study;  ///< for a kiosk whose visitors are participants
 };

@@ -210,7 +210,9 @@ void begin_box(const char* name, const FixedBox& box) {
     ImGui::SetNextWindowPos(ImVec2(box.x, box.y), ImGuiCond_Always, ImVec2(box.pivot_x, box.pivot_y));
     const bool has_size = box.width > 0 || box.height > 0, fits = box.width > 0 && box.height > 0;
     if (has_size) ImGui::SetNextWindowSize(ImVec2(box.width, box.height), ImGuiCond_Always);
-    const int fixed = box.scrolls ? fixed_window & ~ImGuiWindowFlags_NoScrollbar : fixed_window;
+    int fixed = box.scrolls ? fixed_window & ~ImGuiWindowFlags_NoScrollbar : fixed_window;
+    if (box.has_keys) fixed &= ~ImGuiWindowFlags_NoNav;
+    if (box.has_keys && !ImGui::IsAnyItemActive()) ImGui::SetNextWindowFocus();
     ImGui::Begin(name, nullptr, fixed | box.flags | (fits ? 0 : ImGuiWindowFlags_AlwaysAutoResize));
 }
 

@@ -65,7 +65,8 @@ struct FixedBox {
     float pivot_x = 0, pivot_y = 0;  ///< the point of the box at (x, y)
     float width = 0, height = 0;
     int flags = 0;
-    bool scrolls = false;  ///< scrolls overflowing content
+    bool scrolls = false;   ///< scrolls overflowing content
+    bool has_keys = false;  ///< arrows, Space and Enter go through its items (WindowPanel::takes_keys)
 };
 void begin_box(const char* name, const FixedBox& box);
 
@@ -74,15 +75,19 @@ void begin_box(const char* name, const FixedBox& box);
 void draw_force(const PanelFacts& facts, float height, float scale);
 /// The values at the pointer, unless the bar or the panel covers it. Lower left; at most a fifth of the
 /// window's height and half of its width, to keep the picture free: smaller text, then fewer lines, if it is
-/// small. Returns the lowest free y above it.
-float draw_place(const PanelFacts& facts, float width, float height, float scale);
-/// The scale of the surface's colours: a ramp with its ends, or a list. Its lower right corner is given.
-void draw_overlay_scale(const Overlays::Scale& scale_of, float right, float bottom, float scale);
+/// small.
+void draw_place(const PanelFacts& facts, float width, float height, float scale);
+inline constexpr float widest_scale = 330;
+/// The scale of the surface's colours: a ramp with its ends, or a list. Its lower right corner is given, and
+/// its greatest width: below `widest_scale` it has smaller text.
+void draw_overlay_scale(const Overlays::Scale& scale_of, float right, float bottom, float room, float scale);
 
 /// The measured line, or the brush's unfinished one, over the picture and below all panels.
 void draw_measured_line(const MeasureFacts& facts, float scale);
 void draw_brush_line(const BrushFacts& facts, float scale);
 
+/// The first key of a command, as keyboards print it; empty: it has none.
+std::string keys_of(WindowVerb verb);
 /// Help on keys, mouse and touch screen, in titled groups.
 struct HelpGroup {
     struct Row {
@@ -99,9 +104,14 @@ std::vector<HelpGroup> help_groups(const PanelFacts& facts);
 /// ScreenSize; sizes in pixels.
 void begin_help(const PanelFacts& facts, float width, float height, float scale);
 
-/// Draws the page of a window without a clip: what may be dropped, and sources of clips. Between ImGuiLayer's
-/// `begin` and `end`; `scale` as in ScreenSize.
-void draw_empty_page(float width, float height, float scale);
+/// Draws the page of a window without a clip: what may be dropped, and sources of clips unless there are so
+/// many `recent` ones; returns the end of it. Between ImGuiLayer's `begin` and `end`; `scale` as in
+/// ScreenSize.
+float draw_empty_page(std::size_t recent, float width, float height, float scale);
+
+/// Begins the box of files to choose from, as high as it needs; the caller calls ImGui::End.
+void begin_files(const FileList& files, float top, float width, float bottom, float scale,
+                 std::vector<WindowCommand>& asked);
 
 /// Shows in large text over the lower part of the picture that forces of the mouse's fingers are off, except
 /// in a kiosk. Between ImGuiLayer's `begin` and `end`.

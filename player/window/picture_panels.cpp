@@ -28,21 +28,21 @@ std::string end_of_scale(double value, const char* beyond) {
     return beyond + formatted("%.4g", value);
 }
 
-/// A colour and its meaning.
-void draw_class(PackedColour colour, const char* words, float scale) {
+/// A colour and its meaning, no wider than `room`.
+void draw_class(PackedColour colour, const char* words, float room, float scale) {
     const ImVec2 at = ImGui::GetCursorScreenPos();
-    const float side = ImGui::GetFontSize();
+    const float side = ImGui::GetFontSize(), end = ImGui::GetCursorPosX() + room;
     ImGui::GetWindowDrawList()->AddRectFilled(at, ImVec2(at.x + side, at.y + side), colour, 3 * scale);
     ImGui::Dummy(ImVec2(side, side));
     ImGui::SameLine();
-    ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + 290 * scale);
+    ImGui::PushTextWrapPos(end);
     ImGui::TextUnformatted(words);
     ImGui::PopTextWrapPos();
 }
 
-/// The ramp, with its ends below; also the middle, if the scale is not linear.
-void draw_ramp(const Overlays::Scale& scale_of, float scale) {
-    const float wide = 220 * scale, tall = 12 * scale;
+/// The ramp, with its ends below; also the middle, if the scale is not linear and there is room.
+void draw_ramp(const Overlays::Scale& scale_of, float room, float scale) {
+    const float wide = std::min(220 * scale, room), tall = 12 * scale;
     ImDrawList& list = *ImGui::GetWindowDrawList();
     const ImVec2 at = ImGui::GetCursorScreenPos();
     constexpr int steps = 50;
@@ -60,7 +60,7 @@ void draw_ramp(const Overlays::Scale& scale_of, float scale) {
         ImGui::TextDisabled("%s", words.c_str());
     };
     ImGui::TextDisabled("%s", end_of_scale(scale_of.range.least, scale_of.is_less ? "< " : "").c_str());
-    if (!scale_of.levels.empty())
+    if (!scale_of.levels.empty() && wide > 180 * scale)
         draw_at(wide / 2, formatted("%.3g", scale_of.levels[scale_of.levels.size() / 2]), 0.5F);
     draw_at(wide, end_of_scale(scale_of.range.greatest, scale_of.is_more ? "> " : ""), 1);
 }
@@ -101,7 +101,7 @@ std::vector<HelpRow> gestures(CommandRow::Topic topic, const PanelFacts& facts) 
         rows = {{"Drag", "turns the view; with the right button: moves it"}, {"Wheel", "nearer or farther"}};
     } else if (topic == CommandRow::Topic::begin) {
         rows = {{"Left button", "hold it down: the finger presses"},
-                {"Right button", "drag down: presses deeper, and stays so; up: less"},
+                {"Right button", "drag down: presses deeper, up: less; a click: menu"},
                 {"Ctrl and drag", "turns the view; also the middle button"}};
         if (facts.has_touch_screen)
             rows.push_back({"Touch screen", "each finger touches; two at once turn the view and zoom"});
@@ -137,7 +137,7 @@ std::string names_of(std::span<const KeyBinding> row) {
     return names;
 }
 
-constexpr float title_lines = 1.3F, gap_lines = 0.6F, smallest_help_words = 12.0F / 15;
+constexpr float title_lines = 1.3F, gap_lines = 0.6F, smallest_share = 12.0F / 15;
 
 /// The groups of a column, and the widths of its text, at full size.
 struct HelpColumn {
@@ -274,53 +274,56 @@ void draw_force(const PanelFacts& facts, float height, float scale) {
     ImGui::End();
 }
 
-float draw_place(const PanelFacts& facts, float width, float height, float scale) {
-    std::span<const std::string> words = facts.place.lines;
+void draw_place(const PanelFacts& facts, float width, float height, float scale) {
+    std::vector<std::string> words = facts.place.lines;
     const float m = panel_margin * scale, bottom = height - 2 * m - panel_bar_height * scale;
     // A place behind the bar or the panel is not described, and a button's explanation takes the space.
-    if (words.empty() || ImGui::IsWindowHovered(ImGuiHoveredFlags_AnyWindow)) return bottom;
+    if (words.empty() || ImGui::IsWindowHovered(ImGuiHoveredFlags_AnyWindow)) return;
     // As large as fits, but legible; lines that then do not fit are dropped.
-    constexpr float smallest = 12.0F / 15;
     const ImVec2 padding = ImGui::GetStyle().WindowPadding;
     const float font = ImGui::GetFontSize(), gap = 2 * scale, room = height / 5 - 2 * padding.y;
     const float wide_room = width / 2 - 2 * padding.x;
     const auto tall = [&](float share) {
         return static_cast<float>(words.size()) * (share * font + gap) - gap;
     };
-    while (words.size() > 1 && tall(smallest) > room) words = words.first(words.size() - 1);
     const auto wide = [](const std::string& line) { return ImGui::CalcTextSize(line.c_str()).x; };
-    const auto is_wide = [&](const std::string& line) { return smallest * wide(line) > wide_room; };
-    const auto fitting = std::find_if(words.begin() + 1, words.end(), is_wide) - words.begin();
-    words = words.first(static_cast<std::size_t>(fitting));
+    const auto is_wide = [&](const std::string& line) { return smallest_share * wide(line) > wide_room; };
+    words.erase(std::remove_if(words.begin() + 1, words.end(), is_wide), words.end());
+    while (words.size() > 1 && tall(smallest_share) > room) words.pop_back();
     float widest = 0;
     for (const std::string& line : words) widest = std::max(widest, wide(line));
-    const float share =
-        std::clamp(std::min((room - tall(0)) / (tall(1) - tall(0)), wide_room / widest), smallest, 1.0F);
-    const float whole = tall(share) + 2 * padding.y;
+    const float share = std::clamp(std::min((room - tall(0)) / (tall(1) - tall(0)), wide_room / widest),
+                                   smallest_share, 1.0F);
     begin_box("place", {.x = m,
                         .y = bottom,
                         .pivot_y = 1,
                         .width = share * widest + 2 * padding.x,
-                        .height = whole,
+                        .height = tall(share) + 2 * padding.y,
                         .flags = ImGuiWindowFlags_NoInputs});
     ImGui::SetWindowFontScale(share);
     ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(gap, gap));
     for (const std::string& line : words) ImGui::TextUnformatted(line.c_str());
     ImGui::PopStyleVar();
     ImGui::End();
-    return bottom - whole - m;
 }
 
-void draw_overlay_scale(const Overlays::Scale& scale_of, float right, float bottom, float scale) {
+void draw_overlay_scale(const Overlays::Scale& scale_of, float right, float bottom, float room, float scale) {
+    const bool is_small = room < 330 * scale;
+    const float pad = (is_small ? 0.5F : 1) * ImGui::GetStyle().WindowPadding.x, text = room - 2 * pad;
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(pad, pad));
     begin_box("scale",
               {.x = right, .y = bottom, .pivot_x = 1, .pivot_y = 1, .flags = ImGuiWindowFlags_NoInputs});
+    if (is_small) ImGui::SetWindowFontScale(smallest_share);
     const std::string everywhere = scale_of.everywhere();
-    ImGui::TextUnformatted((everywhere.empty() ? scale_of.title() : scale_of.name).c_str());
+    std::string title = everywhere.empty() ? scale_of.title() : scale_of.name;
+    if (ImGui::CalcTextSize(title.c_str()).x > text) title = scale_of.name;
+    ImGui::TextUnformatted(title.c_str());
     for (const Overlays::Scale::Class& named : scale_of.classes)
-        draw_class(named.colour, named.words.c_str(), scale);
-    if (!everywhere.empty()) draw_class(ramp_colour(0.5), everywhere.c_str(), scale);
-    if (scale_of.classes.empty() && everywhere.empty()) draw_ramp(scale_of, scale);
+        draw_class(named.colour, named.words.c_str(), text, scale);
+    if (!everywhere.empty()) draw_class(ramp_colour(0.5), everywhere.c_str(), text, scale);
+    if (scale_of.classes.empty() && everywhere.empty()) draw_ramp(scale_of, text, scale);
     ImGui::End();
+    ImGui::PopStyleVar();
 }
 
 void draw_measured_line(const MeasureFacts& facts, float scale) {
@@ -347,6 +350,11 @@ void draw_brush_line(const BrushFacts& facts, float scale) {
     list.AddPolyline(points.data(), count, line_ink, 0, 2 * scale);
     list.AddCircleFilled(points.front(), 5 * scale, line_rim);
     list.AddCircleFilled(points.front(), 3 * scale, line_ink);
+}
+
+std::string keys_of(WindowVerb verb) {
+    const auto key = std::ranges::find(key_bindings(), verb, &KeyBinding::verb);
+    return key == key_bindings().end() ? "" : names_of({key, 1});
 }
 
 std::vector<HelpGroup> help_groups(const PanelFacts& facts) {
@@ -382,12 +390,12 @@ void begin_help(const PanelFacts& facts, float width, float height, float scale)
     };
     // Scrolling takes the scrollbar's width.
     const float words_room = wide_room - 2 * padding.x - style.ScrollbarSize;
-    if (words_room / full_width() < smallest_help_words) columns = {HelpColumn(groups, gap)};
+    if (words_room / full_width() < smallest_share) columns = {HelpColumn(groups, gap)};
     const float lines = std::ranges::max(columns, {}, &HelpColumn::lines).lines,
                 by_height = (tall_room - 2 * padding.y) / (lines * full_line);
-    const float share = std::clamp(std::min(words_room / full_width(), by_height), smallest_help_words, 1.0F),
+    const float share = std::clamp(std::min(words_room / full_width(), by_height), smallest_share, 1.0F),
                 line = share * full_line;
-    const bool scrolls = by_height < smallest_help_words;
+    const bool scrolls = by_height < smallest_share;
     const float wide = 2 * padding.x + (scrolls ? style.ScrollbarSize : 0) + share * full_width(),
                 tall = lines * line + 2 * padding.y;
     begin_box("help", {.x = width / 2,
@@ -411,7 +419,25 @@ void begin_help(const PanelFacts& facts, float width, float height, float scale)
     draw_more(scale);
 }
 
-void draw_empty_page(float width, float height, float scale) {
+void begin_files(const FileList& files, float top, float width, float bottom, float scale,
+                 std::vector<WindowCommand>& asked) {
+    const float wide = std::min(520 * scale, width - 2 * panel_margin * scale);
+    ImGui::SetNextWindowSizeConstraints(ImVec2(0, 0), ImVec2(width, std::max(bottom - top, 60 * scale)));
+    ImGui::SetNextWindowBgAlpha(0.95F);
+    begin_box("files",
+              {.x = width / 2, .y = top, .pivot_x = 0.5F, .width = wide, .scrolls = true, .has_keys = true});
+    if (!files.folder.empty())
+        draw_remark(files.folder.string() + "; arrows and Enter, or a click: opens; Escape: closes");
+    for (const FileList::Row& row : files.rows) {
+        ImGui::PushID(row.path.c_str());
+        if (ImGui::Selectable(row.words.c_str()))
+            asked.push_back(
+                {.verb = row.is_folder ? WindowVerb::choose : WindowVerb::open, .word = row.path.string()});
+        ImGui::PopID();
+    }
+}
+
+float draw_empty_page(std::size_t recent, float width, float height, float scale) {
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     ImFont* const large = ImGui::GetIO().Fonts->Fonts.back();
     ImFont* const font = ImGui::GetFont();
@@ -423,24 +449,26 @@ void draw_empty_page(float width, float height, float scale) {
     };
     const float room = 0.9F * width, plain = wide(large, 1, 0, empty_page_title).x;
     const float title_size = std::clamp(room / plain, size, 48 * scale);
+    const auto shown = std::span(ways).first(recent == 0 ? std::size(ways) : 1);
     float wish = 0, command = 0;
-    for (const auto& way : ways) {
+    for (const auto& way : shown) {
         wish = std::max(wish, wide(font, size, 0, way.wish).x);
         command = std::max(command, wide(font, size, 0, way.command).x);
     }
     const ImVec2 whole = wide(font, size, room, other_things);
-    const float tall = 1.5F * title_size + whole.y + gap + line * static_cast<float>(std::size(ways));
+    const float tall = 1.5F * title_size + whole.y + gap + line * static_cast<float>(shown.size() + recent);
     float y = std::max((height - tall) / 2, size);
     list.AddText(large, title_size, ImVec2((width - plain * title_size) / 2, y), ink, empty_page_title);
     y += 1.5F * title_size;
     list.AddText(font, size, ImVec2((width - whole.x) / 2, y), dim, other_things, nullptr, room);
     y += whole.y + gap;
     const float left = std::max((width - wish - gap - command) / 2, size / 2);
-    for (const auto& way : ways) {
+    for (const auto& way : shown) {
         list.AddText(font, size, ImVec2(left, y), dim, way.wish);
         list.AddText(font, size, ImVec2(left + wish + gap, y), accent, way.command);
         y += line;
     }
+    return y;
 }
 
 }  // namespace touchable

@@ -59,19 +59,19 @@ WindowView::WindowView(const Scene& scene, const glm::dvec3& middle) : scene_(sc
 }
 
 ViewCamera WindowView::camera(int width, int height) const {
-    Viewpoint viewpoint = orbit_;
-    viewpoint.own = own_;
+    Viewpoint viewpoint = now_.orbit;
+    viewpoint.own = now_.own;
     const auto margin = [](double share, int side) {
         return std::clamp(static_cast<int>(std::lround(share * side)), 0, std::max(side - 1, 0));
     };
     const int right = margin(free_.x, width), below = margin(free_.y, height);
-    ViewCamera camera = make_view(viewpoint, scene_, centre_, width - right, height - below);
-    if (!own_) (placing_ ? *placing_ : placing(camera.width, camera.height)).apply(camera);
+    ViewCamera camera = make_view(viewpoint, scene_, now_.centre, width - right, height - below);
+    if (!now_.own) (now_.placing ? *now_.placing : placing(camera.width, camera.height)).apply(camera);
     return right + below > 0 ? with_margins(camera, right, below) : camera;
 }
 
 void WindowView::note_middle(const HeightField& field) {
-    if (!own_ && !thing_.empty()) return;  // a view as another clip's begins turned
+    if (!now_.own && !now_.thing.empty()) return;  // a view as another clip's begins turned
     constexpr int columns = 48, rows = 36;
     struct Place {
         glm::dvec3 at;
@@ -98,11 +98,11 @@ void WindowView::note_middle(const HeightField& field) {
     constexpr double most_apart = 1.15;
     std::vector<int> found{static_cast<int>(start - places.data())};
     std::vector<double> depths;
-    thing_.clear();
+    now_.thing.clear();
     places[static_cast<std::size_t>(found[0])].is_found = true;
     for (std::size_t n = 0; n < found.size(); ++n) {
         const Place& from = places[static_cast<std::size_t>(found[n])];
-        thing_.push_back(from.at);
+        now_.thing.push_back(from.at);
         depths.push_back(from.depth);
         for (const int by : {-1, 1, -columns, columns}) {
             const int k = found[n] + by;
@@ -114,14 +114,14 @@ void WindowView::note_middle(const HeightField& field) {
             found.push_back(k);
         }
     }
-    centre_.z = home_.z = -sorted_element(depths, depths.size() / 2);
+    now_.centre.z = home_.z = -sorted_element(depths, depths.size() / 2);
 }
 
 /// What the thing covers, without outliers, in shares of the picture from -1 to 1.
 WindowView::Covered WindowView::covered_by_thing(const Viewpoint& viewpoint, int width, int height) const {
-    const ViewCamera camera = make_view(viewpoint, scene_, centre_, width, height);
+    const ViewCamera camera = make_view(viewpoint, scene_, now_.centre, width, height);
     std::array<std::vector<double>, 2> places;
-    for (const glm::dvec3& point : thing_)
+    for (const glm::dvec3& point : now_.thing)
         if (const auto at = camera.project(point)) {
             places[0].push_back(2 * at->x / width - 1);
             places[1].push_back(2 * at->y / height - 1);
@@ -139,10 +139,10 @@ WindowView::Covered WindowView::covered_by_thing(const Viewpoint& viewpoint, int
 
 /// Keeps the thing where it is in a view that is not turned, and no larger.
 WindowView::Placing WindowView::placing(int width, int height) const {
-    Viewpoint straight = orbit_;
+    Viewpoint straight = now_.orbit;
     straight.azimuth = straight.elevation = 0;
     const Covered before = covered_by_thing(straight, width, height),
-                  after = covered_by_thing(orbit_, width, height);
+                  after = covered_by_thing(now_.orbit, width, height);
     Placing placing;
     for (int axis = 0; axis < 2; ++axis)
         if (after.size[axis] > before.size[axis])
@@ -164,22 +164,22 @@ void WindowView::Placing::apply(ViewCamera& camera) const {
 double WindowView::pixels_per_vertex(int width, int height) const {
     const double whole =
         std::min((1 - free_.x) * width / scene_.width, (1 - free_.y) * height / scene_.height);
-    return own_ ? whole : whole * orbit_.zoom.value_or(1);
+    return now_.own ? whole : whole * now_.orbit.zoom.value_or(1);
 }
 
 void WindowView::turn(double azimuth, double elevation) {
-    own_ = false;
-    orbit_.azimuth = std::remainder(orbit_.azimuth + azimuth, 360.0);
-    orbit_.elevation = std::clamp(orbit_.elevation + elevation, -89.0, 89.0);
+    now_.own = false;
+    now_.orbit.azimuth = std::remainder(now_.orbit.azimuth + azimuth, 360.0);
+    now_.orbit.elevation = std::clamp(now_.orbit.elevation + elevation, -89.0, 89.0);
 }
 
 void WindowView::pan(double x, double y, int width, int height) {
-    own_ = false;
-    if (!placing_) placing_ = placing(std::max(width, 1), std::max(height, 1));
+    now_.own = false;
+    if (!now_.placing) now_.placing = placing(std::max(width, 1), std::max(height, 1));
     const ViewCamera camera = this->camera(std::max(width, 1), std::max(height, 1));
-    const auto middle = camera.project(centre_);
+    const auto middle = camera.project(now_.centre);
     if (!middle) return;
-    const glm::dvec3 moved = centre_ + camera.unproject(middle->x - x, middle->y - y, middle->z) -
+    const glm::dvec3 moved = now_.centre + camera.unproject(middle->x - x, middle->y - y, middle->z) -
                              camera.unproject(middle->x, middle->y, middle->z);
     set_centre(moved);
 }
@@ -187,23 +187,29 @@ void WindowView::pan(double x, double y, int width, int height) {
 /// Keeps the eye's distance; zoom is relative to the clip's camera.
 void WindowView::set_centre(const glm::dvec3& place) {
     if (!(place.z < 0)) return;
-    orbit_.zoom = std::clamp(orbit_.zoom.value_or(1) * place.z / centre_.z, 0.1, 20.0);
-    centre_ = place;
+    now_.orbit.zoom = std::clamp(now_.orbit.zoom.value_or(1) * place.z / now_.centre.z, 0.1, 20.0);
+    now_.centre = place;
 }
 
 void WindowView::look_as(const WindowView& other) {
     go_home();
-    own_ = other.own_;
-    orbit_ = other.orbit_;
+    now_.own = other.now_.own;
+    now_.orbit = other.now_.orbit;
+}
+
+bool WindowView::State::looks_as(const State& other) const {
+    if (own || other.own) return own == other.own;
+    return centre == other.centre && orbit.azimuth == other.orbit.azimuth &&
+           orbit.elevation == other.orbit.elevation && orbit.zoom == other.orbit.zoom;
 }
 
 void WindowView::go_home() {
-    own_ = true;
-    placing_.reset();
-    orbit_ = Viewpoint{};
-    orbit_.zoom = 1;
-    orbit_.keeps_axis = true;
-    centre_ = home_;
+    now_.own = true;
+    now_.placing.reset();
+    now_.orbit = Viewpoint{};
+    now_.orbit.zoom = 1;
+    now_.orbit.keeps_axis = true;
+    now_.centre = home_;
 }
 
 void PointerFingers::set_pointer(std::optional<glm::dvec2> at) {

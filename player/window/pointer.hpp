@@ -51,8 +51,8 @@ public:
     /// Copies the rotation and zoom of `other`, the view of another clip.
     void look_as(const WindowView& other);
     /// Whether the view is the clip's own camera.
-    bool own() const { return own_; }
-    const Viewpoint& orbit() const { return orbit_; }
+    bool own() const { return now_.own; }
+    const Viewpoint& orbit() const { return now_.orbit; }
     /// Distance of neighbouring vertices in the middle of a picture of that size, pixels, if the view is not
     /// turned; in a turned view some are closer.
     double pixels_per_vertex(int width, int height) const;
@@ -65,16 +65,35 @@ public:
     void pan(double x, double y, int width, int height);
     /// Zooms in by this factor; below 1 out.
     void near_by(double factor) {
-        own_ = false;
-        orbit_.zoom = std::clamp(orbit_.zoom.value_or(1) * factor, 0.1, 20.0);
+        now_.own = false;
+        now_.orbit.zoom = std::clamp(now_.orbit.zoom.value_or(1) * factor, 0.1, 20.0);
     }
     /// Makes the view turn round this place, and shows it at the clip camera's principal point.
     void look_at(const glm::dvec3& place) {
-        own_ = false;
-        placing_.emplace();
+        now_.own = false;
+        now_.placing.emplace();
         set_centre(place);
     }
     void go_home();
+
+    /// Of what a camera sees in its picture: about the middle, in shares from -1 to 1.
+    struct Placing {
+        double scale = 1;
+        glm::dvec2 shift{0.0};
+        void apply(ViewCamera& camera) const;
+    };
+    /// All that turning, moving and zooming change.
+    struct State {
+        bool own = true;
+        Viewpoint orbit{};
+        glm::dvec3 centre{0.0};
+        std::vector<glm::dvec3> thing;   // points of what turns in place, world
+        std::optional<Placing> placing;  // of a view that was moved; else `placing` follows the thing
+        /// Whether both look the same; of the clip's own view, whatever its thing is.
+        bool looks_as(const State& other) const;
+    };
+    const State& state() const { return now_; }
+    void set_state(const State& state) { now_ = state; }
 
 private:
     void set_centre(const glm::dvec3& place);
@@ -82,21 +101,12 @@ private:
         glm::dvec2 middle{0.0}, size{0.0};
     };
     Covered covered_by_thing(const Viewpoint& viewpoint, int width, int height) const;
-    /// Of what a camera sees in its picture: about the middle, in shares from -1 to 1.
-    struct Placing {
-        double scale = 1;
-        glm::dvec2 shift{0.0};
-        void apply(ViewCamera& camera) const;
-    };
     Placing placing(int width, int height) const;
 
     const Scene& scene_;
-    glm::dvec3 home_, centre_{0.0};
-    bool own_ = true;
+    glm::dvec3 home_;
     glm::dvec2 free_{0.0};
-    Viewpoint orbit_{};
-    std::vector<glm::dvec3> thing_;   // points of what turns in place, world
-    std::optional<Placing> placing_;  // of a view that was moved; else `placing` follows the thing
+    State now_;
 };
 
 /// The pointer over the picture as fingers of a device: hovering above the surface, or pressed into it. Or
@@ -201,7 +211,8 @@ public:
     void leave(PointerFingers& fingers);
     /// Whether a button pressed over the picture is held.
     bool holds() const { return !held_.empty(); }
-    /// Returns the place of a double click with the middle button, once.
+    void ask_for_middle(const glm::dvec2& at) { double_click_ = at; }
+    /// Returns the place of a double click with the middle button, or one asked for, once.
     std::optional<glm::dvec2> take_double_click() { return std::exchange(double_click_, std::nullopt); }
 
 private:

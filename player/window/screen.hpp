@@ -40,6 +40,7 @@ public:
     virtual void set_fullscreen(bool /*on*/) {}
     /// In ScreenOptions' units, for a window that is not full screen.
     virtual void set_size(int width, int height) = 0;
+    virtual void set_clipboard(const std::string& /*text*/) {}
     /// Hides the pointer while a finger is drawn at its place.
     virtual void hide_pointer(bool /*hidden*/) {}
 };

@@ -80,8 +80,8 @@ void draw_hand(const HandFacts& hand, float scale) {
 
 /// Buttons for users with neither a middle button nor keys.
 void draw_view(float scale, std::vector<WindowCommand>& asked) {
-    draw_label("view", scale);
     const float gap = ImGui::GetStyle().ItemInnerSpacing.x / 2, side = ImGui::GetFrameHeight();
+    if (ImGui::GetContentRegionAvail().x > 12 * side) draw_label("view", scale);
     ImGui::PushButtonRepeat(true);
     if (ImGui::ArrowButton("##left", ImGuiDir_Left)) asked.push_back({WindowVerb::turn, -5});
     ImGui::SameLine(0, gap);
@@ -119,6 +119,9 @@ void draw_finger(const PanelFacts& facts, float scale, std::vector<WindowCommand
                     ImGuiSliderFlags_Logarithmic))
         asked.push_back({WindowVerb::speed, static_cast<double>(speed)});
     explain_row("How fast the clip plays. Fingers keep their own time.");
+    const int loops = draw_words_row("loop", {"off", "on"}, facts.looping, scale,
+                                     "Whether the clip begins again at its end. L: on or off.");
+    if (loops >= 0 && (loops == 1) != facts.looping) asked.push_back({WindowVerb::loop});
     draw_label("volume", scale);
     auto volume = static_cast<float>(facts.volume);
     if (draw_slider("##volume", volume, 0, 100, formatted("%d %%", facts.volume), scale))
@@ -144,7 +147,6 @@ void draw_finger(const PanelFacts& facts, float scale, std::vector<WindowCommand
     if (ImGui::Button(facts.force_on ? "force off" : "force on", ImVec2(half, 0)))
         asked.push_back({WindowVerb::force});
     ImGui::SameLine();
-    if (ImGui::Button("clip's own view", ImVec2(-1, 0))) asked.push_back({WindowVerb::home});
 }
 
 /// A colour chip and the name. Returns whether it was clicked.
@@ -317,7 +319,8 @@ void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
                         .pivot_x = 1,
                         .width = side_width(width),
                         .height = height - 3 * m - panel_bar_height * scale_,
-                        .scrolls = true});
+                        .scrolls = true,
+                        .has_keys = has_focus && !menu_at});
     note_box();
     ImGui::SetWindowFontScale(scale / scale_);
     const ImGuiStyle& style = ImGui::GetStyle();
@@ -325,6 +328,7 @@ void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
     ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(style.ItemSpacing.x, 4 * scale));
     draw_title(facts, scale, asked);
     draw_finger(facts, scale, asked);
+    if (ImGui::Button("menu", ImVec2(-1, 0))) menu_at.emplace(0.0);  // for touch screens
     // Opens the materials when a tool is taken.
     const bool is_held = facts.brush.tool != BrushTool::touch;
     if (std::exchange(tool_was_held_, is_held) != is_held) ImGui::SetNextItemOpen(is_held);
@@ -341,7 +345,7 @@ void WindowPanel::draw_side(const PanelFacts& facts, float width, float height,
 }
 
 float WindowPanel::side_width(float width) const {
-    return is_roomy(width) ? 310 * scale_ : std::min(250 * scale_, width * 0.4F);
+    return is_roomy(width) ? 310 * scale_ : std::min(250 * scale_, width * 0.44F);
 }
 
 void SettingsPanel::draw(SettingOf of, const SettingsFacts& facts, float scale,

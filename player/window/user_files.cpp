@@ -46,6 +46,7 @@ Json to_json(const KeptSettings& kept) {
     if (kept.width > 0) json["window"] = {kept.width, kept.height};
     json["a"] = to_json(kept.a);
     if (kept.b) json["b"] = to_json(*kept.b);
+    if (!kept.recent.empty()) json["recent"] = kept.recent;
     return json;
 }
 
@@ -103,6 +104,13 @@ std::string read_member(const std::string& name, const Json& value, KeptSettings
         kept.light = *light;
         return "";
     }
+    if (name == "recent") {
+        if (!value.is_array() || value.size() > SettingsFile::most_recent ||
+            !std::ranges::all_of(value, &Json::is_string))
+            return quoted + formatted("must be up to %zu files", SettingsFile::most_recent);
+        kept.recent = value.get<std::vector<std::string>>();
+        return "";
+    }
     if (name == "overlay") return "";  // kept by earlier versions
     if (name == "window") {
         const bool two = value.is_array() && value.size() == 2;
@@ -129,6 +137,31 @@ fs::path followed(const fs::path& file) {
     return failed ? file : target;
 }
 
+Result<FileList> read_list(const fs::path& folder, const std::vector<std::string>& recent) {
+    FileList list;
+    std::error_code failed, unknown;
+    for (const fs::path file : recent)
+        if (fs::exists(file, unknown))
+            list.rows.push_back({file.filename().string() + ", in " + file.parent_path().string(), file});
+    if (folder.empty()) return list;
+    list.folder = fs::canonical(folder, failed);
+    std::vector<fs::path> folders, clips;
+    for (fs::directory_iterator entry(list.folder, failed), end; !failed && entry != end;
+         entry.increment(failed)) {
+        const bool is_clip = looks_like_clip(*entry);
+        if (entry->path().filename().string().front() != '.' && (is_clip || entry->is_directory(unknown)))
+            (is_clip ? clips : folders).push_back(entry->path());
+    }
+    if (failed) return input_error(folder.string() + ": cannot be listed: " + failed.message());
+    std::ranges::sort(folders, by_name);
+    std::ranges::sort(clips, by_name);
+    list.rows.push_back({"../", list.folder.parent_path(), true});
+    for (const fs::path& one : folders) list.rows.push_back({one.filename().string() + "/", one, true});
+    for (const fs::path& one : clips) list.rows.push_back({one.filename().string(), one});
+    list.rows.push_back({"open this folder", list.folder});
+    return list;
+}
+
 }  // namespace
 
 std::vector<fs::path> clips_of(const fs::path& named) {
@@ -142,6 +175,11 @@ std::vector<fs::path> clips_of(const fs::path& named) {
     if (clips.empty() || fs::exists(named / "scene.json", failed) || guess_clip(named, {})) return {named};
     std::ranges::sort(clips, by_name);
     return clips;
+}
+
+Result<FileList> list_files(const fs::path& folder, const std::vector<std::string>& recent) {
+    auto list = unless_stopped([folder, recent] { return read_list(folder, recent); });
+    return list ? std::move(*list) : Result<FileList>(interrupted_error());
 }
 
 const ClipChoice* Playlist::go(int by) {

@@ -37,6 +37,21 @@ private:
     bool wraps_ = false;
 };
 
+/// What a person can choose from: clips and folders.
+struct FileList {
+    struct Row {
+        std::string words;
+        std::filesystem::path path;
+        bool is_folder = false;
+    };
+    std::filesystem::path folder;  ///< empty: no folder is listed
+    std::vector<Row> rows;
+    std::string chosen;  ///< by a dialog; empty: none was
+};
+/// The recent clips that still exist; then of `folder`, unless it is empty, the folder above it, its folders
+/// and what is named as a clip. Waits for the disk until a stop is requested.
+Result<FileList> list_files(const std::filesystem::path& folder, const std::vector<std::string>& recent);
+
 /// The settings with which the next window begins, for any clip.
 struct KeptSettings {
     bool panel = false;  ///< shown
@@ -47,12 +62,14 @@ struct KeptSettings {
     bool dent = true;                ///< dents are drawn
     Lighting light = Lighting::off;  ///< on the clip's colours
     int volume = 100;  ///< of sound, 0 to 100
+    std::vector<std::string> recent{};  ///< files of clips, newest first
     bool operator==(const KeptSettings&) const = default;
 };
 
 /// A window's settings file, from its opening to its closing.
 class SettingsFile {
 public:
+    static constexpr std::size_t most_recent = 8;
     static constexpr int least_width = 320, least_height = 200, most_pixels = 8192;
 
     /// Keeps nothing.

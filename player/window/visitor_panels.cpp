@@ -478,11 +478,11 @@ void WindowPanel::draw_kiosk(const PanelFacts& facts, float width, float height,
     bar_box_ = kiosk.has_bar ? Box{bar.left(), bar.top(), bar.right(), bar.bottom()} : Box{};
     if (kiosk.invited_s) return;
     draw_force(facts, height, scale_);
-    constexpr float widest_scale = 330;
-    const float right = width - panel_margin * scale_;
-    const bool is_beside = !kiosk.has_bar || right - widest_scale * scale_ > bar.right();
+    const float right = width - panel_margin * scale_, widest = widest_scale * scale_;
+    const bool is_beside = !kiosk.has_bar || right - widest > bar.right();
     if (kiosk.scale && !has_words)
-        draw_overlay_scale(*kiosk.scale, right, (is_beside ? height : above) - panel_margin * scale_, scale_);
+        draw_overlay_scale(*kiosk.scale, right, (is_beside ? height : above) - panel_margin * scale_, widest,
+                           scale_);
     if (!kiosk.has_bar && kiosk.is_turned) draw_turn_back(kiosk.texts.turn_back, width, asked);
     if (!kiosk.has_bar || !bar_shown) return;
     bar.draw(asked);
@@ -501,7 +501,8 @@ void WindowPanel::draw_turn_back(const std::string& words, float width, std::vec
 }
 
 void draw_stop(float width, float height) {
-    draw_large(stop_words, go_on_words, 1, width, height, 0.62F);  // above the bar
+    // Above the bar; in a low window also above the values at the pointer.
+    draw_large(stop_words, go_on_words, 1, width, height, height < 32 * ImGui::GetFontSize() ? 0.44F : 0.62F);
 }
 
 void begin_study(const StudyFacts& facts, float width, float height, std::vector<WindowCommand>& asked) {

@@ -17,8 +17,8 @@ namespace {
 // Interval of attempts to renew a session; few commands come in that time compared to the remaining room.
 constexpr std::chrono::seconds renew_pause(20);
 
-/// What a dialog of the desktop returns; empty: it was closed.
-Result<std::string> chosen_file() {
+/// By a dialog of the desktop; without one, the content of the working folder.
+Result<FileList> chosen_file(const std::vector<std::string>& recent) {
     constexpr std::size_t longest_name = 1 << 16;
     for (const std::vector<std::string>& words :
          {std::vector<std::string>{"zenity", "--file-selection", "--title=Open a clip"},
@@ -26,9 +26,11 @@ Result<std::string> chosen_file() {
         TRY_ASSIGN(const auto dialog, ChildProcess::start(words));
         if (!dialog) continue;
         const auto output = dialog->all_output(longest_name);
-        return output ? output->substr(0, output->find('\n')) : std::string();
+        auto list = list_files("", recent);
+        if (list && output) list->chosen = output->substr(0, output->find('\n'));
+        return list;
     }
-    return usage_error("a dialog to choose a file needs zenity or kdialog; or drop the file on the window");
+    return list_files(".", recent);
 }
 
 std::string title_of(const std::filesystem::path& file) {
@@ -102,11 +104,13 @@ std::optional<Error> fault_of(const OpenedClip& clip) {
 
 void WindowClips::keep(const KeptSettings& kept) {
     if (!core_.options.filters_are_stated) settings_.kept = {kept.a, kept.b};
+    recent_ = kept.recent;
 }
 
 /// The first clip may be open already, to know which files may be written; later openings reopen it.
 void WindowClips::ask_for_first() {
-    if (waits_for_wish()) return;
+    if (waits_for_wish())
+        return choosing_.ask("listing", [recent = recent_] { return list_files("", recent); });
     PlayOptions& options = core_.options;
     const ClipChoice first = options.session.clip;
     options.session.clip.shared_clip.reset();
@@ -215,8 +219,8 @@ Result<void> WindowClips::go_on() {
     if (const auto chosen = choosing_.take()) {
         if (!*chosen)
             core_.say(chosen->error());
-        else if (!chosen->value().empty())
-            open_others({chosen->value()});
+        else if (files_ = **chosen; !files_.chosen.empty())
+            open_others({files_.chosen});
     }
     // Finishes the brush's work before its clip goes.
     if (ready_ &&
@@ -353,6 +357,13 @@ Result<void> WindowClips::show(Ready& ready) {
     for (WindowMode* const mode : core_.modes()) mode->begin_clip(goes_on);
     tell_guesses(core_);
     if (wanted_settings_) wanted_settings_->painted.reset();
+    std::error_code failed;
+    const std::string file =
+        std::filesystem::absolute(clip.choice().file, failed).lexically_normal().string();
+    if (!std::filesystem::exists(file, failed)) return {};  // a camera or a stream
+    std::erase(recent_, file);
+    recent_.insert(recent_.begin(), file);
+    recent_.resize(std::min(recent_.size(), SettingsFile::most_recent));
     return {};
 }
 
@@ -370,11 +381,15 @@ void WindowClips::open_others(std::vector<std::string> named) {
         return core_.say("the recording is of this clip; another opens in a window that does not record",
                          Tone::refusal);
     core_.notices.clear_passing();
+    close_files();
     ask_for_named(std::move(named));
 }
 
-void WindowClips::ask_for_file() {
-    if (!core_.is_unattended()) choosing_.ask("choosing a file", chosen_file);
+void WindowClips::ask_for_file(const std::string& folder) {
+    if (core_.is_unattended()) return;
+    choosing_.ask("choosing a file", [folder, recent = recent_] {
+        return folder.empty() ? chosen_file(recent) : list_files(folder, recent);
+    });
 }
 
 void WindowClips::open_instead(Playlist list, int by) {

@@ -45,8 +45,11 @@ public:
     /// Opens the first clip that can be opened of these, including clips in folders. They, and the clips of a
     /// folder, become the list.
     void open_others(std::vector<std::string> named);
-    /// Asks for a file by a dialog of the desktop, and opens it.
-    void ask_for_file();
+    /// Asks for a file by a dialog of the desktop, and opens it; or, without such a program or of a stated
+    /// folder, by the window's own list.
+    void ask_for_file(const std::string& folder);
+    /// Returns whether the list was shown.
+    bool close_files() { return !std::exchange(files_.folder, {}).empty(); }
     /// Opens the list's clip; if it cannot be opened, tries the others in steps of `by`; 0: no other.
     void open_instead(Playlist list, int by);
     /// Reopens the current clip.
@@ -67,6 +70,11 @@ public:
     }
 
     // State.
+    /// To choose from, now: of a folder, or recent clips in an empty window.
+    FileList files() const {
+        return (waits_for_wish() && !is_opening()) || !files_.folder.empty() ? files_ : FileList();
+    }
+    const std::vector<std::string>& recent() const { return recent_; }
     /// Whether no clip was named yet.
     bool waits_for_wish() const;
     /// The list of the requested clip, or of the current one.
@@ -145,7 +153,9 @@ private:
     bool is_told_of_reading_ = false;
     std::optional<Ready> ready_;  // a change waits until the clip reaches its start
     LongWork<Ready> opening_{"clip-opening", "that opens clips"};  // ends before the data it uses
-    LongWork<std::string> choosing_{"file-dialog", "that asks for a file"};  // empty: none was chosen
+    LongWork<FileList> choosing_{"file-dialog", "that asks for a file"};
+    FileList files_;
+    std::vector<std::string> recent_;
 };
 
 }  // namespace touchable

@@ -127,8 +127,8 @@ bool ends(std::istringstream& words) {
     return !(words >> more);
 }
 
-/// A study's keys, besides key_bindings(), that a script may press.
-constexpr const char* study_keys[] = {"enter", "6", "7", "8"};
+/// Keys of a study or a list, besides key_bindings(), that a script may press.
+constexpr const char* other_keys[] = {"enter", "up", "down", "6", "7", "8"};
 constexpr std::int64_t most_scripted = 10;  // fingers on a touch screen; `inputs` names it
 
 /// Fails if no key of that name does anything.
@@ -139,7 +139,7 @@ Result<void> check_key(const std::string& name) {
         if (name == binding.key) return {};
         known += std::string(known.empty() ? "" : " ") + binding.key;
     }
-    for (const char* const key : study_keys) {
+    for (const char* const key : other_keys) {
         if (name == key) return {};
         known += std::string(" ") + key;
     }

@@ -48,11 +48,14 @@ enum class WindowVerb {
     go_on,        ///< in a study: begins, or completes the screen
     answer,       ///< in a study: `number`: of the answer, from 1
     measure,      ///< `places`: two pixels; none: `word`, empty: takes the tool or puts it away, "off":
-                  ///< removes the line
+                  ///< removes the line, "here": begins one where the right button clicked
+    copy,         ///< the values last shown at the pointer, to the clipboard
     overlay,      ///< `word`: the surface's colouring; empty: the next one
     light,        ///< `word`: off, soft or full (light_names); empty: the next one
     dent,         ///< `number`: 1: dents are drawn, 0: they are not
     home,         ///< the clip's own view
+    undo_view,    ///< the view before the last change
+    centre,       ///< of the view: the place last clicked with the right button
     turn,         ///< `number`: degrees to the right
     tilt,         ///< `number`: degrees up
     turning,      ///< dragging turns the view, or presses the finger again
@@ -66,7 +69,7 @@ enum class WindowVerb {
     size,         ///< `width` x `height`: of the window, pixels
     screenshot,   ///< `word`: the file; empty: a new name in the working folder
     open,         ///< `word`: a clip
-    choose,       ///< a file to open, by a dialog
+    choose,       ///< a file to open, by a dialog; `word`: of that folder, by the window's own list
     feel,         ///< `word`: a setting of touch and its value, "median 5" (session_settings.hpp)
     settings,     ///< `word`: "a" or "b", the set to put into effect; empty: the other one
     reset,        ///< all kept settings

@@ -105,6 +105,7 @@ void WindowCore::take(const WindowCommand& command) {
 
 void WindowCore::leave() {
     if (quits_ || std::exchange(picture_.panel().help_shown, false) || notices.dismiss()) return;
+    if (clips_.close_files() || picture_.panel().leave()) return;
     if (std::exchange(picture_.panel().hidden, false)) return;
     notices.clear_passing();  // the hint of a tool being put away
     for (WindowMode* const mode : modes_)

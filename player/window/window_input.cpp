@@ -51,10 +51,11 @@ void WindowInput::take(const InputEvent& event) {
 void WindowInput::take_key(const InputEvent& event) {
     if (event.kind == InputEvent::Kind::key_released) {
         for (const KeyBinding& binding : key_bindings())
-            if (event.word == binding.key && binding.verb == WindowVerb::clutch)
+            if (core_.options.hand && event.word == binding.key && binding.verb == WindowVerb::clutch)
                 core_.take(WindowCommand{WindowVerb::clutch, 0});
         return;
     }
+    if (core_.picture().panel().takes_key(event)) return;
     const KeyBinding* const binding = binding_of(event.word, event.control, event.shift);
     if (binding && (!event.repeated || row_of(binding->verb).has(CommandRow::by_steps)))
         core_.take(WindowCommand{binding->verb, event.stopped_force ? -1 : binding->number, ""});
@@ -77,6 +78,10 @@ void WindowInput::take_pointer(const InputEvent& event) {
         if (mode->handle_pointer(event, is_of_panel)) return;
     if (clicks_for_fullscreen(event, is_of_panel)) return turn_fullscreen();
     if (!clip) return;
+    const bool is_right = event.word == "right" && !is_of_panel && !core_.is_unattended();
+    if (is_right && event.kind == Kind::pressed) clicked_ = at_;
+    if (is_right && event.kind == Kind::released && glm::distance(at_, clicked_) < DoubleClick::farthest_px)
+        core_.picture().panel().menu_at = at_;
     const ScreenSize size = core_.screen().size();
     const auto leads = core_.options.hand || core_.any_button(LeftButton::turns_view)
                            ? PointerInput::Leads::view

@@ -55,6 +55,10 @@ public:
     /// Once a turn, with a clip: shows and hides the pointer and the bar.
     void go_on();
 
+    /// Makes the place last clicked with the right button the view's middle.
+    void centre() { pointer_.ask_for_middle(clicked_); }
+    /// Where the right button was last pressed.
+    const glm::dvec2& clicked() const { return clicked_; }
     /// The pointer's current or last position: window, pixels.
     const glm::dvec2& pointer() const { return at_; }
     /// The same, unless it is away, or over the panel.
@@ -97,6 +101,7 @@ private:
     glm::dvec2 at_{0.0};
     bool is_there_ = false;  // the pointer, in the window
     DoubleClick fullscreen_click_;
+    glm::dvec2 clicked_{0.0};
     bool is_fullscreen_ = false;
     std::vector<InputEvent> events_;
     std::vector<std::string> dropped_;

@@ -240,6 +240,7 @@ private:
         if (!options_.light) kept.light = core_.picture().surface().light();
         kept.fingers = core_.clip()->fingers().count();
         kept.volume = core_.sound().volume();
+        kept.recent = core_.clips().recent();
         if (!options_.filters_are_stated) {
             const TwoSettings settings = core_.clips().wanted_settings().kept;
             kept.a = settings.a;

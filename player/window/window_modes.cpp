@@ -25,6 +25,34 @@ void ViewMode::turn_or_touch() {
                           : "the left button presses the finger again");
 }
 
+void ViewMode::begin_clip(bool goes_on) {
+    is_turning_ = is_turning_ && goes_on;
+    before_.clear();
+    seen_ = core_.clip()->view().state();
+}
+
+void ViewMode::go_on(double) {
+    constexpr double burst_s = 0.6;
+    constexpr std::size_t most = 32;
+    const WindowView::State& state = core_.clip()->view().state();
+    const double now_s = core_.time.script_s;
+    const bool goes_on = !before_.empty() && now_s - changed_s_ < burst_s;
+    const bool is_changed = !state.looks_as(seen_);
+    if (is_changed && !goes_on) before_.push_back(seen_);
+    if (before_.size() > most) before_.pop_front();
+    if (is_changed || (goes_on && core_.input().holds())) changed_s_ = now_s;  // a drag may rest
+    if (is_changed) seen_ = state;
+}
+
+void ViewMode::undo() {
+    go_on(0);
+    if (before_.empty()) return core_.say("the view has not been turned, moved or zoomed", Tone::refusal);
+    core_.clip()->view().set_state(before_.back());
+    seen_ = std::move(before_.back());
+    before_.pop_back();
+    changed_s_ = -1e9;  // the next change is another gesture
+}
+
 // --- The list of clips
 
 void PlaylistMode::go(int by) {
@@ -78,6 +106,10 @@ void PlaylistMode::begin_clip(bool) {
 
 void MeasureMode::take(const WindowCommand& command) {
     if (command.word == "off") return let_go();
+    if (command.word == "here") {
+        if (!tool_.is_held()) take({WindowVerb::measure});
+        return (void)tool_.take({.kind = InputEvent::Kind::pressed, .word = "left"}, core_.input().clicked());
+    }
     if (command.places.empty()) {
         tool_.hold(!tool_.is_held());
         if (!tool_.is_held()) return;

@@ -6,9 +6,11 @@
 // and by parts that need the list or the painted materials.
 
 #include <cstdio>
+#include <deque>
 
 #include "engine/base/words.hpp"
 #include "player/window/measure.hpp"
+#include "player/window/pointer.hpp"
 #include "player/window/user_files.hpp"
 #include "player/window/window_brush.hpp"
 #include "player/window/window_mode.hpp"
@@ -24,18 +26,27 @@ public:
     void go_home();
     /// Dragging turns the view, or presses the finger again.
     void turn_or_touch();
+    /// The view before the last gesture: a drag, or changes soon after each other.
+    void undo();
 
+    void go_on(double now_s) override;
     bool leave() override { return std::exchange(is_turning_, false); }
     void put_away() override { is_turning_ = false; }
     void begin_anew() override { go_home(); }
-    void begin_clip(bool goes_on) override { is_turning_ = is_turning_ && goes_on; }
-    void draw(PanelFacts& facts, const Seen&) override { facts.is_turning = is_turning_; }
+    void begin_clip(bool goes_on) override;
+    void draw(PanelFacts& facts, const Seen&) override {
+        facts.is_turning = is_turning_;
+        facts.can_undo_view = !before_.empty();
+    }
     LeftButton left_button() const override {
         return is_turning_ ? LeftButton::turns_view : LeftButton::touches;
     }
 
 private:
     bool is_turning_ = false;
+    std::deque<WindowView::State> before_;  // the views before the last gestures, oldest first
+    WindowView::State seen_;
+    double changed_s_ = 0;
 };
 
 /// The list of clips, and the current place: the user steps through it with keys, and at the end of a clip

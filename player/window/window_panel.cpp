@@ -22,8 +22,8 @@ float wide_digits(std::string words) {
     return ImGui::CalcTextSize(words.c_str()).x;
 }
 
-/// Ordered from dispensable to needed; the first are dropped when room is short. All but looping are in the
-/// panel behind `settings`, too.
+/// Ordered from dispensable to needed; the first are dropped when room is short. The panel behind `settings`
+/// has all, too, and its menu has the house.
 enum class Need { colours, loop, speed, other_clip, measure, turn, settings, home, always };
 
 struct BarButton {
@@ -148,10 +148,23 @@ float bar_width(const std::vector<BarButton>& buttons, float side) {
 
 }  // namespace
 
+/// Call once a picture.
+void WindowPanel::lead_keys(bool into_a_list) {
+    ImGui::GetIO().ConfigFlags = into_a_list ? ImGuiConfigFlags_NavEnableKeyboard : 0;
+    if (has_keys_ && !into_a_list) ImGui::SetWindowFocus(nullptr);
+    has_keys_ = into_a_list;
+}
+
+bool WindowPanel::takes_key(const InputEvent& event) const {
+    const auto keys = {"up", "down", "left", "right", "space", "enter"};
+    return has_keys_ && !event.control && std::ranges::find(keys, event.word) != keys.end();
+}
+
 void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vector<WindowCommand>& asked) {
     const auto w = static_cast<float>(width), h = static_cast<float>(height);
     const float m = panel_margin * scale_, bar = panel_bar_height * scale_;
     boxes_.clear();
+    lead_keys(menu_at || !facts.files.rows.empty() || (has_focus && shown && !help_shown && !hidden));
     draw_brush_line(facts.brush, scale_);
     draw_measured_line(facts.measure, scale_);
     draw_finger_halos(facts.halos, scale_);
@@ -159,8 +172,8 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     words_bottom_ = 0;
     if (hidden && silent && !facts.kiosk) return;
     if (is_stopped && !facts.kiosk && !help_shown) draw_stop(w, h);
-    if (hidden && !facts.kiosk) {
-        draw_fault(facts, w, asked);
+    if (hidden && !facts.kiosk && !menu_at && facts.files.rows.empty()) {
+        draw_fault(facts, w, h, asked);
         return draw_message(facts, w);
     }
     const bool has_page = facts.study && facts.study->is_page;
@@ -179,23 +192,50 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
         bar_box_ = note_box();
         ImGui::End();
     }
-    draw_fault(facts, w, asked);
+    draw_fault(facts, w, h, asked);
     if (!help_shown || facts.message_is_bad) draw_message(facts, w);
-    if (help_shown) {
-        begin_help(facts, w, h, scale_);  // the help needs the room
-        note_box();
-        return ImGui::End();
-    }
+    if (draw_page(facts, m, w, h, asked)) return;  // it needs the room
     draw_force(facts, h, scale_);
-    const float above_place = draw_place(facts, w, h, scale_);
+    draw_place(facts, w, h, scale_);
     if (facts.scale && (!shown || is_roomy(w))) {
-        const float right = w - m - (shown ? side_width(w) + m : 0);
-        const bool is_beside = right > 580 * scale_;  // the right side is clear of the place's values
-        const float bottom = is_beside ? h - 2 * m - bar : above_place;
+        const float right = w - m - (shown ? side_width(w) + m : 0), bottom = h - 2 * m - bar,
+                    beside_place = right - w / 2 - 2 * m;
         const float explained = wants_bar(facts) && bar_.explains() ? explanation_height() : 0;
-        draw_overlay_scale(*facts.scale, right, bottom - explained, scale_);
+        draw_overlay_scale(*facts.scale, right, bottom - explained,
+                           right > 580 * scale_ ? widest_scale * scale_ : beside_place, scale_);
     }
     if (shown) draw_side(facts, w, h, asked);
+    if (menu_at) draw_menu(facts, w, h, asked);
+}
+
+/// What can be done, with keys; a choice, or a click beside it, closes it.
+void WindowPanel::draw_menu(const PanelFacts& facts, float width, float height,
+                            std::vector<WindowCommand>& asked) {
+    const std::tuple<const char*, WindowCommand, bool> rows[] = {
+        {"copy the values here", {WindowVerb::copy}, true},
+        {"measure from here", {WindowVerb::measure, 0, "here"}, true},
+        {"make this the view's middle", {WindowVerb::centre}, true},
+        {"the view before", {WindowVerb::undo_view}, facts.can_undo_view},
+        {"the clip's own view", {WindowVerb::home}, true},
+        {"next colours", {WindowVerb::overlay}, true},
+        {"hide bars and words", {WindowVerb::hide}, true},
+        {"full screen", {WindowVerb::fullscreen}, true},
+        {"save a picture of the window", {WindowVerb::screenshot}, true},
+        {"open a file", {WindowVerb::choose}, true}};
+    const float m = panel_margin * scale_, x = static_cast<float>(menu_at->x),
+                tall = ImGui::GetTextLineHeightWithSpacing() * std::size(rows) + 2 * m;
+    ImGui::SetNextWindowBgAlpha(0.95F);
+    begin_box("menu", {.x = x,
+                       .y = std::max(std::min(static_cast<float>(menu_at->y), height - m - tall), m),
+                       .pivot_x = x + 19 * ImGui::GetFontSize() > width ? x / width : 0,
+                       .has_keys = true});
+    note_box();
+    const std::size_t before = asked.size();
+    for (const auto& [words, command, may] : rows)
+        if (ImGui::MenuItem(words, keys_of(command.verb).c_str(), false, may)) asked.push_back(command);
+    const bool is_beside = ImGui::IsMouseClicked(ImGuiMouseButton_Left) && !ImGui::IsWindowHovered();
+    if (asked.size() > before || is_beside) menu_at.reset();
+    ImGui::End();
 }
 
 float WindowPanel::aside(float width) const {
@@ -208,17 +248,29 @@ void WindowPanel::draw_without_clip(const PanelFacts& facts, int width, int heig
     const auto w = static_cast<float>(width), h = static_cast<float>(height);
     boxes_.clear();
     words_bottom_ = 0;
-    if (facts.is_empty && !help_shown) {
-        draw_empty_page(w, h, scale_);
+    lead_keys(!facts.files.rows.empty());
+    float top = panel_margin * scale_;
+    if (facts.is_empty && facts.files.folder.empty() && !help_shown) {
+        top = draw_empty_page(facts.files.rows.size(), w, h, scale_);
         if (ImGui::IsMouseClicked(ImGuiMouseButton_Left) && !ImGui::GetIO().WantCaptureMouse)
             asked.push_back({WindowVerb::choose});
     }
-    draw_fault(facts, w, asked);
+    draw_fault(facts, w, h, asked);
     draw_message(facts, w);
-    if (!help_shown) return;
-    begin_help(facts, w, h, scale_);
+    draw_page(facts, top, w, h, asked);
+}
+
+/// The help, or the files to choose from; returns whether it was shown.
+bool WindowPanel::draw_page(const PanelFacts& facts, float top, float width, float height,
+                            std::vector<WindowCommand>& asked) {
+    if (menu_at || (!help_shown && facts.files.rows.empty())) return false;
+    const float bottom = height - (facts.is_empty ? 1 : 2) * panel_margin * scale_ -
+                         (facts.is_empty ? 0 : panel_bar_height * scale_);
+    help_shown ? begin_help(facts, width, height, scale_)
+               : begin_files(facts.files, top, width, bottom, scale_, asked);
     note_box();
     ImGui::End();
+    return true;
 }
 
 WindowPanel::Box WindowPanel::note_box() {
@@ -227,11 +279,12 @@ WindowPanel::Box WindowPanel::note_box() {
 }
 
 WindowPanel::Free WindowPanel::free_of(const PanelFacts& facts, float width) const {
-    const bool is_narrow = width < 480 * scale_ && !facts.is_empty;  // no force is shown there
-    const float m = panel_margin * scale_, from = shown || facts.hand || is_narrow ? 104 * scale_ : 0.0F,
-                to = shown ? width - side_width(width) - 2 * m : width, room = to - from - m;
+    const bool has_clip = !facts.clip.empty(), is_beside = shown && has_clip;
+    const float m = panel_margin * scale_,
+                from = facts.hand || (has_clip && (shown || !is_roomy(width))) ? 104 * scale_ : 0.0F,
+                to = is_beside ? width - side_width(width) - 2 * m : width, room = to - from - m;
     return {(from + to) / 2, words_bottom_ > 0 ? words_bottom_ + m / 2 : m, room,
-            shown ? room : std::min(room, width * 0.6F)};
+            (is_roomy(width) && !is_beside ? std::min(room, width * 0.6F) : room) - m};
 }
 
 /// Draws the state of forces, always visible.
@@ -253,10 +306,14 @@ void WindowPanel::draw_state(const PanelFacts& facts, float width) {
 }
 
 /// Draws a fault until it is dismissed.
-void WindowPanel::draw_fault(const PanelFacts& facts, float width, std::vector<WindowCommand>& asked) {
+void WindowPanel::draw_fault(const PanelFacts& facts, float width, float height,
+                             std::vector<WindowCommand>& asked) {
     if (facts.faults.empty()) return;
     const Free free = free_of(facts, width);
-    begin_box("fault", {.x = free.middle, .y = free.top, .pivot_x = 0.5F});
+    // At most down to the bar.
+    const float room = height - free.top - (2 * panel_margin + panel_bar_height) * scale_;
+    ImGui::SetNextWindowSizeConstraints(ImVec2(0, 0), ImVec2(width, std::max(room, 30 * scale_)));
+    begin_box("fault", {.x = free.middle, .y = free.top, .pivot_x = 0.5F, .scrolls = true});
     note_box();
     ImGui::PushTextWrapPos(free.wrap);
     ImGui::TextColored(bad_words, "%s", facts.faults.front().c_str());

@@ -87,9 +87,20 @@ public:
     explicit WindowPanel(double scale) : scale_(static_cast<float>(scale)) {}
     void set_scale(double scale) { scale_ = static_cast<float>(scale); }
     bool shown = false, help_shown = false;
+    bool has_focus = false;             ///< the panel has the keys
+    std::optional<glm::dvec2> menu_at;  ///< window, pixels; nullopt: no menu
+    /// Shows or hides the panel. `by_key`: it gets the keys, even if it was shown.
+    void turn_over(bool by_key) {
+        has_focus = by_key && !(shown && has_focus);
+        shown = by_key ? has_focus : !shown;
+    }
+    /// Closes the menu, or gives the keys back; returns whether there was something.
+    bool leave() { return std::exchange(menu_at, std::nullopt) || std::exchange(has_focus, false); }
     bool hidden = false;    ///< all but messages and what lies on the surface
     bool silent = false;    ///< hides messages too while `hidden`
     bool bar_shown = true;  ///< unless something else needs it
+    /// Whether a list takes this key, to go through its items.
+    bool takes_key(const InputEvent& event) const;
 
     /// Call between ImGuiLayer's `begin` and `draw`.
     void draw(const PanelFacts& facts, int width, int height, std::vector<WindowCommand>& asked);
@@ -109,12 +120,13 @@ public:
     }
 
 private:
+    void draw_menu(const PanelFacts& facts, float width, float height, std::vector<WindowCommand>& asked);
     void draw_side(const PanelFacts& facts, float width, float height, std::vector<WindowCommand>& asked);
     void draw_kiosk(const PanelFacts& facts, float width, float height, std::vector<WindowCommand>& asked);
     void draw_turn_back(const std::string& words, float width, std::vector<WindowCommand>& asked);
     void draw_state(const PanelFacts& facts, float width);
     void draw_message(const PanelFacts& facts, float width);
-    void draw_fault(const PanelFacts& facts, float width, std::vector<WindowCommand>& asked);
+    void draw_fault(const PanelFacts& facts, float width, float height, std::vector<WindowCommand>& asked);
     /// The place of the next words above the picture, between the forces and the panel: the middle of its
     /// upper edge, the width there, and the width at which messages wrap.
     struct Free {
@@ -133,6 +145,9 @@ private:
         }
     };
     Box note_box();
+    void lead_keys(bool into_a_list);
+    bool draw_page(const PanelFacts& facts, float top, float width, float height,
+                   std::vector<WindowCommand>& asked);
     /// Also shown beside the panel, and at the end, where it is used to continue.
     bool wants_bar(const PanelFacts& facts) const {
         return bar_shown || shown || help_shown || (facts.at_end && facts.last_seconds > 0);
@@ -141,7 +156,7 @@ private:
     float scale_;
     std::vector<Box> boxes_;  // of clickable items
     Box bar_box_;             // shown or hidden
-    bool tool_was_held_ = false;
+    bool tool_was_held_ = false, has_keys_ = false;
     float words_bottom_ = 0;  // lower edge of messages above the picture; 0: none
     PlaybackBar bar_;
     SettingsPanel settings_;

@@ -19,7 +19,7 @@ namespace {
 // that decoding would suffer. For a new frame of the clip it is shorter.
 constexpr double picture_pause_ms = 16, slowest_pause_ms = 50, share_of_drawing = 0.95, frame_pause_ms = 8;
 constexpr double words_pause_ms = 200;  // while nothing moves: clock and figures may advance
-constexpr double after_input_ms = 300;  // buttons fade
+constexpr double after_input_ms = 300, hint_s = 15;  // buttons fade; hints leave
 constexpr int fine_samples = 2, most_fine_pixels = 1 << 24, longest_side = 8192;  // a side; of a fine picture
 // FingerTrails' nearest_share: a pointer's finger is hidden far from the surface, a device's hardly ever.
 constexpr double nearest_of_pointer = 0.5, nearest_of_hand = 0.125;
@@ -257,6 +257,7 @@ Result<void> WindowPicture::keep(const std::filesystem::path& name) {
 
 void WindowPicture::begin_clip(bool goes_on) {
     if (!goes_on) surface_.set_overlay(Overlay::colour);  // a newly opened clip shows its own colours first
+    values_.clear();
     forget_session();
 }
 
@@ -486,9 +487,17 @@ PanelFacts WindowPicture::facts_of(const WatchedMoment& moment, const HeightFiel
     for (std::string words : {core_.screen().touch_state(), sound.rumble_state()})
         if (!words.empty()) facts.figures.push_back(std::move(words));
     facts.volume = sound.volume();
+    facts.files = core_.clips().files();
     for (WindowMode* const mode : core_.modes()) mode->draw(facts, {moment, field, camera});
     if (!core_.is_unattended()) add_message(facts);
+    if (!facts.place.lines.empty()) values_ = listed(facts.place.lines);
     return facts;
+}
+
+void WindowPicture::copy_values() {
+    if (values_.empty()) return core_.say("point at the picture to copy its values", Tone::refusal);
+    core_.screen().set_clipboard(values_);
+    core_.say("copied: " + values_);
 }
 
 /// The last message; else work in progress, a fault, or a hint.
@@ -512,6 +521,8 @@ void WindowPicture::add_message(PanelFacts& facts) const {
         facts.message = remarks.back();
     else if (!facts.silence.empty())
         facts.message = facts.silence;
+    else if (core_.time.script_s - core_.time.stirred_s > hint_s)
+        return;
     else if (!core_.options.hand && !clip.fingers().was_pressed())
         facts.message = facts.has_touch_screen             ? first_touch_words
                         : facts.at_end && !clip.is_still() ? end_first_words
@@ -573,6 +584,7 @@ PanelFacts WindowPicture::facts_without_clip() const {
     PanelFacts facts;
     const WindowClips& clips = core_.clips();
     facts.is_empty = clips.waits_for_wish() && !clips.is_opening();
+    facts.files = clips.files();
     if (core_.is_unattended()) return facts;
     add_notices(facts, core_.notices);
     if (facts.message.empty() && clips.is_opening()) facts.message = clips.words() + " ...";

@@ -51,6 +51,8 @@ public:
     double left_ms() const { return pause_ms() - 1000 * Clock::seconds_between(last_picture_, Clock::now()); }
     /// Writes the last picture to a file.
     Result<void> keep(const std::filesystem::path& name);
+    /// Copies the values last shown at the pointer.
+    void copy_values();
     /// Commands from the panel.
     std::vector<WindowCommand> take_asked() { return std::exchange(asked_, {}); }
 
@@ -117,6 +119,7 @@ private:
     double last_draw_ms_ = 0;
     bool is_fine_ = false;  // the last picture had several samples a pixel
     std::string shown_message_;
+    std::string values_;  // last shown at the pointer
     std::size_t place_lines_ = 0;
     RedrawEstimator redraw_;
     FramesShown frames_shown_;

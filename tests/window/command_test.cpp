@@ -238,7 +238,7 @@ TEST(WindowScript, NamesLineOfFault) {
                   {"nan key a\n", "line 1", "a time"},
                   {"-1 key a\n", "line 1", "a time"},
                   {"0 key esc\n", "line 1", "escape"},
-                  {"0 key up\n", "line 1", "unknown key 'up'"},  // without Ctrl
+                  {"0 key end\n", "line 1", "unknown key 'end'"},
                   {"0 overlay heat\n", "line 1", "stiffness"},
                   {"0 speed fast\n", "line 1", "needs a number"},
                   {"0 touch 1 20\n", "line 1", "the number of a finger"},
@@ -372,6 +372,7 @@ TEST_F(SettingsFileTest, RoundTrips) {
     KeptSettings kept{true, 3, 900, 700, felt({{"median", "5"}, {"max-force", "2.5"}}), {}, false};
     kept.b = felt({{"filters", "off"}, {"fill-holes", "3"}});
     kept.volume = 60;
+    kept.recent = {"/clips/b.mkv", "/clips/a.mkv"};
     const SettingsFile none(deep);
     EXPECT_EQ(none.read(), KeptSettings());
     EXPECT_EQ(none.message(), "");
@@ -393,7 +394,7 @@ TEST_F(SettingsFileTest, RoundTrips) {
 
 TEST_F(SettingsFileTest, ReportsAndIgnoresInvalidValues) {
     put(file,
-        R"({"panel": true, "sparkle": 1, "fingers": 9, "volume": 101, "window": [10, 10], "overlay": "night",
+        R"({"panel": true, "sparkle": 1, "fingers": 9, "volume": 101, "window": [10, 10], "overlay": "night", "recent": ["a", 2],
                   "a": {"median": 4, "metric": "pixel", "taste": [[]]}, "b": 3})");
     const SettingsFile read(file);
     KeptSettings right;
@@ -401,8 +402,8 @@ TEST_F(SettingsFileTest, ReportsAndIgnoresInvalidValues) {
     right.a = felt({{"metric", "pixel"}});
     right.b.emplace();
     EXPECT_EQ(read.read(), right);
-    for (const char* word :
-         {"'sparkle' is unknown", "1 to 5", "0 to 100", "[320, 200]", "0 (off), 3 or 5", "'taste'", "object"})
+    for (const char* word : {"'sparkle' is unknown", "1 to 5", "0 to 100", "[320, 200]", "up to 8 files",
+                             "0 (off), 3 or 5", "'taste'", "object"})
         EXPECT_TRUE(contains(read.message(), word));
     EXPECT_EQ(read.message().find('\n'), std::string::npos) << "a warning has one line";
     ASSERT_TRUE(read.write(read.read()));

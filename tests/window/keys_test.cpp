@@ -145,7 +145,7 @@ TEST(Help, FitsInLargeWindow) {
     EXPECT_EQ(differences(top, end, {140, 110, 1140, 550}), 0) << "something was scrolled to";
 }
 
-TEST(Notices, RemarksExpireFaultsWait) {
+TEST(Notices, RemarksExpireBeforeFaults) {
     Notices notices;
     notices.say("no such clip", Tone::fault, 0);
     notices.say("volume 80 %", Tone::remark, 1);
@@ -154,9 +154,15 @@ TEST(Notices, RemarksExpireFaultsWait) {
     EXPECT_FALSE(notices.is_refusal());
     notices.pass(5.1);
     EXPECT_EQ(notices.passing(), "");
-    notices.pass(1e6);
-    ASSERT_EQ(notices.faults().size(), 1U);
+    notices.say("the disk is full", Tone::fault, 20);
+    notices.pass(34.8);
+    ASSERT_EQ(notices.faults().size(), 2U);
     EXPECT_EQ(notices.faults().front(), "no such clip");
+    notices.pass(35);
+    notices.pass(36);
+    notices.pass(65.9);
+    ASSERT_EQ(notices.faults().size(), 1U) << "each is shown for 30 s";
+    EXPECT_EQ(notices.faults().front(), "the disk is full");
     EXPECT_TRUE(notices.dismiss());
     EXPECT_TRUE(notices.faults().empty());
     EXPECT_FALSE(notices.dismiss()) << "Escape is free for something else";
@@ -234,6 +240,26 @@ TEST(Playlist, FolderIsSortedByName) {
     EXPECT_EQ(clips_of("nowhere"), std::vector<fs::path>{"nowhere"});
     std::ofstream(folder / "scene.json") << "{}";
     EXPECT_EQ(clips_of(folder.path()), std::vector<fs::path>{folder.path()});
+}
+
+TEST(FileList, HasFoldersClipsAndRecent) {
+    const TemporaryFolder folder;
+    for (const char* name : {"clip10.mkv", "clip2.MKV", ".hidden.mkv", "notes.txt"})
+        std::ofstream(folder / name) << "x";
+    fs::create_directories(folder / "others/inner");
+    fs::create_directories(folder / "pictures");
+    std::ofstream(folder / "pictures/scene.json") << "{}";
+    const auto list =
+        list_files(folder / "others/..", {(folder / "gone.mkv").string(), (folder / "clip10.mkv").string()});
+    ASSERT_TRUE(list) << list.error().message;
+    std::string rows;
+    for (const FileList::Row& row : list->rows) rows += row.words + (row.is_folder ? "*; " : "; ");
+    EXPECT_EQ(rows, "clip10.mkv, in " + folder.path().string() +
+                        "; ../*; others/*; clip2.MKV; clip10.mkv; pictures; open this folder; ");
+    EXPECT_EQ(list->rows[0].path, folder / "clip10.mkv");
+    EXPECT_EQ(list->rows[1].path, fs::canonical(folder.path()).parent_path());
+    EXPECT_TRUE(list_files("", {})->rows.empty());
+    EXPECT_TRUE(contains(list_files(folder / "nowhere", {}).error().message, "cannot be listed"));
 }
 
 TEST(DoubleClick, NeedsTwoQuickClosePresses) {

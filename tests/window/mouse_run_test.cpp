@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <random>
 #include <sstream>
 #include <string>
@@ -22,6 +23,7 @@
 #include "player/window/window_command.hpp"
 #include "tests/player/program.hpp"
 #include "tests/window/scripted_window.hpp"
+#include "tests/window/window_rig.hpp"
 
 namespace touchable::test {
 namespace {
@@ -273,6 +275,29 @@ TEST(PlayerControls, KeysStepThroughFolder) {
     expect_refused({"play", clip(still), "nowhere.mkv", "--headless", "--seconds", "1"}, 3, "nowhere.mkv");
 }
 
+TEST(PlayerControls, UndoesViewByGesture) {
+    const TemporaryFolder folder;
+    const auto played = run_scripted({clip(still)},
+                                     "0.1 turn 10\n0.3 turn 15\n0.4 turn -5\n0.8 screenshot turned.png\n"
+                                     "1.2 nearer 1.6\n1.9 home\n2.1 screenshot home.png\n"
+                                     "2.2 key u\n2.4 screenshot near.png\n"
+                                     "2.5 key u\n2.7 screenshot back.png\n"
+                                     "2.8 undo-view\n3 screenshot own.png\n3.1 undo-view\n3.2 quit\n",
+                                     folder.path());
+    ASSERT_EQ(played.code, 0) << played.err;
+    EXPECT_TRUE(contains(played.err, "the view has not been turned")) << "there were three gestures";
+    std::map<std::string, Image> seen;
+    for (const std::string name : {"turned", "home", "near", "back", "own"}) {
+        auto image = read_image(folder / (name + ".png"));
+        ASSERT_TRUE(image) << name;
+        seen[name] = std::move(*image);
+    }
+    EXPECT_GT(in_the_middle(seen["turned"], seen["home"]), 1000);
+    EXPECT_GT(in_the_middle(seen["near"], seen["turned"]), 1000);
+    EXPECT_LT(in_the_middle(seen["back"], seen["turned"]), 50);
+    EXPECT_LT(in_the_middle(seen["own"], seen["home"]), 50);
+}
+
 TEST(PlayerControls, SkipsUnopenableClip) {
     const TemporaryFolder folder;
     std::ofstream(folder / "broken.mkv") << "no clip";
@@ -320,6 +345,91 @@ TEST(PlayerControls, EmptyWindowOpensDroppedClip) {
     EXPECT_LT(differences(wrong.image, page, {10, 120, 310, 230}), 500) << "it does not wait for another";
     EXPECT_FALSE(stays({}, "0.3 key q\n"));
     expect_refused({"play", "--headless", "--seconds", "1", "--record", "a.touch"}, 2);
+}
+
+TEST(PlayerControls, ListOpensChosenFile) {
+    const TemporaryFolder folder;
+    const std::string settings = (folder / "play.json").string();
+    const std::vector<std::string> words{"--settings", settings};
+    const Image wanted = shown(still, "", "0.8"), page = played_by(words, "", "0.6").image;
+    const std::string list = "0.1 choose " + some_clips().string() + "\n";
+    // ../, a-globe, b-still, c-bumps; over a clip below that one, the last opened
+    const std::string third = "1.2 key down\n1.4 key down\n1.6 key down\n1.8 key enter\n";
+    EXPECT_LT(in_the_middle(played_by(words, list + third, "4").image, wanted), 50);
+    EXPECT_TRUE(contains(file_contents(settings), "/b-still.mkv"));
+    EXPECT_LT(in_the_middle(played_by({clip(bumps)}, list + "1 key down\n" + third, "4").image, wanted), 50);
+    EXPECT_TRUE(stays({clip(bumps)}, list + "0.5 key escape\n", "0.7", "1")) << "Escape closed the window";
+    // The page of the next window has it, below what may be dropped.
+    EXPECT_GT(differences(played_by(words, "", "0.6").image, page, {10, 120, 310, 230}), 300);
+    EXPECT_LT(in_the_middle(played_by(words, "0.6 key down\n0.8 key enter\n", "3").image, wanted), 50);
+}
+
+class ClipboardScreen final : public WrappedScreen {
+public:
+    ClipboardScreen(const ScreenOptions& options, std::string& copied)
+        : WrappedScreen(options), copied_(copied) {}
+    void set_clipboard(const std::string& text) override { copied_ = text; }
+
+private:
+    std::string& copied_;
+};
+
+/// What a window of a globe's still has copied by this script.
+std::string copied_by(const std::string& script) {
+    std::string copied;
+    PlayOptions options = headless_by_cpu(clip(still));
+    options.make_screen = [&copied](const ScreenOptions& wanted) {
+        return std::make_unique<ClipboardScreen>(wanted, copied);
+    };
+    options.script = inputs_of(script + "2 quit\n");
+    const auto played = play_in_window(std::move(options));
+    EXPECT_TRUE(played) << played.error().message;
+    return copied;
+}
+
+TEST(PlayerControls, CopiesValuesAtPointer) {
+    EXPECT_EQ(copied_by("0.1 copy\n"), "") << "nothing was pointed at";
+    const std::string copied = copied_by("0.1 move 160 110\n0.6 copy\n");
+    EXPECT_EQ(copied.find("pixel 80, 5"), 0U) << copied;
+    for (const char* part : {", code ", ", z ", " m, ", ", stiffness ", ", friction ", ", sliding "})
+        EXPECT_TRUE(contains(copied, part));
+    EXPECT_EQ(copied.find('\n'), std::string::npos) << "it is one line";
+}
+
+TEST(PlayerControls, RightClickOpensMenu) {
+    // Left of its rows, so that keys begin at the first.
+    const std::string click = "0.1 move 20 60\n0.5 press right\n0.6 release right\n";
+    const std::string copied = copied_by("0.1 move 20 60\n0.6 copy\n");
+    ASSERT_NE(copied, "");
+    EXPECT_EQ(copied_by(click + "0.9 move 200 30\n1 press left\n1.1 release left\n"), copied);
+    EXPECT_EQ(copied_by(click + "0.9 key down\n1.1 key enter\n"), copied);
+    EXPECT_EQ(copied_by("0 key h\n" + click + "0.9 key down\n1.1 key enter\n"), copied) << "all is hidden";
+    EXPECT_EQ(copied_by(click + "0.9 key escape\n1 key down\n1.2 key enter\n"), "") << "it is closed";
+    EXPECT_EQ(copied_by("0.1 move 20 60\n0.5 press right\n0.55 move 20 90\n0.6 release right\n"
+                        "0.9 key down\n1.1 key enter\n"),
+              "")
+        << "a drag presses deeper";
+    const auto measured = played_by({clip(still)},
+                                    "0.1 move 160 110\n0.5 press right\n0.6 release right\n"
+                                    "0.9 move 200 51\n1 press left\n1.1 release left\n"
+                                    "1.4 move 130 100\n1.6 press left\n1.7 release left\n",
+                                    "2.2");
+    EXPECT_TRUE(contains(measured.outcome.out, "measured"));
+}
+
+TEST(PlayerControls, TabLeadsKeysIntoPanel) {
+    const TemporaryFolder folder;
+    const std::string settings = (folder / "play.json").string();
+    // reset, fingers 1, 2, 3
+    const std::string third = "0.5 key down\n0.7 key down\n0.9 key right\n1.1 key right\n1.3 key enter\n";
+    const auto fingers_after = [&](const std::string& script) {
+        std::filesystem::remove(settings);
+        played_by({clip(still), "--settings", settings}, script + "1.5 key 9\n", "1.8");
+        return nlohmann::json::parse(file_contents(settings)).at("fingers").get<int>();
+    };
+    EXPECT_EQ(fingers_after("0.1 key tab\n" + third), 3);
+    EXPECT_EQ(fingers_after("0.1 key tab\n0.3 key escape\n" + third), 1) << "Escape gives them back";
+    EXPECT_EQ(fingers_after("0.1 panel\n" + third), 1) << "a click on the button leaves them";
 }
 
 TEST(PlayerControls, ScaleEnlargesText) {
@@ -383,6 +493,7 @@ public:
         release(at_s + 0.15);
         leave(at_s + 0.2);
     }
+    void key(double at_s, const std::string& name) { add(at_s, "key " + name); }
     void turn(double at_s, int degrees) { add(at_s, "turn " + std::to_string(degrees)); }
     void quit(double at_s) { add(at_s, "quit"); }
     const std::string& words() const { return words_; }
@@ -524,8 +635,8 @@ INSTANTIATE_TEST_SUITE_P(Sizes, MouseOnly,
                                            WindowOfSize{2560, 1440}),
                          [](const auto& named) { return "Wide" + std::to_string(named.param.width); });
 
-/// In a narrow window the bar keeps what is needed most, and the legend of an overlay has a place beside
-/// what is said of the pixel under the pointer.
+/// In a narrow window the bar keeps what is needed most, and the legend of an overlay is in the lower right,
+/// beside what is said of the pixel under the pointer.
 class NarrowWindowMouse : public MouseOnly {};
 
 TEST_P(NarrowWindowMouse, FindsHelpAndReadsLegends) {
@@ -537,14 +648,35 @@ TEST_P(NarrowWindowMouse, FindsHelpAndReadsLegends) {
     script.picture(0.9, "away.png");
     script.click_bar(1, help);
     script.picture(1.4, "help.png");
-    script.quit(1.5);
+    script.click_bar(1.5, help);
+    script.key(1.6, "h");
+    script.leave(1.6);
+    script.picture(1.9, "bare.png");
+    script.quit(2);
     play({"globe.mkv"}, legend + script.words());
     EXPECT_GT(differs("help.png", "away.png", 200, 100, 800, 600), 0.3);
-    // The lower right, where the legend is when nothing is said of a pixel.
     const auto [width, height] = GetParam();
-    const int top = 1000 - 110'000 / height, bottom = 1000 - 66'000 / height;
-    EXPECT_GT(differs("legend.png", "away.png", 1000 - 200'000 / width, top, 1000 - 20'000 / width, bottom),
-              0.2);
+    const int left = 1000 - 120'000 / width, top = 1000 - 110'000 / height, right = 1000 - 20'000 / width,
+              bottom = 1000 - 76'000 / height;
+    EXPECT_GT(differs("legend.png", "bare.png", left, top, right, bottom), 0.5);
+    EXPECT_LT(differs("legend.png", "away.png", left, top, right, bottom), 0.001) << "it has moved";
+    EXPECT_LT(differs("away.png", "bare.png", 350, 350, 1000, 1000 - 170'000 / height), 0.001)
+        << "it covers the middle";
+}
+
+/// What is wrong is said above the bar, however long it is.
+TEST_P(NarrowWindowMouse, FaultLeavesBarFree) {
+    MouseScript script(GetParam());
+    script.leave(0.1);
+    script.click_bar(0.2, GetParam().width < 400 ? help : settings);
+    script.leave(0.4);
+    script.picture(0.7, "before.png");
+    std::string path = "0.8 drop ";
+    for (int k = 0; k < 20; ++k) path += "/nowhere-at-all-" + std::to_string(k);
+    play({"globe.mkv"}, script.words() + path + "\n1.5 screenshot fault.png\n1.6 quit\n");
+    const int bar = 1000 - 64'000 / GetParam().height;
+    EXPECT_GT(differs("fault.png", "before.png", 0, 0, 1000, bar), 0.05);
+    EXPECT_LT(differs("fault.png", "before.png", 0, bar, 1000, 1000), 0.001);
 }
 
 /// They take a fifth of its height, and are not said of what the bar covers, where buttons explain

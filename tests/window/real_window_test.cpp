@@ -58,7 +58,7 @@ void expect_one_line(const std::string& text, const std::string& part) {
 TEST_F(RealWindow, WorksByMouseAndKeys) {
     const int code = run("play globe.mkv --size 640x400 --record hand.touch", R"(
 xdotool mousemove 320 180 sleep 0.3 mousedown 1 sleep 0.3 mousemove 340 190 sleep 0.3 key space sleep 0.2 key o sleep 0.2
-xdotool key F12 sleep 0.3 mouseup 1 sleep 0.2 windowsize $(head -1 window) 500 360 sleep 0.4 key Tab sleep 0.3 key F12 sleep 0.3 key Escape
+xdotool key F12 sleep 0.3 mouseup 1 sleep 0.2 windowsize $(head -1 window) 500 360 sleep 0.4 key Tab sleep 0.3 key F12 sleep 0.3 key Escape sleep 0.3 key Escape
 )");
     EXPECT_EQ(code, 0) << text("err");
     EXPECT_EQ(text("err"), "");

@@ -147,6 +147,9 @@ TEST(TouchScript, HomeAndSettingsButtonsWork) {
     EXPECT_LT(surface_differences(own.image, home.image), 100);
     EXPECT_GT(surface_differences(own.image, by_key.image), 3000);
     EXPECT_LT(surface_differences(by_key.image, panel.image), 300);
+    const Touched menu = play("0.3 panel\n0.4 touch 1 560 239\n0.5 touch-end 1\n", "1");
+    EXPECT_GT(differences(panel.image, menu.image, {20, 20, 280, 220}), 3000)
+        << "the panel's button has no menu";
 }
 
 TEST(TouchScript, HintFollowsMouseOrFinger) {

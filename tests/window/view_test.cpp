@@ -40,6 +40,21 @@ TEST_F(WindowViewTest, ReturnsToOwnView) {
     EXPECT_EQ(largest_difference(own.clip_from_world, camera().clip_from_world), 0);
 }
 
+TEST_F(WindowViewTest, ReturnsToEarlierState) {
+    const WindowView::State own = view.state();
+    view.turn(30, 10);
+    view.pan(10, 10, 720, 480);
+    const WindowView::State moved = view.state();
+    const ViewCamera then = camera();
+    view.near_by(2);
+    EXPECT_FALSE(view.state().looks_as(moved));
+    view.go_home();
+    EXPECT_TRUE(view.state().looks_as(own) && !own.looks_as(moved));
+    view.set_state(moved);
+    EXPECT_TRUE(view.state().looks_as(moved));
+    EXPECT_EQ(largest_difference(then.clip_from_world, camera().clip_from_world), 0);
+}
+
 TEST_F(WindowViewTest, FirstTurnDoesNotJump) {
     scene.camera.cx -= 8;  // as of recordings, whose axis is not in the picture's middle
     scene.camera.cy += 6;
