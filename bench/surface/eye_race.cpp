@@ -38,10 +38,11 @@ public:
     }
     Result<void> make_tiles() {
         return frame([&](GpuCommands& commands, const HeightField& field) {
-            return lattices_.record(commands, field, still(frame_), lattice_);
+            auto recorded = lattices_.record(commands, field, still(frame_), lattice_);
+            return recorded ? lattices_.record_view(commands, false, lattice_) : recorded;
         });
     }
-    /// q and tiles again, in memory readable by the CPU.
+    /// q again, in memory readable by the CPU.
     Result<ViewSurface> seen() {
         return lattices_.surface_of(HeightField(picture_.scene, still(frame_)), still(frame_), {},
                                     Lighting::full);
@@ -120,8 +121,6 @@ Result<void> verify(const SurfaceCase& c, const Picture& picture, ByKernels& ker
     const auto seen = kernels.seen();
     if (!seen) return seen.error();
     if (!seen->on_gpu || !nearly_equal(twin, seen->q)) return wrong(c, "the kernel's q are not the field's");
-    if (seen->tiles != test::classify_tiles(c.width, c.height, seen->q))
-        return wrong(c, "the kernel's tiles differ");
     if (!nearly_equal(twin, one.q()) || one.q() != two.q())
         return wrong(c, "the CPU's q are not the field's");
     const ViewSurface::Tiles tiles = test::classify_tiles(c.width, c.height, one.q());
