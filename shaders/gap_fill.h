@@ -33,8 +33,7 @@ using glm::vec3;
 /// Of a gap's z: behind any surface, which is nearer than 2^24 times the near plane.
 #define GAP_Z 5.9604644775390625e-8f
 #define HOLE_Q 1e-30f  // of a vertex without depth in the clip's own view
-#define GAP_REACH 2  // vertices looked at to each side
-#define GAP_STEP 2   // from one to the next
+#define GAP_REACH 3  // vertices looked at to each side
 
 #if defined(__cplusplus) || defined(GAP_LATTICE)
 #ifndef __cplusplus
@@ -58,7 +57,7 @@ GAP_FUNCTION vec3 gap_fill(GAP_OF(ivec2 at), ivec2 size) {
     for (int pass = 0; pass < 2; ++pass)
         for (int j = -GAP_REACH; j <= GAP_REACH; ++j)
             for (int i = -GAP_REACH; i <= GAP_REACH; ++i) {
-                const ivec2 there = at + GAP_STEP * ivec2(i, j);
+                const ivec2 there = at + ivec2(i, j);
                 if (there.x < 0 || there.y < 0 || there.x >= size.x || there.y >= size.y) continue;
                 const float signed_q = GAP_Q(there), q = signed_q < 0.0f ? -signed_q : signed_q;
                 if (!(q > 0.0f)) continue;

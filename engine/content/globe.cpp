@@ -173,8 +173,15 @@ private:
                 const double facing = std::max(0.0, glm::dot(sight.normal, sight.to_eye));
                 const double slope = -(rise_x * sunward.x + rise_y * sunward.y) * radius_pixels * facing;
                 const double exaggeration = 0.16;
-                const glm::dvec3 surface =
-                    planet_colour(sight.ground, sight.normal, sight.to_eye, exaggeration * slope);
+                // Coasts are narrower than a pixel: the mean over the elevations that it has.
+                const double range = 0.5 * std::hypot(right.ground.elevation - left.ground.elevation,
+                                                      above[x].ground.elevation - below[x].ground.elevation);
+                glm::dvec3 surface(0.0);
+                for (const double part : {-0.375, -0.125, 0.125, 0.375}) {
+                    Ground ground = sight.ground;
+                    ground.elevation += part * range;
+                    surface += 0.25 * planet_colour(ground, sight.normal, sight.to_eye, exaggeration * slope);
+                }
                 colour += sight.coverage * (surface - colour);
             }
             const std::array<std::uint8_t, 3> bytes = to_bytes(colour);

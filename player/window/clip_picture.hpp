@@ -44,6 +44,8 @@ public:
     virtual bool can_stretch() const { return false; }
     /// Whether `show` uses its step.
     virtual bool thins_vertices() const { return false; }
+    /// Whether a GPU draws, for which four samples a pixel are few.
+    virtual bool is_quick() const { return false; }
 
     /// Reloads the font; call after ImGuiLayer::set_scale.
     virtual Result<void> take_letters() { return {}; }

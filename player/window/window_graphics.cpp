@@ -215,6 +215,7 @@ public:
     bool is_lost() const override { return device_->lost(); }
     bool can_stretch() const override { return true; }
     bool thins_vertices() const override { return drawing_ && drawing_->thins_vertices(); }
+    bool is_quick() const override { return drawing_ && device_->facts().kind != GpuKind::software; }
 
     Result<void> take_letters() override {
         imgui_.reset();  // only one may exist

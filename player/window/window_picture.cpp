@@ -20,7 +20,7 @@ namespace {
 constexpr double picture_pause_ms = 16, slowest_pause_ms = 50, share_of_drawing = 0.95, frame_pause_ms = 8;
 constexpr double words_pause_ms = 200;  // while nothing moves: clock and figures may advance
 constexpr double after_input_ms = 300, hint_s = 15;  // buttons fade; hints leave
-constexpr int fine_samples = 2, most_fine_pixels = 1 << 24, longest_side = 8192;  // a side; of a fine picture
+constexpr int most_fine_pixels = 1 << 24, longest_side = 8192;  // of a picture with several samples a pixel
 // FingerTrails' nearest_share: a pointer's finger is hidden far from the surface, a device's hardly ever.
 constexpr double nearest_of_pointer = 0.5, nearest_of_hand = 0.125;
 constexpr const char* first_words =
@@ -279,7 +279,7 @@ Result<void> WindowPicture::draw_if_due(const WatchedMoment* moment) {
     const auto since = std::max(last_picture_, core_.time.last_event);
     const bool moves = is_due(moment, now),
                rests = 1000 * Clock::seconds_between(since, now) > after_input_ms,
-               is_fine = !moves && (is_fine_ || (rests && has_finer()));
+               is_fine = !moves && (is_fine_ || (rests && most_samples() > 1));
     if (!moves && is_fine == is_fine_ && !words_differ(moment)) return {};
     is_fine_ = is_fine;
     const auto drawn = draw_what_is_there(moment);
@@ -338,13 +338,17 @@ bool WindowPicture::words_differ(const WatchedMoment* moment) {
     return layer_->hash() != before;
 }
 
-/// Whether the view is turned, so that several samples a pixel smooth its edges, and has room for them.
-bool WindowPicture::has_finer() const {
+/// How many samples along a pixel's side there is room for: 1 unless the view is turned, so that more smooth
+/// its edges.
+int WindowPicture::most_samples() const {
     const OpenedClip* const clip = core_.clip();
     const ScreenSize size = core_.screen().size();
-    return clip && !clip->view().own() && surface_.graphics().can_stretch() &&
-           fine_samples * std::max(size.width, size.height) <= longest_side &&
-           fine_samples * fine_samples * size.width * size.height <= most_fine_pixels;
+    if (!clip || clip->view().own() || !surface_.graphics().can_stretch()) return 1;
+    for (const int samples : {4, 2})
+        if (samples * std::max(size.width, size.height) <= longest_side &&
+            samples * samples * size.width * size.height <= most_fine_pixels)
+            return samples;
+    return 1;
 }
 
 double WindowPicture::pause_ms() const {
@@ -360,8 +364,10 @@ double WindowPicture::frame_ms() const {
 
 /// The camera at the size that there is time to draw.
 ViewCamera WindowPicture::drawn_camera(const ScreenSize& size) const {
+    const bool is_quick = surface_.graphics().is_quick() && governor_.share() == 1;
     const double share = is_offline_                         ? core_.options.film.samples
-                         : is_fine_                          ? fine_samples
+                         : is_fine_                          ? most_samples()
+                         : is_quick                          ? std::min(most_samples(), 2)
                          : surface_.graphics().can_stretch() ? governor_.share()
                                                              : 1;
     const auto side = [share](int pixels) {
@@ -387,7 +393,7 @@ Result<void> WindowPicture::draw_what_is_there(const WatchedMoment* moment) {
 }
 
 Result<void> WindowPicture::draw_newest() {
-    is_fine_ = has_finer();
+    is_fine_ = most_samples() > 1;
     return draw_what_is_there(core_.clip() ? core_.clip()->session().look() : nullptr);
 }
 

@@ -5,8 +5,8 @@
 //
 // A picture is due with each new frame of the clip; within a frame, after movement or user input, if there is
 // time before the next. While nothing moves, texts and bars alone are made a few times a second, and drawn if
-// they differ; and a turned view is drawn once more with four samples a pixel. Its size and level of detail
-// follow from the drawing time (PictureGovernor). If the GPU is lost, new graphics are opened once.
+// they differ; and a turned view is drawn once more with up to 16 samples a pixel. Its size and level of
+// detail follow from the drawing time (PictureGovernor). If the GPU is lost, new graphics are opened once.
 //
 // With a film that is drawn offline (PlayOptions), a picture is due with each of the film's, in full detail,
 // however long it takes.
@@ -89,7 +89,7 @@ private:
     Result<void> open_graphics_anew(const Error& error);
     bool is_due(const WatchedMoment* moment, Clock::time_point now) const;
     bool words_differ(const WatchedMoment* moment);
-    bool has_finer() const;
+    int most_samples() const;
     double pause_ms() const;
     double frame_ms() const;
     ViewCamera drawn_camera(const ScreenSize& size) const;
