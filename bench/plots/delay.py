@@ -51,8 +51,12 @@ def draw_delay(arguments):
     panels = read_cases(arguments.results)
     figure, all_axes = plt.subplots(1, len(panels), sharex=True, sharey=True, squeeze=False, layout="constrained",
                                     figsize=(4.2 * len(panels), 4.4))
+    measured = {transport for lines in panels.values() for transport in lines}
     for axes, (loss, lines) in zip(all_axes.flat, panels.items()):
         draw_panel(axes, lines)
+        missing = [NAMES[transport] for transport in NAMES if transport in measured and transport not in lines]
+        if missing:
+            axes.annotate(f"not measured: {', '.join(missing)}", (0.03, 0.95), xycoords="axes fraction", fontsize=8.5)
         axes.set_title(f"{loss} % lost" if loss else "nothing lost")
     all_axes.flat[0].set_ylim(bottom=0)
     all_axes.flat[0].set_ylabel("force error, RMS (% of the force)")

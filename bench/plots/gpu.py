@@ -61,15 +61,15 @@ def log_axis(axes, label):
     axes.set_axisbelow(True)
 
 
-def bars(axes, groups, series, label):
+def points(axes, groups, series, label):
     """`series`: per name a colour and a value for each group, or None."""
     width = 0.8 / len(series)
     for index, (name, (fill, values)) in enumerate(series.items()):
         places = [group + (index - (len(series) - 1) / 2) * width for group in range(len(groups))]
         shown = [(place, value) for place, value in zip(places, values) if value]
-        drawn = axes.bar([place for place, _ in shown], [value for _, value in shown], width, color=fill, label=name)
-        axes.bar_label(drawn, [rounded(value, 2) for _, value in shown], fontsize=7,
-                       padding=1)
+        axes.plot([place for place, _ in shown], [value for _, value in shown], "o", color=fill, markersize=5, label=name)
+        for place, value in shown:
+            axes.annotate(rounded(value, 2), (place, value), xytext=(0, 5), textcoords="offset points", ha="center", fontsize=7)
     axes.set_xticks(range(len(groups)), groups)
     axes.set_xlim(-0.5, len(groups) - 0.5)
     log_axis(axes, label)
@@ -100,9 +100,12 @@ def draw_memory(figures):
     if not rows:
         return None
     figure, axes = plt.subplots(figsize=(9, 0.45 * len(rows) + 1), layout="constrained")
-    drawn = axes.barh([name for name, _ in rows], [value for _, value in rows], color=colour(0), height=0.65)
-    axes.bar_label(drawn, [f"{rounded(value)} GB/s" for _, value in rows], padding=3, fontsize=8.5)
+    # Points: a bar's length says nothing on a logarithmic axis.
+    axes.plot([value for _, value in rows], [name for name, _ in rows], "o", color=colour(0), markersize=7)
+    for name, value in rows:
+        axes.annotate(f"{rounded(value)} GB/s", (value, name), xytext=(8, -3), textcoords="offset points", fontsize=8.5)
     axes.invert_yaxis()
+    axes.grid(which="major", axis="x", color="#dddddd", linewidth=0.6)
     axes.set(xscale="log", xlabel="GB/s (logarithmic)")
     axes.xaxis.set_major_formatter("{x:g}")
     axes.margins(x=0.15)
@@ -132,7 +135,7 @@ def draw_turns(figures):
                 kernels = [metrics.get((size, chosen), {}).get("kernels_ms") for chosen in filters]
                 series["kernels, by the device's clock"] = ("#888888", kernels)
             axes = panels[row][column]
-            bars(axes, [FILTER_NAMES[chosen].replace(" ", "\n") for chosen in filters], series, label if column == 0 else "")
+            points(axes, [FILTER_NAMES[chosen].replace(" ", "\n") for chosen in filters], series, label if column == 0 else "")
             if row == 0:
                 axes.set_title(size)
             if column == 0 and row == 0:
@@ -151,7 +154,7 @@ def draw_jitter(figures):
                   for prefix, name, fill in (("alone", "ticks alone", "#888888"),
                                              ("cpu", "beside frames by the CPU", WAY_COLOURS["cpu"]),
                                              ("vulkan", "beside frames by Vulkan", WAY_COLOURS["vulkan"]))}
-        bars(axes, ["median", "99 %", "99.9 %"], series, "tick begins late by (us)")
+        points(axes, ["median", "99 %", "99.9 %"], series, "tick begins late by (µs)")
         axes.axhline(1000, color="#999999", linewidth=0.8, linestyle=":")
         axes.annotate("a whole tick", (0.0, 1000), xycoords=("axes fraction", "data"), xytext=(3, 2),
                       textcoords="offset points", fontsize=8, color="#666666")
@@ -173,7 +176,7 @@ def draw_pictures(figures):
                   for name, suffix, fill in (("surface shown and drawn", "_ms", colour(5)),
                                              ("with the frame built before", "_frame_ms", colour(0)),
                                              ("CPU time of that", "_frame_cpu_ms", "#888888"))}
-        bars(axes, [f"{painter},\n{words[builder]} builder" for painter, builder in pairs], series,
+        points(axes, [f"{painter},\n{words[builder]} builder" for painter, builder in pairs], series,
              "time a picture (ms)")
         axes.set_title(case.removeprefix("pictures-"))
         axes.legend(fontsize=8.5)
@@ -193,7 +196,7 @@ def draw_windows(figures):
         groups = [("auto:\n" if parts["pair"] == "auto" else "") + f"{metrics['painter']}, {metrics['builder']}\n"
                   f"{metrics['frames_in_time_pct']:.0f} % in time\nfirst {rounded(metrics['first_picture_ms'])} ms"
                   for parts, metrics in here]
-        bars(axes, groups, {name: (fill, [metrics[metric] for _, metrics in here])
+        points(axes, groups, {name: (fill, [metrics[metric] for _, metrics in here])
                             for name, metric, fill in (("a picture, median", "picture_ms_p50", colour(5)),
                                                        ("99 %", "picture_ms_p99", colour(0)),
                                                        ("CPU time", "cpu_ms_per_picture", "#888888"))}, "ms")
@@ -431,7 +434,7 @@ def facts_of(figures):
     machine, memory = figures.get("machine", {}), figures.get("memory", {})
     facts = [("cores", machine.get("cores"), ""), ("load before", machine.get("load_1m_begin"), ""),
              ("load after", machine.get("load_1m_end"), ""),
-             ("empty submission", memory.get("empty_submission_us"), "us")]
+             ("empty submission", memory.get("empty_submission_us"), "µs")]
     words = [f"{name} {rounded(value)} {unit}".strip() for name, value, unit in facts if value is not None]
     if "gpu_driver" in machine:
         words.insert(0, f"driver {machine['gpu_driver']}, Vulkan {machine['vulkan']}")
@@ -445,7 +448,7 @@ def run_table(figures):
     runs = runs_of(figures)
     if not runs:
         return ""
-    heads = ["cell", "way", "computed, ms/s", "run, ms/s", "frames/s", "latency, ms", "late p50, us", "p99", "p99.9"]
+    heads = ["cell", "way", "computed, ms/s", "run, ms/s", "frames/s", "latency, ms", "late p50, µs", "p99", "p99.9"]
     keys = ["computed", "ms_per_s", "frames_per_s", "latency_ms", "late_us_p50", "late_us_p99", "late_us_p999"]
     rows = ["".join(f"<td>{html.escape(run[key])}</td>" for key in ("where", "way")) +
             "".join(f'<td class="n">{rounded(run[key])}</td>' for key in keys) for run in runs]

@@ -62,7 +62,7 @@ def draw_globe(axes, options):
         if is_papers_own(option):
             axes.plot(option["time"], option["error"], "o", markersize=16, color="none", markeredgecolor="black",
                       markeredgewidth=1.4)
-            axes.annotate("the paper's own (253 us on its PC)", (option["time"], option["error"]), xytext=(0, 13),
+            axes.annotate("the paper's own (253 µs on its PC)", (option["time"], option["error"]), xytext=(0, 13),
                           textcoords="offset points", ha="center", fontsize=8.5)
 
 
@@ -85,7 +85,8 @@ def draw_moving(axes, options):
 def log_axes(axes, title):
     axes.set(xscale="log", yscale="log", title=title)
     axes.xaxis.set_major_formatter("{x:g}")
-    axes.xaxis.set_minor_formatter("{x:.2g}")
+    # Every second small step has a number: 0.8 and 0.9 would overlap.
+    axes.xaxis.set_minor_formatter(lambda x, _: f"{x:.2g}" if f"{x:e}"[0] in "2346" else "")
     axes.yaxis.set_major_formatter("{x:g}")
     axes.tick_params(axis="x", which="both", labelsize=8.5, length=3.5, pad=3)
     axes.grid(which="both", color="#e8e8e8", linewidth=0.6)
@@ -140,6 +141,6 @@ def draw_pareto(arguments):
     figure = plt.figure(layout="constrained", figsize=(11, sum(heights) + 0.8 * len(bands)))
     parts = figure.subfigures(2 * len(bands), 1, height_ratios=[x for height in heights for x in (height, 0.8)])
     for (panels, draw, title, up, legend), band, below in zip(bands, parts[::2], parts[1::2]):
-        draw_band(band, panels, draw, title, "CPU time of a tick (us)", up)
+        draw_band(band, panels, draw, title, "CPU time of a tick (µs)", up)
         below.legend(handles=legend, loc="center", ncol=5, fontsize=9)
     save(figure, arguments.out)

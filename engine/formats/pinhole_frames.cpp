@@ -240,22 +240,40 @@ void ColourRegistration::place_hole(int x, int y, const std::array<float, 3>& de
     }
 }
 
-/// Each point covers the four cells around it, so that no surface has gaps between its pixels.
+/// Each point covers the four cells around it, so that no surface has gaps between its pixels. Surfaces go on
+/// into holes beside them, which hide as well what is behind.
 void ColourRegistration::find_nearest() {
     std::ranges::fill(nearest_, nothing_there);
-    for (std::size_t at = 0; at < places_.size(); ++at) {
-        const Place& place = places_[at];
-        if (!has_depth_[at] || !(place.depth > 0)) continue;
-        const float x = (place.x + 0.5F) * scale_ - 0.5F, y = (place.y + 0.5F) * scale_ - 0.5F;
-        if (!(x > -1 && y > -1 && x < static_cast<float>(cells_x_) && y < static_cast<float>(cells_y_)))
-            continue;
-        const int left = static_cast<int>(std::floor(x)), top = static_cast<int>(std::floor(y));
-        for (int j = std::max(top, 0); j <= std::min(top + 1, cells_y_ - 1); ++j)
-            for (int i = std::max(left, 0); i <= std::min(left + 1, cells_x_ - 1); ++i) {
-                float& nearest = nearest_[static_cast<std::size_t>(j * cells_x_ + i)];
-                nearest = std::min(nearest, place.depth);
+    for (int y = 0; y < height_; ++y)
+        for (int x = 0; x < width_; ++x) {
+            const std::size_t at = pixel_place(x, y, width_);
+            if (has_depth_[at]) {
+                cover(places_[at]);
+                continue;
             }
-    }
+            for (const int side : {-1, 1}) {
+                int beside = x + side;
+                while (beside >= 0 && beside < width_ && std::abs(beside - x) < beside_surface &&
+                       !has_depth_[pixel_place(beside, y, width_)])
+                    beside += side;
+                if (beside < 0 || beside >= width_) continue;
+                if (const float depth = depth_[pixel_place(beside, y, width_)]; depth > 0)
+                    cover(place_of(x, y, static_cast<double>(depth)));
+            }
+        }
+}
+
+void ColourRegistration::cover(const Place& place) {
+    const float x = (place.x + 0.5F) * scale_ - 0.5F, y = (place.y + 0.5F) * scale_ - 0.5F;
+    if (!(place.depth > 0) ||
+        !(x > -1 && y > -1 && x < static_cast<float>(cells_x_) && y < static_cast<float>(cells_y_)))
+        return;
+    const int left = static_cast<int>(std::floor(x)), top = static_cast<int>(std::floor(y));
+    for (int j = std::max(top, 0); j <= std::min(top + 1, cells_y_ - 1); ++j)
+        for (int i = std::max(left, 0); i <= std::min(left + 1, cells_x_ - 1); ++i) {
+            float& nearest = nearest_[static_cast<std::size_t>(j * cells_x_ + i)];
+            nearest = std::min(nearest, place.depth);
+        }
 }
 
 /// Finds the nearest depth of each cell and the eight around it.

@@ -27,7 +27,8 @@ Result<std::unique_ptr<ClipReader>> with_pinhole_frames(std::unique_ptr<ClipRead
 ///
 /// - A point is hidden if, for the colour camera, a surface in front of it or up to one and a half of depth's
 ///   pixels beside it is nearer by more than a slope of 80 degrees would explain. (Depth does not say where
-///   between two of its pixels a surface ends, and a lens spreads its colour.) Hidden points and all beyond
+///   between two of its pixels a surface ends, and a lens spreads its colour; a surface goes on into up to
+///   four pixels without depth beside it.) Hidden points and all beyond
 ///   the colour picture's edge are grey: no colour is better than a wrong one.
 /// - A gap of at most `most_filled` pixels in a row or column takes the colour of the farther one of the two
 ///   pixels beside it: hidden points belong to the surface behind.
@@ -64,6 +65,7 @@ private:
     void place_holes();
     void place_hole(int x, int y, const std::array<float, 3>& depths);
     void find_nearest();
+    void cover(const Place& place);
     void spread_nearest();
     enum class Sight : std::uint8_t { seen, hidden, outside };
     Sight sight_of(const Place& place) const;

@@ -54,7 +54,7 @@ std::uint8_t byte_of(float light) {
 
 glm::vec3 background_light(int row, int height) {
     // Lighter than what recordings have in the dark, whose shapes would be lost before it.
-    const glm::vec3 above = light_of(pack_colour(58, 62, 70)), below = light_of(pack_colour(82, 86, 94));
+    const glm::vec3 above = light_of(pack_colour(40, 44, 51)), below = light_of(pack_colour(56, 60, 68));
     const float share = static_cast<float>(row) / static_cast<float>(height);
     return glm::mix(above, below, share * share);
 }

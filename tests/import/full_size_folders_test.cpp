@@ -158,6 +158,27 @@ TEST(ColourRegistration, GivesTrueColourOrNone) {
     }
 }
 
+/// Depth cameras miss what is at edges: the box hides the wall there all the same.
+TEST(ColourRegistration, HidesBehindWhatHasNoDepth) {
+    for (const double beside : {0.05, -0.05}) {
+        BoxBeforeStripes seen(beside);
+        for (int y = 0; y < seen.height; ++y)
+            for (int x = 0; x < seen.width; ++x) {
+                const auto is_box = [&](int at) { return seen.is_box(seen.column(at), seen.row(y), 0); };
+                if (is_box(x) && (!is_box(x - 4) || !is_box(x + 4))) set_word(seen.depth, x, y, 0);
+            }
+        ColourRegistration registration(seen.scene);
+        const Image made = registration.registered(seen.depth.view(), seen.colour.view());
+        for (int y = 0; y < seen.height; ++y)
+            for (int x = 0; x < seen.width; ++x) {
+                const bool is_wall = !seen.is_box(seen.column(x), seen.row(y), 0);
+                ASSERT_FALSE(is_wall && made.view().sample(x, y, 0) == 250)
+                    << "the box's colour on the wall at " << x << ", " << y;
+            }
+        EXPECT_LT(registration.grey_share(), 0.12);
+    }
+}
+
 TEST(ColourRegistration, FillsOnlyDoubtfulPixels) {
     const BoxBeforeStripes seen(0);
     ColourRegistration registration(seen.scene);
