@@ -41,7 +41,7 @@ using glm::ivec2;
 #define EDGE_UNIT 128       // steps of a pixel
 #define EDGE_MOST 96        // steps of a move
 #define EDGE_MOST_STEEP 121 // of a move towards an eroded vertex
-#define EDGE_ERODED 2        // vertices from a gap
+#define EDGE_ERODED 2       // vertices from a gap
 
 /// Rows of q, 0 where there is no surface. (In C++ any lattice with an `edge_q` works.)
 struct EdgeLattice {

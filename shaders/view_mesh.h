@@ -2,7 +2,7 @@
 //
 // An instance is a tile of 16x16 cells. If no triangle of it is cut, its 17x17 vertices are shared by the
 // triangles of an index list that is the same for all tiles. Else each cell is two triangles of their own,
-// six vertices, and a triangle that is cut shrinks to a point, which draws nothing. Gaps are drawn likewise,
+// six vertices, and a triangle that is cut shrinks to a point, which draws nothing. Gaps are drawn in the same way,
 // by the triangles that are cut.
 // Threads: any; nothing here keeps state.
 #ifndef TOUCHABLE_SHADERS_VIEW_MESH_H

@@ -1,6 +1,8 @@
 #!/bin/bash
 # Makes the pictures of README.md and docs/play.md anew, by the program itself, without a display:
-#     docs/pictures/make.sh [build/release/player/touchable]
+#     docs/pictures/make.sh [build/release/player/touchable [OLD_PROGRAM]]
+# With an older program also views.webp: what both draw, the older above. Needs python3-pil, which matplotlib brings;
+# views of recordings need ../../../shared/data (tests/real_data.hpp).
 set -euo pipefail
 cd "$(dirname "$0")"
 touchable=$(realpath "${1:-../../build/release/player/touchable}")
@@ -64,3 +66,59 @@ picture study-question 37 --size 960x540 --kiosk --kiosk-texts en --study paper-
 34.5 continue
 35.0 answer 6
 SCRIPT
+
+"$touchable" touch "$work/globe.mkv" --hand wander:extent=0.4 --fingers 5 --picture demo.png --picture-at 1.2 \
+    --view orbit:az=8,el=4,zoom=1.06 --picture-size 1200x760 --overwrite >/dev/null 2>&1
+echo demo.png
+
+# pack OUT MILLISECONDS FILE...: a moving picture.
+pack() {
+    /usr/bin/python3 - "$@" <<'PACK'
+import sys
+from PIL import Image
+pictures = [Image.open(name).convert("RGB") for name in sys.argv[3:]]
+pictures[0].save(sys.argv[1], save_all=True, append_images=pictures[1:], duration=int(sys.argv[2]), loop=0,
+                 quality=60, method=6)
+PACK
+    echo "$1"
+}
+
+"$touchable" make globe "$work/long.mkv" --size 720x480 --frames 120 2>/dev/null
+{
+    printf '0.2 move 285 150\n0.5 press left\n1 move 315 158\n1.5 move 350 165\n2 move 375 190\n2.4 release left\n2.5 leave\n'
+    for tenth in 26 27 28 29 30 31 32 33 34 35; do echo "${tenth:0:1}.${tenth:1} turn 3"; done
+    echo '4.3 quit'
+} >"$work/script"
+"$touchable" play "$work/long.mkv" --headless --size 600x400 --script "$work/script" --fps 12 \
+    --video "$work/film-%03d.png" >/dev/null 2>&1
+pack touch.webp 83 "$work"/film-*.png
+
+[[ -n ${2:-} ]] || exit 0
+old=$(realpath "$2")
+data=${TOUCHABLE_DATA:-../../../shared/data}
+for scene in cliffs step bumps; do "$touchable" make "$scene" "$work/$scene.mkv" --size 640x480 --frames 2 2>/dev/null; done
+views=("$work/globe.mkv own" "$work/globe.mkv orbit:az=30,el=8" "$work/globe.mkv orbit:az=70,el=0"
+    "$work/cliffs.mkv orbit:az=25,el=10" "$work/step.mkv orbit:az=30,el=15" "$work/bumps.mkv orbit:az=-40,el=20"
+    "$data/stills/redwood5 own" "$data/stills/redwood5 orbit:az=30,el=10" "$data/stills/redwood5 orbit:az=-25,el=5"
+    "$data/stills/lensblur/yamasa-maneki-neko.jpg own" "$data/stills/lensblur/yamasa-maneki-neko.jpg orbit:az=20,el=5"
+    "$data/stills/lensblur/greek-helmet.jpg orbit:az=-20,el=5")
+for index in "${!views[@]}"; do
+    read -r clip view <<<"${views[index]}"
+    for program in old touchable; do
+        "${!program}" touch "$clip" --seconds 0.05 --fingers 1 --picture "$work/$(printf %02d "$index")-$program.png" --view "$view" \
+            --picture-size 320x200 --overwrite >/dev/null 2>&1
+    done
+done
+/usr/bin/python3 - "$work" <<'SHEET'
+import pathlib
+import sys
+from PIL import Image
+names = sorted(pathlib.Path(sys.argv[1]).glob("*-old.png"))
+sheet = Image.new("RGB", (4 * 322, 2 * 201 * 3 + 2 * 4), "white")
+for index, name in enumerate(names):
+    x, y = 322 * (index % 4), 406 * (index // 4)
+    sheet.paste(Image.open(name), (x, y))
+    sheet.paste(Image.open(str(name).replace("-old", "-touchable")), (x, y + 201))
+sheet.save("views.webp", quality=80, method=6)
+SHEET
+echo views.webp

@@ -174,8 +174,9 @@ private:
                 const double slope = -(rise_x * sunward.x + rise_y * sunward.y) * radius_pixels * facing;
                 const double exaggeration = 0.16;
                 // Coasts are narrower than a pixel: the mean over the elevations that it has.
-                const double range = 0.5 * std::hypot(right.ground.elevation - left.ground.elevation,
-                                                      above[x].ground.elevation - below[x].ground.elevation);
+                const double across = right.ground.elevation - left.ground.elevation,
+                             down = above[x].ground.elevation - below[x].ground.elevation;
+                const double range = 0.5 * std::sqrt(across * across + down * down);
                 glm::dvec3 surface(0.0);
                 for (const double part : {-0.375, -0.125, 0.125, 0.375}) {
                     Ground ground = sight.ground;

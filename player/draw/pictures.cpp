@@ -227,7 +227,7 @@ Result<const Image*> CpuDrawing::draw(const ViewCamera& camera, std::span<const 
     auto& [lattices, painter, surface, silhouettes, bare, painted, picture] = *parts_;
     if (painted != camera.clip_from_lattice || bare.width != camera.width || bare.height != camera.height) {
         TRY_ASSIGN(auto planes, painter->paint(surface, camera));
-        if (samples == 1 && !is_own_view(camera)) silhouettes.smooth(planes);
+        if (!is_own_view(camera)) silhouettes.smooth(planes);
         bare = on_background(std::move(planes));
         painted = camera.clip_from_lattice;
     }

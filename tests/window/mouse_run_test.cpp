@@ -342,7 +342,7 @@ TEST(PlayerControls, EmptyWindowOpensDroppedClip) {
     const Played wrong = played_by({}, "0.2 drop nowhere.mkv\n0.5 key o\n", "1.5");
     EXPECT_TRUE(contains(wrong.outcome.err, "nowhere.mkv"));
     EXPECT_GT(differences(wrong.image, page, {60, 0, 260, 60}), 300) << "the fault is not shown";
-    EXPECT_LT(differences(wrong.image, page, {10, 120, 310, 230}), 500) << "it does not wait for another";
+    EXPECT_LT(differences(wrong.image, page, {10, 126, 310, 230}), 500) << "it does not wait for another";
     EXPECT_FALSE(stays({}, "0.3 key q\n"));
     expect_refused({"play", "--headless", "--seconds", "1", "--record", "a.touch"}, 2);
 }
