@@ -4,8 +4,9 @@
 # With an older program also views.webp: what both draw, the older above. Needs python3-pil, which matplotlib brings;
 # views of recordings need ../../../shared/data (tests/real_data.hpp).
 set -euo pipefail
+touchable=$(realpath "${1:-$(dirname "$0")/../../build/release/player/touchable}")
+old=${2:+$(realpath "$2")}
 cd "$(dirname "$0")"
-touchable=$(realpath "${1:-../../build/release/player/touchable}")
 work=$(mktemp -d)
 trap 'rm -r "$work"' EXIT
 "$touchable" make globe "$work/globe.mkv" --size 720x480 --frames 40 2>/dev/null
@@ -83,7 +84,7 @@ PACK
     echo "$1"
 }
 
-"$touchable" make globe "$work/long.mkv" --size 720x480 --frames 120 2>/dev/null
+"$touchable" make globe "$work/long.mkv" --size 720x480 --frames 120 >/dev/null
 {
     printf '0.2 move 285 150\n0.5 press left\n1 move 315 158\n1.5 move 350 165\n2 move 375 190\n2.4 release left\n2.5 leave\n'
     for tenth in 26 27 28 29 30 31 32 33 34 35; do echo "${tenth:0:1}.${tenth:1} turn 3"; done
@@ -93,10 +94,9 @@ PACK
     --video "$work/film-%03d.png" >/dev/null 2>&1
 pack touch.webp 83 "$work"/film-*.png
 
-[[ -n ${2:-} ]] || exit 0
-old=$(realpath "$2")
+[[ -n $old ]] || exit 0
 data=${TOUCHABLE_DATA:-../../../shared/data}
-for scene in cliffs step bumps; do "$touchable" make "$scene" "$work/$scene.mkv" --size 640x480 --frames 2 2>/dev/null; done
+for scene in cliffs step bumps; do "$touchable" make "$scene" "$work/$scene.mkv" --size 640x480 --frames 2 >/dev/null; done
 views=("$work/globe.mkv own" "$work/globe.mkv orbit:az=30,el=8" "$work/globe.mkv orbit:az=70,el=0"
     "$work/cliffs.mkv orbit:az=25,el=10" "$work/step.mkv orbit:az=30,el=15" "$work/bumps.mkv orbit:az=-40,el=20"
     "$data/stills/redwood5 own" "$data/stills/redwood5 orbit:az=30,el=10" "$data/stills/redwood5 orbit:az=-25,el=5"
