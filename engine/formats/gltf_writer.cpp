@@ -20,7 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int most_cells = 96;  // of the mesh, along the longer side
+constexpr int most_cells = 96;  // of the mesh, along the longer side, where it has no edges
+constexpr std::size_t most_fine_vertices = 1 << 16;  // beyond these, edges too have only large cells
 /// Depth between two vertices over their distance across the view, at the nearer one; more is an edge.
 constexpr double steepest_slope = 4;
 
@@ -40,15 +41,10 @@ public:
         const int longer_side = std::max(scene_.width, scene_.height);
         const std::vector<int> columns = mesh_places(scene_.width, longer_side),
                                rows = mesh_places(scene_.height, longer_side);
-        for (const int y : rows)
-            for (const int x : columns) add_vertex(x, y);
-        const auto width = static_cast<std::uint32_t>(columns.size());
-        for (std::uint32_t row = 0; row + 1 < rows.size(); ++row)
-            for (std::uint32_t column = 0; column + 1 < width; ++column) {
-                const std::uint32_t top = row * width + column, bottom = top + width;
-                add_triangle({top, bottom, bottom + 1});
-                add_triangle({top, bottom + 1, top + 1});
-            }
+        vertices_.assign(pixel_count(scene_.width, scene_.height), no_vertex);
+        for (std::size_t row = 0; row + 1 < rows.size(); ++row)
+            for (std::size_t column = 0; column + 1 < columns.size(); ++column)
+                add_cells(columns[column], rows[row], columns[column + 1], rows[row + 1]);
         if (mesh_.triangles.empty()) add_rectangle();
         return std::move(mesh_);
     }
@@ -56,10 +52,42 @@ public:
 private:
     using Corner = std::array<std::uint32_t, 3>;
 
-    void add_vertex(int x, int y) {
+    /// Adds a cell as two triangles, or, so that the mesh follows silhouettes, pixel by pixel if an edge or a
+    /// hole is in it.
+    void add_cells(int left, int top, int right, int bottom) {
+        if (mesh_.positions.size() > most_fine_vertices || is_even(left, top, right, bottom))
+            return add_cell(left, top, right, bottom);
+        for (int y = top; y < bottom; ++y)
+            for (int x = left; x < right; ++x) add_cell(x, y, x + 1, y + 1);
+    }
+
+    void add_cell(int left, int top, int right, int bottom) {
+        const std::uint32_t first = vertex(left, top), last = vertex(right, bottom);
+        add_triangle({first, vertex(left, bottom), last});
+        add_triangle({first, last, vertex(right, top)});
+    }
+
+    bool is_even(int left, int top, int right, int bottom) const {
+        double nearest = scene_.depth.far, deepest = 0;
+        for (int y = top; y <= bottom; ++y)
+            for (int x = left; x <= right; ++x) {
+                const auto depth = planar(x, y);
+                if (!depth) return false;
+                nearest = std::min(nearest, *depth);
+                deepest = std::max(deepest, *depth);
+            }
+        return deepest - nearest <= steepest_slope * nearest * (right - left) / scene_.camera.fx;
+    }
+
+    std::uint32_t vertex(int x, int y) {
+        std::uint32_t& known = vertices_[pixel_place(x, y, scene_.width)];
+        if (known != no_vertex) return known;
+        known = static_cast<std::uint32_t>(mesh_.positions.size());
         const auto there = planar(x, y);
+        is_hole_.resize(known);  // what add_behind added is none
         is_hole_.push_back(!there);
         add_position(x, y, there.value_or(scene_.depth.far));
+        return known;
     }
 
     /// Adds a triangle if no corner is in a hole. Corners that lie far before another get its depth, so that
@@ -121,6 +149,8 @@ private:
     const PlaneView& depth_;
     const Scene& scene_;
     FallbackMesh mesh_;
+    static constexpr std::uint32_t no_vertex = 0xffffffff;
+    std::vector<std::uint32_t> vertices_;  // of the mesh, by pixel
     std::vector<bool> is_hole_;
 };
 

@@ -350,6 +350,23 @@ TEST(FallbackMesh, SpansNoEdgeOrHole) {
     }
 }
 
+TEST(FallbackMesh, FollowsSilhouettes) {
+    const Scene scene = small_scene(300, 200);
+    const auto is_near = [](int x, int y) { return std::hypot(x - 140.3, y - 90.7) < 50; };
+    const auto mesh = mesh_of(scene, [&](int x, int y) { return is_near(x, y) ? 250 : 20; });
+    EXPECT_LT(mesh.positions.size(), 20'000U) << "fine everywhere";
+    std::set<std::pair<int, int>> near_vertices;
+    for (std::size_t k = 0; k < mesh.positions.size(); ++k)
+        if (mesh.positions[k][2] > -0.5F * static_cast<float>(scene.depth.far * scene.metres_per_unit))
+            near_vertices.emplace(std::lround(300 * mesh.texture_places[k][0] - 0.5F),
+                                  std::lround(200 * mesh.texture_places[k][1] - 0.5F));
+    for (int y = 30; y < 150; ++y)
+        for (int x = 80; x < 200; ++x) {
+            const bool is_last = is_near(x, y) && !(is_near(x + 1, y) && is_near(x - 1, y));
+            EXPECT_FALSE(is_last && !near_vertices.contains({x, y})) << x << ", " << y;
+        }
+}
+
 /// From the clip's own camera: each cell has its two triangles, and each vertex lies behind its place in the
 /// picture.
 TEST(FallbackMesh, LeavesNoGapAtSilhouettes) {
