@@ -1,11 +1,12 @@
 // Decides which triangles are not drawn. Compiled as GLSL and as C++: every painter cuts alike.
 //
 // q is 1 / planar depth of a corner, scene units; 0 stands for an invalid pixel, and a triangle with one is
-// never drawn. A triangle between corners whose depths differ by more than 6 % is not a surface but the gap
-// between two: in a turned view it would be a false curtain. In the clip's own view it covers only the space
-// between two pixels. It is drawn there, or a dark line would run along every edge: the picture is the clip's
-// own. A pixel is about 1/500 of its depth wide (480 to 1000 pixels to 60 degrees), so 6 % in one pixel is a
-// slope of 30: surfaces seen at more than 88 degrees from their normal, which no depth camera measures.
+// never drawn (but see gap_fill.h). A triangle between corners whose depths differ by more than 6 % is not a
+// surface but the gap between two: in a turned view it would be a false curtain. In the clip's own view it
+// covers only the space between two pixels. It is drawn there, or a dark line would run along every edge: the
+// picture is the clip's own. A pixel is about 1/500 of its depth wide (480 to 1000 pixels to 60 degrees), so
+// 6 % in one pixel is a slope of 30: surfaces seen at more than 88 degrees from their normal, which no depth
+// camera measures.
 // Threads: any; nothing here keeps state.
 #ifndef TOUCHABLE_SHADERS_CUT_RULE_H
 #define TOUCHABLE_SHADERS_CUT_RULE_H

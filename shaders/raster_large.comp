@@ -120,7 +120,8 @@ void main() {
         const uint cell = large_cells[n] & ~RASTER_GAPS_ALONE;
         const Vertex top_left = vertex(cell), bottom_right = vertex(cell + push.pitch + 1u);
         vec3 fill = vec3(0.0f);
-        if (push.fills_gaps != 0u)
+        if (push.fills_gaps != 0u && (is_cut(top_left.q, q_at(cell + 1u), bottom_right.q) ||
+                                      is_cut(top_left.q, bottom_right.q, q_at(cell + push.pitch))))
             fill = gap_fill(ivec2(cell % push.pitch, cell / push.pitch), ivec2(push.width, push.height));
         draw_or_fill(top_left, vertex(cell + 1u), bottom_right, are_gaps_alone, fill);
         draw_or_fill(top_left, bottom_right, vertex(cell + push.pitch), are_gaps_alone, fill);

@@ -132,11 +132,12 @@ public:
     /// black. An error (ErrorKind::input) if it cannot be written.
     virtual Result<void> add(const PlaneView& picture, std::int64_t place) = 0;
     /// Adds sound from `sample` of the film on (0: with its first picture); call it after the first picture.
-    /// Gaps are silent. Sound that comes after later sound is dropped, and sound that comes two seconds later
-    /// than its picture may be. Errors as above.
+    /// Gaps are silent. Sound that comes after later sound is dropped, and sound that comes some
+    /// seconds later than its picture may be. Errors as above.
     virtual Result<void> add_sound(std::int64_t sample, std::span<const StereoSample> samples) = 0;
     /// Ends the film before this place; the last picture stays until then. An error if anything could not be
-    /// written; then there is no file, unless the disk became full: the film up to there is kept.
+    /// written; then there is no file, unless the disk became full: the film up to there is kept, as numbered
+    /// pictures are.
     virtual Result<void> finish(std::int64_t end) = 0;
 };
 

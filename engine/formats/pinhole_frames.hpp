@@ -25,11 +25,11 @@ Result<std::unique_ptr<ClipReader>> with_pinhole_frames(std::unique_ptr<ClipRead
 /// Brings colour onto depth's pixels: each takes the pixel of the colour picture that shows its point of the
 /// surface. Depth stays as it is.
 ///
-/// - A point is hidden if, for the colour camera, a surface in front of it or up to one and a half of depth's
-///   pixels beside it is nearer by more than a slope of 80 degrees would explain. (Depth does not say where
-///   between two of its pixels a surface ends, and a lens spreads its colour; a surface goes on into up to
-///   four pixels without depth beside it.) Hidden points and all beyond
-///   the colour picture's edge are grey: no colour is better than a wrong one.
+/// - A point is hidden if, for the colour camera, a surface in front of it or up to one and a half of
+///   depth's pixels beside it is nearer by more than a slope of 80 degrees would explain. (Depth does not
+///   say where between two of its pixels a surface ends, and a lens spreads its colour; a surface goes on
+///   into up to four pixels without depth beside it.) Hidden points and all beyond the colour picture's
+///   edge are grey: no colour is better than a wrong one.
 /// - A gap of at most `most_filled` pixels in a row or column takes the colour of the farther one of the two
 ///   pixels beside it: hidden points belong to the surface behind.
 /// - A pixel without depth takes that of the nearest pixel in its row with depth, if that is up to four

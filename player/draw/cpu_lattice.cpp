@@ -14,8 +14,8 @@
 // that they read nothing conditionally, pass normals as coordinates, and take square roots of non-negative
 // values only.
 //
-// CpuLattices makes q, tiles and light; SurfaceEdges finds the vertices at edges; Decimation halves frames
-// and colours.
+// CpuLattices makes q, tiles and light; SurfaceEdges erodes q and finds the vertices at edges; Decimation
+// halves frames and colours.
 
 namespace touchable {
 namespace {
@@ -522,7 +522,7 @@ void SurfaceEdges::find(const EdgeLattice& lattice) {
 
 void SurfaceEdges::erode_rows(const EdgeLattice& lattice, const RowBand& band) {
     // Only vertices with a steep side, of any kind, are looked at one by one.
-    const float flat = 1 + 0.7F * lattice.steepest;
+    const float flat = std::min(lattice.ratio, 1 + 0.7F * lattice.steepest);
     Scratch& of = scratch_[static_cast<std::size_t>(band.thread)];
     const int width = lattice.width;
     for (auto* each : {&of.right, &of.down, &of.upper_down})

@@ -1,9 +1,10 @@
 #pragma once
 
 // Surfaces painted with the CPU's vectors and threads: from frames to a lattice (CpuLattices), vertices at
-// its edges (SurfaceEdges), fewer vertices (Decimation), its triangles from any view (LatticeRaster) or from
-// the clip's own (OwnViewPicture). Each gives the same bits with any number of threads and any vectors.
-// `threads` counts the calling thread; the others start on first use and sleep in between.
+// its edges (SurfaceEdges), fewer vertices (Decimation), its triangles from any view (LatticeRaster), whose
+// silhouettes are smoothed (Silhouettes), or from the clip's own (OwnViewPicture). Each gives the same bits
+// with any number of threads and any vectors. `threads` counts the calling thread; the others start on first
+// use and sleep in between.
 
 #include <array>
 

@@ -661,13 +661,14 @@ private:
     }
 
     void fill_one(const std::array<FillCorner, 3>& corners, float scale_of_z) {
-        fill_triangle(corners, width_, height_, [&](int px, int py, float z, const glm::vec3& colour) {
+        const auto plot = [&](int px, int py, float z, const glm::vec3& colour) {
             const glm::uvec3 byte(colour + 0.5F);
-            if (z > 0.0F && py >= first_ && py <= last_)
+            if (z > 0.0F)
                 keep_nearest(pixels_[static_cast<std::ptrdiff_t>(py) * pitch_ + px],
                              std::bit_cast<std::uint32_t>(z * scale_of_z),
                              pack_colour(byte.r, byte.g, byte.b));
-        });
+        };
+        fill_triangle(corners, width_, height_, plot, first_, last_);
     }
 
     const MappedLattice& lattice_;

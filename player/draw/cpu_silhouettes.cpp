@@ -70,7 +70,7 @@ void Silhouettes::smooth(PicturePlanes& planes) {
 
 void Silhouettes::smooth_steps(const Steps& steps, std::span<PackedColour> colours) const {
     const auto& [across, most_across, along, most_along] = steps;
-    constexpr int longest = 64;  // pixels
+    constexpr int longest = 128;  // pixels; of longer steps the ends are smoothed
     const auto count = static_cast<std::ptrdiff_t>(sides_.size());
     const std::uint8_t* const sides = sides_.data();
     for (const std::uint8_t* found = sides; (found = find_side(found, sides + count)) != nullptr; ++found) {
@@ -80,8 +80,7 @@ void Silhouettes::smooth_steps(const Steps& steps, std::span<PackedColour> colou
         const std::uint8_t side = *found;
         if (place_along > 0 && sides[start - along] == side) continue;  // within a step
         int length = 1;
-        while (length < longest && place_along + length < most_along && sides[start + length * along] == side)
-            ++length;
+        while (place_along + length < most_along && sides[start + length * along] == side) ++length;
         // To which side the silhouette goes on at either end: -1, 1, or 0.
         const auto turn = [&](int n) {
             if (place_along + n < 0 || place_along + n >= most_along) return 0;
@@ -89,19 +88,19 @@ void Silhouettes::smooth_steps(const Steps& steps, std::span<PackedColour> colou
             if (place_across > 0 && sides[at - across] == side) return -1;
             return place_across + 1 < most_across && sides[at + across] == side ? 1 : 0;
         };
-        const int before = turn(-1), after = turn(length);
+        const int before = turn(-1), after = turn(length), smoothed = std::min(length, longest);
         for (int n = 0; n < length; ++n) {
-            // From half a pixel aside at an end to none in the middle.
-            const int from_middle = 2 * n + 1 - length;  // halves of a pixel along
-            const int share = from_middle < 0 ? -from_middle * before : from_middle * after;
+            // From half a pixel aside at an end to none in the middle; in halves of a pixel along.
+            const int of_begin = smoothed - 2 * n - 1, of_end = smoothed - 2 * (length - n) + 1;
+            const int share = std::max(of_begin, 0) * before + std::max(of_end, 0) * after;
             if (share == 0) continue;
             const std::ptrdiff_t at = start + n * along;
             PackedColour &first = colours[static_cast<std::size_t>(at)],
                          &second = colours[static_cast<std::size_t>(at + across)];
             if (share > 0)
-                second = mixed(second, first, 128 * share / length);
+                second = mixed(second, first, 128 * share / smoothed);
             else
-                first = mixed(first, second, -128 * share / length);
+                first = mixed(first, second, -128 * share / smoothed);
         }
     }
 }

@@ -12,6 +12,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <limits>
 #include <vector>
 
 #include "engine/scene/frames.hpp"
@@ -142,7 +143,8 @@ inline void limit_span(const Point& a, const Point& b, std::int64_t at, std::int
 }
 
 template <class Plot>
-void triangle(const Point& a, Point b, Point c, int width, int height, Plot& plot) {
+void triangle(const Point& a, Point b, Point c, int width, int height, int first_row, int last_row,
+              Plot& plot) {
     std::int64_t area = edge(a, b, c.x, c.y);
     if (area == 0) return;
     if (area < 0) {
@@ -152,7 +154,7 @@ void triangle(const Point& a, Point b, Point c, int width, int height, Plot& plo
     const auto [x0, x1] = pixels_between(std::min({a.x, b.x, c.x}), std::max({a.x, b.x, c.x}), width);
     const auto [y0, y1] = pixels_between(std::min({a.y, b.y, c.y}), std::max({a.y, b.y, c.y}), height);
     const float scale = 1.0F / static_cast<float>(area);
-    for (int y = y0; y <= y1; ++y) {
+    for (int y = std::max(y0, first_row); y <= std::min(y1, last_row); ++y) {
         const std::int64_t px = x0 * VIEW_SUBPIXELS + VIEW_SUBPIXELS / 2,
                            py = y * VIEW_SUBPIXELS + VIEW_SUBPIXELS / 2;
         std::int64_t first = 0, last = x1 - x0;
@@ -176,8 +178,10 @@ void triangle(const Point& a, Point b, Point c, int width, int height, Plot& plo
 /// Calls plot(x, y, z, value) for every pixel whose centre the triangle covers, from either side: exact in
 /// subpixels of 1/256, so that triangles that share an edge neither overlap nor leave a gap. Clips at the
 /// near plane. z is interpolated linearly on the screen, value linearly in space.
+/// Of the rows from `first_row` to `last_row` alone.
 template <class Plot>
-void fill_triangle(const std::array<FillCorner, 3>& corners, int width, int height, Plot&& plot) {
+void fill_triangle(const std::array<FillCorner, 3>& corners, int width, int height, Plot&& plot,
+                   int first_row = 0, int last_row = std::numeric_limits<int>::max()) {
     std::array<fill::Point, 4> points;
     std::size_t count = 0;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -191,8 +195,8 @@ void fill_triangle(const std::array<FillCorner, 3>& corners, int width, int heig
         crossing.clip.z = crossing.clip.w;
         points[count++] = fill::to_screen(crossing, width, height);
     }
-    if (count >= 3) fill::triangle(points[0], points[1], points[2], width, height, plot);
-    if (count == 4) fill::triangle(points[0], points[2], points[3], width, height, plot);
+    if (count >= 3) fill::triangle(points[0], points[1], points[2], width, height, first_row, last_row, plot);
+    if (count == 4) fill::triangle(points[0], points[2], points[3], width, height, first_row, last_row, plot);
 }
 
 }  // namespace touchable

@@ -145,12 +145,12 @@ public:
     Result<void> record_view(GpuCommands& commands, bool is_turned, GpuLattice& lattice);
     static std::size_t tile_list_bytes(int width, int height);
 
-    /// `make_view_surface`, with q and tiles from `record`, which also stay on the GPU; if the frames have no
+    /// `make_view_surface`, with q from `record`, which also stays on the GPU; if the frames have no
     /// codes, CpuLattices::surface_of.
     Result<ViewSurface> surface_of(const HeightField& field, const FramePair& pair, const PlaneView& colour,
                                    Lighting lighting);
 
-    /// A surface for this device's painters: uploads only colours if the rest is there already. Reuses the
+    /// A surface for this device's painters: uploads only colours if q is there already. Reuses the
     /// same buffers: the caller must have waited for the commands that read the last one.
     Result<GpuLattice> lattice_of(const ViewSurface& surface);
 

@@ -65,8 +65,9 @@ Result<Viewpoint> parse_viewpoint(const std::string& words);
 /// A pinhole view of a clip's lattice. Screen: x to the right, y down, picture from (0, 0) to (width, height)
 /// pixels, pixel (i, j) has its centre at (i + 0.5, j + 0.5).
 ///
-/// With z = near / distance along the viewing direction, 0 < z <= 1 for everything drawn; larger is nearer, 0
-/// is empty. Floats have the same relative precision at every distance, and z is linear on the screen.
+/// With z = near / distance along the viewing direction, 0 < z <= 1 for every surface; larger is nearer, 0 is
+/// empty. (Filled gaps and holes have a smaller z, which is no distance: shaders/gap_fill.h.) Floats have the
+/// same relative precision at every distance, and z is linear on the screen.
 struct ViewCamera {
     /// The surface under a pixel of a picture.
     struct Pick {

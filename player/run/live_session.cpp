@@ -68,7 +68,7 @@ LiveSession::LiveSession(const Scene& scene, SurfaceFeed& feed, HapticPort& port
       log_(std::move(log)),
       step_(solver, settings.guard, settings.fingers),
       clock_(scene.rate, log_) {
-    board_.set(PlaybackClock(scene.rate, log_).state_at(0));
+    board_.set(clock_.state_at(0));
 }
 
 bool LiveSession::is_over(const HapticLoop& loop, const std::optional<MediaMoment>& end) const {
@@ -188,7 +188,16 @@ Result<void> LiveSession::run_tick(std::span<TouchSink* const> sinks) {
     const std::int64_t tick = next_tick_++;
     log_->take(tick);
     const PlaybackState now = clock_.state_at(tick);
-    TRY_ASSIGN(const auto pair, feed_.pair_at(now.moment));
+    FramePair pair;
+    if (auto found = clip_failure_ ? Result<FramePair>(*clip_failure_) : feed_.pair_at(now.moment)) {
+        pair = *found;
+    } else if (found.error().kind == ErrorKind::interrupted || !log_->is_open() ||
+               !feed_.timeline().pair_at(now.moment, pair)) {
+        return found.error();
+    } else if (!clip_failure_) {  // the hand outlasts the clip
+        const std::lock_guard lock(failure_mutex_);
+        facts_.failure = clip_failure_ = found.error();
+    }
     board_.set(now);
     if (feed_.ended()) clip_end_ns_.store(feed_.end_ns(), std::memory_order_relaxed);
     feed_.timeline().show(tick);

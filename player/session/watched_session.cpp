@@ -71,6 +71,17 @@ private:
     std::int64_t tick_ = -1, written_ = -1;
 };
 
+/// The result of `work`, or of its exception.
+Result<void> caught(auto&& work) {
+    try {
+        return work();
+    } catch (const std::bad_alloc&) {
+        return too_large("the session's ticks");
+    } catch (const std::exception& fault) {
+        return internal_error(std::string("while the session ran: ") + fault.what());
+    }
+}
+
 HapticDevice* device_of(const TouchSetup& setup) {
     return setup.options.held_device ? setup.options.held_device.get() : setup.device.get();
 }
@@ -168,21 +179,14 @@ WatchedSession::~WatchedSession() {
     stop();
 }
 
-/// Catches every exception of the thread.
 void WatchedSession::run() {
-    try {
-        ran_ = live_->run(sinks_);
-    } catch (const std::bad_alloc&) {
-        ran_ = too_large("the session's ticks");
-    } catch (const std::exception& fault) {
-        ran_ = internal_error(std::string("while the session ran: ") + fault.what());
-    }
+    ran_ = caught([this] { return live_->run(sinks_); });
     note_end();
 }
 
 void WatchedSession::run_tick() {
     if (!running()) return;
-    ran_ = live_->run_tick(sinks_);
+    ran_ = caught([this] { return live_->run_tick(sinks_); });
     if (!ran_) note_end();
 }
 

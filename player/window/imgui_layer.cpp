@@ -220,8 +220,6 @@ void tell(ImGuiIO& io, const InputEvent& event) {
         case Kind::key:
             for (std::size_t k = 0; k < std::size(panel_keys); ++k)
                 io.KeysDown[k] |= panel_keys[k].first == (event.word == "enter" ? "space" : event.word);
-            io.KeyCtrl = event.control;
-            io.KeyShift = event.shift;
             break;
         default:  // touches on a panel arrive as pointer events
             break;

@@ -58,7 +58,7 @@ public:
         std::erase_if(faults_, [this](const std::string& fault) { return of_clip_.contains(fault); });
         of_clip_.clear();
     }
-    /// Removes a message after its time, and the shown fault.
+    /// Removes the passing message after `shown_s`, and the shown fault after `fault_s`.
     void pass(double now_s) {
         if (now_s - said_s_ > shown_s) passing_.clear();
         if (faults_.empty()) return fault_since_s_.reset();

@@ -308,7 +308,7 @@ void draw_place(const PanelFacts& facts, float width, float height, float scale)
 }
 
 void draw_overlay_scale(const Overlays::Scale& scale_of, float right, float bottom, float room, float scale) {
-    const bool is_small = room < 330 * scale;
+    const bool is_small = room < widest_scale * scale;
     const float pad = (is_small ? 0.5F : 1) * ImGui::GetStyle().WindowPadding.x, text = room - 2 * pad;
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(pad, pad));
     begin_box("scale",

@@ -143,6 +143,7 @@ Result<FileList> read_list(const fs::path& folder, const std::vector<std::string
     for (const fs::path file : recent)
         if (fs::exists(file, unknown))
             list.rows.push_back({file.filename().string() + ", in " + file.parent_path().string(), file});
+    list.recent = list.rows.size();
     if (folder.empty()) return list;
     list.folder = fs::canonical(folder, failed);
     std::vector<fs::path> folders, clips;
@@ -234,7 +235,9 @@ void SettingsFile::take(const std::string& text) {
 
 Result<void> SettingsFile::write(const KeptSettings& settings) const {
     if (file_.empty() || is_foreign_ || (settings == read_ && message_.empty())) return {};
-    return write_text(followed(file_), to_json(settings).dump(2) + '\n');
+    // Names of recent files may be of any bytes.
+    return write_text(followed(file_),
+                      to_json(settings).dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
 }
 
 Result<fs::path> set_aside(const fs::path& file) {

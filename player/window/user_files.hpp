@@ -46,6 +46,7 @@ struct FileList {
     };
     std::filesystem::path folder;  ///< empty: no folder is listed
     std::vector<Row> rows;
+    std::size_t recent = 0;  ///< rows that are recent clips, the first ones
     std::string chosen;  ///< by a dialog; empty: none was
 };
 /// The recent clips that still exist; then of `folder`, unless it is empty, the folder above it, its folders

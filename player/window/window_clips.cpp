@@ -358,8 +358,9 @@ Result<void> WindowClips::show(Ready& ready) {
     tell_guesses(core_);
     if (wanted_settings_) wanted_settings_->painted.reset();
     std::error_code failed;
-    const std::string file =
-        std::filesystem::absolute(clip.choice().file, failed).lexically_normal().string();
+    std::filesystem::path path = std::filesystem::absolute(clip.choice().file, failed).lexically_normal();
+    if (!path.has_filename()) path = path.parent_path();  // a folder's name ended in a slash
+    const std::string file = path.string();
     if (!std::filesystem::exists(file, failed)) return {};  // a camera or a stream
     std::erase(recent_, file);
     recent_.insert(recent_.begin(), file);

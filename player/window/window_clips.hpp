@@ -49,7 +49,10 @@ public:
     /// folder, by the window's own list.
     void ask_for_file(const std::string& folder);
     /// Returns whether the list was shown.
-    bool close_files() { return !std::exchange(files_.folder, {}).empty(); }
+    bool close_files() {
+        files_.rows.resize(files_.recent);
+        return !std::exchange(files_.folder, {}).empty();
+    }
     /// Opens the list's clip; if it cannot be opened, tries the others in steps of `by`; 0: no other.
     void open_instead(Playlist list, int by);
     /// Reopens the current clip.

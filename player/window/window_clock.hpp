@@ -63,7 +63,7 @@ private:
 struct WindowTime {
     const WindowClock::time_point asked_for = WindowClock::now();
     WindowClock::time_point last_event{};            ///< the last one that makes a picture due
-    std::optional<WindowClock::time_point> begun{};  ///< at the first picture
+    std::optional<WindowClock::time_point> begun{};  ///< at the first picture; offline at the first tick
     /// Time of scripts and of user input: stands still while the machine is suspended or stalled.
     double script_s = 0;
     double stirred_s = 0;  ///< `script_s` of the last user input

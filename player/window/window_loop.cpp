@@ -273,7 +273,7 @@ private:
             std::string& to = is_written ? written : missing;
             if (is_asked_for) to += (to.empty() ? "" : ", ") + name;
         };
-        const bool has_clip = core_.clip() != nullptr, has_begun = core_.time.begun.has_value();
+        const bool has_clip = core_.clip() != nullptr, has_begun = core_.figures.pictures > 0;
         add(options_.names.record, options_.record.has_value(), has_clip);
         add(options_.names.sound, options_.sound.has_value(), has_clip);
         add(options_.names.video, options_.video.has_value(), has_begun);

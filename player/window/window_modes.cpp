@@ -108,7 +108,10 @@ void MeasureMode::take(const WindowCommand& command) {
     if (command.word == "off") return let_go();
     if (command.word == "here") {
         if (!tool_.is_held()) take({WindowVerb::measure});
-        return (void)tool_.take({.kind = InputEvent::Kind::pressed, .word = "left"}, core_.input().clicked());
+        tool_.hold(true);  // a line that was begun ends
+        for (const auto kind : {InputEvent::Kind::pressed, InputEvent::Kind::released})
+            tool_.take({.kind = kind, .word = "left"}, core_.input().clicked());
+        return;
     }
     if (command.places.empty()) {
         tool_.hold(!tool_.is_held());

@@ -305,7 +305,7 @@ void WindowPanel::draw_state(const PanelFacts& facts, float width) {
     ImGui::End();
 }
 
-/// Draws a fault until it is dismissed.
+/// Draws a fault, until it is dismissed or its time is over.
 void WindowPanel::draw_fault(const PanelFacts& facts, float width, float height,
                              std::vector<WindowCommand>& asked) {
     if (facts.faults.empty()) return;

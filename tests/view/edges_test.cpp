@@ -425,6 +425,32 @@ TEST(Silhouettes, ApproachReference) {
     }
 }
 
+/// Both ends of a long step are smoothed alike, wherever it lies.
+TEST(Silhouettes, SmoothBothEndsOfLongSteps) {
+    for (const int length : {1, 2, 40, 127, 128, 129, 400}) {
+        PicturePlanes planes{4, length + 20, {}, {}};
+        for (int y = 0; y < planes.height; ++y)
+            for (int x = 0; x < 4; ++x) {
+                const bool is_near = x < (y < 10 ? 1 : y < 10 + length ? 2 : 3);
+                planes.z.push_back(is_near ? 0.5F : 0.1F);
+                planes.colours.push_back(is_near ? pack_colour(255, 255, 255) : pack_colour(0, 0, 0));
+            }
+        Silhouettes().smooth(planes);
+        const auto white = [&](int y) {  // in a row, pixels
+            double sum = 0;
+            for (int x = 0; x < 4; ++x) sum += (planes.colours[planes.index(x, y)] & 255U) / 255.0;
+            return sum;
+        };
+        for (int y = 10; y < 10 + length; ++y) {
+            EXPECT_NEAR(white(y) + white(19 + length - y), 4, 0.02) << length << ": " << y;
+            EXPECT_LE(std::fabs(white(y) - 2), 0.51);
+        }
+        if (length > 2) {
+            EXPECT_NEAR(white(10), 1.5, 0.03) << length;
+        }
+    }
+}
+
 /// A square before a plane: what a turned view uncovers has the plane's colour, and is behind all else.
 TEST(TurnedView, FillsGapsFromBehind) {
     auto shown = shown_scene("globe", 120, 80);

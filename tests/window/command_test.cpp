@@ -387,6 +387,7 @@ TEST_F(SettingsFileTest, RoundTrips) {
     EXPECT_TRUE(link.write(kept));
     EXPECT_EQ(fs::last_write_time(deep), written);
     kept.fingers = 1;
+    kept.recent = {"/clips/\xff.mkv"};  // no UTF-8
     EXPECT_TRUE(link.write(kept));
     EXPECT_TRUE(fs::is_symlink(folder / "link.json"));
     EXPECT_EQ(SettingsFile(deep).read().fingers, 1);

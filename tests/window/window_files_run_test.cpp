@@ -275,6 +275,26 @@ TEST_F(OfflineFilm, ShowsNextClipAtItsMoment) {
     EXPECT_EQ(differences(next, later, {0, 0, 159, 119}, 0), 0);
 }
 
+/// As in a window: the last surface stays, and can be touched.
+TEST_F(OfflineFilm, KeepsSurfaceOfBrokenClip) {
+    const std::string frames = path("frames");
+    ASSERT_EQ(run_touchable({"convert", made_clip("bumps", 12).string(), frames}).code, 0);
+    std::vector<std::filesystem::path> depths;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(frames))
+        if (contains(entry.path().string(), "depth") && entry.is_regular_file())
+            depths.push_back(entry.path());
+    std::ranges::sort(depths);
+    ASSERT_EQ(depths.size(), 12U);
+    std::ofstream(depths[4]) << "no picture";
+    std::ofstream(folder_ / "script") << "0.2 move 80 60\n0.2 press left\n";
+    const Outcome made =
+        run_touchable({"play", frames, "--headless", "--seconds", "0.5", "--size", "160x120", "--painter",
+                       "cpu", "--video", path("shot-%d.png"), "--script", path("script")});
+    EXPECT_EQ(made.code, 3);
+    EXPECT_TRUE(contains(made.err, depths[4].filename().string())) << made.err;
+    EXPECT_GT(differences(picture("shot-6.png"), picture("shot-15.png"), {0, 0, 159, 119}), 50) << "a finger";
+}
+
 TEST_F(OfflineFilm, SoundLastsAsLongAsPictures) {
     film("film.mkv", {}, false);
     auto track = SoundTrack::open(path("film.mkv"));
