@@ -28,6 +28,35 @@
 
 namespace touchable {
 
+/// A window's times, shared by all its parts. The window's thread only.
+struct WindowTime {
+    const WindowClock::time_point asked_for = WindowClock::now();
+    WindowClock::time_point last_event{};            ///< the last one that makes a picture due
+    std::optional<WindowClock::time_point> begun{};  ///< at the first picture; offline at the first tick
+    /// Time of scripts and of user input: stands still while the machine is suspended or stalled.
+    double script_s = 0;
+    double stirred_s = 0;  ///< `script_s` of the last user input
+
+    /// Since the first picture; 0 before it.
+    double now_s() const { return begun ? WindowClock::seconds_between(*begun, WindowClock::now()) : 0; }
+    /// CPU time since the first picture, of this thread and of the process.
+    double thread_cpu_ms() const { return begun ? cpu_ms(CLOCK_THREAD_CPUTIME_ID) - begun_thread_ms_ : 0; }
+    double process_cpu_ms() const { return begun ? cpu_ms(CLOCK_PROCESS_CPUTIME_ID) - begun_process_ms_ : 0; }
+    void note_event() { last_event = WindowClock::now(); }
+    /// Notes when the first picture was shown; returns the ms since the window was requested.
+    double begin(WindowClock::time_point at) {
+        begun = at;
+        begun_thread_ms_ = cpu_ms(CLOCK_THREAD_CPUTIME_ID);
+        begun_process_ms_ = cpu_ms(CLOCK_PROCESS_CPUTIME_ID);
+        return 1000 * WindowClock::seconds_between(asked_for, at);
+    }
+
+private:
+    static double cpu_ms(clockid_t clock) { return static_cast<double>(clock_ns(clock)) * 1e-6; }
+
+    double begun_thread_ms_ = 0, begun_process_ms_ = 0;
+};
+
 class WindowCore : NonCopyable {
 public:
     explicit WindowCore(PlayOptions wanted) : options(std::move(wanted)) {}

@@ -25,9 +25,6 @@ bool until_stopped(std::size_t count, auto&& work) {
 inline std::int64_t boot_ns() {
     return std::chrono::steady_clock::now().time_since_epoch().count();
 }
-inline std::int64_t clock_ns(auto) {
-    return boot_ns();
-}
 
 struct RowBand {
     int first, last, thread;
