@@ -37,11 +37,11 @@ using glm::ivec2;
 #define EDGE_PRECISE precise
 #endif
 
-#define EDGE_REACH 4        // vertices to either side
-#define EDGE_UNIT 128       // steps of a pixel
-#define EDGE_MOST 96        // steps of a move
-#define EDGE_MOST_STEEP 121 // of a move towards an eroded vertex
-#define EDGE_ERODED 2       // vertices from a gap
+#define EDGE_REACH 4         // vertices to either side
+#define EDGE_UNIT 128        // steps of a pixel
+#define EDGE_MOST 96         // steps of a move
+#define EDGE_MOST_STEEP 121  // of a move towards an eroded vertex
+#define EDGE_ERODED 2        // vertices from a gap
 
 /// Rows of q, 0 where there is no surface. (In C++ any lattice with an `edge_q` works.)
 struct EdgeLattice {
@@ -49,8 +49,8 @@ struct EdgeLattice {
     const float* q;
 #endif
     int width, height;
-    int pitch;    // vertices from one row of q to the next
-    float ratio;  // of cut_rule.h
+    int pitch;       // vertices from one row of q to the next
+    float ratio;     // of cut_rule.h
     float steepest;  // change of q per vertex, relative to q, that is drawn beside a gap
 };
 
@@ -181,8 +181,8 @@ EDGE_FUNCTION float edge_eroded_q(EDGE_LATTICE lattice, ivec2 at) {
     return here;
 }
 
-/// Moves a vertex towards its eroded neighbour `beside`, to where the surface becomes too steep: a ball's
-/// 1 / steepness is linear there. False if the neighbour was eroded for another reason.
+/// Moves a vertex towards `out_`, to where the surface becomes too steep: a ball's 1 / steepness is linear
+/// there. False if it ends for another reason.
 EDGE_FUNCTION bool edge_to_steep(EDGE_LATTICE lattice, ivec2 at, ivec2 out_, EDGE_CHANGED(EdgeMove) move) {
     const float beside = -edge_q(lattice, at + out_);
     const bool is_eroded = edge_are_near(lattice, edge_q(lattice, at), beside);
