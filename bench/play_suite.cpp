@@ -23,7 +23,10 @@ std::vector<BenchCase> play_cases(bool quick) {
                 .scene = "globe", .width = width, .height = height, .frames = quick ? 120 : 600};
             const std::string name = "window-globe-" + std::to_string(width) + "x" + std::to_string(height) +
                                      "-16" + (turned == 0 ? "" : "-turned-" + std::to_string(turned));
-            add(name, {.clip = clip, .turned = static_cast<double>(turned)});
+            const auto degrees = static_cast<double>(turned);
+            add(name, {.clip = clip, .turned = degrees});
+            if (width == 1920)
+                add(name + "-full-size", {clip, WindowRun::Use::touched, degrees, width, height});
             if (turned != 0) continue;
             add(name + "-watched", {clip, WindowRun::Use::watched});
             add(name + "-paused", {clip, WindowRun::Use::paused});

@@ -4,6 +4,7 @@
 #include <glm/geometric.hpp>
 
 #include "engine/base/try.hpp"
+#include "engine/base/vectors.hpp"
 #include "engine/gpu/gpu_device.hpp"
 #include "player/draw/cpu_painting.hpp"
 #include "player/draw/drawn_surface.hpp"
@@ -193,6 +194,42 @@ Result<Image> make_picture(const SurfacePainter::Settings& settings, const Scene
     const double pixels = camera.focal / samples / glm::length(subject.middle - camera.eye);
     TRY(draw_legend({fingers.size(), sizes.length_per_newton * pixels}, image));
     return image;
+}
+
+void double_picture(std::span<const PackedColour> from, int width, int height, std::span<PackedColour> to) {
+    const auto pixels = static_cast<std::size_t>(width);
+    // Two channels of 16 bits in each value; of two rows, the outer pixels twice.
+    constexpr std::uint32_t channels = 0x00ff00ff, half = 0x00080008;
+    std::vector<std::uint32_t> reds(pixels + 2), greens(pixels + 2);
+    const auto stretch = [&](auto) __attribute__((always_inline)) {
+        const int count = width, last = height - 1;  // in registers, which lets the loops vectorise
+        for (int y = 0; y <= 2 * last + 1; ++y) {
+            const int beside = std::clamp(y / 2 + y % 2 * 2 - 1, 0, last);
+            const PackedColour* const near = from.data() + pixels * static_cast<std::size_t>(y / 2);
+            const PackedColour* const far = from.data() + pixels * static_cast<std::size_t>(beside);
+            std::uint32_t* const red = reds.data() + 1;
+            std::uint32_t* const green = greens.data() + 1;
+            for (int x = 0; x < count; ++x) {
+                red[x] = 3 * (near[x] & channels) + (far[x] & channels);
+                green[x] = 3 * (near[x] >> 8 & channels) + (far[x] >> 8 & channels);
+            }
+            for (std::uint32_t* const sum : {red, green}) {
+                sum[-1] = sum[0];
+                sum[count] = sum[count - 1];
+            }
+            const auto between = [=](int x, int other) __attribute__((always_inline)) {
+                const std::uint32_t r = 3 * red[x] + red[other] + half,
+                                    g = 3 * green[x] + green[other] + half;
+                return (r >> 4 & channels) | (g >> 4 & channels) << 8;
+            };
+            PackedColour* const out = to.data() + 2 * pixels * static_cast<std::size_t>(y);
+            for (int x = 0; x < count; ++x) {
+                out[2 * x] = between(x, x - 1);
+                out[2 * x + 1] = between(x, x + 1);
+            }
+        }
+    };
+    run_vectors(usable_vector_units().front(), stretch);
 }
 
 struct CpuDrawing::Parts {

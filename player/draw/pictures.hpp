@@ -158,6 +158,10 @@ public:
                               const GpuImage& target) = 0;
 };
 
+/// Stretches a picture, rows packed, over one twice as wide and high, to the bits of an exact linear filter:
+/// 9, 3, 3 and 1 sixteenths of the nearest samples, rounded.
+void double_picture(std::span<const PackedColour> from, int width, int height, std::span<PackedColour> to);
+
 /// SurfaceDrawing's counterpart with the `cpu` painter: a surface and the fingers on it, picture after
 /// picture, in the CPU's memory. One sample a pixel: edges are not smooth. Not thread-safe.
 class CpuDrawing {

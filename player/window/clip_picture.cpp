@@ -180,7 +180,11 @@ void PictureGovernor::add(double now_s, std::int64_t due, std::int64_t in_time, 
             from_ = level_;
             judged_ = 0;
         }
-        go_to(level_ + 1, now_s);
+        std::size_t level = level_;
+        double expected = drawing_each;
+        do expected /= levels_[level++].dearer;
+        while (expected > 1 && level + 1 < levels_.size());
+        go_to(level, now_s);
     } else if (!is_late && level_ > least && now_s - changed_s_ >= wait_s_) {
         if (drawing_each * levels_[level_ - 1].dearer < room) go_to(level_ - 1, now_s);
     }

@@ -170,8 +170,8 @@ enum class LessOf { vertices, pixels };
 
 /// Chooses the surface's level of detail so that pictures come in time: all vertices, or no more than the
 /// window's pixels resolve (`coarse`); then still fewer vertices, or a smaller, stretched picture. It begins
-/// coarse, goes down at once and up slowly; a reduction that saves too little is reverted, once it has been
-/// judged (`judge`).
+/// coarse, goes down at once, to where drawing should take less than a frame's duration, and up slowly; a
+/// reduction that saves too little is reverted, once it has been judged (`judge`).
 class PictureGovernor {
 public:
     explicit PictureGovernor(LessOf less = LessOf::pixels)
@@ -197,10 +197,10 @@ private:
         int step;
         double dearer;  ///< drawing time relative to the next one
     };
-    static constexpr std::array<Level, 4> by_pixels{
-        {{1, false, 1, 3}, {1, true, 1, 1.78}, {0.75, true, 1, 2.25}, {0.5, true, 1, 1}}};
-    static constexpr std::array<Level, 4> by_vertices{
-        {{1, false, 1, 3}, {1, true, 1, 1.5}, {1, true, 2, 1.5}, {0.5, true, 2, 1}}};
+    static constexpr Level by_pixels[] = {
+        {1, false, 1, 3}, {1, true, 1, 1.78}, {0.75, true, 1, 2.25}, {0.5, true, 1, 1}};
+    static constexpr Level by_vertices[] = {
+        {1, false, 1, 3}, {1, true, 1, 1.5}, {1, true, 2, 1.5}, {0.5, true, 2, 1.4}, {0.25, true, 2, 1}};
     static constexpr std::int64_t few = 15;   // frames judged together
     static constexpr double tolerated = 0.9;  // share of them in time
     static constexpr double cause = 0.5;      // of a frame's duration: faster drawing delays nothing

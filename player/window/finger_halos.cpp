@@ -20,14 +20,6 @@ bool is_hidden(const glm::dvec3& place, double radius, const glm::dvec3& screen,
     return met && met->drawn;
 }
 
-/// Draws a share `turns` of the circle, clockwise from straight up.
-void draw_arc(ImDrawList& list, const FingerHalo& halo, double turns, float thick, ImU32 colour) {
-    constexpr double upward = -0.5 * std::numbers::pi;
-    list.PathArcTo(point_of(halo.at), static_cast<float>(halo.ring), static_cast<float>(upward),
-                   static_cast<float>(upward + 2 * std::numbers::pi * turns), 64);
-    list.PathStroke(colour, 0, thick);
-}
-
 /// Draws the force on a dark background, legible on any surface.
 void draw_newtons(ImDrawList& list, const FingerHalo& halo, std::vector<LabelBox>& labels, float scale) {
     const std::string words = formatted("%.1f N", halo.newtons);
@@ -113,6 +105,7 @@ std::vector<FingerHalo> finger_halos(std::span<const FingerMark> fingers, const 
 
 void draw_finger_halos(std::span<const FingerHalo> halos, float scale) {
     constexpr double least_newtons = 0.05;
+    constexpr float upward = -0.5F * std::numbers::pi_v<float>;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     std::vector<LabelBox> taken;  // boxes of rings, arrow heads, and labels
     for (const FingerHalo& halo : halos) {
@@ -123,14 +116,17 @@ void draw_finger_halos(std::span<const FingerHalo> halos, float scale) {
     for (const FingerHalo& halo : halos) {
         const bool pushes = halo.touching && halo.newtons > least_newtons;
         const bool end_on = glm::length(halo.arrow) < 1.9 * halo.radius;
+        // A share of the circle, clockwise from straight up. Whole pixels take a third of the triangles.
         const auto draw = [&](double share, float thick, ImU32 ink) {
-            draw_arc(list, halo, share, thick * scale, ink);
+            const auto turned = static_cast<float>(2 * std::numbers::pi * share);
+            list.PathArcTo(point_of(halo.at), static_cast<float>(halo.ring), upward, upward + turned);
+            list.PathStroke(ink, 0, std::round(thick * scale));
         };
-        draw(1, 3.4F, dark_ink);
-        draw(1, 1.4F, halo.touching ? faint_ink : light_ink);
+        draw(1, 3, dark_ink);
+        draw(1, 1, halo.touching ? faint_ink : light_ink);
         if (!pushes) continue;
-        draw(halo.share, 5.6F, dark_ink);
-        draw(halo.share, 3.6F, light_ink);
+        draw(halo.share, 6, dark_ink);
+        draw(halo.share, 4, light_ink);
         if (end_on) draw_end_on(list, halo, scale);
         if (end_on || halo.aside < 0.5) draw_newtons(list, halo, taken, scale);
     }

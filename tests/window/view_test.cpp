@@ -284,6 +284,14 @@ TEST_F(PictureGovernorTest, DropsFastForLatePictures) {
     EXPECT_EQ(smaller.share(), 0.5) << "not judged by its first pictures";
 }
 
+TEST_F(PictureGovernorTest, GoesToWhatFits) {
+    for (const auto& [drawing, share] : {std::pair{3.5, 0.25}, {2.2, 0.5}}) {
+        governor = PictureGovernor(LessOf::vertices);
+        for (int k = 0; k < 2; ++k) add(k / 30.0, drawing);
+        EXPECT_EQ(governor.share(), share) << "in one step";
+    }
+}
+
 TEST_F(PictureGovernorTest, IgnoresWarmUpPictures) {
     governor = PictureGovernor(LessOf::vertices);
     // A clip that has just opened fills its memory beside them.
