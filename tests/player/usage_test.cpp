@@ -469,7 +469,7 @@ TEST(Usage, DeviceCheckLastsRequestedSeconds) {
     const TemporaryFolder folder;
     const std::string log = folder / "log.csv";
     std::ofstream(log) << "time_s,finger,x,y,z,buttons,age_ms,fx,fy,fz,force_on\n"
-                          "0,0,0,0,0,0,0,0,0,0,0\n9,0,0,0,0,0,0,0,0,0,0\n";
+                          "0,0,0,0,0,0,0,0,0,0,0\n900,0,0,0,0,0,0,0,0,0,0\n";
     const Outcome run = run_touchable({"check", "--device", "recorded:" + log, "--seconds", "1", "--json"});
     ASSERT_EQ(run.code, 0) << run.err;
     const auto json = nlohmann::json::parse(run.out);
