@@ -13,7 +13,7 @@ namespace touchable {
 /// One of FFmpeg's encoders and its settings.
 struct AvSettings {
     std::string encoder;
-    Packing packing;
+    PicturePacking packing;
     int slices = 1, access_every = 1;  ///< frames between access points
     std::vector<std::pair<std::string, std::string>> options{};
 };

@@ -23,7 +23,7 @@ AvSettings ffv1(AVPixelFormat format, const char* coder) {
     return {"ffv1", {format}, side_by_side, 1, {{"slicecrc", "1"}, {"coder", coder}, {"context", "1"}}};
 }
 
-AvSettings x264(const char* encoder, Packing packing, const char* preset, const char* quality,
+AvSettings x264(const char* encoder, PicturePacking packing, const char* preset, const char* quality,
                 const char* value) {
     return {encoder,
             packing,
@@ -33,12 +33,12 @@ AvSettings x264(const char* encoder, Packing packing, const char* preset, const 
 }
 
 void add_h264(std::vector<CodecChoice>& choices, const PlaneView& first) {
-    const Packing grey{AV_PIX_FMT_GRAY8, first.bytes_per_sample == 2};
+    const PicturePacking grey{AV_PIX_FMT_GRAY8, first.bytes_per_sample == 2};
     const bool rgb = first.channels == 3;
     for (const char* preset : {"ultrafast", "superfast"})
-        choices.push_back(by_ffmpeg(
-            std::string("h264-") + preset,
-            x264(rgb ? "libx264rgb" : "libx264", rgb ? Packing{AV_PIX_FMT_BGR0} : grey, preset, "qp", "0")));
+        choices.push_back(by_ffmpeg(std::string("h264-") + preset,
+                                    x264(rgb ? "libx264rgb" : "libx264",
+                                         rgb ? PicturePacking{AV_PIX_FMT_BGR0} : grey, preset, "qp", "0")));
 }
 
 void add_lossy_h264(std::vector<CodecChoice>& choices) {

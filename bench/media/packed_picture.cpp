@@ -112,7 +112,8 @@ constexpr RgbOrder rgb24{3, 0, 1, 2}, bgr24{3, 2, 1, 0}, bgr0{4, 2, 1, 0};
 
 }  // namespace
 
-Result<void> pack(const PlaneView& plane, const Packing& packing, ScalerPtr& scaler, AVFrame& picture) {
+Result<void> pack(const PlaneView& plane, const PicturePacking& packing, ScalerPtr& scaler,
+                  AVFrame& picture) {
     static_assert(std::endian::native == std::endian::little,
                   "samples are taken apart as they lie in memory");
     if (is_yuv(packing.format)) {

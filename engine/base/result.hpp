@@ -32,16 +32,16 @@ struct Setting {
     static constexpr Name builder = "builder", camera = "camera", channel = "channel", clip = "clip",
                           damping = "damping", dataset = "dataset", depth_kind = "depth",
                           depth_unit = "depth_unit", device = "device", device_rules = "device_rules",
-                          field_of_view = "fov", fingers = "fingers", forces = "forces", gpu = "gpu",
-                          hand = "hand", haptic_map = "haptic_map", headless = "headless",
+                          field_of_view = "fov", far = "far", fingers = "fingers", forces = "forces",
+                          gpu = "gpu", hand = "hand", haptic_map = "haptic_map", headless = "headless",
                           height_map = "height_map", interpolation = "interpolation",
                           intrinsics = "intrinsics", live = "live", loop = "loop", max_force = "max_force",
-                          max_stiffness = "max_stiffness", painter = "painter", passivity = "passivity",
-                          playback = "playback", preset = "preset", rate = "rate", record = "record",
-                          scene_file = "scene_file", script = "script", seconds = "seconds",
-                          stale_after = "stale_after", start = "start", start_buried = "start_buried",
-                          stiffness_rise = "stiffness_rise", stribeck = "stribeck", temporal = "temporal",
-                          view = "view";
+                          max_stiffness = "max_stiffness", near = "near", painter = "painter",
+                          passivity = "passivity", playback = "playback", preset = "preset", rate = "rate",
+                          record = "record", scene_file = "scene_file", script = "script",
+                          seconds = "seconds", stale_after = "stale_after", start = "start",
+                          start_buried = "start_buried", stiffness_rise = "stiffness_rise",
+                          stribeck = "stribeck", temporal = "temporal", view = "view";
 };
 
 /// A setting that a message is about, or that would help, and the value that would be right.

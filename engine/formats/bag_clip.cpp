@@ -418,9 +418,6 @@ Result<SourceDescription> completed(BagRecording& recording, SourceDescription k
         known.metres_per_code = unit;
         add_remark(remarks,
                    {"a code is " + short_number(1000 * *unit) + " mm, as the camera's Depth Units say"});
-    } else {  // as ROS defines its encodings
-        constexpr double millimetre = 0.001;
-        known.metres_per_code = streams.depth.kind == RosPictureKind::depth_floats ? 1 : millimetre;
     }
     return known;
 }
@@ -476,7 +473,9 @@ Result<GuessedScene> guess_bag(const SourceFile& file, const SourceDescription& 
     say_streams(*recording, remarks);
     TRY_ASSIGN(const auto said, completed(*recording, known, remarks));
     TRY_ASSIGN(const auto first, recording->stored(PlaneRole::depth, 0));
-    TRY_ASSIGN(auto guessed, guess_scene(file.path(), first, said));
+    // ROS defines floats as metres and integers as millimetres; drivers may write something else.
+    const double usual_unit = recording->streams().depth.kind == RosPictureKind::depth_floats ? 1 : 0.001;
+    TRY_ASSIGN(auto guessed, guess_scene(file.path(), first, said, nullptr, usual_unit));
     Scene& scene = guessed.scene;
     scene.video.emplace().depth = file.path().filename().string();
     TRY(add_cameras(*recording, scene, remarks));

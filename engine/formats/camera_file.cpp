@@ -59,7 +59,7 @@ std::vector<double> numbers_in(std::string_view text) {
 }
 
 /// The camera of a 3x3 matrix by rows or by columns, or of a 3x4 or 4x4 one by rows. A matrix of shares of a
-/// picture's sides counts if its principal point is near the middle.
+/// picture's sides counts if its principal point is near the middle, or in pixels.
 std::optional<Intrinsics> from_matrix(const std::vector<double>& m) {
     if (m.size() == 16 || m.size() == 12)
         return from_matrix({m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]});
@@ -70,7 +70,9 @@ std::optional<Intrinsics> from_matrix(const std::vector<double>& m) {
     constexpr double most_skew = 1, least_focal = 1;
     const double cx = by_rows ? m[2] : m[6], cy = by_rows ? m[5] : m[7];
     const auto is_middle = [](double at) { return at > 0.25 && at < 0.75; };
-    const bool is_of_shares = is_middle(cx) && is_middle(cy) && m[1] == 0 && m[3] == 0 && m[0] > 0.1;
+    const bool is_of_shares =
+        ((is_middle(cx) && is_middle(cy) && m[0] > 0.1) || (cx > 1 && cy > 1 && m[0] > 0.2 && m[0] != 1)) &&
+        m[1] == 0 && m[3] == 0;
     const bool last_is_unit = (by_rows ? m[6] == 0 && m[7] == 0 : m[2] == 0 && m[5] == 0) && m[8] == 1;
     const bool is_camera = last_is_unit && std::abs(m[1]) <= most_skew && std::abs(m[3]) <= most_skew &&
                            ((m[0] > least_focal && std::abs(m[4]) > least_focal) || is_of_shares);
@@ -249,10 +251,25 @@ std::optional<Intrinsics> intrinsics_of(const Json& object) {
     return view_of(members);
 }
 
+/// Metres between a pair's cameras: said, or by their 3x4 matrices, whose fourth numbers are fx times their
+/// places; 0: not known. Lengths are metres or millimetres.
+double baseline_of(const Json& object) {
+    constexpr std::pair<const char*, const char*> pairs[] = {
+        {"prect02", "prect03"}, {"p2", "p3"}, {"prect00", "prect01"}, {"p0", "p1"}, {"p1", "p2"}};
+    constexpr double longest_metres = 2, shortest_millimetres = 20;
+    const Members members(object);
+    double length = members.number({"baseline", "stereobaseline"});
+    for (const auto& [one, other] : pairs)
+        if (const auto a = members.list({one}), b = members.list({other});
+            length == 0 && a.size() == 12 && b.size() == 12 && a[0] > 0)
+            length = std::abs(a[3] - b[3]) / a[0];
+    return length > 0 && length < longest_metres ? length : length > shortest_millimetres ? length / 1000 : 0;
+}
+
 bool says_distortion(const Json& object) {
     const Members members(object);
     std::vector<double> terms = members.list(
-        {"distortioncoefficients", "distortioncoeffs", "distcoeffs", "coeffs", "distortion", "d"});
+        {"distortioncoefficients", "distortioncoeffs", "distcoeffs", "coeffs", "distortion", "dist", "d"});
     for (const char* name : {"k1", "k2", "k3", "p1", "p2", "kud", "kdu"})
         terms.push_back(members.number({name}));
     return std::ranges::any_of(terms, [](double term) { return term != 0; });
@@ -333,6 +350,20 @@ double rate_of_members(const Json& object, const std::string& = "") {
     const double rate =
         Members(object).number({"fps", "framerate", "camerafps", "framespersecond", "depthfps"});
     return rate > 0 && rate <= highest ? rate : 0;
+}
+
+/// A renderer's planes, metres; 0: not stated. MuJoCo states shares of the model's extent.
+double near_of_members(const Json& object, const std::string& = "") {
+    const Members members(object);
+    const double near = members.number({"near", "znear", "nearval", "nearplane", "nearclip", "clipnear"}),
+                 extent = members.number({"extent"});
+    return near > 0 ? near * (extent > 0 ? extent : 1) : 0;
+}
+double far_of_members(const Json& object, const std::string& = "") {
+    const Members members(object);
+    const double far = members.number({"far", "zfar", "farval", "farplane", "farclip", "clipfar"}),
+                 extent = members.number({"extent"});
+    return far > 0 ? far * (extent > 0 ? extent : 1) : 0;
 }
 
 /// A camera in a line of its own, or in a member, as librealsense prints it: "[ 640x480 p[319.1 240.2] f[600
@@ -468,6 +499,7 @@ void find_cameras(const Json& json, std::vector<CameraFile>& found, const FrameK
         std::tie(camera->width, camera->height) =
             around.width > 0 ? std::pair(around.width, around.height) : size_by_name(around.name);
         found.push_back({.intrinsics = *camera,
+                         .baseline = baseline_of(json),
                          .codes_per_metre = codes_per_metre_of(json),
                          .has_distortion = says_distortion(json),
                          .name = around.name,
@@ -511,6 +543,8 @@ void take_members(const Json& json, const FrameKey& wanted, CameraText& said) {
     if (said.frames_per_second == 0) said.frames_per_second = first_said(json, rate_of_members, deepest_rate);
     if (said.codes_per_metre == 0) said.codes_per_metre = first_said(json, codes_per_metre_of, deepest_scale);
     if (said.metres_per_value == 0) said.metres_per_value = first_said(json, unit_of_members, deepest_scale);
+    if (said.near == 0) said.near = first_said(json, near_of_members, deepest_scale);
+    if (said.far == 0) said.far = first_said(json, far_of_members, deepest_scale);
 }
 
 /// Numbers after a word that begins a line, up to its end.
@@ -587,14 +621,8 @@ std::optional<Intrinsics> from_four(const std::vector<double>& n) {
 /// Frames a second by these times; 0: they are no times of frames.
 double rate_of_times(std::vector<double> seconds) {
     if (seconds.empty()) return 0;
-    // Since 1970, in nano-, micro- and milliseconds.
-    constexpr std::pair<double, double> units[] = {{1e17, 1e-9}, {1e14, 1e-6}, {1e11, 1e-3}};
-    for (const auto& [least, unit] : units)
-        if (seconds.front() > least) {
-            const double first = seconds.front();
-            for (double& each : seconds) each = (each - first) * unit;
-            break;
-        }
+    const double first = seconds.front(), unit = seconds_of_stamp(first);
+    for (double& each : seconds) each = (each - first) * unit;
     if (!std::ranges::is_sorted(seconds)) return 0;
     const auto rate = rate_of_seconds(seconds);
     constexpr double highest = 1000;
@@ -745,6 +773,9 @@ bool is_no_camera(const CameraFile& file) {
     const Intrinsics& camera = file.intrinsics;
     const auto is_length = [](double value) { return std::isfinite(value) && value > 0 && value < 1e6; };
     const bool is_view = camera.fx == 0 && (camera.fov_x > 0 || camera.fov_y > 0);
+    // Millimetres beside pixels, as no pinhole camera sees 157 degrees; up to 3 it may be a share.
+    if (const double cx = camera.cx.value_or(0); is_side(cx) && camera.fx > 3 && camera.fx < 0.2 * cx)
+        return true;
     return !(is_view || (is_length(camera.fx) && is_length(camera.fy))) ||
            !std::isfinite(camera.cx.value_or(0)) || !std::isfinite(camera.cy.value_or(0));
 }
@@ -778,6 +809,8 @@ CameraFile median_camera_file(std::span<const CameraFile> cameras) {
 
 Result<CameraText> read_camera_text(const std::filesystem::path& file, const FrameKey& wanted) {
     constexpr std::size_t enough_lines = 1 << 18;
+    if (is_any_of(small_letters(file.extension().string()), {".npy", ".npz"}))
+        return cameras_in_arrays(small_arrays_in(SourceFile(file)));
     const bool is_of_lines = small_letters(file.extension().string()) == ".jsonl";
     TRY_ASSIGN(auto text, is_of_lines
                               ? Result<std::string>(first_bytes(SourceFile(file), enough_lines))
@@ -835,16 +868,21 @@ Result<Intrinsics> read_intrinsics(const std::filesystem::path& file) {
 }
 
 CameraText cameras_in_arrays(std::span<const SmallArray> arrays) {
-    constexpr std::size_t of_matrix = 9;
+    constexpr std::size_t most_of_lens = 14;
     CameraText said;
     Json numbers = Json::object();
     for (const SmallArray& array : arrays) {
         const auto& shape = array.shape;
         if (array.numbers.size() == 1) numbers.emplace(array.name, array.numbers.front());
+        if (array.numbers.size() > 1 && array.numbers.size() <= most_of_lens)
+            numbers.emplace(array.name, array.numbers);
+        // Of 3x3, 3x4 or 4x4; HDF5's have no shape.
         const std::size_t sides = shape.size();
-        const bool is_matrices = sides >= 2 && shape[sides - 1] == 3 && shape[sides - 2] == 3;
-        const bool is_quads = sides >= 1 && shape[sides - 1] == 4 && !(sides > 1 && shape[sides - 2] == 4);
-        const std::size_t each = is_matrices ? of_matrix : is_quads ? 4 : 0;
+        const std::int64_t across = sides > 0 ? shape[sides - 1] : 3, down = sides > 1   ? shape[sides - 2]
+                                                                             : sides > 0 ? 0
+                                                                                         : 3;
+        const bool is_matrices = across <= 4 && down >= 3 && down <= across;
+        const auto each = static_cast<std::size_t>(is_matrices ? across * down : across == 4 ? 4 : 0);
         if (each == 0 || array.numbers.size() % each != 0) continue;
         const std::size_t count = array.numbers.size() / each;
         std::vector<CameraFile> cameras;
@@ -853,19 +891,26 @@ CameraText cameras_in_arrays(std::span<const SmallArray> arrays) {
                 array.numbers.begin() +
                 static_cast<std::ptrdiff_t>(each * (n * count / std::min(count, most_cameras)));
             Json object = Json::object();
-            object[array.name] = std::vector<double>(first, first + static_cast<std::ptrdiff_t>(each));
+            // A matrix is a camera's by its numbers, whatever its name.
+            object[is_matrices ? "k" : array.name] =
+                std::vector<double>(first, first + static_cast<std::ptrdiff_t>(each));
             if (const auto found = intrinsics_of(object)) cameras.push_back({.intrinsics = *found});
         }
         std::erase_if(cameras, is_no_camera);
-        if (!cameras.empty() && said.cameras.empty()) {
+        if (!cameras.empty()) {
             said.cameras.push_back(median_camera_file(cameras));
             said.cameras.back().name = array.name.substr(0, longest_camera_name);
         }
     }
     if (said.cameras.empty()) find_cameras(numbers, said.cameras, {}, {});
     std::erase_if(said.cameras, is_no_camera);
+    std::ranges::stable_partition(said.cameras,
+                                  [](const CameraFile& camera) { return has_word(camera.name, {"depth"}); });
+    for (CameraFile& camera : said.cameras) camera.has_distortion = says_distortion(numbers);
     said.codes_per_metre = codes_per_metre_of(numbers);
     said.frames_per_second = rate_of_members(numbers);
+    said.near = near_of_members(numbers);
+    said.far = far_of_members(numbers);
     return said;
 }
 

@@ -47,7 +47,11 @@ bool is_of_others(const std::string& name) {
 
 constexpr std::size_t most_looked_at = 1'000'000;  // entries of a folder
 
-/// A folder's entries by name, but pictures and videos, whose stems go to `picture_stems`.
+bool is_arrays(const std::string& extension) {
+    return is_any_of(extension, {".npy", ".npz"});
+}
+
+/// A folder's entries by name, but pictures (not arrays) and videos, whose stems go to `picture_stems`.
 std::vector<fs::path> texts_in(const fs::path& folder, std::vector<std::string>& picture_stems) {
     std::vector<fs::path> texts;
     std::error_code ignored;
@@ -59,10 +63,8 @@ std::vector<fs::path> texts_in(const fs::path& folder, std::vector<std::string>&
             is_any_of(extension, {".png", ".exr", ".tif", ".tiff", ".pgm", ".pfm", ".npy", ".npz", ".jpg",
                                   ".jpeg", ".heic", ".mkv", ".mp4", ".mov", ".avi"});
         if (texts.size() + picture_stems.size() >= most_looked_at || stop_requested()) break;
-        if (is_picture)
-            picture_stems.push_back(small_letters(entry.path().stem().string()));
-        else
-            texts.push_back(entry.path());
+        if (is_picture) picture_stems.push_back(small_letters(entry.path().stem().string()));
+        if (!is_picture || is_arrays(extension)) texts.push_back(entry.path());
     }
     std::ranges::sort(texts);
     std::ranges::sort(picture_stems);
@@ -180,22 +182,25 @@ std::vector<CameraCandidate> candidates_in(const fs::path& folder, const Sought&
         if (!pictures.below.empty() && stem != pictures.below &&
             fs::is_directory(folder / file.stem(), failure))
             continue;
-        const bool has_members = is_any_of(extension, {".json", ".jsonl", ".yaml", ".yml", ".xml"});
+        // Arrays beside those of frames, whose names have numbers: PointOdyssey's anno.npz.
+        const bool is_npz = extension == ".npz" && !has_digit(stem) && stem != own_stem;
+        const bool has_members = is_npz || is_any_of(extension, {".json", ".jsonl", ".yaml", ".yml", ".xml"});
         const bool is_own = !stem.empty() && (stem == own_stem || has_stem_of(own_stem, stem));
         if (!is_own && !pictures.is_whole_folder && is_of_another(own_stem, stem, stems_alike)) continue;
         if (is_named_camera(name, stem)) {
-            if (is_small_text(extension) || is_any_of(extension, {"", ".bin", ".mat", ".pincam"}))
+            if (is_small_text(extension) || is_arrays(extension) ||
+                is_any_of(extension, {"", ".bin", ".mat", ".pincam"}))
                 if (named.size() < most_named) named.push_back({file, true, is_own});
-        } else if (!pictures.only_named && is_small_text(extension) && !is_of_others(name)) {
+        } else if (!pictures.only_named && (is_small_text(extension) || is_npz) && !is_of_others(name)) {
             // For one picture of a folder: a file that is no other picture's may serve all.
             const std::string before_dot = stem.substr(0, stem.rfind('.'));  // robot.info beside robot.mp4
-            const bool is_shared = !std::ranges::binary_search(picture_stems, stem) &&
-                                   !std::ranges::binary_search(picture_stems, before_dot);
+            const bool is_shared = is_npz || (!std::ranges::binary_search(picture_stems, stem) &&
+                                              !std::ranges::binary_search(picture_stems, before_dot));
             if (!is_own && (others.size() > most_others || (!pictures.is_whole_folder && !is_shared)))
                 continue;
-            const auto longest = extension == ".jsonl" ? std::numeric_limits<std::uintmax_t>::max()
-                                 : has_members         ? longest_other
-                                                       : longest_text;
+            const auto longest = extension == ".jsonl" || is_npz ? std::numeric_limits<std::uintmax_t>::max()
+                                 : has_members                   ? longest_other
+                                                                 : longest_text;
             if (fs::file_size(file, failure) <= longest && !failure && named.size() < most_named)
                 (is_own ? named : others).push_back({file, false, is_own, !has_members});
         }
@@ -221,7 +226,7 @@ int telling_number(std::span<const std::string> stems) {
 constexpr std::size_t most_frames_read = 64;
 
 bool is_folder_of_cameras(const fs::path& folder) {
-    return has_word(small_letters(folder.filename().string()), {"intrinsic", "calib"});
+    return has_word(small_letters(folder.filename().string()), {"intrinsic", "calib", "camera_param"});
 }
 
 /// A stem with # for each of its numbers.
@@ -240,7 +245,7 @@ std::vector<std::vector<fs::path>> series_in(const fs::path& folder, const Sough
     std::map<std::string, Files> by_extension, by_shape;
     for (const fs::path& file : texts_in(folder, ignored)) {
         const std::string extension = small_letters(file.extension().string());
-        if (!is_any_of(extension, {".json", ".yaml", ".yml", ".xml", ".txt"})) continue;
+        if (!is_any_of(extension, {".json", ".yaml", ".yml", ".xml", ".txt", ".npy", ".npz"})) continue;
         const std::string stem = file.stem().string();
         by_extension[extension].emplace(stem, file);
         by_shape[extension + shape_of(stem)].emplace(stem, file);
@@ -331,6 +336,7 @@ std::vector<CameraCandidate> candidates_of_picture(const fs::path& folder, const
 double off_middle(double at, int side) {
     return std::abs((at + 0.5) / side - 0.5);
 }
+constexpr double far_off = 0.2;
 
 /// How well a camera fits depth's pictures, what counts most first. If two differ only behind the first
 /// `sure_marks`, the choice is not sure.
@@ -376,7 +382,8 @@ CameraMark mark_of(const CameraCandidate& candidate, const CameraFile& camera, c
 /// Whether a text has a number in its first 64 KiB.
 bool has_number(const fs::path& file) {
     constexpr std::size_t enough = 1 << 16;
-    return has_digit(first_bytes(SourceFile(file), enough));
+    return !is_arrays(small_letters(file.extension().string())) &&
+           has_digit(first_bytes(SourceFile(file), enough));
 }
 
 /// Takes the cameras of a folder in which each frame has its own.
@@ -471,7 +478,7 @@ void look_in(const fs::path& folder, const Sought& pictures, bool tells, CameraB
         const bool may_say_rate = candidate.is_named || has_camera || is_odometry || !candidate.is_text;
         const double rate = may_say_rate ? said.frames_per_second : 0, scale = said.codes_per_metre,
                      unit = said.metres_per_value;
-        const bool is_silent = !has_camera && rate <= 0 && scale <= 0 && unit <= 0;
+        const bool is_silent = !has_camera && rate <= 0 && scale <= 0 && unit <= 0 && said.far <= 0;
         if (is_silent && candidate.is_named && tells && !small_letters(name).starts_with("metadata")) {
             constexpr std::size_t enough = 64;
             const bool is_pointer = is_git_lfs_pointer(first_bytes(SourceFile(candidate.file), enough));
@@ -482,6 +489,8 @@ void look_in(const fs::path& folder, const Sought& pictures, bool tells, CameraB
         beside.frames_per_second.add(rate, candidate.file);
         beside.codes_per_metre.add(scale, candidate.file);
         beside.metres_per_value.add(unit, candidate.file);
+        beside.near.add(said.near, candidate.file);
+        beside.far.add(said.far, candidate.file);
         const bool is_one = said.cameras.size() == 1;
         for (CameraFile& camera : said.cameras) {
             if (is_known) break;
@@ -708,6 +717,8 @@ CameraBeside camera_beside(const PicturesOfCamera& pictures_of) {
     beside.not_used = pictures.own_not_used;
     beside.codes_per_metre.add(pictures.own.codes_per_metre, pictures.own_file);
     beside.frames_per_second.add(pictures.own.frames_per_second, pictures.own_file);
+    beside.near.add(pictures.own.near, pictures.own_file);
+    beside.far.add(pictures.own.far, pictures.own_file);
     const fs::path of_depth =
         pictures.within.empty() ? here : (here / pictures.within / "").lexically_normal().parent_path();
     know_names(of_depth, pictures);
@@ -748,15 +759,46 @@ CameraBeside camera_beside(const PicturesOfCamera& pictures_of) {
     return beside;
 }
 
-Intrinsics trusted_intrinsics(Intrinsics camera, int width, int height, std::string& doubt) {
-    if (!camera.cx || !camera.cy || width <= 0 || height <= 0) return camera;
-    const double cx = *camera.cx, cy = *camera.cy;
-    const auto is_share = [](double at) { return at > 0 && at < 1; };
-    constexpr double longest_share = 10, far_off = 0.2, near_middle = 0.1, most_apart = 0.1;
-    if (camera.fx < longest_share && camera.fy < longest_share && is_share(cx) && is_share(cy)) {
-        doubt = "whose numbers are shares of a picture";
-        return {camera.fx * width, camera.fy * height, cx * width - 0.5, cy * height - 0.5, width, height};
+Intrinsics in_pixels(Intrinsics camera, int width, int height, std::string& doubt) {
+    if (camera.width > 0 && camera.height > 0) width = camera.width, height = camera.height;
+    // As pixels, a quarter of a side sees 127 degrees.
+    constexpr double least_share = 0.2, longest_share = 3, longest_beside_shares = 10, widest = 0.25;
+    const auto is_off = [](double at, int side) {
+        return std::abs(at) < 1 && off_middle(at, side) > far_off;
+    };
+    const auto is_share = [&](const std::optional<double>& at, int side) {
+        return at && is_off(*at, side) && std::abs(*at - 0.5) <= 0.25;
+    };
+    const bool of_x = is_share(camera.cx, width), of_y = is_share(camera.cy, height);
+    const double longest = of_x && of_y ? longest_beside_shares : longest_share;
+    const auto [shorter, longer] = std::minmax({camera.fx, camera.fy});
+    const bool of_f = shorter > least_share && longer < std::min(longest, widest * std::min(width, height));
+    if (of_f) {
+        // One share for both is of the longer side, as pixels are square.
+        camera.fx *= shorter == longer ? std::max(width, height) : width;
+        camera.fy *= shorter == longer ? std::max(width, height) : height;
     }
+    if (of_x) camera.cx = *camera.cx * width - 0.5;
+    if (of_y) camera.cy = *camera.cy * height - 0.5;
+    if (of_f || of_x || of_y) {
+        camera.width = width, camera.height = height;
+        doubt = std::string(of_f && of_x && of_y ? "" : "some of ") + "whose numbers are shares of a picture";
+    }
+    // Zeros, or -1 to 1 from edge to edge.
+    if (camera.cx && camera.cy && is_off(*camera.cx, width) && is_off(*camera.cy, height)) {
+        camera.cx.reset(), camera.cy.reset();
+        doubt += (doubt.empty() ? "whose" : ", and whose") +
+                 std::string(" principal point is in a corner, so the middle is taken");
+    }
+    return camera;
+}
+
+Intrinsics trusted_intrinsics(Intrinsics camera, int width, int height, std::string& doubt) {
+    if (width <= 0 || height <= 0) return camera;
+    camera = in_pixels(camera, width, height, doubt);
+    if (!doubt.empty() || !camera.cx || !camera.cy) return camera;
+    const double cx = *camera.cx, cy = *camera.cy;
+    constexpr double near_middle = 0.1, most_apart = 0.1;
     const bool says_size = camera.width > 0 && camera.height > 0;
     if (says_size && (camera.width != width || camera.height != height)) {
         const bool is_theirs =
@@ -800,7 +842,9 @@ Result<std::vector<Camera>> read_frame_cameras(const PictureFiles& files, int wi
         const std::string of_frame = " (camera, frame " + std::to_string(frame) + ")";
         const auto file = read_camera_file(path);
         if (!file) return Error{file.error().kind, file.error().message + of_frame};
-        const Camera camera = scaled_camera(file->intrinsics, width, height);
+        std::string ignored;
+        const Camera camera =
+            scaled_camera(in_pixels(file->intrinsics, width, height, ignored), width, height);
         if (!(std::abs(camera.cx) < farthest) || !(std::abs(camera.cy) < farthest))
             return input_error(path.string() + of_frame +
                                ": its cx and cy must be pixels, nearer than 1e6 to the picture");

@@ -55,6 +55,7 @@ struct CameraText {
     std::size_t timed_rows = 0;       ///< rows of the table whose times gave that rate
     double codes_per_metre = 0;       ///< of depth; 0: not said
     double metres_per_value = 0;      ///< of depth that is no codes; 0: not said
+    double near = 0, far = 0;         ///< a renderer's planes, metres; 0: not said
 };
 
 /// The picture whose camera is sought among frames' cameras.
@@ -111,6 +112,7 @@ struct CameraBeside {
     StatedNumber frames_per_second{};
     StatedNumber codes_per_metre{};             ///< of depth
     StatedNumber metres_per_value{};            ///< of depth that is no codes
+    StatedNumber near{}, far{};                 ///< a renderer's planes, metres
     std::vector<std::string> not_understood{};  ///< files named as a camera's
     /// Names of other files with numbers in them, from which nothing was taken.
     std::vector<std::string> not_used{};
@@ -130,9 +132,12 @@ CameraBeside camera_beside(const PicturesOfCamera& pictures);
 /// Cameras, rate and scale in arrays beside depth in its own file (.npz).
 CameraText cameras_in_arrays(std::span<const SmallArray> arrays);
 
-/// Corrects a camera for pictures of this size: numbers that are shares become pixels, and a stated size that
-/// contradicts the principal point, near the real pictures' middle, is replaced. `doubt` gets what was
-/// changed.
+/// Brings numbers that are shares of a picture's sides to pixels, each by itself; a principal point in the
+/// corner is dropped. `doubt` gets what was changed.
+Intrinsics in_pixels(Intrinsics camera, int width, int height, std::string& doubt);
+
+/// Corrects a camera for pictures of this size: the same, and a stated size that contradicts the principal
+/// point, near the real pictures' middle, is replaced. `doubt` gets what was changed.
 Intrinsics trusted_intrinsics(Intrinsics camera, int width, int height, std::string& doubt);
 
 /// Reads the cameras in these files (read_camera_file), one a frame, for pictures of this size. An error

@@ -90,12 +90,13 @@ void find_camera(const DepthPhoto& photo, const SourceDescription& known, Scene&
     const Image& colour = photo.colour.image;
     if (known.intrinsics) {
         std::string doubt;
-        const Intrinsics camera = known.file.empty()
-                                      ? *known.intrinsics
-                                      : trusted_intrinsics(*known.intrinsics, width, height, doubt);
+        const Intrinsics camera =
+            (known.file.empty() ? in_pixels : trusted_intrinsics)(*known.intrinsics, width, height, doubt);
         if (!doubt.empty())
-            add_remark(scene.remarks,
-                       {"the camera is that of " + printable(known.file.filename().string()) + ", " + doubt});
+            add_remark(scene.remarks, {"the camera is that of " +
+                                       (known.file.empty() ? "the numbers said"
+                                                           : printable(known.file.filename().string())) +
+                                       ", " + doubt});
         scene.camera = scaled_camera(camera, width, height);
     } else if (known.fov) {
         scene.camera = camera_of_fov(*known.fov, width, height);

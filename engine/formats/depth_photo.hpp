@@ -82,7 +82,7 @@ Opened open_depth_photo(const Candidate& file, DepthPhoto photo);
 // --- JPEG
 
 // JPEG files with a depth map, as phones write them: in their XMP ("GDepth"), or as a picture after their own
-// that their XMP describes ("Dynamic Depth").
+// that their XMP describes ("Dynamic Depth"), or its own (Apple's).
 
 /// Whether a JPEG's XMP mentions a depth map, complete or not.
 bool has_jpeg_depth(const SourceFile& file);
@@ -144,8 +144,8 @@ HeifParts read_heif_parts(std::string_view file);
 
 /// Finds what a HEIF file's depth stands for; sets `photo`'s coding, camera (of pictures as stored) and
 /// remarks. `photo.depth` has to be set already. `info` is the codec's; it may be null. `xmp` is the depth
-/// picture's, in which Apple writes range and camera; it may be empty or hold anything.
-void describe_heif_depth(const heif_depth_representation_info* info, const std::string& xmp,
+/// picture's, in which Apple writes range and camera, in JPEG too; it may be empty or hold anything.
+void describe_heif_depth(const heif_depth_representation_info* info, const XmpEntries& xmp,
                          DepthPhoto& photo);
 
 }  // namespace touchable

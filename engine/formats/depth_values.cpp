@@ -67,7 +67,7 @@ DepthValues::DepthValues(const SceneDescription& described)
 }
 
 bool DepthValues::is_valid(double value) const {
-    if (!std::isfinite(value) || (stored_.packed && value >= packed_none)) return false;
+    if (!std::isfinite(value) || value >= packed_none(stored_.packed)) return false;
     for (int k = 0; k < coding_.invalid_code_count; ++k)
         if (value == coding_.invalid_codes[static_cast<std::size_t>(k)]) return false;
     if (stored_.kind == StoredDepth::Kind::disparity) return stored_.scale * value + stored_.offset > 0;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
+#include <cstring>
 #include <set>
 #include <span>
 #include <string_view>
@@ -22,6 +24,13 @@ constexpr std::string_view zip_magic = "PK\x03\x04";
 /// Enough for the user block of a MATLAB 7.3 file, and for the header of most clouds.
 constexpr std::size_t telling_bytes = 4096;
 
+/// A text in quotes as Python reads it.
+std::string python_text(std::string_view text) {
+    std::string quoted = "'";
+    for (const char c : text) quoted += (c == '\'' || c == '\\' ? "\\" : "") + std::string(1, c);
+    return one_line(quoted + "'");
+}
+
 /// The first bytes of a file and its name.
 struct Look {
     const fs::path& path;
@@ -30,12 +39,22 @@ struct Look {
     std::string extension() const { return small_letters(path.extension().string()); }
     std::string name() const { return small_letters(path.filename().string()); }
     std::string shell_name() const { return shell_word(path.string()); }
-    /// In quotes for a command in Python; only right for a name without quotes.
-    std::string python_name() const { return "'" + printable(path.filename().string()) + "'"; }
+    std::string python_name() const { return python_text(path.string()); }
+    bool is_named(std::initializer_list<std::string_view> extensions) const {
+        return std::ranges::count(extensions, extension()) > 0;
+    }
 };
 
 std::string after_play(const std::string& what) {
     return ", then: touchable play " + what;
+}
+
+/// How Python saves what it reads of a file (`before` and `after` the file's name) as an array beside it,
+/// under its name, which may tell the unit and colour.
+std::string saved(const fs::path& file, const std::string& before, const std::string& after) {
+    const std::string array = fs::path(file).replace_extension(".npy").string();
+    return ": numpy.save(" + python_text(array) + ", " + before + python_text(file.string()) + after +
+           ") in Python makes an array of it" + after_play(shell_word(array));
 }
 
 std::uint64_t whole_number(std::string_view text) {
@@ -67,10 +86,34 @@ std::string_view first_member(std::string_view begin) {
     return begin.substr(head, std::size_t{low} + 256 * std::size_t{high});
 }
 
-/// How to open a Zarr store; `name`: for Python.
-std::string zarr_words(const std::string& name) {
-    return ": numpy.save('depth.npy', zarr.open(" + name +
-           ")['NAME'][:]) in Python makes an array of one of its depths" + after_play("depth.npy");
+std::string zarr_words(const fs::path& store) {
+    return saved(store, "zarr.open(", ")['NAME'][:]");
+}
+
+std::string torch_words(const Look& look) {
+    return "is a file of PyTorch (of a dict, add ['NAME'] after torch.load(...))" +
+           saved(look.path, "torch.load(", ", map_location='cpu').numpy()");
+}
+
+/// Record3D's recording, a ZIP file, or a picture of depth in it; both are packed by LZFSE.
+std::optional<std::string> record3d(const Look& look) {
+    const bool is_picture = look.is_named({".depth"}) && look.begin.starts_with("bvx");
+    if (!is_picture && !look.is_named({".r3d"})) return {};
+    const std::string app =
+        " of Record3D in its own format, which its app exports as EXR + RGB, a folder that opens, and "
+        "pyliblzfse reads";
+    if (is_picture)
+        return "is a picture" + app + " (192: the dw of its metadata)" +
+               saved(look.path, "numpy.frombuffer(liblzfse.decompress(open(",
+                     ", 'rb').read()), 'f4').reshape(-1, 192)");
+    const std::string arrays = fs::path(look.path).replace_extension(".npz").string();
+    return "is a recording" + app + ": z = zipfile.ZipFile(" + look.python_name() +
+           "); m = json.loads(z.read('metadata')); numpy.savez(" + python_text(arrays) +
+           ", depth=[numpy.frombuffer(liblzfse.decompress(z.read(f'rgbd/{n}.depth')), 'f4').reshape(m['dh'], "
+           "m['dw']) for n in range(sum(i.endswith('.depth') for i in z.namelist()))], "
+           "intrinsics=numpy.reshape(m['K'], (3, 3)).T * [[m['dw'] / m['w']], [m['dh'] / m['h']], [1]]) in "
+           "Python makes arrays of it" +
+           after_play(shell_word(arrays));
 }
 
 std::optional<std::string> zip_file(const Look& look) {
@@ -78,8 +121,8 @@ std::optional<std::string> zip_file(const Look& look) {
         return {};
     const std::string_view member = first_member(look.begin);
     if (member.ends_with(".npy")) return {};
-    if (look.name().ends_with(".zarr.zip"))
-        return "is a Zarr store in a ZIP file" + zarr_words(look.python_name());
+    if (member.ends_with("/data.pkl")) return torch_words(look);
+    if (look.name().ends_with(".zarr.zip")) return "is a Zarr store in a ZIP file" + zarr_words(look.path);
     const std::string stem = look.path.stem().string();
     return "is a ZIP file, whose first member is " + in_quotes(member) + ": unzip " + look.shell_name() +
            " -d " + shell_word(stem) + after_play(shell_word(stem));
@@ -128,8 +171,7 @@ std::optional<std::string> oni(const Look& look) {
 
 std::optional<std::string> matlab(const Look& look) {
     if (!look.begin.starts_with("MATLAB ") || picture_kind(look.begin) == "HDF5") return {};
-    return "is a MATLAB file: numpy.save('depth.npy', scipy.io.loadmat(" + look.python_name() +
-           ")['NAME']) in Python makes an array of its variable of depth" + after_play("depth.npy");
+    return "is a MATLAB file" + saved(look.path, "scipy.io.loadmat(", ")['NAME']");
 }
 
 /// A file that begins as HDF5 can be opened; others have a block of another program before it.
@@ -159,11 +201,9 @@ std::optional<std::string> colmap_map(const Look& look) {
     }
     const std::string size = size_text(sizes[0], sizes[1]);
     if (sizes[2] != 1) return "is a map of normals of COLMAP (" + size + "): its depth is in depth_maps";
-    return "is a depth map of COLMAP (" + size + "): numpy.save('depth.npy', read_array(" +
-           look.python_name() +
-           ")) in Python, with read_array of COLMAP's scripts/python/read_write_dense.py, makes an array of "
-           "it" +
-           after_play("depth.npy");
+    return "is a depth map of COLMAP (" + size +
+           "), which read_array of its scripts/python/read_write_dense.py reads" +
+           saved(look.path, "read_array(", ")");
 }
 
 std::optional<std::string> colmap_model(const Look& look) {
@@ -221,11 +261,101 @@ std::optional<std::string> other_geometry(const Look& look) {
            after_play("depth.exr");
 }
 
+/// Kinds that a library of Python makes an array or a picture of.
+std::optional<std::string> of_python(const Look& look) {
+    const std::string_view begin = look.begin;
+    const auto has_at = [&](std::size_t place, std::string_view magic) {
+        return begin.size() >= place && begin.substr(place).starts_with(magic);
+    };
+    if (has_at(344, "n+1") || look.name().ends_with(".nii.gz"))
+        return "is NIfTI" + saved(look.path, "nibabel.load(", ").get_fdata().squeeze().T");
+    const bool is_pickle = begin.size() > 2 && begin[0] == '\x80' && begin[1] >= 2 && begin[1] <= 5;
+    if (is_pickle && look.is_named({".pt", ".pth"})) return torch_words(look);
+    if (is_pickle || look.is_named({".pickle", ".pkl"}))
+        return "is a pickle of Python, which can run code (open only what you trust; of a flat array, add "
+               ".reshape(HEIGHT, WIDTH) after numpy.load(...))" +
+               saved(look.path, "numpy.load(", ", allow_pickle=True)");
+    const char* const picture = has_at(0, "RIFF") && has_at(8, "WEBP")                   ? "WebP"
+                                : has_at(4, "jP  \r\n") || has_at(0, "\xff\x4f\xff\x51") ? "JPEG 2000"
+                                : has_at(0, "BM") && look.is_named({".bmp", ".dib"})     ? "BMP"
+                                                                                         : nullptr;
+    if (picture == nullptr) return {};
+    const std::string png = fs::path(look.path).replace_extension(".png").string();
+    return std::string("is ") + picture + ": PIL.Image.open(" + look.python_name() + ").save(" +
+           python_text(png) + ") in Python makes a PNG of it" + after_play(shell_word(png));
+}
+
+/// Numbers without a header: by their bytes floats, otherwise perhaps of 16 bits; of the largest usual size
+/// that they are whole pictures of.
+std::optional<std::string> raw_numbers(const Look& look) {
+    constexpr std::pair<std::uint64_t, std::uint64_t> usual[] = {
+        {1920, 1080}, {1280, 720}, {848, 480}, {640, 576}, {640, 480}, {640, 360}, {512, 424},
+        {424, 240},   {320, 288},  {320, 240}, {256, 192}, {224, 172}, {160, 120}};
+    if (look.begin.size() < 64 ||
+        !look.is_named({".bin", ".raw", ".dat", ".data", ".depth", ".float", ".f32", ".u16", ".z16"}) ||
+        std::ranges::none_of(look.begin, [](signed char c) { return c < '\t'; }))
+        return {};
+    const auto are = [&]<class Number>(Number number) {
+        bool are_all = look.begin.size() >= sizeof number;
+        for (std::size_t at = 0; at + sizeof number <= look.begin.size() && are_all; at += sizeof number) {
+            std::memcpy(&number, look.begin.data() + at, sizeof number);
+            are_all = !(std::abs(number) > 1e6) && (number == 0 || !(std::abs(number) < 1e-6));
+        }
+        return are_all;
+    };
+    const int each = are(0.0F) ? 4 : are(0.0) ? 8 : 2;
+    std::error_code failure;
+    const std::uint64_t bytes = fs::file_size(look.path, failure);
+    const std::string type = (each > 2 ? "f" : "u") + std::to_string(each);
+    std::string what = (each > 2 ? "floats of " : "of ") + std::to_string(8 * each) + " bits",
+                shape = "HEIGHT, WIDTH";
+    const auto* const size = std::ranges::find_if(usual, [&](const auto& one) {
+        return bytes % (static_cast<std::uint64_t>(each) * one.first * one.second) == 0;
+    });
+    if (size != std::end(usual)) {
+        what += ", " + size_text(size->first, size->second);
+        shape = std::to_string(size->second) + ", " + std::to_string(size->first);
+    }
+    return "is raw numbers without a header, " + std::to_string(bytes) + " bytes (perhaps " + what + ")" +
+           saved(look.path, "numpy.fromfile(", ", '" + type + "').reshape(-1, " + shape + ").squeeze()");
+}
+
+/// Depth as text: rows of at least 32 numbers, perhaps below a heading.
+std::optional<std::string> table(const Look& look) {
+    constexpr int most_headings = 8;
+    constexpr std::size_t fewest = 32;
+    std::string_view rest = look.begin;
+    for (int headings = 0; headings < most_headings && !rest.empty(); ++headings) {
+        const bool is_whole = rest.find('\n') != std::string_view::npos;
+        std::string_view line = trimmed(cut_line(rest));
+        const auto mark = line.find_first_of(",;");
+        const std::string between = mark == std::string_view::npos ? " \t" : std::string(1, line[mark]);
+        const bool ends_in_mark = is_whole && line.ends_with(between);
+        std::size_t numbers = 0;
+        bool are_numbers = true;
+        while (!line.empty() && are_numbers) {
+            const std::string_view word = line.substr(0, line.find_first_of(between));
+            line.remove_prefix(std::min(line.size(), word.size() + 1));
+            if (trimmed(word).empty()) continue;
+            are_numbers = parsed_real(trimmed(word)).has_value() || (!is_whole && line.empty());
+            ++numbers;
+        }
+        if (!are_numbers || numbers < fewest) continue;
+        std::string how;
+        if (between.size() == 1) how += ", delimiter='" + between + "'";
+        if (headings > 0) how += ", skip_header=" + std::to_string(headings);
+        return "is text, a row of numbers a line" +
+               saved(look.path, "numpy.genfromtxt(", how + (ends_in_mark ? ")[:, :-1]" : ")"));
+    }
+    return {};
+}
+
 using Recognise = std::optional<std::string> (*)(const Look&);
 /// Tried in this order.
-constexpr Recognise known_kinds[] = {git_lfs, svo,        zip_file,     packed, sens, oni,           matlab,
-                                     hdf5,    colmap_map, colmap_model, ply,    pcd,  other_geometry};
-constexpr Recognise misleading_kinds[] = {git_lfs, svo, zip_file, other_geometry};
+constexpr Recognise known_kinds[] = {git_lfs, svo, record3d,       zip_file, of_python,  packed,
+                                     sens,    oni, matlab,         hdf5,     colmap_map, colmap_model,
+                                     ply,     pcd, other_geometry, table,    raw_numbers};
+constexpr Recognise misleading_kinds[] = {git_lfs, svo, record3d, zip_file, other_geometry};
 
 std::optional<std::string> first_said(std::span<const Recognise> kinds, const SourceFile& file,
                                       std::size_t bytes) {
@@ -234,6 +364,19 @@ std::optional<std::string> first_said(std::span<const Recognise> kinds, const So
     for (const Recognise kind : kinds)
         if (auto said = kind(look)) return said;
     return {};
+}
+
+/// Whether a file's name without its extension, or a folder's with its slash, says that it is a panorama: by
+/// a word, or by 360, which at the end of a file's may be a frame's number.
+bool names_panorama(const std::string& name) {
+    const auto says = [](std::string_view word) {
+        return word == "erp" || word == "pano" || word == "panos" || word.starts_with("panoram") ||
+               word.starts_with("equirect") || word.starts_with("spheric") || word.starts_with("latlon");
+    };
+    const std::size_t at = name.find("360");
+    const bool has_360 = at < name.size() - std::min<std::size_t>(name.size(), 3) && name[at + 3] != 'p' &&
+                         !is_digit(name[at + 3]) && (at == 0 || !is_digit(name[at - 1]));
+    return has_360 || std::ranges::any_of(words_in_name(name), says);
 }
 
 bool is_there(const fs::path& file) {
@@ -248,7 +391,8 @@ std::optional<std::string> foreign_file(const SourceFile& file) {
 }
 
 std::optional<std::string> misleading_file(const SourceFile& file, std::string_view begin) {
-    const bool may_be = begin.starts_with("version https:") || svo({file.path(), begin}) ||
+    const Look look{file.path(), begin};
+    const bool may_be = begin.starts_with("version https:") || svo(look) || record3d(look) ||
                         (begin.starts_with(zip_magic) && is_whole_zip(file));
     return may_be ? first_said(misleading_kinds, file, telling_bytes) : std::nullopt;
 }
@@ -256,7 +400,30 @@ std::optional<std::string> misleading_file(const SourceFile& file, std::string_v
 std::optional<std::string> foreign_folder(const fs::path& folder) {
     if (!is_there(folder / ".zgroup") && !is_there(folder / ".zarray") && !is_there(folder / "zarr.json"))
         return {};
-    return "is a Zarr store" + zarr_words("'" + printable(folder.filename().string()) + "'");
+    return "is a Zarr store" + zarr_words(folder);
+}
+
+std::optional<std::string> panorama(const fs::path& depth, const fs::path& colour, int width, int height,
+                                    bool has_xmp) {
+    std::error_code ignored;
+    const fs::path file = fs::weakly_canonical(depth, ignored), folder = file.parent_path();
+    const auto is_named = [](const fs::path& one) { return names_panorama((one.filename() / "").string()); };
+    const bool is_named_so =
+        names_panorama(file.stem().string()) || is_named(folder) || is_named(folder.parent_path());
+    if (!has_xmp && (std::abs(width - 2 * height) > 1 || !is_named_so)) return {};
+    const auto view = [side =
+                           std::to_string(width / 3)](const fs::path& of) {  // about as many pixels an angle
+        const std::string name = python_text(of.string()), extension = of.extension().string();
+        return "py360convert.e2p(" +
+               (extension == ".npy"   ? "numpy.load(" + name + ")"
+                : extension == ".npz" ? "numpy.load(" + name + ")['NAME']"
+                                      : "cv2.imread(" + name + ", -1)") +
+               ", 90, 0, 0, (" + side + ", " + side + "), mode='nearest'))";
+    };
+    return std::string("is a panorama (equirectangular, as its ") + (has_xmp ? "XMP" : "name") +
+           " says; if it is none, say its camera), which no pinhole camera sees: numpy.save('view.npy', " +
+           view(depth) + (colour.empty() ? "" : " and cv2.imwrite('view.png', " + view(colour)) +
+           " in Python make a view of it, whose depth goes along each ray" + after_play("view.npy");
 }
 
 std::optional<std::string> foreign_file_below(const fs::path& folder) {

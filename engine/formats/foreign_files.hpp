@@ -25,6 +25,12 @@ std::optional<std::string> misleading_file(const SourceFile& file, std::string_v
 /// The same for a folder that other programs treat as one file (.zarr).
 std::optional<std::string> foreign_folder(const std::filesystem::path& folder);
 
+/// The same for a picture of depth of this size, with colour beside it (empty: none), that is an
+/// equirectangular panorama: by its XMP (ReadPictures::has_panorama), or twice as wide as high and named so,
+/// itself or one of the two folders that it is in.
+std::optional<std::string> panorama(const std::filesystem::path& depth, const std::filesystem::path& colour,
+                                    int width, int height, bool has_xmp);
+
 /// The first foreign file by name in a folder or up to three folders below it: "NAME is ...". Looks at 10000
 /// entries and opens 64 files at most.
 std::optional<std::string> foreign_file_below(const std::filesystem::path& folder);

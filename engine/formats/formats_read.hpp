@@ -74,9 +74,11 @@ struct Candidate {
 Result<GuessedScene> guess_folder(const std::filesystem::path& folder, const SourceDescription& known);
 
 /// Guesses the scene of a file with depth as in this picture; a camera's file beside it counts. `coding`, if
-/// given, is kept, and only the picture's size counts. The scene has the file's name and names no files.
+/// given, is kept, and only the picture's size counts. `usual_unit`: metres of a stored 1 as the format
+/// defines it, which is taken unless values contradict it. The scene has the file's name and names no files.
 Result<GuessedScene> guess_scene(const std::filesystem::path& file, const StoredImage& depth,
-                                 const SourceDescription& known, const DepthCoding* coding = nullptr);
+                                 const SourceDescription& known, const DepthCoding* coding = nullptr,
+                                 double usual_unit = 0);
 
 /// Guesses the scene of a single depth picture. Camera: as stated, from a camera's file beside it, by preset,
 /// or 60 degrees wide. Unit: as stated, by preset, from files or names, or by the size of its values.

@@ -1,6 +1,6 @@
 // Guesses the scene of depth pictures without a scene file. Stated values (SourceDescription) are kept; the
 // rest comes from files beside the pictures and from their names (DepthEvidence), and from their values
-// (ValuesGuess). Each guess is a remark of the scene (SceneDraft).
+// (guess_values). Each guess is a remark of the scene (SceneDraft).
 
 #include <cmath>
 #include <iterator>
@@ -10,25 +10,20 @@
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/clip/readers.hpp"
-#include "engine/formats/camera_sidecar.hpp"
 #include "engine/formats/colour_video.hpp"
 #include "engine/formats/foreign_files.hpp"
-#include "engine/formats/formats_read.hpp"
 #include "engine/formats/organised_cloud.hpp"
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/read_pictures.hpp"
 #include "engine/formats/realsense_raw.hpp"
+#include "engine/formats/scene_draft.hpp"
 #include "engine/formats/sidecar_text.hpp"
-#include "engine/formats/value_evidence.hpp"
 #include "engine/picture/image.hpp"
 
 namespace touchable {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double most_of_lengths = 1.05;                 // lower third of a picture over the upper
-constexpr double assumed_near = 0.5, assumed_far = 1.5;  // metres, of depth without a scale
 
 /// The preset by the name of depth's channel in a rendering, or else by its values.
 EvidentPreset evident_in(const StoredImage& picture) {
@@ -65,12 +60,6 @@ bool is_named_range(const std::string& name) {
            has_word(name, {"depth_meters", "distance_to_camera"});
 }
 
-/// A unit of length as a word of a name.
-struct UnitInName {
-    double metres;
-    const char* words;
-};
-
 std::optional<UnitInName> unit_in_name(const std::string& name) {
     constexpr std::pair<std::string_view, UnitInName> units[] = {
         {"mm", {0.001, "millimetres"}}, {"millimeters", {0.001, "millimetres"}},
@@ -79,10 +68,6 @@ std::optional<UnitInName> unit_in_name(const std::string& name) {
     for (const auto& [word, unit] : units)
         if (has_whole_word(name, {word})) return unit;
     return {};
-}
-
-bool holds_words(const StoredImage& picture) {
-    return picture.values.empty() && picture.image.bytes_per_sample == 2 && picture.bits == 16;
 }
 
 /// The stated preset, an error if it is none for pictures; null: none is stated.
@@ -113,75 +98,19 @@ Result<void> add_own_arrays(const fs::path& file, ReadPictures& pictures, Pictur
     return {};
 }
 
-/// What is known of depth besides its values: by a person, by names, by files beside it.
-struct DepthEvidence {
-    const SourceDescription& known;
-    const SourceDescription::Preset* preset = nullptr;
-    std::string why_preset{};                ///< its evidence; empty: a person or a file says it
-    std::optional<GuessedCameras> frames{};  ///< cameras of frames that have one each
-    std::string list{};                      ///< of pictures and their times; empty: there is none
-    bool is_named = false;                   ///< whether the following names were looked at
-    bool says_disparity = false, says_range = false;
-    std::optional<UnitInName> unit{};
-    bool are_points = false;  ///< of a cloud
-    CameraBeside beside{};
-
-    void set_preset(EvidentPreset evident) {
-        preset = evident.preset;
-        why_preset = std::move(evident.why);
-    }
-    /// Takes evidence from the pictures' name, or their folder's if theirs has no letters (disp/0001.png).
-    void know_name(const fs::path& path) {
-        const std::string own = path.stem().string();
-        const std::string name = words_in_name(own).empty() ? path.parent_path().filename().string() : own;
-        is_named = true;
-        says_disparity = is_named_disparity(name);
-        says_range = is_named_range(name);
-        unit = unit_in_name(name);
-    }
-    /// Takes evidence from the name of depth's array, which says more than the file's.
-    void know_array(const std::string& name) {
-        says_disparity =
-            is_named_disparity(name) || (says_disparity && small_letters(name).find("depth") == name.npos);
-        says_range = says_range || is_named_range(name);
-    }
-    bool has_unit() const { return preset != nullptr || known.metres_per_code.has_value(); }
-    /// Whether a person or the frames' own files state the camera, which counts for more than `beside`.
-    bool has_stated_camera() const { return known.intrinsics || known.fov || frames; }
-    bool has_camera() const { return has_stated_camera() || beside.camera; }
-};
-
-/// A scene as far as it is guessed.
-struct SceneDraft : GuessedScene {
-    fs::path own_file{};  ///< the pictures', which is an input in any case
-
-    /// Adds a guess, with the settings that override it.
-    void say(std::string guess, Hints hints = {}, RemarkKind kind = RemarkKind::other,
-             std::string otherwise = {}) {
-        add_remark(scene.remarks, {std::move(guess), true, std::move(otherwise), std::move(hints), kind});
-    }
-    /// Adds what a file or a person stated, with the settings that override it.
-    void tell(std::string fact, Hints hints = {}, std::string otherwise = {}) {
-        add_remark(scene.remarks, {std::move(fact), false, std::move(otherwise), std::move(hints)});
-    }
-    /// Counts a file as read for the scene.
-    void add_input(const fs::path& file) {
-        if (file != own_file && std::ranges::find(inputs, file) == inputs.end()) inputs.push_back(file);
-    }
-};
-
 // --- The camera
 
 /// A person's camera file, scaled as one that is found; an error if it is for other pictures.
 Result<Intrinsics> named_intrinsics(const SourceDescription& known, SceneDraft& draft) {
-    if (known.file.empty()) return *known.intrinsics;
     const int width = draft.scene.width, height = draft.scene.height;
     std::string doubt;
-    const Intrinsics camera = trusted_intrinsics(*known.intrinsics, width, height, doubt);
+    const Intrinsics camera =
+        (known.file.empty() ? in_pixels : trusted_intrinsics)(*known.intrinsics, width, height, doubt);
     const auto is_beside = [](const std::optional<double>& at, int side) {
         return at && (*at < -0.5 || *at > side - 0.5);
     };
-    if (camera.width <= 0 && (is_beside(camera.cx, width) || is_beside(camera.cy, height)))
+    if (!known.file.empty() && camera.width <= 0 &&
+        (is_beside(camera.cx, width) || is_beside(camera.cy, height)))
         return input_error(printable(known.file.string()) + ": is of other pictures: its principal point, " +
                                short_number(camera.cx.value_or(0)) + ", " +
                                short_number(camera.cy.value_or(0)) + ", is not in these of " +
@@ -189,7 +118,10 @@ Result<Intrinsics> named_intrinsics(const SourceDescription& known, SceneDraft& 
                                " pixels; must say the width and height that it is of",
                            {{Setting::intrinsics}});
     if (!doubt.empty())
-        draft.tell("the camera is that of " + printable(known.file.filename().string()) + ", " + doubt,
+        draft.tell("the camera is " +
+                       (known.file.empty() ? std::string("the one that was said")
+                                           : "that of " + printable(known.file.filename().string())) +
+                       ", " + doubt,
                    {{Setting::intrinsics}});
     return camera;
 }
@@ -255,6 +187,19 @@ void tell_of_unused(const std::vector<std::string>& names, SceneDraft& draft) {
     draft.tell(std::move(told));
 }
 
+/// Refuses a panorama, unless a person states the camera of a view, which a remark then says.
+Result<void> check_projection(const fs::path& depth, const fs::path& colour, const ReadPictures& pictures,
+                              SceneDraft& draft) {
+    const auto is_one = panorama(depth, colour, draft.scene.width, draft.scene.height,
+                                 pictures.has_panorama(depth) || pictures.has_panorama(colour));
+    if (!is_one) return {};
+    if (!pictures.known().intrinsics && !pictures.known().fov)
+        return input_error(depth.string() + ": " + *is_one,
+                           {{Setting::field_of_view, "90"}, {Setting::depth_kind, "range"}});
+    draft.tell("the picture may be a panorama, and is taken for that of the camera that was said");
+    return {};
+}
+
 /// Sets the camera: as stated, from a file, by preset, or 60 degrees wide.
 Result<void> find_scene_camera(const DepthEvidence& evidence, const fs::path& folder, SceneDraft& draft) {
     const SourceDescription& known = evidence.known;
@@ -289,319 +234,6 @@ Result<void> find_scene_camera(const DepthEvidence& evidence, const fs::path& fo
     return {};
 }
 
-// --- The values
-
-/// Finds what depth's values mean: their unit, the axis along which they go, and which are no depth.
-class ValuesGuess {
-public:
-    ValuesGuess(const StoredImage& depth, DepthEvidence& evidence, SceneDraft& draft)
-        : depth_(depth), evidence_(evidence), draft_(draft), values_(estimate_values(depth)) {}
-
-    Result<void> find() {
-        if (stop_requested()) return interrupted_error();
-        TRY(find_unit());
-        scene_.stored.packed = is_unpacked(depth_);
-        doubt_unit();
-        set_invalid();
-        find_semantics();
-        return {};
-    }
-
-private:
-    std::uint16_t largest_code() const { return scene_.depth_bits == 8 ? 255 : 65535; }
-
-    /// Sets the unit: as stated, by preset, by names or files beside depth, or by the size of the values.
-    Result<void> find_unit() {
-        if (!values_.any)
-            return input_error(
-                values_.has_background
-                    ? "has no depth: all values are 0 or a renderer's background (1e9 and beyond, 65504)"
-                    : "has no depth: all values are 0 or 65535, or none is finite");
-        const CameraBeside& beside = evidence_.beside;
-        const auto& [codes, scale_file] = beside.codes_per_metre;
-        const auto& [metres, unit_file] = beside.metres_per_value;
-        const bool are_codes = !values_.is_float && values_.bits > 8;  // 8 bits are hardly ever lengths
-        const auto& named = evidence_.unit;
-        const auto*& preset = evidence_.preset;
-        if (!evidence_.has_unit() && evidence_.says_disparity && codes == 0 && !take_named_disparities())
-            return {};
-        if (const auto& stated = evidence_.known.metres_per_code) {
-            set_metric(*stated);
-        } else if (preset && preset->stored.kind == StoredDepth::Kind::disparity) {
-            return set_disparities(*preset);
-        } else if (preset && preset->stored.kind == StoredDepth::Kind::relative) {
-            set_relative(true);
-        } else if (preset && preset->metres_per_code > 0) {
-            scene_.stored = preset->stored;
-            set_metric(preset->metres_per_code);
-        } else if (codes > 0 && are_codes) {
-            take_unit(1 / codes, "a code is " + short_number(1000 / codes) + " mm", scale_file);
-        } else if (named &&
-                   (values_.is_float || (are_codes && named->metres < 1))) {  // integers are no metres
-            take_unit(named->metres, std::string("values are ") + named->words, {});
-        } else if (metres > 0 && values_.is_float) {
-            take_unit(metres, "a value of 1 is " + short_number(1000 * metres) + " mm", unit_file);
-        } else {
-            guess_unit();
-            is_unit_guessed_ = true;
-        }
-        return {};
-    }
-
-    /// Takes values for disparities: Middlebury's, if a file has their baseline; otherwise without a scale,
-    /// which is settled then: false.
-    bool take_named_disparities() {
-        const std::string guess = "depth is disparities, as the name says";
-        const CameraBeside& beside = evidence_.beside;
-        if (beside.camera && beside.camera->baseline > 0) {
-            evidence_.preset = preset_named("middlebury");
-            draft_.say(guess + "; baseline and focal length are those of " +
-                           printable(beside.file.filename().string()),
-                       {{Setting::preset}, {Setting::depth_unit}}, RemarkKind::storage);
-            return true;
-        }
-        draft_.say(guess + ", and no calib.txt beside it has their baseline",
-                   {{Setting::preset, "middlebury"}, {Setting::depth_unit}}, RemarkKind::storage,
-                   "with a calib.txt that has it they have a scale");
-        set_relative(true);
-        scene_.depth.invalid_code_count = 1;  // 0 is infinitely far
-        return false;
-    }
-
-    Result<void> set_disparities(const SourceDescription::Preset& preset) {
-        StoredDepth& stored = scene_.stored = preset.stored;
-        if (stored.baseline == 0) {
-            const auto& camera = evidence_.beside.camera;
-            if (!camera || camera->baseline == 0)
-                return input_error(
-                    "preset " + std::string(preset.name) + " needs the calib.txt of the pictures beside them",
-                    {{Setting::preset}});
-            stored.baseline = camera->baseline;
-            stored.offset = camera->offset * scene_.camera.fx / camera->intrinsics.fx;
-            draft_.add_input(evidence_.beside.file);
-        } else if (preset.intrinsics.fx > 0) {  // baseline x fx is what is known
-            stored.baseline *= preset.intrinsics.fx / scene_.camera.fx;
-        }
-        scene_.depth.kind = DepthCodingKind::inverse;
-        scene_.depth.code_max = largest_code();
-        scene_.depth.near = scene_.camera.fx * stored.baseline / 65536;
-        scene_.depth.far = scene_.camera.fx * stored.baseline;
-        return {};
-    }
-
-    /// Takes the unit that a file states, or depth's name if that is empty.
-    void take_unit(double metres, const std::string& fact, const fs::path& file) {
-        set_metric(metres);
-        if (!file.empty()) draft_.add_input(file);
-        draft_.tell(
-            fact + ", as " + (file.empty() ? "the name" : printable(file.filename().string())) + " says",
-            {{Setting::depth_unit}});
-    }
-
-    void set_metric(double metres_per_code) {
-        DepthCoding& depth = scene_.depth;
-        depth.kind = DepthCodingKind::metric;
-        depth.scale = metres_per_code;
-        depth.code_max = largest_code();
-        depth.far = depth.scale * depth.code_max;
-        draft_.unstated.far = true;
-    }
-
-    /// Values that are larger for near pixels are 1/depth, as most networks guess it; others are depth.
-    void set_relative(bool near_is_high) {
-        DepthCoding& depth = scene_.depth;
-        scene_.stored.kind = StoredDepth::Kind::relative;
-        depth.kind = near_is_high ? DepthCodingKind::inverse : DepthCodingKind::linear;
-        depth.near_is_high = near_is_high;
-        depth.near = assumed_near;
-        depth.far = assumed_far;
-        depth.code_max = largest_code();
-        draft_.say("depth has no scale: its nearest is taken for " + short_number(assumed_near) +
-                       " m and its farthest for " + short_number(assumed_far) + " m, " +
-                       (near_is_high ? "large" : "small") + " values near",
-                   {{Setting::depth_unit}}, RemarkKind::scale,
-                   "a scene file says otherwise, touchable init-scene writes one to begin with; where "
-                   "values are lengths, their unit");
-    }
-
-    void guess_unit() {
-        const Hints otherwise{{Setting::depth_unit}};
-        const bool is_signed = values_.negative > 0.01;
-        if (values_.is_of_bytes())
-            draft_.say(
-                "values are 8 bits stored as 16, as all are multiples of " + std::to_string(values_.divisor),
-                otherwise, RemarkKind::unit);
-        if (values_.bits == 8 || values_.is_of_bytes() || values_.is_normalised || is_signed) {
-            set_relative(is_signed || values_.lower >= values_.upper);
-        } else if (values_.is_float) {
-            constexpr double most_metres = 30, least_millimetres = 600;
-            const bool metres = values_.median < most_metres;
-            const bool may_be_centimetres = !metres && values_.median < least_millimetres;
-            const double unit = metres ? 1 : 0.001;
-            set_metric(unit);
-            draft_.say(std::string("values are ") + (metres ? "metres" : "millimetres") + median_words(unit),
-                       may_be_centimetres ? Hints{{Setting::depth_unit, "0.01"}} : otherwise,
-                       may_be_centimetres ? RemarkKind::unclear_unit : RemarkKind::unit,
-                       may_be_centimetres
-                           ? short_number(0.01 * values_.median, 3) + " m if they are centimetres"
-                           : "");
-            // The lower part of a picture is mostly nearer.
-            if (values_.lower > most_of_lengths * values_.upper && !evidence_.are_points)
-                draft_.say(
-                    "values are lengths, though they are larger in the lower third of the picture, as "
-                    "1/depth of networks is",
-                    {{Setting::preset, "relative-inverse"}}, RemarkKind::direction);
-        } else if (!evidence_.list.empty()) {
-            set_metric(1.0 / 5000);
-            draft_.say("a code is 0.2 mm, as recordings with a " + evidence_.list + " have it (TUM RGB-D)",
-                       otherwise, RemarkKind::unit);
-        } else if (!guess_unit_of_multiples()) {
-            const bool fine = values_.median > 12000, coarse = values_.median < 100;
-            const double unit = fine ? 1.0 / 5000 : coarse ? 0.01 : 0.001;
-            set_metric(unit);
-            say_unit(unit);
-        }
-    }
-
-    std::string median_words(double unit) const {
-        return ": their median, " + short_number(values_.median) + ", would be " +
-               short_number(values_.median * unit, 3) + " m";
-    }
-
-    /// Tells the guessed unit of 16-bit values and others that fit, with the scene's size in each.
-    void say_unit(double unit) {
-        constexpr double near_for_a_camera = 1000, far_for_a_room = 3000;  // of a median, millimetres
-        constexpr double most_of_lidar = 0.5, least_sky = 0.01;            // shares of the pixels
-        struct Reading {
-            bool is_possible;
-            const char* unit;
-            const char* when;
-        };
-        const bool is_millimetre = unit == 0.001, is_far = values_.median > far_for_a_room;
-        const Reading readings[] = {
-            {is_millimetre && values_.largest > least_sky && values_.zeros == 0, "0.01",
-             "if they are centimetres and 65535 is the sky (Virtual KITTI)"},
-            {is_millimetre && (values_.median < near_for_a_camera || is_far || values_.zeros > most_of_lidar),
-             "0.00390625", "if 256 codes are a metre (KITTI, VOID, ZoeDepth)"},
-            {is_millimetre && values_.median < near_for_a_camera, "0.001953125",
-             "if 512 codes are a metre (Taskonomy)"},
-            {is_millimetre && is_far, "0.00025", "if 4000 codes are a metre (Matterport3D)"},
-            {is_millimetre && is_far, "0.0002", "if 5000 codes are a metre (TUM)"},
-            {!is_millimetre, "0.001", "if they are millimetres"},
-            {unit < 0.001 || (is_millimetre && is_far), "0.0001", "if they are tenths of a millimetre"}};
-        const auto size = [&](double metres) { return short_number(values_.median * metres, 3) + " m"; };
-        std::string others;
-        Hints hints;
-        for (const auto& [is_possible, other, when] : readings) {
-            if (!is_possible) continue;
-            others += (others.empty() ? "" : "; ") + size(*parsed_number(other)) + ' ' + when;
-            // The preset knows that the sky is no depth.
-            if (std::string_view(other) == "0.01")
-                hints.push_back({Setting::preset, "vkitti"});
-            else
-                hints.push_back({Setting::depth_unit, other});
-        }
-        if (unit < 0.001) {
-            const double below = 0.001 * (static_cast<int>(values_.median) & 0x1fff);
-            others += "; " + short_number(below, 3) + " m if the 3 highest bits are a confidence (DEPTH16)";
-            hints.push_back({Setting::preset, "depth16"});
-        }
-        if (hints.empty()) hints = {{Setting::depth_unit}};
-        const RemarkKind kind = others.empty() ? RemarkKind::unit : RemarkKind::unclear_unit;
-        draft_.say("depth codes are " + (is_millimetre ? "millimetres" : short_number(1000 * unit) + " mm") +
-                       median_words(unit),
-                   std::move(hints), kind, std::move(others));
-    }
-
-    /// Guesses the unit by the values' divisor: cameras measure whole millimetres, and files may have these
-    /// times 5, 10 or 100. False if that does not settle it.
-    bool guess_unit_of_multiples() {
-        constexpr double nearest = 250, deepest = 12'000;  // millimetres, of a median
-        const int divisor = values_.divisor;
-        if (divisor == 1) return false;
-        const std::string multiples = "all values are multiples of " + std::to_string(divisor);
-        const double median = values_.median / divisor;
-        const bool is_usual = divisor == 5 || divisor == 10 || divisor == 100;
-        if (!is_usual || median < nearest || median > deepest) {
-            draft_.say(multiples + ", which tells nothing of their unit", {{Setting::depth_unit}});
-            return false;
-        }
-        set_metric(0.001 / divisor);
-        draft_.say("a code is " + short_number(1.0 / divisor) + " mm, as " + multiples +
-                       " and their median is then " + short_number(median) + " mm",
-                   {{Setting::depth_unit, values_.median <= deepest ? "0.001" : ""}}, RemarkKind::unit);
-        return true;
-    }
-
-    /// Adds a remark if the unit is doubtful, with one by which the values are in a hand's reach, if any.
-    void doubt_unit() {
-        if (scene_.depth.kind != DepthCodingKind::metric || !scene_.stored.is_plain()) return;
-        std::string otherwise = "a unit is the metres that a stored 1 stands for, such as 0.001";
-        Hint hint{Setting::depth_unit};
-        constexpr std::pair<const char*, const char*> usual[] = {
-            {"0.0001", "tenths of a millimetre"}, {"1", "metres"}, {"0.001", "millimetres"}};
-        for (const auto& [unit, name] : usual) {
-            const double median = values_.median * *parsed_number(unit);
-            if (median < 0.1 || median > 10) continue;
-            otherwise = short_number(median) + " m if values are " + name;
-            hint.value = unit;
-        }
-        if (auto doubt =
-                unit_doubt(values_.median * scene_.depth.scale, std::move(otherwise), {std::move(hint)}))
-            add_remark(scene_.remarks, std::move(*doubt));
-    }
-
-    /// Sets the codes that are no depth: cameras write 0. Depth without a scale has none.
-    void set_invalid() {
-        if (scene_.stored.kind == StoredDepth::Kind::relative) return;
-        const bool is_told = evidence_.has_unit();
-        const auto* const preset = evidence_.preset;
-        const int other = preset ? preset->invalid : holds_words(depth_) && !is_told ? 65535 : 0;
-        DepthCoding& coding = scene_.depth;
-        const int above = is_told ? 0 : none_above_all(depth_).value_or(0);
-        for (const int code : {0, other, above})
-            if (coding.invalid_code_count == 0 || (code > 0 && code <= coding.code_max))
-                coding.invalid_codes[static_cast<std::size_t>(coding.invalid_code_count++)] =
-                    static_cast<std::uint16_t>(code);
-        if (above > 0)
-            draft_.say(std::to_string(above) +
-                       " is no depth, as many pixels have it and no other comes near it");
-        if (!is_told)
-            draft_.say(other > 0                   ? "0 and 65535 are no depth"
-                       : values_.has_negative_none ? "0 and what is below it are no depth"
-                                                   : "0 is no depth");
-    }
-
-    /// Decides whether lengths go along each pixel's ray, as the name may say, or along the camera's axis, as
-    /// depth cameras record them. Floats in files may be either, as a renderer or a laser has them.
-    void find_semantics() {
-        if (evidence_.known.semantics || scene_.depth.kind != DepthCodingKind::metric) return;
-        if (evidence_.says_range) {
-            scene_.depth.semantics = DepthSemantics::range;
-            draft_.say("depth goes along each pixel's ray, as the name says",
-                       {{Setting::depth_kind, "planar"}}, RemarkKind::axis);
-            return;
-        }
-        const bool is_open = values_.is_float || (is_unit_guessed_ && !evidence_.has_camera());
-        if (!evidence_.is_named || evidence_.preset != nullptr || !is_open) return;
-        const double nearer = 100 * (1 - 1 / scene_.camera.longest_ray(scene_.width, scene_.height));
-        constexpr double least_felt = 5;  // per cent
-        if (nearer < least_felt) return;
-        draft_.say(
-            "depth goes along the camera's axis (planar); if it goes along each pixel's ray, the corners "
-            "are " +
-                short_number(nearer, 2) + " % nearer",
-            {{Setting::depth_kind, "range"}}, RemarkKind::axis);
-    }
-
-    const StoredImage& depth_;
-    DepthEvidence& evidence_;  // gets the preset that names and files show together
-    SceneDraft& draft_;
-    Scene& scene_ = draft_.scene;
-    const EstimatedValues values_;
-    bool is_unit_guessed_ = false;
-};
-
 // --- The whole scene
 
 /// Describes depth as in this picture; its camera is sought in `place`. `coding`, if any, is kept, whatever
@@ -622,13 +254,13 @@ Result<void> describe_depth(const StoredImage& depth, PicturesOfCamera place, De
     CameraBeside& beside = evidence.beside = camera_beside(place);
     if (known.intrinsics && !known.file.empty()) take_scale_of(known.file, beside);
     const bool is_evident = !evidence.why_preset.empty();
-    if (is_evident && beside.codes_per_metre.value > 0 && !evidence.preset->stored.packed)
+    if (is_evident && beside.codes_per_metre.value > 0 && evidence.preset->stored.packed == Packing::none)
         evidence.set_preset({});
     TRY(find_scene_camera(evidence, place.folder, draft));
     if (coding)
         scene.depth = *coding;
     else
-        TRY(ValuesGuess(depth, evidence, draft).find());
+        TRY(guess_values(depth, evidence, draft));
     if (known.semantics) scene.depth.semantics = *known.semantics;
     derive_valid_range(scene.depth);
     const auto valid = validate(draft);
@@ -792,6 +424,21 @@ std::string length_in_words(double metres) {
 
 }  // namespace
 
+void DepthEvidence::know_name(const fs::path& path) {
+    const std::string own = path.stem().string();
+    const std::string name = words_in_name(own).empty() ? path.parent_path().filename().string() : own;
+    is_named = true;
+    says_disparity = is_named_disparity(name);
+    says_range = is_named_range(name);
+    unit = unit_in_name(name);
+}
+
+void DepthEvidence::know_array(const std::string& name) {
+    says_disparity =
+        is_named_disparity(name) || (says_disparity && small_letters(name).find("depth") == name.npos);
+    says_range = says_range || is_named_range(name);
+}
+
 Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescription& known) {
     TRY_ASSIGN(const auto preset, known_preset(known));
     if (const auto foreign = foreign_folder(folder)) return input_error(folder.string() + ": " + *foreign);
@@ -811,7 +458,7 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     if (!evidence.has_stated_camera())
         TRY(assign(evidence.frames,
                    guess_cameras(folder, depth.pattern, stored.image.width, stored.image.height)));
-    if (!evidence.has_unit())
+    if (!evidence.preset && !evidence.has_unit())
         evidence.set_preset(cameras && holds_words(stored)
                                 ? EvidentPreset{preset_named("arkitscenes"), "each frame has a .pincam file"}
                                 : evident_in(stored));
@@ -852,7 +499,10 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
                                 : ", there is no colour"));
     if (!chosen.unfetched.empty())
         guess.tell("left out: " + printable(chosen.unfetched) + ", whose first " + git_lfs_words);
-    if (const auto arrays = camera_arrays(folder); !arrays.empty())
+    auto arrays = camera_arrays(folder);
+    const fs::path read = evidence.beside.file.filename();
+    std::erase_if(arrays, [&](const PictureGroup& group) { return group.first.filename() == read; });
+    if (!arrays.empty())
         guess.tell("arrays beside the pictures, and not used: " +
                        printable(listed(arrays, &PictureGroup::pattern), 200),
                    {{Setting::intrinsics, "FX,FY,CX,CY"}}, "their numbers can be said");
@@ -864,6 +514,7 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
         guess.say("left out: " + printable(listed(chosen.left_out_by_pattern), 200), {}, RemarkKind::other,
                   "a scene file's folder.depth names one of these to open it");
     if (colour) place_colour(folder, colour->first, *pictures, evidence, guess);
+    TRY(check_projection(depth.first, colour ? colour->first : fs::path(), *pictures, guess));
     if (video && !video->others.empty())
         guess.say("left out: " + printable(listed(video->others), 200) + ", which may be colour as well", {},
                   RemarkKind::other, "a scene file's folder.colour names another one");
@@ -876,9 +527,11 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
 }
 
 Result<GuessedScene> guess_scene(const fs::path& file, const StoredImage& depth,
-                                 const SourceDescription& known, const DepthCoding* coding) {
+                                 const SourceDescription& known, const DepthCoding* coding,
+                                 double usual_unit) {
     TRY_ASSIGN(const auto preset, error_at(file.string(), known_preset(known)));
     DepthEvidence evidence{known, preset};
+    evidence.usual_unit = usual_unit;
     SceneDraft guess;
     TRY(error_at(file.string(),
                  describe_depth(depth, {.folder = file.parent_path()}, evidence, guess, coding)));
@@ -909,7 +562,7 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
     if (!evidence.has_unit() && metadata) {
         evidence.preset = preset_named("realsense");
         guess.tell("a code is 1 mm, as the RealSense Viewer writes it", {{Setting::depth_unit}});
-    } else if (!evidence.has_unit()) {
+    } else if (!evidence.preset && !evidence.has_unit()) {
         evidence.set_preset(evident_in(stored));
     }
     PicturesOfCamera place{.folder = file.parent_path(), .within = {}, .stem = file.stem().string()};
@@ -930,6 +583,8 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
         folder.colour = name;
     }
     if (stored.beside) tell_of_layers(*stored.beside, folder.colour == name, guess);
+    TRY(check_projection(file, folder.colour.empty() ? fs::path() : file.parent_path() / folder.colour,
+                         *pictures, guess));
     TRY_ASSIGN(const auto stack, pictures->stack_in(file));
     std::optional<ColourVideo> video;
     if (stack && stack->count() > 1 && folder.colour.empty()) video = colour_video_beside(file);

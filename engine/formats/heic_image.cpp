@@ -260,7 +260,8 @@ public:
         const heif_depth_representation_info* info = nullptr;
         heif_image_handle_get_depth_image_representation_info(primary_.get(), depth_id_, &info);
         const HeifDepthInfoPtr owned(info);
-        describe_heif_depth(info, metadata(depth_.get(), "mime"), photo_);
+        describe_heif_depth(info, parse_xmp_entries(metadata(depth_.get(), "mime")).value_or(XmpEntries()),
+                            photo_);
         orient();
         return std::move(photo_);
     }
@@ -533,12 +534,11 @@ HeifParts read_heif_parts(std::string_view file) {
     return parts;
 }
 
-void describe_heif_depth(const heif_depth_representation_info* info, const std::string& xmp,
+void describe_heif_depth(const heif_depth_representation_info* info, const XmpEntries& xmp,
                          DepthPhoto& photo) {
     photo.coding.semantics = DepthSemantics::planar;
     photo.coding.code_max = static_cast<std::uint16_t>((1 << photo.depth.bits) - 1);
-    const auto entries = parse_xmp_entries(xmp);
-    if (entries && describe_by_apple(*entries, photo)) return;
+    if (describe_by_apple(xmp, photo)) return;
     const auto type = info != nullptr ? representation(*info) : std::nullopt;
     if (type && describe_by_codec(*info, *type, photo)) return;
     photo.has_scale = false;

@@ -20,6 +20,7 @@
 #include "engine/formats/formats_written.hpp"
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/read_pictures.hpp"
+#include "engine/formats/sidecar_text.hpp"
 #include "engine/formats/stored_clip.hpp"
 #include "engine/formats/touch_maps.hpp"
 #include "engine/formats/value_evidence.hpp"
@@ -130,6 +131,7 @@ public:
                                                        : Result<std::shared_ptr<ImageStack>>(nullptr));
         if (stack) depth.frames = static_cast<std::size_t>(stack->count());
         tell_of_pages(depth, clip);
+        if (!stack) find_halves(depth, clip);
         TRY(check_named_depth(pictures_->known(), depth.files.front()));
         const bool has_confidence = stack && stack->least_confidence();
         if (pictures_->known().least_confidence && !has_confidence)
@@ -156,7 +158,8 @@ public:
                        is_depths ? Result<PictureFiles>(depth) : files_beside(folder_, role, source, depth));
             if (role == PlaneRole::depth || !is_depths) add_inputs(found, clip);
             clip.roles.push_back(role);
-            tracks_.push_back({role, std::move(found), role == PlaneRole::depth ? stack : nullptr});
+            tracks_.push_back(
+                {role, std::move(found), role == PlaneRole::depth ? stack : nullptr, halves_ && is_depths});
         }
         if (!described.materials.empty()) materials_.emplace(described);
         if (!stack) tell_of_materials(clip);
@@ -190,6 +193,7 @@ public:
         auto stored =
             from.stack ? from.stack->image(frame) : pictures_->take(file(from, frame), layer_of(role));
         if (!stored) return Error{stored.error().kind, stored.error().message + in_words(role, frame)};
+        if (from.is_half) stored = half_of(*stored, *halves_, role);
         if (role == PlaneRole::haptic && materials_) {
             stored = materials_->haptic(*stored);
             if (!stored) return error_at(where(role, frame), stored.error());
@@ -208,7 +212,8 @@ public:
     /// Whether all tracks have files of their own.
     bool reads_side_by_side() const override { return reads_side_by_side_; }
     void keep(std::int64_t frame, StoredImage picture) override {
-        if (!tracks_.front().stack) pictures_->keep(file(tracks_.front(), frame), std::move(picture));
+        if (!tracks_.front().stack && !halves_)
+            pictures_->keep(file(tracks_.front(), frame), std::move(picture));
     }
 
 private:
@@ -216,6 +221,7 @@ private:
         PlaneRole role;
         PictureFiles files;
         std::shared_ptr<ImageStack> stack;  // that holds all frames
+        bool is_half = false;               // of each picture
         bool is_still() const {
             return !stack && files.count() > 1 && files.file(0) == files.file(files.count() - 1);
         }
@@ -299,6 +305,24 @@ private:
                              " the first is taken (a file that is opened alone shows all)");
     }
 
+    /// Finds out whether depth is a half of pictures whose other half is colour.
+    void find_halves(const PictureFiles& depth, StoredClip& clip) {
+        const FolderSource& source = *clip.described.scene.folder;
+        const fs::path& first = depth.files.front();
+        const bool may_be = source.colour == source.depth ||
+                            is_any_of(small_letters(first.extension().string()), {".png", ".jpg", ".jpeg"});
+        if (!may_be || rules_.depth == DepthCodingKind::hue || rules_.packed != Packing::none) return;
+        const auto looked = pictures_->look(first);
+        if (looked) halves_ = depth_beside_colour((*looked)->image);
+        if (!halves_) return;
+        const int width = clip.described.scene.width, height = clip.described.scene.height;
+        const char* const share = height > width ? "half" : width > 2 * height ? "twice" : nullptr;
+        clip.notes.push_back(words_of(*halves_));
+        if (share)
+            clip.notes.back() += std::string("; if both were squeezed to fit, the focal length across is ") +
+                                 share + " that down, as a stated camera says";
+    }
+
     /// Poses are optional, so a file of poses that cannot be read is a remark, not an error.
     void find_poses(const PictureFiles& depth, StoredClip& clip) const {
         Scene& scene = clip.described.scene;
@@ -338,6 +362,7 @@ private:
     fs::path folder_;
     StillRules rules_;
     std::vector<Track> tracks_;               // depth is the first
+    std::optional<DepthInVideo> halves_;      // nothing: a picture is of one plane
     std::shared_ptr<ReadPictures> pictures_;  // not null
     std::optional<MaterialPictures> materials_;
     std::shared_ptr<VideoFile> colour_video_;  // null: colour is pictures, or there is none

@@ -147,6 +147,31 @@ bool has_dynamic_depth(const XmpProperties& xmp) {
     return xmp.contains("DepthMap:Format") || xmp.contains("DepthMap:DepthURI");
 }
 
+/// A picture after the first whose own XMP is that of Apple's disparities or depths, and all that follows it;
+/// empty: there is none.
+std::string_view apples_map(std::string_view jpeg) {
+    while (const auto length = jpeg_length(jpeg)) {
+        jpeg.remove_prefix(std::min(jpeg.find("\xff\xd8\xff", *length), jpeg.size()));
+        const auto read = read_jpeg_xmp(jpeg, "");
+        const XmpProperties xmp = read ? *read : XmpProperties();
+        const auto type = xmp.find("apdi:AuxiliaryImageType");
+        if (type != xmp.end() && (type->second == "disparity" || type->second == "depth")) return jpeg;
+    }
+    return {};
+}
+
+/// How to take depth out of Samsung's trailer, which ends in SEFT; nothing: the JPEG has none.
+std::optional<std::string> samsungs_depth(std::string_view jpeg, const std::string& where) {
+    if (!jpeg.ends_with("SEFT")) return {};
+    const bool is_of_two = jpeg.rfind("DualShot_DepthMap") != std::string_view::npos;
+    if (!is_of_two && jpeg.rfind("SingleShot_DepthMap") == std::string_view::npos) return {};
+    const std::string map =
+        shell_word(std::filesystem::path(where).replace_extension().string() + "_depth.tif");
+    return std::string("has its depth in Samsung's trailer (SEFT): exiftool -b -") +
+           (is_of_two ? "" : "SingleShot") + "DepthMapTiff " + shell_word(where) + " > " + map +
+           ", then: touchable play " + map;
+}
+
 class JpegDepth {
 public:
     JpegDepth(std::string bytes, std::string where) : bytes_(std::move(bytes)), where_(std::move(where)) {}
@@ -154,7 +179,14 @@ public:
     Result<DepthPhoto> read(bool is_described) {
         TRY_ASSIGN(entries_, read_jpeg_xmp_entries(bytes_, where_));
         xmp_ = properties_of(entries_);
-        if (!xmp_.contains("GDepth:Data") && has_dynamic_depth(xmp_)) prefix_ = after_picture;
+        if (!xmp_.contains("GDepth:Data")) {
+            if (has_dynamic_depth(xmp_))
+                prefix_ = after_picture;
+            else
+                apples_ = apples_map(bytes_);
+            const auto samsungs = samsungs_depth(bytes_, where_);
+            if (samsungs && prefix_ == in_xmp && apples_.empty()) return refuse(*samsungs);
+        }
         TRY(read_depth());
         if (is_described) TRY(describe());
         TRY_ASSIGN(photo_.colour, decode_coded_image(bytes_, where_));
@@ -180,10 +212,10 @@ private:
 
     /// The depth map as grey, however it was stored.
     Result<void> read_depth() {
-        std::string bytes;
+        std::string bytes(apples_);
         if (prefix_ == after_picture) {
             TRY_ASSIGN(bytes, dynamic_depth_map(bytes_, entries_, where_));
-        } else {
+        } else if (bytes.empty()) {
             TRY_ASSIGN(const auto text, property("Data"));
             auto decoded = decode_base64(text);
             if (!decoded) return refuse("its GDepth:Data is not base64");
@@ -207,6 +239,11 @@ private:
     /// With v = code / code_max, RangeLinear is near + (far - near) v, and RangeInverse
     /// far near / (far - (far - near) v): the codings of scenes, code 0 at the near plane.
     Result<void> describe() {
+        if (!apples_.empty()) {
+            TRY_ASSIGN(const auto entries, read_jpeg_xmp_entries(apples_, where_));
+            describe_heif_depth(nullptr, entries, photo_);
+            return {};
+        }
         TRY_ASSIGN(const auto format, property("Format"));
         const bool is_inverse = small_letters(format) == "rangeinverse";
         if (!is_inverse && small_letters(format) != "rangelinear")
@@ -232,13 +269,20 @@ private:
     Result<void> describe_unit() {
         const auto written = property("Units");
         const std::string unit = written ? small_letters(*written) : "none";
+        DepthCoding& coding = photo_.coding;
         if (unit == "mm" || unit == "millimeters") {
             photo_.metres_per_unit = 0.001;
+        } else if (unit == "diopters" || unit == "dioptres") {  // of the planes; 0 is infinitely far
+            constexpr double least = 1e-3;
+            coding.near_is_high = coding.near < coding.far;
+            coding.near = 1 / std::max(coding.near, least);
+            coding.far = 1 / std::max(coding.far, least);
+            if (coding.near_is_high) std::swap(coding.near, coding.far);
         } else if (unit == "none") {
             add_remark(photo_.remarks, {"lengths are metres", true, {}, {}, RemarkKind::unit});
         } else if (unit != "m" && unit != "meters") {
             return refuse("its " + std::string(prefix_) + "Units is " + in_quotes(*written) +
-                          ": must be m (Meters) or mm");
+                          ": must be m (Meters), mm or Diopters");
         }
         return {};
     }
@@ -253,7 +297,7 @@ private:
         const bool is_turned =
             photo_.colour_turn.transposed && is_wide(photo_.depth.image) != is_wide(photo_.colour.image);
         if (!is_turned) photo_.depth_turn = photo_.colour_turn;
-        if (const auto camera = dynamic_depth_camera(xmp_))
+        if (const auto camera = apples_.empty() ? dynamic_depth_camera(xmp_) : photo_.camera)
             photo_.camera = upright(*camera, photo_.colour_turn);
     }
 
@@ -261,6 +305,7 @@ private:
     XmpEntries entries_;
     XmpProperties xmp_;
     const char* prefix_ = in_xmp;
+    std::string_view apples_;  // in bytes_; empty: depth is described by xmp_
     DepthPhoto photo_;
 };
 
@@ -270,7 +315,7 @@ bool has_jpeg_depth(const SourceFile& file) {
     const auto bytes = read_picture_bytes(file);
     if (!bytes) return false;
     const auto xmp = read_jpeg_xmp(*bytes, file.string());
-    return xmp && (xmp->contains("GDepth:Data") || has_dynamic_depth(*xmp));
+    return (xmp && (xmp->contains("GDepth:Data") || has_dynamic_depth(*xmp))) || !apples_map(*bytes).empty();
 }
 
 Opened open_jpeg_depth(const Candidate& file) {

@@ -35,6 +35,7 @@
 #include "engine/formats/pinhole_frames.hpp"
 #include "engine/formats/realsense_raw.hpp"
 #include "engine/formats/sidecar_text.hpp"
+#include "engine/formats/video_picture.hpp"
 #include "engine/formats/zip_folder.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/stream/receiving.hpp"
@@ -211,14 +212,14 @@ constexpr auto has_scene = [](const Candidate& one) { return one.scene.has_value
 /// With a file of metadata beside it.
 template <auto metadata_of>
 constexpr auto has_metadata = [](const Candidate& one) { return metadata_of(one.source.path()).has_value(); };
-/// Any JPEG but one that is a depth picture itself: without depth in its metadata, and grey all over or
-/// described by a person.
+/// Any JPEG but one that is a depth picture itself: without depth in its metadata, and grey all over, or in a
+/// half beside colour, or described by a person.
 bool is_jpeg_photo(const Candidate& candidate) {
     if (!is_jpeg(candidate)) return false;
     if (has_jpeg_depth(candidate.source)) return true;
     if (candidate.wanted.is_known()) return false;
     const auto stored = read_stored_image(candidate.source);
-    return !stored || !is_grey(stored->image);
+    return !stored || !(is_grey(stored->image) || depth_beside_colour(stored->image));
 }
 /// Matroska or WebM, QuickTime or MP4, AVI.
 bool is_video(const Candidate& candidate) {
@@ -334,12 +335,12 @@ const Format formats[] = {
     {FileKind::clip, is_gltf, nullptr, open_gltf_clip,
      "a glTF scene whose depth is a texture, beside its video or pictures", "touchable play clip.gltf"},
     {FileKind::photo, is_jpeg_photo, nullptr, open_jpeg_depth,
-     "a phone's JPEG with depth (GDepth, Dynamic Depth)", "touchable play portrait.jpg"},
+     "a phone's JPEG with depth (GDepth, Dynamic Depth, Apple's)", "touchable play portrait.jpg"},
     {FileKind::photo, is_heif, nullptr, open_heic_image,
      "a phone's HEIC, HEIF or AVIF with depth (portraits)", "touchable play portrait.heic"},
     {FileKind::bare, is_any_picture, describe_picture, open_named,
-     "a picture of depth: PNG, PGM, TIFF, PFM, OpenEXR (a rendering with its colour, too), NumPy (.npy, "
-     ".npz), HDF5 (.h5, .hdf5, MATLAB's 7.3)",
+     "a picture of depth: PNG and JPEG (beside its colour, too), PGM, TIFF, PFM, .dpt, OpenEXR (a rendering "
+     "with its colour, too), NumPy (.npy, .npz), HDF5 (.h5, .hdf5, MATLAB's 7.3)",
      "touchable play depth.png", Hints{{Setting::intrinsics, "525,525"}, {Setting::depth_unit, "0.001"}}},
     {FileKind::bare, is_cloud_file, describe_picture, open_named,
      "a cloud of points with rows and columns (.pcd, .ply): its z is depth, and its points tell the camera",
@@ -412,19 +413,13 @@ std::optional<Error> refusal(const Format* format, const Candidate& candidate) {
     if (kind > FileKind::photo && kind != FileKind::text && !has_codes)
         return usage_error(file.string() +
                            ": the scene's depth.coding is of pictures in files, not of videos");
-    if (!candidate.folder && is_record3d(file))
-        return input_error(file.string() +
-                           ": is a recording of Record3D in its own format: export it there as MP4 (RGBD "
-                           "video), then: touchable play EXPORT.mp4");
     if (format) return {};
     if (const auto video = depthkit_video_of(file))
         return input_error(file.string() + ": says what the depth of a Depthkit video is: touchable play " +
                            shell_word(video->string()));
     return input_error(file.string() +
-                       ": is not a Matroska file, nor a video, nor glTF, nor the text of an MPEG-4 scene, "
-                       "nor a recording of ROS (.bag, .mcap, .db3), nor a picture of depth (PNG, PGM, TIFF, "
-                       "PFM, EXR, NumPy, HDF5), nor a JPEG or HEIC with depth, nor a Depthkit video with " +
-                       depthkit_metadata_name(file).string() + " beside it");
+                       ": is of no kind that is known (touchable formats lists those that open): of an array "
+                       "of depth in Python, numpy.save('depth.npy', ARRAY) makes a file that opens");
 }
 
 /// Aligns the depth of a clip with its own scene only if alignment is `on`, with all its colour.

@@ -14,6 +14,7 @@
 #include "engine/formats/realsense_raw.hpp"
 #include "engine/formats/sidecar_text.hpp"
 #include "engine/formats/value_evidence.hpp"
+#include "engine/formats/video_picture.hpp"
 #include "engine/picture/image.hpp"
 
 namespace touchable {
@@ -23,28 +24,40 @@ namespace fs = std::filesystem;
 
 using SharedPicture = std::shared_ptr<const StoredImage>;
 
-/// Turns RGB that is grey everywhere into grey, and depth of 24 bits into floats.
-Result<SharedPicture> as_depth(SharedPicture stored, const fs::path& file, bool is_packed = false) {
-    if (!stored->values.empty() || stored->image.channels == 1) return stored;
-    if (is_packed || looks_packed(stored->image)) {
+/// Turns RGB that is grey everywhere, or in a half beside colour, into grey, and packed depth into numbers.
+Result<SharedPicture> as_depth(SharedPicture stored, const fs::path& file, Packing packing = Packing::none) {
+    if (!stored->values.empty()) return stored;
+    if (packing == Packing::none) packing = packing_of(*stored);
+    if (packing != Packing::none) {
         auto unpacked = std::make_shared<StoredImage>(*stored);
-        if (unpack_depth(*unpacked)) return SharedPicture(std::move(unpacked));
+        if (unpack_depth(*unpacked, packing)) return SharedPicture(std::move(unpacked));
         if (stop_requested()) return interrupted_error();
+    }
+    if (stored->image.channels == 1) return stored;
+    if (const auto found = depth_beside_colour(stored->image)) {
+        auto depth = std::make_shared<StoredImage>(half_of(*stored, *found, PlaneRole::depth));
+        depth->beside = std::make_shared<BesideDepth>();
+        depth->beside->colour = half_of(*stored, *found, PlaneRole::colour);
+        return SharedPicture(std::move(depth));
     }
     auto grey = as_grey(stored->image);
     if (stop_requested()) return interrupted_error();
-    if (!grey)
-        return input_error(file.string() +
-                           ": is in colour: a picture of depth is grey (of depth as hue, give a scene file)");
+    if (!grey) {
+        const auto* const likely = preset_of(packing_of(*stored, true));
+        return input_error(
+            file.string() + ": is in colour: a picture of depth is grey (of depth as hue, give a scene file" +
+                (likely ? "; its bytes look like " + std::string(likely->what) : "") + ')',
+            {{Setting::preset, likely ? likely->name : ""}});
+    }
     const StoredImage& of = *stored;
     return std::make_shared<const StoredImage>(
         StoredImage{std::move(*grey), of.codec, of.pixel_format, of.bits, of.interlaced, {}, of.beside});
 }
 
 /// Depth in a picture, or in the first of a stack.
-Result<SharedPicture> depth_in(const fs::path& file, ReadPictures& pictures, bool is_packed) {
+Result<SharedPicture> depth_in(const fs::path& file, ReadPictures& pictures, Packing packing) {
     auto looked = pictures.look(file);
-    return looked ? as_depth(std::move(*looked), file, is_packed) : looked;
+    return looked ? as_depth(std::move(*looked), file, packing) : looked;
 }
 
 Result<SharedPicture> depth_in_stack(ImageStack& stack, std::int64_t frame, const fs::path& file) {
@@ -65,6 +78,10 @@ bool names_infrared(const std::string& name) {
     });
 }
 
+bool is_in_colour(const StoredImage& picture) {
+    return picture.values.empty() && picture.image.channels == 3 && picture.image.bytes_per_sample == 1;
+}
+
 /// How likely a group is depth; 0: not at all.
 int depth_mark(const PictureGroup& group, ReadPictures& pictures) {
     if (has_word(group.pattern, {"conf", "mask", "label", "normal", "haptic", "height", "validity"}))
@@ -72,16 +89,15 @@ int depth_mark(const PictureGroup& group, ReadPictures& pictures) {
     const auto looked = pictures.look(group.first);
     if (!looked) return 0;
     const StoredImage& first = **looked;
-    const bool is_packed = first.values.empty() && looks_packed(first.image);
+    const bool is_named = has_word(group.pattern, {"depth", "disp", "range", "dpt"});
+    const auto* const preset = preset_named(pictures.known().preset);
+    const bool is_told = preset && preset->stored.packed != Packing::none && is_named && is_in_colour(first);
+    const bool is_packed = is_told || packing_of(first) != Packing::none;
     if (first.values.empty() && !is_packed && !is_grey(first.image)) return 0;
     const bool is_deep = is_packed || !first.values.empty() || first.image.bytes_per_sample == 2;
     // Counts less than dense depth beside it.
     if (has_word(group.pattern, {"sparse"}) || names_infrared(group.pattern)) return is_deep ? 1 : 0;
-    return (has_word(group.pattern, {"depth", "disp", "range", "dpt"}) ? 4 : 0) + (is_deep ? 2 : 0);
-}
-
-bool is_in_colour(const StoredImage& picture) {
-    return picture.values.empty() && picture.image.channels == 3 && picture.image.bytes_per_sample == 1;
+    return (is_named ? 4 : 0) + (is_deep ? 2 : 0);
 }
 
 bool goes_as_colour(const PictureGroup& group, const PictureGroup& depth, ReadPictures& pictures) {
@@ -145,6 +161,17 @@ std::vector<const PictureGroup*> greys_among(const std::vector<PictureGroup>& gr
     return greys;
 }
 
+/// Groups of pictures with depth in a half and colour in the other.
+std::vector<const PictureGroup*> halves_among(const std::vector<PictureGroup>& groups,
+                                              ReadPictures& pictures) {
+    constexpr std::size_t most_looked_at = 8;
+    std::vector<const PictureGroup*> halves;
+    for (const PictureGroup& group : std::span(groups).first(std::min(groups.size(), most_looked_at)))
+        if (const auto looked = pictures.look(group.first); looked && depth_beside_colour((*looked)->image))
+            halves.push_back(&group);
+    return halves;
+}
+
 /// Picks the colour pictures: prefers depth's folder, and skips folders that have depth of their own.
 const PictureGroup* colour_among(const std::vector<PictureGroup>& groups,
                                  const std::vector<const PictureGroup*>& depths, ReadPictures& pictures) {
@@ -187,7 +214,7 @@ Result<void> find_left_out(std::vector<const PictureGroup*> depths, const std::v
             has_own_folder || is_still(other->pattern) ? chosen.left_out_by_path : chosen.left_out_by_pattern;
         const std::string name = has_own_folder ? folder : other->pattern;
         if (names.size() == most_told || std::ranges::count(names, name) > 0) continue;
-        const auto looked = depth_in(other->first, pictures, false);
+        const auto looked = depth_in(other->first, pictures, Packing::none);
         if (!looked) continue;
         TRY_ASSIGN(const bool any, holds_values(**looked));
         if (any) names.push_back(name);
@@ -226,16 +253,22 @@ const PictureGroup* unfetched_among(const std::vector<PictureGroup>& groups, con
 }  // namespace
 
 Result<ChosenPictures> choose_pictures(const fs::path& folder, bool is_relative, ReadPictures& pictures) {
-    TRY_ASSIGN(const auto groups, readable_groups(folder, pictures));
+    TRY_ASSIGN(auto groups, readable_groups(folder, pictures));
     std::vector<const PictureGroup*> depths = depths_among(groups, pictures);
+    if (depths.empty()) std::ranges::move(hdf5_groups(folder), std::back_inserter(groups));
+    if (depths.empty()) depths = depths_among(groups, pictures);
     if (depths.empty() &&
         (is_relative || has_word(fs::weakly_canonical(folder).filename().string(), {"depth"})))
         depths = greys_among(groups, pictures);
+    if (depths.empty()) depths = halves_among(groups, pictures);
     if (depths.empty() && stop_requested()) return interrupted_error();
     // A file without the channel or data set that a person named gives an error with those that it has.
     if (const auto& known = pictures.known();
         depths.empty() && !(known.channel.empty() && known.dataset.empty()))
         for (const PictureGroup& group : groups) TRY(pictures.look(group.first));
+    for (const PictureGroup& group : groups)  // what is named depth and in colour says more
+        if (depths.empty() && has_word(group.pattern, {"depth"}) && pictures.look(group.first))
+            TRY(depth_in(group.first, pictures, Packing::none));
     if (depths.empty()) return without_depth(folder, groups);
     ChosenPictures chosen{.depth = *depths.front()};
     if (const PictureGroup* const colour = colour_among(groups, depths, pictures))
@@ -253,8 +286,8 @@ Result<ChosenPictures> choose_pictures(const fs::path& folder, bool is_relative,
 Result<std::shared_ptr<const StoredImage>> telling_depth(const std::vector<fs::path>& files,
                                                          ReadPictures& pictures,
                                                          const SourceDescription::Preset* preset) {
-    const bool is_packed = preset != nullptr && preset->stored.packed;
-    TRY_ASSIGN(const auto first, depth_in(files.front(), pictures, is_packed));
+    const Packing packing = preset != nullptr ? preset->stored.packed : Packing::none;
+    TRY_ASSIGN(const auto first, depth_in(files.front(), pictures, packing));
     TRY_ASSIGN(const bool any_in_first, holds_values(*first));
     if (any_in_first) return first;
     TRY_ASSIGN(const auto stack, pictures.stack_in(files.front()));
@@ -262,7 +295,7 @@ Result<std::shared_ptr<const StoredImage>> telling_depth(const std::vector<fs::p
     for (const std::int64_t n : telling_frames(is_stack ? stack->count() : std::ssize(files))) {
         if (stop_requested()) return interrupted_error();
         const fs::path& file = files[is_stack ? 0 : static_cast<std::size_t>(n)];
-        auto stored = is_stack ? depth_in_stack(*stack, n, file) : depth_in(file, pictures, is_packed);
+        auto stored = is_stack ? depth_in_stack(*stack, n, file) : depth_in(file, pictures, packing);
         const bool is_alike = stored && (*stored)->image.width == first->image.width &&
                               (*stored)->image.height == first->image.height;
         if (!is_alike) continue;

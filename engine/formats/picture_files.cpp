@@ -23,7 +23,7 @@ constexpr std::size_t most_files = 10'000'000, most_entries = 1'000'000;
 constexpr std::size_t largest_list = std::size_t{256} << 20;
 constexpr const char* list_names[] = {"rgb.txt", "color.txt", "colour.txt", "depth.txt"};
 constexpr const char* picture_extensions[] = {".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".tif", ".tiff",
-                                              ".pfm", ".exr", ".npy",  ".npz", ".h5",  ".hdf5"};
+                                              ".pfm", ".dpt", ".exr",  ".npy", ".npz", ".h5",  ".hdf5"};
 
 /// A file pattern with one field of digits, %d or %0Nd, which the scene has checked.
 class Numbered {
@@ -326,11 +326,8 @@ Result<PictureFiles> listed_files(const fs::path& list) {
 std::optional<double> seconds_per_key(const PictureFiles& pictures) {
     const std::vector<double>& keys = pictures.keys;
     if (keys.size() < 2) return {};
-    // Stamps since 1970 tell their unit by their size; small whole numbers only count.
-    const double last = keys.back();
-    if (last > 1e17) return 1e-9;
-    if (last > 1e14) return 1e-6;
-    if (last > 1e11) return 1e-3;
+    // Small whole numbers only count.
+    if (const double unit = seconds_of_stamp(keys.back()); unit < 1) return unit;
     const auto counts = [](double key) { return key == std::floor(key); };
     if (!pictures.has_decimals && std::ranges::all_of(keys, counts)) return {};
     return 1;
@@ -704,6 +701,14 @@ std::size_t nearest_key(const std::vector<double>& keys, double key) {
     return keys[n] - key < key - keys[n - 1] ? n : n - 1;
 }
 
+double seconds_of_stamp(double stamp) {
+    constexpr double ticks = 1e-7;  // since the year 1 (.NET) or 1601 (Windows)
+    constexpr std::pair<double, double> units[] = {{1e18, 1e-9}, {1e17, ticks}, {1e14, 1e-6}, {1e11, 1e-3}};
+    for (const auto& [least, unit] : units)
+        if (stamp > least) return unit;
+    return 1;
+}
+
 std::optional<FrameRate> rate_of_seconds(const std::vector<double>& seconds) {
     if (seconds.size() < 2) return {};
     std::vector<double> steps;
@@ -732,7 +737,7 @@ std::string unusable_times(const PictureFiles& pictures) {
     if (seconds.empty())
         return list +
                "whole numbers that only count (times are seconds with a point, or milli-, micro- or "
-               "nanoseconds since 1970)";
+               "nanoseconds since 1970, or ticks of 100 ns)";
     const double mean = seconds.back() / static_cast<double>(seconds.size() - 1);
     return list + short_number(mean) + " s apart on average, as no frames are (times are seconds)";
 }
@@ -764,6 +769,12 @@ std::vector<PictureGroup> camera_groups(const fs::path& folder) {
     return groups_of(folder, [](const fs::path& file) { return file.extension() == ".pincam"; });
 }
 
+std::vector<PictureGroup> hdf5_groups(const fs::path& folder) {
+    auto groups = groups_of(folder, [](const fs::path& file) { return !is_named_as_picture(file); });
+    std::erase_if(groups, [](const PictureGroup& group) { return !is_hdf5_file(SourceFile(group.first)); });
+    return groups;
+}
+
 std::vector<PictureGroup> camera_arrays(const fs::path& folder) {
     return groups_of(folder, is_named_camera_array);
 }
@@ -777,16 +788,11 @@ std::vector<std::string> unusable_lists(const fs::path& folder) {
     return remarks;
 }
 
-bool is_record3d(const fs::path& file) {
-    return small_letters(file.extension().string()) == ".r3d";
-}
-
 std::string found_elsewhere(const fs::path& folder) {
     std::set<fs::path> videos;
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(folder, ignored))
-        if (!is_hidden(entry.path().filename().string()) &&
-            (is_named_as_clip(entry.path()) || is_record3d(entry.path())))
+        if (!is_hidden(entry.path().filename().string()) && is_named_as_clip(entry.path()))
             videos.insert(entry.path());
     if (!videos.empty()) {
         const auto named = std::ranges::find_if(videos, is_named_as_depth_video);

@@ -52,6 +52,10 @@ Result<PictureFiles> found_files(const std::filesystem::path& folder, const std:
 /// Index of the nearest of the sorted keys, one or more.
 std::size_t nearest_key(const std::vector<double>& keys, double key);
 
+/// Seconds of the unit of a time since 1970 or earlier, which its size tells: nano-, micro- or milliseconds,
+/// ticks of 100 ns; otherwise 1.
+double seconds_of_stamp(double stamp);
+
 /// The rate of frames with these times, which must not go backward: even if all keep to the median step
 /// within 2 ms, otherwise their own times, or even at the mean step if some are less than 1 ms apart. Nothing
 /// for fewer than two, and if they are no times of frames.
@@ -83,6 +87,9 @@ std::vector<PictureGroup> camera_groups(const std::filesystem::path& folder);
 /// in the same way.
 std::vector<PictureGroup> camera_arrays(const std::filesystem::path& folder);
 
+/// Groups of HDF5 files whose names do not say so (Spring's .dsp5), by their first bytes.
+std::vector<PictureGroup> hdf5_groups(const std::filesystem::path& folder);
+
 /// Whether a pattern is a list of files and their times.
 bool is_list(const std::string& pattern);
 
@@ -92,9 +99,6 @@ std::vector<std::string> unusable_lists(const std::filesystem::path& folder);
 /// Where depth may be if `folder` has no pictures: how to open a video in it or a folder further down, in
 /// words that follow "there is no picture"; empty: nowhere.
 std::string found_elsewhere(const std::filesystem::path& folder);
-
-/// Whether a file is a recording of Record3D in its own format, which is not read.
-bool is_record3d(const std::filesystem::path& file);
 
 /// The folder in a group's pattern, with its slash; empty: the searched folder itself.
 std::string folder_of(const PictureGroup& group);

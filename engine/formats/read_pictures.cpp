@@ -9,8 +9,12 @@
 namespace touchable {
 namespace {
 
+constexpr std::string_view projection = "GPano:ProjectionType";
+constexpr std::size_t most_noted = 1000;  // files with a camera or a projection
+
 std::size_t bytes_of(const StoredImage& picture) {
-    std::size_t bytes = picture.image.samples.size() + picture.values.size() * sizeof(float);
+    std::size_t bytes =
+        picture.image.samples.size() + picture.alpha.size() + picture.values.size() * sizeof(float);
     if (!picture.beside) return bytes;
     for (const auto* other : {&picture.beside->colour, &picture.beside->materials})
         if (*other) bytes += bytes_of(**other);
@@ -98,6 +102,11 @@ Result<StoredImage> ReadPictures::read(const std::filesystem::path& file, Pictur
     }
     TRY_ASSIGN(auto bytes, read_picture_bytes(opened));
     if (begins_organised_cloud(bytes)) return read_cloud(std::move(bytes), file, layer);
+    const std::string_view xmp =
+        std::string_view(bytes).substr(std::min(bytes.size(), bytes.find(projection)), 64);
+    if (const std::lock_guard lock(mutex_);
+        panoramas_.size() < most_noted && xmp.find("equirectangular") != std::string_view::npos)
+        panoramas_.insert(file.lexically_normal());
     if (!is_exr(bytes)) return decode_stored_image(std::move(bytes), where);
     const auto decode = [layer, wanted = wanted_, channel = known_.channel](std::string_view exr,
                                                                             const std::string& name) {
@@ -117,9 +126,8 @@ Result<StoredImage> ReadPictures::read_cloud(std::string bytes, const std::files
         return std::move(decoded.depth);
     };
     TRY_ASSIGN(auto picture, decode_unless_stopped(std::move(bytes), file.string(), decode));
-    constexpr std::size_t most_cameras = 1000;
     const std::lock_guard lock(mutex_);
-    if (*camera && cameras_.size() < most_cameras) cameras_.emplace(file.lexically_normal(), **camera);
+    if (*camera && cameras_.size() < most_noted) cameras_.emplace(file.lexically_normal(), **camera);
     if (layer != PictureLayer::colour || !picture.beside) return picture;
     return std::move(*picture.beside->colour);
 }

@@ -3,6 +3,7 @@
 #include <initializer_list>
 #include <map>
 #include <mutex>
+#include <set>
 #include <span>
 
 #include "engine/base/files.hpp"
@@ -45,6 +46,10 @@ public:
     }
     /// The camera of the first of these files that was read as a cloud; nothing if none was.
     std::optional<Intrinsics> camera_in(std::span<const std::filesystem::path> files) const;
+    /// Whether the XMP of a file that was read says that it is an equirectangular panorama (GPano).
+    bool has_panorama(const std::filesystem::path& file) const {
+        return panoramas_.contains(file.lexically_normal());
+    }
     /// Drops all kept pictures and stacks but these files'.
     void keep_only(std::initializer_list<std::filesystem::path> files);
 
@@ -77,6 +82,7 @@ private:
     std::filesystem::path rendering_;                      // the newest whose own picture was taken
     std::shared_ptr<BesideDepth> beside_;                  // its layers; null: none
     std::map<std::filesystem::path, Intrinsics> cameras_;  // of the first clouds that were read
+    std::set<std::filesystem::path> panoramas_;            // of the first, by their XMP
 };
 
 /// Refuses (ErrorKind::usage) a stated channel or data set of a file that has none by name.

@@ -11,6 +11,10 @@ using Kind = StoredDepth::Kind;
 constexpr Intrinsics kinect{525, 525, 319.5, 239.5, 640, 480},
     kinect_infrared{582.62, 582.69, 313.04, 238.44, 640, 480};
 
+constexpr SourceDescription::Preset packed(const char* name, const char* what, Packing packing) {
+    return {.name = name, .what = what, .fov = 60, .stored = {.packed = packing}};
+}
+
 /// From the descriptions of the data sets. Where a description gives one number for baseline x fx, `baseline`
 /// is that number divided by the preset's fx.
 const SourceDescription::Preset presets[] = {
@@ -57,7 +61,7 @@ const SourceDescription::Preset presets[] = {
      .what = "CARLA: 24 bits of 1 km in red, green and blue",
      .fov = 90,
      .metres_per_code = 1000.0 / 0xffffff,
-     .stored = {.packed = true}},
+     .stored = {.packed = Packing::rgb24}},
     {.name = "middlebury",
      .what = "Middlebury stereo: disparities, with the calib.txt beside them",
      .stored = {.kind = Kind::disparity}},
@@ -65,6 +69,15 @@ const SourceDescription::Preset presets[] = {
      .what = "guessed from one picture (MiDaS and the like): 1/depth without a scale",
      .fov = 60,
      .stored = {.kind = Kind::relative}},
+    packed("bgr24", "24 bits, blue, green, red: shares of a far plane, whose metres are the unit",
+           Packing::bgr24),
+    packed("bgr255", "the same to base 255 (Unity's EncodeFloatRGBA)", Packing::bgr255),
+    packed("rg16", "16 bits: red + 256 green", Packing::rg16),
+    packed("gr16", "16 bits: green + 256 red", Packing::gr16),
+    packed("rgba32f", "a float in the bytes of red, green, blue, alpha", Packing::rgba32f),
+    packed("bgra32f", "a float in the bytes of blue, green, red, alpha (TartanAir V2)", Packing::bgra32f),
+    packed("abgr32f", "a float in the bytes of alpha, blue, green, red", Packing::abgr32f),
+    packed("half", "a 16-bit float in grey of 16 bits (Mid-Air, CO3D)", Packing::half),
 };
 
 constexpr std::pair<const char*, VideoValues> of_videos[] = {{"hue", VideoValues::hue},
@@ -119,6 +132,16 @@ std::vector<SourceSetting> all_source_settings() {
                  .what = "length of a stored 1. For pictures without a scene file",
                  .form = "METRES",
                  .range = {.least = 1e-9, .most = 1e6}}),
+            source_row<&Known::near>({.name = Setting::near,
+                                      .what = "near plane of a renderer's depth buffer (0 to 1), or the "
+                                              "nearest depth where it has no scale; beside the far one. For "
+                                              "pictures without a scene file",
+                                      .form = "METRES",
+                                      .range = {.least = 1e-6, .most = 1e6}}),
+            source_row<&Known::far>({.name = Setting::far,
+                                     .what = "far plane, or the farthest depth",
+                                     .form = "METRES",
+                                     .range = {.least = 1e-6, .most = 1e9}}),
             semantics_row(),
             source_row<&Known::least_confidence>(
                 {.name = "least_confidence",
@@ -183,6 +206,12 @@ std::span<const SourceDescription::Preset> all_presets() {
 
 const SourceDescription::Preset* preset_named(const std::string& name) {
     return named_in(presets, name, &SourceDescription::Preset::name);
+}
+
+const SourceDescription::Preset* preset_of(Packing packing) {
+    const auto* const found = std::ranges::find_if(
+        presets, [&](const SourceDescription::Preset& preset) { return preset.stored.packed == packing; });
+    return packing == Packing::none ? nullptr : found;
 }
 
 std::optional<VideoValues> video_values_named(const std::string& name) {

@@ -52,6 +52,8 @@ struct SourceDescription {
         double metres_per_code = 0;  ///< 0: not metric
         int invalid = 0;             ///< a code other than 0 that is no depth
         StoredDepth stored{};
+        /// Whether it tells what a value stands for; otherwise only in which bytes it is.
+        bool has_values() const { return metres_per_code > 0 || stored.kind != StoredDepth::Kind::codes; }
     };
 
     std::optional<Intrinsics> intrinsics;
@@ -60,6 +62,8 @@ struct SourceDescription {
     std::filesystem::path file;                 ///< from which `intrinsics` were read, if any
     std::optional<DepthSemantics> semantics{};  ///< along the camera's axis (planar) or along the ray (range)
     std::string preset;                         ///< a name of a Preset or of VideoValues; empty: none
+    /// Planes of depth buffers and of depth without a scale, metres; both or neither.
+    std::optional<double> near{}, far{};
     /// For arrays with a confidence beside depth (open_npy_stack).
     std::optional<double> least_confidence{};
     std::string channel{};  ///< of renderings (OpenEXR): depth's channel or layer; empty: found by its name
@@ -95,6 +99,9 @@ const SourceSetting* source_setting(Setting::Name name);
 std::span<const SourceDescription::Preset> all_presets();
 /// Null: no preset has that name.
 const SourceDescription::Preset* preset_named(const std::string& name);
+
+/// The preset of pictures packed so; null: of none.
+const SourceDescription::Preset* preset_of(Packing packing);
 
 /// What of a video's pixels is depth, by the name of a preset that is for videos alone.
 std::optional<VideoValues> video_values_named(const std::string& name);

@@ -192,9 +192,9 @@ private:
 
 Result<TrackPicture> track_picture(StoredImage stored, PlaneRole role, const StillRules& rules,
                                    const std::string& where) {
-    if (role == PlaneRole::depth && rules.depth_is_packed && !unpack_depth(stored)) {
+    if (role == PlaneRole::depth && rules.packed != Packing::none && !unpack_depth(stored, rules.packed)) {
         if (stop_requested()) return interrupted_error();
-        return input_error(where + ": is not RGB of 8 bits, which depth of 24 bits is");
+        return input_error(where + ": is not RGB of 8 bits (floats: RGBA), which packed depth is");
     }
     const bool is_grey =
         (role == PlaneRole::depth && rules.depth != DepthCodingKind::hue) || role == PlaneRole::height;

@@ -27,7 +27,7 @@ TrackPicture lent_picture(const TrackInfo& track, Plane plane);
 struct StillRules {
     DepthCodingKind depth = DepthCodingKind::linear;
     bool haptic_may_be_lossy = false;
-    bool depth_is_packed = false;  ///< StoredDepth::packed
+    Packing packed = Packing::none;  ///< of depth
 };
 Result<TrackPicture> track_picture(StoredImage stored, PlaneRole role, const StillRules& rules,
                                    const std::string& where);

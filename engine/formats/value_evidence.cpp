@@ -1,7 +1,9 @@
 #include "engine/formats/value_evidence.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <functional>
 #include <limits>
 
 #include "engine/base/threads.hpp"
@@ -136,13 +138,37 @@ bool has_player(const StoredImage& picture, const Words& words) {
     return smooth >= fewest_pairs && one_in * smooth >= pairs && smooth > 4 * smooth_rotated;
 }
 
-/// Whether one confidence lies above all lengths: a room's words are then within a few hundredths of one
-/// number, and its lengths are not.
-bool has_one_confidence(const Words& words) {
+double reciprocal(double value) {
+    return 1 / value;
+}
+
+/// Whether one confidence lies above all lengths: flat places are flat without it, and bent with it.
+bool has_one_confidence(const StoredImage& picture, const Words& words) {
     constexpr unsigned lengths = 0x1fff;
     const unsigned least = words.each.front().word, most = words.each.back().word;
-    return least > lengths && (least ^ most) <= lengths && most - least < least / 10 &&
-           4 * (most - least) > (least & lengths);
+    if (least <= lengths || (least ^ most) > lengths) return false;
+    const auto below = [](double word) { return 1.0 / (static_cast<unsigned>(word) & lengths); };
+    return PlaneVotes(picture, below, reciprocal).are_for_first();
+}
+
+/// The number whose bits, as a half (16-bit float), these are.
+double half_value(double word) {
+    constexpr std::uint32_t infinite = 0x7c00;
+    const auto bits = static_cast<std::uint32_t>(word);
+    return bits < infinite ? double{std::bit_cast<float>(bits << 13U)} * 0x1p112
+                           : std::numeric_limits<double>::infinity();
+}
+
+/// Whether words are the bits of halves, as Mid-Air and CO3D store them.
+bool are_halves(const StoredImage& picture) {
+    constexpr unsigned least = 0x1000, infinite = 0x7c00;
+    const Words words(picture);
+    if (!holds_words(picture) || !words.tell() ||
+        !words.nearly_all([](unsigned word) { return word >= least && word <= infinite; }))
+        return false;
+    return PlaneVotes(
+               picture, [](double word) { return 1 / half_value(word); }, reciprocal)
+        .are_for_first();
 }
 
 /// Android's DEPTH16: 13 bits of millimetres, and a confidence in the 3 highest. Where these differ between
@@ -472,50 +498,123 @@ std::optional<FloatLattice> of_halves(const Numbers& numbers) {
     return std::nullopt;
 }
 
-}  // namespace
+/// Which channels (red, green, blue, alpha) hold the bytes of a number, the lowest first.
+struct PackedForm {
+    Packing packing;
+    std::size_t bytes;
+    std::array<std::size_t, 4> channels;
+    std::uint32_t base = 256;
+    double whole = 1;  // the number that stands for 1
+};
+/// Of two that fit alike the first counts: floats before 24 bits, and to base 255 where that digit is
+/// missing.
+constexpr PackedForm packed_forms[] = {{Packing::rgba32f, 4, {0, 1, 2, 3}},
+                                       {Packing::bgra32f, 4, {2, 1, 0, 3}},
+                                       {Packing::abgr32f, 4, {3, 2, 1, 0}},
+                                       {Packing::rgb24, 3, {0, 1, 2}},
+                                       {Packing::bgr255, 3, {2, 1, 0}, 255, 255.0 * 255 * 255},
+                                       {Packing::bgr24, 3, {2, 1, 0}, 256, 0xffffff},
+                                       {Packing::rg16, 2, {0, 1}},
+                                       {Packing::gr16, 2, {1, 0}}};
 
-bool looks_packed(const Image& image) {
-    if (image.channels != 3 || image.bytes_per_sample != 1) return false;
-    constexpr std::int64_t fewest = 16, one_in = 5;
-    constexpr int jump = 192;
-    std::int64_t pairs = 0, ran_over = 0;
-    bool seen[2][256] = {};
-    const auto width = static_cast<std::size_t>(image.width);
-    const auto compare = [&](const std::uint8_t* a, const std::uint8_t* b) {
-        const int blue = a[2] - b[2], green = a[1] - b[1];
-        if (blue != 1 && blue != -1) return;
-        ++pairs;
-        ran_over += blue * green <= -jump;
-    };
-    until_stopped(pixel_count(image), [&](std::size_t begin, std::size_t end) {
-        const std::uint8_t* at = image.samples.data() + 3 * begin;
-        for (std::size_t k = begin; k < end; ++k, at += 3) {
-            seen[0][at[0]] = seen[1][at[1]] = true;
-            if ((k + 1) % width != 0) compare(at, at + 3);
-            if (k >= width) compare(at, at - 3 * width);
-        }
-    });
-    constexpr std::ptrdiff_t fewest_values = 64;
-    for (const auto& values : seen)
-        if (std::count(std::begin(values), std::end(values), true) < fewest_values) return false;
-    return ran_over >= fewest && one_in * ran_over >= pairs;
+std::uint8_t channel_at(const StoredImage& picture, std::size_t k, std::size_t channel) {
+    return channel < 3 ? picture.image.samples[3 * k + channel] : picture.alpha[k];
 }
 
-bool unpack_depth(StoredImage& picture) {
-    if (is_unpacked(picture)) return true;
-    if (picture.image.channels != 3 || picture.image.bytes_per_sample != 1 || !picture.values.empty())
+/// How many neighbours show the carry between the bytes of such numbers (packing_of); 0: it is not so packed.
+std::int64_t carries(const StoredImage& picture, const PackedForm& form, bool is_likely) {
+    const bool is_float = form.bytes == 4;
+    if (is_float && picture.alpha.empty()) return 0;
+    const std::size_t top = is_float ? 2 : form.bytes - 1;  // above it floats have their exponent
+    const auto width = static_cast<std::size_t>(picture.image.width);
+    std::int64_t pairs = 0, sum = 0, ran_over = 0, white = 0, counts[4][256] = {};
+    const auto byte = [&](std::size_t k, std::size_t n) { return channel_at(picture, k, form.channels[n]); };
+    const auto compare = [&](std::size_t a, std::size_t b) {
+        const int high = byte(a, top) - byte(b, top);
+        if (high != 1 && high != -1) return;
+        const int low = high * (byte(a, top - 1) - byte(b, top - 1));
+        ++pairs;
+        sum += low;
+        ran_over += low <= -128;
+    };
+    until_stopped(pixel_count(picture.image), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            for (std::size_t c = 0; c < (is_float ? 4 : 3); ++c) ++counts[c][channel_at(picture, k, c)];
+            const std::uint8_t* const rgb = &picture.image.samples[3 * k];
+            white += rgb[0] == 255 && rgb[1] == 255 && rgb[2] == 255;
+            if ((k + 1) % width != 0) compare(k, k + 1);
+            if (k >= width) compare(k, k - width);
+        }
+    });
+    const auto values = [&](std::size_t channel, int first = 0, int last = 255) {
+        return std::count_if(counts[channel] + first, counts[channel] + last + 1, std::identity());
+    };
+    const std::size_t next = form.channels[top - 1], exponent = form.channels[3];
+    const std::int64_t fewest = is_likely ? 2 : 16, varied = is_likely ? 16 : 32, least_mean = 32;
+    // Lengths from 0.5 mm to 130 km, few exponents, and no negative ones.
+    if (is_float && (values(exponent, 0x3a, 0x47) == 0 || values(exponent) > 8 || values(exponent, 128) > 0))
+        return 0;
+    if (form.bytes == 2 && values(2) > 1) return 0;
+    if (form.base == 255 && counts[next][255] > white) return 0;
+    const bool is_packed = ran_over >= fewest && sum <= -least_mean * pairs && values(next) >= varied &&
+                           (is_float || values(form.channels[0]) >= varied);
+    return is_packed ? ran_over : 0;
+}
+
+}  // namespace
+
+Packing packing_of(const StoredImage& picture, bool is_likely) {
+    const Image& image = picture.image;
+    if (are_halves(picture)) return Packing::half;
+    if (image.channels != 3 || image.bytes_per_sample != 1 || !picture.values.empty() ||
+        picture.codec == "mjpeg")
+        return Packing::none;
+    Packing best = Packing::none;
+    std::int64_t most = 0;
+    for (const PackedForm& form : packed_forms)
+        if (const std::int64_t found = carries(picture, form, is_likely); found > most)
+            most = found, best = form.packing;
+    return best;
+}
+
+bool unpack_depth(StoredImage& picture, Packing packing) {
+    if (picture.packing == packing) return true;
+    const std::size_t pixels = pixel_count(picture.image);
+    if (packing == Packing::half) {
+        if (!holds_words(picture)) return false;
+        for (std::size_t k = 0; k < pixels; ++k)
+            picture.values.push_back(static_cast<float>(half_value(sample_at(picture.image, k))));
+        picture.image.samples = {};
+        picture.packing = packing;
+        return true;
+    }
+    const PackedForm& form = *std::ranges::find(packed_forms, packing, &PackedForm::packing);
+    if (picture.image.channels != 3 || picture.image.bytes_per_sample != 1 || !picture.values.empty() ||
+        (form.bytes == 4 && picture.alpha.size() != pixels))
         return false;
-    std::vector<float> values(pixel_count(picture.image));
-    const bool all_done = until_stopped(values.size(), [&](std::size_t begin, std::size_t end) {
-        const std::uint8_t* at = picture.image.samples.data() + 3 * begin;
-        for (std::size_t k = begin; k < end; ++k, at += 3)
-            values[k] = static_cast<float>(at[0] + 256 * at[1] + 65536 * at[2]);
+    std::vector<float> values(form.bytes == 2 ? 0 : pixels);
+    std::vector<std::uint8_t> words(form.bytes == 2 ? 2 * pixels : 0);
+    const bool all_done = until_stopped(pixels, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            std::uint32_t number = 0;
+            for (std::size_t n = form.bytes; n-- > 0;)
+                number = number * form.base + channel_at(picture, k, form.channels[n]);
+            const auto word = static_cast<std::uint16_t>(number);
+            if (form.bytes == 2)
+                std::memcpy(&words[2 * k], &word, 2);
+            else
+                values[k] =
+                    form.bytes == 4 ? std::bit_cast<float>(number) : static_cast<float>(number / form.whole);
+        }
     });
     if (!all_done) return false;
     picture.values = std::move(values);
-    picture.image.samples = {};
+    picture.image.samples = std::move(words);
+    picture.image.bytes_per_sample = form.bytes == 2 ? 2 : 1;
     picture.image.channels = 1;
-    picture.pixel_format = "rgb24";
+    picture.bits = form.bytes == 2 ? 16 : 8;
+    picture.alpha = {};
+    picture.packing = packing;
     return true;
 }
 
@@ -532,10 +631,51 @@ std::optional<std::uint16_t> none_above_all(const StoredImage& picture) {
                                                   : std::nullopt;
 }
 
+PlaneVotes::PlaneVotes(const StoredImage& picture, const Reading& first, const Reading& second) {
+    constexpr double flat = 1e-3, flatter = 16;  // shares of the variance, and their ratio
+    const int width = picture.image.width, height = picture.image.height;
+    std::vector<double> numbers;
+    // The share of the variance that no affine function has.
+    const auto bend = [&](int left, int top, int side, const Reading& reading) {
+        numbers.clear();
+        for (int y = top; y < top + side; ++y)
+            for (int x = left; x < left + side; ++x)
+                numbers.push_back(
+                    reading(value_at(picture, static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                                                  static_cast<std::size_t>(x))));
+        const double count = side * side, middle = 0.5 * (side - 1), squares = count * (count - 1) / 12;
+        double mean = 0, right = 0, down = 0, bent = 0, all = 0;
+        for (const double number : numbers) mean += number / count;
+        const auto for_each = [&](auto&& work) {
+            auto number = numbers.begin();
+            for (int y = 0; y < side; ++y)
+                for (int x = 0; x < side; ++x) work(x - middle, y - middle, *number++ - mean);
+        };
+        for_each([&](double x, double y, double number) {
+            right += x * number / squares;
+            down += y * number / squares;
+        });
+        for_each([&](double x, double y, double number) {
+            const double left_over = number - right * x - down * y;
+            bent += left_over * left_over;
+            all += number * number;
+        });
+        return bent / all;
+    };
+    for (const int side : {std::clamp(width / 20, 6, 32), std::clamp(width / 8, 16, 64)})
+        for (int top = 0; top + side <= height && !stop_requested(); top += side)
+            for (int left = 0; left + side <= width; left += side) {
+                const double a = bend(left, top, side, first), b = bend(left, top, side, second);
+                first_ += a < flat && b > flatter * a;
+                second_ += b < flat && a > flatter * b;
+            }
+}
+
 EvidentPreset evident_preset(const StoredImage& picture) {
-    if (is_unpacked(picture))
-        return {preset_named("carla"),
-                "its colours are the three bytes of a number: where blue grows by 1 green runs over"};
+    if (const auto* const packed = preset_of(picture.packing))
+        return {packed, picture.packing == Packing::half
+                            ? "flat places are flat by these numbers and not by their bits"
+                            : "where one byte of its colours grows by 1 the next runs over"};
     const Words words(picture);
     if (!words.tell()) return {};
     if (is_plain_kinect(words))
@@ -549,8 +689,9 @@ EvidentPreset evident_preset(const StoredImage& picture) {
         return {preset_named("kinect-sdk1"),
                 "its 3 lowest bits are 0 but for areas, as the numbers of persons are, and depth goes on "
                 "above them"};
-    if (has_one_confidence(words))
-        return {preset_named("depth16"), "its 3 highest bits are the same everywhere, and not 0"};
+    if (has_one_confidence(picture, words))
+        return {preset_named("depth16"),
+                "its 3 highest bits are the same everywhere, and flat places are flat without them"};
     if (has_confidence(picture, words))
         return {preset_named("depth16"),
                 "its 3 highest bits change between neighbours whose other bits are nearly the same"};
@@ -628,6 +769,7 @@ EstimatedValues estimate_values(const StoredImage& picture) {
     // The whole range is used, and no value stands for no depth.
     values.is_normalised = values.bits != 8 && !values.has_background && !none && beyond == 0 &&
                            negative == 0 && at_least > 0 && at_most > 0 && 20 * (pixels - usable) < pixels;
+    values.are_shares = values.is_float && !values.has_background && beyond == 0 && negative == 0;
     values.divisor = divisor_of(Words(picture));
     if (counts[0] > 0) values.upper = sums[0] / static_cast<double>(counts[0]);
     if (counts[1] > 0) values.lower = sums[1] / static_cast<double>(counts[1]);

@@ -8,6 +8,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,25 +19,33 @@
 
 namespace touchable {
 
-/// Depth of 24 bits in an RGB picture of 8 bits (StoredDepth::packed): red has the lowest bits. Its largest
-/// value is no depth.
-inline constexpr double packed_none = 0xffffff;
-/// Whether an RGB picture looks packed: if blue differs by 1 between neighbours, the carry makes green jump
-/// back by nearly its whole range, which no photograph and no colour map does. Depth within one step of blue
-/// (4 m of 1 km) gives no evidence.
-bool looks_packed(const Image& image);
-/// Turns a packed picture into floats, exact whole numbers. False, and nothing is changed, if it is not RGB
-/// of 8 bits or the thread is asked to stop.
-bool unpack_depth(StoredImage& picture);
-/// Whether a picture's floats came from `unpack_depth`.
-inline bool is_unpacked(const StoredImage& picture) {
-    return !picture.values.empty() && picture.pixel_format == "rgb24";
+/// Whether packed numbers are shares of a far plane that is not known.
+inline bool is_of_shares(Packing packing) {
+    return packing == Packing::bgr24 || packing == Packing::bgr255;
 }
+/// Whether a picture is of 16 bits.
+inline bool holds_words(const StoredImage& picture) {
+    return picture.values.empty() && picture.image.bytes_per_sample == 2 && picture.bits == 16;
+}
+/// The least number that is no depth.
+inline double packed_none(Packing packing) {
+    return packing == Packing::rgb24 ? 0xffffff
+           : is_of_shares(packing)   ? 1
+                                     : std::numeric_limits<double>::infinity();
+}
+/// How a picture in colour is packed, by its bytes: if the highest one that changes differs by 1 between
+/// neighbours, the carry makes the next one jump back by nearly its whole range, which no photograph and no
+/// colour map does. Depth within one step of that byte (4 m of CARLA's 1 km) gives no evidence. `is_likely`:
+/// few such places are enough.
+Packing packing_of(const StoredImage& picture, bool is_likely = false);
+/// Turns a packed picture into floats, or words of 16 bits. False, and nothing is changed, if it is not RGB
+/// of 8 bits (with alpha for floats) or the thread is asked to stop.
+bool unpack_depth(StoredImage& picture, Packing packing);
 
 /// The preset that 16-bit values show: a Kinect's raw disparities (kinect-raw; nyu with bytes swapped), bits
 /// rotated by 3 (sun), a player's number in the 3 lowest bits (kinect-sdk1), a confidence in the 3 highest
-/// (depth16). For unpacked floats: depth of 24 bits (carla). Null: no evidence, as fewer than 20 different
-/// values are (0 and 65535 do not count).
+/// (depth16). For unpacked pictures their packing. Null: no evidence, as fewer than 20 different values are
+/// (0 and 65535 do not count).
 struct EvidentPreset {
     const SourceDescription::Preset* preset = nullptr;
     std::string why{};  ///< "its values ...", in words
@@ -64,6 +74,22 @@ private:
     bool has_largest_half_ = false;
 };
 
+/// Counts small squares that are planes by one reading of a picture's values and not by the other. A reading
+/// gives 1/depth, or a number affine in it, which is affine in the pixels of a plane: a pinhole projects it
+/// so. NaN: no depth. Noise hides both, and counts for neither.
+class PlaneVotes {
+public:
+    using Reading = std::function<double(double value)>;
+    PlaneVotes(const StoredImage& picture, const Reading& first, const Reading& second);
+    /// Whether the squares tell, and nearly all for this reading.
+    bool are_for_first() const { return first_ >= fewest && first_ > most_against * second_; }
+    bool are_for_second() const { return second_ >= fewest && second_ > most_against * first_; }
+
+private:
+    static constexpr int fewest = 4, most_against = 4;
+    int first_ = 0, second_ = 0;
+};
+
 /// What the values of a picture tell of their unit.
 struct EstimatedValues {
     bool is_float = false;
@@ -76,6 +102,7 @@ struct EstimatedValues {
     bool has_negative_none = false;
     double zeros = 0, largest = 0;  ///< shares of the pixels that are 0 and, for 16-bit integers, 65535
     bool is_normalised = false;     ///< uses the whole range that can be stored (floats: 0 to 1)
+    bool are_shares = false;        ///< floats from 0 to 1
     /// The largest number up to 1000 of which all 16-bit values are multiples, but 0, 65535 and one pixel in
     /// a thousand; 1: there is none, or no evidence (evident_preset).
     int divisor = 1;

@@ -4,7 +4,6 @@
 #include "engine/formats/formats_read.hpp"
 
 #include <algorithm>
-#include <tuple>
 
 #include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
@@ -63,26 +62,6 @@ std::optional<DepthInVideo> record3d_depth(VideoPicture& picture, std::optional<
     const auto part = depth_part(depth.layout, picture.width(), picture.height());
     if (part) depth.values = said.value_or(values_in(picture, *part).value_or(VideoValues::hue));
     return depth;
-}
-
-/// "depth is the left half, which is grey, colour the right one".
-std::string words_of(const DepthInVideo& found) {
-    const std::string kind = found.values == VideoValues::grey  ? "grey"
-                             : found.values == VideoValues::hue ? "hue"
-                             : found.is_ramp                    ? "a ramp from black through colours to white"
-                                                                : "nearly grey";
-    const std::string what =
-        found.values == VideoValues::mean ? ", and a value is the mean of its colours" : "";
-    constexpr std::tuple<VideoLayout, const char*, const char*> halves[] = {
-        {VideoLayout::left, "left", "right"},
-        {VideoLayout::right, "right", "left"},
-        {VideoLayout::top, "upper", "lower"},
-        {VideoLayout::bottom, "lower", "upper"}};
-    for (const auto& [layout, depth, colour] : halves)
-        if (layout == found.layout)
-            return std::string("depth is the ") + depth + " half, which is " + kind + ", colour the " +
-                   colour + " one" + what;
-    return "depth is " + kind + what;
 }
 
 class VideoGuess {
@@ -237,7 +216,7 @@ private:
                          true,
                          "its data set's meta/info.json, beside the video or above it, says otherwise; where "
                          "codes are lengths, their unit",
-                         {{Setting::depth_unit}},
+                         {{Setting::depth_unit, "0.001"}},
                          RemarkKind::scale};
         scene.remarks = joined_remarks({remark}, scene.remarks);
         add_lerobot_colour(depth, *video, scene);
@@ -422,7 +401,8 @@ Opened open_videos(const fs::path& folder, const GuessedScene& described, Colour
     const VideoSource& source = *described.scene.video;
     const StoredDepth& stored = described.scene.stored;
     StoredClip clip{(folder / source.depth).string(), described};
-    if (stored.kind == StoredDepth::Kind::disparity || stored.is_reordered() || stored.packed)
+    if (stored.kind == StoredDepth::Kind::disparity || stored.is_reordered() ||
+        stored.packed != Packing::none)
         return input_error(
             clip.name +
             ": depth.coding disparity, depth.bytes, rotated, used_bits and packed are of pictures in files, "

@@ -3,12 +3,22 @@
 #include <array>
 #include <bit>
 #include <cstdlib>
+#include <map>
+#include <tuple>
 
 #include "engine/base/try.hpp"
 #include "engine/clip/tracks.hpp"
 
 namespace touchable {
 namespace {
+
+constexpr VideoLayout other_half(VideoLayout layout) {
+    return layout == VideoLayout::left     ? VideoLayout::right
+           : layout == VideoLayout::right  ? VideoLayout::left
+           : layout == VideoLayout::top    ? VideoLayout::bottom
+           : layout == VideoLayout::bottom ? VideoLayout::top
+                                           : layout;
+}
 
 /// Converts grey of two bytes in the other byte order, such as PNG's, to the host's; otherwise nothing.
 std::optional<Image> in_host_order(const AVFrame& frame) {
@@ -112,19 +122,54 @@ int bar_in_the_middle(const PlaneView& rgb) {
     return may_be_bar(bar, rgb.width) && (rgb.width - bar) % 2 == 0 ? bar : 0;
 }
 
-/// The half that looks like these values, if the other half does not.
-std::optional<DepthInVideo> half_of(const PlaneView& rgb, VideoValues values, int bar) {
-    for (const VideoLayout layout :
-         {VideoLayout::left, VideoLayout::right, VideoLayout::top, VideoLayout::bottom}) {
-        const DepthInVideo half{layout, values, is_side_by_side(layout) ? bar : 0};
-        const auto part = depth_part(layout, rgb.width, rgb.height, half.bar);
-        if (!part) continue;
-        const PartLook depth = look_of(part_of(rgb, *part));
-        const PartLook colour = look_of(part_of(rgb, colour_part(layout, rgb.width, rgb.height, half.bar)));
-        if (!depth.is(values) || depth.is_even || colour.is(values)) continue;
-        return DepthInVideo{half.layout, values, half.bar, depth.is_ramp};
+/// What the halves of a picture look like.
+class Halves {
+public:
+    Halves(const PlaneView& rgb, int bar) : bar_(bar) {
+        for (const VideoLayout layout :
+             {VideoLayout::left, VideoLayout::right, VideoLayout::top, VideoLayout::bottom})
+            if (const auto part = depth_part(layout, rgb.width, rgb.height, bar_of(layout)))
+                looks_[layout] = look_of(part_of(rgb, *part));
     }
-    return {};
+    /// The half that looks like these values, if the other half does not.
+    std::optional<DepthInVideo> of(VideoValues values) const {
+        for (const auto& [layout, depth] : looks_)
+            if (depth.is(values) && !depth.is_even && !looks_.at(other_half(layout)).is(values))
+                return DepthInVideo{layout, values, bar_of(layout), depth.is_ramp};
+        return {};
+    }
+
+private:
+    int bar_of(VideoLayout layout) const { return is_side_by_side(layout) ? bar_ : 0; }
+
+    int bar_;
+    std::map<VideoLayout, PartLook> looks_;
+};
+
+/// (R + G + B) / 3, rounded to the nearest.
+Image mean_of(const PlaneView& colours) {
+    Image to{colours.width, colours.height, 1, 1, {}};
+    to.samples.reserve(pixel_count(colours.width, colours.height));
+    for (int y = 0; y < colours.height; ++y) {
+        const std::uint8_t* rgb = colours.row(y);
+        for (int x = 0; x < colours.width; ++x, rgb += 3)
+            to.samples.push_back(static_cast<std::uint8_t>((rgb[0] + rgb[1] + rgb[2] + 1) / 3));
+    }
+    return to;
+}
+
+std::optional<DepthInVideo> find_in_colours(const PlaneView& rgb, std::optional<VideoValues> said) {
+    constexpr VideoLayout alone = VideoLayout::alone;
+    const int bar = bar_in_the_middle(rgb);
+    if (said) return Halves(rgb, bar).of(*said).value_or(DepthInVideo{alone, *said});
+    const PartLook whole = look_of(rgb);
+    if (whole.is_grey) return DepthInVideo{alone, VideoValues::grey};
+    if (whole.is_hue) return DepthInVideo{alone, VideoValues::hue};
+    const Halves halves(rgb, bar);
+    for (const VideoValues values : {VideoValues::grey, VideoValues::hue})
+        if (auto half = halves.of(values)) return half;
+    if (whole.is(VideoValues::mean)) return DepthInVideo{alone, VideoValues::mean, 0, whole.is_ramp};
+    return halves.of(VideoValues::mean);
 }
 
 }  // namespace
@@ -140,13 +185,7 @@ std::optional<PicturePart> depth_part(VideoLayout layout, int width, int height,
 }
 
 PicturePart colour_part(VideoLayout layout, int width, int height, int bar) {
-    constexpr std::pair<VideoLayout, VideoLayout> others[] = {{VideoLayout::left, VideoLayout::right},
-                                                              {VideoLayout::right, VideoLayout::left},
-                                                              {VideoLayout::top, VideoLayout::bottom},
-                                                              {VideoLayout::bottom, VideoLayout::top}};
-    for (const auto& [depth, colour] : others)
-        if (layout == depth) return depth_part(colour, width, height, bar).value_or(PicturePart{});
-    return {0, 0, width, height};
+    return depth_part(other_half(layout), width, height, bar).value_or(PicturePart{});
 }
 
 PlaneView part_of(PlaneView plane, const PicturePart& part) {
@@ -200,18 +239,9 @@ Result<Plane> VideoPicture::grey(const PicturePart& part) {
                        ": depth is grey of 8 to 16 bits, YUV, or RGB of 8 bits");
 }
 
-/// (R + G + B) / 3, rounded to the nearest.
 Result<Plane> VideoPicture::mean(const PicturePart& part) {
     TRY_ASSIGN(const auto all, rgb());
-    const PlaneView from = part_of(all.view, part);
-    Image to{from.width, from.height, 1, 1, {}};
-    to.samples.reserve(pixel_count(from.width, from.height));
-    for (int y = 0; y < from.height; ++y) {
-        const std::uint8_t* rgb = from.row(y);
-        for (int x = 0; x < from.width; ++x, rgb += 3)
-            to.samples.push_back(static_cast<std::uint8_t>((rgb[0] + rgb[1] + rgb[2] + 1) / 3));
-    }
-    return plane_from(std::move(to));
+    return plane_from(mean_of(part_of(all.view, part)));
 }
 
 CodeRange VideoPicture::code_range(VideoValues values) const {
@@ -234,19 +264,9 @@ CodeRange VideoPicture::code_range(VideoValues values) const {
 }
 
 std::optional<DepthInVideo> find_depth_in(VideoPicture& picture, std::optional<VideoValues> said) {
-    constexpr VideoLayout alone = VideoLayout::alone;
-    if (!picture.has_colours()) return DepthInVideo{alone, VideoValues::grey};
+    if (!picture.has_colours()) return DepthInVideo{VideoLayout::alone, VideoValues::grey};
     const auto rgb = picture.rgb();
-    if (!rgb) return {};
-    const int bar = bar_in_the_middle(rgb->view);
-    if (said) return half_of(rgb->view, *said, bar).value_or(DepthInVideo{alone, *said});
-    const PartLook whole = look_of(rgb->view);
-    if (whole.is_grey) return DepthInVideo{alone, VideoValues::grey};
-    if (whole.is_hue) return DepthInVideo{alone, VideoValues::hue};
-    for (const VideoValues values : {VideoValues::grey, VideoValues::hue})
-        if (auto half = half_of(rgb->view, values, bar)) return half;
-    if (whole.is(VideoValues::mean)) return DepthInVideo{alone, VideoValues::mean, 0, whole.is_ramp};
-    return half_of(rgb->view, VideoValues::mean, bar);
+    return rgb ? find_in_colours(rgb->view, said) : std::nullopt;
 }
 
 std::optional<VideoValues> values_in(VideoPicture& picture, const PicturePart& part) {
@@ -257,6 +277,43 @@ std::optional<VideoValues> values_in(VideoPicture& picture, const PicturePart& p
     for (const VideoValues values : {VideoValues::grey, VideoValues::hue, VideoValues::mean})
         if (look.is(values)) return values;
     return {};
+}
+
+std::string words_of(const DepthInVideo& found) {
+    const std::string kind = found.values == VideoValues::grey  ? "grey"
+                             : found.values == VideoValues::hue ? "hue"
+                             : found.is_ramp                    ? "a ramp from black through colours to white"
+                                                                : "nearly grey";
+    const std::string what =
+        found.values == VideoValues::mean ? ", and a value is the mean of its colours" : "";
+    constexpr std::tuple<VideoLayout, const char*, const char*> halves[] = {
+        {VideoLayout::left, "left", "right"},
+        {VideoLayout::right, "right", "left"},
+        {VideoLayout::top, "upper", "lower"},
+        {VideoLayout::bottom, "lower", "upper"}};
+    for (const auto& [layout, depth, colour] : halves)
+        if (layout == found.layout)
+            return std::string("depth is the ") + depth + " half, which is " + kind + ", colour the " +
+                   colour + " one" + what;
+    return "depth is " + kind + what;
+}
+
+std::optional<DepthInVideo> depth_beside_colour(const Image& picture) {
+    if (picture.channels != 3 || picture.bytes_per_sample != 1) return {};
+    const auto found = find_in_colours(picture.view(), {});
+    const bool is_half = found && found->layout != VideoLayout::alone && found->values != VideoValues::hue;
+    return is_half ? found : std::nullopt;
+}
+
+StoredImage half_of(const StoredImage& picture, const DepthInVideo& found, PlaneRole role) {
+    const Image& all = picture.image;
+    const bool is_depth = role == PlaneRole::depth;
+    const auto part =
+        depth_part(is_depth ? found.layout : other_half(found.layout), all.width, all.height, found.bar);
+    if (!part || all.channels != 3) return picture;
+    const PlaneView view = part_of(all.view(), *part);
+    return {is_depth ? mean_of(view) : packed_image(view), picture.codec,
+            is_depth ? "gray" : picture.pixel_format, 8, picture.interlaced};
 }
 
 }  // namespace touchable

@@ -78,5 +78,12 @@ struct DepthInVideo {
 std::optional<DepthInVideo> find_depth_in(VideoPicture& picture, std::optional<VideoValues> said);
 /// The same for depth whose part is known.
 std::optional<VideoValues> values_in(VideoPicture& picture, const PicturePart& part);
+/// "depth is the left half, which is grey, colour the right one".
+std::string words_of(const DepthInVideo& found);
+
+/// Depth in a half of a picture of RGB of 8 bits, as nearly grey or a ramp, and colour in the other half.
+std::optional<DepthInVideo> depth_beside_colour(const Image& picture);
+/// That half as grey (role `depth`), or the other one.
+StoredImage half_of(const StoredImage& picture, const DepthInVideo& found, PlaneRole role);
 
 }  // namespace touchable

@@ -441,6 +441,15 @@ Result<FramePtr> rgb_to_gather(const AVFrame& frame) {
     return rgb;
 }
 
+/// The alpha of RGBA of 8 bits; empty: it is opaque.
+Samples alpha_of(const AVFrame& frame) {
+    Samples alpha;
+    for (int y = 0; y < frame.height && frame.format == AV_PIX_FMT_RGBA; ++y)
+        for (int x = 0; x < frame.width; ++x)
+            alpha.push_back(frame.data[0][std::ptrdiff_t{frame.linesize[0]} * y + 4 * x + 3]);
+    return std::ranges::all_of(alpha, [](std::uint8_t each) { return each == 255; }) ? Samples() : alpha;
+}
+
 /// `channel`: set to the name of the channel read, if there are several.
 Result<Image> image_from(const std::string& where, FramePtr frame, std::string& channel) {
     const Error unread = input_error(where + ": has pixel format " + format_name(*frame) +
@@ -584,6 +593,7 @@ Result<StoredImage> decode_coded_image(std::string_view bytes, const std::string
     stored.pixel_format = format_name(*frame);
     stored.bits = header.grey ? header.bits : 8;
     stored.interlaced = header.interlaced;
+    stored.alpha = alpha_of(*frame);
     std::string channel;
     TRY_ASSIGN(stored.image, image_from(where, std::move(frame), channel));
     if (!channel.empty()) stored.beside = std::make_shared<BesideDepth>(BesideDepth{.depth_name = channel});

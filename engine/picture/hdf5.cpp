@@ -5,7 +5,9 @@
 // data sets, one of them is chosen as depth, and h5dump gives its numbers, some pictures at a time.
 #include <algorithm>
 #include <bit>
+#include <functional>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "engine/base/child_process.hpp"
@@ -72,6 +74,7 @@ std::string take_path(std::string_view& line) {
 /// "{2/2, 80/Inf, 60/60}": the extents that there are, each with the largest that there may be.
 std::optional<std::vector<std::int64_t>> extents_of(std::string_view text) {
     std::vector<std::int64_t> extents;
+    if (text == "{SCALAR") return extents;
     while (!text.empty()) {
         std::int64_t extent = 0;
         const auto [end, failure] = std::from_chars(text.data() + 1, text.data() + text.size(), extent);
@@ -172,15 +175,32 @@ Result<std::vector<Hdf5DataSet>> named(const std::vector<Hdf5DataSet>& all, cons
     return std::vector{*found};
 }
 
-/// Lists other data sets of the same shape that are named depth as well.
+/// Lists other data sets of the same shape that are named depth as well, and of colour.
 std::string other_depths(const std::vector<Hdf5DataSet>& all, const Hdf5DataSet& read) {
     std::vector<std::string> names;
     for (const NamedArray& array : named_arrays(all))
-        if (array.name != read.path && array.shape == read.shape && has_depth_in_name(array) &&
-            may_be_depth(array))
+        if (is_colour(array) || (array.name != read.path && array.shape == read.shape &&
+                                 has_depth_in_name(array) && may_be_depth(array)))
             names.push_back(printable(array.name));
     if (names.empty()) return "";
     return "depth is the data set " + printable(read.path) + "; left out: " + printable(listed(names), 200);
+}
+
+/// Adds the data sets and attributes of numbers that h5dump prints, by the last part of their names.
+void add_printed(std::string_view text, std::vector<SmallArray>& arrays) {
+    while (!text.empty() && arrays.size() <= most_small_arrays) {
+        std::string_view line = trimmed(cut_line(text));
+        if (line.starts_with("DATASET \"") || line.starts_with("ATTRIBUTE \"")) {
+            if (!arrays.empty() && arrays.back().numbers.empty()) arrays.pop_back();
+            line = line.substr(0, line.rfind('"'));
+            arrays.push_back({std::string(line.substr(line.find_last_of("\"/") + 1)), {}, {}});
+        }
+        if (arrays.empty() || !line.starts_with('(')) continue;
+        for (std::size_t at = line.find(": "); at < line.size(); at = line.find(',', at + 1))  // (0,0): 1, 2,
+            if (const auto number =
+                    parsed_number(trimmed(line.substr(at + 1, line.find(',', at + 1) - at - 1))))
+                arrays.back().numbers.push_back(*number);
+    }
 }
 
 // --- Its pictures
@@ -190,11 +210,12 @@ public:
     /// `sets`: one, or several of one picture each. `pictures`: as stored. `is_turned`: MATLAB's, which
     /// stores its last index first: rows become columns.
     Hdf5Stack(SourceFile file, std::vector<Hdf5DataSet> sets, const ArrayPictures& pictures, bool is_turned,
-              std::string left_out)
+              std::string left_out, std::vector<Hdf5DataSet> others)
         : ImageStack(file.string() + ": " + printable(sets.front().path), std::move(left_out)),
           file_(std::move(file)),
           path_(std::filesystem::absolute(file_.path()).string()),
           sets_(std::move(sets)),
+          others_(std::move(others)),
           pictures_(pictures),
           is_turned_(is_turned) {
         array_ = sets_.front().path.substr(sets_.front().path.rfind('/') + 1);
@@ -202,6 +223,27 @@ public:
 
     std::int64_t count() const override { return is_row() ? std::ssize(sets_) : pictures_.count; }
     int width() const override { return is_turned_ ? pictures_.height : pictures_.width; }
+    /// Read when asked for, as they take processes.
+    std::span<const SmallArray> small_arrays() override {
+        if (std::exchange(has_read_others_, true)) return small_arrays_;
+        // Depth's own group has the longest beginning in common.
+        std::ranges::stable_sort(others_, std::greater(), [&](const Hdf5DataSet& set) {
+            return std::ranges::mismatch(set.path, sets_.front().path).in1 - set.path.begin();
+        });
+        std::vector<std::string> words{"h5dump", "-m", "%.17g"};
+        for (const Hdf5DataSet& set : others_) {
+            const double count = std::accumulate(set.shape.begin(), set.shape.end(), 1.0, std::multiplies());
+            if (set.format && !set.is_elsewhere && count <= double{most_small_numbers} &&
+                words.size() < 2 * most_small_arrays)
+                words.insert(words.end(), {"-d", set.path});
+        }
+        words.push_back(path_);
+        for (const auto& asked : {words, {"h5dump", "-m", "%.17g", "-A", path_}})
+            if (asked.size() > 4)
+                if (const auto printed = ask_tool(asked, largest_listing))
+                    add_printed(*printed, small_arrays_);
+        return small_arrays_;
+    }
     int height() const override { return is_turned_ ? pictures_.width : pictures_.height; }
 
     /// Call first. Refuses more data than the file can hold.
@@ -294,7 +336,8 @@ private:
 
     SourceFile file_;
     std::string path_;
-    std::vector<Hdf5DataSet> sets_;
+    std::vector<Hdf5DataSet> sets_, others_;
+    bool has_read_others_ = false;
     ArrayPictures pictures_;
     bool is_turned_;
     std::string block_;  // pictures from block_first_ on
@@ -327,7 +370,7 @@ Result<std::vector<Hdf5DataSet>> hdf5_data_sets(std::string_view listing) {
             set = nullptr;
             if (!what.starts_with("Dataset {") || !what.ends_with('}')) continue;
             auto shape = extents_of(what.substr(8, what.size() - 9));
-            if (!shape) continue;  // no array: SCALAR, NULL
+            if (!shape) continue;  // no array: NULL
             set = &sets.emplace_back(Hdf5DataSet{path, std::move(*shape)});
         } else if (set && (line.starts_with("    Extern:") || line.starts_with("    Maps:"))) {
             set->is_elsewhere = true;
@@ -360,13 +403,14 @@ Result<std::shared_ptr<ImageStack>> open_hdf5_stack(const SourceFile& file, cons
     const std::string path = std::filesystem::absolute(file.path()).string();
     TRY_ASSIGN(const auto listing,
                error_at(file.string(), ask_tool({"h5ls", "-r", "-v", path}, largest_listing)));
-    TRY_ASSIGN(const auto sets, error_at(file.string(), hdf5_data_sets(listing)));
+    TRY_ASSIGN(auto sets, error_at(file.string(), hdf5_data_sets(listing)));
     TRY_ASSIGN(auto read, error_at(file.string(), dataset.empty() ? chosen(sets) : named(sets, dataset)));
     TRY_ASSIGN(const auto pictures, pictures_of_array(read.front().shape, file.string()));
     std::string left_out =
         dataset.empty() && read.size() == 1 ? other_depths(sets, read.front()) : std::string();
     const bool is_matlab = first_bytes(file, matlab_magic.size()) == matlab_magic;
-    auto stack = std::make_shared<Hdf5Stack>(file, std::move(read), pictures, is_matlab, std::move(left_out));
+    auto stack = std::make_shared<Hdf5Stack>(file, std::move(read), pictures, is_matlab, std::move(left_out),
+                                             std::move(sets));
     TRY(stack->check());
     return std::shared_ptr<ImageStack>(std::move(stack));
 }

@@ -53,6 +53,7 @@ constexpr PictureKind picture_kinds[] = {
     {"PGM", [](std::string_view begin) { return is_netpbm(begin, "25"); }, decode_netpbm},
     {"PPM", [](std::string_view begin) { return is_netpbm(begin, "36"); }, decode_netpbm},
     {"PFM", [](std::string_view begin) { return is_netpbm(begin, "f"); }, decode_pfm},
+    {"dpt", [](std::string_view begin) { return begin.starts_with("PIEH"); }, decode_dpt},
     {"TIFF", is_tiff, decode_tiff},
     {"OpenEXR", is_exr, decode_exr},
     {"npy", is_npy, decode_npy},

@@ -85,6 +85,8 @@ struct StoredImage {
     std::vector<float> values{};
     /// Pictures beside a rendering's depth, if wanted and present; null otherwise.
     std::shared_ptr<BesideDepth> beside{};
+    std::vector<std::uint8_t> alpha{};  ///< of a PNG in RGBA of 8 bits that is not opaque everywhere
+    Packing packing = Packing::none;    ///< of the picture that these numbers were in
 };
 
 /// Beside depth in a picture of more channels: other pictures of an OpenEXR rendering, of the same pixels as
@@ -156,6 +158,8 @@ Result<StoredImage> decode_exr_colour(std::string_view bytes, const std::string&
 /// Material indices alone, as numbers.
 Result<StoredImage> decode_exr_materials(std::string_view bytes, const std::string& where);
 
+inline constexpr std::uint64_t most_small_numbers = 65536;
+inline constexpr std::size_t most_small_arrays = 64;
 /// A small array beside depth in its file.
 struct SmallArray {
     std::string name;
@@ -179,8 +183,9 @@ public:
     std::optional<double> least_confidence() const { return least_confidence_; }
     /// In words, what else the file has that is not read, and which mask removes depth; empty: nothing.
     const std::string& left_out() const { return left_out_; }
-    /// Arrays of at most 65536 numbers in the same .npz, such as the cameras' matrices; at most 64.
-    std::span<const SmallArray> small_arrays() const { return small_arrays_; }
+    /// Arrays of at most `most_small_numbers` in the same .npz or HDF5 file, such as the cameras' matrices,
+    /// and attributes; at most `most_small_arrays`, those of depth's own group first.
+    virtual std::span<const SmallArray> small_arrays() { return small_arrays_; }
 
 protected:
     /// Errors begin with `where`; `unit`: what a picture of this file is called in them.
@@ -211,6 +216,9 @@ private:
 Result<std::shared_ptr<ImageStack>> open_npy_stack(const SourceFile& file,
                                                    std::optional<double> least_confidence = {},
                                                    const std::string& array = {});
+
+/// The small arrays of a .npz file, or the one of a .npy, by the file's name; none if it cannot be read.
+std::vector<SmallArray> small_arrays_in(const SourceFile& file);
 
 /// Whether a file begins as .npy or .npz.
 bool is_npy_file(const SourceFile& file);

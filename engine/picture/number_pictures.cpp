@@ -652,6 +652,10 @@ Result<std::vector<std::size_t>> depth_among(std::span<const NamedArray> arrays,
                        {{Setting::dataset, several.front().name}});
 }
 
+bool is_colour(const NamedArray& array) {
+    return array.shape.size() > 2 && array.shape.back() == 3 && array.format && array.format->bytes == 1;
+}
+
 std::string some_of(std::span<const NamedArray> arrays) {
     constexpr std::size_t most_named = 8;
     const std::string more =
@@ -828,6 +832,23 @@ Result<StoredImage> decode_pfm(std::string_view bytes, const std::string& where)
     const char* last_row = words.data().data() + row * static_cast<std::size_t>(height - 1);
     picture.put(0, 0, {last_row, width, height, 4, -static_cast<std::ptrdiff_t>(row)});
     return std::move(picture).finish("pfm");
+}
+
+Result<StoredImage> decode_dpt(std::string_view bytes, const std::string& where) {
+    constexpr std::size_t head = 12;
+    if (bytes.size() < head) return cut_picture(where);
+    const auto side = [&](std::size_t at) {
+        return static_cast<std::int64_t>(number_in_bytes(bytes.substr(at, 4), false));
+    };
+    TRY(check_picture_size(side(4), side(8), where));
+    const auto width = static_cast<int>(side(4)), height = static_cast<int>(side(8));
+    const std::size_t row = static_cast<std::size_t>(width) * 4, all = row * static_cast<std::size_t>(height);
+    bytes.remove_prefix(head);
+    if (bytes.size() < all) return cut_picture(where);
+    if (bytes.size() >= 2 * all) return input_error(where + ": is optical flow, which is no depth");
+    NumberPicture picture(width, height, {NumberFormat::Kind::floating, 4});
+    picture.put(0, 0, {bytes.data(), width, height, 4, static_cast<std::ptrdiff_t>(row)});
+    return std::move(picture).finish("dpt");
 }
 
 bool is_tiff(std::string_view begin) {

@@ -1,7 +1,7 @@
 #pragma once
 
 // Pictures that are arrays of numbers: how their numbers are held in a file, and their readers (PGM, PPM,
-// PFM, TIFF, NumPy, HDF5).
+// PFM, dpt, TIFF, NumPy, HDF5).
 //
 // A reader finds out the NumberFormat, puts blocks of numbers into a NumberPicture, and finishes it: codes
 // stay as they are, and what has other numbers becomes a picture of floats. Readers take the bytes of a file;
@@ -67,6 +67,8 @@ bool may_be_depth(const NamedArray& array);
 /// picture each, of one size and type, whose names differ by a number alone, in the order of their numbers.
 /// Empty if none may be depth. The error of several begins with "has", and calls each a `what`.
 Result<std::vector<std::size_t>> depth_among(std::span<const NamedArray> arrays, const std::string& what);
+/// Whether it may be colour, which is not read.
+bool is_colour(const NamedArray& array);
 /// Names of at most eight arrays, in words.
 std::string some_of(std::span<const NamedArray> arrays);
 
@@ -104,6 +106,9 @@ Result<StoredImage> decode_netpbm(std::string_view bytes, const std::string& whe
 
 /// PFM with one float a pixel ("Pf"), of either byte order. Its scale is not multiplied in.
 Result<StoredImage> decode_pfm(std::string_view bytes, const std::string& where);
+
+/// Sintel's and Middlebury's floats: "PIEH", width, height, floats of one channel, the lowest byte first.
+Result<StoredImage> decode_dpt(std::string_view bytes, const std::string& where);
 
 bool is_tiff(std::string_view begin);
 

@@ -184,29 +184,34 @@ std::vector<NpzArray> npz_arrays(const ZipArchive& archive) {
     return arrays;
 }
 
-/// Small arrays with readable numbers, not in Fortran order; half floats become NaN.
+/// A small array with readable numbers, in Fortran order only a matrix; half floats become NaN.
+std::optional<SmallArray> small_array(const std::string& name, ByteSource& bytes, const NpyHeader& header) {
+    if (header.columns_first && header.shape.size() > 2) return {};
+    std::uint64_t count = 1;
+    for (const std::int64_t extent : header.shape)
+        count = count > most_small_numbers ? count : count * static_cast<std::uint64_t>(extent);
+    const auto each = static_cast<std::size_t>(header.format.bytes);
+    if (count == 0 || count > most_small_numbers || bytes.size() < header.data_at + count * each) return {};
+    std::vector<char> held(static_cast<std::size_t>(count) * each);
+    if (!bytes.read(header.data_at, held.data(), held.size())) return {};
+    SmallArray read{name, header.shape, {}};
+    const bool is_turned = header.columns_first && header.shape.size() == 2;
+    const std::size_t rows = is_turned ? static_cast<std::size_t>(header.shape.front()) : 1;
+    const std::size_t columns = count / rows;
+    for (std::size_t k = 0; k < count; ++k)
+        read.numbers.push_back(
+            stored_number(held.data() + (k / columns + rows * (k % columns)) * each, header.format));
+    return read;
+}
+
 std::vector<SmallArray> small_arrays_of(const ZipArchive& archive, const std::vector<NpzArray>& arrays) {
-    constexpr std::uint64_t most_numbers = 65536;
-    constexpr std::size_t most_arrays = 64;
     std::vector<SmallArray> small;
     for (const NpzArray& array : arrays) {
-        if (small.size() >= most_arrays || stop_requested()) break;
-        if (!array.member.is_possible() || array.member.size > 8 * most_numbers + 70000) continue;
-        const auto& header = array.header;
-        if (!header || (header->columns_first && header->shape.size() > 1)) continue;
-        std::uint64_t count = 1;
-        for (const std::int64_t extent : header->shape)
-            count = count > most_numbers ? count : count * static_cast<std::uint64_t>(extent);
-        const auto each = static_cast<std::size_t>(header->format.bytes);
-        if (count == 0 || count > most_numbers || array.member.size < header->data_at + count * each)
-            continue;
-        std::vector<char> held(static_cast<std::size_t>(count) * each);
-        if (!unpacked_member(archive, array.member)->read(header->data_at, held.data(), held.size()))
-            continue;
-        SmallArray read{array.name, header->shape, {}};
-        for (std::size_t k = 0; k < count; ++k)
-            read.numbers.push_back(stored_number(held.data() + k * each, header->format));
-        small.push_back(std::move(read));
+        if (small.size() >= most_small_arrays || stop_requested()) break;
+        if (!array.member.is_possible() || array.member.size > 8 * most_small_numbers + 70000) continue;
+        if (!array.header) continue;
+        if (auto read = small_array(array.name, *unpacked_member(archive, array.member), *array.header))
+            small.push_back(std::move(*read));
     }
     return small;
 }
@@ -285,6 +290,8 @@ void find_beside(const std::vector<NamedArray>& arrays, const NamedArray& depth,
         if (array->name != found.confidence && array->name != found.mask &&
             (may_be_depth(*array) || is_trust_of_depth(*array)))
             names.push_back(printable(array->name));
+    for (const NamedArray& array : arrays)
+        if (is_colour(array)) names.push_back(printable(array.name));
     if (!names.empty())
         found.left_out =
             "depth is the array " + printable(depth.name) + "; left out: " + printable(listed(names), 200);
@@ -550,6 +557,18 @@ Result<std::shared_ptr<ImageStack>> open_npy_stack(const SourceFile& file,
     if (!member.row.empty()) return NpzRow::of(std::move(member));
     TRY_ASSIGN(auto stack, NpyStack::of(std::move(member), file.string(), least_confidence));
     return std::shared_ptr<ImageStack>(std::make_shared<NpyStack>(std::move(stack)));
+}
+
+std::vector<SmallArray> small_arrays_in(const SourceFile& file) {
+    auto bytes = bytes_of_file(file);
+    if (!bytes) return {};
+    if (is_npz(first_bytes(**bytes, 4))) {
+        const auto archive = open_zip(std::move(*bytes), most_members, "");
+        return archive ? small_arrays_of(*archive, npz_arrays(*archive)) : std::vector<SmallArray>();
+    }
+    const auto header = read_npy_header(**bytes, "");
+    auto only = header ? small_array(file.path().stem().string(), **bytes, *header) : std::nullopt;
+    return only ? std::vector{std::move(*only)} : std::vector<SmallArray>();
 }
 
 bool is_npy_file(const SourceFile& file) {

@@ -257,6 +257,7 @@ struct DepthLength {
 enum class RemarkKind {
     unit_doubt,    ///< no guess: the unit may be wrong, as no depth camera measures the median depth
     direction,     ///< that values are lengths, though they look like 1/depth: the scene may be inside out
+    planes,        ///< of a depth buffer, which are assumed: shapes are wrong with others
     scale,         ///< depth has none, or its ends are assumed
     unclear_unit,  ///< other units fit as well
     camera,
@@ -416,6 +417,12 @@ struct VideoSource {
     std::string haptic{}, height{};  ///< stills that serve all frames; empty: none
 };
 
+/// A number in the bytes of a picture's red, green, blue and alpha. The name has them from the lowest byte
+/// on, so gr16 is green + 256 red, of 16 bits. rgb24: whole numbers; all bits set is no depth. bgr24: shares
+/// of 2^24 - 1, and bgr255, to base 255, of 255^3; 1 is no depth. 32f: floats.
+/// half: one channel of 16 bits, a 16-bit float.
+enum class Packing { none, rgb24, bgr24, bgr255, rg16, gr16, rgba32f, bgra32f, abgr32f, half };
+
 /// What pictures hold if it is not the codes of `Scene::depth`. The reader makes codes of it, using the
 /// values of all frames, and then settles that coding.
 struct StoredDepth {
@@ -432,9 +439,9 @@ struct StoredDepth {
     int rotated = 0;               ///< 16 bits: rotation to the left, 0 to 15 bits
     /// 16 bits, once in order: number of low bits that are depth, 8 to 16; upper bits mean something else.
     int used_bits = 16;
-    bool packed = false;  ///< 24 bits in three channels: red + 256 green + 65536 blue; all bits set: no depth
+    Packing packed = Packing::none;
     bool is_reordered() const { return bytes_swapped || rotated > 0 || used_bits < 16; }
-    bool is_plain() const { return kind == Kind::codes && !is_reordered() && !packed; }
+    bool is_plain() const { return kind == Kind::codes && !is_reordered() && packed == Packing::none; }
     bool operator==(const StoredDepth&) const = default;
 };
 

@@ -32,7 +32,11 @@ constexpr std::pair<const char*, Coding> coding_names[] = {
     {"relative", {DepthCodingKind::linear, StoredDepth::Kind::relative}},
     {"relative-inverse", {DepthCodingKind::inverse, StoredDepth::Kind::relative}}};
 constexpr std::pair<const char*, bool> byte_order_names[] = {{"plain", false}, {"swapped", true}};
-constexpr std::pair<const char*, bool> packed_names[] = {{"plain", false}, {"rgb24", true}};
+constexpr std::pair<const char*, Packing> packed_names[] = {
+    {"plain", Packing::none},      {"rgb24", Packing::rgb24},     {"bgr24", Packing::bgr24},
+    {"bgr255", Packing::bgr255},   {"rg16", Packing::rg16},       {"gr16", Packing::gr16},
+    {"rgba32f", Packing::rgba32f}, {"bgra32f", Packing::bgra32f}, {"abgr32f", Packing::abgr32f},
+    {"half", Packing::half}};
 constexpr std::pair<const char*, DepthSemantics> semantics_names[] = {{"range", DepthSemantics::range},
                                                                       {"planar", DepthSemantics::planar}};
 constexpr std::pair<const char*, bool> near_is_high_names[] = {{"high", true}, {"low", false}};
@@ -55,6 +59,7 @@ constexpr std::string_view guess_mark = "guessed: ";
 constexpr std::pair<std::string_view, RemarkKind> remark_beginnings[] = {
     {"the median depth is ", RemarkKind::unit_doubt},
     {"guessed: values are lengths, though they are larger", RemarkKind::direction},
+    {"guessed: depth is a renderer's depth buffer", RemarkKind::planes},
     {"guessed: depth has no scale", RemarkKind::scale},
     {"guessed: red is ", RemarkKind::scale},
     {"guessed: depth goes from ", RemarkKind::scale},
@@ -294,8 +299,11 @@ void read_order(const Node& node, Scene& scene) {
     if (node.has("used_bits")) scene.stored.used_bits = node["used_bits"].whole(8, 16);
     if (node.has("packed")) scene.stored.packed = node["packed"].one_of(packed_names);
     const StoredDepth& stored = scene.stored;
-    if (stored.packed && (scene.depth.kind != DepthCodingKind::metric || stored.is_reordered()))
-        node["packed"].refuse("left out: 24 bits are of coding metric, in their plain order");
+    const bool is_packed = stored.packed != Packing::none;
+    if (stored.packed == Packing::rgb24 && scene.depth.kind != DepthCodingKind::metric)
+        node["packed"].refuse("left out: 24 bits of whole numbers are of coding metric");
+    if (is_packed && (scene.depth.kind == DepthCodingKind::hue || stored.is_reordered()))
+        node["packed"].refuse("left out: hues and words in another order are not packed");
     if (!stored.is_reordered()) return;
     if (scene.depth_bits != 16 || scene.depth.kind == DepthCodingKind::hue)
         node[stored.used_bits < 16 ? "used_bits"
@@ -516,7 +524,7 @@ OrderedJson write_depth(const SceneDescription& described) {
     if (stored.bytes_swapped) json["bytes"] = "swapped";
     if (stored.rotated > 0) json["rotated"] = stored.rotated;
     if (stored.used_bits < 16) json["used_bits"] = stored.used_bits;
-    if (stored.packed) json["packed"] = name_of(packed_names, stored.packed);
+    if (stored.packed != Packing::none) json["packed"] = name_of(packed_names, stored.packed);
     if (!disparity) json["code_max"] = depth.code_max;
     if (!metric && !disparity) json["near_is"] = name_of(near_is_high_names, depth.near_is_high);
     if (depth.kind == DepthCodingKind::log || depth.shift != 0) json["shift"] = depth.shift;

@@ -387,6 +387,8 @@ struct GuessWords {
 constexpr GuessWords guess_words[] = {
     {RemarkKind::direction, "whether it is inside out", "may be inside out", "",
      " --preset relative-inverse"},
+    {RemarkKind::planes, "its near and far plane", "not true to shape", "say both, ",
+     " --near METRES --far METRES"},
     {RemarkKind::scale, "its size", "good to touch if its size is right",
      "say the unit if values are lengths, ", " --depth-unit METRES, or near and far in a scene file"},
     {RemarkKind::unclear_unit, "the unit", "good to touch if the unit is right", "say it, ",

@@ -143,7 +143,11 @@ std::vector<std::string> hidden_words_of(const CLI::Option& option) {
 
 std::string text_of(const CLI::Option& option) {
     const auto words = hidden_words_of(option);
-    return described(option) + (words.empty() ? "" : ". Values: " + listed(words)) + default_of(option);
+    constexpr std::size_t most_listed = 40;  // the command prints longer lists itself
+    const bool is_short = words.size() <= most_listed;
+    return described(option) +
+           (words.empty() ? "" : ". Values: " + (is_short ? listed(words) : "as it lists without one")) +
+           default_of(option);
 }
 
 /// The first sentence, plus as many allowed words and the default as fit into `room`.

@@ -113,7 +113,7 @@ SceneDescription scene_of(Taken& taken) {
     const bool is_metric = scene.depth.kind == DepthCodingKind::metric;
     described.unstated.far = is_metric && (coding & 0x80U) != 0;
     if ((coding & 0x20U) != 0) scene.stored.used_bits = 13;
-    scene.stored.packed = is_metric && (coding & 0x10U) != 0;
+    scene.stored.packed = is_metric && (coding & 0x10U) != 0 ? Packing::rgb24 : Packing::none;
     scene.depth.near = is_metric && (coding & 0x40U) != 0 ? 0 : 10;
     scene.depth.far = 5000;
     scene.depth.scale = 1;
@@ -221,7 +221,8 @@ bool parse_heif_depth(std::string_view bytes) {
     for (double* number : {&info.z_near, &info.z_far, &info.d_min, &info.d_max}) *number = taken.number();
     DepthPhoto photo;
     photo.depth.image = {2, 2, 1, 1, {1, 2, 3, 4}};
-    describe_heif_depth(said & 0x80U ? nullptr : &info, std::string(taken.rest()), photo);
+    describe_heif_depth(said & 0x80U ? nullptr : &info,
+                        parse_xmp_entries(taken.rest()).value_or(XmpEntries()), photo);
     require(!photo.has_scale || (std::isfinite(photo.coding.near) && photo.coding.near > 0 &&
                                  photo.coding.far > photo.coding.near),
             "depth has impossible planes");

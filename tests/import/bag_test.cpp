@@ -328,6 +328,51 @@ TEST_F(Bag, ReadsDepthOfEveryEncoding) {
     }
 }
 
+/// Floats are metres and integers millimetres, by ROS; some drivers write other units.
+TEST_F(Bag, DoubtsUnitByValues) {
+    constexpr int width = 16, height = 12;
+    const auto opened = [&](const char* encoding, double times) {
+        ImageMessage image;
+        image.width = width;
+        image.height = height;
+        image.encoding = encoding;
+        for (int k = 0; k < width * height; ++k) {
+            const double value = times * (1.3 + 0.0047 * k);
+            if (image.encoding == "32FC1")
+                put(image.data, static_cast<float>(value));
+            else
+                put(image.data, static_cast<std::uint16_t>(value));
+        }
+        image.step = static_cast<std::uint32_t>(image.data.size() / height);
+        BagBytes bag;
+        bag.add("/depth", of_images, 1, image.bytes());
+        write_bytes(folder / "x.bag", bag.file("none"));
+        return must(open_clip(folder / "x.bag"));
+    };
+    const struct {
+        const char* encoding;
+        double times, metres;
+        RemarkKind kind;
+    } cases[] = {{"32FC1", 1, 1.3, RemarkKind::unit},
+                 {"32FC1", 1000, 1.3, RemarkKind::unit},
+                 {"16UC1", 1000, 1.3, RemarkKind::unclear_unit},
+                 {"16UC1", 10'000, 13, RemarkKind::unclear_unit},
+                 {"16UC1", 40, 0.52, RemarkKind::unclear_unit}};
+    for (const auto& [encoding, times, metres, kind] : cases) {
+        SCOPED_TRACE(std::string(encoding) + ", times " + std::to_string(times));
+        const auto reader = opened(encoding, times);
+        const RawFrame frame = *must(reader->next());
+        const Scene& scene = reader->scene();
+        EXPECT_NEAR(scene.metres_per_unit * scene.depth.depth(frame.depth.sample(0, 0)), metres,
+                    0.02 * metres);
+        const auto remark = std::ranges::find_if(scene.remarks, [](const Remark& each) {
+            return std::ranges::count(each.hints, Setting::depth_unit, &Hint::setting) > 0;
+        });
+        ASSERT_NE(remark, scene.remarks.end());
+        EXPECT_EQ(remark->kind, kind) << remark->what;
+    }
+}
+
 TEST_F(Bag, OrdersFramesByStamp) {
     constexpr std::int64_t second = 1'000'000'000, ms = 1'000'000;
     const auto written = [&](std::int64_t colours_clock) {
@@ -675,7 +720,7 @@ TEST_F(Db3, SkipsLogWithNote) {
 TEST_F(Db3, RefusesOtherDatabases) {
     const auto file = folder / "x.db3";
     write_bytes(file, "text\n");
-    EXPECT_TRUE(has_words(refusal(file), "nor a recording of ROS"));
+    EXPECT_TRUE(has_words(refusal(file), "is of no kind that is known"));
     write_bytes(file, std::string("SQLite format 3\0 and nothing more", 33));
     EXPECT_TRUE(has_words(refusal(file), "is damaged"));
     const std::string none = "must have the tables topics and messages";

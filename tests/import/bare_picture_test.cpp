@@ -51,7 +51,71 @@ using BarePicture = FolderTest;
 TEST_F(BarePicture, CameraMakesNoPictureOfNotes) {
     write_bytes(folder / "notes.bin", "Buy bread, milk and a haptic device.");
     EXPECT_TRUE(is_refused(open_clip(folder / "notes.bin", std::nullopt, camera_of(30, 31, 0.0005)),
-                           "is not a Matroska file, nor a video"));
+                           "is of no kind that is known (touchable formats"));
+}
+
+/// RGB-D: colour in one half, nearness in the other, as of frame n.
+Image rgbd(int n, bool is_beside = true, bool is_depth_first = false) {
+    return made_image(is_beside ? 64 : 32, is_beside ? 24 : 48, 1, 3, [=](int x, int y, int c) {
+        const bool is_second = is_beside ? x >= 32 : y >= 24;
+        if (is_second != is_depth_first)
+            return 3 * (is_beside ? x % 32 : x) + 2 * n + (is_beside ? y : y % 24);
+        return c == 0 ? 90 + 3 * x : c == 1 ? 120 + n : 60 + 3 * y;
+    });
+}
+
+void expect_halves(const RawFrame& frame, int n, bool is_exact = true) {
+    const int colour_lost = is_exact ? 0 : 24, lost = is_exact ? 0 : 4;
+    ASSERT_EQ(frame.depth.width, 32);
+    ASSERT_EQ(frame.depth.height, 24);
+    ASSERT_FALSE(frame.colour.empty());
+    for (int y = 2; y < 22; ++y)
+        for (int x = 2; x < 30; ++x) {
+            ASSERT_NEAR(frame.depth.sample(x, y), 3 * x + 2 * n + y, lost) << x << ", " << y;
+            ASSERT_NEAR(frame.colour.sample(x, y, 1), 120 + n, colour_lost) << x << ", " << y;
+        }
+}
+
+TEST_F(BarePicture, HasDepthBesideColour) {
+    for (const bool is_beside : {true, false})
+        for (const bool is_first : {true, false}) {
+            write_in_folder(folder / "a b.png", rgbd(0, is_beside, is_first));
+            const auto [clip, frames] = must_read(open_clip(folder / "a b.png"));
+            expect_halves(frames.at(0), 0);
+            EXPECT_EQ(clip->scene().width, 32);
+            EXPECT_TRUE(is_noted(*clip, std::string("depth is the ") +
+                                            (is_beside  ? is_first ? "left" : "right"
+                                             : is_first ? "upper"
+                                                        : "lower") +
+                                            " half, which is grey"));
+            EXPECT_FALSE(is_noted(*clip, "squeezed"));
+            EXPECT_TRUE(is_noted(*clip, "depth has no scale"));
+        }
+    const Image beside = rgbd(0);
+    write_bytes(folder / "b.jpg", must(jpeg_bytes(beside.view())));
+    const auto [clip, frames] = must_read(open_clip(folder / "b.jpg"));
+    expect_halves(frames.at(0), 0, false);
+    EXPECT_TRUE(is_noted(*clip, "depth is stored as mjpeg"));
+    write_in_folder(folder / "half_sbs.png", made_image(32, 24, 1, 3, [&](int x, int y, int c) {
+                        return beside.view().sample(2 * x, y, c);
+                    }));
+    EXPECT_TRUE(
+        is_noted(*must(open_clip(folder / "half_sbs.png")), "the focal length across is half that down"));
+}
+
+/// The scene file that init-scene writes for them finds the halves as well.
+TEST_F(BarePicture, HasDepthBesideColourInFolders) {
+    const std::filesystem::path takes = folder / "takes";
+    for (int n = 0; n < 3; ++n) write_in_folder(takes / ("f" + std::to_string(n) + ".png"), rgbd(n));
+    const auto check = [&] {
+        const auto [clip, frames] = must_read(open_clip(takes, {}, {}, Colour::wanted, DepthAlignment::off));
+        ASSERT_EQ(frames.size(), 3U);
+        for (int n = 0; n < 3; ++n) expect_halves(frames[static_cast<std::size_t>(n)], n);
+        EXPECT_TRUE(is_noted(*clip, "depth is the right half"));
+    };
+    check();
+    write_bytes(takes / "scene.json", scene_to_json(must(guess_clip(takes, {}))));
+    check();
 }
 
 TEST_F(BarePicture, OpensWithCameraAlone) {

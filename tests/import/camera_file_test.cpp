@@ -403,9 +403,13 @@ TEST_F(CameraSpellings, AreReadFromArrays) {
     std::vector<float> two = one;
     two.insert(two.end(), one.begin(), one.end());
     const std::string depth_bytes = npy_bytes("2, 48, 64", depth);
+    // What numpy.save makes of a transposed matrix.
+    std::string turned = npy_bytes("3, 3", {50, 0, 0, 0, 52, 0, 33.5, 21.25, 1});
+    turned.replace(turned.find("False"), 5, "True ");
     for (const auto& [name, bytes] :
          {std::pair<const char*, std::string>{"intrinsics", npy_bytes("2, 3, 3", two)},
           {"K", npy_bytes("3, 3", one)},
+          {"cam_K", turned},
           {"intrinsic", npy_bytes("4,", {50, 52, 33.5, 21.25})}}) {
         write_npz(folder / "a.npz",
                   {{"depth", depth_bytes}, {name, bytes}, {"extrinsics", npy_bytes("3,", {1, 2, 3})}});
@@ -417,6 +421,28 @@ TEST_F(CameraSpellings, AreReadFromArrays) {
         EXPECT_TRUE(has_remark(scene, std::string("that of a.npz (") + name + ")"));
         EXPECT_TRUE(has_remark(scene, "not used: extrinsics in a.npz"));
         EXPECT_EQ(guessed(folder.path()).camera.fx, 50) << name;
+    }
+}
+
+/// KITTI's calibration of the camera, OpenCV's matrices of a pair, and what is said.
+TEST_F(CameraSpellings, SayBaselineOfPair) {
+    const std::pair<const char*, double> files[] = {
+        {"calib_time: 01-Jan-2012 00:00:00\nP_rect_02: 50 0 33.5 8.9712 0 52 21.25 0.043 0 0 1 0.0027\n"
+         "P_rect_03: 50 0 33.5 -18.0288 0 52 21.25 0.043 0 0 1 0.0027\n",
+         0.54},
+        {"P0: 50 0 33.5 0 0 52 21.25 0 0 0 1 0\nP1: 50 0 33.5 -27 0 52 21.25 0 0 0 1 0\n", 0.54},
+        {R"({"P1": [[50, 0, 33.5, 0], [0, 52, 21.25, 0], [0, 0, 1, 0]],
+             "P2": [[50, 0, 33.5, -6000], [0, 52, 21.25, 0], [0, 0, 1, 0]]})",
+         0.12},
+        {R"({"fx": 50, "fy": 52, "cx": 33.5, "cy": 21.25, "baseline": 0.063})", 0.063},
+        {R"({"P1": [50, 0, 33.5, 0, 0, 52, 21.25, 0, 0, 0, 1, 0],
+             "P2": [50, 0, 33.5, -250, 0, 52, 21.25, 0, 0, 0, 1, 0]})",
+         0}};  // 5 m, 5 cm or 5 mm
+    for (const auto& [text, metres] : files) {
+        write_bytes(folder / "calib.txt", text);
+        const CameraFile read = must(read_camera_file(folder / "calib.txt"));
+        EXPECT_NEAR(read.intrinsics.fx, 50, 1e-9) << text;
+        EXPECT_NEAR(read.baseline, metres, 1e-9) << text;
     }
 }
 

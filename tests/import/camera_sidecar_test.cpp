@@ -257,6 +257,91 @@ TEST_F(CameraSidecar, CorrectsImpossibleSizes) {
     }
 }
 
+/// Each number by itself: shares beside pixels.
+TEST_F(CameraSidecar, BringsSharesToPixels) {
+    const char* const files[] = {R"({"fx": 50, "fy": 52, "cx": 0.53125, "cy": 0.453125})",
+                                 R"({"fx": 0.78125, "fy": 1.0833333333333333, "cx": 33.5, "cy": 21.25})",
+                                 R"({"K": [0.78125, 0, 33.5, 0, 1.0833333333333333, 21.25, 0, 0, 1]})",
+                                 R"({"K": [50, 0, 0.53125, 0, 52, 0.453125, 0, 0, 1]})"};
+    for (const char* text : files) {
+        write_bytes(folder / "camera.json", text);
+        EXPECT_LT(farthest_from_plane(), half_a_code) << text;
+        EXPECT_EQ(said_of_camera(),
+                  "the camera is that of camera.json, some of whose numbers are shares of a picture");
+    }
+    std::string doubt;
+    const Intrinsics square = in_pixels({0.8, 0.8, 33.5, 21.25}, seen_width, seen_height, doubt);
+    EXPECT_NEAR(square.fx, 0.8 * seen_width, 1e-9) << "one share is of the longer side";
+    EXPECT_NEAR(square.fy, square.fx, 1e-9);
+    // A principal point in a corner is none, nor is a focal length in millimetres one of pixels.
+    write_bytes(folder / "camera.json", R"({"K": [50, 0, 0, 0, 52, 0, 0, 0, 1]})");
+    EXPECT_EQ(guess().scene.camera.cx, 31.5);
+    EXPECT_EQ(
+        said_of_camera(),
+        "the camera is that of camera.json, whose principal point is in a corner, so the middle is taken");
+    write_bytes(folder / "camera.json", R"({"fx": 4.2, "fy": 4.2, "cx": 33.5, "cy": 21.25})");
+    EXPECT_EQ(said_of_camera(),
+              guessed_field_of_view(60) + "; not understood as a camera's file: camera.json");
+    // What a person types goes the same way.
+    SourceDescription known;
+    known.intrinsics = Intrinsics{50, 52, 0.53125, 0.453125};
+    const auto typed = must(guess_folder(folder.path(), known));
+    EXPECT_NEAR(typed.scene.camera.cx, 33.5, 1e-9);
+    EXPECT_TRUE(
+        has_remark(typed.scene, "the camera is the one that was said, some of whose numbers are shares"));
+}
+
+/// NumPy's arrays beside pictures: by the file's name, by its numbers, and one for each frame.
+TEST_F(CameraSidecar, ReadsArraysBesidePictures) {
+    const std::vector<float> matrix{50, 0, 33.5, 0, 52, 21.25, 0, 0, 1};
+    const std::string bytes = npy_bytes("3, 3", matrix), lens = npy_bytes("5,", {0.1F, 0, 0, 0, 0});
+    const std::function<void()> makers[] = {
+        [&] { write_bytes(folder / "intrinsics.npy", bytes); },
+        [&] {
+            write_bytes(folder / "cam_K.npy",
+                        npy_bytes("4, 4", {50, 0, 33.5, 0, 0, 52, 21.25, 0, 0, 0, 1, 0, 0, 0, 0, 1}));
+        },
+        [&] {
+            write_npz(folder / "calib.npz", {{"mtx", bytes}, {"dist", lens}});
+        },
+        [&] {
+            write_npz(folder / "anno.npz",
+                      {{"trajs_2d", npy_bytes("2, 7, 2", std::vector<float>(28, 1))}, {"intrinsics", bytes}});
+        },
+        [&] {
+            std::filesystem::create_directory(folder / "camera");
+            for (const char* name : {"camera/0.npz", "camera/1.npz"})
+                write_npz(folder / name,
+                          {{"pose", npy_bytes("4, 4", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1})},
+                           {"intrinsics", bytes}});
+        }};
+    for (const auto& make : makers) {
+        make();
+        EXPECT_LT(farthest_from_plane(), half_a_code) << said_of_camera();
+        for (const char* name : {"intrinsics.npy", "cam_K.npy", "calib.npz", "anno.npz", "camera"})
+            std::filesystem::remove_all(folder / name);
+    }
+    write_npz(folder / "calib.npz", {{"mtx", bytes}, {"dist", lens}});
+    EXPECT_EQ(said_of_camera(), "the camera is that of calib.npz; its lens's distortion is not undone");
+    EXPECT_FALSE(has_remark(guess().scene, "not used"));
+    write_npz(folder / "more.npz", {{"poses", npy_bytes("4,", {1, 2, 3, 4})}});
+    EXPECT_FALSE(has_remark(guess().scene, "more.npz"));
+}
+
+/// Matterport3D's undistorted_camera_parameters.
+TEST_F(CameraSidecar, ReadsFoldersOfOtherNames) {
+    const std::pair<const char*, const char*> files[] = {
+        {"undistorted_camera_parameters/a.conf",
+         "dataset matterport\nn_images 2\ndepth_directory depth\n\n"
+         "intrinsics_matrix 50 0 33.5  0 52 21.25  0 0 1\nscan 0.png 0.jpg 1 0 0 1.5 0 1 0 2 0 0 1 3 0 0 0 "
+         "1\n"}};
+    for (const auto& [name, text] : files) {
+        write_in_folder(folder / name, text);
+        EXPECT_LT(farthest_from_plane(), half_a_code) << said_of_camera();
+        std::filesystem::remove_all((folder / name).parent_path());
+    }
+}
+
 TEST_F(CameraSidecar, GivesRateUnlessTimesDo) {
     const std::pair<const char*, FrameRate> rates[] = {
         {"59.85", {1197, 20}}, {"29.97", {30000, 1001}}, {"60", {60, 1}}, {"7.5", {15, 2}}};

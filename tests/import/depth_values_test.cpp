@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -551,6 +552,69 @@ TEST_F(ValueEvidence, DropsConfidenceInHighBits) {
     EXPECT_TRUE(has_words(notes, "preset depth16"));
 }
 
+/// A floor and two walls, by rays: planes of a pinhole. Metres from 0.86 to 0.99.
+double corner(int x, int y) {
+    const double right = (x - 31.5) / 55, down = (y - 23.5) / 55;
+    return 0.86 / std::max({0.87 + 0.09 * right, 0.9 - 0.06 * right, 0.9 + 0.18 * down});
+}
+
+void write_floats(const std::filesystem::path& file, const std::function<double(int x, int y)>& value) {
+    std::string bytes = "Pf\n64 48\n-1\n";  // rows from the lowest up
+    for (int y = shown_high - 1; y >= 0; --y)
+        for (int x = 0; x < shown_wide; ++x) {
+            const auto number = static_cast<float>(value(x, y));
+            bytes.append(reinterpret_cast<const char*>(&number), sizeof(number));
+        }
+    write_bytes(file, bytes);
+}
+
+TEST_F(ValueEvidence, TellsDepthBuffersByFlatPlaces) {
+    SourceDescription planes;
+    planes.near = 0.1;
+    planes.far = 20;
+    for (const bool is_reversed : {false, true}) {
+        const auto metres = [](int x, int y) { return x < 3 ? 0 : 2 * corner(x, y); };
+        write_floats(folder / "a.pfm", [&](int x, int y) {
+            const double share = x < 3 ? 1 : (1 / 0.1 - 1 / metres(x, y)) / (1 / 0.1 - 1 / 20.0);
+            return is_reversed ? 1 - share : share;
+        });
+        const FirstFrame first(folder / "a.pfm");
+        EXPECT_TRUE(has_words(first.notes, "depth is a renderer's depth buffer")) << first.notes;
+        EXPECT_EQ(std::ranges::count(first.scene.remarks, RemarkKind::planes, &Remark::kind), 1);
+        expect_depths(folder / "a.pfm", metres, 2e-4, planes);
+    }
+    write_floats(folder / "b.pfm", corner);
+    const std::string notes = expect_depths(folder / "b.pfm", corner, 1e-4);
+    EXPECT_TRUE(has_words(notes, "values are metres")) << notes;
+    EXPECT_FALSE(has_words(notes, "buffer")) << notes;
+    planes.far.reset();
+    EXPECT_TRUE(
+        is_refused(open_clip(folder / "b.pfm", std::nullopt, planes), "near and far need each other"));
+}
+
+/// Noise hides what is flat: the lengths are metres, and the other meaning is named.
+TEST_F(ValueEvidence, NamesDepthBufferWhereNothingTells) {
+    SplitMix64 random(3);
+    write_floats(folder / "a.pfm", [&](int x, int y) { return corner(x, y) + 0.002 * random.unit(); });
+    const FirstFrame first(folder / "a.pfm");
+    EXPECT_NEAR(first.scene.depth.depth(first.code(30, 20)), corner(30, 20), 0.003);
+    EXPECT_TRUE(has_words(first.notes, "a renderer's depth buffer has such values too")) << first.notes;
+}
+
+TEST_F(ValueEvidence, KeepsShallowScenesWithinOneConfidence) {
+    const auto lengths = [](int x, int y) { return millimetres_of(10 * corner(x, y)); };
+    write_words(folder / "a.png", lengths);
+    expect_depths(
+        folder / "a.png", [&](int x, int y) { return lengths(x, y) / 1e3; }, 1e-6);
+    const auto below = [](int x, int y) {
+        return millimetres_of(1 / (1.2 + (y - 23.5) / 44 + (x - 31.5) / 210));
+    };
+    write_words(folder / "b.png", [&](int x, int y) { return below(x, y) | 3U << 13; });
+    const std::string notes = expect_depths(
+        folder / "b.png", [&](int x, int y) { return below(x, y) / 1e3; }, 1e-6);
+    EXPECT_TRUE(has_words(notes, "preset depth16")) << notes;
+}
+
 /// 24 bits over three channels.
 void write_packed(const std::filesystem::path& file, double scale) {
     Image image{shown_wide, shown_high, 1, 3, {}};
@@ -574,7 +638,7 @@ TEST_F(ValueEvidence, ReadsDepthOfThreeChannels) {
         for (int k = 0; k < 3 * shown_wide * shown_high; ++k)
             colour.samples.push_back(static_cast<std::uint8_t>(k * 5 / 7 + k % 3));
         ASSERT_EQ(message(write_png(folder / ("clip/b/" + std::string(number) + ".png"), colour.view())), "");
-        EXPECT_FALSE(looks_packed(colour));
+        EXPECT_EQ(packing_of({colour, "png", "rgb24"}), Packing::none);
     }
     for (const char* name : {"clip/a/1.png", "clip"}) {
         EXPECT_TRUE(has_words(expect_depths(folder / name, metres, 1e-4), "preset carla"));
@@ -590,6 +654,98 @@ TEST_F(ValueEvidence, ReadsDepthOfThreeChannels) {
     expect_depths(folder / "near.png", room, 1e-4, known);
 }
 
+/// Red, green, blue and alpha of each pixel.
+void write_rgba(const std::filesystem::path& file,
+                const std::function<std::array<unsigned, 4>(int x, int y)>& bytes) {
+    std::filesystem::create_directories(file.parent_path());
+    write_bytes(file, encoded("png", AV_PIX_FMT_RGBA, shown_wide, shown_high, [&](AVFrame& frame) {
+                    for (int y = 0; y < shown_high; ++y)
+                        for (int x = 0; x < shown_wide; ++x) {
+                            const auto of_pixel = bytes(x, y);
+                            for (std::size_t c = 0; c < 4; ++c)
+                                frame.data[0][y * frame.linesize[0] + 4 * x + static_cast<int>(c)] =
+                                    static_cast<std::uint8_t>(of_pixel[c]);
+                        }
+                }));
+}
+
+TEST_F(ValueEvidence, ReadsFloatsInFourChannels) {
+    // Which byte of the float, the lowest first, is in red, green, blue and alpha.
+    const std::pair<const char*, std::array<unsigned, 4>> orders[] = {
+        {"rgba32f", {0, 1, 2, 3}}, {"bgra32f", {2, 1, 0, 3}}, {"abgr32f", {3, 2, 1, 0}}};
+    for (const double times : {1.0, 0.7}) {  // at 1.4 to 1.6 m all have one exponent
+        const auto metres = [&](int x, int y) { return times * room(x, y); };
+        for (const auto& [name, places] : orders) {
+            write_rgba(folder / name / "depth/0.png", [&](int x, int y) {
+                const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(metres(x, y)));
+                std::array<unsigned, 4> bytes{};
+                for (std::size_t c = 0; c < 4; ++c) bytes[c] = bits >> 8 * places[c] & 0xffU;
+                return bytes;
+            });
+            const std::string preset = std::string("preset ") + name;
+            EXPECT_TRUE(has_words(expect_depths(folder / name / "depth/0.png", metres, 1e-4), preset));
+            const std::string notes = expect_depths(folder / name, metres, 1e-4);
+            EXPECT_TRUE(has_words(notes, preset));
+            EXPECT_TRUE(has_words(notes, "values are metres"));
+            write_bytes(folder / name / "scene.json", scene_to_json(must(guess_folder(folder / name, {}))));
+            expect_depths(folder / name, metres, 1e-4);
+            std::filesystem::remove(folder / name / "scene.json");
+        }
+    }
+}
+
+TEST_F(ValueEvidence, ReadsWordsInTwoChannels) {
+    for (const bool red_is_high : {true, false}) {
+        write_rgba(folder / "a.png", [&](int x, int y) -> std::array<unsigned, 4> {
+            const unsigned z = millimetres_of(room(x, y));
+            return {red_is_high ? z >> 8 : z & 0xffU, red_is_high ? z & 0xffU : z >> 8, 0, 255};
+        });
+        const std::string notes = expect_depths(
+            folder / "a.png", [](int x, int y) { return millimetres_of(room(x, y)) / 1e3; }, 1e-6);
+        EXPECT_TRUE(has_words(notes, red_is_high ? "preset gr16" : "preset rg16"));
+        EXPECT_TRUE(has_words(notes, "depth codes are millimetres"));
+    }
+}
+
+/// Shares of a far plane, which nothing tells: --depth-unit does.
+TEST_F(ValueEvidence, ReadsSharesWithHighestByteInRed) {
+    const auto metres = [](int x, int y) {
+        return room(x, y) == 0 ? 0 : room(x, y) + 0.0003 * ((x * 37 + y * 11) % 64);  // of many values
+    };
+    for (const unsigned base : {255U, 256U}) {
+        const double whole = base == 255 ? std::pow(255, 3) : 0xffffff;
+        write_rgba(folder / "a.png", [&](int x, int y) -> std::array<unsigned, 4> {
+            const auto code = static_cast<unsigned>(std::lround(metres(x, y) / 40 * whole));
+            return room(x, y) == 0 ? std::array{255U, 255U, 255U, 255U}
+                                   : std::array{code / base / base, code / base % base, code % base, 255U};
+        });
+        const auto reader = must(open_clip(folder / "a.png"));
+        EXPECT_TRUE(is_noted(*reader, "depth has no scale"));
+        EXPECT_TRUE(is_noted(*reader, base == 255 ? "preset bgr255" : "preset bgr24"));
+        SourceDescription known;
+        known.metres_per_code = 40;
+        expect_depths(folder / "a.png", metres, 1e-4, known);
+    }
+}
+
+/// Where too little shows, the message names the likeliest, and the preset opens it.
+TEST_F(ValueEvidence, NamesLikelyPacking) {
+    write_rgba(folder / "depth/a.png", [&](int x, int y) -> std::array<unsigned, 4> {
+        const unsigned z = 2560U + static_cast<unsigned>(y > 40 ? 0 : x < 4 && y < 4 ? -9 : x % 30);
+        return {z >> 8, z & 0xffU, 0, 255};
+    });
+    for (const char* name : {"depth/a.png", ""}) {
+        const auto refused = open_clip(folder / name);
+        ASSERT_FALSE(refused);
+        EXPECT_TRUE(has_words(message(refused), "its bytes look like 16 bits: green + 256 red")) << name;
+        ASSERT_EQ(refused.error().hints.size(), 1U);
+        EXPECT_EQ(refused.error().hints.front().value, "gr16");
+        SourceDescription known;
+        known.preset = "gr16";
+        EXPECT_EQ(message(open_clip(folder / name, {}, known)), "") << name;
+    }
+}
+
 TEST_F(ValueEvidence, IgnoresColourMaps) {
     for (int map = 0; map < 3; ++map) {
         Image image{256, 64, 1, 3, {}};
@@ -602,7 +758,7 @@ TEST_F(ValueEvidence, IgnoresColourMaps) {
                                        : std::array{(x * 7 + y * 13) & 255, (x * 31) & 255, (y * 17) & 255})
                     image.samples.push_back(static_cast<std::uint8_t>(c));
             }
-        EXPECT_FALSE(looks_packed(image)) << map;
+        EXPECT_EQ(packing_of({image, "png", "rgb24"}), Packing::none) << map;
     }
 }
 

@@ -21,6 +21,7 @@
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/picture/hdf5_file.hpp"
+#include "tests/picture/picture_bytes.hpp"
 #include "tests/picture/results.hpp"
 
 namespace touchable::test {
@@ -65,7 +66,7 @@ TEST_F(ForeignFiles, AreNamedWithRemedy) {
         {"z.svo", zeros, "ZED", "svo_export.py"},
         {"z.svo2", "\x89MCAP0\r\n" + zeros, "ZED", "svo_export.py"},
         {"u.h5", user_block + hdf5, "is an HDF5 file behind a user block", "h5unjam -i "},
-        {"o.mat", "MATLAB 5.0 MAT-file, Platform: PCWIN", "MATLAB file:", "scipy.io.loadmat('o.mat')"},
+        {"o.mat", "MATLAB 5.0 MAT-file, Platform: PCWIN", "MATLAB file:", "o.mat')['NAME'])"},
         {"i.geometric.bin", "160&120&1&" + zeros, "is a depth map of COLMAP (160x120)", "read_array("},
         {"n.bin", "160&120&3&" + zeros, "map of normals of COLMAP", "depth_maps"},
         {"points3D.bin", zeros, "sparse model of COLMAP", "patch_match_stereo"},
@@ -80,6 +81,19 @@ TEST_F(ForeignFiles, AreNamedWithRemedy) {
         {"a.png.gz", "\x1f\x8b" + zeros, "is packed by gzip", "unpack it"},
         {"a.zip", zip_head + std::string("\3\0\0\0", 4) + "a/b", "is damaged", ""},
         {"a.las", "LASF" + zeros, "cloud of points (LAS)", "render it"},
+        {"t.r3d", "what it begins with", "is a recording of Record3D", "t.r3d'); m = json.loads("},
+        {"0.depth", "bvx2" + zeros, "is a picture of Record3D", "liblzfse.decompress(open('"},
+        {"t.pt", std::string("\x80\2\x8a\n", 4) + zeros, "is a file of PyTorch",
+         "t.pt', map_location='cpu')"},
+        {"d.pickle", "\x80\4\x95" + zeros, "is a pickle of Python", "d.pickle', allow_pickle=True))"},
+        {"n.nii", zeros + std::string(280, '\0') + std::string("n+1\0", 4), "is NIfTI", "nibabel.load('"},
+        {"n.nii.gz", "\x1f\x8b" + zeros, "is NIfTI", "n.nii.gz').get_fdata().squeeze().T)"},
+        {"w.png", std::string("RIFF\0\0\0\0WEBPVP8L", 16) + zeros, "is WebP", "w.png').save('"},
+        {"a.jp2", std::string("\0\0\0\14jP  \r\n\x87\n", 12) + zeros, "is JPEG 2000", "a.png') in Python"},
+        {"a.bmp", "BM" + zeros, "is BMP", "PIL.Image.open('"},
+        {"f.flo", std::string("PIEH\2\0\0\0\1\0\0\0", 12) + std::string(16, 'x'), "is optical flow", ""},
+        {"f.dpt", std::string("PIEH\2\0\0\0\1\0\0\0", 12) + "1234", "is cut short", ""},
+        {"short.dpt", "PIEH", "is cut short", ""},
     };
     SourceDescription known;
     known.fov = 60;
@@ -112,10 +126,158 @@ TEST_F(ForeignFiles, IncludeZarrFolders) {
     for (const char* mark : {"a.zarr/.zgroup", "b.zarr/zarr.json", "c.zarr/.zarray"}) {
         text(mark, "{}");
         const std::string name = std::filesystem::path(mark).parent_path().string();
-        EXPECT_TRUE(
-            has_words(refusal(name), "is a Zarr store: numpy.save('depth.npy', zarr.open('" + name + "')"));
+        const std::string place = (folder / name).replace_extension().string();
+        EXPECT_TRUE(has_words(refusal(name), "is a Zarr store: numpy.save('" + place + ".npy', zarr.open('" +
+                                                 place + ".zarr')['NAME'][:])"));
     }
     EXPECT_TRUE(is_refused(open_clip(folder.path()), ".zarr is a Zarr store"));
+}
+
+/// Names as Python and a shell read them.
+TEST_F(ForeignFiles, AreQuotedInCommands) {
+    text("it's \\ here.jp2", "\xff\x4f\xff\x51" + std::string(64, '\0'));
+    const std::string said = refusal("it's \\ here.jp2");
+    EXPECT_TRUE(has_words(said, "it\\'s \\\\ here.jp2').save('"));
+    EXPECT_TRUE(has_words(said, "it'\\''s \\ here.png'"));
+}
+
+TEST_F(ForeignFiles, IncludeTorchsZip) {
+    const std::filesystem::path file = folder / "t.pth";
+    zip_t* const archive = zip_open(file.c_str(), ZIP_CREATE, nullptr);
+    zip_file_add(archive, "archive/data.pkl", zip_source_buffer(archive, "abc", 3, 0), 0);
+    zip_close(archive);
+    EXPECT_TRUE(has_words(refusal("t.pth"), "is a file of PyTorch"));
+}
+
+/// What reads them goes by their separators, their headings and what their lines end in.
+TEST_F(ForeignFiles, IncludeTablesOfNumbers) {
+    const auto rows = [](const std::string& between, const std::string& end, int count = 40) {
+        std::string all;
+        for (int row = 0; row < 30; ++row) {
+            for (int n = 0; n < count; ++n) all += (n > 0 ? between : "") + std::to_string(1000 + n) + ".25";
+            all += end;
+        }
+        return all;
+    };
+    const std::pair<std::string, const char*> all[] = {
+        {rows(",", "\n"), "x.csv', delimiter=','))"},
+        {rows("; ", "\r\n"), "x.csv', delimiter=';'))"},
+        {rows("\t", "\n"), "x.csv'))"},
+        {rows("  ", " \n"), "x.csv'))"},
+        {rows(",", ",\n"), "x.csv', delimiter=',')[:, :-1])"},
+        {"frame 3\nwidth, 40\n" + rows(",", "\n"), "x.csv', delimiter=',', skip_header=2))"},
+        {rows(",", "\n", 4000), "x.csv', delimiter=','))"},
+    };
+    for (const auto& [bytes, way] : all) {
+        text("x.csv", bytes);
+        EXPECT_TRUE(has_words(refusal("x.csv"), "is text, a row of numbers a line"));
+        EXPECT_TRUE(has_words(refusal("x.csv"), way));
+    }
+    // Poses, a camera and words are no rows of pixels.
+    for (const std::string& bytes :
+         {rows(" ", "\n", 16), std::string("525 525 319.5 239.5\n"), rows(" word ", "\n")}) {
+        text("x.csv", bytes);
+        EXPECT_TRUE(has_words(refusal("x.csv"), "is of no kind that is known"));
+    }
+}
+
+TEST_F(ForeignFiles, IncludeRawNumbers) {
+    const std::vector<float> floats(2 * 256 * 192, 1.25F);
+    const std::string bytes(reinterpret_cast<const char*>(floats.data()), 4 * floats.size());
+    text("1000.bin", bytes);
+    EXPECT_TRUE(has_words(refusal("1000.bin"), "1000.bin', 'f4').reshape(-1, 192, 256).squeeze())"));
+    text("1000.bin", bytes.substr(4));
+    EXPECT_TRUE(has_words(refusal("1000.bin"), "'f4').reshape(-1, HEIGHT, WIDTH)"));
+    const std::vector<double> doubles(320 * 240, 0.3);
+    text("d.dat", std::string(reinterpret_cast<const char*>(doubles.data()), 8 * doubles.size()));
+    EXPECT_TRUE(has_words(refusal("d.dat"), "d.dat', 'f8').reshape(-1, 240, 320)"));
+    std::string codes;
+    for (int k = 0; k < 640 * 480; ++k) codes += std::string("\xe8\3", 2);
+    text("d.raw", codes);
+    EXPECT_TRUE(has_words(refusal("d.raw"), "d.raw', 'u2').reshape(-1, 480, 640)"));
+    text("session/depth/7.bin", bytes);
+    EXPECT_TRUE(
+        has_words(refusal("session"), "but depth/7.bin is raw numbers without a header, 393216 bytes"));
+}
+
+/// The folder's message has the way, instead of one to a message that has it.
+TEST_F(ForeignFiles, IncludeRecord3dInFolders) {
+    text("take/take.r3d", "PK");
+    EXPECT_TRUE(has_words(refusal("take"), "but take.r3d is a recording of Record3D"));
+    text("unzipped/rgbd/0.depth", "bvx2 and more");
+    text("unzipped/rgbd/0.conf", "bvx2 and more");
+    EXPECT_TRUE(has_words(refusal("unzipped"), "but rgbd/0.depth is a picture of Record3D"));
+}
+
+// Panoramas, which no pinhole camera sees.
+
+using Panorama = ForeignFiles;
+
+TEST_F(Panorama, IsNamedByItsNameAndShape) {
+    const Image wide_one = made_image(64, 32, 2, 1, [](int x, int y, int) { return 1000 + 10 * x + y; });
+    const Image other = made_image(64, 30, 2, 1, [](int x, int y, int) { return 1000 + 10 * x + y; });
+    const auto said = [&](const std::string& name, const Image& image) {
+        write_in_folder(folder / name, image);
+        return refusal(name);
+    };
+    for (const char* name : {"a/panorama_depth.png", "a/room-equirectangular.png", "b/ERP_depth.png",
+                             "pano/1/d.png", "c/depth_360cam.png", "c/360_depth.png", "spherical/d.png",
+                             "KITTI-360/d.png", "d/Pano2_depth.png"}) {
+        const std::string refused = said(name, wide_one);
+        EXPECT_TRUE(has_words(refused, "is a panorama (equirectangular, as its name says; ")) << name;
+        EXPECT_TRUE(has_words(refused, "py360convert.e2p(cv2.imread('" + (folder / name).string() +
+                                           "', -1), 90, 0, 0, (21, 21), mode='nearest'))"));
+        EXPECT_EQ(said(name, other), "") << name;
+    }
+    for (const char* name : {"a/depth_360.png", "a/depth_003600.png", "a/depth_360p.png", "companions/d.png",
+                             "a/panoptic_d.png"})
+        EXPECT_EQ(said(name, wide_one), "") << name;
+}
+
+TEST_F(Panorama, IsNamedInFolders) {
+    for (const char* name : {"pano/depth/0.png", "pano/depth/1.png"})
+        write_in_folder(folder / name,
+                        made_image(64, 32, 2, 1, [](int x, int y, int) { return 1000 + 10 * x + y; }));
+    for (const char* name : {"pano/rgb/0.png", "pano/rgb/1.png"})
+        write_in_folder(folder / name,
+                        made_image(64, 32, 1, 3, [](int x, int, int c) { return x + 50 * c; }));
+    const std::string said = refusal("pano");
+    EXPECT_TRUE(has_words(said, "/pano/depth/0.png', -1), 90"));
+    EXPECT_TRUE(has_words(said, "cv2.imwrite('view.png', py360convert.e2p(cv2.imread('"));
+    EXPECT_TRUE(has_words(said, "/pano/rgb/0.png', -1), 90"));
+}
+
+/// Google's photo spheres have the projection in their XMP, whatever their names and shapes.
+TEST_F(Panorama, IsNamedByXmp) {
+    const auto with_xmp = [](const std::string& projection) {
+        const std::string jpeg = encoded("mjpeg", AV_PIX_FMT_YUVJ444P, 48, 32, [](AVFrame& frame) {
+            for (int plane = 0; plane < 3; ++plane)
+                for (int y = 0; y < 32; ++y)
+                    for (int x = 0; x < 48; ++x)
+                        frame.data[plane][y * frame.linesize[plane] + x] =
+                            static_cast<std::uint8_t>(plane > 0 ? 128 : 5 * x);
+        });
+        return jpeg.substr(0, 2) +
+               xmp_segment("<x><rdf:Description GPano:ProjectionType='" + projection + "'/></x>") +
+               jpeg.substr(2);
+    };
+    write_bytes(folder / "a.jpg", with_xmp("equirectangular"));
+    EXPECT_TRUE(has_words(refusal("a.jpg"), "is a panorama (equirectangular, as its XMP says; "));
+    write_bytes(folder / "b.jpg", with_xmp("cylindrical"));
+    EXPECT_EQ(refusal("b.jpg"), "");
+}
+
+/// A person who states the camera knows better than a name.
+TEST_F(Panorama, OpensWithStatedCamera) {
+    write_in_folder(folder / "pano_depth.png",
+                    made_image(64, 32, 2, 1, [](int x, int y, int) { return 1000 + 10 * x + y; }));
+    SourceDescription known;
+    known.metres_per_code = 0.001;
+    EXPECT_TRUE(has_words(refusal("pano_depth.png", known), "is a panorama"));
+    known.fov = 90;
+    const auto clip = must(open_clip(folder / "pano_depth.png", {}, known));
+    EXPECT_NEAR(clip->scene().camera.fx, 32, 1e-9);
+    EXPECT_TRUE(is_noted(*clip, "the picture may be a panorama, and is taken for that of the camera"));
 }
 
 TEST_F(ForeignFiles, AreNamedInEmptyFolders) {
@@ -858,6 +1020,37 @@ TEST_F(Hdf5Clip, OpensFolderOfFrames) {
     EXPECT_EQ(first_codes(*clip), (std::vector{1000, 1001, 1002, 1010}));
     EXPECT_EQ(message(open("scene", "dataset")), "");
     EXPECT_TRUE(is_refused(open("scene", "depth"), "has no data set \"depth\", but /dataset of 16x20"));
+}
+
+/// Cameras and colour in the same file, those of depth's own group first.
+TEST_F(Hdf5Clip, ReadsOwnCamera) {
+    const auto doubles = [](std::vector<double> numbers) {
+        return std::string(reinterpret_cast<const char*>(numbers.data()), 8 * numbers.size());
+    };
+    add("d.h5", {"a/depth", {2, 16, 20}}, 1000);
+    add("d.h5", {"a/colors", {2, 16, 20, 3}, "UIN", 8}, 0);
+    ASSERT_TRUE(
+        add_data_set(folder_ / "d.h5", {"B/K", {3, 3}, "FP", 64}, doubles({99, 0, 9, 0, 99, 8, 0, 0, 1})));
+    ASSERT_TRUE(add_data_set(folder_ / "d.h5", {"a/intrinsics", {2, 3, 3}, "FP", 64},
+                             doubles({21, 0, 9, 0, 22, 8, 0, 0, 1, 21, 0, 9, 0, 22, 8, 0, 0, 1})));
+    ASSERT_TRUE(add_data_set(folder_ / "d.h5", {"a/depth_scale", {1}, "FP", 64}, doubles({0.0005})));
+    const auto clip = must(open("d.h5"));
+    EXPECT_EQ(clip->scene().camera.fx, 21);
+    EXPECT_EQ(clip->scene().camera.fy, 22);
+    EXPECT_TRUE(is_noted(*clip, "the camera is that of d.h5 (intrinsics)"));
+    EXPECT_TRUE(is_noted(*clip, "a code is 0.5 mm, as d.h5 says"));
+    EXPECT_TRUE(is_noted(*clip, "depth is the data set /a/depth; left out: /a/colors"));
+}
+
+/// By their first bytes, whatever their names end with.
+TEST_F(Hdf5Clip, OpensFolderOfOtherNames) {
+    for (const int number : {1, 2})
+        add("0001/disp1_left/disp1_left_000" + std::to_string(number) + ".dsp5", {"disparity", {16, 20}},
+            100 + number);
+    write_bytes(folder_ / "0001/notes.txt", "1 2 3");
+    const auto clip = must(open("0001"));
+    EXPECT_EQ(clip->frame_count(), 2);
+    EXPECT_TRUE(is_noted(*clip, "depth is disparities, as the name says"));
 }
 
 TEST_F(Hdf5Clip, RefusesDataSetOfOthers) {

@@ -155,7 +155,7 @@ TEST_F(GuessedVideo, RefusesColourAlone) {
     EXPECT_TRUE(has_words(said, "touchable play SCENE.json"));
     for (const char* name : {"take.r3d", "TAKE.R3D"}) {
         write_bytes(folder / name, std::string("PK\3\4 and more", 13));
-        EXPECT_TRUE(is_refused(open_clip(folder / name), "export it there as MP4"));
+        EXPECT_TRUE(is_refused(open_clip(folder / name), "which its app exports as EXR + RGB"));
     }
 }
 

@@ -141,6 +141,24 @@ TEST_F(DynamicDepth, FindsMapByDirectory) {
     }
 }
 
+/// Planes in dioptres are those of metres; 0 is infinitely far.
+TEST_F(DynamicDepth, TakesDioptres) {
+    DynamicDepthFile file;
+    const auto with = [&](const std::string& format, const std::string& near, const std::string& far) {
+        file.properties = "DepthMap:Format='" + format + "' DepthMap:Near='" + near + "' DepthMap:Far='" +
+                          far + "' DepthMap:Units='Diopters' DepthMap:DepthURI='android/depthmap'";
+        return must(open(file.bytes()))->scene().depth;
+    };
+    for (int v = 0; v < 256; ++v) {
+        const auto code = static_cast<std::uint16_t>(v);
+        const double share = v / 255.0, metres = 10.0 * 2 / (10 - share * (10 - 2));
+        EXPECT_NEAR(with("RangeInverse", "0.5", "0.1").depth(code), metres, 1e-12);
+        EXPECT_NEAR(with("RangeInverse", "0.1", "0.5").depth(code), 10.0 * 2 / (2 + share * (10 - 2)), 1e-12);
+        EXPECT_NEAR(with("RangeLinear", "0.5", "0.1").depth(code), 2 + 8 * share, 1e-12);
+        EXPECT_NEAR(1 / with("RangeInverse", "2", "0").depth(code), 2 * (1 - share), 1.1e-3);
+    }
+}
+
 TEST_F(DynamicDepth, TakesCameraOfFile) {
     DynamicDepthFile file;
     file.camera =
@@ -216,14 +234,14 @@ TEST_F(DynamicDepth, StandsUpright) {
 TEST_F(DynamicDepth, NamesFaults) {
     DynamicDepthFile other, nowhere, cut, empty;
     other.properties =
-        "DepthMap:Format='RangeInverse' DepthMap:Units='Diopters' DepthMap:Near='2' "
+        "DepthMap:Format='RangeInverse' DepthMap:Units='Feet' DepthMap:Near='2' "
         "DepthMap:Far='10' DepthMap:DepthURI='android/depthmap'";
     nowhere.properties = "DepthMap:Format='RangeInverse' DepthMap:DepthURI='elsewhere'";
     empty.directory = "<rdf:li Item:DataURI='a'/><rdf:li Item:DataURI='android/depthmap' Item:Length='x'/>";
     cut.directory =
         "<rdf:li Item:DataURI='a'/><rdf:li Item:DataURI='android/depthmap' Item:Length='99999999999'/>";
     for (const auto& [file, word] :
-         {std::pair{&other, "its DepthMap:Units is \"Diopters\": must be m (Meters) or mm"},
+         {std::pair{&other, "its DepthMap:Units is \"Feet\": must be m (Meters), mm or Diopters"},
           {&nowhere, "must have the name of DepthMap:DepthURI, \"elsewhere\""},
           {&empty, "has no Item:Length"},
           {&cut, "has no depth map of 99999999999 bytes after its picture"}})
@@ -272,6 +290,35 @@ std::string plain_jpeg(int divisor = 1) {
                                                                                       : plane == 1 ? 100
                                                                                                    : 140;
                    });
+}
+
+/// Most pictures after the first, such as a gain map, are no depth.
+TEST_F(DynamicDepth, FindsApplesMapAmongPictures) {
+    const auto with_xmp = [](const std::string& type) {
+        const std::string jpeg = photo_jpeg();
+        return jpeg.substr(0, 2) +
+               xmp_segment("<x><rdf:Description apdi:AuxiliaryImageType='" + type +
+                           "' apdi:FloatMinValue='0.5' apdi:FloatMaxValue='2'/></x>") +
+               jpeg.substr(2);
+    };
+    const std::string gain = with_xmp("urn:com:apple:photo:2020:aux:hdrgainmap"), map = with_xmp("disparity");
+    const auto clip = must(open(photo_jpeg() + gain + "\xff\xff between" + map + gain));
+    EXPECT_EQ(clip->scene().depth.near, 0.5);
+    EXPECT_EQ(clip->scene().depth.far, 2);
+    EXPECT_TRUE(clip->scene().depth.near_is_high);
+    EXPECT_FALSE(is_noted(*clip, "guessed: depth"));
+    EXPECT_EQ(message(open(photo_jpeg() + gain)), "") << "a grey JPEG is depth itself";
+    EXPECT_TRUE(is_refused(open(plain_jpeg() + gain), "a JPEG needs a depth map"));
+}
+
+TEST_F(DynamicDepth, NamesSamsungsTrailer) {
+    const auto with = [&](const std::string& name) { return open(plain_jpeg() + name + "SEFH, SEFT"); };
+    const std::string photo = (folder / "photo").string();
+    EXPECT_TRUE(is_refused(with("DualShot_DepthMap_1"), "exiftool -b -DepthMapTiff " + photo + ".jpg > " +
+                                                            photo + "_depth.tif, then: touchable play " +
+                                                            photo));
+    EXPECT_TRUE(is_refused(with("SingleShot_DepthMap_1"), "exiftool -b -SingleShotDepthMapTiff "));
+    EXPECT_TRUE(is_refused(with("Image_UTC_Data"), "a JPEG needs a depth map"));
 }
 
 struct Gdepth {

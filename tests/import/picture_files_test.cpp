@@ -295,11 +295,17 @@ TEST_F(FoundFiles, NameNumbersMissingFromPlane) {
 }
 
 TEST_F(FoundFiles, TellUnitOfStamps) {
-    for (const double unit : {1.0, 1e3, 1e6, 1e9}) {
+    // Of ticks, the years 1 and 1601 begin these.
+    for (const auto& [unit, begin] : {std::pair{1.0, 0.0},
+                                      {1e3, 0.0},
+                                      {1e6, 0.0},
+                                      {1e9, 0.0},
+                                      {1e7, 62'135'596'800.0},
+                                      {1e7, 11'644'473'600.0}}) {
         PictureFiles found;
         for (int n = 0; n < 9; ++n) {
             found.files.emplace_back("x");
-            found.keys.push_back((1.6e9 + 0.04 * n) * unit);
+            found.keys.push_back((begin + 1.6e9 + 0.04 * n) * unit);
         }
         if (unit == 1.0) found.keys[0] += 0.001;
         ASSERT_TRUE(rate_of(found)) << unit;

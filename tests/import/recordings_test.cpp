@@ -713,7 +713,8 @@ TEST_F(RealsenseRaw, RefusesMisfitTable) {
            "has 384 bytes: must be 408 for the 17x12 pixels of 16 bits that snap_Depth_metadata.csv states"}})
         EXPECT_TRUE(has_words(refusal(table), words));
     std::filesystem::remove(folder / "snap_Depth_metadata.csv");
-    EXPECT_TRUE(is_refused(open_clip(folder / "snap_Depth.raw"), "is not a Matroska file"));
+    EXPECT_TRUE(
+        is_refused(open_clip(folder / "snap_Depth.raw"), "is raw numbers without a header, 384 bytes"));
 }
 
 }  // namespace

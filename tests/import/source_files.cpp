@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <iomanip>
 #include <sstream>
@@ -105,6 +106,33 @@ Made iphone(Writer& w) {
     return made(
         photo, [=](int, int x, int y) { return 1 / (least + (most - least) * code(x, y) / 255); },
         {140.5, 140.7, (803.5 - 799.5) / 10 + 79.5, (605.5 - 599.5) / 10 + 59.5}, 1, 30, true);
+}
+
+/// The disparity is the second JPEG of the file.
+Made iphone_jpeg(Writer& w) {
+    constexpr double least = 0.4, most = 1.4;
+    const std::string map = encoded("mjpeg", AV_PIX_FMT_YUVJ444P, wide, high, [](AVFrame& frame) {
+        for (int plane = 0; plane < 3; ++plane)
+            fill_plane(frame, plane, [&](int x, int) { return plane > 0 ? 128 : 16 * (x / 16); });
+    });
+    w.colour("photo.jpg");
+    const std::string photo = read_bytes(w / "photo.jpg"),
+                      xmp =
+                          "<x:xmpmeta><rdf:RDF><rdf:Description apdi:AuxiliaryImageType='disparity' "
+                          "apdi:FloatMinValue='0.4' apdi:FloatMaxValue='1.4' "
+                          "depthData:IntrinsicMatrixReferenceWidth='1600' "
+                          "depthData:IntrinsicMatrixReferenceHeight='1200'><depthData:IntrinsicMatrix>"
+                          "<rdf:Seq>" +
+                          apple_matrix() +
+                          "</rdf:Seq></depthData:IntrinsicMatrix></rdf:Description></rdf:RDF></x:xmpmeta>";
+    fs::remove(w / "photo.jpg");
+    const fs::path file = w / w.name("IMG_0042.JPG", "a.bin");
+    write_bytes(file, photo + map.substr(0, 2) + xmp_segment(xmp) + map.substr(2));
+    Made all = made(
+        file, [](int, int x, int) { return 1 / (least + (most - least) * (16 * (x / 16)) / 255); },
+        {140.5, 140.7, (803.5 - 799.5) / 10 + 79.5, (605.5 - 599.5) / 10 + 59.5}, 1, 30, true);
+    all.lost_codes = 2;
+    return all;
 }
 
 std::string grey_png(const std::function<int(int, int)>& code) {
@@ -528,6 +556,27 @@ Made carla(Writer& w) {
         },
         seen(90), 2, 30, true);
 }
+/// RGBA: byte k of a pixel's four.
+void write_rgba(const fs::path& file, const std::function<unsigned(int x, int y, unsigned k)>& byte) {
+    write_bytes(file, encoded("png", AV_PIX_FMT_RGBA, wide, high, [&](AVFrame& frame) {
+                    for (int y = 0; y < high; ++y)
+                        for (int x = 0; x < wide; ++x)
+                            for (unsigned k = 0; k < 4; ++k)
+                                frame.data[0][y * frame.linesize[0] + 4 * x + static_cast<int>(k)] =
+                                    static_cast<std::uint8_t>(byte(x, y, k));
+                }));
+}
+Made unity(Writer& w) {
+    const fs::path file = w / w.name("depth.png", "a.png");
+    // EncodeFloatRGBA, rounded to bytes; 1 is the far plane, where nothing is.
+    write_rgba(file, [](int x, int y, unsigned k) -> unsigned {
+        if (std::isnan(room(0, x, y)) || k == 3) return 255;
+        const double share = room(0, x, y) / 10,
+                     next = k < 2 ? std::fmod(share * std::pow(255, k + 1), 1) / 255 : 0;
+        return static_cast<unsigned>(std::lround(255 * (std::fmod(share * std::pow(255, k), 1) - next)));
+    });
+    return made(file, room, seen(60));
+}
 Made airsim(Writer& w) {
     const fs::path file = w / w.name("depth.npy", "a.npy");
     write_bytes(file, npy_bytes(shape_of_room(), floats_of(room, 65504)));
@@ -627,12 +676,50 @@ Made zoedepth(Writer& w) {
     w.room16(name, 256);
     return made(w / name, room_in(256), seen(60));
 }
+Made depth_buffer(Writer& w) {
+    const fs::path file = w / w.name("depth.npy", "a.npy");
+    const auto share = [](int n, int x, int y) { return (10 - 1 / room(n, x, y)) / (10 - 0.01); };
+    write_bytes(file, npy_bytes(shape_of_room(), floats_of(share, 1)));
+    return made(file, room, seen(60));
+}
+/// Rounded to 11 bits.
+Made midair(Writer& w) {
+    const std::string depth = w.name("depth/", "a/"), rgb = w.name("color_left/", "b/");
+    const auto half = [](int n, int x, int y) {
+        int exponent = 0;
+        const double share = std::frexp(10 * room(n, x, y), &exponent);
+        return std::isnan(share) ? std::pair(0, 0.0)
+                                 : std::pair(exponent, std::lround(share * 2048) / 2048.0);
+    };
+    for (int n = 0; n < 2; ++n) {
+        w.png16(depth + six_digits(n) + ".png", [=](int x, int y) {
+            const auto [exponent, share] = half(n, x, y);
+            return share == 0 ? 0 : (exponent + 14) * 1024 + static_cast<int>(share * 2048) - 1024;
+        });
+        w.colour(rgb + six_digits(n) + ".jpg");
+    }
+    const auto metres = [half](int n, int x, int y) {
+        const auto [exponent, share] = half(n, x, y);
+        return share == 0 ? none : std::ldexp(share, exponent);
+    };
+    return made(w.folder(), metres, seen(60), 2, 30, true);
+}
 Made marigold(Writer& w) {
     const RelativeDepth depth{1, false, false};
     const fs::path file = w / w.name("depth_npy/street_pred.npy", "a.npy");
     write_bytes(file, npy_bytes(shape_of_room(), floats_of(depth.values(), 0)));
     return made(file, depth.metres(), seen(60));
 }
+Made rgbd(Writer& w) {
+    const RelativeDepth depth{255};
+    const fs::path file = w / w.name("desk_rgbd.png", "a.png");
+    write_in_folder(file, made_image(2 * wide, high, 1, 3, [value = depth.values()](int x, int y, int c) {
+                        if (x >= wide) return static_cast<int>(value(0, x - wide, y));
+                        return c == 0 ? 40 + x : c == 1 ? 120 : 200 - y;
+                    }));
+    return made(file, depth.metres(), seen(60), 1, 30, true);
+}
+
 Made mvsnet(Writer& w) {
     const fs::path file = w / w.name("depth_map_0000.pfm", "a.pfm");
     write_pfm(file, floats_of(millimetres(room), 0));
@@ -803,6 +890,63 @@ Made middlebury(Writer& w) {
            "baseline=193.001\nwidth=160\nheight=120\nndisp=60\nisint=0\nvmin=5\nvmax=50\n");
     return made(w / "disp0.pfm", room, {140.5, 140.5, 79.9, 60.1}, 1, 30, true);
 }
+Made kitti_stereo(Writer& w) {
+    const auto code = [](int n, int x, int y) {
+        return std::isnan(room(n, x, y)) ? 0
+                                         : static_cast<int>(std::lround(256 * 140.5 * 0.54 / room(n, x, y)));
+    };
+    w.png16("training/disp_occ_0/000000_10.png", [&](int x, int y) { return code(0, x, y); });
+    w.colour("training/image_2/000000_10.png");
+    w.text("training/calib_cam_to_cam/000000.txt",
+           "calib_time: 01-Jan-2012 00:00:00\nS_rect_02: 160 120\n"
+           "P_rect_02: 140.5 0 79.9 8.97 0 140.5 60.1 0.04 0 0 1 0.003\n"
+           "P_rect_03: 140.5 0 79.9 -66.9 0 140.5 60.1 0.04 0 0 1 0.003\n");
+    return made(
+        w.folder() / "training",
+        [=](int n, int x, int y) { return code(n, x, y) ? 256 * 140.5 * 0.54 / code(n, x, y) : none; },
+        {140.5, 140.5, 79.9, 60.1}, 1, 30, true);
+}
+Made tartanair(Writer& w) {
+    const std::string depth = w.name("depth_lcam_front/", "a/"), image = w.name("image_lcam_front/", "b/");
+    for (int n = 0; n < 2; ++n) {
+        const std::string number = "00000" + std::to_string(n), name = w.name("_lcam_front", "");
+        write_rgba(w / (depth + number + (name.empty() ? "" : name + "_depth") + ".png"), [n](int x, int y,
+                                                                                              unsigned k) {
+            const double z = room(n, x, y);
+            const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(std::isnan(z) ? 0 : z));
+            constexpr unsigned places[] = {2, 1, 0, 3};
+            return bits >> 8 * places[k] & 0xffU;
+        });
+        w.colour(image + number + name + ".png");
+    }
+    return made(w.folder(), room, seen(90), 2, 30, true);
+}
+Made pointodyssey(Writer& w) {
+    constexpr double unit = 0.01525902;
+    std::vector<float> matrices;
+    for (int n = 0; n < 2; ++n) {
+        const std::string number = "0000" + std::to_string(n);
+        w.room16(w.name("depths/depth_", "a/") + number + ".png", 1 / unit, n);
+        w.colour(w.name("rgbs/rgb_", "b/") + number + ".jpg");
+        for (const double each : {140.5, 0.0, 79.9, 0.0, 140.7, 60.1, 0.0, 0.0, 1.0})
+            matrices.push_back(static_cast<float>(each));
+    }
+    write_npz(w / w.name("anno.npz", "words.npz"),
+              {{"intrinsics", npy_bytes("2, 3, 3", matrices)},
+               {"extrinsics", npy_bytes("2, 4, 4", std::vector<float>(32, 1))},
+               {"trajs_2d", npy_bytes("2, 7, 2", std::vector<float>(28, 1))}});
+    return made(w.folder(), room_in(1 / unit), {140.5F, 140.7F, 79.9F, 60.1F}, 2, 30, true);
+}
+Made sintel(Writer& w) {
+    for (int n = 0; n < 2; ++n) {
+        const std::vector<float> floats = floats_of(room, 0, n);
+        const std::int32_t size[] = {wide, high};
+        w.text(w.name("alley_1/frame_000", "a/") + std::to_string(n + 1) + ".dpt",
+               "PIEH" + std::string(reinterpret_cast<const char*>(size), sizeof size) +
+                   std::string(reinterpret_cast<const char*>(floats.data()), 4 * floats.size()));
+    }
+    return made(w / w.name("alley_1", "a"), room, seen(60), 2);
+}
 Made lerobot(Writer& w) {
     const double low = std::log(0.01 + 3.5), span = std::log(10 + 3.5) - low;
     const auto code = [=](int n, int x, int y) {
@@ -887,6 +1031,7 @@ Made pcl(Writer& w) {
 
 const std::map<std::string, SourceMaker>& source_makers() {
     static const std::map<std::string, SourceMaker> makers{{"iphone", iphone},
+                                                           {"iphone-jpeg", iphone_jpeg},
                                                            {"cinematic", cinematic},
                                                            {"iphone-tiff", iphone_tiff},
                                                            {"dynamic-depth", dynamic_depth},
@@ -914,6 +1059,7 @@ const std::map<std::string, SourceMaker>& source_makers() {
                                                            {"unreal", unreal},
                                                            {"carla", carla},
                                                            {"airsim", airsim},
+                                                           {"unity", unity},
                                                            {"isaac", isaac},
                                                            {"midas", midas},
                                                            {"depth-anything", depth_anything},
@@ -923,11 +1069,14 @@ const std::map<std::string, SourceMaker>& source_makers() {
                                                            {"moge", moge},
                                                            {"depth-pro", depth_pro},
                                                            {"zoedepth", zoedepth},
+                                                           {"depth-buffer", depth_buffer},
                                                            {"marigold", marigold},
+                                                           {"rgbd", rgbd},
                                                            {"mvsnet", mvsnet},
                                                            {"tum", tum},
                                                            {"7scenes", seven_scenes},
                                                            {"scannet", scannet},
+                                                           {"midair", midair},
                                                            {"bop", bop},
                                                            {"nyu", nyu},
                                                            {"sun", sun},
@@ -938,7 +1087,11 @@ const std::map<std::string, SourceMaker>& source_makers() {
                                                            {"vkitti", vkitti},
                                                            {"diode", diode},
                                                            {"middlebury", middlebury},
+                                                           {"sintel", sintel},
                                                            {"lerobot", lerobot},
+                                                           {"kitti-stereo", kitti_stereo},
+                                                           {"tartanair", tartanair},
+                                                           {"pointodyssey", pointodyssey},
                                                            {"hypersim", hypersim},
                                                            {"nyuv2", nyuv2},
                                                            {"robomimic", robomimic},

@@ -393,7 +393,9 @@ TEST(Hdf5Listing, ReadsNamesAndShapes) {
         "    Filter-0:  lzf-32000 OPT {4, 261}\n    Type:      native float\n/s  Dataset {SCALAR}\n"
         "/v  Dataset {5/5, 6/6}\n    Maps:      {1} Source {\n    Type:      native int\n"
         "/l  Soft Link {/v}\n/e  External Link {other.h5//d}\n/h  Dataset, same as /v\n"));
-    ASSERT_EQ(sets.size(), 2U);
+    ASSERT_EQ(sets.size(), 3U);
+    EXPECT_EQ(sets[1].path, "/s");
+    EXPECT_TRUE(sets[1].shape.empty());
     const Hdf5DataSet &first = sets.front(), &last = sets.back();
     EXPECT_EQ(first.path, "/a b\\\xc3\xa9");
     EXPECT_EQ(first.shape, (std::vector<std::int64_t>{2, 16}));

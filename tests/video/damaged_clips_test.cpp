@@ -233,7 +233,7 @@ TEST(ClipDamage, ChecksSlicesWithoutAdditions) {
 TEST(ClipDamage, RejectsOtherFiles) {
     const TemporaryFolder folder;
     write_bytes(folder / "noise.mkv", std::string(5000, 'x'));
-    EXPECT_TRUE(is_refused(open_clip(folder / "noise.mkv"), "is not a Matroska file"));
+    EXPECT_TRUE(is_refused(open_clip(folder / "noise.mkv"), "is of no kind that is known"));
     EXPECT_TRUE(is_refused(open_clip(folder / "none.mkv"), "does not exist"));
     EXPECT_TRUE(is_refused(open_clip("/dev/null"), "is neither a file nor a folder"));
     ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);

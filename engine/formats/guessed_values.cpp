@@ -1,0 +1,428 @@
+// Guesses what depth's values mean: as stated, by preset, by names and files, by the numbers themselves.
+
+#include <cmath>
+
+#include "engine/base/threads.hpp"
+#include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
+#include "engine/formats/scene_draft.hpp"
+
+namespace touchable {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double most_of_lengths = 1.05;                 // lower third of a picture over the upper
+constexpr double assumed_near = 0.5, assumed_far = 1.5;  // metres, of depth without a scale
+
+double itself(double value) {
+    return value;
+}
+double reciprocal_of(double value) {
+    return 1 / value;
+}
+
+class ValuesGuess {
+public:
+    ValuesGuess(const StoredImage& depth, DepthEvidence& evidence, SceneDraft& draft)
+        : depth_(depth), evidence_(evidence), draft_(draft), values_(estimate_values(depth)) {}
+
+    Result<void> find() {
+        if (stop_requested()) return interrupted_error();
+        const auto &near = evidence_.known.near, &far = evidence_.known.far;
+        if (near.has_value() != far.has_value() || (near && *near >= *far))
+            return usage_error("near and far need each other, and near is less than far",
+                               {{Setting::near}, {Setting::far}});
+        TRY(find_unit());
+        scene_.stored.packed = depth_.packing;
+        doubt_unit();
+        set_invalid();
+        find_semantics();
+        return {};
+    }
+
+private:
+    std::uint16_t largest_code() const { return scene_.depth_bits == 8 ? 255 : 65535; }
+
+    /// Sets the unit: as stated, by preset, by names or files beside depth, or by the size of the values.
+    Result<void> find_unit() {
+        if (!values_.any)
+            return input_error(
+                values_.has_background
+                    ? "has no depth: all values are 0 or a renderer's background (1e9 and beyond, 65504)"
+                    : "has no depth: all values are 0 or 65535, or none is finite");
+        const CameraBeside& beside = evidence_.beside;
+        const auto& [codes, scale_file] = beside.codes_per_metre;
+        const auto& [metres, unit_file] = beside.metres_per_value;
+        const bool are_codes = !values_.is_float && values_.bits > 8;  // 8 bits are hardly ever lengths
+        const auto& named = evidence_.unit;
+        const auto*& preset = evidence_.preset;
+        if (!evidence_.has_unit() && evidence_.says_disparity && codes == 0 && !take_named_disparities())
+            return {};
+        const SourceDescription& known = evidence_.known;
+        if (const auto& stated = known.metres_per_code) {
+            set_metric(*stated);
+        } else if (known.near && values_.are_shares && preset == nullptr) {
+            set_planes(*known.near, *known.far);
+        } else if (preset && preset->stored.kind == StoredDepth::Kind::disparity) {
+            return set_disparities(*preset);
+        } else if (preset && preset->stored.kind == StoredDepth::Kind::relative) {
+            set_relative(true, true);
+        } else if (preset && preset->metres_per_code > 0) {
+            scene_.stored = preset->stored;
+            set_metric(preset->metres_per_code);
+        } else if (codes > 0 && are_codes) {
+            take_unit(1 / codes, "a code is " + short_number(1000 / codes) + " mm", scale_file);
+        } else if (named &&
+                   (values_.is_float || (are_codes && named->metres < 1))) {  // integers are no metres
+            take_unit(named->metres, std::string("values are ") + named->words, {});
+        } else if (metres > 0 && values_.is_float) {
+            take_unit(metres, "a value of 1 is " + short_number(1000 * metres) + " mm", unit_file);
+        } else {
+            guess_unit();
+            is_unit_guessed_ = true;
+        }
+        if (!known.near || scene_.stored.kind != StoredDepth::Kind::codes) return {};
+        return usage_error(
+            "near and far are planes of depth from 0 to 1, or without a scale; these are lengths",
+            {{Setting::near}, {Setting::far}});
+    }
+
+    /// Takes shares for a depth buffer between planes: affine in 1/depth, 1 at the far plane, or reversed.
+    void set_planes(double near, double far) {
+        StoredDepth& stored = scene_.stored;
+        stored.kind = StoredDepth::Kind::disparity;
+        stored.baseline = 1 / scene_.camera.fx;
+        stored.scale = (1 / near - 1 / far) * (near_is_low() ? -1 : 1);
+        stored.offset = 1 / (near_is_low() ? near : far);
+        DepthCoding& depth = scene_.depth;
+        depth.kind = DepthCodingKind::inverse;
+        depth.code_max = largest_code();
+        depth.near = near;
+        depth.far = far;
+        is_buffer_ = true;
+    }
+    /// Whether a depth buffer's large values are far: they are seldom near 0 then, as most of the range is
+    /// before the first thing.
+    bool near_is_low() const { return values_.median > 0.5; }
+
+    /// Takes shares for a depth buffer whose planes are unknown, if flat places are flat by them. Values that
+    /// no place decides are lengths; `may_be_buffer_` says that.
+    bool take_depth_buffer() {
+        if (!values_.are_shares) return false;
+        LatticeSearch steps;
+        const std::size_t every = depth_.values.size() / 8192 | 1U;
+        for (std::size_t k = 0; k < depth_.values.size(); k += every)
+            if (depth_.values[k] > 0) steps.add(depth_.values[k]);
+        const auto even = steps.of_lengths(1);
+        if (even && !even->of_reciprocals) return false;  // a sensor's lengths
+        const PlaneVotes votes(depth_, itself, reciprocal_of);
+        is_buffer_ = votes.are_for_first();
+        may_be_buffer_ = near_is_low() && !votes.are_for_second();
+        if (!is_buffer_) return false;
+        const std::string what = "depth is a renderer's depth buffer, as flat places are flat by its values";
+        const StatedNumber &near = evidence_.beside.near, &far = evidence_.beside.far;
+        if (near.value > 0 && near.value < far.value) {
+            set_planes(near.value, far.value);
+            draft_.add_input(near.file);
+            draft_.tell(what + ", from " + short_number(near.value) + " to " + short_number(far.value) +
+                            " m, as " + printable(near.file.filename().string()) + " says",
+                        {{Setting::near}, {Setting::far}});
+        } else {
+            set_relative(true, !near_is_low(),
+                         Remark{what + " and not by their reciprocals",
+                                true,
+                                "its planes give it its shape, or the unit, if values are lengths",
+                                {{Setting::near}, {Setting::far}, {Setting::depth_unit, "1"}},
+                                RemarkKind::planes});
+        }
+        return true;
+    }
+
+    /// Takes values for disparities: Middlebury's, if a file has their baseline; otherwise without a scale,
+    /// which is settled then: false.
+    bool take_named_disparities() {
+        const std::string guess = "depth is disparities, as the name says";
+        const CameraBeside& beside = evidence_.beside;
+        if (beside.camera && beside.camera->baseline > 0) {
+            evidence_.preset = preset_named("middlebury");
+            draft_.say(guess + "; baseline and focal length are those of " +
+                           printable(beside.file.filename().string()),
+                       {{Setting::preset}, {Setting::depth_unit}}, RemarkKind::storage);
+            return true;
+        }
+        draft_.say(guess + ", and no calib.txt beside it has their baseline",
+                   {{Setting::preset, "middlebury"}, {Setting::depth_unit}}, RemarkKind::storage,
+                   "with a calib.txt that has it they have a scale");
+        set_relative(true, true);
+        scene_.depth.invalid_code_count = 1;  // 0 is infinitely far
+        return false;
+    }
+
+    Result<void> set_disparities(const SourceDescription::Preset& preset) {
+        StoredDepth& stored = scene_.stored = preset.stored;
+        if (stored.baseline == 0) {
+            const auto& camera = evidence_.beside.camera;
+            if (!camera || camera->baseline == 0)
+                return input_error(
+                    "preset " + std::string(preset.name) + " needs the calib.txt of the pictures beside them",
+                    {{Setting::preset}});
+            stored.baseline = camera->baseline;
+            stored.offset = camera->offset * scene_.camera.fx / camera->intrinsics.fx;
+            if (!values_.is_float && values_.median > 3 * scene_.width) {
+                stored.scale = 1.0 / 256;
+                draft_.say("a code is 1/256 of a pixel (KITTI), as whole ones are wider than the picture",
+                           {{Setting::depth_unit}}, RemarkKind::unit);
+            }
+            draft_.add_input(evidence_.beside.file);
+        } else if (preset.intrinsics.fx > 0) {  // baseline x fx is what is known
+            stored.baseline *= preset.intrinsics.fx / scene_.camera.fx;
+        }
+        scene_.depth.kind = DepthCodingKind::inverse;
+        scene_.depth.code_max = largest_code();
+        scene_.depth.near = scene_.camera.fx * stored.baseline / 65536;
+        scene_.depth.far = scene_.camera.fx * stored.baseline;
+        return {};
+    }
+
+    /// Takes the unit that a file states, or depth's name if that is empty.
+    void take_unit(double metres, const std::string& fact, const fs::path& file) {
+        set_metric(metres);
+        if (!file.empty()) draft_.add_input(file);
+        draft_.tell(
+            fact + ", as " + (file.empty() ? "the name" : printable(file.filename().string())) + " says",
+            {{Setting::depth_unit}});
+    }
+
+    void set_metric(double metres_per_code) {
+        DepthCoding& depth = scene_.depth;
+        depth.kind = DepthCodingKind::metric;
+        depth.scale = metres_per_code;
+        depth.code_max = largest_code();
+        depth.far = depth.scale * depth.code_max;
+        draft_.unstated.far = true;
+    }
+
+    /// Values that are larger for near pixels are 1/depth, as most networks guess it; others are depth. A
+    /// depth buffer is affine in 1/depth either way.
+    void set_relative(bool is_inverse, bool near_is_high, std::optional<Remark> guess = {}) {
+        DepthCoding& depth = scene_.depth;
+        const SourceDescription& known = evidence_.known;
+        scene_.stored.kind = StoredDepth::Kind::relative;
+        depth.kind = is_inverse ? DepthCodingKind::inverse : DepthCodingKind::linear;
+        depth.near_is_high = near_is_high;
+        depth.near = known.near.value_or(assumed_near);
+        depth.far = known.far.value_or(assumed_far);
+        depth.code_max = largest_code();
+        if (known.near) return;
+        if (!guess)
+            guess =
+                Remark{"depth has no scale",
+                       true,
+                       "a scene file says otherwise, touchable init-scene writes one to begin with; where "
+                       "values are lengths, their unit",
+                       {{Setting::depth_unit}},
+                       RemarkKind::scale};
+        guess->what += ": its nearest is taken for " + short_number(assumed_near) +
+                       " m and its farthest for " + short_number(assumed_far) + " m, " +
+                       (near_is_high ? "large" : "small") + " values near";
+        add_remark(scene_.remarks, std::move(*guess));
+    }
+
+    void guess_unit() {
+        const Hints otherwise{{Setting::depth_unit}};
+        const bool is_signed = values_.negative > 0.01;
+        if (values_.is_of_bytes())
+            draft_.say(
+                "values are 8 bits stored as 16, as all are multiples of " + std::to_string(values_.divisor),
+                otherwise, RemarkKind::unit);
+        if (values_.bits == 8 || values_.is_of_bytes() || values_.is_normalised || is_signed ||
+            is_of_shares(depth_.packing)) {
+            const bool is_inverse = is_signed || values_.lower >= values_.upper;
+            set_relative(is_inverse, is_inverse);
+        } else if (values_.is_float) {
+            if (take_depth_buffer()) return;
+            constexpr double most_metres = 30, least_millimetres = 600;
+            const bool metres = values_.median < most_metres;
+            const bool may_be_centimetres = !metres && values_.median < least_millimetres;
+            const double unit = metres ? 1 : 0.001;
+            set_metric(unit);
+            draft_.say(std::string("values are ") + (metres ? "metres" : "millimetres") + median_words(unit),
+                       may_be_centimetres ? Hints{{Setting::depth_unit, "0.01"}}
+                       : may_be_buffer_   ? Hints{{Setting::near}, {Setting::far}}
+                                          : otherwise,
+                       may_be_centimetres || may_be_buffer_ ? RemarkKind::unclear_unit : RemarkKind::unit,
+                       may_be_centimetres
+                           ? short_number(0.01 * values_.median, 3) + " m if they are centimetres"
+                       : may_be_buffer_ ? "a renderer's depth buffer has such values too, between two planes"
+                                        : "");
+            // The lower part of a picture is mostly nearer.
+            if (values_.lower > most_of_lengths * values_.upper && !evidence_.are_points)
+                draft_.say(
+                    "values are lengths, though they are larger in the lower third of the picture, as "
+                    "1/depth of networks is",
+                    {{Setting::preset, "relative-inverse"}}, RemarkKind::direction);
+        } else if (!evidence_.list.empty()) {
+            set_metric(1.0 / 5000);
+            draft_.say("a code is 0.2 mm, as recordings with a " + evidence_.list + " have it (TUM RGB-D)",
+                       otherwise, RemarkKind::unit);
+        } else if (!guess_unit_of_multiples()) {
+            const bool fine = values_.median > 12000 && evidence_.usual_unit == 0,
+                       coarse = values_.median < 100;
+            const double unit = fine ? 1.0 / 5000 : coarse ? 0.01 : 0.001;
+            set_metric(unit);
+            say_unit(unit);
+        }
+    }
+
+    std::string median_words(double unit) const {
+        return ": their median, " + short_number(values_.median) + ", would be " +
+               short_number(values_.median * unit, 3) + " m";
+    }
+
+    /// Tells the guessed unit of 16-bit values and others that fit, with the scene's size in each.
+    void say_unit(double unit) {
+        constexpr double near_for_a_camera = 1000, far_for_a_room = 3000;  // of a median, millimetres
+        constexpr double most_of_lidar = 0.5, least_sky = 0.01;            // shares of the pixels
+        struct Reading {
+            bool is_possible;
+            const char* unit;
+            const char* when;
+        };
+        const bool is_millimetre = unit == 0.001, is_far = values_.median > far_for_a_room;
+        const Reading readings[] = {
+            {is_millimetre && values_.largest > least_sky && values_.zeros == 0, "0.01",
+             "if they are centimetres and 65535 is the sky (Virtual KITTI)"},
+            {is_millimetre && (values_.median < near_for_a_camera || is_far || values_.zeros > most_of_lidar),
+             "0.00390625", "if 256 codes are a metre (KITTI, VOID, ZoeDepth)"},
+            {is_millimetre && values_.median < near_for_a_camera, "0.001953125",
+             "if 512 codes are a metre (Taskonomy)"},
+            {is_millimetre && values_.median < near_for_a_camera, "0.01525902",
+             "if 65535 is 1 km (PointOdyssey)"},
+            {is_millimetre && is_far, "0.00025", "if 4000 codes are a metre (Matterport3D)"},
+            {is_millimetre && is_far, "0.0002", "if 5000 codes are a metre (TUM)"},
+            {!is_millimetre, "0.001", "if they are millimetres"},
+            {unit < 0.001 || (is_millimetre && (is_far || evidence_.usual_unit > 0)), "0.0001",
+             "if they are tenths of a millimetre"}};
+        const auto size = [&](double metres) { return short_number(values_.median * metres, 3) + " m"; };
+        std::string others;
+        Hints hints;
+        for (const auto& [is_possible, other, when] : readings) {
+            if (!is_possible) continue;
+            others += (others.empty() ? "" : "; ") + size(*parsed_number(other)) + ' ' + when;
+            // The preset knows that the sky is no depth.
+            if (std::string_view(other) == "0.01")
+                hints.push_back({Setting::preset, "vkitti"});
+            else
+                hints.push_back({Setting::depth_unit, other});
+        }
+        if (unit < 0.001) {
+            const double below = 0.001 * (static_cast<int>(values_.median) & 0x1fff);
+            others += "; " + short_number(below, 3) + " m if the 3 highest bits are a confidence (DEPTH16)";
+            hints.push_back({Setting::preset, "depth16"});
+        }
+        if (hints.empty()) hints = {{Setting::depth_unit}};
+        const RemarkKind kind = others.empty() ? RemarkKind::unit : RemarkKind::unclear_unit;
+        draft_.say("depth codes are " + (is_millimetre ? "millimetres" : short_number(1000 * unit) + " mm") +
+                       median_words(unit),
+                   std::move(hints), kind, std::move(others));
+    }
+
+    /// Guesses the unit by the values' divisor: cameras measure whole millimetres, and files may have these
+    /// times 5, 10 or 100. False if that does not settle it.
+    bool guess_unit_of_multiples() {
+        constexpr double nearest = 250, deepest = 12'000;  // millimetres, of a median
+        const int divisor = values_.divisor;
+        if (divisor == 1) return false;
+        const std::string multiples = "all values are multiples of " + std::to_string(divisor);
+        const double median = values_.median / divisor;
+        const bool is_usual = divisor == 5 || divisor == 10 || divisor == 100;
+        if (!is_usual || median < nearest || median > deepest) {
+            draft_.say(multiples + ", which tells nothing of their unit", {{Setting::depth_unit}});
+            return false;
+        }
+        set_metric(0.001 / divisor);
+        draft_.say("a code is " + short_number(1.0 / divisor) + " mm, as " + multiples +
+                       " and their median is then " + short_number(median) + " mm",
+                   {{Setting::depth_unit, values_.median <= deepest ? "0.001" : ""}}, RemarkKind::unit);
+        return true;
+    }
+
+    /// Adds a remark if the unit is doubtful, with one by which the values are in a hand's reach, if any.
+    void doubt_unit() {
+        if (scene_.depth.kind != DepthCodingKind::metric || !scene_.stored.is_plain()) return;
+        std::string otherwise = "a unit is the metres that a stored 1 stands for, such as 0.001";
+        Hint hint{Setting::depth_unit};
+        constexpr std::pair<const char*, const char*> usual[] = {
+            {"0.0001", "tenths of a millimetre"}, {"1", "metres"}, {"0.001", "millimetres"}};
+        for (const auto& [unit, name] : usual) {
+            const double median = values_.median * *parsed_number(unit);
+            if (median < 0.1 || median > 10) continue;
+            otherwise = short_number(median) + " m if values are " + name;
+            hint.value = unit;
+        }
+        if (auto doubt =
+                unit_doubt(values_.median * scene_.depth.scale, std::move(otherwise), {std::move(hint)}))
+            add_remark(scene_.remarks, std::move(*doubt));
+    }
+
+    /// Sets the codes that are no depth: cameras write 0. Depth without a scale has none.
+    void set_invalid() {
+        DepthCoding& coding = scene_.depth;
+        // What no surface covers has the far plane's number.
+        if (is_buffer_) coding.invalid_codes[0] = near_is_low(), coding.invalid_code_count = 1;
+        if (is_buffer_ || scene_.stored.kind == StoredDepth::Kind::relative) return;
+        const bool is_told = evidence_.has_unit() || evidence_.usual_unit > 0;
+        const auto* const preset = evidence_.preset;
+        const int other = preset ? preset->invalid : holds_words(depth_) && !is_told ? 65535 : 0;
+        const int above = is_told ? 0 : none_above_all(depth_).value_or(0);
+        for (const int code : {0, other, above})
+            if (coding.invalid_code_count == 0 || (code > 0 && code <= coding.code_max))
+                coding.invalid_codes[static_cast<std::size_t>(coding.invalid_code_count++)] =
+                    static_cast<std::uint16_t>(code);
+        if (above > 0)
+            draft_.say(std::to_string(above) +
+                       " is no depth, as many pixels have it and no other comes near it");
+        if (!is_told)
+            draft_.say(other > 0                   ? "0 and 65535 are no depth"
+                       : values_.has_negative_none ? "0 and what is below it are no depth"
+                                                   : "0 is no depth");
+    }
+
+    /// Decides whether lengths go along each pixel's ray, as the name may say, or along the camera's axis, as
+    /// depth cameras record them. Floats in files may be either, as a renderer or a laser has them.
+    void find_semantics() {
+        if (evidence_.known.semantics || scene_.depth.kind != DepthCodingKind::metric) return;
+        if (evidence_.says_range) {
+            scene_.depth.semantics = DepthSemantics::range;
+            draft_.say("depth goes along each pixel's ray, as the name says",
+                       {{Setting::depth_kind, "planar"}}, RemarkKind::axis);
+            return;
+        }
+        const bool is_open = values_.is_float || (is_unit_guessed_ && !evidence_.has_camera());
+        if (!evidence_.is_named || evidence_.has_values() || !is_open) return;
+        const double nearer = 100 * (1 - 1 / scene_.camera.longest_ray(scene_.width, scene_.height));
+        constexpr double least_felt = 5;  // per cent
+        if (nearer < least_felt) return;
+        draft_.say(
+            "depth goes along the camera's axis (planar); if it goes along each pixel's ray, the corners "
+            "are " +
+                short_number(nearer, 2) + " % nearer",
+            {{Setting::depth_kind, "range"}}, RemarkKind::axis);
+    }
+
+    const StoredImage& depth_;
+    DepthEvidence& evidence_;  // gets the preset that names and files show together
+    SceneDraft& draft_;
+    Scene& scene_ = draft_.scene;
+    const EstimatedValues values_;
+    bool is_unit_guessed_ = false, is_buffer_ = false, may_be_buffer_ = false;
+};
+
+}  // namespace
+
+Result<void> guess_values(const StoredImage& depth, DepthEvidence& evidence, SceneDraft& draft) {
+    return ValuesGuess(depth, evidence, draft).find();
+}
+
+}  // namespace touchable
