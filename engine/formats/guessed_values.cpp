@@ -115,7 +115,8 @@ private:
         for (std::size_t k = 0; k < depth_.values.size(); k += every)
             if (depth_.values[k] > 0) steps.add(depth_.values[k]);
         const auto even = steps.of_lengths(1);
-        if (even && !even->of_reciprocals) return false;  // a sensor's lengths
+        const double tenths = even && even->first == 0 ? even->step / 1e-4 : 0.5;  // of a millimetre
+        if (std::abs(tenths - std::round(tenths)) < 1e-6) return false;            // a sensor's lengths
         const PlaneVotes votes(depth_, itself, reciprocal_of);
         is_buffer_ = votes.are_for_first();
         may_be_buffer_ = near_is_low() && !votes.are_for_second();

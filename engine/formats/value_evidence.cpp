@@ -142,13 +142,16 @@ double reciprocal(double value) {
     return 1 / value;
 }
 
+double below_confidence(double word) {
+    return 1.0 / (static_cast<unsigned>(word) & 0x1fffU);
+}
+
 /// Whether one confidence lies above all lengths: flat places are flat without it, and bent with it.
 bool has_one_confidence(const StoredImage& picture, const Words& words) {
     constexpr unsigned lengths = 0x1fff;
     const unsigned least = words.each.front().word, most = words.each.back().word;
     if (least <= lengths || (least ^ most) > lengths) return false;
-    const auto below = [](double word) { return 1.0 / (static_cast<unsigned>(word) & lengths); };
-    return PlaneVotes(picture, below, reciprocal).are_for_first();
+    return PlaneVotes(picture, below_confidence, reciprocal).are_for_first();
 }
 
 /// The number whose bits, as a half (16-bit float), these are.
@@ -166,9 +169,9 @@ bool are_halves(const StoredImage& picture) {
     if (!holds_words(picture) || !words.tell() ||
         !words.nearly_all([](unsigned word) { return word >= least && word <= infinite; }))
         return false;
-    return PlaneVotes(
-               picture, [](double word) { return 1 / half_value(word); }, reciprocal)
-        .are_for_first();
+    const auto half = [](double word) { return 1 / half_value(word); };
+    return PlaneVotes(picture, half, reciprocal).are_for_first() &&
+           !PlaneVotes(picture, half, below_confidence).are_for_second();
 }
 
 /// Android's DEPTH16: 13 bits of millimetres, and a confidence in the 3 highest. Where these differ between

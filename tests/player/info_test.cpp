@@ -342,7 +342,7 @@ TEST_F(BarePicture, VerdictWeighsEveryGuess) {
         for (int y = 39; y >= 0; --y)  // a PFM begins with its lowest row
             for (int x = 0; x < 60; ++x) {
                 const auto value =
-                    static_cast<float>((1 + lower * y / 39.0) * ((x + y) % 2 == 0 ? 1 : noise));
+                    static_cast<float>((2 + 2 * lower * y / 39.0) * ((x + y) % 2 == 0 ? 1 : noise));
                 bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
             }
         std::ofstream(file, std::ios::binary) << bytes;
