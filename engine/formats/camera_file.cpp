@@ -904,8 +904,8 @@ CameraText cameras_in_arrays(std::span<const SmallArray> arrays) {
     }
     if (said.cameras.empty()) find_cameras(numbers, said.cameras, {}, {});
     std::erase_if(said.cameras, is_no_camera);
-    std::ranges::stable_partition(said.cameras,
-                                  [](const CameraFile& camera) { return has_word(camera.name, {"depth"}); });
+    std::stable_partition(said.cameras.begin(), said.cameras.end(),
+                          [](const CameraFile& camera) { return has_word(camera.name, {"depth"}); });
     for (CameraFile& camera : said.cameras) camera.has_distortion = says_distortion(numbers);
     said.codes_per_metre = codes_per_metre_of(numbers);
     said.frames_per_second = rate_of_members(numbers);

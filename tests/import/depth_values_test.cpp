@@ -676,7 +676,7 @@ TEST_F(ValueEvidence, ReadsFloatsInFourChannels) {
     for (const double times : {1.0, 0.7}) {  // at 1.4 to 1.6 m all have one exponent
         const auto metres = [&](int x, int y) { return times * room(x, y); };
         for (const auto& [name, places] : orders) {
-            write_rgba(folder / name / "depth/0.png", [&](int x, int y) {
+            write_rgba(folder / name / "depth/0.png", [&, places = places](int x, int y) {
                 const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(metres(x, y)));
                 std::array<unsigned, 4> bytes{};
                 for (std::size_t c = 0; c < 4; ++c) bytes[c] = bits >> 8 * places[c] & 0xffU;
