@@ -1,7 +1,8 @@
 #!/bin/bash
 # Makes the pictures of README.md and docs/play.md anew, by the program itself, without a display:
 #     docs/pictures/make.sh [build/release/player/touchable [OLD_PROGRAM]]
-# With an older program also views.webp: what both draw, the older above. Needs python3-pil, which matplotlib brings;
+# With an older program also views.webp: what both draw, the older above. Needs Blender and python3-pil, which
+# matplotlib brings;
 # views of recordings need ../../../shared/data (tests/real_data.hpp).
 set -euo pipefail
 touchable=$(realpath "${1:-$(dirname "$0")/../../build/release/player/touchable}")
@@ -20,6 +21,33 @@ picture() {
         --screenshot "$name.png" --at "$seconds" --overwrite "$@" >/dev/null
     echo "$name.png"
 }
+
+# Blender's own cube, and two of `./run content`'s scenes.
+blender -b --factory-startup --python-exit-code 1 -P ../../engine/content/blender/scenes/make_scenes.py -- "$work" >/dev/null
+blender -b --factory-startup --python-exit-code 1 \
+    --python-expr "import bpy; bpy.ops.wm.save_as_mainfile(filepath='$work/cube.blend')" >/dev/null
+for name in cube table face; do
+    blender -b "$work/$name.blend" --python-exit-code 1 -P ../../engine/content/blender/export.py -- "$work/$name.mkv" \
+        --frames 1-1 --touchable "$touchable" >/dev/null
+done
+cat >"$work/script" <<'SCRIPT'
+0.3  move 740 450
+0.5  press left
+SCRIPT
+"$touchable" play "$work/cube.mkv" --headless --size 1280x720 --script "$work/script" --screenshot "$work/cube.png" --at 2 >/dev/null
+for name in table face; do
+    "$touchable" touch "$work/$name.mkv" --hand wander:extent=0.6,spread=0.02,speed=0.06,seed=4 --seconds 3 --fingers 5 \
+        --view orbit:az=30,el=18 --picture "$work/$name.png" --picture-at 1.6 >/dev/null
+done
+python3 - "$work" <<'PYTHON'
+import sys
+from PIL import Image
+
+for made, name in (("cube", "cube"), ("table", "touched"), ("face", "face")):
+    picture = Image.open(f"{sys.argv[1]}/{made}.png").convert("RGB").resize((640, 360), Image.LANCZOS)
+    picture.quantize(160, dither=Image.FLOYDSTEINBERG).save(f"blender-{name}.png", optimize=True)
+    print(f"blender-{name}.png")
+PYTHON
 
 picture window 3 --size 800x450 <<'SCRIPT'
 0.1  play-pause
