@@ -18,9 +18,6 @@ constexpr double assumed_near = 0.5, assumed_far = 1.5;  // metres, of depth wit
 double itself(double value) {
     return value;
 }
-double reciprocal_of(double value) {
-    return 1 / value;
-}
 
 class ValuesGuess {
 public:
@@ -117,7 +114,7 @@ private:
         const auto even = steps.of_lengths(1);
         const double tenths = even && even->first == 0 ? even->step / 1e-4 : 0.5;  // of a millimetre
         if (std::abs(tenths - std::round(tenths)) < 1e-6) return false;            // a sensor's lengths
-        const PlaneVotes votes(depth_, itself, reciprocal_of);
+        const PlaneVotes votes(depth_, itself, reciprocal);
         is_buffer_ = votes.are_for_first();
         may_be_buffer_ = near_is_low() && !votes.are_for_second();
         if (!is_buffer_) return false;

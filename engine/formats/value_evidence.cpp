@@ -138,12 +138,8 @@ bool has_player(const StoredImage& picture, const Words& words) {
     return smooth >= fewest_pairs && one_in * smooth >= pairs && smooth > 4 * smooth_rotated;
 }
 
-double reciprocal(double value) {
-    return 1 / value;
-}
-
 double below_confidence(double word) {
-    return 1.0 / (static_cast<unsigned>(word) & 0x1fffU);
+    return reciprocal(static_cast<unsigned>(word) & 0x1fffU);
 }
 
 /// Whether one confidence lies above all lengths: flat places are flat without it, and bent with it.
@@ -169,7 +165,7 @@ bool are_halves(const StoredImage& picture) {
     if (!holds_words(picture) || !words.tell() ||
         !words.nearly_all([](unsigned word) { return word >= least && word <= infinite; }))
         return false;
-    const auto half = [](double word) { return 1 / half_value(word); };
+    const auto half = [](double word) { return reciprocal(half_value(word)); };
     return PlaneVotes(picture, half, reciprocal).are_for_first() &&
            !PlaneVotes(picture, half, below_confidence).are_for_second();
 }
@@ -663,7 +659,7 @@ PlaneVotes::PlaneVotes(const StoredImage& picture, const Reading& first, const R
             bent += left_over * left_over;
             all += number * number;
         });
-        return bent / all;
+        return all > 0 ? bent / all : std::numeric_limits<double>::infinity();
     };
     for (const int side : {std::clamp(width / 20, 6, 32), std::clamp(width / 8, 16, 64)})
         for (int top = 0; top + side <= height && !stop_requested(); top += side)

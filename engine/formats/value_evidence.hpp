@@ -74,6 +74,11 @@ private:
     bool has_largest_half_ = false;
 };
 
+/// A reading (PlaneVotes): of 0, NaN.
+inline double reciprocal(double value) {
+    return value != 0 ? 1 / value : std::numeric_limits<double>::quiet_NaN();
+}
+
 /// Counts small squares that are planes by one reading of a picture's values and not by the other. A reading
 /// gives 1/depth, or a number affine in it, which is affine in the pixels of a plane: a pinhole projects it
 /// so. NaN: no depth. Noise hides both, and counts for neither.
