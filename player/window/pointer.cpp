@@ -70,6 +70,12 @@ ViewCamera WindowView::camera(int width, int height) const {
     return right + below > 0 ? with_margins(camera, right, below) : camera;
 }
 
+void WindowView::look_at(const glm::dvec3& place) {
+    now_.own = false;
+    now_.placing = Placing{};
+    set_centre(place);
+}
+
 void WindowView::note_middle(const HeightField& field) {
     if (!now_.own && !now_.thing.empty()) return;  // a view as another clip's begins turned
     constexpr int columns = 48, rows = 36;

@@ -69,11 +69,7 @@ public:
         now_.orbit.zoom = std::clamp(now_.orbit.zoom.value_or(1) * factor, 0.1, 20.0);
     }
     /// Makes the view turn round this place, and shows it at the clip camera's principal point.
-    void look_at(const glm::dvec3& place) {
-        now_.own = false;
-        now_.placing.emplace();
-        set_centre(place);
-    }
+    void look_at(const glm::dvec3& place);
     void go_home();
 
     /// Of what a camera sees in its picture: about the middle, in shares from -1 to 1.
