@@ -520,13 +520,41 @@ std::uint8_t channel_at(const StoredImage& picture, std::size_t k, std::size_t c
     return channel < 3 ? picture.image.samples[3 * k + channel] : picture.alpha[k];
 }
 
+/// How often each value of a byte occurs in each of a picture's channels, and how many pixels are white.
+struct ByteCounts {
+    std::int64_t white = 0, counts[4][256] = {};
+
+    explicit ByteCounts(const StoredImage& picture) {
+        until_stopped(pixel_count(picture.image), [&](std::size_t begin, std::size_t end) {
+            for (std::size_t k = begin; k < end; ++k) {
+                const std::uint8_t* const rgb = &picture.image.samples[3 * k];
+                for (std::size_t c = 0; c < 3; ++c) ++counts[c][rgb[c]];
+                if (!picture.alpha.empty()) ++counts[3][picture.alpha[k]];
+                white += rgb[0] == 255 && rgb[1] == 255 && rgb[2] == 255;
+            }
+        });
+    }
+    std::int64_t values(std::size_t channel, int first = 0, int last = 255) const {
+        return std::count_if(counts[channel] + first, counts[channel] + last + 1, std::identity());
+    }
+    /// Whether numbers so packed may have such bytes.
+    bool may_be(const PackedForm& form, std::int64_t varied) const {
+        const std::size_t next = form.channels[form.bytes == 4 ? 1 : form.bytes - 2], last = form.channels[3];
+        // Floats: lengths from 0.5 mm to 130 km, few exponents, and no negative ones.
+        if (form.bytes == 4)
+            return values(last, 0x3a, 0x47) > 0 && values(last) <= 8 && values(last, 128) == 0 &&
+                   values(next) >= varied;
+        return (form.bytes == 3 || values(2) <= 1) && (form.base == 256 || counts[next][255] <= white) &&
+               values(next) >= varied && values(form.channels[0]) >= varied;
+    }
+};
+
 /// How many neighbours show the carry between the bytes of such numbers (packing_of); 0: it is not so packed.
-std::int64_t carries(const StoredImage& picture, const PackedForm& form, bool is_likely) {
-    const bool is_float = form.bytes == 4;
-    if (is_float && picture.alpha.empty()) return 0;
-    const std::size_t top = is_float ? 2 : form.bytes - 1;  // above it floats have their exponent
+std::int64_t carries(const StoredImage& picture, const PackedForm& form, std::int64_t fewest) {
+    const std::size_t top = form.bytes == 4 ? 2 : form.bytes - 1;  // above it floats have their exponent
     const auto width = static_cast<std::size_t>(picture.image.width);
-    std::int64_t pairs = 0, sum = 0, ran_over = 0, white = 0, counts[4][256] = {};
+    constexpr std::int64_t least_mean = 32;
+    std::int64_t pairs = 0, sum = 0, ran_over = 0;
     const auto byte = [&](std::size_t k, std::size_t n) { return channel_at(picture, k, form.channels[n]); };
     const auto compare = [&](std::size_t a, std::size_t b) {
         const int high = byte(a, top) - byte(b, top);
@@ -538,26 +566,11 @@ std::int64_t carries(const StoredImage& picture, const PackedForm& form, bool is
     };
     until_stopped(pixel_count(picture.image), [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
-            for (std::size_t c = 0; c < (is_float ? 4 : 3); ++c) ++counts[c][channel_at(picture, k, c)];
-            const std::uint8_t* const rgb = &picture.image.samples[3 * k];
-            white += rgb[0] == 255 && rgb[1] == 255 && rgb[2] == 255;
             if ((k + 1) % width != 0) compare(k, k + 1);
             if (k >= width) compare(k, k - width);
         }
     });
-    const auto values = [&](std::size_t channel, int first = 0, int last = 255) {
-        return std::count_if(counts[channel] + first, counts[channel] + last + 1, std::identity());
-    };
-    const std::size_t next = form.channels[top - 1], exponent = form.channels[3];
-    const std::int64_t fewest = is_likely ? 2 : 16, varied = is_likely ? 16 : 32, least_mean = 32;
-    // Lengths from 0.5 mm to 130 km, few exponents, and no negative ones.
-    if (is_float && (values(exponent, 0x3a, 0x47) == 0 || values(exponent) > 8 || values(exponent, 128) > 0))
-        return 0;
-    if (form.bytes == 2 && values(2) > 1) return 0;
-    if (form.base == 255 && counts[next][255] > white) return 0;
-    const bool is_packed = ran_over >= fewest && sum <= -least_mean * pairs && values(next) >= varied &&
-                           (is_float || values(form.channels[0]) >= varied);
-    return is_packed ? ran_over : 0;
+    return ran_over >= fewest && sum <= -least_mean * pairs ? ran_over : 0;
 }
 
 }  // namespace
@@ -569,10 +582,12 @@ Packing packing_of(const StoredImage& picture, bool is_likely) {
         picture.codec == "mjpeg")
         return Packing::none;
     Packing best = Packing::none;
+    const ByteCounts bytes(picture);
     std::int64_t most = 0;
     for (const PackedForm& form : packed_forms)
-        if (const std::int64_t found = carries(picture, form, is_likely); found > most)
-            most = found, best = form.packing;
+        if (bytes.may_be(form, is_likely ? 16 : 32))
+            if (const std::int64_t found = carries(picture, form, is_likely ? 2 : 16); found > most)
+                most = found, best = form.packing;
     return best;
 }
 
