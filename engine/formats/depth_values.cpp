@@ -71,7 +71,9 @@ bool DepthValues::is_valid(double value) const {
     for (int k = 0; k < coding_.invalid_code_count; ++k)
         if (value == coding_.invalid_codes[static_cast<std::size_t>(k)]) return false;
     if (stored_.kind == StoredDepth::Kind::disparity) return stored_.scale * value + stored_.offset > 0;
-    if (stored_.kind == StoredDepth::Kind::relative) return true;
+    // Where 0 is no depth, as infinitely far, what is less is none either.
+    if (stored_.kind == StoredDepth::Kind::relative)
+        return coding_.invalid_code_count == 0 || coding_.invalid_codes[0] > 0 || value > 0;
     if (coding_.kind != DepthCodingKind::metric) return value >= 0 && value <= 1;
     return value >= lower_ && value <= upper_ && value > 0;
 }
@@ -87,7 +89,7 @@ void DepthValues::for_each(const StoredImage& picture, Begin&& begin, Work&& wor
                 work(k, ordered(sample_at(picture.image, k)));
                 continue;
             }
-            const double value = picture.values[k];
+            const double value = is_negated_ ? -picture.values[k] : picture.values[k];
             work(k, background.is(value) ? std::numeric_limits<double>::infinity() : value);
         }
     });
@@ -95,6 +97,7 @@ void DepthValues::for_each(const StoredImage& picture, Begin&& begin, Work&& wor
 
 void DepthValues::look(const StoredImage& picture) {
     is_float_ = !picture.values.empty();
+    is_negated_ |= pixels_ == 0 && coding_.kind == DepthCodingKind::metric && are_negated(picture);
     const std::size_t every = picture.values.size() / lattice_samples | 1U;  // odd: hits different columns
     farthest_.begin_picture(picture.values.size());
     const auto nothing = [](std::size_t, std::size_t) {};
@@ -122,7 +125,8 @@ std::string DepthValues::background_words() const {
     if (backgrounds_ == 0) return "";
     const double share = 100.0 * static_cast<double>(backgrounds_) / static_cast<double>(looked_at_);
     return "; " + short_number(share) +
-           " % of the pixels are background (infinity, 1e9 and beyond, or 65504): no depth";
+           " % of the pixels are background (infinity, 1e9 and beyond, 65504, or a round number far beyond "
+           "all others): no depth";
 }
 
 /// Sets a far plane that is not stated, for multiples of `step` (0: for any lengths); returns a note.

@@ -63,8 +63,8 @@ private:
 /// rounded to the nearest. Other floats become 65535 codes, evenly in depth or in 1 / depth, whichever is
 /// finer at the median. A far plane that is not stated is 5 % beyond the depth that one pixel in 10 000
 /// exceeds. If near and far plane of lengths are both stated, codes go from plane to plane, whatever the
-/// frames hold. A renderer's background (RendererBackground) is no depth. If the thread is asked to stop, a
-/// visit to all pixels ends early; callers check that.
+/// frames hold. A renderer's background (RendererBackground) is no depth; lengths may be negated. If the
+/// thread is asked to stop, a visit to all pixels ends early; callers check that.
 class DepthValues {
 public:
     /// Until `settle`, the described coding applies.
@@ -112,7 +112,7 @@ private:
     DepthCoding coding_;  // as described
     bool far_is_open_;    // in the description
     bool has_planes_;     // lengths with both planes stated
-    bool is_float_ = false;
+    bool is_float_ = false, is_negated_ = false;
     double least_ = 0, most_ = -1;  // valid values
     std::vector<float> sample_;     // some of them, for their median
     LatticeSearch lattice_;

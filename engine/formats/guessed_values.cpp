@@ -30,6 +30,9 @@ public:
         if (near.has_value() != far.has_value() || (near && *near >= *far))
             return usage_error("near and far need each other, and near is less than far",
                                {{Setting::near}, {Setting::far}});
+        if (values_.are_shares || values_.bits == 8 || values_.is_normalised)
+            empty_ = empty_background(depth_);
+        if (empty_ && empty_->value != static_cast<std::uint16_t>(empty_->value)) empty_.reset();
         TRY(find_unit());
         scene_.stored.packed = depth_.packing;
         doubt_unit();
@@ -59,7 +62,7 @@ private:
         const SourceDescription& known = evidence_.known;
         if (const auto& stated = known.metres_per_code) {
             set_metric(*stated);
-        } else if (known.near && values_.are_shares && preset == nullptr) {
+        } else if (known.near && preset == nullptr && may_have_planes()) {
             set_planes(*known.near, *known.far);
         } else if (preset && preset->stored.kind == StoredDepth::Kind::disparity) {
             return set_disparities(*preset);
@@ -79,34 +82,88 @@ private:
             guess_unit();
             is_unit_guessed_ = true;
         }
-        if (!known.near || scene_.stored.kind != StoredDepth::Kind::codes) return {};
+        if (!known.near || has_planes_ || scene_.depth.kind != DepthCodingKind::metric) return {};
         return usage_error(
             "near and far are planes of depth from 0 to 1, or without a scale; these are lengths",
             {{Setting::near}, {Setting::far}});
     }
 
-    /// Takes shares for a depth buffer between planes: affine in 1/depth, 1 at the far plane, or reversed.
+    double largest() const { return values_.is_float ? 1 : largest_code(); }
+    /// Whether large values are far, as seen from an empty background. A depth buffer's are seldom near 0
+    /// then, as most of the range is before the first thing.
+    bool near_is_low() const { return empty_ ? !empty_->near_is_high : values_.median > 0.5 * largest(); }
+    /// Whether integers are as near the far plane's as a depth buffer's, and no lengths.
+    bool is_deep() const {
+        return !values_.is_float && std::min(values_.lower, values_.upper) > 0.75 * largest();
+    }
+    /// Whether values may go from one plane to another: all of 8 bits, floats from 0 to 1, and words that are
+    /// large, as most of a depth buffer are, or no lengths.
+    bool may_have_planes() const {
+        return values_.are_shares || values_.bits == 8 || values_.is_normalised ||
+               (holds_words(depth_) &&
+                (near_is_low() || PlaneVotes(depth_, itself, reciprocal).are_for_first()));
+    }
+    /// 1/depth of values that go evenly from plane to plane.
+    PlaneVotes::Reading evenly(double near, double far, bool is_high_near) const {
+        return [=, all = largest()](double value) {
+            return 1 / (near + (is_high_near ? 1 - value / all : value / all) * (far - near));
+        };
+    }
+
+    /// Takes values between 0 and the largest for depth between planes: evenly in depth, from either plane or
+    /// from 0 on, if flat places say so; otherwise a depth buffer, which is affine in 1/depth. Those of 8
+    /// bits that are not all near the far plane's are no buffer's.
     void set_planes(double near, double far) {
-        StoredDepth& stored = scene_.stored;
-        stored.kind = StoredDepth::Kind::disparity;
-        stored.baseline = 1 / scene_.camera.fx;
-        stored.scale = (1 / near - 1 / far) * (near_is_low() ? -1 : 1);
-        stored.offset = 1 / (near_is_low() ? near : far);
         DepthCoding& depth = scene_.depth;
-        depth.kind = DepthCodingKind::inverse;
+        bool is_even = false, is_seen = is_buffer_;
+        has_planes_ = true;
+        depth.near_is_high = !near_is_low();
+        if (PlaneVotes(depth_, itself, reciprocal).are_for_second() &&
+            !PlaneVotes(depth_, evenly(near, far, false), reciprocal).are_for_first()) {
+            draft_.tell("values are shares of the far plane, as flat places are flat so");
+            return set_metric(far / largest());
+        }
+        for (const bool is_high : {false, true}) {
+            const auto even = evenly(near, far, is_high);
+            const PlaneVotes votes(depth_, itself, even);
+            is_seen |= votes.are_for_first() || votes.are_for_second();
+            if (!votes.are_for_second()) continue;
+            depth.near_is_high = is_high;
+            is_even = true;
+        }
+        is_buffer_ = !is_even && (values_.bits != 8 || is_deep() || is_seen);
+        if (!is_seen && !is_buffer_ && !empty_) depth.near_is_high = values_.lower >= values_.upper;
+        const bool is_inverse = is_buffer_ || (!is_even && depth.near_is_high);
+        depth.kind = is_inverse ? DepthCodingKind::inverse : DepthCodingKind::linear;
         depth.code_max = largest_code();
         depth.near = near;
         depth.far = far;
-        is_buffer_ = true;
+        if (is_buffer_ && values_.is_float) {  // its codes would be coarse beyond the first thing
+            StoredDepth& stored = scene_.stored;
+            stored.kind = StoredDepth::Kind::disparity;
+            stored.baseline = 1 / scene_.camera.fx;
+            stored.scale = (1 / near - 1 / far) * (depth.near_is_high ? 1 : -1);
+            stored.offset = 1 / (depth.near_is_high ? far : near);
+        }
+        const std::string what = std::string("values go from plane to plane evenly in ") +
+                                 (is_inverse ? "1/depth, " : "depth, ") +
+                                 (depth.near_is_high ? "large" : "small") + " ones near";
+        const auto nearness = [&](double value) { return depth.near_is_high ? value : largest() - value; };
+        if (!empty_ && nearness(values_.upper) > most_of_lengths * nearness(values_.lower)) say_bottom_up();
+        if (is_seen)
+            draft_.tell(what + ", as flat places are flat so");
+        else
+            draft_.say(what, {}, RemarkKind::storage);
     }
-    /// Whether a depth buffer's large values are far: they are seldom near 0 then, as most of the range is
-    /// before the first thing.
-    bool near_is_low() const { return values_.median > 0.5; }
 
-    /// Takes shares for a depth buffer whose planes are unknown, if flat places are flat by them. Values that
-    /// no place decides are lengths; `may_be_buffer_` says that.
+    /// Takes values for depth between planes, if flat places are flat by them, or planes are stated beside
+    /// them: a depth buffer, perhaps of unknown planes. Floats that no place decides are lengths;
+    /// `may_be_buffer_` says that.
     bool take_depth_buffer() {
-        if (!values_.are_shares) return false;
+        const StatedNumber &near = evidence_.beside.near, &far = evidence_.beside.far;
+        const bool are_stated = near.value > 0 && near.value < far.value;
+        const bool may_be = values_.is_float ? values_.are_shares : is_deep() || near_is_low() || are_stated;
+        if (!may_be || (values_.is_normalised && !are_stated) || values_.divisor > 1) return false;
         LatticeSearch steps;
         const std::size_t every = depth_.values.size() / 8192 | 1U;
         for (std::size_t k = 0; k < depth_.values.size(); k += every)
@@ -115,26 +172,31 @@ private:
         const double tenths = even && even->first == 0 ? even->step / 1e-4 : 0.5;  // of a millimetre
         if (std::abs(tenths - std::round(tenths)) < 1e-6) return false;            // a sensor's lengths
         const PlaneVotes votes(depth_, itself, reciprocal);
-        is_buffer_ = votes.are_for_first();
+        is_buffer_ = votes.are_for_first() || (is_deep() && !votes.are_for_second());
         may_be_buffer_ = near_is_low() && !votes.are_for_second();
-        if (!is_buffer_) return false;
-        const std::string what = "depth is a renderer's depth buffer, as flat places are flat by its values";
-        const StatedNumber &near = evidence_.beside.near, &far = evidence_.beside.far;
-        if (near.value > 0 && near.value < far.value) {
+        const bool is_even =
+            are_stated &&
+            PlaneVotes(depth_, evenly(near.value, far.value, false), reciprocal).are_for_first();
+        const std::string what =
+            std::string("depth is a renderer's depth buffer, as ") +
+            (is_deep() ? "all values are near the largest" : "flat places are flat by its values");
+        if (are_stated && (is_buffer_ || is_even || values_.bits == 8)) {
             set_planes(near.value, far.value);
             draft_.add_input(near.file);
-            draft_.tell(what + ", from " + short_number(near.value) + " to " + short_number(far.value) +
-                            " m, as " + printable(near.file.filename().string()) + " says",
+            draft_.tell((is_buffer_ ? what + ", from " : "depth goes from ") + short_number(near.value) +
+                            " to " + short_number(far.value) + " m, as " +
+                            printable(near.file.filename().string()) + " says",
                         {{Setting::near}, {Setting::far}});
-        } else {
-            set_relative(true, !near_is_low(),
-                         Remark{what + " and not by their reciprocals",
-                                true,
-                                "its planes give it its shape, or the unit, if values are lengths",
-                                {{Setting::near}, {Setting::far}, {Setting::depth_unit, "1"}},
-                                RemarkKind::planes});
+        } else if (is_buffer_) {
+            set_relative(
+                true, !near_is_low(),
+                Remark{is_deep() ? what : what + " and not by their reciprocals",
+                       true,
+                       "its planes give it its shape, or the unit, if values are lengths",
+                       {{Setting::near}, {Setting::far}, {Setting::depth_unit, values_.is_float ? "1" : ""}},
+                       RemarkKind::planes});
         }
-        return true;
+        return has_planes_ || is_buffer_;
     }
 
     /// Takes values for disparities: Middlebury's, if a file has their baseline; otherwise without a scale,
@@ -234,12 +296,20 @@ private:
             draft_.say(
                 "values are 8 bits stored as 16, as all are multiples of " + std::to_string(values_.divisor),
                 otherwise, RemarkKind::unit);
-        if (values_.bits == 8 || values_.is_of_bytes() || values_.is_normalised || is_signed ||
-            is_of_shares(depth_.packing)) {
-            const bool is_inverse = is_signed || values_.lower >= values_.upper;
+        if (take_depth_buffer()) return;
+        if (evidence_.are_heights) {
+            set_relative(false, true,
+                         Remark{"values are heights, as the name says",
+                                true,
+                                "the unit says that they are lengths",
+                                {{Setting::depth_unit}},
+                                RemarkKind::scale});
+        } else if (values_.bits == 8 || values_.is_of_bytes() || values_.is_normalised || is_signed ||
+                   is_of_shares(depth_.packing) || (empty_ && empty_->near_is_high)) {
+            const bool is_inverse =
+                empty_ ? empty_->near_is_high : is_signed || values_.lower >= values_.upper;
             set_relative(is_inverse, is_inverse);
         } else if (values_.is_float) {
-            if (take_depth_buffer()) return;
             constexpr double most_metres = 30, least_millimetres = 600;
             const bool metres = values_.median < most_metres;
             const bool may_be_centimetres = !metres && values_.median < least_millimetres;
@@ -255,11 +325,9 @@ private:
                        : may_be_buffer_ ? "a renderer's depth buffer has such values too, between two planes"
                                         : "");
             // The lower part of a picture is mostly nearer.
-            if (values_.lower > most_of_lengths * values_.upper && !evidence_.are_points)
-                draft_.say(
-                    "values are lengths, though they are larger in the lower third of the picture, as "
-                    "1/depth of networks is",
-                    {{Setting::preset, "relative-inverse"}}, RemarkKind::direction);
+            if (values_.lower > most_of_lengths * values_.upper && !evidence_.are_points &&
+                values_.usable > 0.5)
+                say_direction();
         } else if (!evidence_.list.empty()) {
             set_metric(1.0 / 5000);
             draft_.say("a code is 0.2 mm, as recordings with a " + evidence_.list + " have it (TUM RGB-D)",
@@ -271,6 +339,22 @@ private:
             set_metric(unit);
             say_unit(unit);
         }
+    }
+
+    void say_bottom_up() {
+        draft_.say(
+            "the upper third of the picture is nearer than the lower one: its rows may go from the bottom "
+            "up, as OpenGL's do (numpy.flipud turns them)",
+            {}, RemarkKind::storage);
+    }
+    void say_direction() {
+        if (PlaneVotes(depth_, itself, reciprocal).are_for_second())
+            say_bottom_up();
+        else
+            draft_.say(
+                "values are lengths, though they are larger in the lower third of the picture, as 1/depth of "
+                "networks is",
+                {{Setting::preset, "relative-inverse"}}, RemarkKind::direction);
     }
 
     std::string median_words(double unit) const {
@@ -313,6 +397,11 @@ private:
                 hints.push_back({Setting::preset, "vkitti"});
             else
                 hints.push_back({Setting::depth_unit, other});
+        }
+        if (holds_words(depth_) && values_.median > 0x2c00 && values_.median < 0x5400) {
+            others += (others.empty() ? "" : "; ") + short_number(half_value(values_.median), 3) +
+                      " m if they are the bits of halves";
+            hints.push_back({Setting::preset, "half"});
         }
         if (unit < 0.001) {
             const double below = 0.001 * (static_cast<int>(values_.median) & 0x1fff);
@@ -368,12 +457,20 @@ private:
     void set_invalid() {
         DepthCoding& coding = scene_.depth;
         // What no surface covers has the far plane's number.
-        if (is_buffer_) coding.invalid_codes[0] = near_is_low(), coding.invalid_code_count = 1;
-        if (is_buffer_ || scene_.stored.kind == StoredDepth::Kind::relative) return;
+        const bool is_relative = scene_.stored.kind == StoredDepth::Kind::relative;
+        if (is_buffer_ || (empty_ && (is_relative || has_planes_))) {
+            coding.invalid_codes[0] = static_cast<std::uint16_t>(empty_                ? empty_->value
+                                                                 : coding.near_is_high ? 0
+                                                                                       : largest());
+            coding.invalid_code_count = 1;
+        }
+        if (is_relative || (has_planes_ && coding.kind != DepthCodingKind::metric)) return;
         const bool is_told = evidence_.has_unit() || evidence_.usual_unit > 0;
         const auto* const preset = evidence_.preset;
-        const int other = preset ? preset->invalid : holds_words(depth_) && !is_told ? 65535 : 0;
-        const int above = is_told ? 0 : none_above_all(depth_).value_or(0);
+        const int other = preset                               ? preset->invalid
+                          : has_planes_ || holds_words(depth_) ? static_cast<int>(largest())
+                                                               : 0;
+        const int above = evidence_.has_values() ? 0 : none_above_all(depth_).value_or(0);
         for (const int code : {0, other, above})
             if (coding.invalid_code_count == 0 || (code > 0 && code <= coding.code_max))
                 coding.invalid_codes[static_cast<std::size_t>(coding.invalid_code_count++)] =
@@ -381,7 +478,7 @@ private:
         if (above > 0)
             draft_.say(std::to_string(above) +
                        " is no depth, as many pixels have it and no other comes near it");
-        if (!is_told)
+        if (!is_told || (other > 0 && values_.largest > 0 && !evidence_.has_values()))
             draft_.say(other > 0                   ? "0 and 65535 are no depth"
                        : values_.has_negative_none ? "0 and what is below it are no depth"
                                                    : "0 is no depth");
@@ -414,7 +511,8 @@ private:
     SceneDraft& draft_;
     Scene& scene_ = draft_.scene;
     const EstimatedValues values_;
-    bool is_unit_guessed_ = false, is_buffer_ = false, may_be_buffer_ = false;
+    std::optional<EmptyBackground> empty_{};  // of values that may have no scale
+    bool is_unit_guessed_ = false, is_buffer_ = false, may_be_buffer_ = false, has_planes_ = false;
 };
 
 }  // namespace

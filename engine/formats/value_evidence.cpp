@@ -150,14 +150,6 @@ bool has_one_confidence(const StoredImage& picture, const Words& words) {
     return PlaneVotes(picture, below_confidence, reciprocal).are_for_first();
 }
 
-/// The number whose bits, as a half (16-bit float), these are.
-double half_value(double word) {
-    constexpr std::uint32_t infinite = 0x7c00;
-    const auto bits = static_cast<std::uint32_t>(word);
-    return bits < infinite ? double{std::bit_cast<float>(bits << 13U)} * 0x1p112
-                           : std::numeric_limits<double>::infinity();
-}
-
 /// Whether words are the bits of halves, as Mid-Air and CO3D store them.
 bool are_halves(const StoredImage& picture) {
     constexpr unsigned least = 0x1000, infinite = 0x7c00;
@@ -575,6 +567,13 @@ std::int64_t carries(const StoredImage& picture, const PackedForm& form, std::in
 
 }  // namespace
 
+double half_value(double word) {
+    constexpr std::uint32_t infinite = 0x7c00;
+    const auto bits = static_cast<std::uint32_t>(word);
+    return bits < infinite ? double{std::bit_cast<float>(bits << 13U)} * 0x1p112
+                           : std::numeric_limits<double>::infinity();
+}
+
 Packing packing_of(const StoredImage& picture, bool is_likely) {
     const Image& image = picture.image;
     if (are_halves(picture)) return Packing::half;
@@ -716,14 +715,68 @@ EvidentPreset evident_preset(const StoredImage& picture) {
 }
 
 RendererBackground::RendererBackground(const StoredImage& picture) {
-    float farthest = 0;
+    constexpr float round[] = {10, 100, 1000, 65.535F, 655.35F, 6553.5F, 65535};
+    constexpr float far_beyond = 1.25F;
+    constexpr std::size_t one_in = 200;
+    float next = 0;
+    std::size_t piled = 0;
     until_stopped(picture.values.size(), [&](std::size_t first, std::size_t last) {
         for (std::size_t k = first; k < last; ++k) {
             const float size = std::abs(picture.values[k]);
-            farthest = std::max(farthest, size < endless ? size : 0.0F);
+            if (!(size < endless)) continue;
+            if (size > farthest_)
+                next = std::exchange(farthest_, size), piled = 1;
+            else if (size == farthest_)
+                ++piled;
+            else
+                next = std::max(next, size);
         }
     });
-    has_largest_half_ = farthest == largest_half;
+    const bool is_beyond =
+        one_in * piled > picture.values.size() && farthest_ > far_beyond * next && next > 0;
+    if (farthest_ != largest_half && !(is_beyond && std::ranges::count(round, farthest_) > 0)) farthest_ = 0;
+}
+
+bool are_negated(const StoredImage& picture) {
+    const RendererBackground background(picture);
+    return std::ranges::none_of(picture.values,
+                                [&](float value) { return value > 0 && !background.is(value); }) &&
+           std::ranges::any_of(picture.values, [](float value) { return value < 0; }) &&
+           !negative_none(picture, background);
+}
+
+std::optional<EmptyBackground> empty_background(const StoredImage& picture) {
+    const auto width = static_cast<std::size_t>(picture.image.width), pixels = pixel_count(picture.image);
+    const auto is_border = [&](std::size_t k) {
+        return k < width || k + width >= pixels || k % width == 0 || (k + 1) % width == 0;
+    };
+    double most = 0;
+    for (std::size_t k = 0; k < pixels; ++k) most = std::max(most, value_at(picture, k));
+    for (const double empty : {most, 0.0}) {
+        if (stop_requested()) break;
+        std::size_t all = 0, border = 0, around = 0;
+        double least = most, largest = 0;
+        double sums[2] = {0, 0}, counts[2] = {0, 0};  // of things, and of their rims
+        for (std::size_t k = 0; k < pixels; ++k) {
+            const double value = value_at(picture, k);
+            const bool is_at_border = is_border(k), is_empty = value == empty;
+            all += is_empty;
+            border += is_at_border;
+            around += is_at_border && is_empty;
+            if (is_empty || is_at_border) continue;
+            const bool is_rim = std::ranges::any_of(std::array{k - 1, k + 1, k - width, k + width},
+                                                    [&](auto n) { return value_at(picture, n) == empty; });
+            sums[is_rim] += value;
+            ++counts[is_rim];
+            least = std::min(least, value);
+            largest = std::max(largest, value);
+        }
+        if (5 * all < pixels || 4 * around < 3 * border || counts[0] == 0 || counts[1] == 0) continue;
+        const double rim = sums[1] / counts[1] - sums[0] / counts[0];
+        const bool is_clear = std::abs(rim) > 0.05 * (largest - least);
+        return EmptyBackground{empty, is_clear ? rim < 0 : empty == 0};
+    }
+    return {};
 }
 
 EstimatedValues estimate_values(const StoredImage& picture) {
@@ -739,12 +792,13 @@ EstimatedValues estimate_values(const StoredImage& picture) {
     const RendererBackground background(picture);
     const auto none = negative_none(picture, background);
     values.has_negative_none = none.has_value();
+    const double sign = are_negated(picture) ? -1 : 1;
     const auto is_usable = [&](double value) {
         return std::isfinite(value) && value != 0 && (values.is_float || value != most);
     };
     until_stopped(pixels, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
-            const double value = value_at(picture, k);
+            const double value = sign * value_at(picture, k);
             if (values.is_float && background.is(value)) {
                 values.has_background = true;
                 continue;
@@ -771,12 +825,13 @@ EstimatedValues estimate_values(const StoredImage& picture) {
     median.begin_again(usable);
     until_stopped(pixels, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
-            const double value = value_at(picture, k);
+            const double value = sign * value_at(picture, k);
             if (is_usable(value) && value != none && !(values.is_float && background.is(value)))
                 median.add_again(static_cast<float>(value));
         }
     });
     values.median = median.median();
+    values.usable = static_cast<double>(usable) / static_cast<double>(pixels);
     values.zeros = static_cast<double>(zeros) / static_cast<double>(pixels);
     values.largest = static_cast<double>(largest) / static_cast<double>(pixels);
     values.negative = static_cast<double>(negative) / static_cast<double>(pixels);

@@ -42,6 +42,9 @@ Packing packing_of(const StoredImage& picture, bool is_likely = false);
 /// of 8 bits (with alpha for floats) or the thread is asked to stop.
 bool unpack_depth(StoredImage& picture, Packing packing);
 
+/// The number whose bits, as a half (16-bit float), these are.
+double half_value(double word);
+
 /// The preset that 16-bit values show: a Kinect's raw disparities (kinect-raw; nyu with bytes swapped), bits
 /// rotated by 3 (sun), a player's number in the 3 lowest bits (kinect-sdk1), a confidence in the 3 highest
 /// (depth16). For unpacked pictures their packing. Null: no evidence, as fewer than 20 different values are
@@ -59,20 +62,32 @@ std::optional<std::uint16_t> none_above_all(const StoredImage& picture);
 /// Recognises what renderers write into float pictures for pixels without a surface, in any unit and of
 /// either sign: infinity, 1e9 and beyond (Blender: 1e10), and 65504, the largest half (16-bit float), which
 /// files of halves have in their place. Other programs turn halves into 32-bit floats, so 65504 is background
-/// in any float picture that has no depth farther than it. Codes have no background.
+/// in any float picture that has no depth farther than it; so are round numbers (10, 100, 1000, 65535 in
+/// several units) that more than one pixel in 200 has, far beyond all others. Codes have no background.
 class RendererBackground {
 public:
     explicit RendererBackground(const StoredImage& picture);
     /// Whether a value of the picture stands for no surface. (NaN is no value.)
     bool is(double value) const {
         const double size = std::abs(value);
-        return size >= double{endless} || (has_largest_half_ && size == double{largest_half});
+        return size >= double{endless} || (farthest_ > 0 && size == double{farthest_});
     }
 
 private:
     static constexpr float endless = 1e9F, largest_half = 65504;
-    bool has_largest_half_ = false;
+    float farthest_ = 0;  // 0: it is a surface
 };
+
+/// Whether all floats lie below 0, and not all are one number: depths along OpenGL's z axis.
+bool are_negated(const StoredImage& picture);
+
+/// An empty background, 0 or the largest value, around things of depth without a scale.
+struct EmptyBackground {
+    double value = 0;
+    bool near_is_high = false;  ///< as things' rims are farther than the rest of them
+};
+/// The background that a fifth of the pixels and most of the picture's border have.
+std::optional<EmptyBackground> empty_background(const StoredImage& picture);
 
 /// A reading (PlaneVotes): of 0, NaN.
 inline double reciprocal(double value) {
@@ -103,7 +118,8 @@ struct EstimatedValues {
     int bits = 16;
     double median = 0;
     double upper = 0, lower = 0;  ///< means of the upper and the lower third of the picture
-    double negative = 0;          ///< share of all pixels; 0 if all are one number, which is no depth then
+    double usable = 0;            ///< share of all pixels
+    double negative = 0;          ///< the same; 0 if all are one number, which is no depth then
     bool has_negative_none = false;
     double zeros = 0, largest = 0;  ///< shares of the pixels that are 0 and, for 16-bit integers, 65535
     bool is_normalised = false;     ///< uses the whole range that can be stored (floats: 0 to 1)

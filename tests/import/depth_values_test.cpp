@@ -592,6 +592,68 @@ TEST_F(ValueEvidence, TellsDepthBuffersByFlatPlaces) {
         is_refused(open_clip(folder / "b.pfm", std::nullopt, planes), "near and far need each other"));
 }
 
+/// Words of a depth buffer are near the largest, and integers may go evenly from plane to plane, as floats
+/// may; shares of the far plane are evenly spaced from 0 on.
+TEST_F(ValueEvidence, TellsHowValuesGoFromPlaneToPlane) {
+    SourceDescription planes;
+    planes.near = 0.1;
+    planes.far = 5;
+    const auto metres = [](int x, int y) { return 2 * corner(x, y); };
+    write_words(folder / "buffer.png", [&](int x, int y) {
+        return static_cast<unsigned>(65535 * (1 / 0.1 - 1 / metres(x, y)) / (1 / 0.1 - 1 / 5.0) + 0.5);
+    });
+    EXPECT_TRUE(has_words(FirstFrame(folder / "buffer.png").notes, "as all values are near the largest"));
+    expect_depths(folder / "buffer.png", metres, 1e-3, planes);
+    write_bytes(folder / "sensor.json", R"({"near": 0.1, "far": 5})");
+    EXPECT_TRUE(has_words(expect_depths(folder / "buffer.png", metres, 1e-3), "as sensor.json says"));
+    std::filesystem::remove(folder / "sensor.json");
+    for (const bool is_high : {false, true}) {
+        const auto even = [&](int x, int y) {
+            const double share = (metres(x, y) - 0.1) / (5 - 0.1);
+            return is_high ? 1 - share : share;
+        };
+        write_floats(folder / "even.pfm", even);
+        const std::string notes = expect_depths(folder / "even.pfm", metres, 1e-4, planes);
+        EXPECT_TRUE(has_words(notes, "evenly in depth, " + std::string(is_high ? "large" : "small")))
+            << notes;
+    }
+    write_floats(folder / "shares.pfm", [&](int x, int y) { return metres(x, y) / 5; });
+    expect_depths(folder / "shares.pfm", metres, 1e-4, planes);
+    write_floats(folder / "up.pfm", [](int x, int y) { return 1 / (1.5 - (y + 0.1 * x) / shown_high); });
+    EXPECT_TRUE(has_words(FirstFrame(folder / "up.pfm").notes, "rows may go from the bottom up"));
+}
+
+/// What is alone before a background goes away from its middle, whichever values are large.
+TEST_F(ValueEvidence, TellsWhatIsNearFromEmptyBackground) {
+    for (const bool is_high : {false, true})
+        for (const bool is_empty_high : {false, true}) {
+            const auto ball = [](int x, int y) { return 1 - std::hypot(x - 31, y - 23) / 16; };
+            write_floats(folder / "a.pfm", [&](int x, int y) {
+                const double share = 0.01 + 0.99 * std::sqrt(std::max(ball(x, y), 0.0));
+                return ball(x, y) < 0 ? is_empty_high : is_high ? share : 1 - share;
+            });
+            if (!is_high && !is_empty_high) continue;  // as lengths around which 0 is no depth
+            const FirstFrame first(folder / "a.pfm");
+            EXPECT_EQ(first.scene.depth.near_is_high, is_high) << first.notes;
+            EXPECT_FALSE(first.scene.depth.is_valid(first.code(0, 0)));
+            EXPECT_LT(first.scene.depth.depth(first.code(31, 23)),
+                      first.scene.depth.depth(first.code(20, 23)));
+        }
+}
+
+TEST_F(ValueEvidence, ReadsNegatedLengthsAndRoundBackgrounds) {
+    const auto metres = [](int x, int y) { return x < 3 ? 0 : corner(x, y); };
+    write_floats(folder / "a.pfm", [&](int x, int y) { return -metres(x, y); });
+    expect_depths(folder / "a.pfm", metres, 1e-4);
+    write_floats(folder / "b.pfm", [&](int x, int y) { return x < 3 ? 1000 : corner(x, y); });
+    expect_depths(folder / "b.pfm", metres, 1e-4);
+    // A stated unit does not make 65535 a surface.
+    write_words(folder / "c.png", [&](int x, int y) { return x < 3 ? 65535 : millimetres_of(corner(x, y)); });
+    SourceDescription known;
+    known.metres_per_code = 0.001;
+    expect_depths(folder / "c.png", metres, 1e-3, known);
+}
+
 /// Noise hides what is flat: the lengths are metres, and the other meaning is named.
 TEST_F(ValueEvidence, NamesDepthBufferWhereNothingTells) {
     SplitMix64 random(3);
