@@ -60,6 +60,13 @@ bool is_named_range(const std::string& name) {
            has_word(name, {"depth_meters", "distance_to_camera"});
 }
 
+/// Whether a name says heights: not its folder's, which may tell what depth is of, and not "height", which is
+/// also this program's plane of roughness.
+bool is_named_heights(const std::string& name) {
+    return has_whole_word(name, {"dem", "dsm", "dtm", "heightmap", "terrain", "elevation", "displacement"}) &&
+           !has_word(name, {"depth"});
+}
+
 std::optional<UnitInName> unit_in_name(const std::string& name) {
     constexpr std::pair<std::string_view, UnitInName> units[] = {
         {"mm", {0.001, "millimetres"}}, {"millimeters", {0.001, "millimetres"}},
@@ -430,12 +437,14 @@ void DepthEvidence::know_name(const fs::path& path) {
     is_named = true;
     says_disparity = is_named_disparity(name);
     says_range = is_named_range(name);
+    are_heights = is_named_heights(own);
     unit = unit_in_name(name);
 }
 
 void DepthEvidence::know_array(const std::string& name) {
-    says_disparity =
-        is_named_disparity(name) || (says_disparity && small_letters(name).find("depth") == name.npos);
+    const bool is_depth = has_word(name, {"depth"});
+    says_disparity = is_named_disparity(name) || (says_disparity && !is_depth);
+    are_heights = is_named_heights(name) || (are_heights && !is_depth);
     says_range = says_range || is_named_range(name);
 }
 

@@ -30,8 +30,9 @@ struct DepthEvidence {
     bool is_named = false;                   ///< whether the following names were looked at
     bool says_disparity = false, says_range = false;
     std::optional<UnitInName> unit{};
-    bool are_points = false;  ///< of a cloud
-    double usual_unit = 0;    ///< metres of a stored 1, as the format defines it; 0: it does not
+    bool are_heights = false;  ///< a height map's or an elevation model's: what is high is near
+    bool are_points = false;   ///< of a cloud
+    double usual_unit = 0;     ///< metres of a stored 1, as the format defines it; 0: it does not
     CameraBeside beside{};
 
     void set_preset(EvidentPreset evident) {
