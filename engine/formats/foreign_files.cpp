@@ -1,11 +1,11 @@
 #include "engine/formats/foreign_files.hpp"
-#include "engine/picture/image.hpp"
 
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 #include <set>
 #include <span>
 #include <string_view>
@@ -366,17 +366,44 @@ std::optional<std::string> first_said(std::span<const Recognise> kinds, const So
     return {};
 }
 
+/// Whether a word of a name begins so, or, with a space behind it, is so.
+bool has_beginning(const std::string& name, std::initializer_list<std::string_view> beginnings) {
+    return std::ranges::any_of(words_in_name(name), [&](const std::string& word) {
+        return std::ranges::any_of(beginnings, [&](auto wanted) { return (word + ' ').starts_with(wanted); });
+    });
+}
+
 /// Whether a file's name without its extension, or a folder's with its slash, says that it is a panorama: by
 /// a word, or by 360, which at the end of a file's may be a frame's number.
 bool names_panorama(const std::string& name) {
-    const auto says = [](std::string_view word) {
-        return word == "erp" || word == "pano" || word == "panos" || word.starts_with("panoram") ||
-               word.starts_with("equirect") || word.starts_with("spheric") || word.starts_with("latlon");
-    };
     const std::size_t at = name.find("360");
     const bool has_360 = at < name.size() - std::min<std::size_t>(name.size(), 3) && name[at + 3] != 'p' &&
                          !is_digit(name[at + 3]) && (at == 0 || !is_digit(name[at - 1]));
-    return has_360 || std::ranges::any_of(words_in_name(name), says);
+    return has_360 ||
+           has_beginning(name, {"erp ", "pano ", "panos ", "panoram", "equirect", "spheric", "latlon"});
+}
+
+/// Whether depth is as of a whole sphere: the points above and below are a row each, the sides meet, and
+/// between them the camera sees farther. Where a pinhole sees a floor, rows differ more.
+bool is_of_sphere(const StoredImage& depth) {
+    const int width = depth.image.width, last = depth.image.height - 1, inner = last / 16;
+    const auto at = [&](int x, int y) {
+        const auto k = pixel_count(width, y) + static_cast<std::size_t>(x);
+        return depth.values.empty() ? sample_at(depth.image, k) : double{depth.values[k]};
+    };
+    const auto differ = [](double a, double b, double share) {
+        return !(a > 0 && std::abs(a - b) <= share * a);
+    };
+    const double up = at(0, 0), down = at(0, last);
+    if (inner == 0 || differ(up, at(0, inner), 0.05) || differ(down, at(0, last - inner), 0.05)) return false;
+    int apart = 0;
+    for (int y = 0; y <= last; ++y) apart += differ(at(0, y), at(width - 1, y), 0.02) ? 1 : 0;
+    double farthest = 0;
+    for (int x = 0; x < width && 20 * apart <= last; ++x) {
+        if (differ(up, at(x, 0), 0.01) || differ(down, at(x, last), 0.01)) return false;
+        farthest = std::max(farthest, at(x, last / 2));
+    }
+    return farthest > 1.1 * std::max(up, down);
 }
 
 bool is_there(const fs::path& file) {
@@ -403,27 +430,60 @@ std::optional<std::string> foreign_folder(const fs::path& folder) {
     return "is a Zarr store" + zarr_words(folder);
 }
 
-std::optional<std::string> panorama(const fs::path& depth, const fs::path& colour, int width, int height,
-                                    bool has_xmp) {
+std::optional<Projection> projection_of(const StoredImage& picture, const fs::path& depth,
+                                        const fs::path& colour, bool has_xmp, bool has_camera) {
     std::error_code ignored;
     const fs::path file = fs::weakly_canonical(depth, ignored), folder = file.parent_path();
-    const auto is_named = [](const fs::path& one) { return names_panorama((one.filename() / "").string()); };
-    const bool is_named_so =
-        names_panorama(file.stem().string()) || is_named(folder) || is_named(folder.parent_path());
-    if (!has_xmp && (std::abs(width - 2 * height) > 1 || !is_named_so)) return {};
-    const auto view = [side =
-                           std::to_string(width / 3)](const fs::path& of) {  // about as many pixels an angle
+    const std::string names[] = {file.stem().string(), (folder.filename() / "").string(),
+                                 (folder.parent_path().filename() / "").string()};
+    const auto says = [&](std::initializer_list<std::string_view> beginnings) {
+        return std::ranges::any_of(names, [&](const auto& name) { return has_beginning(name, beginnings); });
+    };
+    const int width = picture.image.width, height = picture.image.height, face = std::gcd(width, height);
+    const bool is_wide = std::abs(width - 2 * height) <= 1,
+               is_named = is_wide && std::ranges::any_of(names, names_panorama),
+               is_sphere = is_wide && !is_named && !has_xmp && is_of_sphere(picture),
+               is_strip = std::max(width, height) == 6 * face;
+    Projection found{.evidence = has_xmp ? "as its XMP says" : is_sphere ? "" : "as its name says"};
+    std::string before, after, more;
+    if (has_xmp || is_named || is_sphere) {
+        const std::string side = std::to_string(width / 3);  // about as many pixels an angle
+        found.name = "an equirectangular panorama";
+        found.hints = {{Setting::field_of_view, "90"}, {Setting::depth_kind, "range"}};
+        before = "py360convert.e2p(";
+        after = ", 90, 0, 0, (" + side + ", " + side + "), mode='nearest')";
+        more = ", whose depth goes along each ray";
+    } else if (width != height && width / face * (height / face) <= 12 &&
+               says({"cubemap", "skybox", is_strip ? "cube " : "cubemap"})) {
+        const int top = height / face / 3 * face;  // of a cross, the row of four
+        found.name = "a cube map";
+        found.hints = {{Setting::field_of_view, "90"}};
+        after =
+            '[' + std::to_string(top) + ':' + std::to_string(top + face) + ", :" + std::to_string(face) + ']';
+    } else if (!has_camera && (says({"fisheye", "omnidir"}) || (width > 3 * height && says({"cylind"})))) {
+        found.name = says({"fisheye"}) ? "a fisheye picture" : "a panorama";
+        found.hints = {{Setting::intrinsics, "FX,FY,CX,CY"}};
+        before = "cv2.remap(";
+        after = ", *MAPS, cv2.INTER_NEAREST)";
+        more =
+            " (MAPS: where in it the view's pixels are; cv2.fisheye.initUndistortRectifyMap makes "
+            "a fisheye's)";
+    } else {
+        return {};
+    }
+    const auto view = [&](const fs::path& of) {
         const std::string name = python_text(of.string()), extension = of.extension().string();
-        return "py360convert.e2p(" +
+        return before +
                (extension == ".npy"   ? "numpy.load(" + name + ")"
                 : extension == ".npz" ? "numpy.load(" + name + ")['NAME']"
+                : extension == ".exr" ? "OpenEXR.File(" + name + ").channels()['NAME'].pixels"
                                       : "cv2.imread(" + name + ", -1)") +
-               ", 90, 0, 0, (" + side + ", " + side + "), mode='nearest'))";
+               after + ')';
     };
-    return std::string("is a panorama (equirectangular, as its ") + (has_xmp ? "XMP" : "name") +
-           " says; if it is none, say its camera), which no pinhole camera sees: numpy.save('view.npy', " +
-           view(depth) + (colour.empty() ? "" : " and cv2.imwrite('view.png', " + view(colour)) +
-           " in Python make a view of it, whose depth goes along each ray" + after_play("view.npy");
+    found.way = "numpy.save('view.npy', " + view(depth) +
+                (colour.empty() || colour == depth ? "" : " and cv2.imwrite('view.png', " + view(colour)) +
+                " in Python make a view of it" + more + after_play("view.npy");
+    return found;
 }
 
 std::optional<std::string> foreign_file_below(const fs::path& folder) {

@@ -194,16 +194,30 @@ void tell_of_unused(const std::vector<std::string>& names, SceneDraft& draft) {
     draft.tell(std::move(told));
 }
 
-/// Refuses a panorama, unless a person states the camera of a view, which a remark then says.
-Result<void> check_projection(const fs::path& depth, const fs::path& colour, const ReadPictures& pictures,
+/// Refuses what no pinhole camera sees. A remark says it instead if a person states the camera of a view, or
+/// if depth's values alone show it.
+Result<void> check_projection(const StoredImage& stored, const fs::path& depth, const fs::path& colour,
+                              const ReadPictures& pictures, const DepthEvidence& evidence,
                               SceneDraft& draft) {
-    const auto is_one = panorama(depth, colour, draft.scene.width, draft.scene.height,
-                                 pictures.has_panorama(depth) || pictures.has_panorama(colour));
-    if (!is_one) return {};
-    if (!pictures.known().intrinsics && !pictures.known().fov)
-        return input_error(depth.string() + ": " + *is_one,
-                           {{Setting::field_of_view, "90"}, {Setting::depth_kind, "range"}});
-    draft.tell("the picture may be a panorama, and is taken for that of the camera that was said");
+    const bool has_xmp = pictures.has_panorama(depth) || pictures.has_panorama(colour);
+    const auto found = projection_of(stored, depth, colour, has_xmp, evidence.beside.camera.has_value());
+    if (!found) return {};
+    const std::string may_be = "the picture may be " + found->name;
+    if (pictures.known().intrinsics || pictures.known().fov) {
+        draft.tell(may_be + ", and is taken for that of the camera that was said");
+    } else if (found->evidence.empty()) {
+        std::erase_if(draft.scene.remarks, [](const Remark& each) {
+            return each.kind == RemarkKind::camera || each.kind == RemarkKind::direction;
+        });
+        draft.say("the camera is a pinhole, though " + may_be +
+                      ", as its first and last row have one depth each and its sides meet",
+                  {{Setting::field_of_view}}, RemarkKind::camera, found->way + "; of a pinhole");
+    } else {
+        return input_error(
+            depth.string() + ": is " + found->name + " (" + found->evidence +
+                "; if it is none, say its camera), which no pinhole camera sees: " + found->way,
+            found->hints);
+    }
     return {};
 }
 
@@ -523,7 +537,8 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
         guess.say("left out: " + printable(listed(chosen.left_out_by_pattern), 200), {}, RemarkKind::other,
                   "a scene file's folder.depth names one of these to open it");
     if (colour) place_colour(folder, colour->first, *pictures, evidence, guess);
-    TRY(check_projection(depth.first, colour ? colour->first : fs::path(), *pictures, guess));
+    TRY(check_projection(stored, depth.first, colour ? colour->first : fs::path(), *pictures, evidence,
+                         guess));
     if (video && !video->others.empty())
         guess.say("left out: " + printable(listed(video->others), 200) + ", which may be colour as well", {},
                   RemarkKind::other, "a scene file's folder.colour names another one");
@@ -592,8 +607,9 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
         folder.colour = name;
     }
     if (stored.beside) tell_of_layers(*stored.beside, folder.colour == name, guess);
-    TRY(check_projection(file, folder.colour.empty() ? fs::path() : file.parent_path() / folder.colour,
-                         *pictures, guess));
+    TRY(check_projection(stored, file,
+                         folder.colour.empty() ? fs::path() : file.parent_path() / folder.colour, *pictures,
+                         evidence, guess));
     TRY_ASSIGN(const auto stack, pictures->stack_in(file));
     std::optional<ColourVideo> video;
     if (stack && stack->count() > 1 && folder.colour.empty()) video = colour_video_beside(file);

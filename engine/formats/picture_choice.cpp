@@ -316,7 +316,7 @@ std::optional<fs::path> colour_beside(const fs::path& depth, ReadPictures& pictu
     for (const char* end : {"_depth", ".depth"})
         if (stem.ends_with(end)) stems.push_back(stem.substr(0, stem.size() - std::string(end).size()));
     for (const std::string& other : stems)
-        for (const char* extension : {".png", ".jpg", ".jpeg", ".ppm"}) {
+        for (const char* extension : {".png", ".jpg", ".jpeg", ".ppm", ".JPG", ".JPEG", ".PNG"}) {
             const fs::path file = depth.parent_path() / (other + extension);
             if (file == depth || !is_file(file)) continue;
             if (const auto picture = pictures.look(file); picture && is_in_colour(**picture)) return file;

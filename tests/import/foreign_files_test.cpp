@@ -224,7 +224,7 @@ TEST_F(Panorama, IsNamedByItsNameAndShape) {
                              "pano/1/d.png", "c/depth_360cam.png", "c/360_depth.png", "spherical/d.png",
                              "KITTI-360/d.png", "d/Pano2_depth.png"}) {
         const std::string refused = said(name, wide_one);
-        EXPECT_TRUE(has_words(refused, "is a panorama (equirectangular, as its name says; ")) << name;
+        EXPECT_TRUE(has_words(refused, "is an equirectangular panorama (as its name says; ")) << name;
         EXPECT_TRUE(has_words(refused, "py360convert.e2p(cv2.imread('" + (folder / name).string() +
                                            "', -1), 90, 0, 0, (21, 21), mode='nearest'))"));
         EXPECT_EQ(said(name, other), "") << name;
@@ -232,6 +232,53 @@ TEST_F(Panorama, IsNamedByItsNameAndShape) {
     for (const char* name : {"a/depth_360.png", "a/depth_003600.png", "a/depth_360p.png", "companions/d.png",
                              "a/panoptic_d.png"})
         EXPECT_EQ(said(name, wide_one), "") << name;
+}
+
+/// Cube maps, fisheye pictures and cylinders are refused by their names and shapes.
+TEST_F(Panorama, HasOtherProjections) {
+    const auto said = [&](const std::string& name, int width, int height) {
+        write_in_folder(folder / name,
+                        made_image(width, height, 2, 1, [](int x, int y, int) { return 1000 + 10 * x + y; }));
+        return refusal(name);
+    };
+    EXPECT_TRUE(has_words(said("cubemap_depth.png", 96, 16), ", -1)[0:16, :16])"));
+    EXPECT_TRUE(has_words(said("a/skybox.png", 64, 48), ", -1)[16:32, :16])"));
+    EXPECT_TRUE(has_words(said("cube/0.png", 96, 16), "is a cube map (as its name says"));
+    EXPECT_TRUE(has_words(said("fisheye_depth.png", 40, 40), "cv2.remap(cv2.imread('"));
+    EXPECT_TRUE(has_words(said("b/cylinder_depth.png", 96, 24), "is a panorama (as its name says"));
+    // A face of a cube map is a pinhole's; things have these shapes too.
+    for (const auto& [name, width] :
+         {std::pair{"a/skybox1.png", 48}, {"a/cube.png", 64}, {"a/cylinder.png", 64}})
+        EXPECT_EQ(said(name, width, 48), "") << name;
+}
+
+/// Depth of a box from its middle, all around; and of a floor and a ceiling as a pinhole sees them.
+TEST_F(Panorama, IsDoubtedByItsValues) {
+    const auto doubted = [&](const std::string& name, const auto& metres) {
+        std::string pfm = "Pf\n96 48\n-1\n";
+        for (int y = 0; y < 48; ++y)
+            for (int x = 0; x < 96; ++x) {
+                const auto depth = static_cast<float>(metres(x + 0.5, y + 0.5));
+                pfm.append(reinterpret_cast<const char*>(&depth), sizeof depth);
+            }
+        write_bytes(folder / name, pfm);
+        const auto clip = must(open_clip(folder / name));
+        EXPECT_FALSE(is_noted(*clip, "though they are larger in the lower third")) << name;
+        return is_noted(*clip,
+                        "the camera is a pinhole, though the picture may be an equirectangular panorama");
+    };
+    constexpr double pi = 3.14159265358979;
+    const auto sphere = [](double x, double y) {
+        const double turn = x / 48 * pi, up = (0.5 - y / 48) * pi;
+        return 1 / std::max({std::abs(std::sin(up)) / 1.2, std::abs(std::cos(up) * std::sin(turn)) / 3,
+                             std::abs(std::cos(up) * std::cos(turn)) / 2});
+    };
+    const auto corridor = [](double x, double y) {
+        return 40 / std::max({std::abs(y - 24), std::abs(x - 48) / 1.5, 4.0});
+    };
+    EXPECT_TRUE(doubted("a.pfm", sphere));
+    EXPECT_FALSE(doubted("b.pfm", corridor));
+    EXPECT_FALSE(doubted("c.pfm", [](double x, double) { return std::abs(x - 48) < 9 ? 1.5 : 2.0; }));
 }
 
 TEST_F(Panorama, IsNamedInFolders) {
@@ -262,9 +309,14 @@ TEST_F(Panorama, IsNamedByXmp) {
                jpeg.substr(2);
     };
     write_bytes(folder / "a.jpg", with_xmp("equirectangular"));
-    EXPECT_TRUE(has_words(refusal("a.jpg"), "is a panorama (equirectangular, as its XMP says; "));
+    EXPECT_TRUE(has_words(refusal("a.jpg"), "is an equirectangular panorama (as its XMP says; "));
     write_bytes(folder / "b.jpg", with_xmp("cylindrical"));
     EXPECT_EQ(refusal("b.jpg"), "");
+    // Of colour beside depth, named as cameras do.
+    write_bytes(folder / "R1.JPG", with_xmp("equirectangular"));
+    write_in_folder(folder / "R1_depth.png",
+                    made_image(48, 32, 2, 1, [](int x, int y, int) { return 900 + x + y; }));
+    EXPECT_TRUE(has_words(refusal("R1_depth.png"), "R1.JPG', -1), 90"));
 }
 
 /// A person who states the camera knows better than a name.
@@ -273,11 +325,12 @@ TEST_F(Panorama, OpensWithStatedCamera) {
                     made_image(64, 32, 2, 1, [](int x, int y, int) { return 1000 + 10 * x + y; }));
     SourceDescription known;
     known.metres_per_code = 0.001;
-    EXPECT_TRUE(has_words(refusal("pano_depth.png", known), "is a panorama"));
+    EXPECT_TRUE(has_words(refusal("pano_depth.png", known), "is an equirectangular panorama"));
     known.fov = 90;
     const auto clip = must(open_clip(folder / "pano_depth.png", {}, known));
     EXPECT_NEAR(clip->scene().camera.fx, 32, 1e-9);
-    EXPECT_TRUE(is_noted(*clip, "the picture may be a panorama, and is taken for that of the camera"));
+    EXPECT_TRUE(is_noted(
+        *clip, "the picture may be an equirectangular panorama, and is taken for that of the camera"));
 }
 
 TEST_F(ForeignFiles, AreNamedInEmptyFolders) {
