@@ -344,7 +344,9 @@ std::optional<std::string> table(const Look& look) {
         std::string how;
         if (between.size() == 1) how += ", delimiter='" + between + "'";
         if (headings > 0) how += ", skip_header=" + std::to_string(headings);
-        return "is text, a row of numbers a line" +
+        return (look.begin.starts_with("ncols")
+                    ? "is a grid of heights (ESRI; what is high is near, if the array is named as one: dem)"
+                    : "is text, a row of numbers a line") +
                saved(look.path, "numpy.genfromtxt(", how + (ends_in_mark ? ")[:, :-1]" : ")"));
     }
     return {};

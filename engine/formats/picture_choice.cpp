@@ -44,10 +44,19 @@ Result<SharedPicture> as_depth(SharedPicture stored, const fs::path& file, Packi
     if (stop_requested()) return interrupted_error();
     if (!grey) {
         const auto* const likely = preset_of(packing_of(*stored, true));
+        const bool may_be_floats =
+            !stored->alpha.empty() && std::ranges::all_of(stored->alpha, [](std::uint8_t exponent) {
+                return exponent == 0 || (exponent >= 0x30 && exponent < 0x80);
+            });
         return input_error(
-            file.string() + ": is in colour: a picture of depth is grey (of depth as hue, give a scene file" +
-                (likely ? "; its bytes look like " + std::string(likely->what) : "") + ')',
-            {{Setting::preset, likely ? likely->name : ""}});
+            file.string() + ": is in colour: " +
+                (likely          ? "its bytes look like " + std::string(likely->what)
+                 : may_be_floats ? "its bytes and its alpha's may be floats"
+                                 : "a colour map's colours are no depth, the grey of 16 bits or floats that "
+                                   "they were made of is; numbers in its bytes need a preset"),
+            likely          ? Hints{{Setting::preset, likely->name}}
+            : may_be_floats ? Hints{{Setting::preset, "bgra32f"}, {Setting::preset, "rgba32f"}}
+                            : Hints{{Setting::preset, "bgr24"}, {Setting::preset, "carla"}});
     }
     const StoredImage& of = *stored;
     return std::make_shared<const StoredImage>(

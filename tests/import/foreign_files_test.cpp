@@ -173,6 +173,8 @@ TEST_F(ForeignFiles, IncludeTablesOfNumbers) {
         EXPECT_TRUE(has_words(refusal("x.csv"), "is text, a row of numbers a line"));
         EXPECT_TRUE(has_words(refusal("x.csv"), way));
     }
+    text("x.asc", "ncols 40\nnrows 30\n" + rows(" ", "\n"));
+    EXPECT_TRUE(has_words(refusal("x.asc"), "is a grid of heights (ESRI; what is high is near"));
     // Poses, a camera and words are no rows of pixels.
     for (const std::string& bytes :
          {rows(" ", "\n", 16), std::string("525 525 319.5 239.5\n"), rows(" word ", "\n")}) {
