@@ -95,24 +95,30 @@ std::string torch_words(const Look& look) {
            saved(look.path, "torch.load(", ", map_location='cpu').numpy()");
 }
 
-/// Record3D's recording, a ZIP file, or a picture of depth in it; both are packed by LZFSE.
+/// Record3D's recording, a ZIP file, or a picture of depth in it, unzipped; both are packed by LZFSE.
 std::optional<std::string> record3d(const Look& look) {
     const bool is_picture = look.is_named({".depth"}) && look.begin.starts_with("bvx");
     if (!is_picture && !look.is_named({".r3d"})) return {};
     const std::string app =
         " of Record3D in its own format, which its app exports as EXR + RGB, a folder that opens, and "
         "pyliblzfse reads";
-    if (is_picture)
-        return "is a picture" + app + " (192: the dw of its metadata)" +
+    const fs::path folder = look.path.parent_path().parent_path();
+    std::error_code ignored;
+    if (is_picture && !fs::exists(folder / "metadata", ignored))
+        return "is a picture" + app + " (DW: the dw of its recording's metadata)" +
                saved(look.path, "numpy.frombuffer(liblzfse.decompress(open(",
-                     ", 'rb').read()), 'f4').reshape(-1, 192)");
-    const std::string arrays = fs::path(look.path).replace_extension(".npz").string();
-    return "is a recording" + app + ": z = zipfile.ZipFile(" + look.python_name() +
-           "); m = json.loads(z.read('metadata')); numpy.savez(" + python_text(arrays) +
-           ", depth=[numpy.frombuffer(liblzfse.decompress(z.read(f'rgbd/{n}.depth')), 'f4').reshape(m['dh'], "
-           "m['dw']) for n in range(sum(i.endswith('.depth') for i in z.namelist()))], "
-           "intrinsics=numpy.reshape(m['K'], (3, 3)).T * [[m['dw'] / m['w']], [m['dh'] / m['h']], [1]]) in "
-           "Python makes arrays of it" +
+                     ", 'rb').read()), 'f4').reshape(-1, DW)");
+    const std::string arrays =
+        (is_picture ? folder / "depth.npz" : fs::path(look.path).replace_extension(".npz")).string();
+    return (is_picture ? "is a picture" : "is a recording") + app +
+           (is_picture ? ": z = pathlib.Path(" + python_text((folder / "").string())
+                       : ": z = zipfile.Path(" + look.python_name()) +
+           "); m = json.loads((z / 'metadata').read_text()); numpy.savez(" + python_text(arrays) +
+           ", depth=[numpy.frombuffer(liblzfse.decompress((z / f'rgbd/{n}.depth').read_bytes()), "
+           "'f4').reshape(m['dh'], m['dw']) for n in range(sum(i.name.endswith('.depth') for i in (z / "
+           "'rgbd').iterdir()))], intrinsics=numpy.reshape(m['K'], (3, 3)).T * [[m['dw'] / m['w']], [m['dh'] "
+           "/ "
+           "m['h']], [1]]) in Python makes arrays of it" +
            after_play(shell_word(arrays));
 }
 

@@ -209,6 +209,10 @@ TEST_F(ForeignFiles, IncludeRecord3dInFolders) {
     text("unzipped/rgbd/0.depth", "bvx2 and more");
     text("unzipped/rgbd/0.conf", "bvx2 and more");
     EXPECT_TRUE(has_words(refusal("unzipped"), "but rgbd/0.depth is a picture of Record3D"));
+    text("unzipped/metadata", "{}");
+    EXPECT_TRUE(
+        has_words(refusal("unzipped"), "z = pathlib.Path('" + (folder / "unzipped/").string() + "')"));
+    EXPECT_TRUE(has_words(refusal("unzipped"), "reshape(m['dh'], m['dw'])"));
 }
 
 // Panoramas, which no pinhole camera sees.
