@@ -403,8 +403,8 @@ bool take_colour_camera(const fs::path& movement, const Image& colour, const Dep
     return true;
 }
 
-/// If files there say that colour does not lie on depth's pixels, takes colour's camera from them, or adds a
-/// remark that colour is nevertheless taken to lie there.
+/// If files there or colour's shape say that it does not lie on depth's pixels, takes colour's camera from
+/// the files, or adds a remark that colour is nevertheless taken to lie there.
 void place_colour(const fs::path& folder, const fs::path& colour, ReadPictures& pictures,
                   const DepthEvidence& evidence, SceneDraft& draft) {
     const fs::path here = folder.empty() ? fs::path(".") : folder;
@@ -414,12 +414,17 @@ void place_colour(const fs::path& folder, const fs::path& colour, ReadPictures& 
         draft.add_input(*file);
         if (picture && take_colour_camera(*file, (*picture)->image, evidence, draft)) return;
         why = file->filename().string() + " says how its camera stands";
-    } else if (picture && evidence.has_camera()) {
+    } else if (picture) {
         const Image& image = (*picture)->image;
-        const auto other = camera_of_colour_in(here, draft.scene, image.width, image.height);
-        if (!other) return;
-        why = other->filename().string() + " is of another camera than depth's";
-        draft.add_input(*other);
+        const auto other = evidence.has_camera()
+                               ? camera_of_colour_in(here, draft.scene, image.width, image.height)
+                               : std::nullopt;
+        const double across = 1.0 * image.width * draft.scene.height,
+                     down = 1.0 * image.height * draft.scene.width;
+        if (!other && std::abs(across - down) < 0.03 * down) return;
+        why = other ? other->filename().string() + " is of another camera than depth's"
+                    : "it is stretched to their shape from " + size_text(image.width, image.height);
+        if (other) draft.add_input(*other);
     } else {
         return;
     }

@@ -91,10 +91,16 @@ bool is_in_colour(const StoredImage& picture) {
     return picture.values.empty() && picture.image.channels == 3 && picture.image.bytes_per_sample == 1;
 }
 
+/// Whether a group is named as pictures that are neither depth nor colour.
+bool names_other(const std::string& name) {
+    return has_word(name, {"conf", "mask", "label", "normal", "haptic", "height", "validity"}) ||
+           (has_word(name, {"instance", "semantic", "segment", "panoptic"}) &&
+            !has_word(name, {"depth", "disp"}));
+}
+
 /// How likely a group is depth; 0: not at all.
 int depth_mark(const PictureGroup& group, ReadPictures& pictures) {
-    if (has_word(group.pattern, {"conf", "mask", "label", "normal", "haptic", "height", "validity"}))
-        return 0;
+    if (names_other(group.pattern)) return 0;
     const auto looked = pictures.look(group.first);
     if (!looked) return 0;
     const StoredImage& first = **looked;
@@ -110,9 +116,8 @@ int depth_mark(const PictureGroup& group, ReadPictures& pictures) {
 }
 
 bool goes_as_colour(const PictureGroup& group, const PictureGroup& depth, ReadPictures& pictures) {
-    if (group.pattern == depth.pattern ||
-        has_word(group.pattern,
-                 {"conf", "mask", "label", "normal", "haptic", "height", "depth", "disp", "ultrawide"}))
+    if (group.pattern == depth.pattern || names_other(group.pattern) ||
+        has_word(group.pattern, {"depth", "disp", "ultrawide"}))
         return false;
     const auto looked = pictures.look(group.first);
     if (!looked) return false;
@@ -161,8 +166,7 @@ std::vector<const PictureGroup*> greys_among(const std::vector<PictureGroup>& gr
                                              ReadPictures& pictures) {
     std::vector<const PictureGroup*> greys;
     for (const PictureGroup& group : groups) {
-        if (has_word(group.pattern, {"conf", "mask", "label", "normal", "haptic", "height", "rgb", "color",
-                                     "colour", "infra"}))
+        if (names_other(group.pattern) || has_word(group.pattern, {"rgb", "color", "colour", "infra"}))
             continue;
         const auto looked = pictures.look(group.first);
         if (looked && (*looked)->values.empty() && is_grey((*looked)->image)) greys.push_back(&group);
