@@ -86,9 +86,7 @@ std::string_view first_member(std::string_view begin) {
     return begin.substr(head, std::size_t{low} + 256 * std::size_t{high});
 }
 
-std::string zarr_words(const fs::path& store) {
-    return saved(store, "zarr.open(", ")['NAME'][:]");
-}
+constexpr const char* array_of_zarr = ")['NAME'][:]";
 
 std::string torch_words(const Look& look) {
     return "is a file of PyTorch (of a dict, add ['NAME'] after torch.load(...))" +
@@ -128,7 +126,8 @@ std::optional<std::string> zip_file(const Look& look) {
     const std::string_view member = first_member(look.begin);
     if (member.ends_with(".npy")) return {};
     if (member.ends_with("/data.pkl")) return torch_words(look);
-    if (look.name().ends_with(".zarr.zip")) return "is a Zarr store in a ZIP file" + zarr_words(look.path);
+    if (look.name().ends_with(".zarr.zip"))
+        return "is a Zarr store in a ZIP file" + saved(look.path, "zarr.open(", array_of_zarr);
     const std::string stem = look.path.stem().string();
     return "is a ZIP file, whose first member is " + in_quotes(member) + ": unzip " + look.shell_name() +
            " -d " + shell_word(stem) + after_play(shell_word(stem));
@@ -281,9 +280,12 @@ std::optional<std::string> of_python(const Look& look) {
         return "is a pickle of Python, which can run code (open only what you trust; of a flat array, add "
                ".reshape(HEIGHT, WIDTH) after numpy.load(...))" +
                saved(look.path, "numpy.load(", ", allow_pickle=True)");
+    if (has_at(0, "#?RADIANCE") || has_at(0, "#?RGBE"))
+        return "is Radiance HDR" + saved(look.path, "cv2.imread(", ", -1)[..., 0]");
     const char* const picture = has_at(0, "RIFF") && has_at(8, "WEBP")                   ? "WebP"
                                 : has_at(4, "jP  \r\n") || has_at(0, "\xff\x4f\xff\x51") ? "JPEG 2000"
                                 : has_at(0, "BM") && look.is_named({".bmp", ".dib"})     ? "BMP"
+                                : look.is_named({".tga"})                                ? "TGA"
                                                                                          : nullptr;
     if (picture == nullptr) return {};
     const std::string png = fs::path(look.path).replace_extension(".png").string();
@@ -435,7 +437,10 @@ std::optional<std::string> misleading_file(const SourceFile& file, std::string_v
 std::optional<std::string> foreign_folder(const fs::path& folder) {
     if (!is_there(folder / ".zgroup") && !is_there(folder / ".zarray") && !is_there(folder / "zarr.json"))
         return {};
-    return "is a Zarr store" + zarr_words(folder);
+    const bool is_array =
+        is_there(folder / ".zarray") ||
+        first_bytes(SourceFile(folder / "zarr.json"), telling_bytes).find("\"array\"") != std::string::npos;
+    return "is a Zarr store" + saved(folder, "zarr.open(", is_array ? ")[:]" : array_of_zarr);
 }
 
 std::optional<Projection> projection_of(const StoredImage& picture, const fs::path& depth,

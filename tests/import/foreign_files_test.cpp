@@ -91,6 +91,8 @@ TEST_F(ForeignFiles, AreNamedWithRemedy) {
         {"w.png", std::string("RIFF\0\0\0\0WEBPVP8L", 16) + zeros, "is WebP", "w.png').save('"},
         {"a.jp2", std::string("\0\0\0\14jP  \r\n\x87\n", 12) + zeros, "is JPEG 2000", "a.png') in Python"},
         {"a.bmp", "BM" + zeros, "is BMP", "PIL.Image.open('"},
+        {"a.tga", zeros, "is TGA", "PIL.Image.open('"},
+        {"a.hdr", "#?RADIANCE\n" + zeros, "is Radiance HDR", "a.hdr', -1)[..., 0])"},
         {"f.flo", std::string("PIEH\2\0\0\0\1\0\0\0", 12) + std::string(16, 'x'), "is optical flow", ""},
         {"f.dpt", std::string("PIEH\2\0\0\0\1\0\0\0", 12) + "1234", "is cut short", ""},
         {"short.dpt", "PIEH", "is cut short", ""},
@@ -123,12 +125,17 @@ TEST_F(ForeignFiles, IgnoreSimilarBeginnings) {
 }
 
 TEST_F(ForeignFiles, IncludeZarrFolders) {
-    for (const char* mark : {"a.zarr/.zgroup", "b.zarr/zarr.json", "c.zarr/.zarray"}) {
-        text(mark, "{}");
+    const std::array<const char*, 3> marks[] = {
+        {"a.zarr/.zgroup", "{}", ")['NAME'][:])"},
+        {"b.zarr/zarr.json", R"({"node_type": "group"})", ")['NAME'][:])"},
+        {"c.zarr/.zarray", "{}", ")[:])"},
+        {"d.zarr/zarr.json", R"({"node_type": "array"})", ")[:])"}};
+    for (const auto& [mark, bytes, taken] : marks) {
+        text(mark, bytes);
         const std::string name = std::filesystem::path(mark).parent_path().string();
         const std::string place = (folder / name).replace_extension().string();
         EXPECT_TRUE(has_words(refusal(name), "is a Zarr store: numpy.save('" + place + ".npy', zarr.open('" +
-                                                 place + ".zarr')['NAME'][:])"));
+                                                 place + ".zarr'" + taken));
     }
     EXPECT_TRUE(is_refused(open_clip(folder.path()), ".zarr is a Zarr store"));
 }
