@@ -101,11 +101,6 @@ std::optional<std::string> record3d(const Look& look) {
         " of Record3D in its own format, which its app exports as EXR + RGB, a folder that opens, and "
         "pyliblzfse reads";
     const fs::path folder = look.path.parent_path().parent_path();
-    std::error_code ignored;
-    if (is_picture && !fs::exists(folder / "metadata", ignored))
-        return "is a picture" + app + " (DW: the dw of its recording's metadata)" +
-               saved(look.path, "numpy.frombuffer(liblzfse.decompress(open(",
-                     ", 'rb').read()), 'f4').reshape(-1, DW)");
     const std::string arrays =
         (is_picture ? folder / "depth.npz" : fs::path(look.path).replace_extension(".npz")).string();
     return (is_picture ? "is a picture" : "is a recording") + app +
@@ -220,18 +215,23 @@ std::optional<std::string> colmap_model(const Look& look) {
         "patch_match_stereo makes them (stereo/depth_maps)");
 }
 
+/// A cloud of points without a grid, or a mesh.
+std::string cloud_words(const std::string& kind, std::uint64_t points, std::uint64_t faces = 0) {
+    return "is a " + kind + (faces > 0 ? " mesh of " : " cloud of ") +
+           std::to_string(faces > 0 ? faces : points) + (faces > 0 ? " faces" : " points") +
+           ", which has no rows and columns of pixels: " +
+           (faces > 0
+                ? "cast a ray for each pixel of a camera (t.geometry.RaycastingScene of Open3D) and save "
+                  "t_hit by numpy.save"
+                : "project it into a camera (t.geometry.PointCloud.project_to_depth_image of Open3D) and "
+                  "save that picture") +
+           after_play("depth.npy");
+}
+
 std::optional<std::string> ply(const Look& look) {
     if (!look.begin.starts_with("ply\n") && !look.begin.starts_with("ply\r\n")) return {};
-    const std::uint64_t points = whole_number(line_after(look.begin, "element vertex ").value_or("")),
-                        faces = whole_number(line_after(look.begin, "element face ").value_or(""));
-    const std::string what = faces > 0 ? "mesh of " + std::to_string(faces) + " faces"
-                                       : "cloud of " + std::to_string(points) + " points";
-    const std::string way = faces > 0
-                                ? "cast a ray for each pixel of a camera (t.geometry.RaycastingScene of "
-                                  "Open3D) and save t_hit by numpy.save"
-                                : "project it into a camera (t.geometry.PointCloud.project_to_depth_image of "
-                                  "Open3D) and save that picture";
-    return "is a PLY " + what + ", which has no rows and columns of pixels: " + way + after_play("depth.npy");
+    return cloud_words("PLY", whole_number(line_after(look.begin, "element vertex ").value_or("")),
+                       whole_number(line_after(look.begin, "element face ").value_or("")));
 }
 
 std::optional<std::string> pcd(const Look& look) {
@@ -242,10 +242,7 @@ std::optional<std::string> pcd(const Look& look) {
     if (height > 1)
         return "is a PCD cloud of " + size_text(width, height) +
                " points, whose own message tells more: touchable play " + look.shell_name();
-    return "is a PCD cloud of " + std::to_string(width) +
-           " points, which has no rows and columns of pixels: project it into a camera "
-           "(t.geometry.PointCloud.project_to_depth_image of Open3D) and save that picture" +
-           after_play("depth.npy");
+    return cloud_words("PCD", width);
 }
 
 /// Points and surfaces without pictures, by their first bytes or their name.
@@ -383,13 +380,12 @@ bool has_beginning(const std::string& name, std::initializer_list<std::string_vi
     });
 }
 
-/// Whether a file's name without its extension, or a folder's with its slash, says that it is a panorama: by
-/// a word, or by 360, which at the end of a file's may be a frame's number.
+/// Whether the names of a file and its folders say that it is a panorama: by a word, or by 360, which at the
+/// end of a file's may be a frame's number.
 bool names_panorama(const std::string& name) {
-    const std::size_t at = name.find("360");
-    const bool has_360 = at < name.size() - std::min<std::size_t>(name.size(), 3) && name[at + 3] != 'p' &&
-                         !is_digit(name[at + 3]) && (at == 0 || !is_digit(name[at - 1]));
-    return has_360 ||
+    const std::size_t at = std::min(name.find("360"), name.size()), end = at + 3;
+    return (end < name.size() && name[end] != 'p' && !is_digit(name[end]) &&
+            (at == 0 || !is_digit(name[at - 1]))) ||
            has_beginning(name, {"erp ", "pano ", "panos ", "panoram", "equirect", "spheric", "latlon"});
 }
 
@@ -401,19 +397,17 @@ bool is_of_sphere(const StoredImage& depth) {
         const auto k = pixel_count(width, y) + static_cast<std::size_t>(x);
         return depth.values.empty() ? sample_at(depth.image, k) : double{depth.values[k]};
     };
-    const auto differ = [](double a, double b, double share) {
-        return !(a > 0 && std::abs(a - b) <= share * a);
-    };
+    const auto alike = [](double a, double b, double share) { return a > 0 && std::abs(a - b) <= share * a; };
     const double up = at(0, 0), down = at(0, last);
-    if (inner == 0 || differ(up, at(0, inner), 0.05) || differ(down, at(0, last - inner), 0.05)) return false;
-    int apart = 0;
-    for (int y = 0; y <= last; ++y) apart += differ(at(0, y), at(width - 1, y), 0.02) ? 1 : 0;
+    if (inner == 0 || !alike(up, at(0, inner), 0.05) || !alike(down, at(0, last - inner), 0.05)) return false;
+    int meeting = 0, even = 0;
     double farthest = 0;
-    for (int x = 0; x < width && 20 * apart <= last; ++x) {
-        if (differ(up, at(x, 0), 0.01) || differ(down, at(x, last), 0.01)) return false;
+    for (int y = 0; y <= last; ++y) meeting += alike(at(0, y), at(width - 1, y), 0.02) ? 1 : 0;
+    for (int x = 0; x < width; ++x) {
+        even += alike(up, at(x, 0), 0.01) && alike(down, at(x, last), 0.01) ? 1 : 0;
         farthest = std::max(farthest, at(x, last / 2));
     }
-    return farthest > 1.1 * std::max(up, down);
+    return 20 * meeting > 19 * last && even == width && farthest > 1.1 * std::max(up, down);
 }
 
 bool is_there(const fs::path& file) {
@@ -447,55 +441,48 @@ std::optional<Projection> projection_of(const StoredImage& picture, const fs::pa
                                         const fs::path& colour, bool has_xmp, bool has_camera) {
     std::error_code ignored;
     const fs::path file = fs::weakly_canonical(depth, ignored), folder = file.parent_path();
-    const std::string names[] = {file.stem().string(), (folder.filename() / "").string(),
-                                 (folder.parent_path().filename() / "").string()};
-    const auto says = [&](std::initializer_list<std::string_view> beginnings) {
-        return std::ranges::any_of(names, [&](const auto& name) { return has_beginning(name, beginnings); });
-    };
+    const std::string name = (folder.parent_path().filename() / folder.filename() / file.stem()).string();
     const int width = picture.image.width, height = picture.image.height, face = std::gcd(width, height);
-    const bool is_wide = std::abs(width - 2 * height) <= 1,
-               is_named = is_wide && std::ranges::any_of(names, names_panorama),
-               is_sphere = is_wide && !is_named && !has_xmp && is_of_sphere(picture),
-               is_strip = std::max(width, height) == 6 * face;
+    const bool is_strip = std::max(width, height) == 6 * face, is_wide = std::abs(width - 2 * height) <= 1,
+               is_named = is_wide && names_panorama(name),
+               is_sphere = is_wide && !is_named && !has_xmp && is_of_sphere(picture);
     Projection found{.evidence = has_xmp ? "as its XMP says" : is_sphere ? "" : "as its name says"};
-    std::string before, after, more;
+    std::string before, after;
     if (has_xmp || is_named || is_sphere) {
         const std::string side = std::to_string(width / 3);  // about as many pixels an angle
         found.name = "an equirectangular panorama";
         found.hints = {{Setting::field_of_view, "90"}, {Setting::depth_kind, "range"}};
         before = "py360convert.e2p(";
         after = ", 90, 0, 0, (" + side + ", " + side + "), mode='nearest')";
-        more = ", whose depth goes along each ray";
     } else if (width != height && width / face * (height / face) <= 12 &&
-               says({"cubemap", "skybox", is_strip ? "cube " : "cubemap"})) {
+               has_beginning(name, {"cubemap", "skybox", is_strip ? "cube " : "cubemap"})) {
         const int top = height / face / 3 * face;  // of a cross, the row of four
         found.name = "a cube map";
         found.hints = {{Setting::field_of_view, "90"}};
         after =
             '[' + std::to_string(top) + ':' + std::to_string(top + face) + ", :" + std::to_string(face) + ']';
-    } else if (!has_camera && (says({"fisheye", "omnidir"}) || (width > 3 * height && says({"cylind"})))) {
-        found.name = says({"fisheye"}) ? "a fisheye picture" : "a panorama";
+    } else if (!has_camera &&
+               has_beginning(name, {"fisheye", "omnidir", width > 3 * height ? "cylind" : "omnidir"})) {
+        found.name = "a fisheye's or a cylinder's picture";
         found.hints = {{Setting::intrinsics, "FX,FY,CX,CY"}};
         before = "cv2.remap(";
         after = ", *MAPS, cv2.INTER_NEAREST)";
-        more =
-            " (MAPS: where in it the view's pixels are; cv2.fisheye.initUndistortRectifyMap makes "
-            "a fisheye's)";
+        found.way = "with MAPS of its calibration (a fisheye's: cv2.fisheye.initUndistortRectifyMap) ";
     } else {
         return {};
     }
     const auto view = [&](const fs::path& of) {
-        const std::string name = python_text(of.string()), extension = of.extension().string();
+        const std::string text = python_text(of.string()), extension = of.extension().string();
         return before +
-               (extension == ".npy"   ? "numpy.load(" + name + ")"
-                : extension == ".npz" ? "numpy.load(" + name + ")['NAME']"
-                : extension == ".exr" ? "OpenEXR.File(" + name + ").channels()['NAME'].pixels"
-                                      : "cv2.imread(" + name + ", -1)") +
+               (extension == ".npy"   ? "numpy.load(" + text + ")"
+                : extension == ".npz" ? "numpy.load(" + text + ")['NAME']"
+                : extension == ".exr" ? "OpenEXR.File(" + text + ").channels()['NAME'].pixels"
+                                      : "cv2.imread(" + text + ", -1)") +
                after + ')';
     };
-    found.way = "numpy.save('view.npy', " + view(depth) +
-                (colour.empty() || colour == depth ? "" : " and cv2.imwrite('view.png', " + view(colour)) +
-                " in Python make a view of it" + more + after_play("view.npy");
+    found.way += "numpy.save('view.npy', " + view(depth) +
+                 (colour.empty() || colour == depth ? "" : " and cv2.imwrite('view.png', " + view(colour)) +
+                 " in Python make a view of it" + after_play("view.npy");
     return found;
 }
 

@@ -82,7 +82,7 @@ TEST_F(ForeignFiles, AreNamedWithRemedy) {
         {"a.zip", zip_head + std::string("\3\0\0\0", 4) + "a/b", "is damaged", ""},
         {"a.las", "LASF" + zeros, "cloud of points (LAS)", "render it"},
         {"t.r3d", "what it begins with", "is a recording of Record3D", "t.r3d'); m = json.loads("},
-        {"0.depth", "bvx2" + zeros, "is a picture of Record3D", "liblzfse.decompress(open('"},
+        {"0.depth", "bvx2" + zeros, "is a picture of Record3D", "liblzfse.decompress((z / "},
         {"t.pt", std::string("\x80\2\x8a\n", 4) + zeros, "is a file of PyTorch",
          "t.pt', map_location='cpu')"},
         {"d.pickle", "\x80\4\x95" + zeros, "is a pickle of Python", "d.pickle', allow_pickle=True))"},
@@ -216,7 +216,6 @@ TEST_F(ForeignFiles, IncludeRecord3dInFolders) {
     text("unzipped/rgbd/0.depth", "bvx2 and more");
     text("unzipped/rgbd/0.conf", "bvx2 and more");
     EXPECT_TRUE(has_words(refusal("unzipped"), "but rgbd/0.depth is a picture of Record3D"));
-    text("unzipped/metadata", "{}");
     EXPECT_TRUE(
         has_words(refusal("unzipped"), "z = pathlib.Path('" + (folder / "unzipped/").string() + "')"));
     EXPECT_TRUE(has_words(refusal("unzipped"), "reshape(m['dh'], m['dw'])"));
@@ -258,7 +257,8 @@ TEST_F(Panorama, HasOtherProjections) {
     EXPECT_TRUE(has_words(said("a/skybox.png", 64, 48), ", -1)[16:32, :16])"));
     EXPECT_TRUE(has_words(said("cube/0.png", 96, 16), "is a cube map (as its name says"));
     EXPECT_TRUE(has_words(said("fisheye_depth.png", 40, 40), "cv2.remap(cv2.imread('"));
-    EXPECT_TRUE(has_words(said("b/cylinder_depth.png", 96, 24), "is a panorama (as its name says"));
+    EXPECT_TRUE(has_words(said("b/cylinder_depth.png", 96, 24),
+                          "is a fisheye's or a cylinder's picture (as its name says"));
     // A face of a cube map is a pinhole's; things have these shapes too.
     for (const auto& [name, width] :
          {std::pair{"a/skybox1.png", 48}, {"a/cube.png", 64}, {"a/cylinder.png", 64}})
