@@ -373,13 +373,6 @@ std::optional<std::string> first_said(std::span<const Recognise> kinds, const So
     return {};
 }
 
-/// Whether a word of a name begins so, or, with a space behind it, is so.
-bool has_beginning(const std::string& name, std::initializer_list<std::string_view> beginnings) {
-    return std::ranges::any_of(words_in_name(name), [&](const std::string& word) {
-        return std::ranges::any_of(beginnings, [&](auto wanted) { return (word + ' ').starts_with(wanted); });
-    });
-}
-
 /// Whether the names of a file and its folders say that it is a panorama: by a word, or by 360, which at the
 /// end of a file's may be a frame's number.
 bool names_panorama(const std::string& name) {

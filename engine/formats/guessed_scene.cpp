@@ -41,39 +41,33 @@ FrameRate stated_rate(double per_second) {
     return {thousandths / common, 1000 / common};
 }
 
-/// Whether a name has one of these words as a word of its own: "disp" of "disp0.pfm" and "disp_occ/1.png",
-/// not of "display.png".
-bool has_whole_word(const std::string& name, std::initializer_list<std::string_view> words) {
-    return std::ranges::any_of(words_in_name(name),
-                               [&](std::string_view word) { return std::ranges::count(words, word) > 0; });
-}
-
 bool is_named_disparity(const std::string& name) {
-    return has_whole_word(name, {"disp", "disparity", "disparities"}) ||
+    return has_beginning(name, {"disp ", "disparity ", "disparities "}) ||
            has_word(name, {"inverse_depth", "inv_depth", "invdepth", "inversedepth"});
 }
 
 /// Whether a name says distances from the camera's centre, as Hypersim's depth_meters and Replicator's
 /// distance_to_camera are.
 bool is_named_range(const std::string& name) {
-    return has_whole_word(name, {"range", "ranges", "ray", "euclidean", "radial", "depthperspective"}) ||
+    return has_beginning(name, {"range ", "ranges ", "ray ", "euclidean ", "radial ", "depthperspective "}) ||
            has_word(name, {"depth_meters", "distance_to_camera"});
 }
 
 /// Whether a name says heights: not its folder's, which may tell what depth is of, and not "height", which is
 /// also this program's plane of roughness.
 bool is_named_heights(const std::string& name) {
-    return has_whole_word(name, {"dem", "dsm", "dtm", "heightmap", "terrain", "elevation", "displacement"}) &&
+    return has_beginning(name,
+                         {"dem ", "dsm ", "dtm ", "heightmap", "terrain ", "elevation", "displacement"}) &&
            !has_word(name, {"depth"});
 }
 
 std::optional<UnitInName> unit_in_name(const std::string& name) {
     constexpr std::pair<std::string_view, UnitInName> units[] = {
-        {"mm", {0.001, "millimetres"}}, {"millimeters", {0.001, "millimetres"}},
-        {"cm", {0.01, "centimetres"}},  {"centimeters", {0.01, "centimetres"}},
-        {"meters", {1, "metres"}},      {"metres", {1, "metres"}}};
+        {"mm ", {0.001, "millimetres"}}, {"millimeters ", {0.001, "millimetres"}},
+        {"cm ", {0.01, "centimetres"}},  {"centimeters ", {0.01, "centimetres"}},
+        {"meters ", {1, "metres"}},      {"metres ", {1, "metres"}}};
     for (const auto& [word, unit] : units)
-        if (has_whole_word(name, {word})) return unit;
+        if (has_beginning(name, {word})) return unit;
     return {};
 }
 

@@ -82,9 +82,7 @@ Result<bool> holds_values(const StoredImage& picture) {
 
 /// Whether a name has a word for infrared pictures, which look like depth and are none.
 bool names_infrared(const std::string& name) {
-    return std::ranges::any_of(words_in_name(name), [](std::string_view word) {
-        return word == "ir" || word.starts_with("infra") || word == "amplitude" || word == "ambient";
-    });
+    return has_beginning(name, {"ir ", "infra", "amplitude ", "ambient "});
 }
 
 bool is_in_colour(const StoredImage& picture) {
