@@ -93,7 +93,7 @@ bool is_in_colour(const StoredImage& picture) {
 bool names_other(const std::string& name) {
     return has_word(name, {"conf", "mask", "label", "normal", "haptic", "height", "validity"}) ||
            (has_word(name, {"instance", "semantic", "segment", "panoptic"}) &&
-            !has_word(name, {"depth", "disp"}));
+            !has_word(name, {"depth", "disp", "rgb", "color", "colour", "image"}));
 }
 
 /// How likely a group is depth; 0: not at all.

@@ -719,7 +719,9 @@ TEST_F(GuessedFolder, NamesPicturesWithoutDepth) {
         depth(name);
     EXPECT_TRUE(is_refused(open_clip(folder.path()), "no pictures of depth were found"));
     for (const char* name : {"instances/depth_1.png", "instances/depth_2.png"}) depth(name);
+    for (const char* name : {"instances/rgb_1.png", "instances/rgb_2.png"}) colour(name);
     EXPECT_EQ(guess().scene.folder->depth, "instances/depth_*.png");
+    EXPECT_EQ(guess().scene.folder->colour, "instances/rgb_*.png");
     const TemporaryFolder empty;
     EXPECT_TRUE(is_refused(open_clip(empty.path()), "there are no pictures"));
 }
