@@ -1,11 +1,11 @@
 #include "engine/formats/foreign_files.hpp"
-#include "engine/picture/image.hpp"
 
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 #include <set>
 #include <span>
 #include <string_view>
@@ -86,33 +86,32 @@ std::string_view first_member(std::string_view begin) {
     return begin.substr(head, std::size_t{low} + 256 * std::size_t{high});
 }
 
-std::string zarr_words(const fs::path& store) {
-    return saved(store, "zarr.open(", ")['NAME'][:]");
-}
+constexpr const char* array_of_zarr = ")['NAME'][:]";
 
 std::string torch_words(const Look& look) {
     return "is a file of PyTorch (of a dict, add ['NAME'] after torch.load(...))" +
            saved(look.path, "torch.load(", ", map_location='cpu').numpy()");
 }
 
-/// Record3D's recording, a ZIP file, or a picture of depth in it; both are packed by LZFSE.
+/// Record3D's recording, a ZIP file, or a picture of depth in it, unzipped; both are packed by LZFSE.
 std::optional<std::string> record3d(const Look& look) {
     const bool is_picture = look.is_named({".depth"}) && look.begin.starts_with("bvx");
     if (!is_picture && !look.is_named({".r3d"})) return {};
     const std::string app =
         " of Record3D in its own format, which its app exports as EXR + RGB, a folder that opens, and "
         "pyliblzfse reads";
-    if (is_picture)
-        return "is a picture" + app + " (192: the dw of its metadata)" +
-               saved(look.path, "numpy.frombuffer(liblzfse.decompress(open(",
-                     ", 'rb').read()), 'f4').reshape(-1, 192)");
-    const std::string arrays = fs::path(look.path).replace_extension(".npz").string();
-    return "is a recording" + app + ": z = zipfile.ZipFile(" + look.python_name() +
-           "); m = json.loads(z.read('metadata')); numpy.savez(" + python_text(arrays) +
-           ", depth=[numpy.frombuffer(liblzfse.decompress(z.read(f'rgbd/{n}.depth')), 'f4').reshape(m['dh'], "
-           "m['dw']) for n in range(sum(i.endswith('.depth') for i in z.namelist()))], "
-           "intrinsics=numpy.reshape(m['K'], (3, 3)).T * [[m['dw'] / m['w']], [m['dh'] / m['h']], [1]]) in "
-           "Python makes arrays of it" +
+    const fs::path folder = look.path.parent_path().parent_path();
+    const std::string arrays =
+        (is_picture ? folder / "depth.npz" : fs::path(look.path).replace_extension(".npz")).string();
+    return (is_picture ? "is a picture" : "is a recording") + app +
+           (is_picture ? ": z = pathlib.Path(" + python_text((folder / "").string())
+                       : ": z = zipfile.Path(" + look.python_name()) +
+           "); m = json.loads((z / 'metadata').read_text()); numpy.savez(" + python_text(arrays) +
+           ", depth=[numpy.frombuffer(liblzfse.decompress((z / f'rgbd/{n}.depth').read_bytes()), "
+           "'f4').reshape(m['dh'], m['dw']) for n in range(sum(i.name.endswith('.depth') for i in (z / "
+           "'rgbd').iterdir()))], intrinsics=numpy.reshape(m['K'], (3, 3)).T * [[m['dw'] / m['w']], [m['dh'] "
+           "/ "
+           "m['h']], [1]]) in Python makes arrays of it" +
            after_play(shell_word(arrays));
 }
 
@@ -122,7 +121,8 @@ std::optional<std::string> zip_file(const Look& look) {
     const std::string_view member = first_member(look.begin);
     if (member.ends_with(".npy")) return {};
     if (member.ends_with("/data.pkl")) return torch_words(look);
-    if (look.name().ends_with(".zarr.zip")) return "is a Zarr store in a ZIP file" + zarr_words(look.path);
+    if (look.name().ends_with(".zarr.zip"))
+        return "is a Zarr store in a ZIP file" + saved(look.path, "zarr.open(", array_of_zarr);
     const std::string stem = look.path.stem().string();
     return "is a ZIP file, whose first member is " + in_quotes(member) + ": unzip " + look.shell_name() +
            " -d " + shell_word(stem) + after_play(shell_word(stem));
@@ -215,18 +215,23 @@ std::optional<std::string> colmap_model(const Look& look) {
         "patch_match_stereo makes them (stereo/depth_maps)");
 }
 
+/// A cloud of points without a grid, or a mesh.
+std::string cloud_words(const std::string& kind, std::uint64_t points, std::uint64_t faces = 0) {
+    return "is a " + kind + (faces > 0 ? " mesh of " : " cloud of ") +
+           std::to_string(faces > 0 ? faces : points) + (faces > 0 ? " faces" : " points") +
+           ", which has no rows and columns of pixels: " +
+           (faces > 0
+                ? "cast a ray for each pixel of a camera (t.geometry.RaycastingScene of Open3D) and save "
+                  "t_hit by numpy.save"
+                : "project it into a camera (t.geometry.PointCloud.project_to_depth_image of Open3D) and "
+                  "save that picture") +
+           after_play("depth.npy");
+}
+
 std::optional<std::string> ply(const Look& look) {
     if (!look.begin.starts_with("ply\n") && !look.begin.starts_with("ply\r\n")) return {};
-    const std::uint64_t points = whole_number(line_after(look.begin, "element vertex ").value_or("")),
-                        faces = whole_number(line_after(look.begin, "element face ").value_or(""));
-    const std::string what = faces > 0 ? "mesh of " + std::to_string(faces) + " faces"
-                                       : "cloud of " + std::to_string(points) + " points";
-    const std::string way = faces > 0
-                                ? "cast a ray for each pixel of a camera (t.geometry.RaycastingScene of "
-                                  "Open3D) and save t_hit by numpy.save"
-                                : "project it into a camera (t.geometry.PointCloud.project_to_depth_image of "
-                                  "Open3D) and save that picture";
-    return "is a PLY " + what + ", which has no rows and columns of pixels: " + way + after_play("depth.npy");
+    return cloud_words("PLY", whole_number(line_after(look.begin, "element vertex ").value_or("")),
+                       whole_number(line_after(look.begin, "element face ").value_or("")));
 }
 
 std::optional<std::string> pcd(const Look& look) {
@@ -237,10 +242,7 @@ std::optional<std::string> pcd(const Look& look) {
     if (height > 1)
         return "is a PCD cloud of " + size_text(width, height) +
                " points, whose own message tells more: touchable play " + look.shell_name();
-    return "is a PCD cloud of " + std::to_string(width) +
-           " points, which has no rows and columns of pixels: project it into a camera "
-           "(t.geometry.PointCloud.project_to_depth_image of Open3D) and save that picture" +
-           after_play("depth.npy");
+    return cloud_words("PCD", width);
 }
 
 /// Points and surfaces without pictures, by their first bytes or their name.
@@ -275,9 +277,12 @@ std::optional<std::string> of_python(const Look& look) {
         return "is a pickle of Python, which can run code (open only what you trust; of a flat array, add "
                ".reshape(HEIGHT, WIDTH) after numpy.load(...))" +
                saved(look.path, "numpy.load(", ", allow_pickle=True)");
+    if (has_at(0, "#?RADIANCE") || has_at(0, "#?RGBE"))
+        return "is Radiance HDR" + saved(look.path, "cv2.imread(", ", -1)[..., 0]");
     const char* const picture = has_at(0, "RIFF") && has_at(8, "WEBP")                   ? "WebP"
                                 : has_at(4, "jP  \r\n") || has_at(0, "\xff\x4f\xff\x51") ? "JPEG 2000"
                                 : has_at(0, "BM") && look.is_named({".bmp", ".dib"})     ? "BMP"
+                                : look.is_named({".tga"})                                ? "TGA"
                                                                                          : nullptr;
     if (picture == nullptr) return {};
     const std::string png = fs::path(look.path).replace_extension(".png").string();
@@ -344,7 +349,9 @@ std::optional<std::string> table(const Look& look) {
         std::string how;
         if (between.size() == 1) how += ", delimiter='" + between + "'";
         if (headings > 0) how += ", skip_header=" + std::to_string(headings);
-        return "is text, a row of numbers a line" +
+        return (look.begin.starts_with("ncols")
+                    ? "is a grid of heights (ESRI; what is high is near, if the array is named as one: dem)"
+                    : "is text, a row of numbers a line") +
                saved(look.path, "numpy.genfromtxt(", how + (ends_in_mark ? ")[:, :-1]" : ")"));
     }
     return {};
@@ -366,17 +373,34 @@ std::optional<std::string> first_said(std::span<const Recognise> kinds, const So
     return {};
 }
 
-/// Whether a file's name without its extension, or a folder's with its slash, says that it is a panorama: by
-/// a word, or by 360, which at the end of a file's may be a frame's number.
+/// Whether the names of a file and its folders say that it is a panorama: by a word, or by 360, which at the
+/// end of a file's may be a frame's number.
 bool names_panorama(const std::string& name) {
-    const auto says = [](std::string_view word) {
-        return word == "erp" || word == "pano" || word == "panos" || word.starts_with("panoram") ||
-               word.starts_with("equirect") || word.starts_with("spheric") || word.starts_with("latlon");
+    const std::size_t at = std::min(name.find("360"), name.size()), end = at + 3;
+    return (end < name.size() && name[end] != 'p' && !is_digit(name[end]) &&
+            (at == 0 || !is_digit(name[at - 1]))) ||
+           has_beginning(name, {"erp ", "pano ", "panos ", "panoram", "equirect", "spheric", "latlon"});
+}
+
+/// Whether depth is as of a whole sphere: the points above and below are a row each, the sides meet, and
+/// between them the camera sees farther. Where a pinhole sees a floor, rows differ more.
+bool is_of_sphere(const StoredImage& depth) {
+    const int width = depth.image.width, last = depth.image.height - 1, inner = last / 16;
+    const auto at = [&](int x, int y) {
+        const auto k = pixel_count(width, y) + static_cast<std::size_t>(x);
+        return depth.values.empty() ? sample_at(depth.image, k) : double{depth.values[k]};
     };
-    const std::size_t at = name.find("360");
-    const bool has_360 = at < name.size() - std::min<std::size_t>(name.size(), 3) && name[at + 3] != 'p' &&
-                         !is_digit(name[at + 3]) && (at == 0 || !is_digit(name[at - 1]));
-    return has_360 || std::ranges::any_of(words_in_name(name), says);
+    const auto alike = [](double a, double b, double share) { return a > 0 && std::abs(a - b) <= share * a; };
+    const double up = at(0, 0), down = at(0, last);
+    if (inner == 0 || !alike(up, at(0, inner), 0.05) || !alike(down, at(0, last - inner), 0.05)) return false;
+    int meeting = 0, even = 0;
+    double farthest = 0;
+    for (int y = 0; y <= last; ++y) meeting += alike(at(0, y), at(width - 1, y), 0.02) ? 1 : 0;
+    for (int x = 0; x < width; ++x) {
+        even += alike(up, at(x, 0), 0.01) && alike(down, at(x, last), 0.01) ? 1 : 0;
+        farthest = std::max(farthest, at(x, last / 2));
+    }
+    return 20 * meeting > 19 * last && even == width && farthest > 1.1 * std::max(up, down);
 }
 
 bool is_there(const fs::path& file) {
@@ -400,30 +424,59 @@ std::optional<std::string> misleading_file(const SourceFile& file, std::string_v
 std::optional<std::string> foreign_folder(const fs::path& folder) {
     if (!is_there(folder / ".zgroup") && !is_there(folder / ".zarray") && !is_there(folder / "zarr.json"))
         return {};
-    return "is a Zarr store" + zarr_words(folder);
+    const bool is_array =
+        is_there(folder / ".zarray") ||
+        first_bytes(SourceFile(folder / "zarr.json"), telling_bytes).find("\"array\"") != std::string::npos;
+    return "is a Zarr store" + saved(folder, "zarr.open(", is_array ? ")[:]" : array_of_zarr);
 }
 
-std::optional<std::string> panorama(const fs::path& depth, const fs::path& colour, int width, int height,
-                                    bool has_xmp) {
+std::optional<Projection> projection_of(const StoredImage& picture, const fs::path& depth,
+                                        const fs::path& colour, bool has_xmp, bool has_camera) {
     std::error_code ignored;
     const fs::path file = fs::weakly_canonical(depth, ignored), folder = file.parent_path();
-    const auto is_named = [](const fs::path& one) { return names_panorama((one.filename() / "").string()); };
-    const bool is_named_so =
-        names_panorama(file.stem().string()) || is_named(folder) || is_named(folder.parent_path());
-    if (!has_xmp && (std::abs(width - 2 * height) > 1 || !is_named_so)) return {};
-    const auto view = [side =
-                           std::to_string(width / 3)](const fs::path& of) {  // about as many pixels an angle
-        const std::string name = python_text(of.string()), extension = of.extension().string();
-        return "py360convert.e2p(" +
-               (extension == ".npy"   ? "numpy.load(" + name + ")"
-                : extension == ".npz" ? "numpy.load(" + name + ")['NAME']"
-                                      : "cv2.imread(" + name + ", -1)") +
-               ", 90, 0, 0, (" + side + ", " + side + "), mode='nearest'))";
+    const std::string name = (folder.parent_path().filename() / folder.filename() / file.stem()).string();
+    const int width = picture.image.width, height = picture.image.height, face = std::gcd(width, height);
+    const bool is_strip = std::max(width, height) == 6 * face, is_wide = std::abs(width - 2 * height) <= 1,
+               is_named = is_wide && names_panorama(name),
+               is_sphere = is_wide && !is_named && !has_xmp && is_of_sphere(picture);
+    Projection found{.evidence = has_xmp ? "as its XMP says" : is_sphere ? "" : "as its name says"};
+    std::string before, after;
+    if (has_xmp || is_named || is_sphere) {
+        const std::string side = std::to_string(width / 3);  // about as many pixels an angle
+        found.name = "an equirectangular panorama";
+        found.hints = {{Setting::field_of_view, "90"}, {Setting::depth_kind, "range"}};
+        before = "py360convert.e2p(";
+        after = ", 90, 0, 0, (" + side + ", " + side + "), mode='nearest')";
+    } else if (width != height && width / face * (height / face) <= 12 &&
+               has_beginning(name, {"cubemap", "skybox", is_strip ? "cube " : "cubemap"})) {
+        const int top = height / face / 3 * face;  // of a cross, the row of four
+        found.name = "a cube map";
+        found.hints = {{Setting::field_of_view, "90"}};
+        after =
+            '[' + std::to_string(top) + ':' + std::to_string(top + face) + ", :" + std::to_string(face) + ']';
+    } else if (!has_camera &&
+               has_beginning(name, {"fisheye", "omnidir", width > 3 * height ? "cylind" : "omnidir"})) {
+        found.name = "a fisheye's or a cylinder's picture";
+        found.hints = {{Setting::intrinsics, "FX,FY,CX,CY"}};
+        before = "cv2.remap(";
+        after = ", *MAPS, cv2.INTER_NEAREST)";
+        found.way = "with MAPS of its calibration (a fisheye's: cv2.fisheye.initUndistortRectifyMap) ";
+    } else {
+        return {};
+    }
+    const auto view = [&](const fs::path& of) {
+        const std::string text = python_text(of.string()), extension = of.extension().string();
+        return before +
+               (extension == ".npy"   ? "numpy.load(" + text + ")"
+                : extension == ".npz" ? "numpy.load(" + text + ")['NAME']"
+                : extension == ".exr" ? "OpenEXR.File(" + text + ").channels()['NAME'].pixels"
+                                      : "cv2.imread(" + text + ", -1)") +
+               after + ')';
     };
-    return std::string("is a panorama (equirectangular, as its ") + (has_xmp ? "XMP" : "name") +
-           " says; if it is none, say its camera), which no pinhole camera sees: numpy.save('view.npy', " +
-           view(depth) + (colour.empty() ? "" : " and cv2.imwrite('view.png', " + view(colour)) +
-           " in Python make a view of it, whose depth goes along each ray" + after_play("view.npy");
+    found.way += "numpy.save('view.npy', " + view(depth) +
+                 (colour.empty() || colour == depth ? "" : " and cv2.imwrite('view.png', " + view(colour)) +
+                 " in Python make a view of it" + after_play("view.npy");
+    return found;
 }
 
 std::optional<std::string> foreign_file_below(const fs::path& folder) {

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "engine/base/files.hpp"
+#include "engine/picture/image.hpp"
 
 namespace touchable {
 
@@ -25,11 +26,20 @@ std::optional<std::string> misleading_file(const SourceFile& file, std::string_v
 /// The same for a folder that other programs treat as one file (.zarr).
 std::optional<std::string> foreign_folder(const std::filesystem::path& folder);
 
-/// The same for a picture of depth of this size, with colour beside it (empty: none), that is an
-/// equirectangular panorama: by its XMP (ReadPictures::has_panorama), or twice as wide as high and named so,
-/// itself or one of the two folders that it is in.
-std::optional<std::string> panorama(const std::filesystem::path& depth, const std::filesystem::path& colour,
-                                    int width, int height, bool has_xmp);
+/// A projection that no pinhole camera has.
+struct Projection {
+    std::string name{};      ///< "a cube map"
+    std::string evidence{};  ///< "as its name says"; empty: depth's values alone, which may deceive
+    std::string way{};       ///< how Python makes a view of it that opens
+    Hints hints{};           ///< of that view
+};
+/// The projection of a picture of depth, with colour beside it (empty: none): an equirectangular panorama by
+/// its XMP (ReadPictures::has_panorama), or if it is twice as wide as high by its name or its values; a cube
+/// map, a fisheye picture or a cylinder's by its shape and name, the latter unless a file has its camera. A
+/// name is its own or one of the two folders' that it is in. Nothing for a pinhole camera's, as far as is
+/// known.
+std::optional<Projection> projection_of(const StoredImage& picture, const std::filesystem::path& depth,
+                                        const std::filesystem::path& colour, bool has_xmp, bool has_camera);
 
 /// The first foreign file by name in a folder or up to three folders below it: "NAME is ...". Looks at 10000
 /// entries and opens 64 files at most.

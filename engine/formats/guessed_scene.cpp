@@ -41,39 +41,33 @@ FrameRate stated_rate(double per_second) {
     return {thousandths / common, 1000 / common};
 }
 
-/// Whether a name has one of these words as a word of its own: "disp" of "disp0.pfm" and "disp_occ/1.png",
-/// not of "display.png".
-bool has_whole_word(const std::string& name, std::initializer_list<std::string_view> words) {
-    return std::ranges::any_of(words_in_name(name),
-                               [&](std::string_view word) { return std::ranges::count(words, word) > 0; });
-}
-
 bool is_named_disparity(const std::string& name) {
-    return has_whole_word(name, {"disp", "disparity", "disparities"}) ||
+    return has_beginning(name, {"disp ", "disparity ", "disparities "}) ||
            has_word(name, {"inverse_depth", "inv_depth", "invdepth", "inversedepth"});
 }
 
 /// Whether a name says distances from the camera's centre, as Hypersim's depth_meters and Replicator's
 /// distance_to_camera are.
 bool is_named_range(const std::string& name) {
-    return has_whole_word(name, {"range", "ranges", "ray", "euclidean", "radial", "depthperspective"}) ||
+    return has_beginning(name, {"range ", "ranges ", "ray ", "euclidean ", "radial ", "depthperspective "}) ||
            has_word(name, {"depth_meters", "distance_to_camera"});
 }
 
 /// Whether a name says heights: not its folder's, which may tell what depth is of, and not "height", which is
 /// also this program's plane of roughness.
 bool is_named_heights(const std::string& name) {
-    return has_whole_word(name, {"dem", "dsm", "dtm", "heightmap", "terrain", "elevation", "displacement"}) &&
+    return has_beginning(name,
+                         {"dem ", "dsm ", "dtm ", "heightmap", "terrain ", "elevation", "displacement"}) &&
            !has_word(name, {"depth"});
 }
 
 std::optional<UnitInName> unit_in_name(const std::string& name) {
     constexpr std::pair<std::string_view, UnitInName> units[] = {
-        {"mm", {0.001, "millimetres"}}, {"millimeters", {0.001, "millimetres"}},
-        {"cm", {0.01, "centimetres"}},  {"centimeters", {0.01, "centimetres"}},
-        {"meters", {1, "metres"}},      {"metres", {1, "metres"}}};
+        {"mm ", {0.001, "millimetres"}}, {"millimeters ", {0.001, "millimetres"}},
+        {"cm ", {0.01, "centimetres"}},  {"centimeters ", {0.01, "centimetres"}},
+        {"meters ", {1, "metres"}},      {"metres ", {1, "metres"}}};
     for (const auto& [word, unit] : units)
-        if (has_whole_word(name, {word})) return unit;
+        if (has_beginning(name, {word})) return unit;
     return {};
 }
 
@@ -194,16 +188,30 @@ void tell_of_unused(const std::vector<std::string>& names, SceneDraft& draft) {
     draft.tell(std::move(told));
 }
 
-/// Refuses a panorama, unless a person states the camera of a view, which a remark then says.
-Result<void> check_projection(const fs::path& depth, const fs::path& colour, const ReadPictures& pictures,
+/// Refuses what no pinhole camera sees. A remark says it instead if a person states the camera of a view, or
+/// if depth's values alone show it.
+Result<void> check_projection(const StoredImage& stored, const fs::path& depth, const fs::path& colour,
+                              const ReadPictures& pictures, const DepthEvidence& evidence,
                               SceneDraft& draft) {
-    const auto is_one = panorama(depth, colour, draft.scene.width, draft.scene.height,
-                                 pictures.has_panorama(depth) || pictures.has_panorama(colour));
-    if (!is_one) return {};
-    if (!pictures.known().intrinsics && !pictures.known().fov)
-        return input_error(depth.string() + ": " + *is_one,
-                           {{Setting::field_of_view, "90"}, {Setting::depth_kind, "range"}});
-    draft.tell("the picture may be a panorama, and is taken for that of the camera that was said");
+    const bool has_xmp = pictures.has_panorama(depth) || pictures.has_panorama(colour);
+    const auto found = projection_of(stored, depth, colour, has_xmp, evidence.beside.camera.has_value());
+    if (!found) return {};
+    const std::string may_be = "the picture may be " + found->name;
+    if (pictures.known().intrinsics || pictures.known().fov) {
+        draft.tell(may_be + ", and is taken for that of the camera that was said");
+    } else if (found->evidence.empty()) {
+        std::erase_if(draft.scene.remarks, [](const Remark& each) {
+            return each.kind == RemarkKind::camera || each.kind == RemarkKind::direction;
+        });
+        draft.say("the camera is a pinhole, though " + may_be +
+                      ", as its first and last row have one depth each and its sides meet",
+                  {{Setting::field_of_view}}, RemarkKind::camera, found->way + "; of a pinhole");
+    } else {
+        return input_error(
+            depth.string() + ": is " + found->name + " (" + found->evidence +
+                "; if it is none, say its camera), which no pinhole camera sees: " + found->way,
+            found->hints);
+    }
     return {};
 }
 
@@ -389,8 +397,8 @@ bool take_colour_camera(const fs::path& movement, const Image& colour, const Dep
     return true;
 }
 
-/// If files there say that colour does not lie on depth's pixels, takes colour's camera from them, or adds a
-/// remark that colour is nevertheless taken to lie there.
+/// If files there or colour's shape say that it does not lie on depth's pixels, takes colour's camera from
+/// the files, or adds a remark that colour is nevertheless taken to lie there.
 void place_colour(const fs::path& folder, const fs::path& colour, ReadPictures& pictures,
                   const DepthEvidence& evidence, SceneDraft& draft) {
     const fs::path here = folder.empty() ? fs::path(".") : folder;
@@ -400,12 +408,17 @@ void place_colour(const fs::path& folder, const fs::path& colour, ReadPictures& 
         draft.add_input(*file);
         if (picture && take_colour_camera(*file, (*picture)->image, evidence, draft)) return;
         why = file->filename().string() + " says how its camera stands";
-    } else if (picture && evidence.has_camera()) {
+    } else if (picture) {
         const Image& image = (*picture)->image;
-        const auto other = camera_of_colour_in(here, draft.scene, image.width, image.height);
-        if (!other) return;
-        why = other->filename().string() + " is of another camera than depth's";
-        draft.add_input(*other);
+        const auto other = evidence.has_camera()
+                               ? camera_of_colour_in(here, draft.scene, image.width, image.height)
+                               : std::nullopt;
+        const double across = 1.0 * image.width * draft.scene.height,
+                     down = 1.0 * image.height * draft.scene.width;
+        if (!other && std::abs(across - down) < 0.03 * down) return;
+        why = other ? other->filename().string() + " is of another camera than depth's"
+                    : "it is stretched to their shape from " + size_text(image.width, image.height);
+        if (other) draft.add_input(*other);
     } else {
         return;
     }
@@ -523,7 +536,8 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
         guess.say("left out: " + printable(listed(chosen.left_out_by_pattern), 200), {}, RemarkKind::other,
                   "a scene file's folder.depth names one of these to open it");
     if (colour) place_colour(folder, colour->first, *pictures, evidence, guess);
-    TRY(check_projection(depth.first, colour ? colour->first : fs::path(), *pictures, guess));
+    TRY(check_projection(stored, depth.first, colour ? colour->first : fs::path(), *pictures, evidence,
+                         guess));
     if (video && !video->others.empty())
         guess.say("left out: " + printable(listed(video->others), 200) + ", which may be colour as well", {},
                   RemarkKind::other, "a scene file's folder.colour names another one");
@@ -592,8 +606,9 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
         folder.colour = name;
     }
     if (stored.beside) tell_of_layers(*stored.beside, folder.colour == name, guess);
-    TRY(check_projection(file, folder.colour.empty() ? fs::path() : file.parent_path() / folder.colour,
-                         *pictures, guess));
+    TRY(check_projection(stored, file,
+                         folder.colour.empty() ? fs::path() : file.parent_path() / folder.colour, *pictures,
+                         evidence, guess));
     TRY_ASSIGN(const auto stack, pictures->stack_in(file));
     std::optional<ColourVideo> video;
     if (stack && stack->count() > 1 && folder.colour.empty()) video = colour_video_beside(file);

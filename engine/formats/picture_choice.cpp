@@ -44,10 +44,19 @@ Result<SharedPicture> as_depth(SharedPicture stored, const fs::path& file, Packi
     if (stop_requested()) return interrupted_error();
     if (!grey) {
         const auto* const likely = preset_of(packing_of(*stored, true));
+        const bool may_be_floats =
+            !stored->alpha.empty() && std::ranges::all_of(stored->alpha, [](std::uint8_t exponent) {
+                return exponent == 0 || (exponent >= 0x30 && exponent < 0x80);
+            });
         return input_error(
-            file.string() + ": is in colour: a picture of depth is grey (of depth as hue, give a scene file" +
-                (likely ? "; its bytes look like " + std::string(likely->what) : "") + ')',
-            {{Setting::preset, likely ? likely->name : ""}});
+            file.string() + ": is in colour: " +
+                (likely          ? "its bytes look like " + std::string(likely->what)
+                 : may_be_floats ? "its bytes and its alpha's may be floats"
+                                 : "a colour map's colours are no depth, the grey of 16 bits or floats that "
+                                   "they were made of is; numbers in its bytes need a preset"),
+            likely          ? Hints{{Setting::preset, likely->name}}
+            : may_be_floats ? Hints{{Setting::preset, "bgra32f"}, {Setting::preset, "rgba32f"}}
+                            : Hints{{Setting::preset, "bgr24"}, {Setting::preset, "carla"}});
     }
     const StoredImage& of = *stored;
     return std::make_shared<const StoredImage>(
@@ -73,19 +82,23 @@ Result<bool> holds_values(const StoredImage& picture) {
 
 /// Whether a name has a word for infrared pictures, which look like depth and are none.
 bool names_infrared(const std::string& name) {
-    return std::ranges::any_of(words_in_name(name), [](std::string_view word) {
-        return word == "ir" || word.starts_with("infra") || word == "amplitude" || word == "ambient";
-    });
+    return has_beginning(name, {"ir ", "infra", "amplitude ", "ambient "});
 }
 
 bool is_in_colour(const StoredImage& picture) {
     return picture.values.empty() && picture.image.channels == 3 && picture.image.bytes_per_sample == 1;
 }
 
+/// Whether a group is named as pictures that are neither depth nor colour.
+bool names_other(const std::string& name) {
+    return has_word(name, {"conf", "mask", "label", "normal", "haptic", "height", "validity"}) ||
+           (has_word(name, {"instance", "semantic", "segment", "panoptic"}) &&
+            !has_word(name, {"depth", "disp", "rgb", "color", "colour", "image"}));
+}
+
 /// How likely a group is depth; 0: not at all.
 int depth_mark(const PictureGroup& group, ReadPictures& pictures) {
-    if (has_word(group.pattern, {"conf", "mask", "label", "normal", "haptic", "height", "validity"}))
-        return 0;
+    if (names_other(group.pattern)) return 0;
     const auto looked = pictures.look(group.first);
     if (!looked) return 0;
     const StoredImage& first = **looked;
@@ -101,9 +114,8 @@ int depth_mark(const PictureGroup& group, ReadPictures& pictures) {
 }
 
 bool goes_as_colour(const PictureGroup& group, const PictureGroup& depth, ReadPictures& pictures) {
-    if (group.pattern == depth.pattern ||
-        has_word(group.pattern,
-                 {"conf", "mask", "label", "normal", "haptic", "height", "depth", "disp", "ultrawide"}))
+    if (group.pattern == depth.pattern || names_other(group.pattern) ||
+        has_word(group.pattern, {"depth", "disp", "ultrawide"}))
         return false;
     const auto looked = pictures.look(group.first);
     if (!looked) return false;
@@ -152,8 +164,7 @@ std::vector<const PictureGroup*> greys_among(const std::vector<PictureGroup>& gr
                                              ReadPictures& pictures) {
     std::vector<const PictureGroup*> greys;
     for (const PictureGroup& group : groups) {
-        if (has_word(group.pattern, {"conf", "mask", "label", "normal", "haptic", "height", "rgb", "color",
-                                     "colour", "infra"}))
+        if (names_other(group.pattern) || has_word(group.pattern, {"rgb", "color", "colour", "infra"}))
             continue;
         const auto looked = pictures.look(group.first);
         if (looked && (*looked)->values.empty() && is_grey((*looked)->image)) greys.push_back(&group);
@@ -316,7 +327,7 @@ std::optional<fs::path> colour_beside(const fs::path& depth, ReadPictures& pictu
     for (const char* end : {"_depth", ".depth"})
         if (stem.ends_with(end)) stems.push_back(stem.substr(0, stem.size() - std::string(end).size()));
     for (const std::string& other : stems)
-        for (const char* extension : {".png", ".jpg", ".jpeg", ".ppm"}) {
+        for (const char* extension : {".png", ".jpg", ".jpeg", ".ppm", ".JPG", ".JPEG", ".PNG"}) {
             const fs::path file = depth.parent_path() / (other + extension);
             if (file == depth || !is_file(file)) continue;
             if (const auto picture = pictures.look(file); picture && is_in_colour(**picture)) return file;

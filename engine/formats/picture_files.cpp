@@ -162,17 +162,16 @@ struct NumbersInName {
 };
 
 NumbersInName numbers_in_name(const std::string& name) {
-    const auto is_digit = [&](std::size_t k) { return k < name.size() && name[k] >= '0' && name[k] <= '9'; };
     NumbersInName found;
     for (std::size_t at = 0; at < name.size();) {
         const std::size_t begin = at;
-        while (is_digit(at)) ++at;
+        while (is_digit(name[at])) ++at;
         if (at == begin) {
             found.form += name[at++];
             continue;
         }
-        if (at < name.size() && name[at] == '.' && is_digit(at + 1))
-            for (++at; is_digit(at);) ++at;
+        if (name[at] == '.' && is_digit(name[at + 1]))
+            for (++at; is_digit(name[at]);) ++at;
         found.form += '*';
         found.numbers.push_back(name.substr(begin, at - begin));
         found.places.push_back(begin);
@@ -456,18 +455,17 @@ bool is_picture(const fs::path& file) {
 /// A name with a star for one of its numbers before the extension, 0 being the last: a run of digits, or two
 /// with a point between them. Nothing if the name has fewer.
 std::optional<std::string> starred(const std::string& name, int number) {
-    const auto is_digit = [&](std::size_t k) { return k < name.size() && name[k] >= '0' && name[k] <= '9'; };
     std::size_t end = name.rfind('.');
     if (end == std::string::npos) return {};
     while (true) {
-        while (end > 0 && !is_digit(end - 1)) --end;
+        while (end > 0 && !is_digit(name[end - 1])) --end;
         if (end == 0) return {};
         const auto run_before = [&](std::size_t k) {
-            while (k > 0 && is_digit(k - 1)) --k;
+            while (k > 0 && is_digit(name[k - 1])) --k;
             return k;
         };
         std::size_t begin = run_before(end);
-        if (begin > 1 && name[begin - 1] == '.' && is_digit(begin - 2)) begin = run_before(begin - 1);
+        if (begin > 1 && name[begin - 1] == '.' && is_digit(name[begin - 2])) begin = run_before(begin - 1);
         if (number-- == 0) return name.substr(0, begin) + "*" + name.substr(end);
         end = begin;
     }

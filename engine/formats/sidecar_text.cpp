@@ -311,6 +311,12 @@ std::vector<std::string> words_in_name(std::string_view name) {
     return words;
 }
 
+bool has_beginning(std::string_view name, std::initializer_list<std::string_view> beginnings) {
+    return std::ranges::any_of(words_in_name(name), [&](const std::string& word) {
+        return std::ranges::any_of(beginnings, [&](auto wanted) { return (word + ' ').starts_with(wanted); });
+    });
+}
+
 std::string number_in(std::string_view stem, int from_end) {
     constexpr const char* digits = "0123456789";
     for (;; --from_end) {

@@ -27,6 +27,9 @@ std::string bare_name(std::string_view name);
 
 /// The words of a name in small letters: its runs of letters.
 std::vector<std::string> words_in_name(std::string_view name);
+/// Whether one of these words begins so or, with a space behind it, is so: "disp " is in "disp0.pfm" and
+/// "disp_occ/1.png", not in "display.png".
+bool has_beginning(std::string_view name, std::initializer_list<std::string_view> beginnings);
 
 /// A number in a stem, without leading zeros: the last run of digits, or the one `from_end` runs before it;
 /// empty: there is none.

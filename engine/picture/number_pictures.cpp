@@ -689,10 +689,14 @@ Result<ArrayPictures> pictures_of_array(const std::vector<std::int64_t>& extents
     if (shape.size() == 2) shape.insert(shape.begin(), 1);
     if (shape.size() != 3 || shape[0] < 1)
         return input_error(where + ": is an array of " + shape_text(extents) +
-                           ": must be height x width, or count x height x width");
+                           ": must be height x width, or count x height x width" +
+                           (extents.size() == 1 ? ", array.reshape(HEIGHT, WIDTH)" : ""));
     if (shape[2] <= 4 && shape[1] > 4 && shape[0] > 4)
         return input_error(where + ": is an array of " + shape_text(extents) + ", with " +
-                           std::to_string(shape[2]) + " numbers a pixel: must have one");
+                           std::to_string(shape[2]) + " numbers a pixel: must have one" +
+                           (shape[2] == 3   ? ", of points " + std::string(depth_of_points)
+                            : shape[2] == 4 ? ", of RGB-D numpy.save('depth.npy', array[..., 3]) keeps depth"
+                                            : ""));
     // Pictures are not so tall, and none would be seen as wrong: they would be slices across all frames.
     constexpr std::int64_t tallest = 3;
     if (extents.size() == 3 && tallest * shape[2] <= std::min(shape[0], shape[1]))

@@ -40,6 +40,8 @@ struct ArrayPictures {
     std::int64_t count = 1;
     int width = 0, height = 0;
 };
+/// What makes a picture of an array of points.
+inline constexpr std::string_view depth_of_points = "numpy.save('depth.npy', array[..., 2]) keeps depth";
 /// The pictures of an array with these extents. Refuses other shapes, and sides beyond
 /// `largest_picture_side`.
 Result<ArrayPictures> pictures_of_array(const std::vector<std::int64_t>& extents, const std::string& where);

@@ -247,10 +247,13 @@ Result<std::vector<std::size_t>> depth_places(const std::vector<NamedArray>& arr
     }
     if (arrays.size() == 1) return std::vector<std::size_t>{0};
     TRY_ASSIGN(auto places, depth_among(arrays, "array"));
+    const bool has_points = std::ranges::any_of(arrays, [](const auto& array) {
+        return array.shape.size() > 2 && array.shape.back() == 3 && !is_of_matrices(array.shape);
+    });
     if (places.empty())
         return input_error(
             "has no array of pictures of depth (height x width, or count x height x width): it has " +
-                some_of(arrays),
+                some_of(arrays) + (has_points ? "; of points " + std::string(depth_of_points) : ""),
             {{Setting::dataset, "NAME"}});
     return places;
 }

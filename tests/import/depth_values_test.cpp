@@ -756,6 +756,23 @@ TEST_F(ValueEvidence, ReadsFloatsInFourChannels) {
     }
 }
 
+/// Too smooth for evidence; an alpha that only cuts out is none of a float.
+TEST_F(ValueEvidence, NamesPresetsOfColour) {
+    const auto refusal = [&](bool are_floats) {
+        write_rgba(folder / "a.png", [&](int x, int y) -> std::array<unsigned, 4> {
+            const auto bits = std::bit_cast<std::uint32_t>(2 + 0.5F * static_cast<float>(y < shown_high / 2));
+            if (are_floats) return {bits >> 16 & 0xffU, bits >> 8 & 0xffU, bits & 0xffU, bits >> 24};
+            return {x < 5 ? 200U : 20U, 30, 40, x < 5 ? 255U : 0U};
+        });
+        const auto refused = open_clip(folder / "a.png");
+        return refused ? Error{} : refused.error();
+    };
+    EXPECT_TRUE(has_words(refusal(true).message, "is in colour: its bytes and its alpha's may be floats"));
+    EXPECT_EQ(refusal(true).hints.at(0).value, "bgra32f");
+    EXPECT_TRUE(has_words(refusal(false).message, "is in colour: a colour map's colours are no depth"));
+    EXPECT_EQ(refusal(false).hints.at(0).value, "bgr24");
+}
+
 TEST_F(ValueEvidence, ReadsWordsInTwoChannels) {
     for (const bool red_is_high : {true, false}) {
         write_rgba(folder / "a.png", [&](int x, int y) -> std::array<unsigned, 4> {

@@ -82,7 +82,7 @@ TEST_F(ForeignFiles, AreNamedWithRemedy) {
         {"a.zip", zip_head + std::string("\3\0\0\0", 4) + "a/b", "is damaged", ""},
         {"a.las", "LASF" + zeros, "cloud of points (LAS)", "render it"},
         {"t.r3d", "what it begins with", "is a recording of Record3D", "t.r3d'); m = json.loads("},
-        {"0.depth", "bvx2" + zeros, "is a picture of Record3D", "liblzfse.decompress(open('"},
+        {"0.depth", "bvx2" + zeros, "is a picture of Record3D", "liblzfse.decompress((z / "},
         {"t.pt", std::string("\x80\2\x8a\n", 4) + zeros, "is a file of PyTorch",
          "t.pt', map_location='cpu')"},
         {"d.pickle", "\x80\4\x95" + zeros, "is a pickle of Python", "d.pickle', allow_pickle=True))"},
@@ -91,6 +91,8 @@ TEST_F(ForeignFiles, AreNamedWithRemedy) {
         {"w.png", std::string("RIFF\0\0\0\0WEBPVP8L", 16) + zeros, "is WebP", "w.png').save('"},
         {"a.jp2", std::string("\0\0\0\14jP  \r\n\x87\n", 12) + zeros, "is JPEG 2000", "a.png') in Python"},
         {"a.bmp", "BM" + zeros, "is BMP", "PIL.Image.open('"},
+        {"a.tga", zeros, "is TGA", "PIL.Image.open('"},
+        {"a.hdr", "#?RADIANCE\n" + zeros, "is Radiance HDR", "a.hdr', -1)[..., 0])"},
         {"f.flo", std::string("PIEH\2\0\0\0\1\0\0\0", 12) + std::string(16, 'x'), "is optical flow", ""},
         {"f.dpt", std::string("PIEH\2\0\0\0\1\0\0\0", 12) + "1234", "is cut short", ""},
         {"short.dpt", "PIEH", "is cut short", ""},
@@ -123,12 +125,17 @@ TEST_F(ForeignFiles, IgnoreSimilarBeginnings) {
 }
 
 TEST_F(ForeignFiles, IncludeZarrFolders) {
-    for (const char* mark : {"a.zarr/.zgroup", "b.zarr/zarr.json", "c.zarr/.zarray"}) {
-        text(mark, "{}");
+    const std::array<const char*, 3> marks[] = {
+        {"a.zarr/.zgroup", "{}", ")['NAME'][:])"},
+        {"b.zarr/zarr.json", R"({"node_type": "group"})", ")['NAME'][:])"},
+        {"c.zarr/.zarray", "{}", ")[:])"},
+        {"d.zarr/zarr.json", R"({"node_type": "array"})", ")[:])"}};
+    for (const auto& [mark, bytes, taken] : marks) {
+        text(mark, bytes);
         const std::string name = std::filesystem::path(mark).parent_path().string();
         const std::string place = (folder / name).replace_extension().string();
         EXPECT_TRUE(has_words(refusal(name), "is a Zarr store: numpy.save('" + place + ".npy', zarr.open('" +
-                                                 place + ".zarr')['NAME'][:])"));
+                                                 place + ".zarr'" + taken));
     }
     EXPECT_TRUE(is_refused(open_clip(folder.path()), ".zarr is a Zarr store"));
 }
@@ -173,6 +180,8 @@ TEST_F(ForeignFiles, IncludeTablesOfNumbers) {
         EXPECT_TRUE(has_words(refusal("x.csv"), "is text, a row of numbers a line"));
         EXPECT_TRUE(has_words(refusal("x.csv"), way));
     }
+    text("x.asc", "ncols 40\nnrows 30\n" + rows(" ", "\n"));
+    EXPECT_TRUE(has_words(refusal("x.asc"), "is a grid of heights (ESRI; what is high is near"));
     // Poses, a camera and words are no rows of pixels.
     for (const std::string& bytes :
          {rows(" ", "\n", 16), std::string("525 525 319.5 239.5\n"), rows(" word ", "\n")}) {
@@ -207,6 +216,9 @@ TEST_F(ForeignFiles, IncludeRecord3dInFolders) {
     text("unzipped/rgbd/0.depth", "bvx2 and more");
     text("unzipped/rgbd/0.conf", "bvx2 and more");
     EXPECT_TRUE(has_words(refusal("unzipped"), "but rgbd/0.depth is a picture of Record3D"));
+    EXPECT_TRUE(
+        has_words(refusal("unzipped"), "z = pathlib.Path('" + (folder / "unzipped/").string() + "')"));
+    EXPECT_TRUE(has_words(refusal("unzipped"), "reshape(m['dh'], m['dw'])"));
 }
 
 // Panoramas, which no pinhole camera sees.
@@ -224,7 +236,7 @@ TEST_F(Panorama, IsNamedByItsNameAndShape) {
                              "pano/1/d.png", "c/depth_360cam.png", "c/360_depth.png", "spherical/d.png",
                              "KITTI-360/d.png", "d/Pano2_depth.png"}) {
         const std::string refused = said(name, wide_one);
-        EXPECT_TRUE(has_words(refused, "is a panorama (equirectangular, as its name says; ")) << name;
+        EXPECT_TRUE(has_words(refused, "is an equirectangular panorama (as its name says; ")) << name;
         EXPECT_TRUE(has_words(refused, "py360convert.e2p(cv2.imread('" + (folder / name).string() +
                                            "', -1), 90, 0, 0, (21, 21), mode='nearest'))"));
         EXPECT_EQ(said(name, other), "") << name;
@@ -232,6 +244,54 @@ TEST_F(Panorama, IsNamedByItsNameAndShape) {
     for (const char* name : {"a/depth_360.png", "a/depth_003600.png", "a/depth_360p.png", "companions/d.png",
                              "a/panoptic_d.png"})
         EXPECT_EQ(said(name, wide_one), "") << name;
+}
+
+/// Cube maps, fisheye pictures and cylinders are refused by their names and shapes.
+TEST_F(Panorama, HasOtherProjections) {
+    const auto said = [&](const std::string& name, int width, int height) {
+        write_in_folder(folder / name,
+                        made_image(width, height, 2, 1, [](int x, int y, int) { return 1000 + 10 * x + y; }));
+        return refusal(name);
+    };
+    EXPECT_TRUE(has_words(said("cubemap_depth.png", 96, 16), ", -1)[0:16, :16])"));
+    EXPECT_TRUE(has_words(said("a/skybox.png", 64, 48), ", -1)[16:32, :16])"));
+    EXPECT_TRUE(has_words(said("cube/0.png", 96, 16), "is a cube map (as its name says"));
+    EXPECT_TRUE(has_words(said("fisheye_depth.png", 40, 40), "cv2.remap(cv2.imread('"));
+    EXPECT_TRUE(has_words(said("b/cylinder_depth.png", 96, 24),
+                          "is a fisheye's or a cylinder's picture (as its name says"));
+    // A face of a cube map is a pinhole's; things have these shapes too.
+    for (const auto& [name, width] :
+         {std::pair{"a/skybox1.png", 48}, {"a/cube.png", 64}, {"a/cylinder.png", 64}})
+        EXPECT_EQ(said(name, width, 48), "") << name;
+}
+
+/// Depth of a box from its middle, all around; and of a floor and a ceiling as a pinhole sees them.
+TEST_F(Panorama, IsDoubtedByItsValues) {
+    const auto doubted = [&](const std::string& name, const auto& metres) {
+        std::string pfm = "Pf\n96 48\n-1\n";
+        for (int y = 0; y < 48; ++y)
+            for (int x = 0; x < 96; ++x) {
+                const auto depth = static_cast<float>(metres(x + 0.5, y + 0.5));
+                pfm.append(reinterpret_cast<const char*>(&depth), sizeof depth);
+            }
+        write_bytes(folder / name, pfm);
+        const auto clip = must(open_clip(folder / name));
+        EXPECT_FALSE(is_noted(*clip, "though they are larger in the lower third")) << name;
+        return is_noted(*clip,
+                        "the camera is a pinhole, though the picture may be an equirectangular panorama");
+    };
+    constexpr double pi = 3.14159265358979;
+    const auto sphere = [](double x, double y) {
+        const double turn = x / 48 * pi, up = (0.5 - y / 48) * pi;
+        return 1 / std::max({std::abs(std::sin(up)) / 1.2, std::abs(std::cos(up) * std::sin(turn)) / 3,
+                             std::abs(std::cos(up) * std::cos(turn)) / 2});
+    };
+    const auto corridor = [](double x, double y) {
+        return 40 / std::max({std::abs(y - 24), std::abs(x - 48) / 1.5, 4.0});
+    };
+    EXPECT_TRUE(doubted("a.pfm", sphere));
+    EXPECT_FALSE(doubted("b.pfm", corridor));
+    EXPECT_FALSE(doubted("c.pfm", [](double x, double) { return std::abs(x - 48) < 9 ? 1.5 : 2.0; }));
 }
 
 TEST_F(Panorama, IsNamedInFolders) {
@@ -262,9 +322,14 @@ TEST_F(Panorama, IsNamedByXmp) {
                jpeg.substr(2);
     };
     write_bytes(folder / "a.jpg", with_xmp("equirectangular"));
-    EXPECT_TRUE(has_words(refusal("a.jpg"), "is a panorama (equirectangular, as its XMP says; "));
+    EXPECT_TRUE(has_words(refusal("a.jpg"), "is an equirectangular panorama (as its XMP says; "));
     write_bytes(folder / "b.jpg", with_xmp("cylindrical"));
     EXPECT_EQ(refusal("b.jpg"), "");
+    // Of colour beside depth, named as cameras do.
+    write_bytes(folder / "R1.JPG", with_xmp("equirectangular"));
+    write_in_folder(folder / "R1_depth.png",
+                    made_image(48, 32, 2, 1, [](int x, int y, int) { return 900 + x + y; }));
+    EXPECT_TRUE(has_words(refusal("R1_depth.png"), "R1.JPG', -1), 90"));
 }
 
 /// A person who states the camera knows better than a name.
@@ -273,11 +338,12 @@ TEST_F(Panorama, OpensWithStatedCamera) {
                     made_image(64, 32, 2, 1, [](int x, int y, int) { return 1000 + 10 * x + y; }));
     SourceDescription known;
     known.metres_per_code = 0.001;
-    EXPECT_TRUE(has_words(refusal("pano_depth.png", known), "is a panorama"));
+    EXPECT_TRUE(has_words(refusal("pano_depth.png", known), "is an equirectangular panorama"));
     known.fov = 90;
     const auto clip = must(open_clip(folder / "pano_depth.png", {}, known));
     EXPECT_NEAR(clip->scene().camera.fx, 32, 1e-9);
-    EXPECT_TRUE(is_noted(*clip, "the picture may be a panorama, and is taken for that of the camera"));
+    EXPECT_TRUE(is_noted(
+        *clip, "the picture may be an equirectangular panorama, and is taken for that of the camera"));
 }
 
 TEST_F(ForeignFiles, AreNamedInEmptyFolders) {

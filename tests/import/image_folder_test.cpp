@@ -631,6 +631,11 @@ TEST_F(GuessedFolder, NotesColourOfAnotherCamera) {
     EXPECT_FALSE(says("")) << "of larger pictures the same view";
     write_bytes(folder / "camera_color.json", R"({"fx": 40, "fy": 40, "cx": 7.5, "cy": 5.5})");
     EXPECT_TRUE(says("camera_color.json is of another camera than depth's")) << remarks_in(guess());
+    std::filesystem::remove(folder / "camera_color.json");
+    for (const char* name : {"color_1.png", "color_2.png"})
+        write_in_folder(folder / name,
+                        made_image(32, 18, 1, 3, [](int x, int y, int c) { return x + y + 50 * c; }));
+    EXPECT_TRUE(says("it is stretched to their shape from 32x18")) << remarks_in(guess());
     for (const char* number : {"1", "2"})
         std::filesystem::remove(folder / (std::string("color_") + number + ".png"));
     EXPECT_FALSE(says("")) << "there is no colour";
@@ -709,6 +714,14 @@ TEST_F(GuessedFolder, NamesPicturesWithoutDepth) {
     colour("holiday/2.png");
     EXPECT_TRUE(is_refused(open_clip(folder.path()),
                            "no pictures of depth were found (there are 2 x holiday/*.png)"));
+    // Deep, but by their names of other things; depth beside them, or in a folder so named, is depth.
+    for (const char* name : {"1.instance.png", "2.instance.png", "semantic/1.png", "semantic/2.png"})
+        depth(name);
+    EXPECT_TRUE(is_refused(open_clip(folder.path()), "no pictures of depth were found"));
+    for (const char* name : {"instances/depth_1.png", "instances/depth_2.png"}) depth(name);
+    for (const char* name : {"instances/rgb_1.png", "instances/rgb_2.png"}) colour(name);
+    EXPECT_EQ(guess().scene.folder->depth, "instances/depth_*.png");
+    EXPECT_EQ(guess().scene.folder->colour, "instances/rgb_*.png");
     const TemporaryFolder empty;
     EXPECT_TRUE(is_refused(open_clip(empty.path()), "there are no pictures"));
 }

@@ -178,9 +178,11 @@ TEST_F(Npy, FindsDepthAmongArrays) {
               "picture: has several arrays that may be depth: left of 16x20, right of 16x20");
 
     const std::pair<const char*, const char*> cases[] = {
-        {"colour.npy", "is an array of 9x8x3, with 3 numbers a pixel: must have one"},
+        {"colour.npy",
+         "is an array of 9x8x3, with 3 numbers a pixel: must have one, of points numpy.save('depth.npy', "
+         "array[..., 2])"},
         {"colours.npy", "is an array of 2x3x5x7: must be"},
-        {"row.npy", "is an array of 9: must be height x width"},
+        {"row.npy", "is an array of 9: must be height x width, or count x height x width, array.reshape("},
         {"complex.npy", "is of NumPy's type \"<c8\": must be an integer or float of 8 to 64 bits"},
         {"records.npy", "is an array of records"},
         {"object.npy", "is a pickled Python object, which is not read, as it may run any program: "},
@@ -200,6 +202,8 @@ TEST(NpyShape, RefusesFramesAsLastAxis) {
                               ", whose last axis seems to count its pictures: must be count x "
                               "height x width, numpy.moveaxis(array, -1, 0)"))
             << shape;
+    EXPECT_TRUE(
+        has_words(refusal("48, 64, 4"), "must have one, of RGB-D numpy.save('depth.npy', array[..., 3])"));
     for (const char* shape : {"6, 480, 640", "300, 480, 640", "480, 64, 48", "300, 1280, 590", "1, 480, 100"})
         EXPECT_TRUE(has_words(refusal(shape), "is cut short")) << shape;
 }
@@ -448,6 +452,9 @@ TEST_F(NpzRow, TakesNamedArray) {
         is_refused(open({{"K", npy_bytes("3, 3", std::vector<float>(9, 1))}, {"rgb", picture_of(1)}}),
                    "has no array of pictures of depth (height x width, or count x height x width): it "
                    "has K of 3x3, rgb of 16x20"));
+    EXPECT_TRUE(
+        is_refused(open({{"xyz", npy_bytes("9, 8, 3", std::vector<float>(216, 1))}, {"rgb", picture_of(1)}}),
+                   "; of points numpy.save('depth.npy', array[..., 2]) keeps depth"));
 }
 
 }  // namespace
