@@ -347,8 +347,8 @@ double codes_per_metre_of(const Json& object, const std::string& name = "") {
 
 double rate_of_members(const Json& object, const std::string& = "") {
     constexpr double highest = 1000;
-    const double rate =
-        Members(object).number({"fps", "framerate", "camerafps", "framespersecond", "depthfps"});
+    const double rate = Members(object).number(
+        {"fps", "framerate", "camerafps", "framespersecond", "depthfps", "controlfreq"});
     return rate > 0 && rate <= highest ? rate : 0;
 }
 
@@ -629,6 +629,11 @@ double rate_of_times(std::vector<double> seconds) {
     return rate && rate->per_second() <= highest ? rate->per_second() : 0;
 }
 
+/// Whether a bare name is that of depth's times.
+bool is_of_times(const std::string& name) {
+    return is_any_of(name, {"timestamps", "timestamp", "times", "depthtimestamps", "depthtimes"});
+}
+
 /// Sets the rate by a table's times, if it counts frames or has a camera's poses.
 void read_times(const NumberTable& table, CameraText& said) {
     const int time = table.column({"timestamp", "timestamps", "time", "t", "sec", "seconds", "timestampns"});
@@ -836,8 +841,7 @@ double rate_in_file_of_times(const std::filesystem::path& file, std::size_t fram
     constexpr std::size_t longest = 1 << 22;
     const std::string stem = bare_name(file.stem().string());
     const bool is_rate = is_any_of(stem, {"fps", "framerate"});
-    if (!is_rate && !is_any_of(stem, {"timestamps", "timestamp", "times", "depthtimestamps", "depthtimes"}))
-        return 0;
+    if (!is_rate && !is_of_times(stem)) return 0;
     const auto text = read_given_file(file, file.string(), "times of frames", longest);
     if (!text || text->find_first_not_of("0123456789+-.eE, \t\r\n[];") != std::string::npos) return 0;
     const std::vector<double> numbers = numbers_in(*text);
@@ -867,20 +871,19 @@ Result<Intrinsics> read_intrinsics(const std::filesystem::path& file) {
     return read.intrinsics;
 }
 
-CameraText cameras_in_arrays(std::span<const SmallArray> arrays) {
+CameraText cameras_in_arrays(std::span<const SmallArray> arrays, std::int64_t frames) {
     constexpr std::size_t most_of_lens = 14;
     CameraText said;
     Json numbers = Json::object();
     for (const SmallArray& array : arrays) {
-        const auto& shape = array.shape;
+        if (is_of_times(bare_name(array.name)) && std::ssize(array.numbers) == frames)
+            said.frames_per_second = rate_of_times(array.numbers);
         if (array.numbers.size() == 1) numbers.emplace(array.name, array.numbers.front());
         if (array.numbers.size() > 1 && array.numbers.size() <= most_of_lens)
             numbers.emplace(array.name, array.numbers);
         // Of 3x3, 3x4 or 4x4; HDF5's have no shape.
-        const std::size_t sides = shape.size();
-        const std::int64_t across = sides > 0 ? shape[sides - 1] : 3, down = sides > 1   ? shape[sides - 2]
-                                                                             : sides > 0 ? 0
-                                                                                         : 3;
+        const auto shape = array.shape.empty() ? std::vector<std::int64_t>{3, 3} : array.shape;
+        const auto across = shape.back(), down = shape.size() > 1 ? shape[shape.size() - 2] : 0;
         const bool is_matrices = across <= 4 && down >= 3 && down <= across;
         const auto each = static_cast<std::size_t>(is_matrices ? across * down : across == 4 ? 4 : 0);
         if (each == 0 || array.numbers.size() % each != 0) continue;
@@ -908,7 +911,7 @@ CameraText cameras_in_arrays(std::span<const SmallArray> arrays) {
                           [](const CameraFile& camera) { return has_word(camera.name, {"depth"}); });
     for (CameraFile& camera : said.cameras) camera.has_distortion = says_distortion(numbers);
     said.codes_per_metre = codes_per_metre_of(numbers);
-    said.frames_per_second = rate_of_members(numbers);
+    if (said.frames_per_second == 0) said.frames_per_second = rate_of_members(numbers);
     said.near = near_of_members(numbers);
     said.far = far_of_members(numbers);
     return said;

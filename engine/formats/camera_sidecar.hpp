@@ -129,8 +129,8 @@ struct CameraBeside {
 /// the median of their cameras. Remarks name arbitrary choices.
 CameraBeside camera_beside(const PicturesOfCamera& pictures);
 
-/// Cameras, rate and scale in arrays beside depth in its own file (.npz).
-CameraText cameras_in_arrays(std::span<const SmallArray> arrays);
+/// Cameras, rate and scale in arrays beside depth in its own file (.npz) of so many frames; 0: not known.
+CameraText cameras_in_arrays(std::span<const SmallArray> arrays, std::int64_t frames = 0);
 
 /// Brings numbers that are shares of a picture's sides to pixels, each by itself; a principal point in the
 /// corner is dropped. `doubt` gets what was changed.

@@ -91,7 +91,7 @@ void set_own_camera(CameraText said, const fs::path& file, PicturesOfCamera& pla
 Result<void> add_own_arrays(const fs::path& file, ReadPictures& pictures, PicturesOfCamera& place) {
     TRY_ASSIGN(const auto stack, pictures.stack_in(file));
     if (!stack) return {};
-    set_own_camera(cameras_in_arrays(stack->small_arrays()), file, place);
+    set_own_camera(cameras_in_arrays(stack->small_arrays(), stack->count()), file, place);
     for (const SmallArray& array : stack->small_arrays())
         if (has_word(array.name, {"extrinsic", "pose", "c2w", "w2c"}))
             place.own_not_used.push_back(array.name + " in " + file.filename().string());
@@ -518,8 +518,7 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     if (video && !video->others.empty())
         guess.say("left out: " + printable(listed(video->others), 200) + ", which may be colour as well", {},
                   RemarkKind::other, "a scene file's folder.colour names another one");
-    if (depth.count > 1 || video)
-        TRY(find_rate(folder, frames, video, evidence.beside.frames_per_second, guess));
+    if (frames > 1) TRY(find_rate(folder, frames, video, evidence.beside.frames_per_second, guess));
     pictures->keep_only({depth.first, colour ? colour->first : fs::path()});
     guess.pictures = pictures;
     if (video) guess.video = video->file;
@@ -591,10 +590,9 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
     if (video) {
         folder.colour = video->name;
         guess.say("colour is " + printable(video->name));
-        take_video_rate(video, stack->count(), guess);
-    } else if (stack && stack->count() > 1) {
-        take_stated_rate(evidence.beside.frames_per_second, guess);
     }
+    if (stack && stack->count() > 1)
+        TRY(find_rate(file.parent_path(), stack->count(), video, evidence.beside.frames_per_second, guess));
     if (metadata) guess.inputs.push_back(*metadata);
     guess.pictures = pictures;
     if (video) guess.video = video->file;

@@ -382,6 +382,24 @@ TEST_F(CameraSpellings, GiveRateByTimes) {
                     R"({"fx": 50, "fy": 52, "cx": 33.5, "cy": 21.25, "fps": 12})");
     const auto clip = must(open_clip(folder / "depth.npy"));
     EXPECT_EQ(clip->scene().rate.per_second(), 12);
+    EXPECT_FALSE(has_remark(clip->scene(), "guessed: 12 frames a second"));
+}
+
+TEST_F(CameraSpellings, GiveRateByTimesInArrays) {
+    const std::string depth = npy_bytes("3, 48, 64", std::vector<float>(3 * across * down, 1.5F));
+    const auto scene = [&](const char* name, const std::string& times) {
+        write_npz(folder / "a.npz", {{"depth", depth}, {name, times}});
+        const Scene opened = must(open_clip(folder / "a.npz"))->scene();
+        EXPECT_EQ(guessed(folder.path()).rate.per_second(), opened.rate.per_second()) << name;
+        return opened;
+    };
+    const std::string three = npy_bytes("3,", {10, 10.25F, 10.5F});
+    for (const char* name : {"timestamps", "timestamp", "depth_timestamps", "times"})
+        EXPECT_EQ(scene(name, three).rate.per_second(), 4) << name;
+    EXPECT_EQ(scene("control_freq", npy_bytes("1,", {20})).rate.per_second(), 20);
+    // Times of others: the rate is a guess.
+    EXPECT_TRUE(has_remark(scene("imu_times", three), "guessed: 30 frames a second"));
+    EXPECT_TRUE(has_remark(scene("timestamps", npy_bytes("4,", {0, 1, 2, 3})), "guessed: 30 frames"));
 }
 
 TEST_F(CameraSpellings, NameUnusedFiles) {
