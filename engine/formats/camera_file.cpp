@@ -156,7 +156,18 @@ std::optional<Intrinsics> view_of(const Members& members) {
     constexpr double widest = 179, least = 1, most_radians = 3.13;
     double x = members.number({"fovx", "hfov", "horizontalfov", "fovh", "fovxdeg", "xfov"}),
            y = members.number({"fovy", "vfov", "verticalfov", "fovv", "fovydeg", "yfov"});
-    if (x == 0 && y == 0) x = members.number({"fov", "fieldofview", "fovdegrees", "fovdeg", "camerafov"});
+    bool is_either_way = false;
+    if (x == 0 && y == 0) {
+        // CARLA's goes across; Unity's, three.js's, PyBullet's and Godot's down.
+        const std::string_view kept = members.words("keepaspect");
+        const bool goes_across = members.has("imagesizex") || kept == "KEEP_WIDTH";
+        const bool goes_down =
+            !goes_across && (kept == "KEEP_HEIGHT" || members.words("type") == "PerspectiveCamera" ||
+                             members.number({"fieldofview", "aspect", "aspectratio", "nearval", "farval",
+                                             "nearclipplane", "farclipplane"}) > 0);
+        (goes_down ? y : x) = members.number({"fov", "fieldofview", "fovdegrees", "fovdeg", "camerafov"});
+        is_either_way = !goes_across && x > 0;
+    }
     const double largest = std::max(x, y);
     const bool is_radians = largest > 0 && largest < most_radians;
     x = degrees_of(x, is_radians), y = degrees_of(y, is_radians);
@@ -177,41 +188,17 @@ std::optional<Intrinsics> view_of(const Members& members) {
     }
     const auto is_angle = [](double degrees) { return degrees >= least && degrees <= widest; };
     if (!is_angle(x) && !is_angle(y)) return {};
-    Intrinsics seen;
-    if (is_angle(x)) seen.fov_x = x;
-    if (is_angle(y)) seen.fov_y = y;
-    return seen;
+    return Intrinsics{
+        .fov_x = is_angle(x) ? x : 0, .fov_y = is_angle(y) ? y : 0, .is_fov_either_way = is_either_way};
 }
 
-/// What programs call a camera's matrix; depth's first.
-constexpr const char* matrix_names[] = {"kdepth",
-                                        "depthk",
-                                        "depthintrinsics",
-                                        "depthintrinsic",
-                                        "intrinsicsdepth",
-                                        "intrinsicdepth",
-                                        "depthcameramatrix",
-                                        "mcalibrationdepthintrinsic",
-                                        "intrinsicmatrix",
-                                        "k",
-                                        "cameramatrix",
-                                        "camk",
-                                        "camintr",
-                                        "intrinsicsmatrix",
-                                        "intrinsics",
-                                        "intrinsic",
-                                        "cameraintrinsics",
-                                        "cameraintrinsic",
-                                        "kmatrix",
-                                        "calibrationmatrix",
-                                        "perframeintrinsiccoeffs",
-                                        "p",
-                                        "p2",
-                                        "prect02",
-                                        "p0",
-                                        "prect00",
-                                        "krect02",
-                                        "k02"};
+/// The first of these members that is a camera's matrix.
+template <class... Name>
+std::optional<Intrinsics> first_matrix(const Members& members, Name... names) {
+    std::optional<Intrinsics> found;
+    (void)((found = from_matrix(members.list({names}))) || ...);
+    return found;
+}
 
 std::optional<Intrinsics> intrinsics_of(const Json& object) {
     const Members members(object);
@@ -239,9 +226,18 @@ std::optional<Intrinsics> intrinsics_of(const Json& object) {
             fx = pair[0], fy = pair[1];
     // A single focal length is pixels only beside a principal point in pixels.
     if (fx == 0 && cx && *cx > 1) fx = members.number({"focallength", "focal", "focallengthpx", "f"});
-    if (fx > 0) return Intrinsics{fx, fy > 0 ? fy : fx, cx, cy};
-    for (const char* const matrix : matrix_names)
-        if (const auto found = from_matrix(members.list({matrix}))) return found;
+    const Json* const ndc = members.find("inndc");
+    if (fx > 0)
+        return Intrinsics{
+            .fx = fx, .fy = fy > 0 ? fy : fx, .cx = cx, .cy = cy, .is_ndc = ndc && *ndc == true};
+    // What programs call a camera's matrix; depth's first.
+    if (const auto found = first_matrix(
+            members, "kdepth", "depthk", "depthintrinsics", "depthintrinsic", "intrinsicsdepth",
+            "intrinsicdepth", "depthcameramatrix", "mcalibrationdepthintrinsic", "intrinsicmatrix", "k",
+            "cameramatrix", "camk", "camintr", "intrinsicsmatrix", "intrinsics", "intrinsic",
+            "cameraintrinsics", "cameraintrinsic", "kmatrix", "calibrationmatrix", "perframeintrinsiccoeffs",
+            "p", "p2", "prect02", "p0", "prect00", "krect02", "k02"))
+        return found;
     const auto four =
         members.list({"intrinsics", "intrinsic", "perframeintrinsiccoeffs", "camintr"});  // Kalibr, Record3D
     const Json* const model = members.find("cameramodel");
@@ -268,8 +264,9 @@ double baseline_of(const Json& object) {
 
 bool says_distortion(const Json& object) {
     const Members members(object);
-    std::vector<double> terms = members.list(
-        {"distortioncoefficients", "distortioncoeffs", "distcoeffs", "coeffs", "distortion", "dist", "d"});
+    std::vector<double> terms =
+        members.list({"distortioncoefficients", "distortioncoeffs", "distcoeffs", "distcoeff",
+                      "radialdistortion", "coeffs", "distortion", "dist", "d"});
     for (const char* name : {"k1", "k2", "k3", "p1", "p2", "kud", "kdu"})
         terms.push_back(members.number({name}));
     return std::ranges::any_of(terms, [](double term) { return term != 0; });
@@ -352,18 +349,21 @@ double rate_of_members(const Json& object, const std::string& = "") {
     return rate > 0 && rate <= highest ? rate : 0;
 }
 
-/// A renderer's planes, metres; 0: not stated. MuJoCo states shares of the model's extent.
-double near_of_members(const Json& object, const std::string& = "") {
+/// A renderer's plane, metres; 0: not stated. `which`: its place in a range of both. MuJoCo states shares of
+/// the model's extent.
+double plane_of(const Json& object, std::initializer_list<const char*> names, std::size_t which) {
     const Members members(object);
-    const double near = members.number({"near", "znear", "nearval", "nearplane", "nearclip", "clipnear"}),
+    const auto both = members.list({"clippingrange"});
+    const double plane = both.size() == 2 ? both[which] : members.number(names),
                  extent = members.number({"extent"});
-    return near > 0 ? near * (extent > 0 ? extent : 1) : 0;
+    return plane > 0 ? plane * (extent > 0 ? extent : 1) : 0;
+}
+double near_of_members(const Json& object, const std::string& = "") {
+    return plane_of(object,
+                    {"near", "znear", "nearval", "nearplane", "nearclip", "clipnear", "nearclipplane"}, 0);
 }
 double far_of_members(const Json& object, const std::string& = "") {
-    const Members members(object);
-    const double far = members.number({"far", "zfar", "farval", "farplane", "farclip", "clipfar"}),
-                 extent = members.number({"extent"});
-    return far > 0 ? far * (extent > 0 ? extent : 1) : 0;
+    return plane_of(object, {"far", "zfar", "farval", "farplane", "farclip", "clipfar", "farclipplane"}, 1);
 }
 
 /// A camera in a line of its own, or in a member, as librealsense prints it: "[ 640x480 p[319.1 240.2] f[600

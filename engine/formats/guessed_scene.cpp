@@ -6,6 +6,7 @@
 #include <iterator>
 #include <numeric>
 
+#include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -144,6 +145,13 @@ void take_camera(const Intrinsics& intrinsics, const std::string& whose, const s
                        " pixels and is scaled to these pictures",
                    {{Setting::intrinsics}});
     scene.camera = scaled_camera(intrinsics, scene.width, scene.height);
+    if (intrinsics.is_fov_either_way && scene.width != scene.height) {
+        const std::string other = short_number(
+            360 / pi * arctangent(0.5 * scene.width * scene.width / (scene.height * scene.camera.fx)));
+        draft.say("the camera sees " + short_number(intrinsics.fov_x) + " degrees from left to right, as " +
+                      whose + " gives one angle; if that goes from top to bottom, it sees " + other,
+                  {{Setting::field_of_view, other}}, RemarkKind::camera);
+    }
     // A field of view is that of a whole picture.
     if (file.empty() || intrinsics.fx == 0 || (intrinsics.cx && intrinsics.cy)) return;
     draft.say("the principal point is the middle of the picture, " + short_number(scene.camera.cx) + ", " +
