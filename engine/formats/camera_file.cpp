@@ -742,8 +742,11 @@ CameraText cameras_in_text(std::string_view text, const FrameKey& wanted = {}) {
     if (said.cameras.empty()) take_members(members_in_lines(text), wanted, said);
     if (said.cameras.empty())
         if (auto printed = from_printed(text)) said.cameras.push_back(std::move(*printed));
-    for (CameraFile& camera : said.cameras)
+    for (CameraFile& camera : said.cameras) {
         if (camera.codes_per_metre == 0) camera.codes_per_metre = said.codes_per_metre;
+        said.cameras.front().scale_differs |=
+            !camera.frame.empty() && camera.codes_per_metre != said.cameras.front().codes_per_metre;
+    }
     join_frames(said);
     if (said.codes_per_metre == 0 && said.cameras.size() == 1)
         said.codes_per_metre = said.cameras.front().codes_per_metre;

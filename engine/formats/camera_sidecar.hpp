@@ -33,6 +33,7 @@ struct CameraFile {
     double baseline = 0;          ///< metres; of a stereo pair, otherwise 0
     double offset = 0;            ///< pixels; of its disparities
     double codes_per_metre = 0;   ///< of depth; 0: not stated
+    bool scale_differs = false;   ///< other frames of the file have other scales
     bool has_distortion = false;  ///< of its lens, which is not undone
     std::string name{};           ///< from its members, its own name, its topic
     std::string frame{};          ///< its frame's number or picture stem; empty: none

@@ -261,6 +261,11 @@ Result<void> describe_depth(const StoredImage& depth, PicturesOfCamera place, De
     const SourceDescription& known = evidence.known;
     CameraBeside& beside = evidence.beside = camera_beside(place);
     if (known.intrinsics && !known.file.empty()) take_scale_of(known.file, beside);
+    if (beside.file.filename() == "calib_cam_to_cam.txt" && !evidence.preset && !evidence.has_unit() &&
+        !evidence.says_disparity && holds_words(depth))
+        // Metres of streets; millimetres, taken so, would be farther.
+        if (const double median = estimate_values(depth).median / 256; median > 1 && median < 30)
+            evidence.set_preset({preset_named("kitti"), "the camera's file beside it is KITTI's"});
     const bool is_evident = !evidence.why_preset.empty();
     if (is_evident && beside.codes_per_metre.value > 0 && evidence.preset->stored.packed == Packing::none)
         evidence.set_preset({});
@@ -269,6 +274,11 @@ Result<void> describe_depth(const StoredImage& depth, PicturesOfCamera place, De
         scene.depth = *coding;
     else
         TRY(guess_values(depth, evidence, draft));
+    if (beside.camera && beside.camera->scale_differs &&
+        scene.depth.scale == 1 / beside.camera->codes_per_metre)
+        draft.say("a code is " + short_number(1000 * scene.depth.scale) + " mm in all frames, though " +
+                      printable(beside.file.filename().string()) + " gives some another scale",
+                  {{Setting::depth_unit}}, RemarkKind::unit);
     if (known.semantics) scene.depth.semantics = *known.semantics;
     derive_valid_range(scene.depth);
     const auto valid = validate(draft);

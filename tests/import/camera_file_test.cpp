@@ -232,6 +232,38 @@ TEST_F(CameraSpellings, GivePlanes) {
     }
 }
 
+TEST_F(CameraSpellings, SayWhereScalesDiffer) {
+    write_depth(folder.path());
+    const auto says = [&](const char* second) {
+        write_in_folder(folder / "scene_camera.json",
+                        R"({"1": {"cam_K": [50, 0, 33, 0, 50, 21, 0, 0, 1], "depth_scale": 0.1},
+                            "2": {"cam_K": [50, 0, 33, 0, 50, 21, 0, 0, 1], "depth_scale": )" +
+                            std::string(second) + "}}");
+        return has_remark(guessed(folder.path()), "in all frames, though scene_camera.json gives some");
+    };
+    EXPECT_TRUE(says("0.2"));
+    EXPECT_TRUE(has_remark(guessed(folder.path()), "guessed: a code is "));
+    EXPECT_FALSE(says("0.1"));
+}
+
+/// Codes from 8000 to 8250 would be 31.3 m and more; 1/8 of that, 3.9 m.
+TEST_F(CameraSpellings, TakeKittiCodesBesideItsCalibration) {
+    write_depth(folder.path());
+    const char* const words = "P_rect_02: 50 0 33.5 0 0 52 21.25 0 0 0 1 0\n";
+    write_in_folder(folder / "calib_cam_to_cam.txt", words);
+    EXPECT_EQ(guessed(folder.path()).depth.scale, 0.001) << "too far for a street";
+    for (const char* name : {"depth/0001.png", "depth/0002.png"})
+        write_in_folder(folder / name, made_image(across, down, 2, 1, [](int x, int y, int) {
+                            return 1000 + (across * y + x) % 251;
+                        }));
+    const Scene scene = guessed(folder.path());
+    EXPECT_EQ(scene.depth.scale, 1.0 / 256);
+    EXPECT_EQ(scene.camera.fx, 50);
+    EXPECT_TRUE(has_remark(scene, "guessed: depth is as preset kitti has it"));
+    std::filesystem::rename(folder / "calib_cam_to_cam.txt", folder / "calib.txt");
+    EXPECT_EQ(guessed(folder.path()).depth.scale, 0.001);
+}
+
 TEST_F(CameraSpellings, GiveDepthScale) {
     const std::string camera = R"("fx": 50, "fy": 52, "cx": 33.5, "cy": 21.25)";
     const std::string matrix = R"("cam_K": [50, 0, 33.5, 0, 52, 21.25, 0, 0, 1])";
