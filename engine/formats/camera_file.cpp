@@ -156,7 +156,18 @@ std::optional<Intrinsics> view_of(const Members& members) {
     constexpr double widest = 179, least = 1, most_radians = 3.13;
     double x = members.number({"fovx", "hfov", "horizontalfov", "fovh", "fovxdeg", "xfov"}),
            y = members.number({"fovy", "vfov", "verticalfov", "fovv", "fovydeg", "yfov"});
-    if (x == 0 && y == 0) x = members.number({"fov", "fieldofview", "fovdegrees", "fovdeg", "camerafov"});
+    bool is_either_way = false;
+    if (x == 0 && y == 0) {
+        // CARLA's goes across; Unity's, three.js's, PyBullet's and Godot's down.
+        const std::string_view kept = members.words("keepaspect");
+        const bool goes_across = members.has("imagesizex") || kept == "KEEP_WIDTH";
+        const bool goes_down =
+            !goes_across && (kept == "KEEP_HEIGHT" || members.words("type") == "PerspectiveCamera" ||
+                             members.number({"fieldofview", "aspect", "aspectratio", "nearval", "farval",
+                                             "nearclipplane", "farclipplane"}) > 0);
+        (goes_down ? y : x) = members.number({"fov", "fieldofview", "fovdegrees", "fovdeg", "camerafov"});
+        is_either_way = !goes_across && x > 0;
+    }
     const double largest = std::max(x, y);
     const bool is_radians = largest > 0 && largest < most_radians;
     x = degrees_of(x, is_radians), y = degrees_of(y, is_radians);
@@ -177,41 +188,17 @@ std::optional<Intrinsics> view_of(const Members& members) {
     }
     const auto is_angle = [](double degrees) { return degrees >= least && degrees <= widest; };
     if (!is_angle(x) && !is_angle(y)) return {};
-    Intrinsics seen;
-    if (is_angle(x)) seen.fov_x = x;
-    if (is_angle(y)) seen.fov_y = y;
-    return seen;
+    return Intrinsics{
+        .fov_x = is_angle(x) ? x : 0, .fov_y = is_angle(y) ? y : 0, .is_fov_either_way = is_either_way};
 }
 
-/// What programs call a camera's matrix; depth's first.
-constexpr const char* matrix_names[] = {"kdepth",
-                                        "depthk",
-                                        "depthintrinsics",
-                                        "depthintrinsic",
-                                        "intrinsicsdepth",
-                                        "intrinsicdepth",
-                                        "depthcameramatrix",
-                                        "mcalibrationdepthintrinsic",
-                                        "intrinsicmatrix",
-                                        "k",
-                                        "cameramatrix",
-                                        "camk",
-                                        "camintr",
-                                        "intrinsicsmatrix",
-                                        "intrinsics",
-                                        "intrinsic",
-                                        "cameraintrinsics",
-                                        "cameraintrinsic",
-                                        "kmatrix",
-                                        "calibrationmatrix",
-                                        "perframeintrinsiccoeffs",
-                                        "p",
-                                        "p2",
-                                        "prect02",
-                                        "p0",
-                                        "prect00",
-                                        "krect02",
-                                        "k02"};
+/// The first of these members that is a camera's matrix.
+template <class... Name>
+std::optional<Intrinsics> first_matrix(const Members& members, Name... names) {
+    std::optional<Intrinsics> found;
+    (void)((found = from_matrix(members.list({names}))) || ...);
+    return found;
+}
 
 std::optional<Intrinsics> intrinsics_of(const Json& object) {
     const Members members(object);
@@ -239,9 +226,18 @@ std::optional<Intrinsics> intrinsics_of(const Json& object) {
             fx = pair[0], fy = pair[1];
     // A single focal length is pixels only beside a principal point in pixels.
     if (fx == 0 && cx && *cx > 1) fx = members.number({"focallength", "focal", "focallengthpx", "f"});
-    if (fx > 0) return Intrinsics{fx, fy > 0 ? fy : fx, cx, cy};
-    for (const char* const matrix : matrix_names)
-        if (const auto found = from_matrix(members.list({matrix}))) return found;
+    const Json* const ndc = members.find("inndc");
+    if (fx > 0)
+        return Intrinsics{
+            .fx = fx, .fy = fy > 0 ? fy : fx, .cx = cx, .cy = cy, .is_ndc = ndc && *ndc == true};
+    // What programs call a camera's matrix; depth's first.
+    if (const auto found = first_matrix(
+            members, "kdepth", "depthk", "depthintrinsics", "depthintrinsic", "intrinsicsdepth",
+            "intrinsicdepth", "depthcameramatrix", "mcalibrationdepthintrinsic", "intrinsicmatrix", "k",
+            "cameramatrix", "camk", "camintr", "intrinsicsmatrix", "intrinsics", "intrinsic",
+            "cameraintrinsics", "cameraintrinsic", "kmatrix", "calibrationmatrix", "perframeintrinsiccoeffs",
+            "p", "p2", "prect02", "p0", "prect00", "krect02", "k02"))
+        return found;
     const auto four =
         members.list({"intrinsics", "intrinsic", "perframeintrinsiccoeffs", "camintr"});  // Kalibr, Record3D
     const Json* const model = members.find("cameramodel");
@@ -268,8 +264,9 @@ double baseline_of(const Json& object) {
 
 bool says_distortion(const Json& object) {
     const Members members(object);
-    std::vector<double> terms = members.list(
-        {"distortioncoefficients", "distortioncoeffs", "distcoeffs", "coeffs", "distortion", "dist", "d"});
+    std::vector<double> terms =
+        members.list({"distortioncoefficients", "distortioncoeffs", "distcoeffs", "distcoeff",
+                      "radialdistortion", "coeffs", "distortion", "dist", "d"});
     for (const char* name : {"k1", "k2", "k3", "p1", "p2", "kud", "kdu"})
         terms.push_back(members.number({name}));
     return std::ranges::any_of(terms, [](double term) { return term != 0; });
@@ -347,23 +344,26 @@ double codes_per_metre_of(const Json& object, const std::string& name = "") {
 
 double rate_of_members(const Json& object, const std::string& = "") {
     constexpr double highest = 1000;
-    const double rate =
-        Members(object).number({"fps", "framerate", "camerafps", "framespersecond", "depthfps"});
+    const double rate = Members(object).number(
+        {"fps", "framerate", "camerafps", "framespersecond", "depthfps", "controlfreq"});
     return rate > 0 && rate <= highest ? rate : 0;
 }
 
-/// A renderer's planes, metres; 0: not stated. MuJoCo states shares of the model's extent.
-double near_of_members(const Json& object, const std::string& = "") {
+/// A renderer's plane, metres; 0: not stated. `which`: its place in a range of both. MuJoCo states shares of
+/// the model's extent.
+double plane_of(const Json& object, std::initializer_list<const char*> names, std::size_t which) {
     const Members members(object);
-    const double near = members.number({"near", "znear", "nearval", "nearplane", "nearclip", "clipnear"}),
+    const auto both = members.list({"clippingrange"});
+    const double plane = both.size() == 2 ? both[which] : members.number(names),
                  extent = members.number({"extent"});
-    return near > 0 ? near * (extent > 0 ? extent : 1) : 0;
+    return plane > 0 ? plane * (extent > 0 ? extent : 1) : 0;
+}
+double near_of_members(const Json& object, const std::string& = "") {
+    return plane_of(object,
+                    {"near", "znear", "nearval", "nearplane", "nearclip", "clipnear", "nearclipplane"}, 0);
 }
 double far_of_members(const Json& object, const std::string& = "") {
-    const Members members(object);
-    const double far = members.number({"far", "zfar", "farval", "farplane", "farclip", "clipfar"}),
-                 extent = members.number({"extent"});
-    return far > 0 ? far * (extent > 0 ? extent : 1) : 0;
+    return plane_of(object, {"far", "zfar", "farval", "farplane", "farclip", "clipfar", "farclipplane"}, 1);
 }
 
 /// A camera in a line of its own, or in a member, as librealsense prints it: "[ 640x480 p[319.1 240.2] f[600
@@ -629,6 +629,11 @@ double rate_of_times(std::vector<double> seconds) {
     return rate && rate->per_second() <= highest ? rate->per_second() : 0;
 }
 
+/// Whether a bare name is that of depth's times.
+bool is_of_times(const std::string& name) {
+    return is_any_of(name, {"timestamps", "timestamp", "times", "depthtimestamps", "depthtimes"});
+}
+
 /// Sets the rate by a table's times, if it counts frames or has a camera's poses.
 void read_times(const NumberTable& table, CameraText& said) {
     const int time = table.column({"timestamp", "timestamps", "time", "t", "sec", "seconds", "timestampns"});
@@ -737,8 +742,11 @@ CameraText cameras_in_text(std::string_view text, const FrameKey& wanted = {}) {
     if (said.cameras.empty()) take_members(members_in_lines(text), wanted, said);
     if (said.cameras.empty())
         if (auto printed = from_printed(text)) said.cameras.push_back(std::move(*printed));
-    for (CameraFile& camera : said.cameras)
+    for (CameraFile& camera : said.cameras) {
         if (camera.codes_per_metre == 0) camera.codes_per_metre = said.codes_per_metre;
+        said.cameras.front().scale_differs |=
+            !camera.frame.empty() && camera.codes_per_metre != said.cameras.front().codes_per_metre;
+    }
     join_frames(said);
     if (said.codes_per_metre == 0 && said.cameras.size() == 1)
         said.codes_per_metre = said.cameras.front().codes_per_metre;
@@ -836,8 +844,7 @@ double rate_in_file_of_times(const std::filesystem::path& file, std::size_t fram
     constexpr std::size_t longest = 1 << 22;
     const std::string stem = bare_name(file.stem().string());
     const bool is_rate = is_any_of(stem, {"fps", "framerate"});
-    if (!is_rate && !is_any_of(stem, {"timestamps", "timestamp", "times", "depthtimestamps", "depthtimes"}))
-        return 0;
+    if (!is_rate && !is_of_times(stem)) return 0;
     const auto text = read_given_file(file, file.string(), "times of frames", longest);
     if (!text || text->find_first_not_of("0123456789+-.eE, \t\r\n[];") != std::string::npos) return 0;
     const std::vector<double> numbers = numbers_in(*text);
@@ -867,20 +874,19 @@ Result<Intrinsics> read_intrinsics(const std::filesystem::path& file) {
     return read.intrinsics;
 }
 
-CameraText cameras_in_arrays(std::span<const SmallArray> arrays) {
+CameraText cameras_in_arrays(std::span<const SmallArray> arrays, std::int64_t frames) {
     constexpr std::size_t most_of_lens = 14;
     CameraText said;
     Json numbers = Json::object();
     for (const SmallArray& array : arrays) {
-        const auto& shape = array.shape;
+        if (is_of_times(bare_name(array.name)) && std::ssize(array.numbers) == frames)
+            said.frames_per_second = rate_of_times(array.numbers);
         if (array.numbers.size() == 1) numbers.emplace(array.name, array.numbers.front());
         if (array.numbers.size() > 1 && array.numbers.size() <= most_of_lens)
             numbers.emplace(array.name, array.numbers);
         // Of 3x3, 3x4 or 4x4; HDF5's have no shape.
-        const std::size_t sides = shape.size();
-        const std::int64_t across = sides > 0 ? shape[sides - 1] : 3, down = sides > 1   ? shape[sides - 2]
-                                                                             : sides > 0 ? 0
-                                                                                         : 3;
+        const auto shape = array.shape.empty() ? std::vector<std::int64_t>{3, 3} : array.shape;
+        const auto across = shape.back(), down = shape.size() > 1 ? shape[shape.size() - 2] : 0;
         const bool is_matrices = across <= 4 && down >= 3 && down <= across;
         const auto each = static_cast<std::size_t>(is_matrices ? across * down : across == 4 ? 4 : 0);
         if (each == 0 || array.numbers.size() % each != 0) continue;
@@ -908,7 +914,7 @@ CameraText cameras_in_arrays(std::span<const SmallArray> arrays) {
                           [](const CameraFile& camera) { return has_word(camera.name, {"depth"}); });
     for (CameraFile& camera : said.cameras) camera.has_distortion = says_distortion(numbers);
     said.codes_per_metre = codes_per_metre_of(numbers);
-    said.frames_per_second = rate_of_members(numbers);
+    if (said.frames_per_second == 0) said.frames_per_second = rate_of_members(numbers);
     said.near = near_of_members(numbers);
     said.far = far_of_members(numbers);
     return said;

@@ -760,6 +760,12 @@ CameraBeside camera_beside(const PicturesOfCamera& pictures_of) {
 }
 
 Intrinsics in_pixels(Intrinsics camera, int width, int height, std::string& doubt) {
+    if (camera.is_ndc) {
+        const double half = 0.5 * std::min(width, height);
+        doubt = "whose numbers are of PyTorch3D's normalised coordinates";
+        return {half * camera.fx, half * camera.fy, 0.5 * (width - 1) - half * camera.cx.value_or(0),
+                0.5 * (height - 1) - half * camera.cy.value_or(0)};
+    }
     if (camera.width > 0 && camera.height > 0) width = camera.width, height = camera.height;
     // As pixels, a quarter of a side sees 127 degrees.
     constexpr double least_share = 0.2, longest_share = 3, longest_beside_shares = 10, widest = 0.25;

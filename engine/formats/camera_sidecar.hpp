@@ -33,6 +33,7 @@ struct CameraFile {
     double baseline = 0;          ///< metres; of a stereo pair, otherwise 0
     double offset = 0;            ///< pixels; of its disparities
     double codes_per_metre = 0;   ///< of depth; 0: not stated
+    bool scale_differs = false;   ///< other frames of the file have other scales
     bool has_distortion = false;  ///< of its lens, which is not undone
     std::string name{};           ///< from its members, its own name, its topic
     std::string frame{};          ///< its frame's number or picture stem; empty: none
@@ -129,8 +130,8 @@ struct CameraBeside {
 /// the median of their cameras. Remarks name arbitrary choices.
 CameraBeside camera_beside(const PicturesOfCamera& pictures);
 
-/// Cameras, rate and scale in arrays beside depth in its own file (.npz).
-CameraText cameras_in_arrays(std::span<const SmallArray> arrays);
+/// Cameras, rate and scale in arrays beside depth in its own file (.npz) of so many frames; 0: not known.
+CameraText cameras_in_arrays(std::span<const SmallArray> arrays, std::int64_t frames = 0);
 
 /// Brings numbers that are shares of a picture's sides to pixels, each by itself; a principal point in the
 /// corner is dropped. `doubt` gets what was changed.

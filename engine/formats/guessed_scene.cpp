@@ -6,6 +6,7 @@
 #include <iterator>
 #include <numeric>
 
+#include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -92,7 +93,7 @@ void set_own_camera(CameraText said, const fs::path& file, PicturesOfCamera& pla
 Result<void> add_own_arrays(const fs::path& file, ReadPictures& pictures, PicturesOfCamera& place) {
     TRY_ASSIGN(const auto stack, pictures.stack_in(file));
     if (!stack) return {};
-    set_own_camera(cameras_in_arrays(stack->small_arrays()), file, place);
+    set_own_camera(cameras_in_arrays(stack->small_arrays(), stack->count()), file, place);
     for (const SmallArray& array : stack->small_arrays())
         if (has_word(array.name, {"extrinsic", "pose", "c2w", "w2c"}))
             place.own_not_used.push_back(array.name + " in " + file.filename().string());
@@ -145,6 +146,13 @@ void take_camera(const Intrinsics& intrinsics, const std::string& whose, const s
                        " pixels and is scaled to these pictures",
                    {{Setting::intrinsics}});
     scene.camera = scaled_camera(intrinsics, scene.width, scene.height);
+    if (intrinsics.is_fov_either_way && scene.width != scene.height) {
+        const std::string other = short_number(
+            360 / pi * arctangent(0.5 * scene.width * scene.width / (scene.height * scene.camera.fx)));
+        draft.say("the camera sees " + short_number(intrinsics.fov_x) + " degrees from left to right, as " +
+                      whose + " gives one angle; if that goes from top to bottom, it sees " + other,
+                  {{Setting::field_of_view, other}}, RemarkKind::camera);
+    }
     // A field of view is that of a whole picture.
     if (file.empty() || intrinsics.fx == 0 || (intrinsics.cx && intrinsics.cy)) return;
     draft.say("the principal point is the middle of the picture, " + short_number(scene.camera.cx) + ", " +
@@ -268,6 +276,11 @@ Result<void> describe_depth(const StoredImage& depth, PicturesOfCamera place, De
     const SourceDescription& known = evidence.known;
     CameraBeside& beside = evidence.beside = camera_beside(place);
     if (known.intrinsics && !known.file.empty()) take_scale_of(known.file, beside);
+    if (beside.file.filename() == "calib_cam_to_cam.txt" && !evidence.preset && !evidence.has_unit() &&
+        !evidence.says_disparity && holds_words(depth))
+        // Metres of streets; millimetres, taken so, would be farther.
+        if (const double median = estimate_values(depth).median / 256; median > 1 && median < 30)
+            evidence.set_preset({preset_named("kitti"), "the camera's file beside it is KITTI's"});
     const bool is_evident = !evidence.why_preset.empty();
     if (is_evident && beside.codes_per_metre.value > 0 && evidence.preset->stored.packed == Packing::none)
         evidence.set_preset({});
@@ -276,6 +289,11 @@ Result<void> describe_depth(const StoredImage& depth, PicturesOfCamera place, De
         scene.depth = *coding;
     else
         TRY(guess_values(depth, evidence, draft));
+    if (beside.camera && beside.camera->scale_differs &&
+        scene.depth.scale == 1 / beside.camera->codes_per_metre)
+        draft.say("a code is " + short_number(1000 * scene.depth.scale) + " mm in all frames, though " +
+                      printable(beside.file.filename().string()) + " gives some another scale",
+                  {{Setting::depth_unit}}, RemarkKind::unit);
     if (known.semantics) scene.depth.semantics = *known.semantics;
     derive_valid_range(scene.depth);
     const auto valid = validate(draft);
@@ -541,8 +559,7 @@ Result<GuessedScene> guess_folder(const fs::path& folder, const SourceDescriptio
     if (video && !video->others.empty())
         guess.say("left out: " + printable(listed(video->others), 200) + ", which may be colour as well", {},
                   RemarkKind::other, "a scene file's folder.colour names another one");
-    if (depth.count > 1 || video)
-        TRY(find_rate(folder, frames, video, evidence.beside.frames_per_second, guess));
+    if (frames > 1) TRY(find_rate(folder, frames, video, evidence.beside.frames_per_second, guess));
     pictures->keep_only({depth.first, colour ? colour->first : fs::path()});
     guess.pictures = pictures;
     if (video) guess.video = video->file;
@@ -615,10 +632,9 @@ Result<GuessedScene> guess_picture(const SourceFile& source, const SourceDescrip
     if (video) {
         folder.colour = video->name;
         guess.say("colour is " + printable(video->name));
-        take_video_rate(video, stack->count(), guess);
-    } else if (stack && stack->count() > 1) {
-        take_stated_rate(evidence.beside.frames_per_second, guess);
     }
+    if (stack && stack->count() > 1)
+        TRY(find_rate(file.parent_path(), stack->count(), video, evidence.beside.frames_per_second, guess));
     if (metadata) guess.inputs.push_back(*metadata);
     guess.pictures = pictures;
     if (video) guess.video = video->file;

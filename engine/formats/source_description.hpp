@@ -35,6 +35,8 @@ struct Intrinsics {
     int width = 0, height = 0;         ///< of the camera's pictures; 0: any size
     /// Degrees from edge to edge, across and down, used if fx is 0; 0: not stated, and pixels are square.
     double fov_x = 0, fov_y = 0;
+    bool is_fov_either_way = false;  ///< whether it goes across or down is a guess
+    bool is_ndc = false;  ///< PyTorch3D's: of halves of the shorter side, from the middle, left and up
     bool operator==(const Intrinsics&) const = default;
 };
 

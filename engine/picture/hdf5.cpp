@@ -186,7 +186,8 @@ std::string other_depths(const std::vector<Hdf5DataSet>& all, const Hdf5DataSet&
     return "depth is the data set " + printable(read.path) + "; left out: " + printable(listed(names), 200);
 }
 
-/// Adds the data sets and attributes of numbers that h5dump prints, by the last part of their names.
+/// Adds the data sets and attributes of numbers that h5dump prints, by the last part of their names, and
+/// robomimic's rate, which is in an attribute of JSON.
 void add_printed(std::string_view text, std::vector<SmallArray>& arrays) {
     while (!text.empty() && arrays.size() <= most_small_arrays) {
         std::string_view line = trimmed(cut_line(text));
@@ -194,6 +195,12 @@ void add_printed(std::string_view text, std::vector<SmallArray>& arrays) {
             if (!arrays.empty() && arrays.back().numbers.empty()) arrays.pop_back();
             line = line.substr(0, line.rfind('"'));
             arrays.push_back({std::string(line.substr(line.find_last_of("\"/") + 1)), {}, {}});
+        }
+        constexpr std::string_view rate = "\"control_freq\":";
+        if (const auto begin = line.find(rate), end = line.find_first_of(",}", begin); end < line.size()) {
+            const auto hertz = line.substr(begin + rate.size(), end - begin - rate.size());
+            arrays.push_back({"control_freq", {}, {parsed_number(trimmed(hertz)).value_or(0)}});
+            continue;
         }
         if (arrays.empty() || !line.starts_with('(')) continue;
         for (std::size_t at = line.find(": "); at < line.size(); at = line.find(',', at + 1))  // (0,0): 1, 2,

@@ -176,10 +176,92 @@ TEST_F(CameraSpellings, ConvertFieldOfView) {
         EXPECT_NEAR(camera.fy, focal, 0.001 * focal) << name;
         EXPECT_EQ(camera.cx, 0.5 * (across - 1)) << name;
     }
+    // From top to bottom where another name beside it tells, and not where it says across.
+    for (const char* text :
+         {R"({"fieldOfView": 38.5517})", R"({"fov": 38.5517, "aspect": 1.3333})",
+          R"({"fov": 38.5517, "nearVal": 0.1, "farVal": 9})", R"({"fov": 38.5517, "nearClipPlane": 0.3})",
+          R"({"object": {"type": "PerspectiveCamera", "fov": 38.5517})"
+          "}",
+          R"({"fov": 38.5517, "keep_aspect": "KEEP_HEIGHT"})", R"({"fov": 50, "keep_aspect": "KEEP_WIDTH"})",
+          R"({"fov": 50, "image_size_x": "64", "aspect": 1.3333})"}) {
+        const TemporaryFolder here;
+        write_depth(here.path());
+        write_in_folder(here / "camera.json", text);
+        const Scene scene = guessed(here.path());
+        EXPECT_NEAR(scene.camera.fx, focal, 0.001 * focal) << text;
+        EXPECT_FALSE(has_remark(scene, "gives one angle")) << text;
+    }
     EXPECT_NE(camera_by("a.json", R"({"fov": 0.0001})").fx, focal);
     const Camera tall = scaled_camera({.fov_y = 50}, across, down);
     EXPECT_NEAR(tall.fy, camera_of_fov(50, down, across).fx, 1e-9);
     EXPECT_EQ(tall.fx, tall.fy);
+}
+
+/// 2 arctan(64/48 tan(25 degrees)) is 63.74 degrees.
+TEST_F(CameraSpellings, GuessDirectionOfBareAngle) {
+    write_depth(folder.path());
+    write_in_folder(folder / "camera.json", R"({"fov": 50, "near": 0.1, "width": 64, "height": 48})");
+    const Scene scene = guessed(folder.path());
+    EXPECT_TRUE(has_remark(scene, "the camera sees 50 degrees from left to right, as camera.json gives one"));
+    EXPECT_TRUE(has_remark(scene, "from top to bottom, it sees 63.74"));
+    EXPECT_TRUE(std::ranges::any_of(scene.remarks, [](const Remark& remark) {
+        return remark.is_guess && remark.kind == RemarkKind::camera;
+    }));
+    write_in_folder(folder / "depth/0001.png", made_image(48, 48, 2, 1, [](int, int, int) { return 800; }));
+    EXPECT_FALSE(has_remark(must(open_clip(folder / "depth/0001.png"))->scene(), "gives one angle"));
+}
+
+/// Half the shorter side is 24 pixels, and y goes up.
+TEST_F(CameraSpellings, ReadNormalisedCoordinates) {
+    for (const char* size : {"", R"(, "image_size": [[48, 64]])"}) {
+        const Camera camera = camera_by("camera.json", std::string(R"({"in_ndc": true,
+            "focal_length": [[2.5, 2.25]], "principal_point": [[-0.125, 0.0625]])") +
+                                                           size + "}");
+        EXPECT_EQ(camera, (Camera{60, 54, 34.5, 22})) << size;
+    }
+}
+
+TEST_F(CameraSpellings, GivePlanes) {
+    for (const char* text :
+         {R"({"camera": {"nearClipPlane": 0.25, "farClipPlane": 40}})", R"({"clipping_range": [0.25, 40]})",
+          R"({"znear": 0.025, "zfar": 4, "extent": 10})"}) {
+        write_bytes(folder / "camera.json", text);
+        const CameraText said = must(read_camera_text(folder / "camera.json"));
+        EXPECT_EQ(said.near, 0.25) << text;
+        EXPECT_EQ(said.far, 40) << text;
+    }
+}
+
+TEST_F(CameraSpellings, SayWhereScalesDiffer) {
+    write_depth(folder.path());
+    const auto says = [&](const char* second) {
+        write_in_folder(folder / "scene_camera.json",
+                        R"({"1": {"cam_K": [50, 0, 33, 0, 50, 21, 0, 0, 1], "depth_scale": 0.1},
+                            "2": {"cam_K": [50, 0, 33, 0, 50, 21, 0, 0, 1], "depth_scale": )" +
+                            std::string(second) + "}}");
+        return has_remark(guessed(folder.path()), "in all frames, though scene_camera.json gives some");
+    };
+    EXPECT_TRUE(says("0.2"));
+    EXPECT_TRUE(has_remark(guessed(folder.path()), "guessed: a code is "));
+    EXPECT_FALSE(says("0.1"));
+}
+
+/// Codes from 8000 to 8250 would be 31.3 m and more; 1/8 of that, 3.9 m.
+TEST_F(CameraSpellings, TakeKittiCodesBesideItsCalibration) {
+    write_depth(folder.path());
+    const char* const words = "P_rect_02: 50 0 33.5 0 0 52 21.25 0 0 0 1 0\n";
+    write_in_folder(folder / "calib_cam_to_cam.txt", words);
+    EXPECT_EQ(guessed(folder.path()).depth.scale, 0.001) << "too far for a street";
+    for (const char* name : {"depth/0001.png", "depth/0002.png"})
+        write_in_folder(folder / name, made_image(across, down, 2, 1, [](int x, int y, int) {
+                            return 1000 + (across * y + x) % 251;
+                        }));
+    const Scene scene = guessed(folder.path());
+    EXPECT_EQ(scene.depth.scale, 1.0 / 256);
+    EXPECT_EQ(scene.camera.fx, 50);
+    EXPECT_TRUE(has_remark(scene, "guessed: depth is as preset kitti has it"));
+    std::filesystem::rename(folder / "calib_cam_to_cam.txt", folder / "calib.txt");
+    EXPECT_EQ(guessed(folder.path()).depth.scale, 0.001);
 }
 
 TEST_F(CameraSpellings, GiveDepthScale) {
@@ -382,6 +464,24 @@ TEST_F(CameraSpellings, GiveRateByTimes) {
                     R"({"fx": 50, "fy": 52, "cx": 33.5, "cy": 21.25, "fps": 12})");
     const auto clip = must(open_clip(folder / "depth.npy"));
     EXPECT_EQ(clip->scene().rate.per_second(), 12);
+    EXPECT_FALSE(has_remark(clip->scene(), "guessed: 12 frames a second"));
+}
+
+TEST_F(CameraSpellings, GiveRateByTimesInArrays) {
+    const std::string depth = npy_bytes("3, 48, 64", std::vector<float>(3 * across * down, 1.5F));
+    const auto scene = [&](const char* name, const std::string& times) {
+        write_npz(folder / "a.npz", {{"depth", depth}, {name, times}});
+        const Scene opened = must(open_clip(folder / "a.npz"))->scene();
+        EXPECT_EQ(guessed(folder.path()).rate.per_second(), opened.rate.per_second()) << name;
+        return opened;
+    };
+    const std::string three = npy_bytes("3,", {10, 10.25F, 10.5F});
+    for (const char* name : {"timestamps", "timestamp", "depth_timestamps", "times"})
+        EXPECT_EQ(scene(name, three).rate.per_second(), 4) << name;
+    EXPECT_EQ(scene("control_freq", npy_bytes("1,", {20})).rate.per_second(), 20);
+    // Times of others: the rate is a guess.
+    EXPECT_TRUE(has_remark(scene("imu_times", three), "guessed: 30 frames a second"));
+    EXPECT_TRUE(has_remark(scene("timestamps", npy_bytes("4,", {0, 1, 2, 3})), "guessed: 30 frames"));
 }
 
 TEST_F(CameraSpellings, NameUnusedFiles) {

@@ -227,6 +227,10 @@ TEST_F(CameraSidecar, NamesUnreadableFiles) {
 TEST_F(CameraSidecar, NotesLensDistortion) {
     write_bytes(folder / "camera.yaml", "fx: 50\nfy: 52\ncx: 33.5\ncy: 21.25\nk1: -0.2\n");
     EXPECT_EQ(said_of_camera(), "the camera is that of camera.yaml; its lens's distortion is not undone");
+    for (const char* terms : {"dist_coeff: [[-0.3, 0.1, 0, 0, 0]]\n", "radial_distortion: [-0.3, 0.1]\n"}) {
+        write_bytes(folder / "camera.yaml", std::string("fx: 50\nfy: 52\ncx: 33.5\ncy: 21.25\n") + terms);
+        EXPECT_EQ(said_of_camera(), "the camera is that of camera.yaml; its lens's distortion is not undone");
+    }
 }
 
 /// A file that says another size than its numbers are of, or none.

@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 #include <stop_token>
+#include <tuple>
 
 #include "engine/base/threads.hpp"
 #include "engine/content/seeded_noise.hpp"
@@ -96,6 +97,29 @@ TEST(DepthValues, KeepFloatsWithinHalfCode) {
         }
         for (int x = 5; x < 10; ++x) EXPECT_EQ(depth_at(scene, codes, x), 0) << x;
         EXPECT_TRUE(has_words(said, "half a code is"));
+    }
+}
+
+/// Leaning planes whose 1/depth goes by p steps to the right and q down: what is called exact is, within the
+/// rounding of floats, though p and q leave the same rest by small numbers.
+TEST(DepthValues, KeepLeaningPlanesExactly) {
+    const std::tuple<int, int, int> planes[] = {{256, 7, 2}, {256, 2, 7}, {160, 1, 4}, {160, 5, 2}};
+    for (const auto& [width, p, q] : planes) {
+        const int height = width == 256 ? 128 : 120;
+        std::vector<float> plane;
+        for (int k = 0; k < width * height; ++k)
+            plane.push_back(static_cast<float>(1 / (0.3 + 1.7e-4 * (p * (k % width) + q * (k / width)))));
+        Scene scene = scene_of_lengths(width, height);
+        DepthValues values(without_far(scene));
+        values.look(floats(width, plane));
+        EXPECT_TRUE(must(values.settle(scene)).ends_with("kept exactly")) << p << ':' << q;
+        const Image codes = values.codes(floats(width, plane));
+        double farthest = 0;
+        for (std::size_t k = 0; k < plane.size(); ++k) {
+            const auto code = static_cast<std::uint16_t>(sample_at(codes, k));
+            farthest = std::max(farthest, std::abs(scene.depth.depth(code) / plane[k] - 1));
+        }
+        EXPECT_LT(farthest, 1e-6) << p << ':' << q;
     }
 }
 

@@ -1106,6 +1106,20 @@ TEST_F(Hdf5Clip, ReadsOwnCamera) {
     EXPECT_TRUE(is_noted(*clip, "the camera is that of d.h5 (intrinsics)"));
     EXPECT_TRUE(is_noted(*clip, "a code is 0.5 mm, as d.h5 says"));
     EXPECT_TRUE(is_noted(*clip, "depth is the data set /a/depth; left out: /a/colors"));
+    EXPECT_TRUE(is_noted(*clip, "guessed: 30 frames a second"));
+    ASSERT_TRUE(add_data_set(folder_ / "d.h5", {"a/timestamps", {2}, "FP", 64}, doubles({5, 5.0625})));
+    EXPECT_EQ(must(open("d.h5"))->scene().rate.per_second(), 16);
+}
+
+/// A name stands for the words of an attribute, which h5import cannot write: h5dump prints both. Its data set
+/// is too large to be read.
+TEST_F(Hdf5Clip, TakesRateOfRobomimic) {
+    add("r.h5", {"a/depth", {2, 16, 20}}, 1000);
+    add("r.h5", {"a/_control_freq_:20,_b", {70000}, "UIN", 8}, 0);
+    std::string bytes = read_bytes(folder_ / "r.h5");
+    bytes.replace(bytes.find("_control_freq_"), 14, "\"control_freq\"");
+    write_bytes(folder_ / "r.h5", bytes);
+    EXPECT_EQ(must(open("r.h5"))->scene().rate.per_second(), 20);
 }
 
 /// By their first bytes, whatever their names end with.
