@@ -109,7 +109,7 @@ glm::dvec3 face_normal(const Camera& camera, double x, double y, double w, doubl
 double chord_square(const glm::dvec3& a, const glm::dvec3& b) {
     const double lengths = glm::dot(a, a) * glm::dot(b, b);
     if (!(lengths > 0)) return 1;
-    return std::min(1.0, 2 - 2 * glm::dot(a, b) / std::sqrt(lengths));
+    return std::clamp(2 - 2 * glm::dot(a, b) / std::sqrt(lengths), 0.0, 1.0);  // rounding may go below 0
 }
 
 Scene scene_of_mosaic(const Scene& scene) {
