@@ -467,9 +467,10 @@ private:
         if (is_relative || (has_planes_ && coding.kind != DepthCodingKind::metric)) return;
         const bool is_told = evidence_.has_unit() || evidence_.usual_unit > 0;
         const auto* const preset = evidence_.preset;
-        const int other = preset                               ? preset->invalid
-                          : has_planes_ || holds_words(depth_) ? static_cast<int>(largest())
-                                                               : 0;
+        const bool may_be_full = holds_words(depth_) && (!is_told || values_.largest > 0);
+        const int other = preset                       ? preset->invalid
+                          : has_planes_ || may_be_full ? static_cast<int>(largest())
+                                                       : 0;
         const int above = evidence_.has_values() ? 0 : none_above_all(depth_).value_or(0);
         for (const int code : {0, other, above})
             if (coding.invalid_code_count == 0 || (code > 0 && code <= coding.code_max))
@@ -478,7 +479,7 @@ private:
         if (above > 0)
             draft_.say(std::to_string(above) +
                        " is no depth, as many pixels have it and no other comes near it");
-        if (!is_told || (other > 0 && values_.largest > 0 && !evidence_.has_values()))
+        if (!is_told || (other > 0 && !evidence_.has_values()))
             draft_.say(other > 0                   ? "0 and 65535 are no depth"
                        : values_.has_negative_none ? "0 and what is below it are no depth"
                                                    : "0 is no depth");
