@@ -115,21 +115,19 @@ private:
     /// bits that are not all near the far plane's are no buffer's.
     void set_planes(double near, double far) {
         DepthCoding& depth = scene_.depth;
-        bool is_even = false, is_seen = is_buffer_;
+        const PlaneVotes lengths(depth_, itself, reciprocal);
+        bool is_even = false, is_seen = is_buffer_ || is_deep() || lengths.are_for_first();
         has_planes_ = true;
         depth.near_is_high = !near_is_low();
-        if (PlaneVotes(depth_, itself, reciprocal).are_for_second() &&
+        if (lengths.are_for_second() && std::min(values_.lower, values_.upper) * far > near * largest() &&
             !PlaneVotes(depth_, evenly(near, far, false), reciprocal).are_for_first()) {
             draft_.tell("values are shares of the far plane, as flat places are flat so");
             return set_metric(far / largest());
         }
         for (const bool is_high : {false, true}) {
-            const auto even = evenly(near, far, is_high);
-            const PlaneVotes votes(depth_, itself, even);
-            is_seen |= votes.are_for_first() || votes.are_for_second();
-            if (!votes.are_for_second()) continue;
+            if (!PlaneVotes(depth_, itself, evenly(near, far, is_high)).are_for_second()) continue;
             depth.near_is_high = is_high;
-            is_even = true;
+            is_even = is_seen = true;
         }
         is_buffer_ = !is_even && (values_.bits != 8 || is_deep() || is_seen);
         if (!is_seen && !is_buffer_ && !empty_) depth.near_is_high = values_.lower >= values_.upper;
@@ -317,7 +315,7 @@ private:
             set_metric(unit);
             draft_.say(std::string("values are ") + (metres ? "metres" : "millimetres") + median_words(unit),
                        may_be_centimetres ? Hints{{Setting::depth_unit, "0.01"}}
-                       : may_be_buffer_   ? Hints{{Setting::near}, {Setting::far}}
+                       : may_be_buffer_   ? plane_hints()
                                           : otherwise,
                        may_be_centimetres || may_be_buffer_ ? RemarkKind::unclear_unit : RemarkKind::unit,
                        may_be_centimetres
@@ -341,6 +339,12 @@ private:
         }
     }
 
+    /// The planes stated beside depth, if any.
+    Hints plane_hints() const {
+        const double near = evidence_.beside.near.value, far = evidence_.beside.far.value;
+        return {{Setting::near, near > 0 ? short_number(near) : ""},
+                {Setting::far, far > 0 ? short_number(far) : ""}};
+    }
     void say_bottom_up() {
         draft_.say(
             "the upper third of the picture is nearer than the lower one: its rows may go from the bottom "

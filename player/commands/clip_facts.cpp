@@ -593,7 +593,9 @@ std::string verdict_on(const ClipFacts& facts, const std::vector<Finding>* findi
     if (const auto guesses = guesses_that_matter(facts); !guesses.empty()) {
         const auto& [words, remark] = guesses.front();
         std::vector<std::string> others;
-        for (const auto& [other, what] : std::span(guesses).subspan(1)) others.emplace_back(other->name);
+        for (const auto& [other, what] : std::span(guesses).subspan(1))
+            if (other != words && (others.empty() || others.back() != other->name))
+                others.emplace_back(other->name);
         return verdict_on_guess(*words, *remark, facts) +
                (others.empty() ? "" : "; guessed too: " + listed(others));
     }
