@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "engine/base/same_bits.hpp"
-#include "player/commands/touch_run.hpp"
+#include "player/commands/touch_command.hpp"
 #include "player/run/run_files.hpp"
 #include "player/session/run_record.hpp"
 #include "player/session/touch_setup.hpp"
