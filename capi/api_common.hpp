@@ -226,6 +226,26 @@ touch_status fail_without(const Use& use, touch_error* error, const char* kind) 
         "the " + std::string(kind) + " belongs to the parent process; open or make another one after fork()");
 }
 
+/// Calls `use` with a handle's object; the status tells if there is none.
+template <class Object, std::size_t most, class Handle, class Function>
+touch_status with_object(HandleTable<Object, most>& table, Handle handle, Function&& use) {
+    const auto object = table.find(handle.id);
+    if (!object) return status_without(object);
+    use(*object);
+    return TOUCH_OK;
+}
+/// The same with an object for one thread at a time, whose `flag` tells a second thread so.
+template <class Object, std::size_t most, class Handle, class Function>
+touch_status with_object(HandleTable<Object, most>& table, Handle handle, std::atomic_flag Object::*flag,
+                         Function&& use) {
+    const auto object = table.find(handle.id);
+    if (!object) return status_without(object);
+    const TryLock lock((*object).*flag);
+    if (!lock) return TOUCH_BUSY;
+    use(*object);
+    return TOUCH_OK;
+}
+
 /// Size of a struct in its first version, the smallest that a program may state. A struct that grows gets a
 /// specialisation with its first size.
 template <class T>

@@ -380,18 +380,13 @@ touch_status touch_clip_open(const char* path, const touch_clip_settings* settin
 
 touch_status touch_clip_describe(touch_clip clip, touch_clip_facts* facts) {
     if (!has_known_size(facts)) return TOUCH_USAGE;
-    const auto use = clips().find(clip.id);
-    if (!use) return status_without(use);
-    hand_out(facts_of(*use), *facts);
-    return TOUCH_OK;
+    return with_object(clips(), clip, [&](const auto& object) { hand_out(facts_of(object), *facts); });
 }
 
 touch_status touch_clip_time(touch_clip clip, int64_t frame, int64_t* time_ns) {
     if (!time_ns || frame < 0 || frame > last_with_a_time) return TOUCH_USAGE;
-    const auto use = clips().find(clip.id);
-    if (!use) return status_without(use);
-    *time_ns = use->described.scene.rate.time_ns(frame);
-    return TOUCH_OK;
+    return with_object(clips(), clip,
+                       [&](const auto& object) { *time_ns = object.described.scene.rate.time_ns(frame); });
 }
 
 touch_status touch_clip_note(touch_clip clip, int32_t index, char* text, size_t capacity, size_t* length) {
@@ -452,10 +447,7 @@ touch_status touch_clip_seek(touch_clip clip, int64_t frame, touch_error* error)
 
 touch_status touch_clip_interrupt(touch_clip clip) {
     return without_exceptions(nullptr, [&]() -> touch_status {
-        const auto use = clips().find(clip.id);
-        if (!use) return status_without(use);
-        use->stop.request_stop();
-        return TOUCH_OK;
+        return with_object(clips(), clip, [](ClipObject& object) { object.stop.request_stop(); });
     });
 }
 
@@ -465,17 +457,16 @@ touch_status touch_clip_close(touch_clip clip) {
 
 touch_status touch_frameset_frame(touch_frameset frameset, touch_frame* frame) {
     if (!has_known_size(frame)) return TOUCH_USAGE;
-    const auto use = framesets().find(frameset.id);
-    if (!use) return status_without(use);
-    touch_frame out{};
-    out.number = use->number;
-    out.time_ns = use->time_ns;
-    out.depth = plane_for_program(use->depth);
-    out.colour = plane_for_program(use->colour);
-    out.haptic = plane_for_program(use->haptic);
-    out.height = plane_for_program(use->height);
-    hand_out(out, *frame);
-    return TOUCH_OK;
+    return with_object(framesets(), frameset, [frame](const FramesetObject& object) {
+        touch_frame out{};
+        out.number = object.number;
+        out.time_ns = object.time_ns;
+        out.depth = plane_for_program(object.depth);
+        out.colour = plane_for_program(object.colour);
+        out.haptic = plane_for_program(object.haptic);
+        out.height = plane_for_program(object.height);
+        hand_out(out, *frame);
+    });
 }
 
 touch_status touch_frameset_release(touch_frameset frameset) {

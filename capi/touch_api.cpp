@@ -446,19 +446,15 @@ touch_status touch_scene_from_text(const char* text, size_t length, touch_scene*
 touch_status touch_scene_text(touch_scene scene, char* text, size_t capacity, size_t* length) {
     return without_exceptions(nullptr, [&]() -> touch_status {
         if (!length || (!text && capacity > 0)) return TOUCH_USAGE;
-        const auto use = scenes().find(scene.id);
-        if (!use) return status_without(use);
-        write_text(scene_to_json(use->described), text, capacity, *length);
-        return TOUCH_OK;
+        return with_object(scenes(), scene, [&](const SceneObject& object) {
+            write_text(scene_to_json(object.described), text, capacity, *length);
+        });
     });
 }
 
 touch_status touch_scene_describe(touch_scene scene, touch_scene_facts* facts) {
     if (!has_known_size(facts)) return TOUCH_USAGE;
-    const auto use = scenes().find(scene.id);
-    if (!use) return status_without(use);
-    hand_out(facts_of(*use), *facts);
-    return TOUCH_OK;
+    return with_object(scenes(), scene, [&](const auto& object) { hand_out(facts_of(object), *facts); });
 }
 
 touch_status touch_scene_destroy(touch_scene scene) {
@@ -553,21 +549,16 @@ touch_status touch_surface_begin_epoch(touch_surface surface, uint64_t epoch, to
 }
 
 touch_status touch_surface_end_epoch(touch_surface surface) {
-    const auto use = surfaces().find(surface.id);
-    if (!use) return status_without(use);
-    const TryLock lock(use->pushing);
-    if (!lock) return TOUCH_BUSY;
-    use->timeline.end_epoch();
-    use->epoch_has_ended = true;
-    return TOUCH_OK;
+    return with_object(surfaces(), surface, &SurfaceObject::pushing, [](SurfaceObject& object) {
+        object.timeline.end_epoch();
+        object.epoch_has_ended = true;
+    });
 }
 
 touch_status touch_surface_newest_ns(touch_surface surface, int64_t* time_ns) {
     if (!time_ns) return TOUCH_USAGE;
-    const auto use = surfaces().find(surface.id);
-    if (!use) return status_without(use);
-    *time_ns = use->timeline.newest_time();
-    return TOUCH_OK;
+    return with_object(surfaces(), surface,
+                       [&](const auto& object) { *time_ns = object.timeline.newest_time(); });
 }
 
 touch_status touch_surface_hand_scale(touch_surface surface, double* metres_per_scene_unit,
@@ -641,22 +632,14 @@ touch_status touch_solver_run(touch_solver solver, const touch_tick* first, size
 }
 
 touch_status touch_solver_come_back(touch_solver solver) {
-    const auto use = solvers().find(solver.id);
-    if (!use) return status_without(use);
-    const TryLock lock(use->ticking);
-    if (!lock) return TOUCH_BUSY;
-    use->step.come_back();
-    return TOUCH_OK;
+    return with_object(solvers(), solver, &SolverObject::ticking,
+                       [](auto& object) { object.step.come_back(); });
 }
 
 touch_status touch_solver_force_hash(touch_solver solver, uint64_t* hash) {
     if (!hash) return TOUCH_USAGE;
-    const auto use = solvers().find(solver.id);
-    if (!use) return status_without(use);
-    const TryLock lock(use->ticking);
-    if (!lock) return TOUCH_BUSY;
-    *hash = use->hash.value();
-    return TOUCH_OK;
+    return with_object(solvers(), solver, &SolverObject::ticking,
+                       [&](const auto& object) { *hash = object.hash.value(); });
 }
 
 touch_status touch_solver_destroy(touch_solver solver) {

@@ -94,10 +94,9 @@ Result<void> CsvTable::check_fields() {
         if (const Result<void> done = split(line(number), fields); !done)
             return input_error(where + done.error().message);
         if (number == 0) first_ = fields;
-        if (fields.size() != first_.size()) {
+        if (fields.size() != first_.size())
             return input_error(where + " has " + std::to_string(fields.size()) +
                                " fields; the lines before have " + std::to_string(first_.size()));
-        }
     }
     has_header_ = std::ranges::any_of(first_, [](std::string_view field) { return !parse_number(field); });
     if (lines_.empty() || rows() == 0) return input_error(file_ + ": has no row of data; expected numbers");

@@ -38,22 +38,6 @@ public:
     virtual double penetration(int finger) const = 0;
 };
 
-/// SplitMix64: small, and the same sequence everywhere.
-class Random {
-public:
-    explicit Random(std::uint64_t seed) : state_(seed) {}
-    /// In [0, 1).
-    double next() {
-        std::uint64_t z = (state_ += 0x9e3779b97f4a7c15u);
-        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-        z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-        return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
-    }
-
-private:
-    std::uint64_t state_;
-};
-
 double finger_phase(int finger, int fingers) {
     return 2 * pi * finger / fingers;
 }
@@ -114,9 +98,9 @@ public:
         : GlidingScript(speed, depth, fingers, box) {
         if (const auto start = nearest_surface(probe, pixel_, box)) pixel_ = start->pixel;
         home_ = pixel_;
-        Random random(seed);
-        heading_ = 2 * pi * random.next();
-        turn_phase_ = 2 * pi * random.next();
+        SplitMix64 random(seed);
+        heading_ = 2 * pi * random.unit();
+        turn_phase_ = 2 * pi * random.unit();
     }
 
     void advance(const Ground& ground, const SurfaceProbe&) override {
@@ -269,8 +253,8 @@ private:
     glm::dvec2 next_target(const SurfaceProbe& probe) {
         glm::dvec2 pixel{};
         for (int attempt = 0; attempt < 64; ++attempt) {
-            const double across = random_.next();
-            const double down = random_.next();
+            const double across = random_.unit();
+            const double down = random_.unit();
             pixel = box_.least + (box_.greatest - box_.least) * glm::dvec2(across, down);
             if (probe.depth_under(pixel.x, pixel.y)) break;
         }
@@ -282,7 +266,7 @@ private:
     const double stroke_ = (settings_.depth + settings_.lift) / (1 + left_of_wave(1 / settings_.period));
     int fingers_;
     HandArea box_;
-    Random random_;
+    SplitMix64 random_;
     glm::dvec2 pixel_{0, 0};
     glm::dvec2 target_{0, 0};
     std::int64_t there_ = 0;  // ticks at the target; 0 while travelling
@@ -511,19 +495,13 @@ constexpr std::array poke{speed,  depth,     lift, Key{"period", "s", 0.05, 60, 
                           extent, max_speed, glide};
 }  // namespace hand_keys
 
-const struct {
+constexpr struct Script {
     std::string_view name;
     std::span<const Key> keys;
 } scripts[] = {{"wander", hand_keys::wander},
                {"stroke", hand_keys::stroke},
                {"press", hand_keys::press},
                {"poke", hand_keys::poke}};
-
-std::span<const Key> keys_of(std::string_view name) {
-    for (const auto& script : scripts)
-        if (script.name == name) return script.keys;
-    return {};
-}
 
 std::unique_ptr<HandScript> make_script(std::string_view name, const HandOptions& given, int fingers,
                                         const HandArea& box, const SurfaceProbe& probe) {
@@ -599,16 +577,15 @@ std::vector<std::string> hand_words() {
 Result<std::unique_ptr<Hand>> make_hand(const std::string& description, int fingers,
                                         const Workspace& workspace, const SurfaceProbe& probe) {
     constexpr int most_fingers = 256;
-    if (fingers < 1 || fingers > most_fingers) {
+    if (fingers < 1 || fingers > most_fingers)
         return usage_error("a hand has 1 to " + std::to_string(most_fingers) + " fingers, not " +
                            std::to_string(fingers));
-    }
     const auto [name, rest] = HandOptions::name_and_pairs(description);
     if (name == "csv") return make_recorded_hand(rest, fingers, workspace, probe);
-    const std::span<const Key> keys = keys_of(name);
-    if (keys.empty())
+    const Script* const script = named_in(scripts, name, &Script::name);
+    if (script == nullptr)
         return usage_error("unknown hand '" + printable(name) + "'; must be one of " + listed(hand_words()));
-    return make_scripted_hand(std::string(name), keys, rest, fingers, workspace, probe);
+    return make_scripted_hand(std::string(name), script->keys, rest, fingers, workspace, probe);
 }
 
 Result<HandOptions> HandOptions::parse(std::string_view of, std::string_view text,
@@ -628,16 +605,14 @@ Result<HandOptions> HandOptions::parse(std::string_view of, std::string_view tex
 
 Result<HandOptions::Entry> HandOptions::entry(std::string_view of, std::string_view item) const {
     const std::size_t equals = item.find('=');
-    if (equals == std::string_view::npos) {
+    if (equals == std::string_view::npos)
         return option_refusal(
             of, std::string("'").append(item).append("' is not key=value; keys are ") + list_keys(keys_));
-    }
     const std::string name(item.substr(0, equals));
     const std::string value(item.substr(equals + 1));
     const auto key = std::ranges::find(keys_, name, &Key::name);
-    if (key == keys_.end()) {
+    if (key == keys_.end())
         return option_refusal(of, "unknown key '" + name + "'; keys are " + list_keys(keys_));
-    }
     if (given(name)) return option_refusal(of, name + " is given twice; give it once");
     if (key->kind == Key::Kind::words) {
         if (value.empty()) return option_refusal(of, name + " is empty; it takes " + key_takes(*key));
@@ -645,10 +620,9 @@ Result<HandOptions::Entry> HandOptions::entry(std::string_view of, std::string_v
     }
     const auto number = parsed_as<double>(value);
     const bool inside = number && *number >= key->least && *number <= key->greatest;  // NaN is outside
-    if (!inside || (key->kind == Key::Kind::whole && std::floor(*number) != *number)) {
+    if (!inside || (key->kind == Key::Kind::whole && std::floor(*number) != *number))
         return option_refusal(of,
                               name + "=" + value + " is not allowed; " + name + " takes " + key_takes(*key));
-    }
     return Entry{&*key, *number, {}};
 }
 

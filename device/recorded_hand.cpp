@@ -62,15 +62,13 @@ constexpr double farthest_motion = 10;  // device metres
 Result<std::vector<double>> row_times(const CsvTable& table, const MotionSettings& settings) {
     std::vector<double> times;
     if (settings.rate) {
-        for (std::size_t row = 0; row < table.rows(); ++row) {
+        for (std::size_t row = 0; row < table.rows(); ++row)
             times.push_back(static_cast<double>(row) / *settings.rate);
-        }
     } else {
-        if (!settings.time && !table.names("t_s")) {
+        if (!settings.time && !table.names("t_s"))
             return input_error(table.file() +
                                ": has no column 't_s'; name the column of seconds by time=NAME, or "
                                "give rate=HZ");
-        }
         TRY_ASSIGN(const auto column, table.column(settings.time.value_or("t_s")));
         TRY_ASSIGN(times, table.numbers(column));
     }
@@ -81,9 +79,8 @@ Result<std::vector<double>> row_times(const CsvTable& table, const MotionSetting
         return input_error(table.place(row) +
                            ": time does not increase; expected seconds that grow from row to row");
     }
-    if (!(times.back() - times.front() <= longest_motion_s)) {
+    if (!(times.back() - times.front() <= longest_motion_s))
         return input_error(table.file() + ": lasts more than an hour; are its times in seconds?");
-    }
     return times;
 }
 
@@ -95,10 +92,9 @@ Result<std::vector<glm::dvec3>> row_values(const CsvTable& table, const std::vec
         TRY_ASSIGN(const auto values, table.numbers(column));
         const int axis = names.size() == 1 ? 2 : static_cast<int>(n);
         for (std::size_t row = 0; row < rows.size(); ++row) {
-            if (std::fabs(values[row]) > 1e9) {
+            if (std::fabs(values[row]) > 1e9)
                 return input_error(table.place(row) + ", column '" + names[n] +
                                    "': is beyond 1e9; expected a motion");
-            }
             rows[row][axis] = values[row];
         }
     }
@@ -234,10 +230,9 @@ std::vector<std::string> split_at_plus(const std::string& text) {
 }
 
 Result<MotionSettings> motion_settings(const HandOptions& given) {
-    if (!given.given("columns")) {
+    if (!given.given("columns"))
         return csv_hand_refusal(
             "columns is missing; give columns=NAME (a motion in) or columns=X+Y+Z (a position)");
-    }
     MotionSettings settings;
     settings.columns = split_at_plus(given.words("columns"));
     const bool position = settings.columns.size() == 3;
@@ -348,10 +343,9 @@ Result<std::vector<glm::dvec3>> read_motion(const std::string& file, const Motio
         scale = -scale;  // in is away from the person
     } else {
         const double in_plane = lay_flat(positions);
-        if (settings.extent && !(in_plane > 0)) {
+        if (settings.extent && !(in_plane > 0))
             return input_error(file +
                                ": does not move, so that extent= has nothing to scale; give scale= instead");
-        }
         if (settings.extent) scale = *settings.extent / in_plane;
     }
     for (glm::dvec3& p : positions) {

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/content/seeded_noise.hpp"
+#include "engine/base/same_bits.hpp"
 #include "engine/picture/image.hpp"
 
 namespace touchable::test {

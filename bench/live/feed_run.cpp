@@ -12,7 +12,7 @@
 #include "bench/media/codec_run.hpp"
 #include "bench/surface/race.hpp"
 #include "engine/base/threads.hpp"
-#include "player/run/feed_threads.hpp"
+#include "player/run/surface_feed.hpp"
 #include "player/session/clip_choice.hpp"
 
 namespace touchable {

@@ -6,8 +6,8 @@
 #include <memory>
 #include <utility>
 
+#include "engine/base/same_bits.hpp"
 #include "engine/content/scenes.hpp"
-#include "engine/content/seeded_noise.hpp"
 #include "engine/formats/open_clip.hpp"
 
 namespace touchable {

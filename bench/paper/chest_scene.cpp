@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "bench/touch/noisy_scene.hpp"
+#include "engine/base/same_bits.hpp"
 #include "engine/content/families.hpp"
-#include "engine/content/seeded_noise.hpp"
 
 namespace touchable {
 namespace {

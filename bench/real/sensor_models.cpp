@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bench/touch/noisy_scene.hpp"
-#include "engine/content/seeded_noise.hpp"
+#include "engine/base/same_bits.hpp"
 
 namespace touchable {
 namespace {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "engine/content/seeded_noise.hpp"
+#include "engine/base/same_bits.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 

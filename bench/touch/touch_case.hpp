@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "engine/content/height_fields.hpp"
+#include "engine/content/families.hpp"
 #include "engine/content/scenes.hpp"
 #include "haptics_cpu/touch_solver.hpp"
 

@@ -112,10 +112,6 @@ std::vector<SystemNode> nodes_of_class(const ConnectedSystem& system, const std:
     return nodes;
 }
 
-bool is_below(const std::string& at, const std::string& device) {
-    return !device.empty() && at.starts_with(device + "/");
-}
-
 /// "bcdDevice" is four digits: 0110 is release 1.10.
 std::string release_in_words(const std::string& digits) {
     if (digits.size() != 4) return {};
@@ -194,7 +190,7 @@ std::optional<ConnectedDevice> usb_device(const ConnectedSystem& system, const s
     device.firmware = release_in_words(system.text(at + "/bcdDevice"));
     const std::string there = system.resolved(at);
     for (const SystemNode& other : others)
-        if (is_below(other.at, there)) device.nodes.push_back(other.node);
+        if (!there.empty() && other.at.starts_with(there + "/")) device.nodes.push_back(other.node);
     if (std::string node = usbfs_node(system, at); !node.empty()) device.nodes.push_back(std::move(node));
     judge(system, *known, device);
     return device;
@@ -267,10 +263,6 @@ Error not_permitted(const std::string& node, const ConnectedSystem& system) {
 }
 
 // ---- What Linux shows
-
-fs::path ConnectedSystem::below(const std::string& path) const {
-    return root_ / fs::path(path).relative_path();
-}
 
 std::vector<std::string> ConnectedSystem::names(const std::string& folder) const {
     std::vector<std::string> names;

@@ -69,7 +69,9 @@ public:
     virtual ~ConnectedSystem() = default;
 
     /// Where a path is in fact, for opening it.
-    std::filesystem::path below(const std::string& path) const;
+    std::filesystem::path below(const std::string& path) const {
+        return root_ / std::filesystem::path(path).relative_path();
+    }
     /// Names in a folder, sorted.
     std::vector<std::string> names(const std::string& folder) const;
     bool has(const std::string& path) const;

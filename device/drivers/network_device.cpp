@@ -252,9 +252,7 @@ Result<void> NetworkDriver::connect() {
 /// Tells the peer that nothing more comes, and that its forces are zero.
 void NetworkDriver::part() {
     if (!peer_) return;
-    const std::array<glm::dvec3, NetworkPacket::most_fingers> zeros{};
-    const auto last =
-        encode(answer(std::span(zeros).first(static_cast<std::size_t>(settings_.fingers)), true));
+    const auto last = encode(answer({}, true));
     // Datagrams may be lost, and a send may only report that an earlier one was refused.
     for (int again = 0; again < 3; ++again) socket_->send(last);
     peer_.reset();

@@ -1,15 +1,17 @@
 #pragma once
 
-// Arithmetic with the same bits on every CPU, compiler and C library, and the hash that compares two runs.
+// Arithmetic and random numbers with the same bits on every CPU, compiler and C library, and the hash that
+// compares two runs.
 //
 // Functions whose result reaches a force, a depth code or a generated scene must not call what each library
 // may round in its own way (docs/architecture.md, decision 3). Sine, cosine and angles use only + - x /, sqrt
 // and the exact fmod: within 2 ulp of the correctly rounded value for |x| <= 1e6, with fewer digits beyond;
 // arguments in radians. exponential and logarithm, for depths of logarithmic codes, use only + - x / and the
 // exact floor, frexp and ldexp: within 1 ulp. All are tested against long double. sorted_element is for
-// medians.
+// medians. SplitMix64 returns random numbers one by one from a seed, mix64 one for a given number, so that
+// pixels can be drawn in any order.
 //
-// Threads: any may call these pure functions; one at a time uses a ByteHash.
+// Threads: any may call these pure functions; one at a time uses a ByteHash or a SplitMix64.
 
 #include <algorithm>
 #include <cstddef>
@@ -43,6 +45,28 @@ double arcsine(double x);
 double exponential(double x);
 /// The natural logarithm; -infinity for 0, NaN for negative numbers.
 double logarithm(double x);
+
+/// Spreads 64 bits over 64 bits, one to one (splitmix64's finaliser).
+constexpr std::uint64_t mix64(std::uint64_t z) {
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
+    return z ^ (z >> 31);
+}
+
+/// splitmix64: the same numbers from a seed on every machine.
+class SplitMix64 {
+public:
+    explicit constexpr SplitMix64(std::uint64_t seed) : state_(seed) {}
+
+    constexpr std::uint64_t next() { return mix64(state_ += 0x9e3779b97f4a7c15U); }
+    /// In [0, 1), 53 bits.
+    constexpr double unit() { return static_cast<double>(next() >> 11) * 0x1p-53; }
+    /// In [low, high).
+    constexpr double within(double low, double high) { return low + (high - low) * unit(); }
+
+private:
+    std::uint64_t state_;
+};
 
 /// XXH64 (seed 0) of bytes that are added piece by piece.
 class ByteHash : NonCopyable {

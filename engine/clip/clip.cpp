@@ -409,11 +409,10 @@ RawFrame resized_frame(const RawFrame& frame, int width, int height) {
     out.number = frame.number;
     out.time_ns = frame.time_ns;
     out.epoch = frame.epoch;
-    for (const auto& [role, plane] : planes_of(frame)) {
+    for (const auto& [role, plane] : planes_of(frame))
         add_plane(
             out, role,
             role == PlaneRole::colour ? averaged(plane, width, height) : resampled(plane, width, height));
-    }
     return out;
 }
 

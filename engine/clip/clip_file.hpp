@@ -159,7 +159,9 @@ public:
     Result<void> write(const std::filesystem::path& home, const std::string& name,
                        const std::string& bytes) const;
     /// Flushes its files to the disk, as far as the file system can.
-    void sync() const;
+    void sync() const {
+        if (opened_ >= 0) syncfs(opened_);
+    }
     void remove() const;
     /// Moves these files into `home`, in this order, the one that opens the others last. With `keep` all or
     /// none.

@@ -178,10 +178,6 @@ Result<void> HiddenFolder::write(const fs::path& home, const std::string& name,
     return out ? Result<void>{} : input_error((home / name).string() + ": cannot be written");
 }
 
-void HiddenFolder::sync() const {
-    if (opened_ >= 0) syncfs(opened_);
-}
-
 void HiddenFolder::remove() const {
     std::error_code ignored;
     if (!failure_) fs::remove_all(path_, ignored);

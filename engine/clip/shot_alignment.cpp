@@ -210,19 +210,14 @@ private:
     double least_noise_, spread_ = 0;
 };
 
-/// Median gain in brightness: a change of the camera's exposure.
-std::int32_t gained(std::vector<std::int32_t> changes) {
-    if (changes.empty()) return 0;
-    return sorted_element(changes, changes.size() / 2);
-}
-
 /// Which cells kept their brightness, `before`(k), up to a common gain; CellPicture::none if unknown.
 template <class Before>
 std::vector<bool> unchanged(const CellPicture& picture, Before&& before) {
     std::vector<std::int32_t> changes;
     for (std::size_t k = 0; k < picture.cells.size(); ++k)
         if (before(k) != CellPicture::none) changes.push_back(picture.cells[k].luma - before(k));
-    const std::int32_t gain = gained(changes);
+    // The median gain in brightness: a change of the camera's exposure.
+    const std::int32_t gain = changes.empty() ? 0 : sorted_element(changes, changes.size() / 2);
     std::vector<bool> same(picture.cells.size(), true);
     for (std::size_t k = 0; k < same.size(); ++k)
         same[k] =

@@ -205,10 +205,6 @@ Result<std::int64_t> TrackDecoder::frames_of(const AVPacket& packet) {
     return input_error(where() + ": is damaged: its checksum is missing or wrong");
 }
 
-bool TrackDecoder::is_one_packet_each() const {
-    return has_additions_.value_or(false) || decoder_->is_one_packet_each();
-}
-
 Result<TrackDecoder::Picture> TrackDecoder::skip(const AVPacket& packet) {
     TRY_ASSIGN(const auto frames, frames_of(packet));
     received_ += frames;

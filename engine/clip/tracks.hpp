@@ -221,7 +221,9 @@ public:
     /// Known with the first packet.
     bool has_additions() const { return has_additions_.value_or(false); }
     /// Whether the next packet holds the next picture, so that decoding can be skipped.
-    bool is_one_packet_each() const;
+    bool is_one_packet_each() const {
+        return has_additions_.value_or(false) || decoder_->is_one_packet_each();
+    }
     /// The picture of this packet, without its plane; an error if the packet is damaged. Later packets cannot
     /// be decoded before `restart`.
     Result<Picture> skip(const AVPacket& packet);

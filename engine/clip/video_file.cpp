@@ -308,9 +308,7 @@ Result<void> VideoFile::seek(std::int64_t frame) {
         TRY_ASSIGN(const auto begun, key > 0 ? begin_at(key) : Result<bool>(false));
         if (!begun) TRY(rewind());
     }
-    while (number_ < frame) {
-        TRY(next());
-    }
+    while (number_ < frame) TRY(next());
     return {};
 }
 

@@ -1,8 +1,11 @@
 #pragma once
 
 // The makers behind make_scene, one for each family of scenes, and their shared helpers: cameras, planes made
-// of depths. Callers have checked sizes and bits; each maker refuses what its own surface cannot be.
+// of depths; the height fields' surface, the planet's ground and the noise it is made of. Callers have
+// checked sizes and bits; each maker refuses what its own surface cannot be.
 
+#include <array>
+#include <cstdint>
 #include <glm/vec3.hpp>
 #include <string_view>
 
@@ -54,5 +57,54 @@ void quantise(const Scene& scene, const std::vector<double>& depths, RowBands& r
 /// Returns a frame that shows the planes and keeps them alive.
 RawFrame view_of(std::shared_ptr<const AnalyticScene::Planes> planes, const Scene& scene,
                  std::int64_t number);
+
+/// The three height fields: Z = -1000 + 1000 b(X/1000, Y/1000, t) in scene units (millimetres).
+enum class Relief { bumps, rough, moving };
+
+/// Surface over a world position: Z (scene units) and its first and second derivatives by X and Y (per unit).
+struct ReliefPoint {
+    double z, zx, zy, zxx, zxy, zyy;
+};
+ReliefPoint relief_at(Relief relief, double x, double y, double t);
+
+/// The ground at one place of the procedural planet.
+struct Ground {
+    double elevation;  ///< over the sea: about -1 to 1, land where positive
+    double relief;     ///< 0 (sea, coast) to 1 (highest mountain)
+    double moisture;   ///< 0 (desert) to 1 (forest)
+    double ice;        ///< 0 to 1: polar and mountain snow, sea ice
+};
+
+/// Smooth seeded noise in space: 0 at lattice points, about -0.8 to 0.8 between, two continuous derivatives,
+/// a period of 256 per axis. The same bits on every machine.
+class GradientNoise {
+public:
+    explicit GradientNoise(std::uint64_t seed);
+
+    double at(const glm::dvec3& p) const;
+    /// Sum of `count` octaves, each about twice as fine and half as strong as the one before.
+    double octaves(glm::dvec3 p, int count) const;
+    /// The same with sharp crests where an octave crosses zero; each finer octave grows on the crests of the
+    /// coarser ones. 0 to about 1.
+    double ridges(glm::dvec3 p, int count) const;
+
+private:
+    double corner(int x, int y, int z, const glm::dvec3& offset) const;
+    std::array<std::uint8_t, 512> permutation_;
+};
+
+/// A deterministic imaginary planet: continents, mountains and climate from seeded noise. 38 % of it is land.
+class Planet {
+public:
+    explicit Planet(std::uint64_t seed);
+    /// `place`: unit vector in the planet's own frame, +Y its north pole.
+    Ground ground(const glm::dvec3& place) const;
+
+private:
+    double continents(const glm::dvec3& place) const;
+
+    GradientNoise noise_;
+    double sea_level_;
+};
 
 }  // namespace touchable

@@ -1,6 +1,8 @@
 // Globes: the bare sphere, the procedural planet on it, and one that is made of maps.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <vector>
@@ -10,13 +12,118 @@
 #include "engine/base/words.hpp"
 #include "engine/content/families.hpp"
 #include "engine/content/mapped_ground.hpp"
-#include "engine/content/planet.hpp"
 #include "engine/content/scenes.hpp"
-#include "engine/content/seeded_noise.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {
 namespace {
+
+/// 0 below `from`, 1 above `to`, between them the cubic that is level at both ends.
+double smooth_step(double from, double to, double x) {
+    const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
+    return t * t * (3 - 2 * t);
+}
+
+// ---- The planet, and the light on it. Colours are linear light, 0 to 1; only the picture, never the touch,
+// depends on them.
+
+constexpr double land_share = 0.38;
+
+/// Places spread evenly enough over the sphere, without an angle: grid points of a cube's shell, projected to
+/// the sphere and weighted by the area that each stands for.
+struct Place {
+    glm::dvec3 at;
+    double area;
+};
+std::vector<Place> survey() {
+    constexpr int side = 24;
+    std::vector<Place> places;
+    for (int face = 0; face < 6; ++face)
+        for (int i = 0; i < side; ++i)
+            for (int j = 0; j < side; ++j) {
+                const double a = (2 * i + 1.0) / side - 1, b = (2 * j + 1.0) / side - 1;
+                const double c = face < 3 ? 1 : -1, length = std::sqrt(a * a + b * b + 1);
+                const glm::dvec3 on_cube = face % 3 == 0   ? glm::dvec3(c, a, b)
+                                           : face % 3 == 1 ? glm::dvec3(a, c, b)
+                                                           : glm::dvec3(a, b, c);
+                places.push_back({on_cube / length, 1 / (length * length * length)});
+            }
+    return places;
+}
+
+constexpr glm::dvec3 air_colour{0.16, 0.36, 0.75};
+
+glm::dvec3 sea_colour(const Ground& ground) {
+    const glm::dvec3 abyss{0.004, 0.017, 0.060}, deep{0.008, 0.042, 0.125}, shelf{0.025, 0.170, 0.235};
+    const double depth = -ground.elevation;
+    const glm::dvec3 open = glm::mix(deep, abyss, smooth_step(0.10, 0.60, depth));
+    return glm::mix(shelf, open, smooth_step(0.0, 0.10, depth));
+}
+
+glm::dvec3 land_colour(const Ground& ground) {
+    const glm::dvec3 forest{0.030, 0.085, 0.022}, steppe{0.150, 0.150, 0.045}, desert{0.430, 0.285, 0.130};
+    const glm::dvec3 rock{0.170, 0.125, 0.090}, beach{0.380, 0.310, 0.190};
+    const glm::dvec3 dry = glm::mix(desert, steppe, smooth_step(0.22, 0.48, ground.moisture));
+    glm::dvec3 colour = glm::mix(dry, forest, smooth_step(0.42, 0.68, ground.moisture));
+    colour = glm::mix(colour, rock, smooth_step(0.28, 0.55, ground.relief));
+    return glm::mix(beach, colour, smooth_step(0.0, 0.018, ground.elevation));
+}
+
+/// Towards the sun: a unit vector in the world.
+constexpr glm::dvec3 sunward{-0.56, 0.42, 0.7141428428542850};
+
+/// Colour in the day of a place whose ground has this colour. `normal` is the unit vector up, `to_eye` one
+/// toward the eye; `relief_light` is the ground's brightness relative to level ground.
+glm::dvec3 in_daylight(const glm::dvec3& ground, const glm::dvec3& normal, const glm::dvec3& to_eye,
+                       double relief_light) {
+    // A soft terminator: light reaches a little past the edge of the day.
+    const double facing = glm::dot(normal, sunward), day = smooth_step(-0.12, 0.30, facing);
+    const double light = 0.012 + 1.55 * day * (0.18 + 0.82 * std::max(0.0, facing)) * relief_light;
+    const glm::dvec3 colour = light * ground;
+
+    // The line of sight passes through more air toward the limb.
+    const double grazing = 1 - std::max(0.0, glm::dot(normal, to_eye));
+    const double air = day * (0.05 + 0.75 * grazing * grazing * grazing);
+    return glm::mix(colour, air_colour * (0.35 + 0.65 * std::max(0.0, facing)), std::min(1.0, air));
+}
+
+/// Colour of a place of the procedural planet. `normal` and `to_eye` are unit vectors; `slope` is how much
+/// the ground rises toward the sun (relief per radius of the planet; 0: level).
+glm::dvec3 planet_colour(const Ground& ground, const glm::dvec3& normal, const glm::dvec3& to_eye,
+                         double slope) {
+    const glm::dvec3 snow{0.80, 0.84, 0.88};
+    const glm::dvec3 bare = ground.elevation > 0 ? land_colour(ground) : sea_colour(ground);
+    return in_daylight(glm::mix(bare, snow, ground.ice), normal, to_eye, std::clamp(1 + slope, 0.35, 1.9));
+}
+
+/// Colour beside the planet: night, faint stars, and a glow on the lit side of the limb. `outward` is the
+/// unit vector from the planet's centre to the nearest point of the line of sight, `altitude` that point's
+/// distance from the limb in radii, at least 0.
+glm::dvec3 sky_colour(int column, int row, int picture_width, const glm::dvec3& outward, double altitude) {
+    const int grain = std::max(1, picture_width / 720);  // a star's side in pixels
+    SplitMix64 random(
+        mix64(static_cast<std::uint64_t>(column / grain) << 32 | static_cast<std::uint64_t>(row / grain)));
+    glm::dvec3 colour{0.0012, 0.0016, 0.0040};
+    if (random.unit() < 0.0025) {
+        const double strength = random.unit(), warmth = random.unit();
+        colour +=
+            0.30 * strength * strength * strength * glm::dvec3(0.8 + 0.2 * warmth, 0.9, 1.0 - 0.2 * warmth);
+    }
+    const double thickness = 0.030, thin = 1 / (1 + altitude / thickness);
+    const double glow = thin * thin * thin * smooth_step(-0.35, 0.75, glm::dot(outward, sunward));
+    return colour + 0.75 * glow * air_colour;
+}
+
+/// Linear light as the bytes of a picture, gamma 2.
+std::array<std::uint8_t, 3> to_bytes(const glm::dvec3& colour) {
+    std::array<std::uint8_t, 3> bytes{};
+    for (int channel = 0; channel < 3; ++channel)
+        bytes[static_cast<std::size_t>(channel)] = static_cast<std::uint8_t>(
+            std::floor(255 * std::sqrt(std::clamp(colour[channel], 0.0, 1.0)) + 0.5));
+    return bytes;
+}
+
+// ---- Globes
 
 /// Axes of a turning globe in the world: the pole leans to the right and a little toward the camera, and the
 /// side that faces the camera moves to the right.
@@ -398,7 +505,133 @@ MadeScene make_map_globe(Scene scene, const GlobeSphere& sphere, const SceneOpti
     return std::make_unique<MapGlobe>(std::move(scene), sphere, options, std::move(ground));
 }
 
+// ---- Gradient noise
+
+/// Shifts an octave off the lattice of the one before, so that their zeros do not meet.
+constexpr glm::dvec3 octave_shift{17.31, 5.77, 41.93};
+constexpr double octave_scale = 2.03;
+
+double fade(double t) {
+    return t * t * t * (t * (t * 6 - 15) + 10);
+}
+double mix(double a, double b, double t) {
+    return a + t * (b - a);
+}
+
 }  // namespace
+
+GradientNoise::GradientNoise(std::uint64_t seed) {
+    SplitMix64 random(seed);
+    for (std::size_t i = 0; i < 256; ++i) permutation_[i] = static_cast<std::uint8_t>(i);
+    for (std::size_t i = 255; i > 0; --i) std::swap(permutation_[i], permutation_[random.next() % (i + 1)]);
+    for (std::size_t i = 0; i < 256; ++i) permutation_[256 + i] = permutation_[i];
+}
+
+/// A lattice corner's gradient, one of twelve edge directions of a cube, dotted with the offset from it.
+double GradientNoise::corner(int x, int y, int z, const glm::dvec3& offset) const {
+    static constexpr std::array<glm::dvec3, 12> edges{{{1, 1, 0},
+                                                       {-1, 1, 0},
+                                                       {1, -1, 0},
+                                                       {-1, -1, 0},
+                                                       {1, 0, 1},
+                                                       {-1, 0, 1},
+                                                       {1, 0, -1},
+                                                       {-1, 0, -1},
+                                                       {0, 1, 1},
+                                                       {0, -1, 1},
+                                                       {0, 1, -1},
+                                                       {0, -1, -1}}};
+    const auto index = [](int i) { return static_cast<std::size_t>(i & 255); };
+    const std::size_t hash = permutation_[permutation_[permutation_[index(x)] + index(y)] + index(z)];
+    const glm::dvec3& edge = edges[hash % edges.size()];
+    return edge.x * offset.x + edge.y * offset.y + edge.z * offset.z;
+}
+
+double GradientNoise::at(const glm::dvec3& p) const {
+    const double fx = std::floor(p.x), fy = std::floor(p.y), fz = std::floor(p.z);
+    const int x = static_cast<int>(fx), y = static_cast<int>(fy), z = static_cast<int>(fz);
+    const glm::dvec3 f{p.x - fx, p.y - fy, p.z - fz};
+    const double u = fade(f.x), v = fade(f.y), w = fade(f.z);
+    double layer[2];
+    for (int k = 0; k < 2; ++k) {
+        const double near = mix(corner(x, y, z + k, {f.x, f.y, f.z - k}),
+                                corner(x + 1, y, z + k, {f.x - 1, f.y, f.z - k}), u);
+        const double far = mix(corner(x, y + 1, z + k, {f.x, f.y - 1, f.z - k}),
+                               corner(x + 1, y + 1, z + k, {f.x - 1, f.y - 1, f.z - k}), u);
+        layer[k] = mix(near, far, v);
+    }
+    return mix(layer[0], layer[1], w);
+}
+
+double GradientNoise::octaves(glm::dvec3 p, int count) const {
+    double sum = 0, strength = 1;
+    for (int k = 0; k < count; ++k) {
+        sum += strength * at(p);
+        strength *= 0.5;
+        p = octave_scale * p + octave_shift;
+    }
+    return sum;
+}
+
+double GradientNoise::ridges(glm::dvec3 p, int count) const {
+    double sum = 0, strength = 0.6, weight = 1;
+    for (int k = 0; k < count; ++k) {
+        const double crest = 1 - std::fmin(1, 1.6 * std::fabs(at(p)));
+        const double value = crest * crest * weight;
+        sum += strength * value;
+        weight = std::fmin(1, 1.8 * value);
+        strength *= 0.5;
+        p = octave_scale * p + octave_shift;
+    }
+    return sum;
+}
+
+Planet::Planet(std::uint64_t seed) : noise_(seed), sea_level_(0) {
+    struct Height {
+        double height, area;
+    };
+    std::vector<Height> heights;
+    double whole = 0, under = 0;
+    for (const Place& place : survey()) {
+        heights.push_back({continents(place.at), place.area});
+        whole += place.area;
+    }
+    std::ranges::stable_sort(heights, {}, &Height::height);
+    for (const Height& height : heights) {
+        sea_level_ = height.height;
+        under += height.area;
+        if (under >= (1 - land_share) * whole) break;
+    }
+}
+
+/// Octaves bent by slower ones: coasts that wander, with gulfs and islands.
+double Planet::continents(const glm::dvec3& place) const {
+    const glm::dvec3 p = 1.15 * place;
+    const glm::dvec3 bend{noise_.octaves(2.0 * p + glm::dvec3(3.1, 0.7, 9.2), 2),
+                          noise_.octaves(2.0 * p + glm::dvec3(8.3, 2.8, 1.4), 2),
+                          noise_.octaves(2.0 * p + glm::dvec3(1.9, 6.5, 4.6), 2)};
+    return noise_.octaves(p + 0.16 * bend, 7) +
+           0.10 * noise_.octaves(9.0 * place + glm::dvec3(4.4, 1.3, 8.8), 4);
+}
+
+Ground Planet::ground(const glm::dvec3& place) const {
+    Ground ground{};
+    ground.elevation = continents(place) - sea_level_;
+    const double inland = smooth_step(0.0, 0.16, ground.elevation);
+    if (ground.elevation > 0) {
+        const double ranges = noise_.ridges(3.4 * place + glm::dvec3(11.2, 4.1, 7.7), 6);
+        const double where = smooth_step(-0.25, 0.30, noise_.at(1.7 * place + glm::dvec3(5.5, 12.5, 2.2)));
+        ground.relief = std::clamp(inland * (0.10 + 1.25 * ranges * (0.20 + 0.80 * where)), 0.0, 1.0);
+    }
+    const double wobble = noise_.octaves(3.1 * place + glm::dvec3(21.4, 9.9, 13.3), 3);
+    const double latitude = std::fabs(place.y);  // its sine
+    // Wet at the equator, dry at the tropics, wet again at middle latitudes.
+    const double belt = smooth_step(0.10, 0.36, latitude) * (1 - smooth_step(0.50, 0.72, latitude));
+    ground.moisture = std::clamp(0.80 - 0.55 * belt + 0.70 * wobble - 0.12 * inland, 0.0, 1.0);
+    const double cold = latitude + 0.07 * wobble + 0.42 * ground.relief;
+    ground.ice = ground.elevation > 0 ? smooth_step(0.87, 0.95, cold) : smooth_step(0.93, 0.955, cold);
+    return ground;
+}
 
 MadeScene make_globe(std::string_view name, const SceneOptions& options) {
     Scene scene = blank_scene(name, options);

@@ -77,13 +77,9 @@ std::vector<double> sample_depths(const AnalyticScene& scene, double t, RowBands
 
 }  // namespace
 
-int AnalyticScene::threads_of_a_frame() const {
-    return threads_for_pixels(threads_, std::int64_t{scene_.width} * scene_.height);
-}
-
 std::shared_ptr<const AnalyticScene::Planes> AnalyticScene::planes(double t) const {
     auto made = std::make_shared<AnalyticScene::Planes>();
-    RowBands rows(threads_of_a_frame());
+    RowBands rows(threads_for_pixels(threads_, std::int64_t{scene_.width} * scene_.height));
     const std::vector<double> depths = sample_depths(*this, t, rows);
     quantise(scene_, depths, rows, *made);
     paint(t, depths, rows, *made);
@@ -131,12 +127,9 @@ Scene tabletop_scene(std::string_view name, const SceneOptions& options, double 
     return scene;
 }
 
-const std::vector<std::string_view>& scene_names() {
-    static const std::vector<std::string_view> names = [] {
-        std::vector<std::string_view> list;
-        for (const Family& family : families) list.push_back(family.name);
-        return list;
-    }();
+std::vector<std::string_view> scene_names() {
+    std::vector<std::string_view> names;
+    for (const Family& family : families) names.push_back(family.name);
     return names;
 }
 

@@ -7,7 +7,7 @@
 // returns frames as a recording of it would store them (frame: codes in the scene's depth coding, haptic and
 // height planes, colour), and depth in closed form, against which tests and benchmarks measure. The same
 // options give the same bits on every machine: random numbers come from a seed
-// (engine/content/seeded_noise.hpp), and sines from engine/base/same_bits.hpp.
+// (engine/content/families.hpp), and sines from engine/base/same_bits.hpp.
 //
 // Threads: one at a time may request frames of a scene; it makes those of large pictures with more
 // (SceneOptions::threads).
@@ -78,7 +78,6 @@ private:
     /// False if every frame is the same picture.
     virtual bool moves() const { return false; }
     std::shared_ptr<const Planes> planes(double t) const;
-    int threads_of_a_frame() const;
     friend Result<std::unique_ptr<AnalyticScene>> make_scene(std::string_view, const SceneOptions&);
 
     Scene scene_;
@@ -88,7 +87,7 @@ private:
 };
 
 /// "globe", "bumps", "rough", "moving", "plane", "spheres", "step", "noise", "cliffs", "grain".
-const std::vector<std::string_view>& scene_names();
+std::vector<std::string_view> scene_names();
 /// Refuses an unknown name (listing the known) and impossible options.
 Result<std::unique_ptr<AnalyticScene>> make_scene(std::string_view name, const SceneOptions& options);
 

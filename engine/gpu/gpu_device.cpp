@@ -254,10 +254,6 @@ Abandoned& abandoned() {
     return *all;
 }
 
-std::chrono::nanoseconds default_patience(GpuKind kind) {
-    return std::chrono::seconds(kind == GpuKind::software ? 60 : 10);
-}
-
 VkResult wait_on(const VulkanDevice& gpu, VkSemaphore timeline, std::uint64_t value,
                  std::chrono::nanoseconds timeout) {
     auto info = vulkan_struct<VkSemaphoreWaitInfo>(VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO);
@@ -347,7 +343,9 @@ Result<std::shared_ptr<GpuDevice>> GpuDevice::open(const GpuOptions& options) {
 }
 
 GpuDevice::GpuDevice(std::shared_ptr<VulkanDevice> vulkan, VkSemaphore timeline)
-    : vulkan_(std::move(vulkan)), timeline_(timeline), patience_(default_patience(vulkan_->facts.kind)) {}
+    : vulkan_(std::move(vulkan)),
+      timeline_(timeline),
+      patience_(std::chrono::seconds(vulkan_->facts.kind == GpuKind::software ? 60 : 10)) {}
 
 GpuDevice::~GpuDevice() {
     if (!comes_to_rest()) {

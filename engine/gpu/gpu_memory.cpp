@@ -196,10 +196,9 @@ Result<GpuBuffer> GpuBuffer::create(const GpuDevice& device, std::string name, s
     TRY(allocate(*state, *type, needs.size));
     TRY(make_views(*state));
 
-    if (memory != GpuMemory::device) {
+    if (memory != GpuMemory::device)
         TRY(checked(gpu, state->name, bytes, "vkMapMemory",
                     vkMapMemory(gpu.device, state->memory, 0, VK_WHOLE_SIZE, 0, &state->mapped)));
-    }
     GpuBuffer buffer;
     buffer.state_ = std::move(state);
     return buffer;

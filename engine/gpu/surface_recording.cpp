@@ -42,11 +42,6 @@ static_assert(sizeof(TileBounds) == 8 && offsetof(TileBounds, least) == 0 &&
 constexpr ValidCodes finer_codes{
     0, no_finer_code - 1, {no_such_code, no_such_code, no_such_code, no_such_code}};
 
-/// Whether no_finer_code is beyond all codes, so that it can mark invalid ones.
-bool leaves_room_above(const ValidCodes& valid) {
-    return valid.valid_min + valid.valid_span < no_finer_code;
-}
-
 CurvePush pushed(const CodeCurve& curve) {
     return {curve.constant,           curve.linear, curve.quadratic,
             curve.falls ? 1U : 0U,    curve.last,   static_cast<std::uint32_t>(curve.shift),
@@ -174,7 +169,7 @@ Result<SurfaceRecording> SurfaceRecording::create(const Scene& scene, std::share
 }
 
 bool SurfaceRecording::has_room_above() const {
-    return filters_.find<TerraceFilter>() != nullptr || leaves_room_above(valid_);
+    return filters_.find<TerraceFilter>() != nullptr || valid_.valid_min + valid_.valid_span < no_finer_code;
 }
 
 Result<void> SurfaceRecording::check_limits() const {

@@ -604,10 +604,9 @@ Result<StoredImage> decode_coded_image(std::string_view bytes, const std::string
 
 Result<Image> decode_indices(std::string_view bytes, const std::string& where) {
     TRY_ASSIGN(const auto frame, decode_picture(bytes, where));
-    if (codec_of(bytes) == AV_CODEC_ID_PNG && frame->format == AV_PIX_FMT_PAL8) {
+    if (codec_of(bytes) == AV_CODEC_ID_PNG && frame->format == AV_PIX_FMT_PAL8)
         return gathered(*frame, 1, 1,
                         packed_grey({frame->data[0], frame->linesize[0], frame->width, frame->height, 1, 1}));
-    }
     TRY_ASSIGN(auto stored, decode_coded_image(bytes, where));
     const Image& image = stored.image;
     if (stored.codec != "png" || image.channels != 1 || image.bytes_per_sample != 1)

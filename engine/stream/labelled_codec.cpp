@@ -72,10 +72,6 @@ std::string sent_scene(const SceneDescription& described) {
     return scene_to_json(said);
 }
 
-bool is_begin_of_plane(PlaneRole role, PlanePart part) {
-    return role == PlaneRole::depth && part != PlanePart::low;
-}
-
 // --- Helpers of the decoder
 
 constexpr std::size_t most_tracks = 16;
@@ -197,7 +193,8 @@ Result<std::vector<PacketPtr>> LabelledEncoder::encode(const RawFrame& frame, co
                                std::string(role_name(track.role)) + " is not like that of the first frame");
         const PlaneView part = track.of(frame);
         std::vector<std::string> messages{sei_of({track.role, track.part, track.bits, label}, part)};
-        if (is_key && is_begin_of_plane(track.role, track.part)) messages.push_back(scene_sei_);
+        if (is_key && track.role == PlaneRole::depth && track.part != PlanePart::low)
+            messages.push_back(scene_sei_);
         TRY_ASSIGN(auto packet, track.encoder->encode(part, is_key, messages));
         packets.push_back(std::move(packet));
     }

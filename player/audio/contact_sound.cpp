@@ -25,11 +25,6 @@ void follow(double& value, double to, double rise, double fall) {
     if (to == 0 && value < inaudible) value = 0;
 }
 
-/// Four times the stiffness gives twice the frequency.
-double hertz_of(double stiffness) {
-    return std::clamp(320 * std::sqrt(stiffness / 1000), 140.0, 1400.0);
-}
-
 template <std::size_t... finger>
 std::array<FingerSound, sizeof...(finger)> fingers_of(std::index_sequence<finger...>) {
     return {FingerSound(static_cast<std::uint32_t>(finger + 1) * 2654435761U)...};
@@ -122,7 +117,9 @@ void FingerSound::aim_noise(const HeardFinger& finger) {
 }
 
 void FingerSound::strike(const HeardFinger& finger) {
-    const double hertz = hertz_of(sound_value(finger.stiffness, 1e6));
+    // Four times the stiffness gives twice the frequency.
+    const double hertz =
+        std::clamp(320 * std::sqrt(sound_value(finger.stiffness, 1e6) / 1000), 140.0, 1400.0);
     if (const double met = sound_value(finger.met, 10); met > 0) {
         const double level = most_tap * saturated_share(met, usual_meeting);
         tap_.strike(level, hertz);

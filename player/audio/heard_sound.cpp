@@ -94,10 +94,6 @@ void SpokenVoice::add(const SpokenSound* sound, std::uint32_t number, bool is_mu
     }
 }
 
-ClipSound::~ClipSound() {
-    stop_thread(mutex_, stopping_, news_, thread_);
-}
-
 void ClipSound::open(const std::filesystem::path& file) {
     {
         const std::lock_guard lock(mutex_);

@@ -48,7 +48,7 @@ private:
 class ClipSound : NonCopyable {
 public:
     ClipSound() = default;
-    ~ClipSound();
+    ~ClipSound() { stop_thread(mutex_, stopping_, news_, thread_); }
 
     /// Switches to this file's track, if it has one; the previous one is silent at once. The window's thread.
     void open(const std::filesystem::path& file);

@@ -36,10 +36,6 @@ GamepadRumble::GamepadRumble(const Open& open) {
     if (!begun) say("no rumble: " + begun.error().message);
 }
 
-GamepadRumble::~GamepadRumble() {
-    stop_thread(mutex_, stopping_, stop_, thread_);
-}
-
 void GamepadRumble::run(const Open& open) {
     const auto pad = open();
     if (!pad) return say("no rumble: " + pad.error().message);

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "engine/base/result.hpp"
+#include "engine/base/threads.hpp"
 #include "player/audio/contact_sound.hpp"
 
 namespace touchable {
@@ -55,7 +56,7 @@ public:
     using Open = std::function<Result<std::unique_ptr<Gamepad>>()>;
 
     explicit GamepadRumble(const Open& open = Gamepad::open);
-    ~GamepadRumble();
+    ~GamepadRumble() { stop_thread(mutex_, stopping_, stop_, thread_); }
 
     /// Takes the next tick on a session's thread, one session at a time. Neither waits nor allocates.
     void consume(const HeardTick& tick);

@@ -1,3 +1,5 @@
+// Commands that tell what this machine has: its speed, and the cameras and haptic devices that are plugged
+// in.
 #include "player/commands/commands.hpp"
 
 #include <CLI/CLI.hpp>
@@ -10,9 +12,9 @@
 #include "engine/base/result.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
+#include "engine/camera/camera.hpp"
 #include "engine/content/scenes.hpp"
 #include "engine/gpu/vulkan_builder.hpp"
-#include "player/commands/device_check.hpp"
 #include "player/commands/machine_check.hpp"
 #include "player/commands/option_types.hpp"
 #include "player/run/touch_session.hpp"
@@ -143,11 +145,6 @@ void print_builders(const BuilderFacts& facts) {
     std::cout << "; " << (facts.identical ? "the same bits" : "DIFFERENT bits") << std::endl;
 }
 
-void print_verdict(const MachineReport& report, const std::vector<std::string>& faults) {
-    std::cout << "verdict   " << (faults.empty() ? "ready" : "not ready")
-              << (report.vulkan.unusable.empty() ? "\n" : ", without Vulkan\n");
-}
-
 nlohmann::ordered_json timer_json(const TimerFacts& timer) {
     nlohmann::ordered_json out{{"clock_resolution_ns", timer.clock_resolution_ns},
                                {"timer_slack_ns", timer.timer_slack_ns},
@@ -263,10 +260,48 @@ Result<void> run_check(CheckWords words, bool has_demand) {
     if (has_demand) return within_memory("frames of that size", [&] { return answer(words.demand, json); });
     TRY_ASSIGN(const auto report, look_around(!json.replaces_words()));
     const std::vector<std::string> faults = report.faults();
-    if (!json.replaces_words()) print_verdict(report, faults);
+    if (!json.replaces_words())
+        std::cout << "verdict   " << (faults.empty() ? "ready" : "not ready")
+                  << (report.vulkan.unusable.empty() ? "\n" : ", without Vulkan\n");
     TRY(json.write(to_json(report, faults)));
     if (faults.empty()) return {};
     return Error{ErrorKind::check, faults.front() + (faults.size() > 1 ? "; and more, listed above" : "")};
+}
+
+std::string how_to_touch(const std::string& camera, const std::string& with_colour) {
+    std::string lines = "    touch it:  touchable touch --live --camera " + camera + '\n';
+    if (!with_colour.empty())
+        lines += "    see it in its colour, and touch it:  touchable play --camera " + with_colour + '\n';
+    return lines;
+}
+
+Result<void> run_cameras(const JsonOutput& json) {
+    TRY(json.check());
+    const auto system = system_video();
+    if (!json.replaces_words()) std::cout << on_terminal(cameras_in_words(*system, how_to_touch));
+    return json.write(nlohmann::ordered_json::parse(cameras_in_json(*system)));
+}
+
+struct DevicesOptions {
+    JsonOutput json;
+    bool rules = false;
+};
+
+Result<void> run_devices(const DevicesOptions& options) {
+    if (options.rules) {
+        std::cout << udev_rules();
+        return {};
+    }
+    TRY(options.json.check());
+    const auto devices = connected_devices();
+    if (!options.json.replaces_words())
+        std::cout << on_terminal(
+            devices_in_words(devices, "--device ", has_udev_rules()) +
+            "\nWhat --device takes (docs/devices.md has each one's keys):\n" +
+            device_words_in_words("touchable touch CLIP --live --device simulated --hand stroke") +
+            "See whether it works:  touchable check --device NAME\n"
+            "Touch with it:         touchable touch CLIP --live --device NAME\n");
+    return options.json.write(nlohmann::ordered_json::parse(devices_in_json(devices)));
 }
 
 }  // namespace
@@ -289,6 +324,24 @@ void add_check_command(CLI::App& app, Command& command) {
         return run_check(*words,
                          check->count("--size") + check->count("--fingers") + check->count("--rate") > 0);
     });
+}
+
+void add_cameras_command(CLI::App& app, Command& command) {
+    auto* sub = app.add_subcommand("cameras", "list the cameras that are plugged in, and how to touch them");
+    auto json = std::make_shared<JsonOutput>();
+    add_json_option(*sub, *json, "print the same as JSON");
+    set_work(*sub, command, [json] { return run_cameras(*json); });
+}
+
+void add_devices_command(CLI::App& app, Command& command) {
+    auto* sub =
+        app.add_subcommand("devices", "list the haptic devices that are plugged in, ready or not, and why");
+    auto options = std::make_shared<DevicesOptions>();
+    auto* json = add_json_option(*sub, options->json, "print the same as JSON");
+    sub->add_flag("--udev-rules", options->rules,
+                  "print the file for /etc/udev/rules.d that permits them to the person at the machine")
+        ->excludes(json);
+    set_work(*sub, command, [options] { return run_devices(*options); });
 }
 
 }  // namespace touchable

@@ -5,7 +5,7 @@
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "player/commands/clip_options.hpp"
-#include "player/commands/setting_words.hpp"
+#include "player/commands/option_types.hpp"
 #include "player/run/terminal.hpp"
 
 namespace touchable {
@@ -55,10 +55,6 @@ Json measured_json(const MeasuredDepth& measured) {
 /// Angle that `pixels` span, seen from the centre `c` at focal length `f`.
 double field_of_view_degrees(int pixels, double c, double f) {
     return (arctangent((c + 0.5) / f) + arctangent((pixels - 0.5 - c) / f)) * 180.0 / pi;
-}
-
-Kappa kappa_at(const Scene& scene, double depth) {
-    return {depth, kappa_of_depth(scene, depth)};
 }
 
 /// From the first frame: share of invalid stored values, range of the valid ones, share of torn neighbours.
@@ -506,9 +502,10 @@ Result<ClipFacts> clip_facts(const ClipChoice& choice) {
     facts.fov_y_degrees = field_of_view_degrees(facts.scene.height, camera.cy, camera.fy);
     const DepthCoding& coding = facts.scene.depth;
     const double near = coding.near > 0 ? coding.near : facts.nearest > 0 ? facts.nearest : coding.far;
-    facts.near = kappa_at(facts.scene, near);
-    facts.mid = kappa_at(facts.scene, 0.5 * (near + coding.far));
-    facts.far = kappa_at(facts.scene, coding.far);
+    const auto kappa_at = [&](double depth) { return Kappa{depth, kappa_of_depth(facts.scene, depth)}; };
+    facts.near = kappa_at(near);
+    facts.mid = kappa_at(0.5 * (near + coding.far));
+    facts.far = kappa_at(coding.far);
     return facts;
 }
 

@@ -60,19 +60,14 @@ void add_source_options(CLI::App& sub, CameraTyped& typed, bool describes) {
     }
 }
 
-/// A filter's name in the list of `--filters`.
-std::string name_in_list(const FilterSetting& setting) {
-    const std::string_view in_list = setting.in_list;
-    return std::string(in_list.substr(0, in_list.find_first_of("[=")));
-}
-
 /// Puts a part of the list into `choice`; returns what is wrong with it, or "".
 std::string why_not(const std::string& name, const std::optional<std::string>& value,
                     ClipChoice::Filters& choice) {
     if (name == "off" || name == "auto") return ": it stands alone, without other filters";
     std::vector<std::string> names;
     for (const FilterSetting& setting : filter_settings()) {
-        names.push_back(name_in_list(setting));
+        const std::string_view in_list = setting.in_list;  // "NAME", "NAME[=...]"
+        names.emplace_back(in_list.substr(0, in_list.find_first_of("[=")));
         if (name.empty() || name != names.back()) continue;
         if (!setting.is_default(choice.settings)) return ": " + name + " is named twice";
         const std::string word = value.value_or(setting.usual);

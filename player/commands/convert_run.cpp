@@ -17,7 +17,6 @@
 #include "player/commands/clip_options.hpp"
 #include "player/commands/convert_command.hpp"
 #include "player/commands/option_types.hpp"
-#include "player/commands/setting_words.hpp"
 #include "player/run/terminal.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/touch_setup.hpp"
@@ -93,12 +92,6 @@ std::string files_of_scene(const ConvertOptions& options, const Converted& done)
     if (done.frames == 1)
         for (const TrackInfo& track : done.tracks) words += ", " + stem + "_" + track.role + ".png";
     return words + " lie beside it and belong to it";
-}
-
-std::string beside_lerobot_video(const ConvertOptions& options) {
-    return lerobot_info_file(options.out).string() +
-           " says what its codes are, for the features of a data set's meta/info.json; colour, haptic, "
-           "height and sound are not in it";
 }
 
 namespace fs = std::filesystem;
@@ -270,7 +263,11 @@ std::string report_of_conversion(const ConvertOptions& options, const Converted&
     if (done.forces) text += line("force", forces_in_words(*done.forces));
     if (is_one_frame(options.form) && options.form != ClipForm::mp4_still)
         text += line("scene", files_beside(options, done));
-    if (options.form == ClipForm::lerobot) text += line("scene", beside_lerobot_video(options));
+    if (options.form == ClipForm::lerobot)
+        text +=
+            line("scene", lerobot_info_file(options.out).string() +
+                              " says what its codes are, for the features of a data set's meta/info.json; "
+                              "colour, haptic, height and sound are not in it");
     if (options.form == ClipForm::gltf) text += line("scene", files_of_scene(options, done));
     if (options.form == ClipForm::web)
         text += line("page", page_files().empty()
@@ -456,18 +453,15 @@ private:
 
     bool is_of_one_frame() const { return source_->frame_count() == 1; }
 
-    /// A glTF scene of one frame holds pictures.
-    bool holds_video() const {
-        return options_.form == ClipForm::archive || (options_.form == ClipForm::gltf && !is_of_one_frame());
-    }
-
     /// The clip's sound to keep; also fills in the report on it.
     std::optional<SoundPart> chosen_sound() {
         const fs::path file = sound_file_of(*source_);
         const auto sound = sound_of(file);
         if (!sound) return std::nullopt;
-        const bool is_mp4 = is_mp4_name(options_.out) || options_.form == ClipForm::gltf,
-                   is_video = holds_video(), is_fragmented = options_.storage.fragmented;
+        const bool is_gltf = options_.form == ClipForm::gltf, is_mp4 = is_mp4_name(options_.out) || is_gltf,
+                   is_fragmented = options_.storage.fragmented;
+        // A glTF scene of one frame holds pictures.
+        const bool is_video = options_.form == ClipForm::archive || (is_gltf && !is_of_one_frame());
         const bool fits = is_fragmented ? sound->storable_in_fragments
                           : is_mp4      ? sound->storable_in_mp4
                                         : sound->storable;

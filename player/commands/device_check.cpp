@@ -1,4 +1,4 @@
-#include "player/commands/device_check.hpp"
+#include "player/commands/machine_check.hpp"
 
 #include <poll.h>
 #include <sys/utsname.h>

@@ -13,7 +13,6 @@
 #include "engine/formats/source_description.hpp"
 #include "player/commands/commands.hpp"
 #include "player/commands/option_types.hpp"
-#include "player/commands/setting_words.hpp"
 
 namespace touchable {
 namespace {

@@ -80,8 +80,7 @@ const ShortHelp* short_help_of(std::string_view command) {
             {"CLIP", "URL", "--camera", "--loop", "--listeners", "--seconds", "--hls", "--preset", "--json"},
             {"touchable serve globe.mkv tcp://0.0.0.0:7000 --loop",
              "touchable serve --camera v4l2:/dev/video2 http://0.0.0.0:8000/live.mkv"}}};
-    const auto* const found = std::ranges::find(commands, command, &ShortHelp::command);
-    return found == commands.end() ? nullptr : found;
+    return named_in(commands, command, &ShortHelp::command);
 }
 
 // ---- An option

@@ -10,7 +10,6 @@
 #include "engine/scene/scene.hpp"
 #include "player/commands/clip_options.hpp"
 #include "player/commands/option_types.hpp"
-#include "player/commands/setting_words.hpp"
 
 namespace touchable {
 namespace {

@@ -10,7 +10,6 @@
 #include "engine/gpu/gpu_device.hpp"
 #include "player/commands/commands.hpp"
 #include "player/commands/option_types.hpp"
-#include "player/commands/setting_words.hpp"
 #include "player/run/terminal.hpp"
 
 namespace touchable {

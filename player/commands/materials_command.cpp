@@ -34,11 +34,6 @@ struct MaterialsOptions {
 /// Unnamed segments smaller than this share are not printed one by one.
 constexpr std::int64_t told_permille = 5;
 
-std::string values_in_words(const HapticProperties& properties) {
-    return formatted("%.3g N/mm, friction %.3g and %.3g", properties.stiffness / 1000,
-                     properties.static_friction, properties.dynamic_friction);
-}
-
 std::string segment_line(const MaterialReport::Seen& segment, double of_pixels) {
     std::string at = std::to_string(segment.at.x) + ',' + std::to_string(segment.at.y);
     if (segment.at.frame > 0) at += ',' + std::to_string(segment.at.frame);
@@ -49,7 +44,9 @@ std::string segment_line(const MaterialReport::Seen& segment, double of_pixels) 
     line += segment.paint.is_guess       ? "guess"
             : segment.paint.name.empty() ? "all others"
                                          : printable(segment.paint.name);
-    return line + ": " + values_in_words(segment.paint.feel.properties) + '\n';
+    const HapticProperties& felt = segment.paint.feel.properties;
+    return line + formatted(": %.3g N/mm, friction %.3g and %.3g\n", felt.stiffness / 1000,
+                            felt.static_friction, felt.dynamic_friction);
 }
 
 /// `has_cuts`: the segments were found earlier, so the time it took is unknown.

@@ -3,7 +3,8 @@
 // Kinds of options: numbers in a range, words of a list, sizes, files; and a command's output files
 // (Outputs), which check_outputs compares with its input files. Functions that begin with add_ add an option
 // to a subcommand; those that begin with read_ read one word, and an error (ErrorKind::usage) states the
-// valid values. Stateless.
+// valid values. message_with_options and remark_with_options put options into words that hint at settings.
+// Stateless.
 
 #include <CLI/CLI.hpp>
 #include <charconv>
@@ -207,5 +208,17 @@ CLI::Option* add_json_option(CLI::App& sub, std::optional<std::filesystem::path>
 /// --overwrite, and an existing file unless it may be replaced. Standard output is no file, but may be used
 /// only once.
 Result<void> check_outputs(const Outputs& outputs, const std::vector<NamedFile>& inputs);
+
+/// The error's message with the options of its hinted settings. If the message begins with a setting's bare
+/// name ("damping must be ..."), the option replaces it; others follow in brackets. `knows`: whether the
+/// failed command has an option; unknown options are omitted.
+using KnowsOption = std::function<bool(const std::string& option)>;
+std::string message_with_options(const Error& error, const KnowsOption& knows = {});
+/// A remark with the options that correct it, if it is a guess.
+std::string remark_with_options(const Remark& remark);
+std::vector<std::string> remarks_with_options(const std::vector<Remark>& remarks);
+
+/// " --intrinsics 525,525 --depth-unit 0.001", to append to a command.
+std::string typed_options(const Hints& hints);
 
 }  // namespace touchable

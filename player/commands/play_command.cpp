@@ -19,7 +19,6 @@
 #include "player/commands/clip_options.hpp"
 #include "player/commands/option_types.hpp"
 #include "player/commands/run_options.hpp"
-#include "player/commands/setting_words.hpp"
 #include "player/run/terminal.hpp"
 #include "player/session/run_record.hpp"
 #include "player/window/play_window.hpp"

@@ -17,7 +17,6 @@
 #include "player/commands/clip_options.hpp"
 #include "player/commands/commands.hpp"
 #include "player/commands/option_types.hpp"
-#include "player/commands/setting_words.hpp"
 #include "player/run/run_files.hpp"
 #include "player/run/terminal.hpp"
 #include "player/session/clip_choice.hpp"

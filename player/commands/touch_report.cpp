@@ -1,4 +1,4 @@
-#include "player/commands/touch_run.hpp"
+#include "player/commands/touch_command.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -11,7 +11,6 @@
 #include "player/commands/clip_facts.hpp"
 #include "player/commands/machine_check.hpp"
 #include "player/commands/option_types.hpp"
-#include "player/commands/setting_words.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/touch_setup.hpp"
 
@@ -421,12 +420,11 @@ std::string report_to_text(const Json& r) {
     line("not finite", count("nonfinite_ticks", "tick"));
     line("event limit reached", count("capped_ticks", "tick"));
     line("time per tick", spread(r["tick_us"]) + " us, all fingers");
-    if (r["clock"] == "wall") {
+    if (r["clock"] == "wall")
         line("on the wall clock",
              count("late_ticks", "tick") + " late by 1 ms or more, " + count("skipped_ticks") + " skipped" +
                  (r["gaps"] == 0 ? "" : ", with " + count("gaps", "gap") + " of over 50 ms") + "; began " +
                  spread(r["late_us"]) + " us after their time; " + r["scheduling"].get<std::string>());
-    }
     if (r.contains("late_frames"))
         line("frames too late", count("late_frames") + " of " + count("frames") +
                                     number(r["late_frames_pct"], " (%.1f %%), ") + count("dropped_frames") +

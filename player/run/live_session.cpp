@@ -1,7 +1,7 @@
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
-#include "player/run/feed_threads.hpp"
+#include "player/run/surface_feed.hpp"
 #include "player/run/touch_session.hpp"
 
 namespace touchable {

@@ -466,8 +466,4 @@ void RepeatingHand::goals_at(std::int64_t tick, const SurfaceProbe& probe, std::
     watch_.look(probe, goals);
 }
 
-std::optional<std::int64_t> RepeatingHand::ticks() const {
-    return recording_.ticks.back().time_ns / tick_ns + 1;
-}
-
 }  // namespace touchable

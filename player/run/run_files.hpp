@@ -18,6 +18,8 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
+#include <deque>
 #include <glm/vec3.hpp>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -33,14 +35,51 @@
 
 namespace touchable {
 
-class StandardOutput;
-
 // ---- Output files
 
 /// The clock that drives a run; decides how its output files treat slow readers and full disks.
 enum class Pace {
     own,         ///< repeatable run: waits for its readers; a file is whole or absent
     wall_clock,  ///< live run: never waits for a reader; when the disk is full, the file so far is kept
+};
+
+/// Standard output as a file of a run, for a reader that may be slow or not read at all. Every wait can be
+/// ended. Pace::own waits until the data is read or a stop is requested (an error then). Pace::wall_clock
+/// does not wait, except in `finish` for a reader that still reads, until a stop is requested.
+class StandardOutput {
+public:
+    /// Pace::wall_clock: pieces that may wait, four seconds of ticks.
+    static constexpr std::size_t most_waiting = 4096;
+
+    /// At a live run's end: a reader must take least_taken bytes, or the rest, within end_patience.
+    static constexpr std::size_t least_taken = 1 << 16;
+    static constexpr std::chrono::milliseconds end_patience{4000};
+
+    explicit StandardOutput(Pace pace, std::chrono::milliseconds patience = end_patience)
+        : pace_(pace), patience_(patience) {}
+    /// Errors (ErrorKind::input): a write failed, or the reader lags behind.
+    Result<void> write(std::string_view piece);
+    /// Waits until everything is read.
+    Result<void> finish();
+    /// Whether its reader has closed the pipe.
+    bool is_unread() const { return gone_; }
+    /// Whether the error was a lagging reader.
+    bool reader_lags() const { return lags_; }
+
+private:
+    enum class Taken { some, nothing_yet };
+    Result<Taken> give(int patience_ms);
+    Result<void> give_all();
+    Error lagging();
+    std::string_view rest() const { return std::string_view(waiting_).substr(given_); }
+
+    Pace pace_;
+    std::chrono::milliseconds patience_;
+    std::string waiting_;                // begins with the given_ bytes already written
+    std::size_t given_ = 0;              // bytes
+    std::deque<std::size_t> ends_;       // ends of the waiting pieces, bytes from the run's beginning
+    std::size_t written_ = 0, all_ = 0;  // bytes from the run's beginning
+    bool gone_ = false, lags_ = false;
 };
 
 /// An output file of a command (`--json FILE`), or standard output (`--json -`). A file is opened before the
@@ -63,9 +102,9 @@ public:
     /// is kept nevertheless with its whole pieces, if there are two or more.
     Result<void> finish();
     /// Whether the error is that standard output is not read fast enough.
-    bool reader_lags() const;
+    bool reader_lags() const { return standard_ && standard_->reader_lags(); }
     /// Whether standard output's reader has closed the pipe, which is no error.
-    bool is_unread() const;
+    bool is_unread() const { return standard_ && standard_->is_unread(); }
 
     // For a format that can end its file early.
     /// Writes the buffered pieces.
@@ -89,7 +128,7 @@ private:
     std::string what_;
     Pace pace_;
     std::optional<NewFile> file_;
-    std::unique_ptr<StandardOutput> standard_;  // used instead of a file
+    std::optional<StandardOutput> standard_;  // used instead of a file
     int out_ = -1;
     std::string waiting_;            // buffered pieces
     std::vector<std::size_t> ends_;  // ends of the pieces in waiting_
@@ -290,7 +329,9 @@ public:
     int fingers() const override { return recording_.fingers; }
     /// The latest goals recorded up to this tick.
     void goals_at(std::int64_t tick, const SurfaceProbe& probe, std::span<glm::dvec3> goals) override;
-    std::optional<std::int64_t> ticks() const override;
+    std::optional<std::int64_t> ticks() const override {
+        return recording_.ticks.back().time_ns / tick_ns + 1;
+    }
     std::optional<std::string> file() const override { return file_; }
     std::vector<std::string> remarks() const override { return watch_.remarks(); }
     double metres_per_scene_unit() const { return metres_per_scene_unit_; }

@@ -111,10 +111,6 @@ std::optional<double> FieldProbe::depth_under(double x, double y) const {
     return surface_depth(field_, at);
 }
 
-glm::dvec3 FieldProbe::unproject(double x, double y, double planar_depth) const {
-    return touchable::unproject(field_.scene().camera, x, y, planar_depth);
-}
-
 glm::dvec3 FieldProbe::project(const glm::dvec3& point) const {
     const auto image = touchable::project(field_.scene().camera, point);
     return image ? glm::dvec3{image->x, image->y, image->planar_depth} : glm::dvec3(0.0);
@@ -129,10 +125,6 @@ TouchSession::TouchSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, co
       clock_(scene.rate, settings.playback),
       step_(solver, settings.guard, settings.fingers) {
     if (!settings_.time_of_tick) settings_.time_of_tick = [](std::int64_t tick) { return tick * tick_ns; };
-}
-
-MediaMoment TouchSession::moment_of(std::int64_t tick) {
-    return clock_.at(settings_.time_of_tick(tick) / tick_ns);
 }
 
 bool TouchSession::is_over(std::int64_t tick) {

@@ -59,7 +59,9 @@ public:
     int width() const override { return field_.width(); }
     int height() const override { return field_.height(); }
     std::optional<double> depth_under(double x, double y) const override;
-    glm::dvec3 unproject(double x, double y, double planar_depth) const override;
+    glm::dvec3 unproject(double x, double y, double planar_depth) const override {
+        return touchable::unproject(field_.scene().camera, x, y, planar_depth);
+    }
     glm::dvec3 project(const glm::dvec3& point) const override;
 
 private:
@@ -118,7 +120,7 @@ public:
 
 private:
     bool is_over(std::int64_t tick);
-    MediaMoment moment_of(std::int64_t tick);
+    MediaMoment moment_of(std::int64_t tick) { return clock_.at(settings_.time_of_tick(tick) / tick_ns); }
     Result<void> tick(std::int64_t tick, std::span<TouchSink* const> sinks);
 
     const Scene& scene_;

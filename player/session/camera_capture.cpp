@@ -49,14 +49,12 @@ CameraParts parts_of(const std::string& words, std::string_view kind) {
 }
 
 /// "640x480".
-bool read_size(const std::string& words, V4l2Choice& choice) {
+bool read_size(std::string_view words, V4l2Choice& choice) {
     constexpr int largest_side = 16384;
-    const char *at = words.data(), *const end = at + words.size();
-    const auto width = std::from_chars(at, end, choice.width);
-    if (width.ec != std::errc() || width.ptr == end || *width.ptr != 'x') return false;
-    const auto height = std::from_chars(width.ptr + 1, end, choice.height);
-    return height.ec == std::errc() && height.ptr == end && choice.width >= 1 && choice.height >= 1 &&
-           choice.width <= largest_side && choice.height <= largest_side;
+    choice.width = parsed_as<int>(cut_part(words, 'x')).value_or(0);
+    choice.height = parsed_as<int>(words).value_or(0);
+    return std::min(choice.width, choice.height) >= 1 &&
+           std::max(choice.width, choice.height) <= largest_side;
 }
 
 Result<ClipChoice::LiveCamera> read_plugged(const std::string& words) {
@@ -189,10 +187,6 @@ Result<ClipChoice::LiveCamera> read_live_camera(const std::string& words) {
                        "what touchable serve sends, and replay:PATH, a recording that behaves like one");
 }
 
-CameraCapture::~CameraCapture() {
-    stop();
-}
-
 Result<void> CameraCapture::open(const std::filesystem::path& file, Existing existing) {
     TRY_ASSIGN(writer_, create_clip(file, described_, {}, existing));
     file_ = file;
@@ -260,10 +254,6 @@ void CameraCapture::give_up(const Error& why) {
     const std::lock_guard lock(mutex_);
     failure_ = why;
     waiting_.clear();
-}
-
-void CameraCapture::stop() {
-    stop_thread(mutex_, ended_, changed_, thread_);
 }
 
 Result<void> CameraCapture::finish() {

@@ -231,15 +231,10 @@ void ClipChoice::choose(const LiveCamera& of) {
 }
 
 Result<std::unique_ptr<ClipReader>> ClipChoice::open(Colour colour) const {
-    auto reader = open_relief(colour);
-    return painted && reader ? with_painted_segments(std::move(*reader), painted) : std::move(reader);
-}
-
-/// The clip without painted materials.
-Result<std::unique_ptr<ClipReader>> ClipChoice::open_relief(Colour colour) const {
-    if (!relief) return open_stored(colour);
-    auto reader = open_stored(Colour::wanted);
-    return reader ? with_chosen_relief(std::move(*reader), *relief, shared_clip.get()) : std::move(reader);
+    auto reader = open_stored(relief ? Colour::wanted : colour);
+    if (relief && reader) reader = with_chosen_relief(std::move(*reader), *relief, shared_clip.get());
+    if (painted && reader) reader = with_painted_segments(std::move(*reader), painted);
+    return reader;
 }
 
 Result<std::unique_ptr<ClipReader>> ClipChoice::open_anew(Colour colour) const {

@@ -24,6 +24,7 @@
 #include "engine/authoring/segments.hpp"
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/camera/camera.hpp"
 #include "engine/clip/clip.hpp"
 #include "engine/clip/readers.hpp"
@@ -72,7 +73,8 @@ public:
 
     /// `described`: the camera.
     explicit CameraCapture(SceneDescription described) : described_(std::move(described)) {}
-    ~CameraCapture();  ///< without `finish` no file is left
+    /// Without `finish` no file is left.
+    ~CameraCapture() { stop(); }
 
     /// Opens the file and writes the frames kept so far to it. Call once.
     Result<void> open(const std::filesystem::path& file, Existing existing);
@@ -94,7 +96,7 @@ public:
 
 private:
     void write();
-    void stop();
+    void stop() { stop_thread(mutex_, ended_, changed_, thread_); }
 
     const SceneDescription described_;
     std::filesystem::path file_;
@@ -237,7 +239,6 @@ struct ClipChoice {
     Result<std::unique_ptr<ClipReader>> open(Colour colour = Colour::wanted) const;
 
 private:
-    Result<std::unique_ptr<ClipReader>> open_relief(Colour colour) const;
     /// The clip without relief and painted materials.
     Result<std::unique_ptr<ClipReader>> open_stored(Colour colour) const {
         if (!shared_clip) return open_anew(colour);

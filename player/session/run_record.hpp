@@ -67,10 +67,9 @@ public:
 private:
     EnergyFigures energy() const;  // of all fingers
     nlohmann::ordered_json energy_mj() const;
-    nlohmann::ordered_json hole_contact() const;
 
     /// Number of fingers that were moved or touched.
-    std::int64_t fingers_led() const;
+    std::int64_t fingers_led() const { return std::ranges::count(led_, true); }
 
     /// A finger in this part, up to the newest tick.
     struct Finger {

@@ -173,8 +173,7 @@ std::span<const SessionSetting> session_settings() {
 
 const SessionSetting* session_setting(std::string_view name) {
     const auto all = session_settings();
-    const auto found = std::ranges::find(all, name, &SessionSetting::name);
-    return found == all.end() ? nullptr : &*found;
+    return named_in(all, name, &SessionSetting::name);
 }
 
 }  // namespace touchable

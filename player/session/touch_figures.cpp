@@ -116,23 +116,12 @@ void TouchFigures::end_part() {
     fingers_.clear();
 }
 
-std::int64_t TouchFigures::fingers_led() const {
-    return std::ranges::count(led_, true);
-}
-
 nlohmann::ordered_json TouchFigures::energy_mj() const {
     const EnergyFigures all = energy();
     return {{"created", 1000 * all.created},
             {"zoh_bound", 1000 * all.bound},
             {"surface", 1000 * all.surface},
             {"on_hand", 1000 * all.work}};
-}
-
-nlohmann::ordered_json TouchFigures::hole_contact() const {
-    return {{"finger_ticks", hole_ticks_},
-            {"contact_pct", 100.0 * share(static_cast<double>(hole_ticks_), finger_contact_ticks_)},
-            {"longest_ticks", longest_in_hole_},
-            {"force_limited_ticks", limited_in_hole_ticks_}};
 }
 
 nlohmann::ordered_json TouchFigures::to_json() const {
@@ -158,7 +147,11 @@ nlohmann::ordered_json TouchFigures::to_json() const {
               {"smallest_n_mm", std::min(smallest_stiffness_, largest_stiffness_) / 1000},
               {"largest_n_mm", largest_stiffness_ / 1000}}},
             {"energy_mj", energy_mj()},
-            {"hole_contact", hole_contact()},
+            {"hole_contact",
+             {{"finger_ticks", hole_ticks_},
+              {"contact_pct", 100.0 * share(static_cast<double>(hole_ticks_), finger_contact_ticks_)},
+              {"longest_ticks", longest_in_hole_},
+              {"force_limited_ticks", limited_in_hole_ticks_}}},
             {"held_back_ticks", held_back_ticks_},
             {"tick_us", touchable::to_json(tick_us_.spread())}};
 }

@@ -29,6 +29,9 @@ constexpr std::array spellings{Spelling{PlaybackVerb::play, "play", 0, 0},
                                Spelling{PlaybackVerb::step, "step", 0, 0},
                                Spelling{PlaybackVerb::loop, "loop", 2, ns_per_s, Setting::loop},
                                Spelling{PlaybackVerb::unloop, "unloop", 0, 0}};
+const Spelling& spelling_of(PlaybackVerb verb) {
+    return *named_in(spellings, verb, &Spelling::verb);
+}
 constexpr const char* all_words = "play, pause, rate X, seek S, step, loop S S or unloop";
 
 /// Rounded; nothing if not a number from 0 to 1e6, the limit of all times in seconds.
@@ -75,8 +78,7 @@ Hints settings_of(const std::vector<PlaybackCommand>& commands) {
         const bool is_first = command.tick == 0;
         if (is_first && command.verb == PlaybackVerb::seek && std::ranges::any_of(commands, begins_loop))
             continue;
-        const auto* const spelling = std::ranges::find(spellings, command.verb, &Spelling::verb);
-        add(is_first && spelling != spellings.end() ? spelling->setting : Setting::playback);
+        add(is_first ? spelling_of(command.verb).setting : Setting::playback);
     }
     return settings;
 }
@@ -391,21 +393,15 @@ Result<std::vector<PlaybackCommand>> read_playback(const std::filesystem::path& 
 }
 
 std::string in_words(const std::vector<PlaybackCommand>& commands) {
-    std::string text;
-    for (const PlaybackCommand& command : commands)
-        for (const Spelling& spelling : spellings) {
-            if (spelling.verb != command.verb) continue;
-            if (!text.empty()) text += ", ";
-            text += formatted("%.9g", static_cast<double>(command.tick) / thousandths);
-            text += ' ';
-            text += spelling.word;
-            for (int k = 0; k < spelling.numbers; ++k) {
-                const std::int64_t number = k == 0 ? command.first : command.second;
-                text += ' ';
-                text += formatted("%.9g", static_cast<double>(number) / spelling.per_unit);
-            }
-        }
-    return text;
+    return listed(commands, [](const PlaybackCommand& command) {
+        const Spelling& spelling = spelling_of(command.verb);
+        std::string text =
+            formatted("%.9g %s", static_cast<double>(command.tick) / thousandths, spelling.word);
+        const std::array numbers{command.first, command.second};
+        for (const std::int64_t number : std::span(numbers).first(static_cast<std::size_t>(spelling.numbers)))
+            text += formatted(" %.9g", static_cast<double>(number) / spelling.per_unit);
+        return text;
+    });
 }
 
 Result<void> check_guard(const GuardSettings& guard) {

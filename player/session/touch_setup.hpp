@@ -324,7 +324,7 @@ public:
     // After the end.
     const LiveFacts& facts() const { return facts_; }
     /// Why it ended, unless stopped.
-    std::optional<Error> failure() const;
+    std::optional<Error> failure() const { return ran_ ? facts_.failure : std::optional(ran_.error()); }
     TouchSetup& setup() { return *setup_; }
 
 private:

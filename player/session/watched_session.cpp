@@ -247,8 +247,4 @@ WatchedFigures WatchedSession::figures() const {
     return {setup_->feed->figures(), ticks_->figures(), live_->late_frames()};
 }
 
-std::optional<Error> WatchedSession::failure() const {
-    return ran_ ? facts_.failure : std::optional(ran_.error());
-}
-
 }  // namespace touchable

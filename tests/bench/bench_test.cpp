@@ -28,7 +28,7 @@
 #include "bench/suite.hpp"
 #include "bench/targets.hpp"
 #include "bench/touch/force_spectrum.hpp"
-#include "engine/content/seeded_noise.hpp"
+#include "engine/base/same_bits.hpp"
 #include "engine/gpu/gpu_device.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/plane_memory.hpp"

@@ -17,8 +17,7 @@
 
 #include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"
-#include "engine/content/height_fields.hpp"
-#include "engine/content/seeded_noise.hpp"
+#include "engine/content/families.hpp"
 
 namespace touchable {
 

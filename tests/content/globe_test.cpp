@@ -6,10 +6,9 @@
 #include <limits>
 #include <map>
 
+#include "engine/base/same_bits.hpp"
 #include "engine/content/families.hpp"
 #include "engine/content/mapped_ground.hpp"
-#include "engine/content/planet.hpp"
-#include "engine/content/seeded_noise.hpp"
 #include "tests/content/exact_touch.hpp"
 #include "tests/content/made_maps.hpp"
 #include "tests/must.hpp"

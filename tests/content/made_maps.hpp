@@ -10,9 +10,9 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/base/same_bits.hpp"
 #include "engine/content/globe_maps.hpp"
 #include "engine/content/scenes.hpp"
-#include "engine/content/seeded_noise.hpp"
 
 namespace touchable::test {
 

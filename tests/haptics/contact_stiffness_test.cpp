@@ -9,7 +9,7 @@
 #include <limits>
 #include <optional>
 
-#include "engine/content/seeded_noise.hpp"
+#include "engine/base/same_bits.hpp"
 #include "haptics_cpu/force_guard.hpp"
 #include "haptics_cpu/touch_step.hpp"
 #include "haptics_cpu/world_space.hpp"

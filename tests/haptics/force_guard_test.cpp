@@ -9,7 +9,6 @@
 #include <limits>
 
 #include "engine/base/same_bits.hpp"
-#include "engine/content/seeded_noise.hpp"
 #include "haptics_cpu/force_guard.hpp"
 #include "haptics_cpu/touch_step.hpp"
 #include "tests/haptics/touch_rig.hpp"

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "engine/base/same_bits.hpp"
-#include "engine/content/seeded_noise.hpp"
 #include "haptics_cpu/slide.hpp"
 #include "tests/haptics/touch_rig.hpp"
 #include "tests/reference/solver.hpp"

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/content/seeded_noise.hpp"
+#include "engine/base/same_bits.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/force_guard.hpp"
 #include "haptics_cpu/haptic_loop.hpp"

@@ -9,8 +9,8 @@
 #include <stop_token>
 #include <tuple>
 
+#include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"
-#include "engine/content/seeded_noise.hpp"
 #include "engine/formats/depth_values.hpp"
 #include "engine/formats/formats_read.hpp"
 #include "engine/formats/value_evidence.hpp"

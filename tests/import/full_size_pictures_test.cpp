@@ -24,8 +24,8 @@
 #include <stop_token>
 #include <thread>
 
+#include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"
-#include "engine/content/seeded_noise.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/picture/number_pictures.hpp"
 #include "engine/scene/frames.hpp"

@@ -8,9 +8,9 @@
 #include <functional>
 #include <stop_token>
 
+#include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/clip/readers.hpp"
-#include "engine/content/seeded_noise.hpp"
 #include "engine/formats/stored_clip.hpp"
 #include "engine/formats/value_evidence.hpp"
 #include "tests/picture/results.hpp"

@@ -288,7 +288,7 @@ TEST(Modules, LiteralsAreFoundInCode) {
 }
 
 // A library has no command line: an error or a guess there hints at a `Setting`, and
-// player/commands/setting_words.cpp knows its option.
+// player/commands/option_types.cpp knows its option.
 TEST(Modules, OnlyCommandLineNamesOptions) {
     // Options of udevadm, and the command whose output goes to it; of programs that export other recordings;
     // of h5dump, zenity and kdialog.

@@ -18,7 +18,7 @@
 
 #include "device/drivers/known_devices.hpp"
 #include "device/drivers/network_device.hpp"
-#include "player/commands/device_check.hpp"
+#include "player/commands/machine_check.hpp"
 #include "tests/player/program.hpp"
 #include "tests/unused_port.hpp"
 

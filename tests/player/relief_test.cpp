@@ -16,7 +16,6 @@
 #include "engine/base/same_bits.hpp"
 #include "engine/clip/clip.hpp"
 #include "engine/clip/clip_file.hpp"
-#include "engine/content/seeded_noise.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/picture/image.hpp"
 #include "tests/clip/made_clip.hpp"

@@ -19,7 +19,7 @@
 #include "engine/content/scenes.hpp"
 #include "player/commands/convert_command.hpp"
 #include "player/commands/machine_check.hpp"
-#include "player/commands/setting_words.hpp"
+#include "player/commands/option_types.hpp"
 #include "player/run/terminal.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/touch_setup.hpp"

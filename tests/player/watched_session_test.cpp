@@ -21,7 +21,6 @@
 
 #include "engine/base/threads.hpp"
 #include "player/run/run_files.hpp"
-#include "player/run/standard_output.hpp"
 #include "player/run/terminal.hpp"
 #include "player/session/run_record.hpp"
 #include "player/session/touch_setup.hpp"

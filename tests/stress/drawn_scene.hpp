@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "engine/content/seeded_noise.hpp"
+#include "engine/base/same_bits.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/surface/surface_builder.hpp"

@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "engine/base/files.hpp"
+#include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"
-#include "engine/content/seeded_noise.hpp"
 #include "tests/stress/soak.hpp"
 
 namespace touchable::stress {

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "engine/base/same_bits.hpp"
-#include "engine/content/seeded_noise.hpp"
 #include "tests/stress/suites.hpp"
 
 namespace touchable::stress {

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "engine/content/seeded_noise.hpp"
+#include "engine/base/same_bits.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/gpu/vulkan_builder.hpp"
 #include "engine/scene/frames.hpp"

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "engine/content/seeded_noise.hpp"
+#include "engine/base/same_bits.hpp"
 #include "engine/surface/frame_changes.hpp"
 #include "engine/surface/patches.hpp"
 #include "engine/surface/surface_builder.hpp"

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/content/seeded_noise.hpp"
+#include "engine/base/same_bits.hpp"
 #include "engine/surface/depth_estimator.hpp"
 #include "engine/surface/estimators.hpp"
 #include "engine/surface/surface_builder.hpp"

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/same_bits.hpp"
 #include "engine/content/scenes.hpp"
-#include "engine/content/seeded_noise.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/scene/filter_codes.hpp"
 #include "engine/surface/depth_estimator.hpp"

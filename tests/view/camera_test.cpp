@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/content/seeded_noise.hpp"
+#include "engine/base/same_bits.hpp"
 #include "engine/gpu/surface_kernels.hpp"
 #include "engine/gpu/vulkan_builder.hpp"
 #include "player/draw/drawn_surface.hpp"

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/content/seeded_noise.hpp"
+#include "engine/base/same_bits.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "player/draw/cpu_painting.hpp"
 #include "player/draw/drawn_surface.hpp"

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/content/seeded_noise.hpp"
+#include "engine/base/same_bits.hpp"
 #include "haptics_cpu/touch_solver.hpp"
 #include "player/draw/drawn_surface.hpp"
 #include "player/draw/finger_marks.hpp"

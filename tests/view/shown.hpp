@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/same_bits.hpp"
 #include "engine/content/scenes.hpp"
-#include "engine/content/seeded_noise.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
