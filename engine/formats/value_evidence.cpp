@@ -646,6 +646,7 @@ std::optional<std::uint16_t> none_above_all(const StoredImage& picture) {
 
 PlaneVotes::PlaneVotes(const StoredImage& picture, const Reading& first, const Reading& second) {
     constexpr double flat = 1e-3, flatter = 16;  // shares of the variance, and their ratio
+    constexpr int most_across = 32;              // more squares say no more
     const int width = picture.image.width, height = picture.image.height;
     std::vector<double> numbers;
     // The share of the variance that no affine function has.
@@ -675,13 +676,15 @@ PlaneVotes::PlaneVotes(const StoredImage& picture, const Reading& first, const R
         });
         return all > 0 ? bent / all : std::numeric_limits<double>::infinity();
     };
-    for (const int side : {std::clamp(width / 20, 6, 32), std::clamp(width / 8, 16, 64)})
-        for (int top = 0; top + side <= height && !stop_requested(); top += side)
-            for (int left = 0; left + side <= width; left += side) {
+    for (const int side : {std::clamp(width / 20, 6, 32), std::clamp(width / 8, 16, 64)}) {
+        const int apart = std::max(side, width / most_across);
+        for (int top = 0; top + side <= height && !stop_requested(); top += apart)
+            for (int left = 0; left + side <= width; left += apart) {
                 const double a = bend(left, top, side, first), b = bend(left, top, side, second);
                 first_ += a < flat && b > flatter * a;
                 second_ += b < flat && a > flatter * b;
             }
+    }
 }
 
 EvidentPreset evident_preset(const StoredImage& picture) {
@@ -738,10 +741,10 @@ RendererBackground::RendererBackground(const StoredImage& picture) {
 }
 
 bool are_negated(const StoredImage& picture) {
+    if (std::ranges::none_of(picture.values, [](float value) { return value < 0; })) return false;
     const RendererBackground background(picture);
     return std::ranges::none_of(picture.values,
                                 [&](float value) { return value > 0 && !background.is(value); }) &&
-           std::ranges::any_of(picture.values, [](float value) { return value < 0; }) &&
            !negative_none(picture, background);
 }
 
