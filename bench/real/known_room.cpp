@@ -1,6 +1,8 @@
 #include "bench/real/known_room.hpp"
 
 #include <algorithm>
+#include <array>
+#include <memory>
 #include <string>
 
 #include "bench/real/built_frames.hpp"
@@ -41,6 +43,18 @@ Result<DepthMap> truth_of(const std::filesystem::path& data, int still) {
     }
 }
 
+DepthMap every(int apart, const DepthMap& map) {
+    if (apart == 1) return map;
+    const Camera& camera = map.camera;
+    DepthMap some{map.width / apart,
+                  map.height / apart,
+                  {camera.fx / apart, camera.fy / apart, camera.cx / apart, camera.cy / apart},
+                  {}};
+    for (int y = 0; y < some.height; ++y)
+        for (int x = 0; x < some.width; ++x) some.depths.push_back(map.at(apart * x, apart * y));
+    return some;
+}
+
 double median_depth(const DepthMap& map) {
     std::vector<double> depths = map.depths;
     const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
@@ -70,23 +84,28 @@ std::vector<DepthPlane> KnownRoom::smooth_places(const DepthMap& truth, int step
 }
 
 Result<void> KnownRoom::make(bool quick) {
-    Scene scene;
-    for (const int still : quick ? std::vector{2, 4} : std::vector{2, 1, 3, 4, 5}) {
-        auto truth = truth_of(data_, still);
-        if (!truth) return truth.error();
-        Room room{scaled(std::move(truth).value(), factor_), {}, {}};
-        scene = scene_of(model_, room.truth.width, room.truth.height, room.truth.camera);
-        room.smooth = smooth_places(room.truth, quick ? 16 : 8);
-        for (int n = 0; n < (rooms_.empty() ? resting_frames : settled_frames); ++n)
-            room.stored.push_back(stored_frame(model_, scene, room.truth, n));
-        rooms_.push_back(std::move(room));
-    }
+    if (auto done = make_rooms(quick, resting_frames); !done) return done;
     const std::vector<DepthPlane> places = smooth_places(rooms_[0].truth, 8);
     if (places.size() < resting_fingers) return Error{ErrorKind::check, "icl_nuim5: nothing is smooth"};
     for (std::size_t k = 0; k < resting_fingers; ++k)
         resting_places_.push_back(places[k * places.size() / resting_fingers]);
-    scene_ = std::move(scene);
     return make_approach();
+}
+
+Result<void> KnownRoom::make_rooms(bool quick, int frames_of_first) {
+    Scene scene;
+    for (const int still : quick ? std::vector{2, 4} : std::vector{2, 1, 3, 4, 5}) {
+        auto truth = truth_of(data_, still);
+        if (!truth) return truth.error();
+        Room room{every(model_.every_px, scaled(std::move(truth).value(), factor_)), {}, {}};
+        scene = scene_of(model_, room.truth.width, room.truth.height, room.truth.camera);
+        room.smooth = smooth_places(room.truth, quick ? 16 : 8);
+        for (int n = 0; n < (rooms_.empty() ? frames_of_first : settled_frames); ++n)
+            room.stored.push_back(stored_frame(model_, scene, room.truth, n));
+        rooms_.push_back(std::move(room));
+    }
+    scene_ = std::move(scene);
+    return {};
 }
 
 Result<void> KnownRoom::make_approach() {
@@ -121,37 +140,109 @@ Result<PressErrors> KnownRoom::pressed(const Scene& scene) const {
     return errors;
 }
 
+/// A picture's depth with each hole filled by the pixel to its left, or above: as in-painted data sets are.
+RawFrame KnownRoom::filled(const RawFrame& raw) const {
+    auto codes = std::make_shared<std::vector<std::uint16_t>>();
+    const int width = scene_->width;
+    for (int y = 0; y < scene_->height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const std::uint16_t code = stored_code(raw.depth, scene_->depth, x, y);
+            if (scene_->depth.is_valid(code) || codes->empty())
+                codes->push_back(code);
+            else
+                codes->push_back(x > 0 || y == 0 ? codes->back() : *(codes->end() - width));
+        }
+    RawFrame whole;
+    whole.depth = plane_of_codes(codes->data(), width, scene_->height);
+    whole.storage = std::move(codes);
+    return whole;
+}
+
+Result<double> KnownRoom::best_by_hand(const Scene& scene, std::span<const double> averaging,
+                                       std::span<const double> levels, const Press& press,
+                                       double* best_of_all) const {
+    const double depth = median_depth(rooms_[0].truth);
+    const DepthLength least{0, model_.least_step(depth) / (depth * depth)};
+    double best = 180;
+    for (const int median : {0, 3, 5})
+        for (const double averaged : averaging)
+            for (const double level : levels) {
+                Scene by_hand = scene;
+                by_hand.filter = {.median = median,
+                                  .terraces = level > 0 ? TerraceRemoval::on : TerraceRemoval::off,
+                                  .levels = least.times(level),
+                                  .temporal = averaged > 0,
+                                  .temporal_noise = model_.stated_noise.times(averaged)};
+                const auto left = press(by_hand);
+                if (!left) return left.error();
+                *best_of_all = std::min(*best_of_all, *left);
+                if (*left >= best) continue;
+                const auto keeps = keeps_edges(model_, by_hand.filter);
+                if (!keeps) return keeps.error();
+                if (*keeps) best = *left;
+            }
+    return best;
+}
+
 Result<void> KnownRoom::search(bool quick, Figures& figures) {
     if (!scene_)
         if (auto done = make(quick); !done) return done;
-    const auto chosen = pressed(chosen_filters(rooms_[0].stored, *scene_));
+    const Press press = [&](const Scene& scene) -> Result<double> {
+        const auto errors = pressed(scene);
+        if (!errors) return errors.error();
+        return errors->angle_deg_rms();
+    };
+    const auto chosen = press(chosen_filters(rooms_[0].stored, *scene_));
     if (!chosen) return chosen.error();
-    const double depth = median_depth(rooms_[0].truth);
-    const DepthLength least{0, model_.least_step(depth) / (depth * depth)};
-    double best = 180, best_of_all = 180;
-    for (const int median : {0, 3, 5})
-        for (const double averaged : {0.0, 1.0, 1.5})
-            for (const double level : {0.0, 0.1, 0.2, 0.3, 0.45, 0.7, 1.0, 1.2, 1.4}) {
-                Scene scene = *scene_;
-                scene.filter = {.median = median,
-                                .terraces = level > 0 ? TerraceRemoval::on : TerraceRemoval::off,
-                                .levels = least.times(level),
-                                .temporal = averaged > 0,
-                                .temporal_noise = model_.stated_noise.times(averaged)};
-                const auto errors = pressed(scene);
-                if (!errors) return errors.error();
-                const double left = errors->angle_deg_rms();
-                best_of_all = std::min(best_of_all, left);
-                if (left >= best) continue;
-                const auto keeps = keeps_edges(model_, scene.filter);
-                if (!keeps) return keeps.error();
-                if (*keeps) best = left;
-            }
-    figures.push_back({"force_angle_deg_chosen", chosen->angle_deg_rms(), "deg"});
-    figures.push_back({"force_angle_deg_best", best, "deg"});
+    double best_of_all = 180;
+    const auto best =
+        best_by_hand(*scene_, std::array{0.0, 1.0, 1.5},
+                     std::array{0.0, 0.1, 0.2, 0.3, 0.45, 0.7, 1.0, 1.2, 1.4}, press, &best_of_all);
+    if (!best) return best.error();
+    figures.push_back({"force_angle_deg_chosen", *chosen, "deg"});
+    figures.push_back({"force_angle_deg_best", *best, "deg"});
     figures.push_back({"force_angle_deg_best_of_all", best_of_all, "deg"});
-    figures.push_back({"times_best", chosen->angle_deg_rms() / best, ""});
+    figures.push_back({"times_best", *chosen / *best, ""});
     return {};
+}
+
+Result<KnownRoom::Searched> KnownRoom::search_quickly() {
+    if (!scene_)
+        if (auto done = make_rooms(true, settled_frames); !done) return done.error();
+    constexpr std::array levels{0.0, 0.2, 0.45, 0.7, 1.0, 1.4};
+    const Press film = [&](const Scene& scene) -> Result<double> {
+        const auto errors = pressed(scene);
+        if (!errors) return errors.error();
+        return errors->angle_deg_rms();
+    };
+    Scene off = *scene_;
+    off.filter = {};
+    Searched found;
+    const auto add = [&](const Scene& chosen, std::span<const double> averaging, const Press& press,
+                         Judged& judged) -> Result<void> {
+        const auto with = press(chosen), without = press(off);
+        if (!with || !without) return with ? without.error() : with.error();
+        double best_of_all = 180;
+        const auto best = best_by_hand(*scene_, averaging, levels, press, &best_of_all);
+        if (!best) return best.error();
+        judged = {*with, *without, *best};
+        return {};
+    };
+    if (auto done = add(chosen_filters(rooms_[0].stored, *scene_), std::array{0.0, 1.5}, film, found.film);
+        !done)
+        return done.error();
+    const Room& room = rooms_[0];
+    const std::vector<RawFrame> still{filled(room.stored[0])};
+    const Press press_still = [&](const Scene& scene) -> Result<double> {
+        const auto frames = built(scene, still);
+        if (!frames) return frames.error();
+        PressErrors errors;
+        if (auto done = errors.press(scene, frames->back(), room.smooth); !done) return done.error();
+        return errors.angle_deg_rms();
+    };
+    if (auto done = add(chosen_filters(still, *scene_), std::array{0.0}, press_still, found.still); !done)
+        return done.error();
+    return found;
 }
 
 Result<void> KnownRoom::measure(const FilterChoice& choice, bool quick, Figures& figures) {

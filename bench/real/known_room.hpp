@@ -1,7 +1,9 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -31,6 +33,17 @@ public:
     /// force_angle_deg_chosen, _best among those that keep edges (keeps_edges), _best_of_all; times_best.
     Result<void> search(bool quick, Figures& figures);
 
+    /// RMS angles of force, degrees: with the chosen filters, with none, and with the best edge-keeping one.
+    struct Judged {
+        double chosen = 0, off = 0, best = 0;
+    };
+    /// Of a film, and of one frame alone whose holes are filled, without averaging.
+    struct Searched {
+        Judged film, still;
+    };
+    /// The same with fewer candidates, in two rooms.
+    Result<Searched> search_quickly();
+
 private:
     struct Room {
         DepthMap truth;
@@ -43,7 +56,13 @@ private:
     };
 
     std::vector<DepthPlane> smooth_places(const DepthMap& truth, int step) const;
+    Result<void> make_rooms(bool quick, int frames_of_first);
     Result<void> make(bool quick);
+    RawFrame filled(const RawFrame& raw) const;
+    using Press = std::function<Result<double>(const Scene&)>;  // degrees
+    Result<double> best_by_hand(const Scene& scene, std::span<const double> averaging,
+                                std::span<const double> levels, const Press& press,
+                                double* best_of_all) const;
     /// Errors of forces on the filtered surface, against true normals.
     Result<PressErrors> pressed(const Scene& scene) const;
     Result<void> make_approach();

@@ -75,6 +75,41 @@ void add_drawn(std::vector<BenchCase>& cases, const std::filesystem::path& data,
     }
 }
 
+/// Counts drawn cameras whose films and stills the program's choice leaves nearly as good as the best.
+Result<void> measure_models(const std::filesystem::path& data, const std::vector<SensorModel>& models,
+                            Figures& figures) {
+    constexpr double nearly = 1.3, hardly_worse = 1.02;
+    struct Counts {
+        int nearly_best = 0, worse_than_off = 0;
+        double times_best = 0, times_off = 0;
+    } film, still;
+    for (const SensorModel& model : models) {
+        const auto found = KnownRoom(data, model, half_as_large).search_quickly();
+        if (!found) return found.error();
+        const auto add = [&](Counts& counts, const KnownRoom::Judged& of, const char* what) {
+            const double best = of.chosen / of.best, off = of.chosen / of.off;
+            counts.nearly_best += best <= nearly;
+            counts.worse_than_off += off > hardly_worse;
+            counts.times_best = std::max(counts.times_best, best);
+            counts.times_off = std::max(counts.times_off, off);
+            const std::string end = std::string("_") + what + "_" + model.name;
+            figures.push_back({"chosen" + end, of.chosen, "deg", false});
+            figures.push_back({"off" + end, of.off, "deg", false});
+            figures.push_back({"best" + end, of.best, "deg", false});
+        };
+        add(film, found->film, "film");
+        add(still, found->still, "still");
+    }
+    for (const auto& [counts, what] : {std::pair{film, "film_"}, {still, "still_"}}) {
+        const std::string begin = what;
+        figures.push_back({begin + "nearly_best", static_cast<double>(counts.nearly_best), ""});
+        figures.push_back({begin + "most_times_best", counts.times_best, ""});
+        figures.push_back({begin + "worse_than_off", static_cast<double>(counts.worse_than_off), ""});
+        figures.push_back({begin + "most_times_off", counts.times_off, ""});
+    }
+    return {};
+}
+
 void add_generated(std::vector<BenchCase>& cases) {
     for (const FilterChoice& choice : filter_choices())
         cases.push_back({"real-generated-" + std::string(choice.name),
@@ -102,7 +137,20 @@ std::vector<BenchCase> real_cases(bool quick) {
             quick);
         add(cases, "icl-sr300", std::make_shared<KnownRoom>(data, sr300(), smallest), quick);
     }
-    if (std::filesystem::exists(data / "stills/icl_nuim5")) add_drawn(cases, data, quick);
+    if (std::filesystem::exists(data / "stills/icl_nuim5")) {
+        add_drawn(cases, data, quick);
+        const auto add_models = [&](const std::string& which, const std::vector<SensorModel>& models) {
+            cases.push_back({"real-models-" + which,
+                             [=](Figures& figures) { return measure_models(data, models, figures); }});
+        };
+        add_models("kinds", {depth_network(0.125), depth_network(8), phone(0), phone(1)});
+        constexpr int at_once = 10, all = 60;  // one case would take minutes without a word
+        for (int first = 1; first <= (quick ? at_once : all); first += at_once) {
+            std::vector<SensorModel> models;
+            for (int n = first; n < first + at_once; ++n) models.push_back(drawn_model(n));
+            add_models(std::to_string(first) + "-to-" + std::to_string(first + at_once - 1), models);
+        }
+    }
     for (int number = 1; number <= drawn_models; ++number) add_least_steps(cases, drawn_model(number));
     add_low_relief(cases, kinect_with_lone_pixels(), 1000, 12);
     add_low_relief(cases, coarse_light(), 1500, 30);

@@ -57,6 +57,49 @@ double two_levels_off(const SensorModel& model, double depth, SplitMix64& random
     return 1 / (1 / depth + (random.unit() < 0.5 ? off : -off));
 }
 
+/// The least depth within the reach of what bleeds, where that is a silhouette.
+double bled(const SensorModel& model, const DepthMap& truth, int x, int y, double depth) {
+    double nearest = depth;
+    for (int dy = -model.bleed_px; dy <= model.bleed_px; ++dy)
+        for (int dx = -model.bleed_px; dx <= model.bleed_px; ++dx)
+            nearest = std::min(nearest, truth.at(x + dx, y + dy));
+    return is_silhouette(nearest, depth) ? nearest : depth;
+}
+
+/// Means over `across` pixels, twice across and twice down, of numbers that are new for each `seed`, scaled
+/// to variance 1.
+std::vector<double> smooth_noise(int width, int height, int across, std::uint64_t seed) {
+    SplitMix64 random(mix64(seed));
+    std::vector<double> numbers(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    for (double& number : numbers) number = random.unit() - 0.5;
+    const auto blur = [&](int lines, int length, std::size_t line_pitch, std::size_t pitch) {
+        std::vector<double> line(static_cast<std::size_t>(length));
+        for (int n = 0; n < lines; ++n) {
+            double* const first = numbers.data() + static_cast<std::size_t>(n) * line_pitch;
+            const auto at = [&](int k) {
+                return first[static_cast<std::size_t>((k + length) % length) * pitch];
+            };
+            double sum = 0;
+            for (int k = 0; k < across; ++k) sum += at(k);
+            for (int k = 0; k < length; ++k) {
+                line[static_cast<std::size_t>(k)] = sum;
+                sum += at(k + across) - at(k);
+            }
+            for (int k = 0; k < length; ++k)
+                first[static_cast<std::size_t>(k) * pitch] = line[static_cast<std::size_t>(k)];
+        }
+    };
+    for (int twice = 0; twice < 2; ++twice) {
+        blur(height, width, static_cast<std::size_t>(width), 1);
+        blur(width, height, 1, static_cast<std::size_t>(width));
+    }
+    double squares = 0;
+    for (const double number : numbers) squares += number * number;
+    const double rms = std::sqrt(squares / static_cast<double>(numbers.size()));
+    for (double& number : numbers) number /= rms;
+    return numbers;
+}
+
 /// Noise to add before depths are rounded to levels: the published noise is that of stored depths, rounding
 /// included.
 double added_sigma(const SensorModel& model, double depth) {
@@ -79,6 +122,22 @@ double SensorModel::least_step(double depth) const {
     const double rough = std::sqrt(12.0) * sigma(depth), one = level(depth);
     return one >= 0.75 * rough ? one : rough;
 }
+
+namespace {
+
+/// Some of the faults of stereo, time of flight and structured light.
+void add_faults(SensorModel& model, SplitMix64& random) {
+    const auto sometimes = [&](double share) { return random.unit() < share; };
+    if (sometimes(0.4)) model.correlated_px = static_cast<int>(random.within(3, 8));
+    if (sometimes(0.3)) model.blotch = random.within(0.2, 0.6);
+    if (sometimes(0.3)) model.multipath_mm = random.within(2, 8);
+    if (sometimes(0.3)) model.bleed_px = static_cast<int>(random.within(1, 4));
+    if (sometimes(0.5)) model.dropout_share = random.within(0.0002, 0.005);
+    if (sometimes(0.3)) model.gain = random.within(0.001, 0.006);
+    if (model.disparity_step == 0 && sometimes(0.3)) model.half_floats = true;
+}
+
+}  // namespace
 
 SensorModel drawn_model(int number) {
     SplitMix64 random(mix64(0x5eed + static_cast<std::uint64_t>(number)));
@@ -107,7 +166,26 @@ SensorModel drawn_model(int number) {
     if (number % 3 == 0) model.mixed_share = 0.3;
     model.stray_share = 1e-5;
     model.stray_mm = std::min(19700.0, model.far_mm);
+    if (number > 8) add_faults(model, random);
     model.stated_noise = {model.axial_constant, model.axial_quadratic};
+    return model;
+}
+
+SensorModel depth_network(double code_mm) {
+    SensorModel model;
+    model.name = code_mm < 1 ? "network" : "coarse network";
+    model.far_mm = 8000;
+    model.code_mm = code_mm;
+    model.wobble_mm = 3;
+    return model;
+}
+
+SensorModel phone(double noise_mm) {
+    SensorModel model = half_float_render();
+    model.name = noise_mm > 0 ? "noisy phone" : "phone";
+    model.axial_constant = noise_mm;
+    model.every_px = 2;
+    model.stated_noise = {noise_mm, 0};
     return model;
 }
 
@@ -187,7 +265,9 @@ SensorModel sr300() {
 
 SensorModel without_noise(SensorModel model) {
     model.axial_constant = model.axial_quadratic = model.lateral_px = model.mixed_share = 0;
-    model.stray_share = model.lone_share = 0;
+    model.stray_share = model.lone_share = model.dropout_share = model.gain = 0;
+    model.blotch = model.multipath_mm = model.wobble_mm = 0;
+    model.bleed_px = 0;
     return model;
 }
 
@@ -216,17 +296,34 @@ RawFrame stored_frame(const SensorModel& model, const Scene& scene, const DepthM
     raw.number = number;
     raw.time_ns = scene.rate.time_ns(number);
     SplitMix64 random(mix64(static_cast<std::uint64_t>(number) + 1));
-    const std::vector<double> noise = shared_noise(scene.width, scene.height, random);
+    const auto smooth = [&](double amount, int across, std::uint64_t seed) {
+        return amount > 0 ? smooth_noise(scene.width, scene.height, across, seed) : std::vector<double>();
+    };
+    const auto frame = static_cast<std::uint64_t>(number);
+    const std::vector<double> noise = model.correlated_px > 0
+                                          ? smooth_noise(scene.width, scene.height,
+                                                         (model.correlated_px + 1) / 2, 100 + frame)
+                                          : shared_noise(scene.width, scene.height, random),
+                              blotches = smooth(model.blotch, 8, 1),
+                              multipath = smooth(model.multipath_mm, 48, 2),
+                              wobble = smooth(model.wobble_mm, 32, 1000 + frame);
+    const double gain = 1 + (model.gain > 0 ? random.within(-model.gain, model.gain) : 0);
     auto codes = std::make_shared<std::vector<std::uint16_t>>();
     for (int y = 0; y < scene.height; ++y)
         for (int x = 0; x < scene.width; ++x) {
             double depth = model.lateral_px > 0 ? seen_aside(model, truth, x, y, random) : truth.at(x, y);
-            depth += added_sigma(model, depth) * noise[codes->size()];
+            if (model.bleed_px > 0) depth = bled(model, truth, x, y, depth);
+            const std::size_t place = codes->size();
+            if (model.multipath_mm > 0) depth += model.multipath_mm * multipath[place];
+            if (model.wobble_mm > 0) depth += model.wobble_mm * wobble[place];
+            const double off = noise[place] + (model.blotch > 0 ? model.blotch * blotches[place] : 0);
+            depth = gain * (depth + added_sigma(model, depth) * off);
             if (model.mixed_share > 0) depth = mixed(model, truth, x, y, depth, random);
             depth = levelled(model, std::max(depth, 1.0));
             if (model.lone_share > 0 && random.unit() < model.lone_share)
                 depth = two_levels_off(model, depth, random);
             if (model.stray_share > 0 && random.unit() < model.stray_share) depth = model.stray_mm;
+            if (model.dropout_share > 0 && random.unit() < model.dropout_share) depth = 0;
             codes->push_back(
                 static_cast<std::uint16_t>(std::floor(std::min(depth / model.code_mm, 65534.0) + 0.5)));
         }

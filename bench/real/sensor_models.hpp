@@ -24,6 +24,15 @@ struct SensorModel {
     double stray_mm = 0;
     double lone_share = 0;     ///< share of all pixels two levels nearer or farther
     bool half_floats = false;  ///< stores metres as half floats: 11 bits per power of two
+    int correlated_px =
+        0;              ///< noise is the mean over so many pixels, across and down; 0: neighbours share half
+    double blotch = 0;  ///< standard deviation of blotches 16 pixels wide that stay, over that of the noise
+    double multipath_mm = 0;   ///< standard deviation of an error that stays, and varies over 96 pixels
+    double wobble_mm = 0;      ///< the same over 64 pixels, new in each frame, as of depth networks
+    int bleed_px = 0;          ///< near things cover so many pixels more
+    double dropout_share = 0;  ///< share of all pixels without a depth
+    double gain = 0;           ///< a frame's depths are off by up to this share
+    int every_px = 1;          ///< pictures have every so many of the room's pixels
     DepthLength stated_noise;  ///< the axial noise as stated by a scene
 
     /// Standard deviation of the stored value of a depth.
@@ -57,8 +66,14 @@ SensorModel d435(double focal_length);
 /// its range), three in ten pixels at silhouettes between both sides, codes of 0.125 mm.
 SensorModel sr300();
 /// An invented camera, drawn at random: levels of disparity or none, codes of 0.1 to 1 mm, constant or
-/// growing noise, mixed or clean edges, and a few pixels at 19.7 m. `number`: 1 to 8.
+/// growing noise, mixed or clean edges, and a few pixels at 19.7 m. `number`: from 1 on; from 9 on with some
+/// of: noise correlated over 3 to 7 pixels, blotches, multipath, bleeding edges, dropouts, a gain that
+/// changes from frame to frame by 0.1 to 0.6 %, half floats.
 SensorModel drawn_model(int number);
+/// A depth network's smooth wobble of 3 mm, no noise from pixel to pixel. `code_mm`: depth per code.
+SensorModel depth_network(double code_mm);
+/// A phone's LiDAR: half floats of metres in 320x240 pixels, kappa 0.12 to 0.23, and noise.
+SensorModel phone(double noise_mm);
 /// The same levels and codes, without noise.
 SensorModel without_noise(SensorModel model);
 

@@ -30,9 +30,20 @@ PlaneView middle_part(PlaneView depth) {
 /// A camera's surfaces get a median if they are rougher than this share of a pixel's width, which tilts faces
 /// by about ten degrees.
 constexpr double roughness_per_pixel = 0.15;
+/// Roughness that filters are tried on, as a share of a pixel's width: it tilts faces by about four degrees.
+constexpr double noise_per_pixel = 0.05;
+/// Rounding to levels alone leaves 0.29 of their distance.
+constexpr double roughness_per_level = 0.4;
+/// Of white noise 1, of noise that neighbours share 3, of relief with a shape 4 to 14.
+constexpr double most_wide_roughness = 4.5;
+constexpr double most_smooth = 0.3, least_changing = 0.05;
 /// A small median is enough if levels are this much farther apart than noise moves a depth, and it keeps
 /// steps sharper.
 constexpr double levels_per_noise = 1.5;
+/// Of depth that is not rough, the removal of terraces is tried from this kappa on, which tilts faces by
+/// about three degrees. It is chosen below kappa_of_terraces if it leaves so much less, from there on unless
+/// it leaves so much more.
+constexpr double least_kappa = 0.1, clearly_less = 0.9, hardly_more = 1.02;
 /// These close holes three pixels wide.
 constexpr int passes = 2;
 
@@ -61,8 +72,7 @@ DepthLength flat_within(const MeasuredDepth& measured) {
 const TriedFilters* best_of_tried(const MeasuredDepth& measured, const UnstatedFilters& unstated,
                                   const FilterSettings& filter) {
     const bool is_open = unstated.median && unstated.terraces && filter.levels == DepthLength{};
-    return is_open && measured.from_a_camera() ? mildest_of_the_best(measured.tried, filter.temporal)
-                                               : nullptr;
+    return is_open && measured.is_searched() ? mildest_of_the_best(measured.tried, filter.temporal) : nullptr;
 }
 
 /// For terraces of many pixels, such as those of phones, whose few levels hide behind the codes of the ramps
@@ -80,7 +90,7 @@ void widen_reach(const MeasuredDepth& measured, Scene& scene) {
 void choose_smoothing_by_rule(const MeasuredDepth& measured, const UnstatedFilters& unstated, Scene& scene) {
     FilterSettings& filter = scene.filter;
     if (unstated.median)
-        filter.median = measured.from_a_camera() && measured.roughness >= roughness_per_pixel * measured.pixel
+        filter.median = measured.is_searched() && measured.roughness >= roughness_per_pixel * measured.pixel
                             ? median_of_cameras(measured)
                             : 0;
     if (unstated.terraces || filter.terraces == TerraceRemoval::automatic)
@@ -94,6 +104,12 @@ void choose_smoothing_by_rule(const MeasuredDepth& measured, const UnstatedFilte
 bool MeasuredDepth::from_a_camera() const {
     return noise != DepthLength{} || levels.quadratic > 0 || dropouts >= some_dropouts ||
            tiny_holes >= some_tiny_holes;
+}
+
+bool MeasuredDepth::is_rough() const {
+    const bool stands_still = frames >= 3 && changing < least_changing;
+    return roughness >= noise_per_pixel * pixel && roughness > roughness_per_level * distance &&
+           wide_roughness <= most_wide_roughness * roughness && smooth <= most_smooth && !stands_still;
 }
 
 bool MeasuredDepth::has_flying_pixels() const {
@@ -160,16 +176,16 @@ void DepthEstimator::add(const RawFrame& frame) {
 bool DepthEstimator::enough() const {
     if (added_ != first_few) return added_ >= frames;
     const auto so_far = measured_without_trying();
-    return so_far && !so_far->from_a_camera();
+    return so_far && !so_far->is_searched();
 }
 
 std::optional<MeasuredDepth> DepthEstimator::measured() const {
     auto measured = measured_without_trying();
     if (!measured) return measured;
-    if (measured->from_a_camera())
+    if (measured->is_searched())
         measured->tried = tried_filters(SmoothPatches(scene_, last_), measured->levels,
                                         measured->is_noisy(scene_.width) ? measured->noise : DepthLength{});
-    else if (measured->kappa >= kappa_of_terraces)
+    else if (measured->kappa >= least_kappa)
         measured->tried = tried_removal(SmoothPatches(scene_, last_), measured->levels);
     return measured;
 }
@@ -191,6 +207,9 @@ std::optional<MeasuredDepth> DepthEstimator::measured_without_trying() const {
                          .noise_at_edges = noise_.noise(Place::edge).at(*median),
                          .noise_at_rims = noise_.noise(Place::rim).at(*median),
                          .roughness = noise_.roughness().at(*median),
+                         .wide_roughness = noise_.wide_roughness().at(*median),
+                         .smooth = noise_.smooth(),
+                         .changing = noise_.changing(),
                          .dropouts = noise_.dropouts(),
                          .tiny_holes = noise_.tiny_holes(),
                          .flying = noise_.flying(),
@@ -203,7 +222,12 @@ std::optional<MeasuredDepth> DepthEstimator::measured_without_trying() const {
 bool removal_advised(const MeasuredDepth& measured, const Scene& scene) {
     Scene with_levels = scene;
     with_levels.filter.levels = measured.levels;
-    return has_working_codes(with_levels) && measured.kappa >= kappa_of_terraces;
+    if (!has_working_codes(with_levels)) return false;
+    const bool is_coarse = measured.kappa >= kappa_of_terraces;
+    const bool is_judged = !measured.is_searched() && measured.tried.size() == 2;
+    if (!is_judged || (is_coarse && measured.contours.are_wide())) return is_coarse;
+    const double off = measured.tried[0].left_deg, on = measured.tried[1].left_deg;
+    return on <= (is_coarse ? hardly_more : clearly_less) * off;
 }
 
 void choose_filters(const std::optional<MeasuredDepth>& measured, const UnstatedFilters& unstated,

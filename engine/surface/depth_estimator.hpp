@@ -30,6 +30,9 @@ struct MeasuredDepth {
     DepthLength noise;  ///< of flat places, from frame to frame; zero: none was found
     double noise_at_edges = 0, noise_at_rims = 0;  ///< at the median
     double roughness = 0;                          ///< of flat places, from pixel to pixel, at the median
+    double wide_roughness = 0;                     ///< over two pixels
+    double smooth = 0;                             ///< share of flat places that are hardly rough
+    double changing = 0;                           ///< share of flat places that change from frame to frame
     double dropouts = 0;                           ///< share of the pixels that lose their depth for a frame
     double tiny_holes = 0;                         ///< share of the pixels that are tiny holes
     double flying = 0;                             ///< share of the pixels that hang between two surfaces
@@ -50,6 +53,12 @@ struct MeasuredDepth {
     bool is_noisy(int width) const;
     /// Whether it has signs of a camera: noise, dropouts, tiny holes, or levels of disparity.
     bool from_a_camera() const;
+    /// Whether flat places are rough as noise makes them: by more than a fraction of a pixel's width, hardly
+    /// more over two pixels than from one to the next, everywhere, and differently in each frame. One picture
+    /// cannot tell noise from texture as fine as pixels that is everywhere.
+    bool is_rough() const;
+    /// Whether every filter is tried; of other depth, the removal of perceptible steps alone.
+    bool is_searched() const { return from_a_camera() || is_rough(); }
     /// Whether enough pixels hang between surfaces to be pulled in. For depth without signs of a camera, as
     /// phones and networks store it, only if edges are ramps rather than clean with few exceptions.
     bool has_flying_pixels() const;

@@ -117,6 +117,9 @@ public:
     /// Means without values larger than `limit`, then, three times, than four root mean squares of the rest.
     /// Count 0 if less than half is left.
     Means means(double limit) const;
+    /// Number of values up to a size, to its highest three bits.
+    std::int64_t count_to(double size) const;
+    ClippedSums& operator+=(const ClippedSums& other);
 
 private:
     struct Sum {
@@ -142,11 +145,20 @@ public:
     /// 0. So zero if most pixels move, and if nothing changes. Zero for unrelated pictures, too.
     DepthLength noise(Place place) const;
     /// Deviation of a depth from the plane of its eight neighbours, RMS over flat places, scene units.
-    DepthLength roughness() const;
+    DepthLength roughness() const { return roughness_of(&Window::bends); }
+    /// The same of the eight pixels two away, in the first picture: of white noise as much, of relief more.
+    DepthLength wide_roughness() const { return roughness_of(&Window::wide_bends); }
+    /// Share of flat places that are a tenth as rough, against a pixel's width, as they are on average, or
+    /// less; of noise 0.08 to 0.2.
+    double smooth() const;
+    /// Share of flat places whose depth is another in one of three frames; 0 for fewer.
+    double changing() const {
+        return flat_ > 0 ? static_cast<double>(changed_) / static_cast<double>(flat_) : 0;
+    }
     /// Share of the pixels valid in a frame and in the one after the next that are invalid in between. 0 for
     /// unrelated pictures.
     double dropouts() const {
-        return kept_ > 0 && is_film() ? static_cast<double>(dropped_) / static_cast<double>(kept_) : 0;
+        return kept_ > 0 && film() ? static_cast<double>(dropped_) / static_cast<double>(kept_) : 0;
     }
     /// Share of the pixels that are invalid with at least six of their eight neighbours valid.
     double tiny_holes() const { return share(tiny_holes_); }
@@ -161,9 +173,17 @@ public:
 private:
     struct Window {
         double depth = 0, step = 0;  ///< depth of its middle, and of one code there, scene units
-        std::array<ClippedSums, 3> changes;
-        ClippedSums bends;
+        ClippedSums bends, wide_bends;
     };
+    /// How much pixels change, by window and place.
+    struct Changes {
+        std::vector<std::array<ClippedSums, 3>> of;
+        /// Pixels with a distant partner: their codes, and how much both change, by themselves and together.
+        std::int64_t pairs = 0, code = 0, square = 0, product = 0, change = 0;
+
+        void add(const Changes& other);
+    };
+    using Triple = std::array<const CodePicture*, 3>;
 
     double share(std::int64_t pixels) const {
         return pixels_ > 0 ? static_cast<double>(pixels) / static_cast<double>(pixels_) : 0;
@@ -174,12 +194,21 @@ private:
     void look_at_edge(const CodePicture& picture, int x, int y);
     bool is_clean_edge(const CodePicture& picture, int x, int y) const;
     void look_at_pixel(const CodePicture& picture, int x, int y);
-    /// For pictures of which every `step`th row is measured.
-    void look_at_changes(const CodePicture& before, const CodePicture& here, const CodePicture& after,
-                         int step);
+    DepthLength roughness_of(ClippedSums Window::*bends) const;
+    void add_wide_bend(const CodePicture& picture, int x, int y);
+    /// Visits each pixel that is measured and valid in the first and last of three pictures.
+    template <class Visit>
+    void each_kept(const Triple& pictures, const Visit& visit) const;
+    /// The median change of a code in each window, to the middle one of three pictures and from it on.
+    std::vector<std::array<int, 2>> common_changes(const Triple& pictures) const;
+    Changes changes_of(const Triple& pictures, const std::vector<std::array<int, 2>>& common) const;
+    void look_at_changes(const Triple& pictures);
     /// False for unrelated pictures. Their depths change like noise, too, but distant pixels change together,
     /// by about as much as depth varies over a picture. Distant pixels share none of a camera's noise.
-    bool is_film() const;
+    static bool is_film(const Changes& changes);
+    /// The changes that tell noise: without those that pixels of one depth have in common, if a frame's gain
+    /// or offset changes more than noise does. Null: unrelated pictures.
+    const Changes* film() const;
     const Window& window_of(int code) const {
         return windows_[window_of_code_[static_cast<std::size_t>(code)]];
     }
@@ -187,12 +216,10 @@ private:
     std::vector<Window> windows_;
     std::vector<std::uint8_t> window_of_code_;
     std::vector<CodePicture> last_;  // two at most
+    int row_step_ = 1;               // of the rows that are measured, in these pictures
     std::int64_t kept_ = 0, dropped_ = 0, pixels_ = 0, tiny_holes_ = 0, flying_ = 0, midway_ = 0,
-                 clean_edges_ = 0;
-    /// Pixels with a distant partner: their codes, and how much both change together.
-    struct {
-        std::int64_t count = 0, code = 0, square = 0, product = 0;
-    } pairs_;
+                 clean_edges_ = 0, flat_ = 0, changed_ = 0;
+    Changes changes_, own_changes_;  // as they are, and less the common ones
 };
 
 /// Places of a recording whose surface is smooth, so that it is known better than from a single pixel: a

@@ -21,6 +21,14 @@ constexpr int far_apart_share = 16;
 /// Common changes over the variance of codes: below 0.07 in films with measurable noise (a fast pan), mostly
 /// above 0.2 in unrelated pictures.
 constexpr double most_of_film = 0.125;
+/// A gain that changes from frame to frame is told apart where it makes changes at least so much larger.
+constexpr double common_per_own = 2;
+/// Changes by which rounding alone differs from a common one: d and e by one code each.
+constexpr double rounding_square = 2;
+/// Every so many pixels of a row tell the change that all have in common.
+constexpr int common_apart = 4;
+/// What bends so much less than the rest is smooth.
+constexpr double smooth_share = 0.1;
 
 int row_step(const CodePicture& picture) {
     return static_cast<int>(
@@ -110,6 +118,21 @@ ClippedSums::Means ClippedSums::means(double limit) const {
     return means;
 }
 
+std::int64_t ClippedSums::count_to(double size) const {
+    std::int64_t count = 0;
+    for (std::size_t k = 0; k < sums_.size() && least_of_class(k) <= size; ++k) count += sums_[k].count;
+    return count;
+}
+
+ClippedSums& ClippedSums::operator+=(const ClippedSums& other) {
+    for (std::size_t k = 0; k < sums_.size(); ++k) {
+        sums_[k].count += other.sums_[k].count;
+        sums_[k].product += other.sums_[k].product;
+        sums_[k].square += other.sums_[k].square;
+    }
+    return *this;
+}
+
 NoiseEstimator::NoiseEstimator(const DepthCoding& coding) : window_of_code_(65536) {
     for (int first = 0; first < 65536; first = end_of_window(first)) {
         Window window;
@@ -124,6 +147,8 @@ NoiseEstimator::NoiseEstimator(const DepthCoding& coding) : window_of_code_(6553
             window_of_code_[static_cast<std::size_t>(code)] = static_cast<std::uint8_t>(windows_.size());
         windows_.push_back(std::move(window));
     }
+    changes_.of.resize(windows_.size());
+    own_changes_.of.resize(windows_.size());
 }
 
 NoiseEstimator::Place NoiseEstimator::place_of(const CodePicture& picture, int x, int y) const {
@@ -192,61 +217,141 @@ void NoiseEstimator::look_at_pixel(const CodePicture& picture, int x, int y) {
     if (valid == 8 && place == Place::flat) {
         const std::int64_t square = std::int64_t{bend} * bend;
         windows_[window_of_code_[static_cast<std::size_t>(here)]].bends.add(std::abs(bend), 0, square);
+        if (last_.empty()) add_wide_bend(picture, x, y);
     }
 }
 
-void NoiseEstimator::look_at_changes(const CodePicture& before, const CodePicture& here,
-                                     const CodePicture& after, int step) {
-    const int far_apart = std::max(1, here.width / far_apart_share);
-    for (int y = 1; y < here.height - 1; y += step)
-        for (int x = 1; x < here.width - 1; ++x) {
-            const int a = before.row(y)[x], b = here.row(y)[x], c = after.row(y)[x];
-            if (a == CodePicture::invalid || c == CodePicture::invalid) continue;
-            ++kept_;
-            if (b == CodePicture::invalid) {
-                ++dropped_;
-                continue;
-            }
-            const std::int64_t d = b - a, e = c - b;
-            const auto place = static_cast<std::size_t>(place_of(here, x, y));
-            windows_[window_of_code_[static_cast<std::size_t>(b)]].changes[place].add(
-                static_cast<int>(std::max(std::abs(d), std::abs(e))), d * e, (d * d + e * e) / 2);
-            const int there = x + far_apart;
-            const std::int64_t f = code_of(before, there, y), g = code_of(here, there, y),
-                               h = code_of(after, there, y);
-            if (std::min({f, g, h}) < 0) continue;
-            ++pairs_.count;
-            pairs_.code += b;
-            pairs_.square += std::int64_t{b} * b;
-            pairs_.product -= d * (h - g) + e * (g - f);
+void NoiseEstimator::add_wide_bend(const CodePicture& picture, int x, int y) {
+    std::int64_t bend = 0;
+    for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) {
+            const int code = code_of(picture, x + 2 * dx, y + 2 * dy);
+            if (code == CodePicture::invalid) return;
+            bend += std::int64_t{dx == 0 ? 2 : -1} * (dy == 0 ? 2 : -1) * code;
         }
+    windows_[window_of_code_[static_cast<std::size_t>(picture.row(y)[x])]].wide_bends.add(
+        static_cast<int>(std::abs(bend)), 0, bend * bend);
+}
+
+void NoiseEstimator::Changes::add(const Changes& other) {
+    for (std::size_t w = 0; w < of.size(); ++w)
+        for (std::size_t place = 0; place < 3; ++place) of[w][place] += other.of[w][place];
+    pairs += other.pairs;
+    code += other.code;
+    square += other.square;
+    product += other.product;
+    change += other.change;
+}
+
+template <class Visit>
+void NoiseEstimator::each_kept(const Triple& pictures, const Visit& visit) const {
+    const CodePicture& here = *pictures[1];
+    for (int y = 1; y < here.height - 1; y += std::min(row_step_, 3))
+        for (int x = 1; x < here.width - 1; ++x) {
+            const std::array<int, 3> codes{pictures[0]->row(y)[x], here.row(y)[x], pictures[2]->row(y)[x]};
+            if (codes[0] != CodePicture::invalid && codes[2] != CodePicture::invalid) visit(x, y, codes);
+        }
+}
+
+std::vector<std::array<int, 2>> NoiseEstimator::common_changes(const Triple& pictures) const {
+    std::vector<std::array<std::vector<int>, 2>> all(windows_.size());
+    each_kept(pictures, [&](int x, int, const std::array<int, 3>& codes) {
+        if (x % common_apart != 0 || codes[1] == CodePicture::invalid) return;
+        auto& [to, from] = all[window_of_code_[static_cast<std::size_t>(codes[1])]];
+        to.push_back(codes[1] - codes[0]);
+        from.push_back(codes[2] - codes[1]);
+    });
+    std::vector<std::array<int, 2>> common(windows_.size());
+    for (std::size_t w = 0; w < all.size(); ++w)
+        for (std::size_t k = 0; k < 2; ++k)
+            if (std::vector<int>& of = all[w][k]; !of.empty())
+                common[w][k] = sorted_element(of, of.size() / 2);
+    return common;
+}
+
+NoiseEstimator::Changes NoiseEstimator::changes_of(const Triple& pictures,
+                                                   const std::vector<std::array<int, 2>>& common) const {
+    Changes changes;
+    changes.of.resize(windows_.size());
+    const CodePicture& here = *pictures[1];
+    const int far_apart = std::max(1, here.width / far_apart_share);
+    // How much a pixel with these codes changes, to the middle one and from it on.
+    const auto change_of = [&](int before, int code, int after) {
+        const auto& less = common[window_of_code_[static_cast<std::size_t>(code)]];
+        return std::array<std::int64_t, 2>{code - before - less[0], after - code - less[1]};
+    };
+    each_kept(pictures, [&](int x, int y, const std::array<int, 3>& codes) {
+        const int code = codes[1];
+        if (code == CodePicture::invalid) return;
+        const auto [d, e] = change_of(codes[0], code, codes[2]);
+        changes
+            .of[window_of_code_[static_cast<std::size_t>(code)]]
+               [static_cast<std::size_t>(place_of(here, x, y))]
+            .add(static_cast<int>(std::max(std::abs(d), std::abs(e))), d * e, (d * d + e * e) / 2);
+        const int there = x + far_apart;
+        const int f = code_of(*pictures[0], there, y), g = code_of(here, there, y),
+                  h = code_of(*pictures[2], there, y);
+        if (std::min({f, g, h}) < 0) return;
+        const auto [other_d, other_e] = change_of(f, g, h);
+        ++changes.pairs;
+        changes.code += code;
+        changes.square += std::int64_t{code} * code;
+        changes.product -= d * other_e + e * other_d;
+        changes.change += d * d + e * e;
+    });
+    return changes;
+}
+
+void NoiseEstimator::look_at_changes(const Triple& pictures) {
+    each_kept(pictures, [&](int x, int y, const std::array<int, 3>& codes) {
+        ++kept_;
+        dropped_ += codes[1] == CodePicture::invalid;
+        if (codes[1] == CodePicture::invalid || place_of(*pictures[1], x, y) != Place::flat) return;
+        ++flat_;
+        changed_ += codes[0] != codes[1] || codes[1] != codes[2];
+    });
+    const auto common = common_changes(pictures), none = std::vector(windows_.size(), std::array{0, 0});
+    const Changes changes = changes_of(pictures, none);
+    changes_.add(changes);
+    own_changes_.add(common == none ? changes : changes_of(pictures, common));
 }
 
 void NoiseEstimator::add(const CodePicture& picture) {
     for (int y = 1; y < picture.height - 1; y += row_step(picture))
         for (int x = 1; x < picture.width - 1; ++x) look_at_pixel(picture, x, y);
+    row_step_ = row_step(picture);
     last_.push_back(kept_rows(picture));
     if (last_.size() < 3) return;
-    look_at_changes(last_[0], last_[1], last_[2], std::min(row_step(picture), 3));
+    look_at_changes({&last_[0], &last_[1], &last_[2]});
     last_.erase(last_.begin());
 }
 
-bool NoiseEstimator::is_film() const {
-    if (pairs_.count == 0) return true;
-    const auto count = static_cast<double>(pairs_.count);
-    const double mean = static_cast<double>(pairs_.code) / count;
-    const double variance = static_cast<double>(pairs_.square) / count - mean * mean;
-    return static_cast<double>(pairs_.product) / (2 * count) <= most_of_film * std::max(0.0, variance);
+bool NoiseEstimator::is_film(const Changes& changes) {
+    if (changes.pairs == 0) return true;
+    const auto count = static_cast<double>(changes.pairs);
+    const double mean = static_cast<double>(changes.code) / count;
+    const double variance = static_cast<double>(changes.square) / count - mean * mean;
+    return static_cast<double>(changes.product) / (2 * count) <= most_of_film * std::max(0.0, variance);
+}
+
+const NoiseEstimator::Changes* NoiseEstimator::film() const {
+    const auto all = static_cast<double>(changes_.change), own = static_cast<double>(own_changes_.change);
+    const bool is_own = static_cast<double>(own_changes_.product) <= most_of_film * own &&
+                        own > rounding_square * static_cast<double>(own_changes_.pairs);
+    if (is_own && common_per_own * own < all) return &own_changes_;
+    return is_film(changes_) ? &changes_ : nullptr;
 }
 
 DepthLength NoiseEstimator::noise(Place place) const {
-    if (!is_film()) return {};
+    const Changes* const changes = film();
+    if (!changes) return {};
     std::vector<LengthAtDepth> points;
     std::int64_t all = 0, noisy = 0;
-    for (const Window& window : windows_) {
+    for (std::size_t w = 0; w < windows_.size(); ++w) {
+        const Window& window = windows_[w];
         if (window.step == 0) continue;
         const double limit = 2 * window.depth / (edge_share * window.step);
-        const auto means = window.changes[static_cast<std::size_t>(place)].means(limit);
+        const auto means = changes->of[w][static_cast<std::size_t>(place)].means(limit);
         if (means.count < least_count) continue;
         all += means.count;
         // White noise has -1/2; what stands still or moves steadily has 0 or more.
@@ -259,18 +364,41 @@ DepthLength NoiseEstimator::noise(Place place) const {
     return fitted_length(points);
 }
 
-DepthLength NoiseEstimator::roughness() const {
+DepthLength NoiseEstimator::roughness_of(ClippedSums Window::*bends) const {
     std::vector<LengthAtDepth> points;
     for (const Window& window : windows_) {
         if (window.step == 0) continue;
         // Six times the limit for a depth, as the sum of bends is six times as much off as a code.
-        const auto means = window.bends.means(12 * window.depth / (edge_share * window.step));
+        const auto means = (window.*bends).means(12 * window.depth / (edge_share * window.step));
         if (means.count < least_count || means.square == 0) continue;
         // The sum's weights are 4, four times -2 and four times 1: 36 times the variance of one code.
         points.push_back(
             {window.depth, window.step * std::sqrt(means.square / 36), static_cast<double>(means.count)});
     }
     return fitted_length(points);
+}
+
+double NoiseEstimator::smooth() const {
+    // Relative to the width of a pixel, which grows with depth.
+    double all = 0, squares = 0, smooth = 0;
+    const auto each = [&](const auto& visit) {
+        for (const Window& window : windows_) {
+            if (window.step == 0) continue;
+            const double codes = window.depth / window.step;
+            const auto means = window.bends.means(12 * codes / edge_share);
+            if (means.count >= least_count) visit(window, codes, means);
+        }
+    };
+    each([&](const Window&, double codes, const ClippedSums::Means& means) {
+        all += static_cast<double>(means.count);
+        squares += static_cast<double>(means.count) * means.square / (codes * codes);
+    });
+    if (squares == 0) return 0;
+    const double limit = smooth_share * std::sqrt(squares / all);
+    each([&](const Window& window, double codes, const ClippedSums::Means&) {
+        smooth += static_cast<double>(window.bends.count_to(limit * codes));
+    });
+    return smooth / all;
 }
 
 }  // namespace touchable

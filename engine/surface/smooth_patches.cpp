@@ -130,12 +130,14 @@ Scene scene_of_mosaic(const Scene& scene) {
 /// Distances of levels for the removal, relative to the sensor's least step, and the largest one after each
 /// median: chosen so that a step of four of these stays sharp, and a pen of that height is kept
 /// (docs/measurements.md).
-constexpr double per_least_step[] = {0.2, 0.3, 0.45, 0.7, 1, 1.2, 1.4};
+constexpr double per_least_step[] = {0, 0.2, 0.3, 0.45, 0.7, 1, 1.2, 1.4, 2, 2.8};
 constexpr double most_after_median[] = {1.4, 0, 0, 1, 0, 0.7};
+/// If these leave more, levels up to twice as far apart are tried: relief so low is lost in such noise.
+constexpr double much_deg = 3;
 /// The least step is a level, or a step that would be as rough as depths are: levels l apart are l/sqrt(12)
 /// rough. Levels count if they are visible, even in noise that is somewhat rougher; codes count if little
 /// else is rough.
-constexpr double level_per_roughness = 3.4641, seen_levels_from = 0.4, codes_from = 0.75;
+constexpr double level_per_roughness = 3.4641, seen_levels_from = 0.75, codes_from = 0.75;
 /// The temporal filter's noise setting over the measured noise, by the median before it.
 constexpr double stated_per_measured[] = {0.9, 0, 0, 1.4, 0, 1.5};
 /// Filters are as good as the best if they leave up to this factor of it, or at most these degrees.
@@ -320,7 +322,10 @@ void SmoothPatches::fit_to_all(Pictures pictures) {
         if (stands_still) patch.fit.of = fit.of;
         if (!has_relief(stands_still ? pictures : pictures.last(1), patch)) flat.push_back(patch);
     }
-    if (flat.size() >= fewest) patches_ = std::move(flat);
+    // One picture does not tell relief from noise that neighbours share; what most places have is noise.
+    const std::size_t least =
+        pictures.size() > 1 ? fewest : std::max<std::size_t>(fewest, patches_.size() / 2);
+    if (flat.size() >= least) patches_ = std::move(flat);
 }
 
 RawFrame SmoothPatches::mosaic(const CodePicture& picture) const {
@@ -430,20 +435,25 @@ std::vector<TriedFilters> tried_filters(const SmoothPatches& patches, const Dept
         scene.filter.temporal_noise = stated_noise(noise, scene.filter.median);
         keep();
     };
-    for (const int median : {0, 3, 5}) {
-        Scene scene = patches.mosaic_scene();
-        scene.filter.median = median;
-        const double harshness = harshness_of_median[median];
-        with(scene, harshness);
-        scene.filter.terraces = TerraceRemoval::on;
-        for (const double factor : per_least_step) {
-            scene.filter.levels = least.times(factor);
-            if (factor > most_after_median[median] || !has_working_codes(scene) ||
-                scene.filter.levels.at(depth) < std::max(levels.at(depth), codes.at(depth)))
-                continue;
-            with(scene, harshness + factor);
-        }
-    }
+    // Levels between these multiples of the largest ones after each median.
+    const auto with_levels = [&](double above, double up_to) {
+        for (const int median : {0, 3, 5})
+            for (const double factor : per_least_step) {
+                if (factor <= above * most_after_median[median] || factor > up_to * most_after_median[median])
+                    continue;
+                Scene scene = patches.mosaic_scene();
+                scene.filter.median = median;
+                scene.filter.terraces = factor > 0 ? TerraceRemoval::on : TerraceRemoval::off;
+                scene.filter.levels = least.times(factor);
+                if (factor == 0 ||
+                    (has_working_codes(scene) &&
+                     scene.filter.levels.at(depth) >= std::max(levels.at(depth), codes.at(depth))))
+                    with(scene, harshness_of_median[median] + factor);
+            }
+    };
+    with_levels(-1, 1);
+    const auto best = std::ranges::min_element(tried, {}, &TriedFilters::left_deg);
+    if (best != tried.end() && best->left_deg > much_deg) with_levels(1, 2);
     std::ranges::stable_sort(tried, {}, &TriedFilters::harshness);
     return tried;
 }

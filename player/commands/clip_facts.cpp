@@ -43,12 +43,16 @@ Json measured_json(const MeasuredDepth& measured) {
             {"noise_at_edges", measured.noise_at_edges},
             {"noise_at_rims", measured.noise_at_rims},
             {"roughness", measured.roughness},
+            {"wide_roughness", measured.wide_roughness},
+            {"smooth", measured.smooth},
+            {"changing", measured.changing},
             {"dropouts", measured.dropouts},
             {"tiny_holes", measured.tiny_holes},
             {"flying", measured.flying},
             {"midway", measured.midway},
             {"clean_edges", measured.clean_edges},
             {"from_a_camera", measured.from_a_camera()},
+            {"searched", measured.is_searched()},
             {"tried", tried_json(measured.tried)}};
 }
 
@@ -597,7 +601,7 @@ std::string verdict_on(const ClipFacts& facts, const std::vector<Finding>* findi
                (others.empty() ? "" : "; guessed too: " + listed(others));
     }
     if (facts.invalid_pct > many_holes_pct) return little;
-    if (now && now->left_deg > rough_deg)
+    if (now && best && measured->is_searched() && std::min(now->left_deg, best->left_deg) > rough_deg)
         return "rough: smooth places lean " + degrees(now->left_deg) +
                " to and fro, whatever the filters: record from nearer, or with more light";
     return "good to touch: touchable play " + clip;

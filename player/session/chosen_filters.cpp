@@ -66,12 +66,12 @@ std::string noise_found(const MeasuredDepth& measured, double metres_per_unit) {
     return measured.noise == DepthLength{} ? "none found" : mm(measured.noise_at_median(), metres_per_unit);
 }
 
-/// Reason for the choice of median: roughness (mm, share of a pixel's width), whether depth is from a camera.
+/// Reason for the choice of median: roughness (mm, share of a pixel's width), whether filters were tried.
 std::string median_reason(const MeasuredDepth& measured, double metres_per_unit) {
     std::string reason = "roughness " + mm(measured.roughness, metres_per_unit);
     if (measured.pixel > 0)
         reason += ", " + number(measured.roughness / measured.pixel, " of a pixel's width");
-    return measured.from_a_camera() ? reason : reason + ", no sign of a camera";
+    return measured.is_searched() ? reason : reason + ", no sign of a camera";
 }
 
 std::string contours_found(const Contours& contours) {

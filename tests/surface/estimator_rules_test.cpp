@@ -24,8 +24,8 @@ namespace {
 struct PlainEstimator {
     double median_depth = 0;  ///< 0: nothing is valid
     DepthLength levels;
-    DepthLength noise_at_flat, noise_at_edges, noise_at_rims, roughness;
-    double dropouts = 0, tiny_holes = 0, flying = 0, midway = 0, clean_edges = 0;
+    DepthLength noise_at_flat, noise_at_edges, noise_at_rims, roughness, wide_roughness;
+    double dropouts = 0, tiny_holes = 0, flying = 0, midway = 0, clean_edges = 0, smooth = 0, changing = 0;
 
     /// Which rules decided something, by name; so a test knows that its pictures try them.
     std::vector<std::string> decided;
@@ -65,10 +65,12 @@ public:
         estimator_.median_depth = median();
         estimator_.levels = levels();
         look();
-        estimator_.noise_at_flat = noise(changes_[0]);
-        estimator_.noise_at_edges = noise(changes_[1]);
-        estimator_.noise_at_rims = noise(changes_[2]);
-        estimator_.roughness = roughness();
+        estimator_.noise_at_flat = noise(0);
+        estimator_.noise_at_edges = noise(1);
+        estimator_.noise_at_rims = noise(2);
+        estimator_.roughness = roughness(bends_);
+        estimator_.wide_roughness = roughness(wide_bends_);
+        estimator_.smooth = smooth();
         return estimator_;
     }
 
@@ -235,7 +237,8 @@ private:
     // The rest.
 
     void look() {
-        std::int64_t pixels = 0, tiny = 0, in_the_air = 0, between = 0, clean = 0, kept = 0, dropped = 0;
+        std::int64_t pixels = 0, tiny = 0, in_the_air = 0, between = 0, clean = 0, kept = 0, dropped = 0,
+                     flat_pixels = 0, changing = 0;
         for (std::size_t n = 0; n < pictures_.size(); ++n) {
             const CodePicture& picture = pictures_[n];
             const int rows = std::max(1, picture.width * picture.height / 307200);
@@ -250,23 +253,30 @@ private:
                     in_the_air += flight != none;
                     between += flight == midway;
                     clean += place == edge && is_clean_edge(picture, x, y);
-                    if (place == flat && valid == 8) add_bend(picture, x, y);
+                    if (place == flat && valid == 8) add_bend(picture, x, y, n == 0);
                 }
             if (n < 2) continue;
             const CodePicture &a = pictures_[n - 2], &b = pictures_[n - 1];
+            const auto common = common_changes(a, b, picture, rows);
             for (int y = 1; y < picture.height - 1; y += rows)
                 for (int x = 1; x < picture.width - 1; ++x) {
                     if (at(a, x, y) == nothing || at(picture, x, y) == nothing) continue;
                     ++kept;
                     dropped += at(b, x, y) == nothing;
-                    if (at(b, x, y) != nothing) add_change(a, b, picture, x, y);
+                    if (at(b, x, y) == nothing) continue;
+                    all_.add(*this, a, b, picture, x, y, {});
+                    own_.add(*this, a, b, picture, x, y, common);
+                    if (place_of(b, x, y) != flat) continue;
+                    ++flat_pixels;
+                    changing += at(a, x, y) != at(b, x, y) || at(b, x, y) != at(picture, x, y);
                 }
         }
         const auto share = [](std::int64_t part, std::int64_t whole) {
             return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0;
         };
-        is_film_ = is_film();
-        estimator_.dropouts = is_film_ ? share(dropped, kept) : 0;
+        film_ = film();
+        estimator_.dropouts = film_ ? share(dropped, kept) : 0;
+        estimator_.changing = share(changing, flat_pixels);
         estimator_.tiny_holes = share(tiny, pixels);
         estimator_.flying = share(in_the_air, pixels);
         estimator_.midway = share(between, pixels);
@@ -353,36 +363,92 @@ private:
         }
         return false;
     }
-    void add_bend(const CodePicture& picture, int x, int y) {
-        std::int64_t s = 4 * at(picture, x, y);
-        for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}})
-            s -= 2 * at(picture, x + dx, y + dy);
-        for (const auto& [dx, dy] : {std::pair{-1, -1}, {1, -1}, {-1, 1}, {1, 1}})
-            s += at(picture, x + dx, y + dy);
-        bends_[window_of(at(picture, x, y)).first].push_back({std::abs(s), 0, s * s});
+    void add_bend(const CodePicture& picture, int x, int y, bool is_first) {
+        for (const int far : {1, 2}) {
+            if (far == 2 && !is_first) break;
+            std::int64_t s = 0;
+            bool is_whole = true;
+            for (int dy = -1; dy <= 1; ++dy)
+                for (int dx = -1; dx <= 1; ++dx) {
+                    const int code = at(picture, x + far * dx, y + far * dy);
+                    is_whole = is_whole && code != nothing;
+                    s += (dx == 0 ? 2 : -1) * (dy == 0 ? 2 : -1) * std::int64_t{code};
+                }
+            if (is_whole)
+                (far == 1 ? bends_ : wide_bends_)[window_of(at(picture, x, y)).first].push_back(
+                    {std::abs(s), 0, s * s});
+        }
     }
-    void add_change(const CodePicture& a, const CodePicture& b, const CodePicture& c, int x, int y) {
-        const std::int64_t d = at(b, x, y) - at(a, x, y), e = at(c, x, y) - at(b, x, y);
-        changes_[place_of(b, x, y)][window_of(at(b, x, y)).first].push_back(
-            {std::max(std::abs(d), std::abs(e)), d * e, (d * d + e * e) / 2});
-        const int there = x + std::max(1, b.width / 16);
-        if (at(a, there, y) == nothing || at(b, there, y) == nothing || at(c, there, y) == nothing) return;
-        const std::int64_t d2 = at(b, there, y) - at(a, there, y), e2 = at(c, there, y) - at(b, there, y);
-        pairs_.push_back({static_cast<double>(at(b, x, y)), static_cast<double>(-(d * e2 + e * d2)) / 2});
+    /// By the first code of a window: the median change of its pixels from a to b, and from b to c.
+    using Common = std::map<int, std::pair<std::int64_t, std::int64_t>>;
+    Common common_changes(const CodePicture& a, const CodePicture& b, const CodePicture& c, int rows) const {
+        std::map<int, std::pair<std::vector<int>, std::vector<int>>> all;
+        for (int y = 1; y < b.height - 1; y += rows)
+            for (int x = 4; x < b.width - 1; x += 4) {
+                if (at(a, x, y) == nothing || at(b, x, y) == nothing || at(c, x, y) == nothing) continue;
+                auto& [to, from] = all[window_of(at(b, x, y)).first];
+                to.push_back(at(b, x, y) - at(a, x, y));
+                from.push_back(at(c, x, y) - at(b, x, y));
+            }
+        Common common;
+        for (auto& [first, lists] : all) {
+            std::ranges::sort(lists.first);
+            std::ranges::sort(lists.second);
+            const std::size_t middle = lists.first.size() / 2;
+            common[first] = {lists.first[middle], lists.second[middle]};
+        }
+        return common;
     }
-    /// A film's distant pixels share at most an eighth of the codes' variance.
     struct Pair {
-        double code, common;
+        double code, common, change;
     };
-    bool is_film() {
-        double mean = 0, variance = 0, common = 0;
-        for (const Pair& pair : pairs_) mean += pair.code / static_cast<double>(pairs_.size());
-        for (const Pair& pair : pairs_) {
+    struct Changes {
+        std::map<int, std::vector<Sample>> of[3];
+        std::vector<Pair> pairs;
+
+        void add(const Measuring& by, const CodePicture& a, const CodePicture& b, const CodePicture& c, int x,
+                 int y, const Common& common) {
+            const auto change = [&](int column) {
+                const auto found = common.find(by.window_of(at(b, column, y)).first);
+                const auto less =
+                    found == common.end() ? std::pair<std::int64_t, std::int64_t>{} : found->second;
+                return std::pair<std::int64_t, std::int64_t>{
+                    at(b, column, y) - at(a, column, y) - less.first,
+                    at(c, column, y) - at(b, column, y) - less.second};
+            };
+            const auto [d, e] = change(x);
+            of[by.place_of(b, x, y)][by.window_of(at(b, x, y)).first].push_back(
+                {std::max(std::abs(d), std::abs(e)), d * e, (d * d + e * e) / 2});
+            const int there = x + std::max(1, b.width / 16);
+            if (at(a, there, y) == nothing || at(b, there, y) == nothing || at(c, there, y) == nothing)
+                return;
+            const auto [d2, e2] = change(there);
+            pairs.push_back({static_cast<double>(at(b, x, y)), static_cast<double>(-(d * e2 + e * d2)) / 2,
+                             static_cast<double>(d * d + e * e)});
+        }
+    };
+    /// The changes by which noise is told; null of unrelated pictures: a film's distant pixels share at most
+    /// an eighth of the codes' variance.
+    const Changes* film() {
+        double mean = 0, variance = 0, common = 0, change = 0, own_common = 0, own_change = 0;
+        const std::vector<Pair>& pairs = all_.pairs;
+        for (const Pair& pair : pairs) mean += pair.code / static_cast<double>(pairs.size());
+        for (const Pair& pair : pairs) {
             variance += (pair.code - mean) * (pair.code - mean);
             common += pair.common;
+            change += pair.change;
+        }
+        for (const Pair& pair : own_.pairs) {
+            own_common += pair.common;
+            own_change += pair.change;
+        }
+        if (2 * own_change < change && own_change > 2 * static_cast<double>(pairs.size()) &&
+            16 * own_common <= own_change) {
+            decide("a common change");
+            return &own_;
         }
         if (8 * common > variance) decide("unrelated pictures");
-        return 8 * common <= variance;
+        return 8 * common <= variance ? &all_ : nullptr;
     }
 
     using Samples = std::map<int, std::vector<Sample>>;  // by the window's first code
@@ -413,8 +479,9 @@ private:
         }
         return means;
     }
-    DepthLength noise(const Samples& changes) {
-        if (!is_film_) return {};
+    DepthLength noise(int place) {
+        if (!film_) return {};
+        const Samples& changes = film_->of[place];
         std::vector<Fit> noisy;
         double pixels = 0, pixels_of_noisy = 0;
         for (const auto& [first, samples] : changes) {
@@ -439,15 +506,41 @@ private:
         }
         return fitted(noisy);
     }
-    DepthLength roughness() {
+    DepthLength roughness(const Samples& bends) {
         std::vector<Fit> rough;
-        for (const auto& [first, samples] : bends_) {
+        for (const auto& [first, samples] : bends) {
             const auto [z, step] = depth_and_step(first);
             const Means means = clipped(samples, 6 * z / 10 / step);
             if (means.count >= 200 && means.square > 0)
                 rough.push_back({z, step * std::sqrt(means.square / 36), means.count});
         }
         return fitted(rough);
+    }
+    /// Share of what is left that bends by a tenth of the root mean square, against depth, by the highest
+    /// three bits.
+    double smooth() {
+        double smooth = 0, whole = 0, squares = 0;
+        const auto each = [&](auto&& visit) {
+            for (const auto& [first, samples] : bends_) {
+                const auto [z, step] = depth_and_step(first);
+                const Means means = clipped(samples, 6 * z / 10 / step);
+                if (means.count >= 200) visit(samples, z / step, means);
+            }
+        };
+        each([&](const std::vector<Sample>&, double codes, const Means& means) {
+            whole += means.count;
+            squares += means.count * means.square / (codes * codes);
+        });
+        if (squares == 0) return 0;
+        const double limit = std::sqrt(squares / whole) / 10;
+        each([&](const std::vector<Sample>& samples, double codes, const Means&) {
+            for (const Sample& one : samples) {
+                std::int64_t low = 1;
+                while (one.size / low >= 8) low *= 2;
+                smooth += static_cast<double>(one.size / low * low) <= limit * codes;
+            }
+        });
+        return smooth / whole;
     }
     /// constant + quadratic z^2 by least squares of the relative error, neither negative: the best of all
     /// that may be.
@@ -474,9 +567,9 @@ private:
     const DepthCoding& coding_;
     const std::vector<CodePicture>& pictures_;
     PlainEstimator estimator_;
-    Samples changes_[3], bends_;
-    std::vector<Pair> pairs_;
-    bool is_film_ = true;
+    Samples bends_, wide_bends_;
+    Changes all_, own_;
+    const Changes* film_ = nullptr;
 };
 
 PlainEstimator plain_estimator(const DepthCoding& coding, const std::vector<CodePicture>& pictures) {
@@ -534,8 +627,9 @@ std::vector<CodePicture> any_recording(SplitMix64& random, int width, int height
     };
     std::vector<bool> hole;
     for (int k = 0; k < width * height; ++k) hole.push_back(random.unit() < stripe_of(k)->holes);
-    SplitMix64 others = random;  // pictures that are no film sway
-    const double sway = others.next() % 4 == 0 ? others.within(0, 0.1) : 0;
+    SplitMix64 others = random;  // pictures that are no film sway, a film's gain changes
+    const double sway = others.next() % 3 == 0 ? others.within(0, 0.1) : 0;
+    const bool is_gain = others.next() % 2 == 0;
     for (std::size_t n = 0; n < pictures.size(); ++n) {
         const double sways = n % 2 == 0 ? 1 + sway : 1 - sway;
         pictures[n] = {width, height, {}};
@@ -545,7 +639,7 @@ std::vector<CodePicture> any_recording(SplitMix64& random, int width, int height
                           of->drift * static_cast<double>(n);
             code += of->wave * random.unit() * (k % 3 == 0);
             if (random.unit() < of->outliers) code *= 1 + random.within(-of->farthest, of->farthest);
-            code *= sways;
+            code *= is_gain || k % width < width / 2 ? sways : 2 - sways;
             const bool none = hole[static_cast<std::size_t>(k)] || random.unit() < of->dropouts;
             pictures[n].codes.push_back(none ? CodePicture::invalid
                                              : static_cast<int>(std::clamp(code + 0.5, 1.0, 4000.0)));
@@ -591,6 +685,9 @@ TEST(EstimatorRules, MeasureNoiseAsDocumented) {
         expect_near(estimator.noise(NoiseEstimator::Place::edge), plain.noise_at_edges, "noise at edges");
         expect_near(estimator.noise(NoiseEstimator::Place::rim), plain.noise_at_rims, "noise at rims");
         expect_near(estimator.roughness(), plain.roughness, "roughness");
+        expect_near(estimator.wide_roughness(), plain.wide_roughness, "wide roughness");
+        EXPECT_EQ(estimator.smooth(), plain.smooth);
+        EXPECT_EQ(estimator.changing(), plain.changing);
         EXPECT_EQ(estimator.dropouts(), plain.dropouts);
         EXPECT_EQ(estimator.tiny_holes(), plain.tiny_holes);
         EXPECT_EQ(estimator.flying(), plain.flying);
@@ -602,9 +699,10 @@ TEST(EstimatorRules, MeasureNoiseAsDocumented) {
     }
     EXPECT_GT(noisy, rounds * 3 / 8);
     EXPECT_GT(rough, rounds * 3 / 4);
-    for (const char* rule : {"fewer than 200 pixels", "more than half is left out", "not noisy",
-                             "less than half is noisy", "noise has no constant", "noise does not grow",
-                             "flying", "flying on a ramp", "midway", "clean edge", "unrelated pictures"})
+    for (const char* rule :
+         {"fewer than 200 pixels", "more than half is left out", "not noisy", "less than half is noisy",
+          "noise has no constant", "noise does not grow", "flying", "flying on a ramp", "midway",
+          "clean edge", "unrelated pictures", "a common change"})
         EXPECT_GT(decided[rule], rounds / 20) << rule;
 }
 
@@ -764,6 +862,33 @@ TEST(EstimatorRules, RecogniseCamerasByThresholds) {
     EXPECT_TRUE(is_camera([](MeasuredDepth& of) { of.levels.quadratic = 1e-9; }));
     EXPECT_FALSE(is_camera([](MeasuredDepth& of) { of.levels.constant = 5; })) << "a converter's rounding";
     EXPECT_TRUE(is_camera([](MeasuredDepth& of) { of.noise.constant = 1e-9; }));
+}
+
+TEST(EstimatorRules, RecogniseNoiseByThresholds) {
+    const auto is_rough = [](auto change) {
+        MeasuredDepth measured;
+        measured.pixel = 10;
+        measured.distance = 1;
+        measured.roughness = measured.wide_roughness = 0.6;
+        change(measured);
+        return measured.is_rough();
+    };
+    EXPECT_TRUE(is_rough([](MeasuredDepth&) {}));
+    EXPECT_FALSE(is_rough([](MeasuredDepth& of) { of.pixel = 12.1; })) << "a twentieth";
+    EXPECT_TRUE(is_rough([](MeasuredDepth& of) { of.distance = 1.49; }));
+    EXPECT_FALSE(is_rough([](MeasuredDepth& of) { of.distance = 1.51; })) << "as rough as rounding";
+    EXPECT_TRUE(is_rough([](MeasuredDepth& of) { of.wide_roughness = 4.49 * 0.6; }));
+    EXPECT_FALSE(is_rough([](MeasuredDepth& of) { of.wide_roughness = 4.51 * 0.6; })) << "it has a shape";
+    EXPECT_TRUE(is_rough([](MeasuredDepth& of) { of.smooth = 0.3; }));
+    EXPECT_FALSE(is_rough([](MeasuredDepth& of) { of.smooth = 0.301; }));
+    for (const auto& [frames, changing, rough] :
+         {std::tuple{2, 0.0, true}, {3, 0.0, false}, {3, 0.049, false}, {3, 0.05, true}})
+        EXPECT_EQ(is_rough([&, frames = frames, changing = changing](MeasuredDepth& of) {
+                      of.frames = frames;
+                      of.changing = changing;
+                  }),
+                  rough)
+            << frames << ", " << changing;
 }
 
 // Frames 0 to 15, or 0 to 3 where these show nothing of a camera.
