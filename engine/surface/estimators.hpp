@@ -119,7 +119,6 @@ public:
     Means means(double limit) const;
     /// Number of values up to a size, to its highest three bits.
     std::int64_t count_to(double size) const;
-    ClippedSums& operator+=(const ClippedSums& other);
 
 private:
     struct Sum {
@@ -181,7 +180,12 @@ private:
         /// Pixels with a distant partner: their codes, and how much both change, by themselves and together.
         std::int64_t pairs = 0, code = 0, square = 0, product = 0, change = 0;
 
-        void add(const Changes& other);
+        explicit Changes(std::size_t windows = 0) : of(windows) {}
+        /// Codes of a pixel and of its partner in three frames, and the changes that both windows have in
+        /// common, to the middle frame and from it on.
+        void add(std::size_t window, Place place, const std::array<int, 3>& codes,
+                 const std::array<int, 3>& there, const std::array<int, 2>& common,
+                 const std::array<int, 2>& common_there);
     };
     using Triple = std::array<const CodePicture*, 3>;
 
@@ -201,7 +205,6 @@ private:
     void each_kept(const Triple& pictures, const Visit& visit) const;
     /// The median change of a code in each window, to the middle one of three pictures and from it on.
     std::vector<std::array<int, 2>> common_changes(const Triple& pictures) const;
-    Changes changes_of(const Triple& pictures, const std::vector<std::array<int, 2>>& common) const;
     void look_at_changes(const Triple& pictures);
     /// False for unrelated pictures. Their depths change like noise, too, but distant pixels change together,
     /// by about as much as depth varies over a picture. Distant pixels share none of a camera's noise.

@@ -26,7 +26,8 @@ constexpr double common_per_own = 2;
 /// Changes by which rounding alone differs from a common one: d and e by one code each.
 constexpr double rounding_square = 2;
 /// Every so many pixels of a row tell the change that all have in common.
-constexpr int common_apart = 4;
+constexpr int common_apart = 8;
+constexpr std::array no_pair{CodePicture::invalid, CodePicture::invalid, CodePicture::invalid};
 /// What bends so much less than the rest is smooth.
 constexpr double smooth_share = 0.1;
 
@@ -124,15 +125,6 @@ std::int64_t ClippedSums::count_to(double size) const {
     return count;
 }
 
-ClippedSums& ClippedSums::operator+=(const ClippedSums& other) {
-    for (std::size_t k = 0; k < sums_.size(); ++k) {
-        sums_[k].count += other.sums_[k].count;
-        sums_[k].product += other.sums_[k].product;
-        sums_[k].square += other.sums_[k].square;
-    }
-    return *this;
-}
-
 NoiseEstimator::NoiseEstimator(const DepthCoding& coding) : window_of_code_(65536) {
     for (int first = 0; first < 65536; first = end_of_window(first)) {
         Window window;
@@ -147,8 +139,7 @@ NoiseEstimator::NoiseEstimator(const DepthCoding& coding) : window_of_code_(6553
             window_of_code_[static_cast<std::size_t>(code)] = static_cast<std::uint8_t>(windows_.size());
         windows_.push_back(std::move(window));
     }
-    changes_.of.resize(windows_.size());
-    own_changes_.of.resize(windows_.size());
+    changes_ = own_changes_ = Changes(windows_.size());
 }
 
 NoiseEstimator::Place NoiseEstimator::place_of(const CodePicture& picture, int x, int y) const {
@@ -233,14 +224,18 @@ void NoiseEstimator::add_wide_bend(const CodePicture& picture, int x, int y) {
         static_cast<int>(std::abs(bend)), 0, bend * bend);
 }
 
-void NoiseEstimator::Changes::add(const Changes& other) {
-    for (std::size_t w = 0; w < of.size(); ++w)
-        for (std::size_t place = 0; place < 3; ++place) of[w][place] += other.of[w][place];
-    pairs += other.pairs;
-    code += other.code;
-    square += other.square;
-    product += other.product;
-    change += other.change;
+void NoiseEstimator::Changes::add(std::size_t window, Place place, const std::array<int, 3>& codes,
+                                  const std::array<int, 3>& there, const std::array<int, 2>& common,
+                                  const std::array<int, 2>& common_there) {
+    const std::int64_t d = codes[1] - codes[0] - common[0], e = codes[2] - codes[1] - common[1];
+    of[window][static_cast<std::size_t>(place)].add(static_cast<int>(std::max(std::abs(d), std::abs(e))),
+                                                    d * e, (d * d + e * e) / 2);
+    if (there[1] == CodePicture::invalid) return;
+    ++pairs;
+    code += codes[1];
+    square += std::int64_t{codes[1]} * codes[1];
+    product -= d * (there[2] - there[1] - common_there[1]) + e * (there[1] - there[0] - common_there[0]);
+    change += d * d + e * e;
 }
 
 template <class Visit>
@@ -269,51 +264,31 @@ std::vector<std::array<int, 2>> NoiseEstimator::common_changes(const Triple& pic
     return common;
 }
 
-NoiseEstimator::Changes NoiseEstimator::changes_of(const Triple& pictures,
-                                                   const std::vector<std::array<int, 2>>& common) const {
-    Changes changes;
-    changes.of.resize(windows_.size());
+void NoiseEstimator::look_at_changes(const Triple& pictures) {
     const CodePicture& here = *pictures[1];
     const int far_apart = std::max(1, here.width / far_apart_share);
-    // How much a pixel with these codes changes, to the middle one and from it on.
-    const auto change_of = [&](int before, int code, int after) {
-        const auto& less = common[window_of_code_[static_cast<std::size_t>(code)]];
-        return std::array<std::int64_t, 2>{code - before - less[0], after - code - less[1]};
-    };
-    each_kept(pictures, [&](int x, int y, const std::array<int, 3>& codes) {
-        const int code = codes[1];
-        if (code == CodePicture::invalid) return;
-        const auto [d, e] = change_of(codes[0], code, codes[2]);
-        changes
-            .of[window_of_code_[static_cast<std::size_t>(code)]]
-               [static_cast<std::size_t>(place_of(here, x, y))]
-            .add(static_cast<int>(std::max(std::abs(d), std::abs(e))), d * e, (d * d + e * e) / 2);
-        const int there = x + far_apart;
-        const int f = code_of(*pictures[0], there, y), g = code_of(here, there, y),
-                  h = code_of(*pictures[2], there, y);
-        if (std::min({f, g, h}) < 0) return;
-        const auto [other_d, other_e] = change_of(f, g, h);
-        ++changes.pairs;
-        changes.code += code;
-        changes.square += std::int64_t{code} * code;
-        changes.product -= d * other_e + e * other_d;
-        changes.change += d * d + e * e;
-    });
-    return changes;
-}
-
-void NoiseEstimator::look_at_changes(const Triple& pictures) {
+    const auto common = common_changes(pictures);
+    constexpr std::array<int, 2> none{0, 0};
     each_kept(pictures, [&](int x, int y, const std::array<int, 3>& codes) {
         ++kept_;
-        dropped_ += codes[1] == CodePicture::invalid;
-        if (codes[1] == CodePicture::invalid || place_of(*pictures[1], x, y) != Place::flat) return;
-        ++flat_;
-        changed_ += codes[0] != codes[1] || codes[1] != codes[2];
+        const int code = codes[1];
+        if (code == CodePicture::invalid) {
+            ++dropped_;
+            return;
+        }
+        const Place place = place_of(here, x, y);
+        const std::array<int, 3> there{code_of(*pictures[0], x + far_apart, y),
+                                       code_of(here, x + far_apart, y),
+                                       code_of(*pictures[2], x + far_apart, y)};
+        const std::size_t window = window_of_code_[static_cast<std::size_t>(code)];
+        flat_ += place == Place::flat;
+        changed_ += place == Place::flat && (codes[0] != code || code != codes[2]);
+        const bool is_pair = *std::ranges::min_element(there) >= 0;
+        changes_.add(window, place, codes, is_pair ? there : no_pair, none, none);
+        if (x % common_apart != 0) return;
+        own_changes_.add(window, place, codes, is_pair ? there : no_pair, common[window],
+                         is_pair ? common[window_of_code_[static_cast<std::size_t>(there[1])]] : none);
     });
-    const auto common = common_changes(pictures), none = std::vector(windows_.size(), std::array{0, 0});
-    const Changes changes = changes_of(pictures, none);
-    changes_.add(changes);
-    own_changes_.add(common == none ? changes : changes_of(pictures, common));
 }
 
 void NoiseEstimator::add(const CodePicture& picture) {
@@ -335,10 +310,13 @@ bool NoiseEstimator::is_film(const Changes& changes) {
 }
 
 const NoiseEstimator::Changes* NoiseEstimator::film() const {
-    const auto all = static_cast<double>(changes_.change), own = static_cast<double>(own_changes_.change);
-    const bool is_own = static_cast<double>(own_changes_.product) <= most_of_film * own &&
-                        own > rounding_square * static_cast<double>(own_changes_.pairs);
-    if (is_own && common_per_own * own < all) return &own_changes_;
+    const auto mean = [](const Changes& of, std::int64_t sum) {
+        return static_cast<double>(sum) / static_cast<double>(std::max<std::int64_t>(of.pairs, 1));
+    };
+    const double all = mean(changes_, changes_.change), own = mean(own_changes_, own_changes_.change);
+    if (mean(own_changes_, own_changes_.product) <= most_of_film * own && own > rounding_square &&
+        common_per_own * own < all)
+        return &own_changes_;
     return is_film(changes_) ? &changes_ : nullptr;
 }
 

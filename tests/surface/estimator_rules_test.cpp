@@ -265,7 +265,7 @@ private:
                     dropped += at(b, x, y) == nothing;
                     if (at(b, x, y) == nothing) continue;
                     all_.add(*this, a, b, picture, x, y, {});
-                    own_.add(*this, a, b, picture, x, y, common);
+                    if (x % 8 == 0) own_.add(*this, a, b, picture, x, y, common);
                     if (place_of(b, x, y) != flat) continue;
                     ++flat_pixels;
                     changing += at(a, x, y) != at(b, x, y) || at(b, x, y) != at(picture, x, y);
@@ -384,7 +384,7 @@ private:
     Common common_changes(const CodePicture& a, const CodePicture& b, const CodePicture& c, int rows) const {
         std::map<int, std::pair<std::vector<int>, std::vector<int>>> all;
         for (int y = 1; y < b.height - 1; y += rows)
-            for (int x = 4; x < b.width - 1; x += 4) {
+            for (int x = 8; x < b.width - 1; x += 8) {
                 if (at(a, x, y) == nothing || at(b, x, y) == nothing || at(c, x, y) == nothing) continue;
                 auto& [to, from] = all[window_of(at(b, x, y)).first];
                 to.push_back(at(b, x, y) - at(a, x, y));
@@ -442,7 +442,9 @@ private:
             own_common += pair.common;
             own_change += pair.change;
         }
-        if (2 * own_change < change && own_change > 2 * static_cast<double>(pairs.size()) &&
+        const auto size = static_cast<double>(std::max<std::size_t>(pairs.size(), 1)),
+                   own_size = static_cast<double>(std::max<std::size_t>(own_.pairs.size(), 1));
+        if (2 * own_change / own_size < change / size && own_change > 2 * own_size &&
             16 * own_common <= own_change) {
             decide("a common change");
             return &own_;
@@ -628,7 +630,7 @@ std::vector<CodePicture> any_recording(SplitMix64& random, int width, int height
     std::vector<bool> hole;
     for (int k = 0; k < width * height; ++k) hole.push_back(random.unit() < stripe_of(k)->holes);
     SplitMix64 others = random;  // pictures that are no film sway, a film's gain changes
-    const double sway = others.next() % 3 == 0 ? others.within(0, 0.1) : 0;
+    const double sway = others.next() % 4 == 0 ? others.within(0, 0.1) : 0;
     const bool is_gain = others.next() % 2 == 0;
     for (std::size_t n = 0; n < pictures.size(); ++n) {
         const double sways = n % 2 == 0 ? 1 + sway : 1 - sway;
