@@ -109,6 +109,7 @@ Result<void> run(const Options& options) {
         std::cerr << "[" << k + 1 << "/" << cases.size() << "] " << c.name << std::endl;
         done.push_back({c.name, {}});
         if (auto measured = c.measure(done.back().figures); !measured) return measured;
+        add_jnd(done.back().figures);
     }
     const CaseFigures machine{"machine", machine_figures(load_at_start)};
     std::cout << "commit " << measured_commit << "\n\n"

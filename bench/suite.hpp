@@ -15,8 +15,8 @@ namespace touchable {
 struct Figure {
     std::string metric;
     double value;
-    std::string_view unit;  ///< a literal: "us", "N", "deg", "mJ", "%", "ns", "ms", "KB", "MB", "MB/s",
-                            ///< "GB/s", "px", "dB", or "" for a count
+    std::string_view unit;  ///< a literal: "us", "N", "deg", "JND", "mJ", "%", "ns", "ms", "KB", "MB",
+                            ///< "MB/s", "GB/s", "px", "dB", or "" for a count
     bool in_tables = true;  ///< false: one of many, for a plot; only in the JSON
     std::optional<std::string> name{};  ///< replaces the value
 };

@@ -28,6 +28,7 @@
 #include "bench/suite.hpp"
 #include "bench/targets.hpp"
 #include "bench/touch/force_spectrum.hpp"
+#include "engine/base/hand_thresholds.hpp"
 #include "engine/base/same_bits.hpp"
 #include "engine/gpu/gpu_device.hpp"
 #include "engine/scene/frames.hpp"
@@ -755,6 +756,33 @@ TEST(Suites, NameNoCaseTwice) {
 CaseFigures widened(CaseFigures c) {
     for (int n = 0; n < 31; ++n) c.figures.push_back({std::to_string(1000 + n), 0, ""});
     return c;
+}
+
+/// Barbagli et al. 2006; Pang, Tan and Durlach 1991.
+TEST(HandThresholds, MatchTheirSources) {
+    EXPECT_DOUBLE_EQ(direction_jnd(18.4), 1);
+    EXPECT_NEAR(direction_jnd(1.74), 0.09, 0.005) << "the globe";
+    EXPECT_NEAR(direction_jnd(49), 2.7, 0.05) << "the paper's method";
+    EXPECT_EQ(hand_thresholds::felt_degrees, 25.6);
+    EXPECT_EQ(direction_jnd_words(9.2), "0.5 of what a hand just notices where it sees the scene");
+    EXPECT_DOUBLE_EQ(just_noticed_newtons(2.5).value_or(0), 0.175);
+    EXPECT_DOUBLE_EQ(just_noticed_newtons(10).value_or(0), 0.7);
+    EXPECT_FALSE(just_noticed_newtons(2.4) || just_noticed_newtons(10.1));
+}
+
+TEST(Report, AddsJndBesideDirections) {
+    Figures figures{{"tick_us_mean", 1, "us"},
+                    {"force_angle_deg_rms", 9.2, "deg"},
+                    {"force_angle_deg_rms_0_15", 36.8, "deg"},
+                    {"plane_error_deg", 1, "deg"}};
+    add_jnd(figures);
+    ASSERT_EQ(figures.size(), 6U);
+    EXPECT_EQ(figures[2].metric, "force_angle_jnd_rms");
+    EXPECT_DOUBLE_EQ(figures[2].value, 0.5);
+    EXPECT_EQ(figures[2].unit, "JND");
+    EXPECT_EQ(figures[4].metric, "force_angle_jnd_rms_0_15");
+    EXPECT_DOUBLE_EQ(figures[4].value, 2);
+    EXPECT_EQ(figures[5].metric, "plane_error_deg") << "is no error of a force";
 }
 
 TEST(Report, ManyMetricsGetRows) {
