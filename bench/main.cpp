@@ -40,6 +40,8 @@ constexpr std::array suites{
                stream_cases},
     BenchSuite{"capi", "touchable.h against what stands behind it: ticks, batches, reading of clips",
                capi_cases},
+    BenchSuite{"beside", "contact on a height field beside other programs': direction of the force",
+               beside_cases},
     BenchSuite{"targets", "what solver and frames are to reach, and whether they do", target_cases,
                conclude_targets},
 };

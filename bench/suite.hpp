@@ -62,6 +62,7 @@ Result<void> conclude_touch(const std::vector<CaseFigures>& measured);
 Result<void> conclude_surface(const std::vector<CaseFigures>& measured);
 std::vector<BenchCase> stream_cases(bool quick);
 std::vector<BenchCase> capi_cases(bool quick);
+std::vector<BenchCase> beside_cases(bool quick);
 std::vector<BenchCase> live_cases(bool quick);
 /// Prints the table of targets; a missed target is no error.
 Result<void> conclude_live(const std::vector<CaseFigures>& measured);
