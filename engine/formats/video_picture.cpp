@@ -67,7 +67,8 @@ struct PartLook {
     bool is_grey = false, is_hue = false, is_nearly_grey = false;
     bool is_ramp = false;  ///< of colours whose mean grows (RampCounts)
     bool is_even = true;   ///< the same everywhere: a bar, and no depth
-    bool is_vivid = false;        ///< most of what is lit is of full colour
+    bool is_black = false;
+    bool is_vivid = false;        ///< most of what is lit is bright and of full colour
     bool is_mostly_grey = false;  ///< as is_nearly_grey, but for one pixel in twenty
 
     bool is(VideoValues values) const {
@@ -80,7 +81,7 @@ struct PartLook {
 PartLook look_of(const PlaneView& rgb, int widest_margin = 16) {
     constexpr int codec_noise = 24, tint = 40, dark = 48, least_full = 192;
     const int margin = std::min({widest_margin, rgb.width / 8, rgb.height / 8});
-    std::int64_t pixels = 0, grey = 0, nearly = 0, lit = 0, vivid = 0, full = 0;
+    std::int64_t pixels = 0, grey = 0, nearly = 0, lit = 0, vivid = 0, full = 0, both = 0;
     int least = 255, most = 0;
     RampCounts ramp;
     for (int y = margin; y < rgb.height - margin; ++y)
@@ -95,8 +96,10 @@ PartLook look_of(const PlaneView& rgb, int widest_margin = 16) {
             ramp.add(pixel);
             if (high < dark) continue;
             ++lit;
-            vivid += 5 * (high - low) >= 3 * high;
-            full += high >= least_full;
+            const bool is_vivid = 5 * (high - low) >= 3 * high, is_full = high >= least_full;
+            vivid += is_vivid;
+            full += is_full;
+            both += is_vivid && is_full;
         }
     const bool is_ramp = 100 * nearly < 98 * pixels && ramp.is_ramp(pixels);
     return {100 * grey >= 99 * pixels,
@@ -104,7 +107,7 @@ PartLook look_of(const PlaneView& rgb, int widest_margin = 16) {
             100 * nearly >= 98 * pixels,
             is_ramp,
             most - least <= 8,
-            2 * vivid > lit,
+            most<DepthCoding::max_invalid_codes, 2 * both> lit,
             100 * nearly >= 95 * pixels};
 }
 
@@ -286,7 +289,7 @@ std::optional<VideoValues> values_in(VideoPicture& picture, const PicturePart& p
     const auto rgb = picture.rgb();
     if (!rgb) return {};
     const PartLook look = look_of(part_of(rgb->view, part));
-    if (look.is_even) return {};
+    if (look.is_black) return {};
     if (look.is_vivid && !look.is_ramp) return VideoValues::hue;
     return look.is_grey ? VideoValues::grey : VideoValues::mean;
 }

@@ -76,8 +76,8 @@ struct DepthInVideo {
 /// hold everywhere, or in one half and not in the other. If `said` states the values, depth is the half that
 /// has them, otherwise the whole picture. Nothing if there is no depth.
 std::optional<DepthInVideo> find_depth_in(VideoPicture& picture, std::optional<VideoValues> said);
-/// The values of depth whose part is known: hue if most of what is lit there is of full colour. Nothing if
-/// the part is of one shade, as before the first person comes.
+/// The values of depth whose part is known: hue if most of what is lit there is bright and of full colour.
+/// Nothing if the part is black, as before the first person comes.
 std::optional<VideoValues> values_in(VideoPicture& picture, const PicturePart& part);
 /// "depth is the left half, which is grey, colour the right one".
 std::string words_of(const DepthInVideo& found);

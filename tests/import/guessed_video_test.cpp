@@ -249,6 +249,33 @@ TEST_F(GuessedVideo, ReadsGreyHalfOfRecord3d) {
     EXPECT_TRUE(is_noted(*clip, "depth is the left half, which is grey"));
 }
 
+TEST_F(GuessedVideo, TakesDarkHalfOfRecord3dAsGrey) {
+    const auto kind_of = [&](const std::function<Rgb(int, int)>& depth) {
+        write_rgb(folder / "d.mp4", 64, 16, [&](int x, int y) {
+            return x < 32 ? depth(x, y) : Rgb{10 * y, 90, 200};
+        });
+        write_bytes(folder / "d.mp4",
+                    read_bytes(folder / "d.mp4") + R"({"intrinsicMatrix":[40.5,0,0,0,41.5,0,15.25,8.5,1]})");
+        return must(open_clip(folder / "d.mp4"))->scene().depth.kind;
+    };
+    // Eight codes of grey; noise of some 20 codes, by which few pixels are lit, and these vivid.
+    EXPECT_NE(kind_of([](int x, int y) {
+                  return Rgb{(x + y) / 6, (x + y) / 6, (x + y) / 6};
+              }),
+              DepthCodingKind::hue);
+    EXPECT_NE(kind_of([](int x, int y) {
+                  const auto noise = [&](int c) { return 10 + (x * 7 + y * 5 + c * 11) % 21; };
+                  return Rgb{x % 16 == 3 ? 55 : noise(0), noise(1), x % 16 == 3 ? 10 : noise(2)};
+              }),
+              DepthCodingKind::hue);
+    EXPECT_EQ(kind_of([](int, int) { return Rgb{0, 0, 0}; }), DepthCodingKind::hue) << "no evidence";
+    EXPECT_EQ(kind_of([](int x, int y) {
+                  return x == 9 ? of_hue(40 * y) : Rgb{0, 0, 0};
+              }),
+              DepthCodingKind::hue)
+        << "little before black";
+}
+
 TEST_F(GuessedVideo, TakesDullHalfOfRecord3dAsMean) {
     // Bluish grey, up to 49 codes from grey: hues would all be one blue.
     const auto grey = [](int x, int y) { return 40 + 5 * x + 3 * y; };
