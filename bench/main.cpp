@@ -40,6 +40,8 @@ constexpr std::array suites{
                stream_cases},
     BenchSuite{"capi", "touchable.h against what stands behind it: ticks, batches, reading of clips",
                capi_cases},
+    BenchSuite{"beside", "contact on a height field beside other programs': direction of the force",
+               beside_cases},
     BenchSuite{"targets", "what solver and frames are to reach, and whether they do", target_cases,
                conclude_targets},
 };
@@ -109,6 +111,7 @@ Result<void> run(const Options& options) {
         std::cerr << "[" << k + 1 << "/" << cases.size() << "] " << c.name << std::endl;
         done.push_back({c.name, {}});
         if (auto measured = c.measure(done.back().figures); !measured) return measured;
+        add_jnd(done.back().figures);
     }
     const CaseFigures machine{"machine", machine_figures(load_at_start)};
     std::cout << "commit " << measured_commit << "\n\n"

@@ -1,12 +1,14 @@
 #include "bench/report.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <span>
 
 #include "engine/base/files.hpp"
+#include "engine/base/hand_thresholds.hpp"
 #include "engine/base/words.hpp"
 
 namespace touchable {
@@ -151,6 +153,23 @@ std::string tables_of(const std::vector<CaseFigures>& measured) {
         first = last;
     }
     return text;
+}
+
+void add_jnd(Figures& figures) {
+    Figures with;
+    for (Figure& figure : figures) {
+        std::string metric = figure.metric;
+        const double jnd = direction_jnd(figure.value);
+        const auto at = metric.find("_deg");
+        const bool is_direction = std::ranges::any_of(
+            std::array{"force_angle", "face_angle", "force_jitter"},
+            [&](const char* begin) { return at != std::string::npos && metric.starts_with(begin); });
+        with.push_back(std::move(figure));
+        if (!is_direction) continue;
+        const bool is_of_a_bin = metric.back() >= '0' && metric.back() <= '9';
+        with.push_back({metric.replace(at, 4, "_jnd"), jnd, "JND", !is_of_a_bin});
+    }
+    figures = std::move(with);
 }
 
 Result<void> check_writable(const std::filesystem::path& file) {

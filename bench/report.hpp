@@ -13,6 +13,10 @@ namespace touchable {
 /// only are left out.
 std::string tables_of(const std::vector<CaseFigures>& measured);
 
+/// Puts beside each error of a force's direction, `<...>_deg<...>`, the same as a multiple of what a hand
+/// just notices, `<...>_jnd<...>` (engine/base/hand_thresholds.hpp).
+void add_jnd(Figures& figures);
+
 /// Whether the report can be written there; leaves no file. Call before hours of measuring.
 Result<void> check_writable(const std::filesystem::path& file);
 /// Writes an array of {suite, case, metric, value, unit}; a value is a number or a name. The file appears

@@ -15,8 +15,8 @@ namespace touchable {
 struct Figure {
     std::string metric;
     double value;
-    std::string_view unit;  ///< a literal: "us", "N", "deg", "mJ", "%", "ns", "ms", "KB", "MB", "MB/s",
-                            ///< "GB/s", "px", "dB", or "" for a count
+    std::string_view unit;  ///< a literal: "us", "N", "deg", "JND", "mJ", "%", "ns", "ms", "KB", "MB",
+                            ///< "MB/s", "GB/s", "px", "dB", or "" for a count
     bool in_tables = true;  ///< false: one of many, for a plot; only in the JSON
     std::optional<std::string> name{};  ///< replaces the value
 };
@@ -62,6 +62,7 @@ Result<void> conclude_touch(const std::vector<CaseFigures>& measured);
 Result<void> conclude_surface(const std::vector<CaseFigures>& measured);
 std::vector<BenchCase> stream_cases(bool quick);
 std::vector<BenchCase> capi_cases(bool quick);
+std::vector<BenchCase> beside_cases(bool quick);
 std::vector<BenchCase> live_cases(bool quick);
 /// Prints the table of targets; a missed target is no error.
 Result<void> conclude_live(const std::vector<CaseFigures>& measured);

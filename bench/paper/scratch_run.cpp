@@ -6,8 +6,10 @@
 #include <string>
 
 #include "bench/clocks.hpp"
+#include "bench/real/depth_plane.hpp"
 #include "bench/touch/force_spectrum.hpp"
 #include "bench/touch/touch_run.hpp"
+#include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "haptics_cpu/touch_step.hpp"
@@ -39,6 +41,24 @@ public:
     double held_back(int k, const Contact& contact) const {
         const glm::dvec3 off = workspace_.to_device(contact.proxy) - meant(k);
         return std::sqrt(off.x * off.x + off.y * off.y);
+    }
+
+    /// Degrees by which a force lies outside the friction cone of the true surface under the proxy.
+    double beyond_friction(const Contact& contact) const {
+        const PaperClip& clip = played_.clip();
+        const Camera& camera = clip.scene.camera;
+        const auto seen = project(camera, contact.proxy);
+        if (!seen) return 180;
+        const auto point = [&](double right, double down) {
+            const double x = seen->x + right, y = seen->y + down;
+            return unproject(camera, x, y,
+                             planar_depth(camera, clip.scene.depth.semantics, x, y, clip.depth(x, y)));
+        };
+        constexpr double step = 0.01;  // pixels
+        const glm::dvec3 normal =
+            glm::cross(point(0, step) - point(0, -step), point(step, 0) - point(-step, 0));
+        const double cone = 180 / pi * arctangent(clip.scene.default_properties.static_friction);
+        return std::max(0.0, degrees_between(contact.force, normal) - cone);
     }
 
     std::string hash() const { return hash_.hex(); }
@@ -81,6 +101,7 @@ struct Scratched {
     std::vector<double> newtons;
     int touching = 0;
     double held_back_squares = 0;  // device metres squared
+    double angle_squares = 0;      // degrees squared, beyond friction
 };
 
 Result<Scratched> scratched(Scratching& hand) {
@@ -92,6 +113,9 @@ Result<Scratched> scratched(Scratching& hand) {
         recorded.touching += contact.touching;
         const double off = hand.held_back(k, contact);
         recorded.held_back_squares += off * off;
+        if (!contact.touching) continue;
+        const double angle = hand.beyond_friction(contact);
+        recorded.angle_squares += angle * angle;
     }
     if (2 * recorded.touching < segments * segment_ticks)
         return Error{ErrorKind::check, "less than half of the ticks are in contact"};
@@ -141,6 +165,7 @@ Result<void> measure_scratch(std::shared_ptr<const PaperClip> clip, const Scratc
     figures.push_back(
         {"force_n_max", *std::max_element(recorded.newtons.begin(), recorded.newtons.end()), "N"});
     figures.push_back({"held_back_mm", 1000 * std::sqrt(recorded.held_back_squares / count), "mm"});
+    figures.push_back({"force_angle_deg_rms", std::sqrt(recorded.angle_squares / recorded.touching), "deg"});
     figures.push_back({"contact_pct", 100 * recorded.touching / count, "%"});
     figures.push_back(named("force_hash", hand.hash()));
     add_curve(spectrum, figures);

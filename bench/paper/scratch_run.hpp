@@ -37,9 +37,9 @@ inline constexpr double first_octave_hz = 7.8125;
 inline constexpr int octaves = 6;
 
 /// Appends force_band_mn (20 to 500 Hz), force_band_mn_<from>_<to> of each octave, mean and largest force,
-/// the share of ticks in contact, the hash of the forces of all ticks, and for plots force_psd_<hz>hz. An
-/// error if a force is not k S (P - G), a proxy is behind the surface, or less than half of the ticks are in
-/// contact.
+/// force_angle_deg_rms outside the true surface's friction cone, the share of ticks in contact, the hash of
+/// the forces of all ticks, and for plots force_psd_<hz>hz. An error if a force is not k S (P - G), a proxy
+/// is behind the surface, or less than half of the ticks are in contact.
 Result<void> measure_scratch(std::shared_ptr<const PaperClip> clip, const ScratchRun& run, Figures& figures);
 
 }  // namespace touchable

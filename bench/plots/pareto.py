@@ -21,6 +21,7 @@ HOLD = {None: (COLOURS[0], "linear between frames"), "-hold": (COLOURS[4], "hold
 SIZES = "oD^sv<>p"
 PAPERS_OWN = {"bits": "8", "mode": "pixel", "median": "3"}
 TIME, ANGLE, DISTANCE = "tick_us_mean", "force_angle_deg_rms", "distance_mm_rms"
+NOTICED = "force_angle_jnd_rms"
 POINT = {"linestyle": "", "markersize": 7, "markeredgewidth": 1.4}
 
 
@@ -45,11 +46,18 @@ def front(options):
     return np.array(points).T
 
 
+def just_noticed(figures):
+    """Degrees of one JND: the report has the same error in both; None of an older one."""
+    return next((metrics[ANGLE] / metrics[NOTICED] for metrics in figures.values() if metrics.get(NOTICED)), None)
+
+
 def is_papers_own(option):
     return option["lazy"] and all(option[key] == value for key, value in PAPERS_OWN.items())
 
 
-def draw_globe(axes, options):
+def draw_globe(axes, options, noticed):
+    if noticed:
+        axes.axhline(noticed, color="#999999", linewidth=1, linestyle=":", zorder=1)
     axes.plot(*front(options), color="#999999", linewidth=1, drawstyle="steps-post", zorder=1)
     for option in options:
         colour, shape = MODES[option["mode"]][0], BITS[option["bits"]][0]
@@ -108,13 +116,16 @@ def draw_band(band, panels, draw, title, across, up):
     band.supylabel(up, fontsize=10)
 
 
-def globe_legend():
+def globe_legend(noticed):
     handles = [Patch(facecolor=colour, label=label) for colour, label in MODES.values()]
     handles += [Line2D([], [], marker=marker, color="#666666", label=label, **POINT)
                 for marker, label in BITS.values()]
     handles.append(Line2D([], [], marker="s", color="white", markeredgecolor="#666666",
                           label="filtered where touched", **POINT))
     handles.append(Line2D([], [], color="#999999", linewidth=1, label="nothing is better in both"))
+    if noticed:
+        handles.append(Line2D([], [], color="#999999", linewidth=1, linestyle=":",
+                              label=f"a hand just notices ({noticed:.3g} degrees)"))
     return handles
 
 
@@ -130,8 +141,9 @@ def draw_pareto(arguments):
     moving = options_of(figures, MOVING, DISTANCE, lambda o: "stroked at 0.05, 0.1 and 0.3 m/s")
     bands = []
     if globe:
-        bands.append((globe, draw_globe, "The globe, one finger", "error of the force's direction (degrees RMS)",
-                      globe_legend()))
+        noticed = just_noticed(figures)
+        bands.append((globe, lambda axes, options: draw_globe(axes, options, noticed), "The globe, one finger", "error of the force's direction (degrees RMS)",
+                      globe_legend(noticed)))
     if moving:
         bands.append((moving, draw_moving, "A surface that rises and falls by 20 mm at 30 frames/s",
                       "from the true nearest\npoint (mm RMS)", moving_legend(next(iter(moving.values())))))

@@ -185,8 +185,8 @@ Opened open_depthkit_clip(const Candidate& video) {
     clip.roles = {PlaneRole::depth, PlaneRole::colour};
     clip.found.rate = rate;
     clip.inputs = {file, metadata};
-    clip.pictures =
-        pictures_of_halves({file.filename().string(), "", VideoLayout::bottom, VideoValues::hue}, pictures);
+    clip.pictures = pictures_of_halves({file.filename().string(), "", VideoLayout::bottom, VideoValues::hue},
+                                       pictures, clip.notes);
     return open_stored_clip(std::move(clip));
 }
 

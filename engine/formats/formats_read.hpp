@@ -107,8 +107,10 @@ Result<GuessedScene> guess_video(const SourceFile& file, const SourceDescription
 Opened open_videos(const std::filesystem::path& folder, const GuessedScene& described, Colour colour,
                    DepthAlignment alignment);
 
-/// The pictures of a video whose halves are depth and colour, with nothing between them.
-std::shared_ptr<FrameSource> pictures_of_halves(const VideoSource& source, std::shared_ptr<VideoFile> video);
+/// The pictures of a video whose halves are depth and colour, with nothing between them. `notes` gets a
+/// remark if the depth is to be hue and is grey.
+std::shared_ptr<FrameSource> pictures_of_halves(const VideoSource& source, std::shared_ptr<VideoFile> video,
+                                                std::vector<std::string>& notes);
 
 // lerobot.cpp
 

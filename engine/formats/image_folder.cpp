@@ -313,10 +313,13 @@ private:
                             is_any_of(small_letters(first.extension().string()), {".png", ".jpg", ".jpeg"});
         if (!may_be || rules_.depth == DepthCodingKind::hue || rules_.packed != Packing::none) return;
         const auto looked = pictures_->look(first);
-        if (looked) halves_ = depth_beside_colour((*looked)->image);
+        if (looked) halves_ = depth_in_colours((*looked)->image);
         if (!halves_) return;
         const int width = clip.described.scene.width, height = clip.described.scene.height;
-        const char* const share = height > width ? "half" : width > 2 * height ? "twice" : nullptr;
+        const char* const share = halves_->layout == VideoLayout::alone ? nullptr
+                                  : height > width                      ? "half"
+                                  : width > 2 * height                  ? "twice"
+                                                                        : nullptr;
         clip.notes.push_back(words_of(*halves_));
         if (share)
             clip.notes.back() += std::string("; if both were squeezed to fit, the focal length across is ") +

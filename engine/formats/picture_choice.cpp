@@ -24,7 +24,8 @@ namespace fs = std::filesystem;
 
 using SharedPicture = std::shared_ptr<const StoredImage>;
 
-/// Turns RGB that is grey everywhere, or in a half beside colour, into grey, and packed depth into numbers.
+/// Turns RGB that is grey or nearly so everywhere, or in a half beside colour, into grey, and packed depth
+/// into numbers.
 Result<SharedPicture> as_depth(SharedPicture stored, const fs::path& file, Packing packing = Packing::none) {
     if (!stored->values.empty()) return stored;
     if (packing == Packing::none) packing = packing_of(*stored);
@@ -34,8 +35,9 @@ Result<SharedPicture> as_depth(SharedPicture stored, const fs::path& file, Packi
         if (stop_requested()) return interrupted_error();
     }
     if (stored->image.channels == 1) return stored;
-    if (const auto found = depth_beside_colour(stored->image)) {
+    if (const auto found = depth_in_colours(stored->image)) {
         auto depth = std::make_shared<StoredImage>(half_of(*stored, *found, PlaneRole::depth));
+        if (found->layout == VideoLayout::alone) return SharedPicture(std::move(depth));
         depth->beside = std::make_shared<BesideDepth>();
         depth->beside->colour = half_of(*stored, *found, PlaneRole::colour);
         return SharedPicture(std::move(depth));
@@ -106,7 +108,8 @@ int depth_mark(const PictureGroup& group, ReadPictures& pictures) {
     const auto* const preset = preset_named(pictures.known().preset);
     const bool is_told = preset && preset->stored.packed != Packing::none && is_named && is_in_colour(first);
     const bool is_packed = is_told || packing_of(first) != Packing::none;
-    if (first.values.empty() && !is_packed && !is_grey(first.image)) return 0;
+    const bool is_in_grey = is_grey(first.image) || (is_named && depth_in_colours(first.image));
+    if (first.values.empty() && !is_packed && !is_in_grey) return 0;
     const bool is_deep = is_packed || !first.values.empty() || first.image.bytes_per_sample == 2;
     // Counts less than dense depth beside it.
     if (has_word(group.pattern, {"sparse"}) || names_infrared(group.pattern)) return is_deep ? 1 : 0;

@@ -104,7 +104,13 @@ public:
         const auto part = depth_part(found->layout, picture.width(), picture.height(), found->bar);
         if (!part) return refuse("is of odd width: Record3D's have two halves");
         const bool is_hue = found->values == VideoValues::hue;
+        if (is_hue && values_in(picture, *part) == VideoValues::grey)
+            return usage_error(file_.string() +
+                                   ": is grey in three channels, and its hues are noise: leave "
+                                   "preset hue out",
+                               {{Setting::preset}});
         source_ = {file_.path().filename().string(), "", found->layout, found->values};
+        is_lossless_ = video->info().lossless;
         if (camera && !known_.intrinsics && !known_.fov) known_.intrinsics = *camera;
         constexpr double assumed_near = 0.5, assumed_far = 1.5;  // metres, of hues from red to red
         TRY_ASSIGN(auto guessed,
@@ -165,12 +171,7 @@ private:
     /// Samples of up to 11 bits are treated as 8-bit ones: so few bits are no lengths.
     Result<GuessedScene> of_grey(VideoPicture& picture, const PicturePart& part) {
         constexpr int fewest_of_lengths = 12;
-        auto read = picture.depth(source_.values, part);
-        if (!read && source_.values == VideoValues::grey) {
-            source_.values = VideoValues::mean;
-            read = picture.depth(VideoValues::mean, part);
-        }
-        TRY_ASSIGN(const auto plane, std::move(read));
+        TRY_ASSIGN(const auto plane, picture.depth(source_.values, part));
         const int bits = source_.values == VideoValues::mean ? 8 : picture.bits();
         StoredImage stored;
         stored.bits = bits < fewest_of_lengths ? 8 : bits;
@@ -182,10 +183,19 @@ private:
                     stored.image.samples.push_back(
                         static_cast<std::uint8_t>(plane.view.sample(x, y) >> (bits - 8)));
         }
+        // Codecs and means of colours move black by a few codes: it stays black, and what it means.
+        constexpr std::uint8_t last_black = DepthCoding::max_invalid_codes - 1;
+        const bool is_black_moved = bits == 8 && (source_.values == VideoValues::mean || !is_lossless_);
+        for (std::uint8_t& code : stored.image.samples)
+            if (is_black_moved && code <= last_black) code = 0;
         TRY_ASSIGN(auto guessed, guess_scene(file_.path(), stored, known_));
         Scene& scene = guessed.scene;
         scene.depth_bits = bits;
         scene.depth.code_max = static_cast<std::uint16_t>((1 << bits) - 1);
+        if (is_black_moved && !scene.depth.is_valid(0) && scene.depth.invalid_code_count == 1) {
+            scene.depth.invalid_codes = {0, 1, 2, last_black};
+            scene.depth.invalid_code_count = DepthCoding::max_invalid_codes;
+        }
         if (guessed.unstated.far) scene.depth.far = scene.depth.scale * scene.depth.code_max;
         derive_valid_range(scene.depth);
         return guessed;
@@ -254,6 +264,7 @@ private:
     const SourceFile& file_;
     SourceDescription known_;
     VideoSource source_;
+    bool is_lossless_ = true;
 };
 
 /// Reads depth in a track of one file, and colour in the same pictures or in a track of its own.
@@ -271,6 +282,17 @@ public:
     Result<CodeRange> code_range() {
         TRY_ASSIGN(const auto first, read_depth(0));
         return first->code_range(source_.values);
+    }
+    /// Adds a remark if depth is said to be hue and frame 0 is grey.
+    void doubt_hue(std::vector<std::string>& notes) {
+        if (source_.values != VideoValues::hue) return;
+        const auto first = read_depth(0);
+        if (!first) return;
+        const int width = (*first)->width(), height = (*first)->height();
+        const auto part = depth_part(source_.layout, width, height, bar_of(width, height));
+        if (part && values_in(**first, *part) == VideoValues::grey)
+            notes.push_back(
+                "depth is said to be hue, but frame 0 is grey in three channels: its hues are noise");
     }
 
     std::string where(PlaneRole role, std::int64_t frame) const override {
@@ -428,6 +450,7 @@ Opened open_videos(const fs::path& folder, const GuessedScene& described, Colour
     clip.roles = {PlaneRole::depth};
     if (!source.colour.empty() || source.layout != VideoLayout::alone)
         clip.roles.push_back(PlaneRole::colour);
+    pictures->doubt_hue(clip.notes);
     clip.pictures = std::move(pictures);
     StillMaps maps;
     if (!source.haptic.empty()) maps.haptic = folder / source.haptic;
@@ -435,8 +458,11 @@ Opened open_videos(const fs::path& folder, const GuessedScene& described, Colour
     return with_still_maps(open_stored_clip(std::move(clip), colour), maps);
 }
 
-std::shared_ptr<FrameSource> pictures_of_halves(const VideoSource& source, std::shared_ptr<VideoFile> video) {
-    return std::make_shared<VideoPictures>(source, PictureSize(), std::move(video));
+std::shared_ptr<FrameSource> pictures_of_halves(const VideoSource& source, std::shared_ptr<VideoFile> video,
+                                                std::vector<std::string>& notes) {
+    auto pictures = std::make_shared<VideoPictures>(source, PictureSize(), std::move(video));
+    pictures->doubt_hue(notes);
+    return pictures;
 }
 
 }  // namespace touchable

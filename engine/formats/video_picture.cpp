@@ -67,6 +67,9 @@ struct PartLook {
     bool is_grey = false, is_hue = false, is_nearly_grey = false;
     bool is_ramp = false;  ///< of colours whose mean grows (RampCounts)
     bool is_even = true;   ///< the same everywhere: a bar, and no depth
+    bool is_black = false;
+    bool is_vivid = false;        ///< most of what is lit is bright and of full colour
+    bool is_mostly_grey = false;  ///< as is_nearly_grey, but for one pixel in twenty
 
     bool is(VideoValues values) const {
         if (values == VideoValues::grey) return is_grey;
@@ -75,10 +78,10 @@ struct PartLook {
 };
 
 /// Leaves out a margin: codecs mix colours across the border of two halves.
-PartLook look_of(const PlaneView& rgb) {
+PartLook look_of(const PlaneView& rgb, int widest_margin = 16) {
     constexpr int codec_noise = 24, tint = 40, dark = 48, least_full = 192;
-    const int margin = std::min({16, rgb.width / 8, rgb.height / 8});
-    std::int64_t pixels = 0, grey = 0, nearly = 0, lit = 0, vivid = 0, full = 0;
+    const int margin = std::min({widest_margin, rgb.width / 8, rgb.height / 8});
+    std::int64_t pixels = 0, grey = 0, nearly = 0, lit = 0, vivid = 0, full = 0, both = 0;
     int least = 255, most = 0;
     RampCounts ramp;
     for (int y = margin; y < rgb.height - margin; ++y)
@@ -93,13 +96,19 @@ PartLook look_of(const PlaneView& rgb) {
             ramp.add(pixel);
             if (high < dark) continue;
             ++lit;
-            vivid += 5 * (high - low) >= 3 * high;
-            full += high >= least_full;
+            const bool is_vivid = 5 * (high - low) >= 3 * high, is_full = high >= least_full;
+            vivid += is_vivid;
+            full += is_full;
+            both += is_vivid && is_full;
         }
     const bool is_ramp = 100 * nearly < 98 * pixels && ramp.is_ramp(pixels);
     return {100 * grey >= 99 * pixels,
             !is_ramp && 10 * lit >= pixels && 10 * vivid >= 9 * lit && 10 * full >= 7 * lit,
-            100 * nearly >= 98 * pixels, is_ramp, most - least <= 8};
+            100 * nearly >= 98 * pixels,
+            is_ramp,
+            most - least <= 8,
+            most<DepthCoding::max_invalid_codes, 2 * both> lit,
+            100 * nearly >= 95 * pixels};
 }
 
 /// Number of columns of one colour in the middle: Depth Anything's videos have 50 white ones there, of which
@@ -133,9 +142,13 @@ public:
     }
     /// The half that looks like these values, if the other half does not.
     std::optional<DepthInVideo> of(VideoValues values) const {
-        for (const auto& [layout, depth] : looks_)
-            if (depth.is(values) && !depth.is_even && !looks_.at(other_half(layout)).is(values))
+        for (const auto& [layout, depth] : looks_) {
+            const PartLook& other = looks_.at(other_half(layout));
+            const bool are_alike =
+                other.is(values) || (values == VideoValues::mean && !depth.is_ramp && other.is_mostly_grey);
+            if (depth.is(values) && !depth.is_even && !are_alike)
                 return DepthInVideo{layout, values, bar_of(layout), depth.is_ramp};
+        }
         return {};
     }
 
@@ -226,7 +239,9 @@ Result<Plane> VideoPicture::depth(VideoValues values, const PicturePart& part) {
 Result<Plane> VideoPicture::grey(const PicturePart& part) {
     if (is_rgb8(*frame_)) {
         TRY_ASSIGN(const auto all, rgb());
-        if (auto grey = as_grey(packed_image(part_of(all.view, part)))) return plane_from(std::move(*grey));
+        const PlaneView here = part_of(all.view, part);
+        if (auto grey = as_grey(packed_image(here))) return plane_from(std::move(*grey));
+        if (look_of(here).is_nearly_grey) return plane_from(mean_of(here));
         return input_error(where_ +
                            ": is in colour, where depth was to be grey (a scene file's video.values can be "
                            "mean, or hue with depth.coding hue)");
@@ -274,9 +289,9 @@ std::optional<VideoValues> values_in(VideoPicture& picture, const PicturePart& p
     const auto rgb = picture.rgb();
     if (!rgb) return {};
     const PartLook look = look_of(part_of(rgb->view, part));
-    for (const VideoValues values : {VideoValues::grey, VideoValues::hue, VideoValues::mean})
-        if (look.is(values)) return values;
-    return {};
+    if (look.is_black) return {};
+    if (look.is_vivid && !look.is_ramp) return VideoValues::hue;
+    return look.is_grey ? VideoValues::grey : VideoValues::mean;
 }
 
 std::string words_of(const DepthInVideo& found) {
@@ -303,6 +318,13 @@ std::optional<DepthInVideo> depth_beside_colour(const Image& picture) {
     const auto found = find_in_colours(picture.view(), {});
     const bool is_half = found && found->layout != VideoLayout::alone && found->values != VideoValues::hue;
     return is_half ? found : std::nullopt;
+}
+
+std::optional<DepthInVideo> depth_in_colours(const Image& picture) {
+    if (auto half = depth_beside_colour(picture)) return half;
+    const bool may_be = picture.channels == 3 && picture.bytes_per_sample == 1 && !is_grey(picture);
+    if (!may_be || !look_of(picture.view(), 0).is_grey) return {};
+    return DepthInVideo{VideoLayout::alone, VideoValues::mean};
 }
 
 StoredImage half_of(const StoredImage& picture, const DepthInVideo& found, PlaneRole role) {

@@ -76,13 +76,16 @@ struct DepthInVideo {
 /// hold everywhere, or in one half and not in the other. If `said` states the values, depth is the half that
 /// has them, otherwise the whole picture. Nothing if there is no depth.
 std::optional<DepthInVideo> find_depth_in(VideoPicture& picture, std::optional<VideoValues> said);
-/// The same for depth whose part is known.
+/// The values of depth whose part is known: hue if most of what is lit there is bright and of full colour.
+/// Nothing if the part is black, as before the first person comes.
 std::optional<VideoValues> values_in(VideoPicture& picture, const PicturePart& part);
 /// "depth is the left half, which is grey, colour the right one".
 std::string words_of(const DepthInVideo& found);
 
 /// Depth in a half of a picture of RGB of 8 bits, as nearly grey or a ramp, and colour in the other half.
 std::optional<DepthInVideo> depth_beside_colour(const Image& picture);
+/// The same, or depth in the whole picture if that is grey but for the noise of codecs.
+std::optional<DepthInVideo> depth_in_colours(const Image& picture);
 /// That half as grey (role `depth`), or the other one.
 StoredImage half_of(const StoredImage& picture, const DepthInVideo& found, PlaneRole role);
 

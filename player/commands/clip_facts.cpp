@@ -1,5 +1,6 @@
 #include "player/commands/clip_facts.hpp"
 
+#include "engine/base/hand_thresholds.hpp"
 #include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
@@ -25,6 +26,7 @@ Json tried_json(const std::vector<TriedFilters>& tried) {
         Json filters{{"temporal", one.temporal}, {"median", one.median}, {"terraces", one.terraces}};
         if (one.terraces) filters["levels"] = length(one.levels);
         filters["left_degrees"] = one.left_deg;
+        filters["left_jnd"] = direction_jnd(one.left_deg);
         out.push_back(std::move(filters));
     }
     return out;
@@ -584,8 +586,9 @@ std::string verdict_on(const ClipFacts& facts, const std::vector<Finding>* findi
     const TriedFilters* const best =
         measured ? mildest_of_the_best(measured->tried, measured->is_noisy(facts.scene.width)) : nullptr;
     if (now && best && now->left_deg > rough_deg && best->left_deg < worth_while * now->left_deg)
-        return "rough: smooth places lean " + degrees(now->left_deg) + " to and fro, and " +
-               degrees(best->left_deg) + " with other filters: touchable play " + clip + " --filters auto";
+        return "rough: smooth places lean " + degrees(now->left_deg) + " to and fro (" +
+               direction_jnd_words(now->left_deg) + "), and " + degrees(best->left_deg) +
+               " with other filters: touchable play " + clip + " --filters auto";
     if (findings != nullptr && !findings->empty())
         return findings->front().name + ", see above: " + findings->front().mend;
     const std::string little =
@@ -602,8 +605,9 @@ std::string verdict_on(const ClipFacts& facts, const std::vector<Finding>* findi
     }
     if (facts.invalid_pct > many_holes_pct) return little;
     if (now && best && measured->is_searched() && std::min(now->left_deg, best->left_deg) > rough_deg)
-        return "rough: smooth places lean " + degrees(now->left_deg) +
-               " to and fro, whatever the filters: record from nearer, or with more light";
+        return "rough: smooth places lean " + degrees(now->left_deg) + " to and fro (" +
+               direction_jnd_words(now->left_deg) +
+               "), whatever the filters: record from nearer, or with more light";
     return "good to touch: touchable play " + clip;
 }
 

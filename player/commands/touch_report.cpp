@@ -213,8 +213,12 @@ std::string labelled(const char* name, const std::string& value) {
 }
 
 std::string force_words(const Json& report) {
-    return formatted("%.3f N mean in contact, %.3f N max", report["force_n"]["mean"].get<double>(),
-                     report["force_n"]["max"].get<double>()) +
+    const Json& force = report["force_n"];
+    return formatted("%.3f N mean in contact, %.3f N max", force["mean"].get<double>(),
+                     force["max"].get<double>()) +
+           (force["max_jnd"].is_null()
+                ? ""
+                : formatted(" (a hand just notices %.2g N of that)", force["max_jnd"].get<double>())) +
            limited_words(report);
 }
 

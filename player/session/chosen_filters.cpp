@@ -1,5 +1,6 @@
 #include <vector>
 
+#include "engine/base/hand_thresholds.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/clip/readers.hpp"
@@ -96,8 +97,8 @@ std::string effect_in_words(const MeasuredDepth& measured, const FilterSettings&
     const TriedFilters* const with = found_among(measured.tried, filter);
     const TriedFilters* const without = found_among(measured.tried, {});
     if (!with || !without || with == without) return "";
-    return "; smooth places lean " + number(with->left_deg, "") + " degrees to and fro, " +
-           number(without->left_deg, " as stored");
+    return "; smooth places lean " + number(with->left_deg, "") + " degrees to and fro (" +
+           direction_jnd_words(with->left_deg) + "), " + number(without->left_deg, " as stored");
 }
 
 /// `depth`: depth at which the noise is stated, scene units; 0: unknown.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "engine/base/hand_thresholds.hpp"
+
 namespace touchable {
 
 namespace {
@@ -125,6 +127,7 @@ nlohmann::ordered_json TouchFigures::energy_mj() const {
 }
 
 nlohmann::ordered_json TouchFigures::to_json() const {
+    const auto noticed = just_noticed_newtons(force_max_);
     return {{"ticks", ticks_},
             {"contact_ticks", contact_ticks_},
             {"fingers_led", fingers_led()},
@@ -140,7 +143,10 @@ nlohmann::ordered_json TouchFigures::to_json() const {
             {"late_ticks", 0},  // a live run overwrites this
             {"events_mean", share(static_cast<double>(events_), finger_contact_ticks_)},
             {"force_hash", force_hash()},
-            {"force_n", {{"mean", share(force_sum_, finger_contact_ticks_)}, {"max", force_max_}}},
+            {"force_n",
+             {{"mean", share(force_sum_, finger_contact_ticks_)},
+              {"max", force_max_},
+              {"max_jnd", noticed ? nlohmann::ordered_json(*noticed) : nlohmann::ordered_json()}}},
             {"force_limited", {{"finger_ticks", force_limited_ticks_}, {"longest_ticks", longest_limited_}}},
             {"stiffness_limited",
              {{"ticks", stiffness_limited_ticks_},

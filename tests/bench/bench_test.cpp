@@ -14,6 +14,7 @@
 #include <sstream>
 #include <string>
 
+#include "bench/beside/places.hpp"
 #include "bench/gpu/frame_ring.hpp"
 #include "bench/gpu/gpu_cases.hpp"
 #include "bench/loop/stability.hpp"
@@ -28,11 +29,15 @@
 #include "bench/suite.hpp"
 #include "bench/targets.hpp"
 #include "bench/touch/force_spectrum.hpp"
+#include "engine/base/hand_thresholds.hpp"
 #include "engine/base/same_bits.hpp"
+#include "engine/base/words.hpp"
+#include "engine/content/families.hpp"
 #include "engine/gpu/gpu_device.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/plane_memory.hpp"
 #include "haptics_cpu/height_field.hpp"
+#include "tests/content/exact_touch.hpp"
 #include "tests/temporary_files.hpp"
 
 namespace touchable {
@@ -755,6 +760,106 @@ TEST(Suites, NameNoCaseTwice) {
 CaseFigures widened(CaseFigures c) {
     for (int n = 0; n < 31; ++n) c.figures.push_back({std::to_string(1000 + n), 0, ""});
     return c;
+}
+
+/// Barbagli et al. 2006; Pang, Tan and Durlach 1991.
+TEST(HandThresholds, MatchTheirSources) {
+    EXPECT_DOUBLE_EQ(direction_jnd(18.4), 1);
+    EXPECT_NEAR(direction_jnd(1.74), 0.09, 0.005) << "the globe";
+    EXPECT_NEAR(direction_jnd(49), 2.7, 0.05) << "the paper's method";
+    EXPECT_EQ(hand_thresholds::felt_degrees, 25.6);
+    EXPECT_EQ(direction_jnd_words(9.2), "0.5 of what a hand just notices where it sees the scene");
+    EXPECT_DOUBLE_EQ(just_noticed_newtons(2.5).value_or(0), 0.175);
+    EXPECT_DOUBLE_EQ(just_noticed_newtons(10).value_or(0), 0.7);
+    EXPECT_FALSE(just_noticed_newtons(2.4) || just_noticed_newtons(10.1));
+}
+
+/// Forces of another program, in files as bench/README.md says.
+class Beside : public testing::Test {
+protected:
+    void write(const std::string& text) { std::ofstream(folder / "bumps-200.mine.forces.csv") << text; }
+    std::string refusal() {
+        Figures figures;
+        const auto added = add_columns(folder.path(), "bumps-200", figures);
+        return added ? "" : added.error().message;
+    }
+    std::string line(std::size_t place, const glm::dvec3& force) const {
+        const glm::dvec3& tip = places[place].tip;
+        return formatted("%.9g,%.9g,%.9g, %.9g %.9g %.9g\n", tip.x, tip.y, tip.z, force.x, force.y, force.z);
+    }
+
+    const test::TemporaryFolder folder;
+    const std::vector<BesidePlace> places = beside_places();
+};
+
+TEST_F(Beside, PlacesLieUnderSurface) {
+    const ExactSurface surface("bumps");
+    ASSERT_EQ(places.size(), 1600U);
+    for (const auto& [tip, outward] : places) {
+        const auto truth = surface.closest(1000.0 * tip, 1000.0 * tip, 0);
+        ASSERT_TRUE(truth);
+        EXPECT_NEAR(glm::distance(truth->point, 1000.0 * tip), 0.5, 1e-9);
+        EXPECT_LT(glm::distance(truth->normal, outward), 1e-9);
+    }
+}
+
+TEST_F(Beside, ReadsForcesOfOtherProgram) {
+    // 9.2 degrees off everywhere, by half a newton; without contact at the first place.
+    const double angle = 9.2 * pi / 180;
+    std::string text = "x y z fx fy fz\n" + line(0, {0, 0, 0});
+    for (std::size_t k = 1; k < places.size(); ++k) {
+        const glm::dvec3& outward = places[k].outward;
+        const glm::dvec3 across = glm::normalize(glm::cross(outward, {0, 1, 0}));
+        text += line(k, 0.5 * (std::cos(angle) * outward + std::sin(angle) * across));
+    }
+    write(text);
+    Figures figures;
+    ASSERT_TRUE(add_columns(folder.path(), "bumps-200", figures));
+    ASSERT_EQ(figures.size(), 2U);
+    EXPECT_EQ(figures[0].metric, "force_angle_deg_rms_mine");
+    EXPECT_NEAR(figures[0].value, 9.2, 1e-5);
+    EXPECT_EQ(figures[1].metric, "contact_lost_pct_mine");
+    EXPECT_NEAR(figures[1].value, 100.0 / 1600, 1e-9);
+}
+
+TEST_F(Beside, NamesFaultyLine) {
+    const std::string header = "x y z fx fy fz\n";
+    for (const auto& [text, fault] :
+         {std::pair<std::string, const char*>{"x y z\n", "line 1 must be x y z fx fy fz"},
+          {header + line(0, {0, 0, 1}) + "1 2 3\n", "line 3 must be six numbers"},
+          {header + "0 0 0 0 0 nan\n", "line 2 must be six numbers"},
+          {header + line(1, {0, 0, 1}), "line 2 is not of the place"},
+          {header + line(0, {0, 0, 1}), "has 1 places: must have 1600"}}) {
+        write(text);
+        EXPECT_NE(refusal().find(fault), std::string::npos) << refusal();
+    }
+}
+
+TEST_F(Beside, WritesSurface) {
+    ASSERT_TRUE(write_exchange(folder.path(), "bumps-3", 3, 0));
+    std::ifstream file(folder / "bumps-3.heights.csv");
+    std::string names, values, rows[3];
+    for (std::string* line : {&names, &values, &rows[0], &rows[1], &rows[2]}) std::getline(file, *line);
+    EXPECT_EQ(names, "columns,rows,left,right,bottom,top");
+    EXPECT_EQ(values, "3,3,-0.1,0.1,-0.1,0.1");
+    // The second of the middle row lies under the middle.
+    const double middle = std::stod(rows[1].substr(rows[1].find(',') + 1));
+    EXPECT_NEAR(middle, relief_at(Relief::bumps, 0, 0, 0).z / 1000, 1e-9);
+}
+
+TEST(Report, AddsJndBesideDirections) {
+    Figures figures{{"tick_us_mean", 1, "us"},
+                    {"force_angle_deg_rms", 9.2, "deg"},
+                    {"force_angle_deg_rms_0_15", 36.8, "deg"},
+                    {"plane_error_deg", 1, "deg"}};
+    add_jnd(figures);
+    ASSERT_EQ(figures.size(), 6U);
+    EXPECT_EQ(figures[2].metric, "force_angle_jnd_rms");
+    EXPECT_DOUBLE_EQ(figures[2].value, 0.5);
+    EXPECT_EQ(figures[2].unit, "JND");
+    EXPECT_EQ(figures[4].metric, "force_angle_jnd_rms_0_15");
+    EXPECT_DOUBLE_EQ(figures[4].value, 2);
+    EXPECT_EQ(figures[5].metric, "plane_error_deg") << "is no error of a force";
 }
 
 TEST(Report, ManyMetricsGetRows) {

@@ -345,6 +345,27 @@ TEST_F(BarePicture, OpensByItsGuessedScene) {
     }
 }
 
+TEST_F(BarePicture, AveragesNearlyGrey) {
+    // Grey as codecs leave it in three channels.
+    const auto grey = [](int x, int y) { return 20 + 5 * x + 3 * y; };
+    const Image picture = made_image(
+        32, 16, 1, 3, [&](int x, int y, int c) { return grey(x, y) + (x * 5 + y * 3 + c * 7) % 10; });
+    std::filesystem::create_directory(folder / "clip");
+    for (const char* name : {"a.png", "clip/depth_1.png", "clip/depth_2.png"})
+        ASSERT_EQ(message(write_png(folder / name, picture.view())), "");
+    for (const char* name : {"a.png", "clip"}) {
+        SourceDescription known;
+        known.metres_per_code = 0.01;
+        auto clip = must(open_clip(folder / name, {}, known));
+        EXPECT_TRUE(is_noted(*clip, "depth is nearly grey, and a value is the mean of its colours"));
+        EXPECT_EQ(clip->tracks().size(), 1U);
+        const auto frame = must(clip->next());
+        int sum = 1;
+        for (const int c : {0, 7, 14}) sum += grey(9, 4) + (9 * 5 + 4 * 3 + c) % 10;
+        EXPECT_EQ((*frame).depth.sample(9, 4), sum / 3);
+    }
+}
+
 TEST_F(BarePicture, RefusesInvalidDescriptions) {
     Samples memory;
     write_picture(folder / "my.png", memory);

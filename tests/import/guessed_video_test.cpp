@@ -249,6 +249,106 @@ TEST_F(GuessedVideo, ReadsGreyHalfOfRecord3d) {
     EXPECT_TRUE(is_noted(*clip, "depth is the left half, which is grey"));
 }
 
+TEST_F(GuessedVideo, TakesDarkHalfOfRecord3dAsGrey) {
+    const auto kind_of = [&](const std::function<Rgb(int, int)>& depth) {
+        write_rgb(folder / "d.mp4", 64, 16, [&](int x, int y) {
+            return x < 32 ? depth(x, y) : Rgb{10 * y, 90, 200};
+        });
+        write_bytes(folder / "d.mp4",
+                    read_bytes(folder / "d.mp4") + R"({"intrinsicMatrix":[40.5,0,0,0,41.5,0,15.25,8.5,1]})");
+        return must(open_clip(folder / "d.mp4"))->scene().depth.kind;
+    };
+    // Eight codes of grey; noise of some 20 codes, by which few pixels are lit, and these vivid.
+    EXPECT_NE(kind_of([](int x, int y) {
+                  return Rgb{(x + y) / 6, (x + y) / 6, (x + y) / 6};
+              }),
+              DepthCodingKind::hue);
+    EXPECT_NE(kind_of([](int x, int y) {
+                  const auto noise = [&](int c) { return 10 + (x * 7 + y * 5 + c * 11) % 21; };
+                  return Rgb{x % 16 == 3 ? 55 : noise(0), noise(1), x % 16 == 3 ? 10 : noise(2)};
+              }),
+              DepthCodingKind::hue);
+    EXPECT_EQ(kind_of([](int, int) { return Rgb{0, 0, 0}; }), DepthCodingKind::hue) << "no evidence";
+    EXPECT_EQ(kind_of([](int x, int y) {
+                  return x == 9 ? of_hue(40 * y) : Rgb{0, 0, 0};
+              }),
+              DepthCodingKind::hue)
+        << "little before black";
+}
+
+TEST_F(GuessedVideo, TakesDullHalfOfRecord3dAsMean) {
+    // Bluish grey, up to 49 codes from grey: hues would all be one blue.
+    const auto grey = [](int x, int y) { return 40 + 5 * x + 3 * y; };
+    write_rgb(folder / "d.mp4", 64, 16, [&](int x, int y) {
+        const int blue = grey(x, y), other = blue * 4 / 5;
+        return x < 32 ? Rgb{other, other, blue} : Rgb{10 * y, 90, 200};
+    });
+    write_bytes(folder / "d.mp4",
+                read_bytes(folder / "d.mp4") + R"({"intrinsicMatrix":[40.5,0,0,0,41.5,0,15.25,8.5,1]})");
+    auto clip = must(open_clip(folder / "d.mp4"));
+    EXPECT_EQ(clip->scene().depth.kind, DepthCodingKind::inverse);
+    EXPECT_TRUE(is_noted(*clip, "depth is the left half, which is nearly grey"));
+    const auto frame = must(clip->next());
+    for (int y = 0; y < 16; ++y)
+        for (int x = 0; x < 32; ++x) {
+            const int blue = grey(x, y), other = blue * 4 / 5;
+            ASSERT_EQ((*frame).depth.sample(x, y), (2 * other + blue + 1) / 3) << x << ',' << y;
+        }
+}
+
+TEST_F(GuessedVideo, RefusesHueOfGrey) {
+    SourceDescription hue;
+    hue.preset = "hue";
+    for (const int tint : {0, 3, 12}) {
+        write_rgb(folder / "d.mov", 32, 16, [&](int x, int y) {
+            const int grey = 20 + 5 * x + 3 * y;
+            return Rgb{grey + tint * (x % 2), grey, grey + tint * (y % 2)};
+        });
+        EXPECT_TRUE(is_refused(open_clip(folder / "d.mov", {}, hue), "is grey in three channels"));
+        auto clip = must(open_clip(folder / "d.mov"));
+        EXPECT_TRUE(is_noted(*clip, "depth is grey"));
+        EXPECT_EQ((*must(clip->next())).depth.sample(7, 5), 70 + (2 * tint + 1) / 3);
+    }
+}
+
+TEST_F(GuessedVideo, ReadsGreyThatGetsTinted) {
+    ForeignVideo video{"png", AV_PIX_FMT_RGB24, 32, 16};
+    video.frames = 2;
+    write_video(folder / "d.mov", video, [&](AVFrame& frame, int n) {
+        fill_rgb(frame, [&](int x, int y) {
+            const int grey = 20 + 5 * x + 3 * y;
+            return Rgb{grey, grey, grey + 6 * n};
+        });
+    });
+    SourceDescription known;
+    known.metres_per_code = 0.01;
+    auto clip = must(open_clip(folder / "d.mov", {}, known));
+    const auto frames = must(read_all(*clip));
+    EXPECT_EQ(frames[0].depth.sample(4, 2), 46);
+    EXPECT_EQ(frames[1].depth.sample(4, 2), 48);
+}
+
+TEST_F(GuessedVideo, MeanOfBlackIsNoDepth) {
+    // A disc before black that a codec moved by up to three codes.
+    write_rgb(folder / "d.mov", 32, 16, [](int x, int y) {
+        const int noise = (x * 7 + y * 5) % 4, grey = 150 + 2 * x + y;
+        const bool is_disc = (x - 16) * (x - 16) + (y - 8) * (y - 8) < 36;
+        return is_disc ? Rgb{grey + 30, grey, grey - 30} : Rgb{noise, noise, noise};
+    });
+    SourceDescription mean;
+    mean.preset = "mean";
+    const auto expect_invalid = [&](const SourceDescription& known) {
+        const auto clip = must(open_clip(folder / "d.mov", {}, known));
+        const DepthCoding& depth = clip->scene().depth;
+        for (std::uint16_t code = 0; code < 4; ++code) EXPECT_FALSE(depth.is_valid(code)) << code;
+        EXPECT_TRUE(depth.is_valid(4));
+        return depth;
+    };
+    EXPECT_EQ(expect_invalid(mean).kind, DepthCodingKind::inverse);
+    mean.metres_per_code = 0.01;
+    EXPECT_DOUBLE_EQ(expect_invalid(mean).nearest_depth(), 0.04);
+}
+
 /// As Depth Anything writes them: the picture, 50 white columns, its depth.
 TEST_F(GuessedVideo, SkipsBarBetweenHalves) {
     const auto pixel = [](int x, int y) {
@@ -403,6 +503,18 @@ TEST_F(Depthkit, SplitsColourAboveDepth) {
         }
         ASSERT_EQ(message(clip->rewind()), "");
     }
+}
+
+TEST_F(Depthkit, TellsOfGreyDepth) {
+    const auto picture = [](int tint) {
+        return made_image(width, 2 * height, 1, 3,
+                          [=](int x, int y, int c) { return 90 + 9 * x + 7 * y + tint * c; });
+    };
+    const char* told = "depth is said to be hue, but frame 0 is grey in three channels";
+    write_depthkit(folder, {picture(4)});
+    EXPECT_TRUE(is_noted(*must(open_clip(folder / "Clip.mov")), told));
+    write_depthkit(folder, {made_image(width, 2 * height, 1, 3, [](int, int, int) { return 0; })});
+    EXPECT_FALSE(is_noted(*must(open_clip(folder / "Clip.mov")), told)) << "before the first person comes";
 }
 
 TEST_F(Depthkit, SeeksByIndex) {

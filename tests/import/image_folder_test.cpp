@@ -251,7 +251,7 @@ std::string indexed_picture(bool is_grey) {
         for (int x = 0; x < columns; ++x) pixels += static_cast<char>((x + y) % 2);
     }
     return raw_png({columns, rows, 8, 3}, pixels, true,
-                   png_chunk("PLTE", is_grey ? "\x20\x20\x20\x41\x41\x41" : "\x20\x20\x20\x41\x42\x41"));
+                   png_chunk("PLTE", is_grey ? "\x20\x20\x20\x41\x41\x41" : "\x20\x20\x20\x41\x72\x41"));
 }
 
 TEST_F(ImageFolder, ReadsGreyPalettesOnly) {

@@ -129,7 +129,19 @@ TEST(Info, EndsWithVerdict) {
     const std::string rough = verdict({"info", clip, "--json", "--terraces", "off"});
     EXPECT_TRUE(rough.starts_with("rough: smooth places lean ")) << rough;
     EXPECT_TRUE(rough.ends_with("with other filters: touchable play " + clip + " --filters auto")) << rough;
+    // In a hand's terms, by the table of hand_thresholds.hpp: 18.4 degrees are just noticed.
+    const auto tried = facts_of({"info", clip, "--json"})["filters"]["measured"]["tried"];
+    ASSERT_FALSE(tried.empty());
+    for (const auto& one : tried)
+        EXPECT_NEAR(one["left_jnd"], one["left_degrees"].get<double>() / 18.4, 1e-12);
+    const auto jnd = rough.find(" to and fro (");
+    ASSERT_NE(jnd, std::string::npos) << rough;
+    EXPECT_NEAR(std::stod(rough.substr(jnd + 13)),
+                std::stod(rough.substr(std::string("rough: smooth places lean ").size())) / 18.4, 0.06);
+    EXPECT_NE(rough.find(" of what a hand just notices where it sees the scene), and "), std::string::npos);
     const std::string text = run_touchable({"info", clip}).out;
+    EXPECT_NE(text.find(" of what a hand just notices where it sees the scene), "), std::string::npos)
+        << text;
     EXPECT_NE(text.find("\n  verdict      good to touch: touchable play " + clip + "\n"), std::string::npos);
     EXPECT_NE(text.find("; smooth places lean "), std::string::npos) << "what the filter did";
 }

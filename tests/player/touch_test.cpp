@@ -458,6 +458,7 @@ TEST(TouchFigures, AreZeroWithoutContact) {
         EXPECT_EQ(report[count], 0) << count;
     for (const char* figure : {"finger_contact_pct", "events_mean"}) EXPECT_EQ(report[figure], 0.0) << figure;
     EXPECT_EQ(report["force_n"]["max"], 0.0);
+    EXPECT_TRUE(report["force_n"]["max_jnd"].is_null()) << "not measured below 2.5 N";
     EXPECT_EQ(report["stiffness_limited"]["smallest_n_mm"], 0.0);
 }
 
@@ -482,6 +483,7 @@ TEST(TouchFigures, CountEachTickOnce) {
     EXPECT_EQ(report["events_mean"], 5.0) << "6, 6 and 3";
     EXPECT_EQ(report["force_n"]["mean"], 3.0) << "3, 5 and 1";
     EXPECT_EQ(report["force_n"]["max"], 5.0);
+    EXPECT_DOUBLE_EQ(report["force_n"]["max_jnd"], 0.35) << "7 %";
 }
 
 /// A window's pointer has five fingers, most of which stay away.
