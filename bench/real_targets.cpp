@@ -10,7 +10,11 @@ std::vector<Target> make_real_targets(const std::string& choice) {
     const auto at_most = [](double value, const char* unit) { return Limit{value, Sense::at_most, unit}; };
     const std::string kinect = named("icl-kinect");
     const std::vector<std::string> edges{named("edges-kinect"), named("edges-d435")};
-    std::vector<std::string> drawn, drawn_edges;
+    std::vector<std::string> drawn, drawn_edges, models;
+    for (const char* const tens : {"1-to-10", "11-to-20", "21-to-30", "31-to-40", "41-to-50", "51-to-60"})
+        models.push_back(std::string("real-models-") + tens);
+    std::vector<std::string> kinds = models;
+    kinds.emplace_back("real-models-kinds");
     for (int number = 1; number <= 8; ++number) {
         drawn.push_back("real-search-drawn" + std::to_string(number));
         drawn_edges.push_back(named(("edges-drawn" + std::to_string(number)).c_str()));
@@ -33,6 +37,11 @@ std::vector<Target> make_real_targets(const std::string& choice) {
             {"a step of 4 levels, drawn models", drawn_edges, "step_px", at_most(1, "px")},
             {"direction, drawn models, RMS", drawn, "force_angle_deg_chosen", at_most(6, "deg")},
             {"direction, over the best of a search", drawn, "times_best", at_most(1.2, "")},
+            {"models, films within 1.3 of the best, of ten", models, "film_nearly_best", at_least(8, "")},
+            {"models, stills within 1.3 of the best, of ten", models, "still_nearly_best", at_least(8, "")},
+            {"models, films over none", kinds, "film_most_times_off", at_most(1.02, "")},
+            {"models, stills over none", kinds, "still_most_times_off", at_most(1.02, "")},
+            {"models, points from detailed to smooth", models, "least_details", at_least(5, "")},
             {"lone pixels, faces over 20 degrees", {lone}, "over_20deg_pct", at_most(0.7, "%")},
             {"lone pixels, direction, RMS", {lone}, "face_angle_deg_rms", at_most(5, "deg")},
             {"low pen of 30 mm, coarse light", {named("relief-coarse")}, "low_pen_pct", at_least(70, "%")},

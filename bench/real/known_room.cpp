@@ -232,6 +232,8 @@ Result<KnownRoom::Searched> KnownRoom::search_quickly() {
         !done)
         return done.error();
     const Room& room = rooms_[0];
+    if (const auto measured = measured_depth(room.stored, *scene_))
+        found.details = frontier(measured->tried, measured->is_noisy(scene_->width)).size();
     const std::vector<RawFrame> still{filled(room.stored[0])};
     const Press press_still = [&](const Scene& scene) -> Result<double> {
         const auto frames = built(scene, still);

@@ -40,6 +40,7 @@ public:
     /// Of a film, and of one frame alone whose holes are filled, without averaging.
     struct Searched {
         Judged film, still;
+        std::size_t details = 0;  ///< points between smooth and as recorded, of the film
     };
     /// The same with fewer candidates, in two rooms.
     Result<Searched> search_quickly();

@@ -83,6 +83,7 @@ Result<void> measure_models(const std::filesystem::path& data, const std::vector
         int nearly_best = 0, worse_than_off = 0;
         double times_best = 0, times_off = 0;
     } film, still;
+    std::size_t details = 1000;
     for (const SensorModel& model : models) {
         const auto found = KnownRoom(data, model, half_as_large).search_quickly();
         if (!found) return found.error();
@@ -97,6 +98,7 @@ Result<void> measure_models(const std::filesystem::path& data, const std::vector
             figures.push_back({"off" + end, of.off, "deg", false});
             figures.push_back({"best" + end, of.best, "deg", false});
         };
+        details = std::min(details, found->details);
         add(film, found->film, "film");
         add(still, found->still, "still");
     }
@@ -107,6 +109,7 @@ Result<void> measure_models(const std::filesystem::path& data, const std::vector
         figures.push_back({begin + "worse_than_off", static_cast<double>(counts.worse_than_off), ""});
         figures.push_back({begin + "most_times_off", counts.times_off, ""});
     }
+    figures.push_back({"least_details", static_cast<double>(details), ""});
     return {};
 }
 

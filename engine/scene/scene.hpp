@@ -491,6 +491,9 @@ struct FilterSet {
     bool median = false, fill_holes = false, terraces = false, temporal = false, flying_pixels = false;
     /// The reach of terrace removal, whether or not `terraces` is set.
     bool terrace_reach = false;
+    /// How much of the relief the choice of those that are left open keeps: 0 (smooth) to 1 (as recorded);
+    /// nothing: as much as can be kept while hardly more noise is left than with the smoothest.
+    std::optional<double> detail{};
     bool any() const { return median || fill_holes || terraces || temporal || flying_pixels; }
     bool operator==(const FilterSet&) const = default;
 };

@@ -409,7 +409,11 @@ DepthLength read_value(const Node& node, const SettingRange& range) {
 void read_filter(const Node& node, FilterSettings& filter, UnstatedFilters& unstated) {
     std::vector<std::string> names;
     for (const FilterSetting& setting : filter_settings()) names.emplace_back(setting.name);
+    names.emplace_back("detail");
     node.allow_only(names);
+    if (node.has("detail")) unstated.detail = node["detail"].number();
+    if (const auto& detail = unstated.detail; detail && !(*detail >= 0 && *detail <= 1))
+        node["detail"].refuse("a number from 0 (smooth) to 1 (as recorded)");
     for (const FilterSetting& setting : filter_settings()) {
         const bool is_stated = node.has(setting.name);
         if (is_stated) setting.value.set(filter, read_value(node[setting.name], setting.range));
@@ -565,6 +569,7 @@ OrderedJson write_value(const DepthLength& value, const SettingRange& range) {
 /// Settings that are left open stay open.
 OrderedJson write_filter(const FilterSettings& filter, const UnstatedFilters& open) {
     OrderedJson json = OrderedJson::object();
+    if (open.detail) json["detail"] = *open.detail;
     for (const FilterSetting& setting : filter_settings())
         if (!(setting.open && open.*setting.open) &&
             (setting.is_open_if_left_out(filter, open) || !setting.is_default(filter)))

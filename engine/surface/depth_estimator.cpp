@@ -72,7 +72,13 @@ DepthLength flat_within(const MeasuredDepth& measured) {
 const TriedFilters* best_of_tried(const MeasuredDepth& measured, const UnstatedFilters& unstated,
                                   const FilterSettings& filter) {
     const bool is_open = unstated.median && unstated.terraces && filter.levels == DepthLength{};
-    return is_open && measured.is_searched() ? mildest_of_the_best(measured.tried, filter.temporal) : nullptr;
+    if (!is_open) return nullptr;
+    if (!unstated.detail)
+        return measured.is_searched() ? mildest_of_the_best(measured.tried, filter.temporal) : nullptr;
+    const auto points = frontier(measured.tried, filter.temporal);
+    if (points.empty()) return nullptr;
+    const double steps = static_cast<double>(points.size() - 1);
+    return points[static_cast<std::size_t>((1 - *unstated.detail) * steps + 0.5)];
 }
 
 /// For terraces of many pixels, such as those of phones, whose few levels hide behind the codes of the ramps
@@ -115,6 +121,17 @@ bool MeasuredDepth::is_rough() const {
 bool MeasuredDepth::has_flying_pixels() const {
     if (from_a_camera()) return flying >= some_flying;
     return midway >= some_flying && clean_edges <= clean_edges_per_midway * midway;
+}
+
+std::optional<double> MeasuredDepth::detail_of(const FilterSettings& filter) const {
+    const TriedFilters* const now = found_among(tried, filter);
+    for (const bool temporal : {filter.temporal, true, false}) {
+        const auto points = frontier(tried, temporal);
+        const auto at = std::ranges::find(points, now);
+        if (points.size() > 1 && at != points.end())
+            return 1 - static_cast<double>(at - points.begin()) / static_cast<double>(points.size() - 1);
+    }
+    return {};
 }
 
 bool MeasuredDepth::is_noisy(int width) const {
@@ -182,11 +199,12 @@ bool DepthEstimator::enough() const {
 std::optional<MeasuredDepth> DepthEstimator::measured() const {
     auto measured = measured_without_trying();
     if (!measured) return measured;
-    if (measured->is_searched())
-        measured->tried = tried_filters(SmoothPatches(scene_, last_), measured->levels,
-                                        measured->is_noisy(scene_.width) ? measured->noise : DepthLength{});
-    else if (measured->kappa >= least_kappa)
-        measured->tried = tried_removal(SmoothPatches(scene_, last_), measured->levels);
+    if (!measured->is_searched() && measured->kappa < least_kappa) return measured;
+    measured->patches = std::make_shared<const SmoothPatches>(scene_, last_);
+    measured->tried = measured->is_searched()
+                          ? tried_filters(*measured->patches, measured->levels,
+                                          measured->is_noisy(scene_.width) ? measured->noise : DepthLength{})
+                          : tried_removal(*measured->patches, measured->levels);
     return measured;
 }
 
@@ -216,7 +234,8 @@ std::optional<MeasuredDepth> DepthEstimator::measured_without_trying() const {
                          .midway = noise_.midway(),
                          .clean_edges = noise_.clean_edges(),
                          .alternates_by = alternation(first_few_),
-                         .tried = {}};
+                         .tried = {},
+                         .patches = {}};
 }
 
 bool removal_advised(const MeasuredDepth& measured, const Scene& scene) {
@@ -239,9 +258,11 @@ void choose_filters(const std::optional<MeasuredDepth>& measured, const Unstated
     }
     if (unstated.temporal) filter.temporal = measured->is_noisy(scene.width);
     if (const TriedFilters* const best = best_of_tried(*measured, unstated, filter)) {
-        filter.median = best->median;
-        filter.terraces = best->terraces ? TerraceRemoval::on : TerraceRemoval::off;
-        filter.levels = best->levels;
+        const FilterSettings stated = filter;
+        best->apply(measured->noise, filter);
+        if (!unstated.temporal) filter.temporal = stated.temporal;
+        filter.temporal_noise = stated.temporal_noise;
+        if (unstated.terrace_reach && !measured->is_searched()) widen_reach(*measured, scene);
     } else {
         choose_smoothing_by_rule(*measured, unstated, scene);
     }

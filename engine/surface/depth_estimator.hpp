@@ -10,6 +10,7 @@
 // Threads: one at a time; a stop request takes effect between steps.
 
 #include <deque>
+#include <memory>
 
 #include "engine/base/result.hpp"
 #include "engine/scene/frames.hpp"
@@ -44,6 +45,7 @@ struct MeasuredDepth {
     /// Filters, and what they leave: for a camera's depth a search, for other depth with perceptible steps
     /// the removal of these. Empty: too little of it is smooth.
     std::vector<TriedFilters> tried;
+    std::shared_ptr<const SmoothPatches> patches;  ///< on which they were tried; null: none were
 
     /// Share of pixels from which on tiny holes are not chance, and are worth filling.
     static constexpr double some_tiny_holes = 1e-4;
@@ -62,6 +64,8 @@ struct MeasuredDepth {
     /// Whether enough pixels hang between surfaces to be pulled in. For depth without signs of a camera, as
     /// phones and networks store it, only if edges are ramps rather than clean with few exceptions.
     bool has_flying_pixels() const;
+    /// Detail of a scene's filters, 0 to 1, by their place on the frontier; nothing: they are not on it.
+    std::optional<double> detail_of(const FilterSettings& filter) const;
 };
 
 /// Measures the frames of a clip from the first one on; of pictures larger than 4096x4096 the middle. The

@@ -252,6 +252,9 @@ public:
     /// The scene of the mosaics, without filters.
     const Scene& mosaic_scene() const { return mosaic_scene_; }
 
+    /// A mosaic with a pen before each core: `wide` columns from `first` on, `height` scene units nearer.
+    RawFrame with_pens(const RawFrame& mosaic, int first, int wide, double height) const;
+
     struct Place {
         int x, y;
     };
@@ -306,6 +309,9 @@ struct TriedFilters {
     DepthLength levels;     ///< distance of levels for the removal
     double harshness = 0;   ///< the larger, the less is kept of edges and relief
     double left_deg = 0;    ///< deviation of faces from the smooth surface around them, RMS
+
+    /// These filters in place of a scene's own. `noise`: from frame to frame, as measured.
+    void apply(const DepthLength& noise, FilterSettings& filter) const;
 };
 
 /// The temporal filter's noise for a measured one: larger, so that two adjacent levels are averaged, too
@@ -321,6 +327,13 @@ std::vector<TriedFilters> tried_filters(const SmoothPatches& patches, const Dept
 
 /// Tries no filter, and terrace removal of these levels alone; zero: every code is one.
 std::vector<TriedFilters> tried_removal(const SmoothPatches& patches, const DepthLength& levels);
+
+/// The tried filters, with the temporal filter or without it, from those that keep most on, each of which
+/// leaves less than the one before: a detail of 1 is the first, of 0 the last.
+std::vector<const TriedFilters*> frontier(const std::vector<TriedFilters>& tried, bool temporal);
+/// Height of the least pen, five pixels wide, of which filters keep 80 %, on the patches, at their median
+/// depth, scene units; 0: any, as nothing is filtered.
+double least_relief(const SmoothPatches& patches, const TriedFilters& filters, const DepthLength& noise);
 
 /// The entry with this median, removal and averaging; null: it was not tried.
 const TriedFilters* found_among(const std::vector<TriedFilters>& tried, const FilterSettings& filter);

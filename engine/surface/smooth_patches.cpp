@@ -142,6 +142,8 @@ constexpr double level_per_roughness = 3.4641, seen_levels_from = 0.75, codes_fr
 constexpr double stated_per_measured[] = {0.9, 0, 0, 1.4, 0, 1.5};
 /// Filters are as good as the best if they leave up to this factor of it, or at most these degrees.
 constexpr double as_good = 1.10, good_deg = 0.7;
+/// A point of the frontier leaves at most this share of what the one before leaves.
+constexpr double of_point_before = 0.97;
 /// Cost of a median in a low pen's relief, as the least steps by which levels would be wider
 /// (docs/measurements.md, Low relief).
 constexpr double harshness_of_median[] = {0, 0, 0, 0.17, 0, 0.37};
@@ -156,17 +158,20 @@ DepthLength least_step(const DepthLength& levels, const DepthLength& codes, cons
     return counts(codes, codes_from) ? codes : rough;
 }
 
-/// Degrees that the scene's filters leave on the last mosaic.
-double left_by(const Scene& scene, const SmoothPatches& patches) {
+/// The surface of the last mosaic, with the scene's filters.
+void build(const Scene& scene, const std::vector<RawFrame>& mosaics, SurfaceFrame& built) {
     const FilterPlan plan(scene);
     const auto filters = make_code_filters(plan, usable_vector_units().front());
     RowBands alone(1);
-    SurfaceFrame built;
-    const std::vector<RawFrame>& mosaics = patches.mosaics();
     if (plan.remembers())
         for (std::size_t n = 0; n + 1 < mosaics.size(); ++n) filters->remember(mosaics[n], alone, built);
     filters->make_all(mosaics.back(), alone, built);
     built.coding = plan.coding();
+}
+
+double left_by(const Scene& scene, const SmoothPatches& patches) {
+    SurfaceFrame built;
+    build(scene, patches.mosaics(), built);
     return patches.faces_off_deg(built);
 }
 
@@ -348,6 +353,25 @@ RawFrame SmoothPatches::mosaic(const CodePicture& picture) const {
     return raw;
 }
 
+RawFrame SmoothPatches::with_pens(const RawFrame& mosaic, int first, int wide, double height) const {
+    const DepthCoding& coding = mosaic_scene_.depth;
+    const int width = mosaic_scene_.width;
+    auto codes = std::make_shared<std::vector<std::uint16_t>>(pixel_count(width, mosaic_scene_.height));
+    for (int y = 0; y < mosaic_scene_.height; ++y)
+        for (int x = 0; x < width; ++x) {
+            std::uint16_t code = stored_code(mosaic.depth, coding, x, y);
+            const int column = x % side - border - first, row = y % side - border;
+            if (coding.is_valid(code) && column >= 0 && column < wide && row >= 0 && row < core)
+                code = coding.code(coding.depth(code) - height);
+            (*codes)[pixel_place(x, y, width)] = code;
+        }
+    RawFrame raw;
+    raw.number = mosaic.number;
+    raw.depth = plane_of_codes(codes->data(), width, mosaic_scene_.height);
+    raw.storage = std::move(codes);
+    return raw;
+}
+
 std::vector<std::pair<SmoothPatches::Place, SmoothPatches::Place>> SmoothPatches::places() const {
     const int across = mosaic_scene_.width / side;
     std::vector<std::pair<Place, Place>> places;
@@ -467,6 +491,58 @@ std::vector<TriedFilters> tried_removal(const SmoothPatches& patches, const Dept
     scene.filter.levels = levels;
     if (has_working_codes(scene)) tried.push_back({false, 0, true, levels, 1, left_by(scene, patches)});
     return tried;
+}
+
+void TriedFilters::apply(const DepthLength& noise, FilterSettings& filter) const {
+    filter.median = median;
+    filter.terraces = terraces ? TerraceRemoval::on : TerraceRemoval::off;
+    filter.levels = levels;
+    filter.temporal = temporal;
+    if (temporal) filter.temporal_noise = stated_noise(noise, median);
+}
+
+std::vector<const TriedFilters*> frontier(const std::vector<TriedFilters>& tried, bool temporal) {
+    std::vector<const TriedFilters*> points;
+    for (const TriedFilters& one : tried)
+        if (points.empty()
+                ? one.harshness == 0 && !one.temporal
+                : one.temporal == temporal && one.left_deg < of_point_before * points.back()->left_deg)
+            points.push_back(&one);
+    return points;
+}
+
+double least_relief(const SmoothPatches& patches, const TriedFilters& filters, const DepthLength& noise) {
+    constexpr int first = SmoothPatches::core / 2 - 3, wide = 5, rows = SmoothPatches::core;
+    constexpr double kept_share = 0.8, finest = 0.25, coarsest = 64;
+    Scene scene = patches.mosaic_scene();
+    filters.apply(noise, scene.filter);
+    if (!filters.terraces && filters.median == 0 && !filters.temporal) return 0;
+    SurfaceFrame without, with;
+    build(scene, patches.mosaics(), without);
+    const double depth = patches.median_depth();
+    // The share of a pen's height that is left of it, in the three columns in its middle.
+    const auto kept = [&](double height) {
+        std::vector<RawFrame> mosaics;
+        for (const RawFrame& mosaic : patches.mosaics())
+            mosaics.push_back(patches.with_pens(mosaic, first, wide, height));
+        build(scene, mosaics, with);
+        double sum = 0, count = 0;
+        for (const auto& [from, to] : patches.places())
+            for (int y = to.y; y < to.y + rows; ++y)
+                for (int x = to.x + first + 1; x < to.x + first + wide - 1; ++x) {
+                    if (!with.is_valid(x, y) || !without.is_valid(x, y)) continue;
+                    sum += without.coding.depth(without.codes[without.index(x, y)]) -
+                           with.coding.depth(with.codes[with.index(x, y)]);
+                    ++count;
+                }
+        return count > 0 ? sum / count / height : 0;
+    };
+    const double unit = std::max(filters.levels.at(depth), code_step(scene.depth).at(depth));
+    double height = finest * unit;
+    while (height < coarsest * unit && kept(height) < kept_share && !stop_requested()) height *= 2;
+    for (double factor = std::sqrt(0.5); factor < 0.95; factor = std::sqrt(factor))
+        if (kept(height * factor) >= kept_share) height *= factor;
+    return height;
 }
 
 const TriedFilters* found_among(const std::vector<TriedFilters>& tried, const FilterSettings& filter) {

@@ -2,6 +2,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "player/session/touch_setup.hpp"
 
 namespace touchable {
 
@@ -190,6 +191,7 @@ void add_filter_options(CLI::App& sub, ClipTyped& typed) {
                     "which filters clean depth, instead of the scene's. auto: what the first frames need; "
                     "off: none; or a comma-separated list of filters to enable")
         ->type_name(type_with_words("LIST", parts));
+    add_number_option(sub, "--detail", clip.detail, detail_words, 0, 1);
     for (const FilterSetting& setting : filter_settings()) {
         if (!*setting.what) continue;
         const auto read = [&clip, &setting](const std::string& word) -> Result<void> {

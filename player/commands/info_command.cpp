@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "engine/base/hand_thresholds.hpp"
 #include "engine/base/result.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -235,6 +236,16 @@ void tell_depth(const ClipFacts& facts, std::ostream& out) {
                                                                 : "distance of two levels")
                        << " / width of a pixel)\n";
     line(out, "filters") << filters_in_words(scene, facts.chosen) << '\n';
+    if (facts.measured)
+        for (const Detail& point : details_of(scene, *facts.measured))
+            line(out, "detail") << formatted("%.2g: leans ", point.detail) << short_number(point.left_deg, 2)
+                                << " degrees (" << short_number(direction_jnd(point.left_deg), 2)
+                                << " times what is just noticed), keeps "
+                                << (point.least_relief > 0
+                                        ? "relief from " + short_number(point.least_relief * mm, 2) + " mm on"
+                                        : std::string("all relief"))
+                                << ": " << point.filters << (point.is_in_effect ? " (in effect)" : "")
+                                << '\n';
     line(out, "levels") << level_words(facts) << '\n';
     if (facts.measured) line(out, "noise") << noise_in_words(*facts.measured, scene.metres_per_unit) << '\n';
     line(out, "in between") << (scene.interpolation == FrameInterpolation::hold ? "hold the earlier frame"

@@ -89,8 +89,14 @@ void apply(const ClipChoice::Filters& choice, FilterSettings& filter, FilterSet&
 /// The clip's description with the user's choices applied.
 Result<SceneDescription> applied(const ClipChoice& choice, SceneDescription described) {
     Scene& scene = described.scene;
-    for (const ClipChoice::Filters* const filters : {&choice.filters, &choice.single_filters})
-        apply(*filters, scene.filter, described.unstated.filters);
+    FilterSet& unstated = described.unstated.filters;
+    apply(choice.filters, scene.filter, unstated);
+    if (choice.detail) {
+        unstated.detail = choice.detail;
+        unstated.median = unstated.terraces = unstated.temporal = unstated.terrace_reach = true;
+        scene.filter.levels = {};
+    }
+    apply(choice.single_filters, scene.filter, unstated);
     if (choice.interpolation) scene.interpolation = *choice.interpolation;
     // Terrace removal depends on the level spacing and the temporal filter on noise; neither is measured yet.
     Scene without = scene;

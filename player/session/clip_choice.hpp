@@ -211,9 +211,10 @@ struct ClipChoice {
 
     std::filesystem::path file;
     std::optional<std::filesystem::path> scene_file;
-    SourceDescription camera;                 ///< of pictures without a scene file
-    StillMaps maps;                           ///< in place of what it has itself
-    Filters filters, single_filters;          ///< all at once; single filters, applied after
+    SourceDescription camera;         ///< of pictures without a scene file
+    StillMaps maps;                   ///< in place of what it has itself
+    Filters filters, single_filters;  ///< all at once; single filters, applied after
+    std::optional<double> detail;     ///< FilterSet::detail, of smoothing not stated by single filters
     std::optional<FrameInterpolation> interpolation;
     DepthAlignment alignment = DepthAlignment::automatic;  ///< of depth without a scale
     bool fill_from_motion = false;                         ///< fill holes from frames that saw behind them

@@ -89,9 +89,19 @@ std::vector<SessionSetting> all_settings() {
          .range = {.words = {"clip", "auto", "off"}},
          .set = [](double place, SessionOptions& options) {
              options.clip.single_filters = {};  // drops single filters' settings
+             options.clip.detail.reset();
              options.clip.filters =
                  place == 2 ? ClipChoice::Filters::off() : ClipChoice::Filters{.measured = all_unstated};
          }}};
+    const SettingRange details{.most = 1};
+    all.push_back({"detail", detail_words, filters, details,
+                   [](double value, SessionOptions& options) { options.clip.detail = value; },
+                   [details](const TouchSetup& setup) {
+                       const bool is_known = setup.filters && setup.filters->measured;
+                       const auto detail =
+                           is_known ? setup.filters->measured->detail_of(setup.scene.filter) : std::nullopt;
+                       return details.word_of(detail.value_or(1));
+                   }});
     for (const FilterSetting& filter : filter_settings())
         if (*filter.what)
             all.push_back({with_dashes(filter.name), filter.what, filters, filter.range,

@@ -224,6 +224,10 @@ struct SessionSetting {
 std::span<const SessionSetting> run_settings();
 /// The settings in a window: all but SettingOf::expert.
 std::span<const SessionSetting> session_settings();
+/// What the setting "detail" does, for a new user.
+inline constexpr const char* detail_words =
+    "How much relief filters keep of noisy depth: all as recorded, noise too (1), or smooth (0). Left out: as "
+    "much as can be kept with hardly more noise than with the smoothest.";
 /// The session setting with that name; null: none.
 const SessionSetting* session_setting(std::string_view name);
 

@@ -387,7 +387,7 @@ void SettingsPanel::draw_number(const SessionSetting& setting, const SettingsFac
     const std::string id = "##" + setting.name;
     auto value = held_ == setting.name ? dragged_ : static_cast<float>(in_effect);
     const std::string number = shown_number(setting, value);
-    const bool may_be_off = setting.of == SettingOf::filters || setting.name == "relief";
+    const bool may_be_off = (setting.of == SettingOf::filters || setting.name == "relief") && range.whole;
     const std::string words = may_be_off && number == "0" ? "off" : number + " " + range.unit;
     draw_slider(id.c_str(), value, static_cast<float>(range.least), static_cast<float>(range.most), words,
                 scale_, range.by_ratio ? ImGuiSliderFlags_Logarithmic : 0);

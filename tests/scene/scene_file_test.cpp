@@ -53,6 +53,21 @@ TEST(SceneFile, KeepsReachOfStatedRemoval) {
     EXPECT_FALSE(with(R"(, "terraces": "auto", "terrace_reach": 16)").unstated.filters.terrace_reach);
 }
 
+TEST(SceneFile, KeepsDetail) {
+    const auto with = [](const std::string& detail) {
+        std::string json = recording;
+        const std::string plain = R"("fill_holes": 2)";
+        return parse_scene(json.replace(json.find(plain), plain.size(), plain + R"(, "detail": )" + detail),
+                           "here");
+    };
+    const auto stated = with("0.25");
+    ASSERT_TRUE(stated) << stated.error().message;
+    EXPECT_EQ(stated->unstated.filters.detail, 0.25);
+    EXPECT_NE(scene_to_json(*stated).find("\"detail\": 0.25"), std::string::npos);
+    EXPECT_EQ(described(recording).unstated.filters.detail, std::nullopt);
+    for (const char* const wrong : {"-0.1", "1.5", "\"on\""}) EXPECT_FALSE(with(wrong)) << wrong;
+}
+
 TEST(SceneFile, ReadsRecording) {
     const Scene scene = parsed(recording);
     EXPECT_EQ(scene.name, "castle");

@@ -128,6 +128,40 @@ TEST(ChosenFilters, TakeMildestOfBestTried) {
     EXPECT_EQ(scene.filter.median, 3);
 }
 
+// 1 is as recorded, 0 the smoothest of the tried filters, and between lie those that leave less and less.
+TEST(ChosenFilters, FollowDetail) {
+    MeasuredDepth measured = of_a_camera();
+    measured.noise = {1, 0};
+    measured.tried = {{false, 0, false, {}, 0, 30},       {true, 0, false, {}, 0, 26},
+                      {true, 3, false, {}, 0.17, 27},     {true, 0, true, {2, 0}, 0.7, 9},
+                      {true, 3, true, {2, 0}, 0.9, 8.9},  {true, 0, true, {4, 0}, 1, 5},
+                      {true, 3, true, {4, 0}, 1.17, 2.1}, {true, 0, true, {6, 0}, 1.4, 2}};
+    const auto with = [&](std::optional<double> detail, int stated_median = -1) {
+        Scene scene = open_scene();
+        UnstatedFilters unstated = all_unstated;
+        unstated.detail = detail;
+        unstated.median = stated_median < 0;
+        scene.filter.median = std::max(stated_median, 0);
+        choose_filters(measured, unstated, scene);
+        EXPECT_TRUE(validate(scene));
+        return scene.filter;
+    };
+    EXPECT_EQ(with(1), FilterSettings{});
+    EXPECT_EQ(measured.detail_of(with(1)), 1);
+    double before = 31;
+    for (const double detail : {1.0, 0.8, 0.6, 0.4, 0.2, 0.0}) {
+        const FilterSettings filter = with(detail);
+        const TriedFilters* const chosen = found_among(measured.tried, filter);
+        ASSERT_NE(chosen, nullptr) << detail;
+        EXPECT_LT(chosen->left_deg, before) << detail;
+        EXPECT_NEAR(*measured.detail_of(filter), detail, 1e-9);
+        before = chosen->left_deg;
+    }
+    EXPECT_EQ(before, 2);
+    EXPECT_EQ(with(std::nullopt).levels, (DepthLength{4, 0})) << "hardly more than the smoothest";
+    EXPECT_EQ(with(1, 5).median, 5) << "stated";
+}
+
 TEST(ChosenFilters, NeedTinyHolesForFilling) {
     MeasuredDepth measured = of_a_camera();
     measured.tiny_holes = 0.0000999;
@@ -567,6 +601,37 @@ TEST(FilterSearch, UsesMeasuredLevels) {
     EXPECT_GE(best.levels.quadratic, 12e-6);
     EXPECT_LE(best.levels.quadratic, 1.4001 * 12e-6);
     EXPECT_LT(best.left_deg, 0.1 * unfiltered(tried).left_deg);
+}
+
+// From as recorded to smooth: each point leaves less, and keeps only higher relief.
+TEST(FilterSearch, ReachesFromDetailToSmooth) {
+    for (const double sigma : {2.0, 5.0}) {
+        const SmoothPatches patches(scene_of_millimetres(), film_of({.sigma = sigma}));
+        const auto tried = tried_filters(patches, {}, {sigma, 0});
+        const auto points = frontier(tried, true);
+        EXPECT_GE(points.size(), 5U);
+        EXPECT_EQ(points.front(), &unfiltered(tried));
+        double left = 180, relief = 0;
+        for (const TriedFilters* const point : points) {
+            EXPECT_LT(point->left_deg, left);
+            left = point->left_deg;
+            const double least = least_relief(patches, *point, {sigma, 0});
+            EXPECT_GE(least, 0.8 * relief) << point->harshness;
+            relief = std::max(relief, least);
+        }
+        EXPECT_GT(relief, sigma);
+        EXPECT_EQ(least_relief(patches, *points.front(), {}), 0);
+    }
+}
+
+// Removal for levels l apart takes steps up to a code beyond l, and leaves those of four levels.
+TEST(FilterSearch, MeasuresLeastRelief) {
+    const SmoothPatches patches(scene_of_millimetres(), film_of({.sigma = 2}));
+    for (const double level : {4.0, 8.0}) {
+        const double least = least_relief(patches, {.terraces = true, .levels = {level, 0}}, {});
+        EXPECT_GT(least, level);
+        EXPECT_LT(least, 4 * level);
+    }
 }
 
 TEST(FilterSearch, LeavesASmoothWallAlone) {

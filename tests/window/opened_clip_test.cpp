@@ -200,6 +200,7 @@ TEST_F(CountedClip, ChangeRereadsNothing) {
     for (const auto& [name, value] : {std::pair("median", "5"),
                                       {"temporal", "on"},
                                       {"fill-holes", "2"},
+                                      {"detail", "0.5"},
                                       {"metric", "pixel"},
                                       {"filters", "auto"},
                                       {"interpolation", "hold"}}) {
@@ -252,9 +253,9 @@ TEST_F(CountedClip, ForceRampsUpAfterChange) {
         return moment && moment->felt.tick > 300 && glm::length(moment->felt.fingers[0].force.force) > 0.1;
     };
     ASSERT_TRUE(comes_true(presses));
-    for (const char* value : {"5", "3", "0"}) {
-        ASSERT_TRUE(change("median", value));
-        ASSERT_TRUE(comes_true(presses)) << value;
+    for (const auto& [name, value] : {std::pair("median", "5"), {"detail", "0.3"}, {"median", "0"}}) {
+        ASSERT_TRUE(change(name, value));
+        ASSERT_TRUE(comes_true(presses)) << name;
     }
     ASSERT_TRUE(clip_->finish());
     const auto recording = read_recording(record);
