@@ -77,6 +77,9 @@ void PressErrors::report(Figures& figures) const {
     figures.push_back({"force_angle_deg_rms", root_mean_square(sorted), "deg"});
     figures.push_back({"force_angle_deg_median", share(0.5), "deg"});
     figures.push_back({"force_angle_deg_p95", share(0.95), "deg"});
+    const auto wrong = std::ranges::count_if(sorted, [](double angle) { return angle > 20; });
+    figures.push_back(
+        {"over_20deg_pct", 100 * static_cast<double>(wrong) / static_cast<double>(sorted.size()), "%"});
     figures.push_back({"contact_lost_pct",
                        100 * static_cast<double>(lost_) / static_cast<double>(lost_ + angles_.size()), "%"});
 }

@@ -132,6 +132,8 @@ std::vector<BenchCase> real_cases(bool quick) {
     std::vector<BenchCase> cases;
     if (is_there(data, "visp_cube_realsense", "cases real-cube-..."))
         add_recording(cases, cube_recording(data), quick);
+    if (is_there(data, "castel_sr300", "cases real-castel-..."))
+        add_recording(cases, castel_recording(data), quick);
     if (is_there(data, "stills/redwood5", "cases real-redwood-..."))
         add_recording(cases, redwood_recording(data), quick);
     if (is_there(data, "stills/icl_nuim5", "cases real-icl-...")) {

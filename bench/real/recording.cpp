@@ -28,6 +28,11 @@ CameraRecording cube_recording(const std::filesystem::path& data) {
             {0, quadratic}, {0.58, 1.4 * quadratic},      600};
 }
 
+CameraRecording castel_recording(const std::filesystem::path& data) {
+    return {"castel", data / "castel_sr300", scene_file("castel_sr300.json"), sr300().stated_noise, {0.6, 0},
+            600};
+}
+
 CameraRecording redwood_recording(const std::filesystem::path& data) {
     const SensorModel kinect = kinect_v1();
     return {"redwood",           data / "stills/redwood5",          scene_file("redwood5.json"),

@@ -23,8 +23,10 @@ struct CameraRecording {
     DepthLength flat;
     double farthest_mm;
 };
-/// The cube of RealSense and the room of PrimeSense in a folder of recordings (docs/measurements.md).
+/// The cube of RealSense, the castle of SR300 and the room of PrimeSense in a folder of recordings
+/// (docs/measurements.md).
 CameraRecording cube_recording(const std::filesystem::path& data);
+CameraRecording castel_recording(const std::filesystem::path& data);
 CameraRecording redwood_recording(const std::filesystem::path& data);
 
 /// The data shared by all filters: the frames, and the planes of each frame's flat patches.

@@ -58,18 +58,6 @@ Json measured_json(const MeasuredDepth& measured) {
             {"tried", tried_json(measured.tried)}};
 }
 
-Json details_json(const Scene& scene, const MeasuredDepth& measured) {
-    Json out = Json::array();
-    for (const Detail& point : details_of(scene, measured))
-        out.push_back({{"detail", point.detail},
-                       {"filters", point.filters},
-                       {"left_degrees", point.left_deg},
-                       {"left_jnd", direction_jnd(point.left_deg)},
-                       {"least_relief", point.least_relief},
-                       {"in_effect", point.is_in_effect}});
-    return out;
-}
-
 /// Angle that `pixels` span, seen from the centre `c` at focal length `f`.
 double field_of_view_degrees(int pixels, double c, double f) {
     return (arctangent((c + 0.5) / f) + arctangent((pixels - 0.5 - c) / f)) * 180.0 / pi;
@@ -462,28 +450,6 @@ std::string degrees(double value) {
 
 }  // namespace
 
-std::vector<Detail> details_of(const Scene& scene, const MeasuredDepth& measured) {
-    std::vector<Detail> details;
-    if (!measured.patches) return details;
-    const auto points = frontier(measured.tried, measured.is_noisy(scene.width));
-    const TriedFilters* const now = found_among(measured.tried, scene.filter);
-    double relief = 0;
-    for (std::size_t k = 0; k < points.size() && points.size() > 1 && !stop_requested(); ++k) {
-        const TriedFilters& point = *points[k];
-        std::vector<std::string> filters;
-        if (point.median > 0) filters.push_back(formatted("median %dx%d", point.median, point.median));
-        if (point.temporal) filters.emplace_back("temporal");
-        const double level = point.levels.at(measured.median) * scene.metres_per_unit * 1000;
-        if (point.terraces)
-            filters.push_back("terraces" + (level > 0 ? formatted(" %.3g mm apart", level) : ""));
-        relief = std::max(relief, least_relief(*measured.patches, point, measured.noise));
-        details.push_back({1 - static_cast<double>(k) / static_cast<double>(points.size() - 1),
-                           filters.empty() ? "as recorded" : listed(filters), point.left_deg, relief,
-                           &point == now});
-    }
-    return details;
-}
-
 Json filters_json(const Scene& scene, const std::optional<ChosenFilters>& chosen,
                   const std::optional<MeasuredDepth>& measured) {
     const FilterSettings& filter = scene.filter;
@@ -498,7 +464,6 @@ Json filters_json(const Scene& scene, const std::optional<ChosenFilters>& chosen
     }
     out["in_words"] = filters_in_words(scene, chosen);
     if (measured) out["measured"] = measured_json(*measured);
-    if (measured) out["details"] = details_json(scene, *measured);
     if (!chosen) return out;
     // List the reach only if terrace removal is on and was not itself chosen.
     FilterSet told = chosen->chosen;

@@ -11,18 +11,6 @@
 
 namespace touchable {
 
-/// A point between smooth and as recorded (FilterSet::detail).
-struct Detail {
-    double detail = 0;        ///< 0 to 1
-    std::string filters;      ///< in words
-    double left_deg = 0;      ///< lean of smooth places to and fro, RMS
-    double least_relief = 0;  ///< of which 80 % are kept, scene units (least_relief); 0: any
-    bool is_in_effect = false;
-};
-/// All points of a clip, from as recorded on. Tries pens, for a tenth of a second; fewer after a stop
-/// request. Empty: nothing was tried.
-std::vector<Detail> details_of(const Scene& scene, const MeasuredDepth& measured);
-
 /// A scene's filters in words and as values, which of them were chosen by measurement, and the measurements:
 /// docs/forces.md.
 nlohmann::ordered_json filters_json(const Scene& scene, const std::optional<ChosenFilters>& chosen,

@@ -95,6 +95,52 @@ Json terraces_json(const ClipFacts& facts) {
         {"advised", facts.measured && removal_advised(*facts.measured, facts.scene)}};
 }
 
+/// A point between smooth and as recorded (FilterSet::detail).
+struct Detail {
+    double detail = 0;        // 0 to 1
+    std::string filters;      // in words
+    double left_deg = 0;      // lean of smooth places to and fro, RMS
+    double least_relief = 0;  // of which 80 % are kept, scene units; 0: any
+    bool is_in_effect = false;
+};
+
+/// All points of a clip, from as recorded on; fewer after a stop request. Empty: nothing was tried.
+std::vector<Detail> details_of(const ClipFacts& facts) {
+    std::vector<Detail> details;
+    if (!facts.measured || !facts.measured->patches) return details;
+    const Scene& scene = facts.scene;
+    const MeasuredDepth& measured = *facts.measured;
+    const auto points = frontier(measured.tried, measured.is_noisy(scene.width));
+    const TriedFilters* const now = found_among(measured.tried, scene.filter);
+    double relief = 0;
+    for (std::size_t k = 0; k < points.size() && points.size() > 1 && !stop_requested(); ++k) {
+        const TriedFilters& point = *points[k];
+        std::vector<std::string> filters;
+        if (point.median > 0) filters.push_back(formatted("median %dx%d", point.median, point.median));
+        if (point.temporal) filters.emplace_back("temporal");
+        const double level = point.levels.at(measured.median) * scene.metres_per_unit * 1000;
+        if (point.terraces)
+            filters.push_back("terraces" + (level > 0 ? formatted(" %.3g mm apart", level) : ""));
+        relief = std::max(relief, least_relief(*measured.patches, point, measured.noise));
+        details.push_back({1 - static_cast<double>(k) / static_cast<double>(points.size() - 1),
+                           filters.empty() ? "as recorded" : listed(filters), point.left_deg, relief,
+                           &point == now});
+    }
+    return details;
+}
+
+Json details_json(const ClipFacts& facts) {
+    Json out = Json::array();
+    for (const Detail& point : details_of(facts))
+        out.push_back({{"detail", point.detail},
+                       {"filters", point.filters},
+                       {"left_degrees", point.left_deg},
+                       {"left_jnd", direction_jnd(point.left_deg)},
+                       {"least_relief", point.least_relief},
+                       {"in_effect", point.is_in_effect}});
+    return out;
+}
+
 double mm_per_unit(const Scene& scene) {
     return scene.metres_per_unit * 1000.0;
 }
@@ -236,16 +282,14 @@ void tell_depth(const ClipFacts& facts, std::ostream& out) {
                                                                 : "distance of two levels")
                        << " / width of a pixel)\n";
     line(out, "filters") << filters_in_words(scene, facts.chosen) << '\n';
-    if (facts.measured)
-        for (const Detail& point : details_of(scene, *facts.measured))
-            line(out, "detail") << formatted("%.2g: leans ", point.detail) << short_number(point.left_deg, 2)
-                                << " degrees (" << short_number(direction_jnd(point.left_deg), 2)
-                                << " times what is just noticed), keeps "
-                                << (point.least_relief > 0
-                                        ? "relief from " + short_number(point.least_relief * mm, 2) + " mm on"
-                                        : std::string("all relief"))
-                                << ": " << point.filters << (point.is_in_effect ? " (in effect)" : "")
-                                << '\n';
+    for (const Detail& point : details_of(facts))
+        line(out, "detail") << formatted("%.2g: leans ", point.detail) << short_number(point.left_deg, 2)
+                            << " degrees (" << short_number(direction_jnd(point.left_deg), 2)
+                            << " times what is just noticed), keeps "
+                            << (point.least_relief > 0
+                                    ? "relief from " + short_number(point.least_relief * mm, 2) + " mm on"
+                                    : std::string("all relief"))
+                            << ": " << point.filters << (point.is_in_effect ? " (in effect)" : "") << '\n';
     line(out, "levels") << level_words(facts) << '\n';
     if (facts.measured) line(out, "noise") << noise_in_words(*facts.measured, scene.metres_per_unit) << '\n';
     line(out, "in between") << (scene.interpolation == FrameInterpolation::hold ? "hold the earlier frame"
@@ -288,6 +332,7 @@ Json to_json(const ClipFacts& facts) {
         {"invalid_pct", facts.invalid_pct}, {"nearest", facts.nearest}, {"farthest", facts.farthest}};
     out["kappa"] = kappa_json(facts);
     out["filters"] = filters_json(scene, facts.chosen, facts.measured);
+    out["filters"]["details"] = details_json(facts);
     out["terraces"] = terraces_json(facts);
     out["interpolation"] = scene.interpolation == FrameInterpolation::hold ? "hold" : "linear";
     add_touch(facts, out);
