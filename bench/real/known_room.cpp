@@ -247,6 +247,44 @@ Result<KnownRoom::Searched> KnownRoom::search_quickly() {
     return found;
 }
 
+Result<double> KnownRoom::choose_again() {
+    if (!scene_)
+        if (auto done = make_rooms(true, settled_frames); !done) return done.error();
+    constexpr int seeds = 5, far_later = 1000;
+    const Room& room = rooms_[0];
+    std::vector<Scene> chosen{chosen_filters(room.stored, *scene_)};
+    for (int seed = 1; seed <= seeds; ++seed) {
+        std::vector<RawFrame> others;
+        for (int n = 0; n < settled_frames; ++n)
+            others.push_back(stored_frame(model_, *scene_, room.truth, far_later * seed + n));
+        chosen.push_back(chosen_filters(others, *scene_));
+    }
+    std::vector<RawFrame> shorter = room.stored, smaller = room.stored;
+    shorter.resize(settled_frames / 2);
+    chosen.push_back(chosen_filters(shorter, *scene_));
+    Scene part = *scene_;
+    part.width /= 2;
+    part.height /= 2;
+    for (RawFrame& raw : smaller) {
+        raw.depth.width = part.width;
+        raw.depth.height = part.height;
+    }
+    chosen.push_back(chosen_filters(smaller, part));
+    chosen.push_back(chosen_filters(rooms_[1].stored, *scene_));
+    double first = 0, most = 1;
+    for (const Scene& choice : chosen) {
+        Scene scene = *scene_;
+        scene.filter = choice.filter;
+        const auto frames = built(scene, room.stored);
+        if (!frames) return frames.error();
+        PressErrors errors;
+        if (auto done = errors.press(scene, frames->back(), room.smooth); !done) return done.error();
+        if (first == 0) first = errors.angle_deg_rms();
+        most = std::max(most, errors.angle_deg_rms() / first);
+    }
+    return most;
+}
+
 Result<void> KnownRoom::measure(const FilterChoice& choice, bool quick, Figures& figures) {
     if (!scene_)
         if (auto done = make(quick); !done) return done;

@@ -146,6 +146,15 @@ std::vector<BenchCase> real_cases(bool quick) {
     }
     if (std::filesystem::exists(data / "stills/icl_nuim5")) {
         add_drawn(cases, data, quick);
+        for (const int pixels : {3, 5, 7}) {
+            const SensorModel model = d435_by_windows(room_focal_length, pixels);
+            cases.push_back({"real-again-" + model.name, [=](Figures& figures) -> Result<void> {
+                                 const auto times = KnownRoom(data, model, half_as_large).choose_again();
+                                 if (!times) return times.error();
+                                 figures.push_back({"most_times_first", *times, ""});
+                                 return {};
+                             }});
+        }
         SensorModel sees_far = kinect_v1();
         sees_far.far_mm = 10'000;
         const auto far = std::make_shared<KnownRoom>(data, sees_far, far_away);

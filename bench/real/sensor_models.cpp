@@ -251,6 +251,13 @@ SensorModel d435(double focal_length) {
     return model;
 }
 
+SensorModel d435_by_windows(double focal_length, int pixels) {
+    SensorModel model = d435(focal_length);
+    model.name = "windows" + std::to_string(pixels);
+    model.correlated_px = pixels;
+    return model;
+}
+
 SensorModel sr300() {
     SensorModel model;
     model.name = "sr300";

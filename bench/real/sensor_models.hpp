@@ -62,6 +62,8 @@ SensorModel half_float_render();
 /// and Woodfill 2018) and steps of 1/32 pixel (Grunnet-Jepsen, Sweetser, Khuong, Tong and Woodfill 2019).
 /// Millimetres. `focal_length` in pixels.
 SensorModel d435(double focal_length);
+/// The same with noise that 3 to 7 pixels share, as matching by windows leaves it.
+SensorModel d435_by_windows(double focal_length, int pixels);
 /// Short range, coded light or time of flight: noise of 1 + z^2 mm (z in metres; assumed, 1 to 2 mm within
 /// its range), three in ten pixels at silhouettes between both sides, codes of 0.125 mm.
 SensorModel sr300();

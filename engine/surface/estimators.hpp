@@ -260,8 +260,9 @@ public:
     };
     /// First pixel of each patch's core, in the picture and in the mosaic.
     std::vector<std::pair<Place, Place>> places() const;
-    /// Median depth of the patches' middles.
-    double median_depth() const;
+    /// Median depth of the places' middles, those with relief included: which have some may change with the
+    /// noise that neighbours share.
+    double median_depth() const { return median_depth_; }
     /// Deviation of the last picture's depths from their smooth surfaces, RMS, scene units: noise, levels and
     /// whatever else is no surface.
     DepthLength roughness() const;
@@ -298,6 +299,7 @@ private:
     Scene mosaic_scene_;
     int no_depth_ = 0;  // an invalid code
     std::vector<Patch> patches_;
+    double median_depth_ = 0;
     std::vector<RawFrame> mosaics_;
 };
 

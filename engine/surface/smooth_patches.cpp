@@ -320,6 +320,9 @@ bool SmoothPatches::has_relief(Pictures pictures, const Patch& patch) const {
 /// Fits places that do not move to all pictures, which say more than one. Drops places with relief: if
 /// filters keep it, it would count as noise that they leave.
 void SmoothPatches::fit_to_all(Pictures pictures) {
+    std::vector<double> depths;
+    for (const Patch& patch : patches_) depths.push_back(1 / patch.fit.of[0]);
+    median_depth_ = depths.empty() ? 0 : quantile(depths, 0.5);
     std::vector<Patch> flat;
     for (Patch& patch : patches_) {
         const Fit fit = fitted(pictures, patch.x, patch.y);
@@ -379,13 +382,6 @@ std::vector<std::pair<SmoothPatches::Place, SmoothPatches::Place>> SmoothPatches
         places.push_back({{patches_[static_cast<std::size_t>(n)].x, patches_[static_cast<std::size_t>(n)].y},
                           {n % across * side + border, n / across * side + border}});
     return places;
-}
-
-double SmoothPatches::median_depth() const {
-    std::vector<double> depths;
-    for (const Patch& patch : patches_)
-        if (patch.fit.ok) depths.push_back(1 / patch.fit.of[0]);
-    return depths.empty() ? 0 : quantile(depths, 0.5);
 }
 
 DepthLength SmoothPatches::roughness() const {

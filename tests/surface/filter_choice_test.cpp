@@ -526,6 +526,25 @@ TEST(SmoothPatches, LeaveOutLowRelief) {
     }
 }
 
+// What is left out for its relief, or for noise that looks like some, does not change the depth at which
+// levels are compared with noise.
+TEST(SmoothPatches, TakeMedianDepthOfAllPlaces) {
+    const auto median = [](bool has_pens) {
+        std::deque<CodePicture> film = film_of({.sigma = 2});
+        for (CodePicture& picture : film)
+            change(picture, [&](int x, int, int code) {
+                return has_pens && x < picture_width / 2 && x % 16 < 5 ? code - 6 : code;
+            });
+        const SmoothPatches patches(scene_of_millimetres(), film);
+        std::size_t left = 0;
+        for (const auto& [from, to] : patches.places())
+            left += from.x + SmoothPatches::core < picture_width / 2;
+        EXPECT_EQ(left == 0, has_pens);
+        return patches.median_depth();
+    };
+    EXPECT_NEAR(median(true), median(false), 10);
+}
+
 // With relief everywhere, judging filters by it is better than not judging them.
 TEST(SmoothPatches, KeepReliefThatIsEverywhere) {
     CodePicture picture = Wall{.sigma = 2}.picture();
