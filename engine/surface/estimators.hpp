@@ -331,7 +331,8 @@ std::vector<TriedFilters> tried_filters(const SmoothPatches& patches, const Dept
 std::vector<TriedFilters> tried_removal(const SmoothPatches& patches, const DepthLength& levels);
 
 /// The tried filters, with the temporal filter or without it, from those that keep most on, each of which
-/// leaves less than the one before: a detail of 1 is the first, of 0 the last.
+/// leaves less than the one before: a detail of 1 is the first, of 0 the last. The mildest of the best is
+/// one.
 std::vector<const TriedFilters*> frontier(const std::vector<TriedFilters>& tried, bool temporal);
 /// Height of the least pen, five pixels wide, of which filters keep 80 %, on the patches, at their median
 /// depth, scene units; 0: any, as nothing is filtered.

@@ -361,7 +361,7 @@ double NoiseEstimator::smooth() const {
     double all = 0, squares = 0, smooth = 0;
     const auto each = [&](const auto& visit) {
         for (const Window& window : windows_) {
-            if (window.step == 0) continue;
+            if (window.step == 0 || window.depth == 0) continue;
             const double codes = window.depth / window.step;
             const auto means = window.bends.means(12 * codes / edge_share);
             if (means.count >= least_count) visit(window, codes, means);

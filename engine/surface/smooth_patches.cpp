@@ -498,12 +498,14 @@ void TriedFilters::apply(const DepthLength& noise, FilterSettings& filter) const
 }
 
 std::vector<const TriedFilters*> frontier(const std::vector<TriedFilters>& tried, bool temporal) {
+    const TriedFilters* const usual = mildest_of_the_best(tried, temporal);
     std::vector<const TriedFilters*> points;
-    for (const TriedFilters& one : tried)
-        if (points.empty()
-                ? one.harshness == 0 && !one.temporal
-                : one.temporal == temporal && one.left_deg < of_point_before * points.back()->left_deg)
-            points.push_back(&one);
+    for (const TriedFilters& one : tried) {
+        const double enough =
+            points.empty() ? 180 : (&one == usual ? 1 : of_point_before) * points.back()->left_deg;
+        const bool may_be = points.empty() ? one.harshness == 0 && !one.temporal : one.temporal == temporal;
+        if (may_be && one.left_deg < enough) points.push_back(&one);
+    }
     return points;
 }
 

@@ -100,7 +100,7 @@ std::vector<SessionSetting> all_settings() {
                        const bool is_known = setup.filters && setup.filters->measured;
                        const auto detail =
                            is_known ? setup.filters->measured->detail_of(setup.scene.filter) : std::nullopt;
-                       return details.word_of(detail.value_or(1));
+                       return detail ? details.word_of(*detail) : "";
                    }});
     for (const FilterSetting& filter : filter_settings())
         if (*filter.what)

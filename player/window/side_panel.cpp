@@ -383,12 +383,16 @@ void SettingsPanel::draw_row(const SessionSetting& setting, const SettingsFacts&
 void SettingsPanel::draw_number(const SessionSetting& setting, const SettingsFacts& facts,
                                 std::vector<WindowCommand>& asked) {
     const SettingRange& range = setting.range;
-    const auto in_effect = parsed_number(value_in(facts.in_effect, setting.name)).value_or(range.least);
+    const auto known = parsed_number(value_in(facts.in_effect, setting.name));
+    const double in_effect = known.value_or(range.least);
     const std::string id = "##" + setting.name;
     auto value = held_ == setting.name ? dragged_ : static_cast<float>(in_effect);
     const std::string number = shown_number(setting, value);
     const bool may_be_off = (setting.of == SettingOf::filters || setting.name == "relief") && range.whole;
-    const std::string words = may_be_off && number == "0" ? "off" : number + " " + range.unit;
+    const bool is_other = !known && held_ != setting.name;  // filters that no detail stands for
+    const std::string words = is_other                      ? "as stated"
+                              : may_be_off && number == "0" ? "off"
+                                                            : number + " " + range.unit;
     draw_slider(id.c_str(), value, static_cast<float>(range.least), static_cast<float>(range.most), words,
                 scale_, range.by_ratio ? ImGuiSliderFlags_Logarithmic : 0);
     if (ImGui::IsItemActive()) {

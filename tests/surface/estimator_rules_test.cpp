@@ -525,6 +525,7 @@ private:
         const auto each = [&](auto&& visit) {
             for (const auto& [first, samples] : bends_) {
                 const auto [z, step] = depth_and_step(first);
+                if (z == 0) continue;
                 const Means means = clipped(samples, 6 * z / 10 / step);
                 if (means.count >= 200) visit(samples, z / step, means);
             }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "engine/scene/filter_codes.hpp"
@@ -630,6 +631,7 @@ TEST(FilterSearch, ReachesFromDetailToSmooth) {
         const auto points = frontier(tried, true);
         EXPECT_GE(points.size(), 5U);
         EXPECT_EQ(points.front(), &unfiltered(tried));
+        EXPECT_TRUE(std::ranges::count(points, mildest_of_the_best(tried, true)));
         double left = 180, relief = 0;
         for (const TriedFilters* const point : points) {
             EXPECT_LT(point->left_deg, left);
