@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "engine/base/same_bits.hpp"
 #include "engine/surface/estimators.hpp"
 #include "engine/surface/flying_pixels.hpp"
 
