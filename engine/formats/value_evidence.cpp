@@ -758,14 +758,18 @@ std::optional<EmptyBackground> empty_background(const StoredImage& picture) {
     for (const double empty : {most, 0.0}) {
         if (stop_requested()) break;
         std::size_t all = 0, border = 0, around = 0;
+        for (std::size_t k = 0; k < pixels;) {
+            ++border;
+            around += value_at(picture, k) == empty;
+            k += k % width == 0 && !is_border(k + 1) ? width - 1 : 1;  // over a row's inside
+        }
+        if (4 * around < 3 * border) continue;
         double least = most, largest = 0;
         double sums[2] = {0, 0}, counts[2] = {0, 0};  // of things, and of their rims
         for (std::size_t k = 0; k < pixels; ++k) {
             const double value = value_at(picture, k);
             const bool is_at_border = is_border(k), is_empty = value == empty;
             all += is_empty;
-            border += is_at_border;
-            around += is_at_border && is_empty;
             if (is_empty || is_at_border) continue;
             const bool is_rim = std::ranges::any_of(std::array{k - 1, k + 1, k - width, k + width},
                                                     [&](auto n) { return value_at(picture, n) == empty; });
@@ -774,7 +778,7 @@ std::optional<EmptyBackground> empty_background(const StoredImage& picture) {
             least = std::min(least, value);
             largest = std::max(largest, value);
         }
-        if (5 * all < pixels || 4 * around < 3 * border || counts[0] == 0 || counts[1] == 0) continue;
+        if (5 * all < pixels || counts[0] == 0 || counts[1] == 0) continue;
         const double rim = sums[1] / counts[1] - sums[0] / counts[0];
         const bool is_clear = std::abs(rim) > 0.05 * (largest - least);
         return EmptyBackground{empty, is_clear ? rim < 0 : empty == 0};
