@@ -68,17 +68,25 @@ DepthLength flat_within(const MeasuredDepth& measured) {
     return {0.5 * length, 1 / (m * m) * (0.5 * length + beyond)};
 }
 
-/// Null: nothing was tried that may be chosen.
-const TriedFilters* best_of_tried(const MeasuredDepth& measured, const UnstatedFilters& unstated,
-                                  const FilterSettings& filter) {
-    const bool is_open = unstated.median && unstated.terraces && filter.levels == DepthLength{};
-    if (!is_open) return nullptr;
-    if (!unstated.detail)
-        return measured.is_searched() ? mildest_of_the_best(measured.tried, filter.temporal) : nullptr;
-    const auto points = frontier(measured.tried, filter.temporal);
-    if (points.empty()) return nullptr;
-    const double steps = static_cast<double>(points.size() - 1);
-    return points[static_cast<std::size_t>((1 - *unstated.detail) * steps + 0.5)];
+/// Nothing: nothing was tried that may be chosen.
+std::optional<TriedFilters> best_of_tried(const MeasuredDepth& measured, const UnstatedFilters& unstated,
+                                          const FilterSettings& filter) {
+    if (filter.levels != DepthLength{}) return {};
+    if (unstated.detail) {
+        std::vector<TriedFilters> open;  // with the median or removal that is stated
+        for (const TriedFilters& one : measured.tried)
+            if ((unstated.median || one.median == filter.median) &&
+                (unstated.terraces || filter.terraces == TerraceRemoval::automatic ||
+                 one.terraces == (filter.terraces == TerraceRemoval::on)))
+                open.push_back(one);
+        const auto points = frontier(open, filter.temporal);
+        if (points.empty()) return {};
+        const auto steps = static_cast<double>(points.size() - 1);
+        return *points[static_cast<std::size_t>((1 - *unstated.detail) * steps + 0.5)];
+    }
+    if (!unstated.median || !unstated.terraces || !measured.is_searched()) return {};
+    const TriedFilters* const best = mildest_of_the_best(measured.tried, filter.temporal);
+    return best ? std::optional(*best) : std::nullopt;
 }
 
 /// For terraces of many pixels, such as those of phones, whose few levels hide behind the codes of the ramps
@@ -257,7 +265,7 @@ void choose_filters(const std::optional<MeasuredDepth>& measured, const Unstated
         return;
     }
     if (unstated.temporal) filter.temporal = measured->is_noisy(scene.width);
-    if (const TriedFilters* const best = best_of_tried(*measured, unstated, filter)) {
+    if (const auto best = best_of_tried(*measured, unstated, filter)) {
         const FilterSettings stated = filter;
         best->apply(measured->noise, filter);
         if (!unstated.temporal) filter.temporal = stated.temporal;

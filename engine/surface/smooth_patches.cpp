@@ -503,7 +503,7 @@ std::vector<const TriedFilters*> frontier(const std::vector<TriedFilters>& tried
     for (const TriedFilters& one : tried) {
         const double enough =
             points.empty() ? 180 : (&one == usual ? 1 : of_point_before) * points.back()->left_deg;
-        const bool may_be = points.empty() ? one.harshness == 0 && !one.temporal : one.temporal == temporal;
+        const bool may_be = points.empty() ? !one.temporal : one.temporal == temporal;
         if (may_be && one.left_deg < enough) points.push_back(&one);
     }
     return points;

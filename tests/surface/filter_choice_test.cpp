@@ -133,10 +133,10 @@ TEST(ChosenFilters, TakeMildestOfBestTried) {
 TEST(ChosenFilters, FollowDetail) {
     MeasuredDepth measured = of_a_camera();
     measured.noise = {1, 0};
-    measured.tried = {{false, 0, false, {}, 0, 30},       {true, 0, false, {}, 0, 26},
-                      {true, 3, false, {}, 0.17, 27},     {true, 0, true, {2, 0}, 0.7, 9},
-                      {true, 3, true, {2, 0}, 0.9, 8.9},  {true, 0, true, {4, 0}, 1, 5},
-                      {true, 3, true, {4, 0}, 1.17, 2.1}, {true, 0, true, {6, 0}, 1.4, 2}};
+    measured.tried = {
+        {false, 0, false, {}, 0, 30},   {true, 0, false, {}, 0, 26},        {false, 3, false, {}, 0.17, 29},
+        {true, 3, false, {}, 0.17, 27}, {true, 0, true, {2, 0}, 0.7, 9},    {true, 3, true, {2, 0}, 0.9, 8.9},
+        {true, 0, true, {4, 0}, 1, 5},  {true, 3, true, {4, 0}, 1.17, 2.1}, {true, 0, true, {6, 0}, 1.4, 2}};
     const auto with = [&](std::optional<double> detail, int stated_median = -1) {
         Scene scene = open_scene();
         UnstatedFilters unstated = all_unstated;
@@ -161,6 +161,11 @@ TEST(ChosenFilters, FollowDetail) {
     EXPECT_EQ(before, 2);
     EXPECT_EQ(with(std::nullopt).levels, (DepthLength{4, 0})) << "hardly more than the smoothest";
     EXPECT_EQ(with(1, 5).median, 5) << "stated";
+    // Of those with the stated median: 29 degrees, 27, 8.9 and 2.1.
+    EXPECT_EQ(with(1, 3).terraces, TerraceRemoval::off);
+    EXPECT_EQ(with(0.34, 3).levels, (DepthLength{2, 0}));
+    EXPECT_EQ(with(0, 3).levels, (DepthLength{4, 0}));
+    EXPECT_EQ(with(0, 3).median, 3);
 }
 
 TEST(ChosenFilters, NeedTinyHolesForFilling) {
