@@ -22,7 +22,7 @@ constexpr int far_apart_share = 16;
 /// Common changes over the variance of codes: below 0.07 in films with measurable noise (a fast pan), mostly
 /// above 0.2 in unrelated pictures.
 constexpr double most_of_film = 0.125;
-/// A gain that changes from frame to frame is told apart where it makes changes at least so much larger.
+/// A gain is taken off changes where it makes them at least so much larger.
 constexpr double common_per_own = 2;
 /// Changes by which rounding alone differs from a common one: d and e by one code each.
 constexpr double rounding_square = 2;

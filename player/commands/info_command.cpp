@@ -129,9 +129,9 @@ std::vector<Detail> details_of(const ClipFacts& facts) {
     return details;
 }
 
-Json details_json(const ClipFacts& facts) {
+Json details_json(const std::vector<Detail>& details) {
     Json out = Json::array();
-    for (const Detail& point : details_of(facts))
+    for (const Detail& point : details)
         out.push_back({{"detail", point.detail},
                        {"filters", point.filters},
                        {"left_degrees", point.left_deg},
@@ -263,7 +263,7 @@ void tell_picture(const ClipFacts& facts, std::ostream& out) {
                                  << scene.path->length() * scene.metres_per_unit << " m\n";
 }
 
-void tell_depth(const ClipFacts& facts, std::ostream& out) {
+void tell_depth(const ClipFacts& facts, const std::vector<Detail>& details, std::ostream& out) {
     const Scene& scene = facts.scene;
     const DepthCoding& coding = scene.depth;
     const double mm = mm_per_unit(scene);
@@ -282,7 +282,7 @@ void tell_depth(const ClipFacts& facts, std::ostream& out) {
                                                                 : "distance of two levels")
                        << " / width of a pixel)\n";
     line(out, "filters") << filters_in_words(scene, facts.chosen) << '\n';
-    for (const Detail& point : details_of(facts))
+    for (const Detail& point : details)
         line(out, "detail") << formatted("%.2g: leans ", point.detail) << short_number(point.left_deg, 2)
                             << " degrees (" << short_number(direction_jnd(point.left_deg), 2)
                             << " times what is just noticed), keeps "
@@ -314,7 +314,7 @@ void tell_touch(const ClipFacts& facts, std::ostream& out) {
                             << " mm of the scene\n";
 }
 
-Json to_json(const ClipFacts& facts) {
+Json to_json(const ClipFacts& facts, const std::vector<Detail>& details) {
     const Scene& scene = facts.scene;
     Json out;
     out["clip"] = facts.clip;
@@ -332,7 +332,7 @@ Json to_json(const ClipFacts& facts) {
         {"invalid_pct", facts.invalid_pct}, {"nearest", facts.nearest}, {"farthest", facts.farthest}};
     out["kappa"] = kappa_json(facts);
     out["filters"] = filters_json(scene, facts.chosen, facts.measured);
-    out["filters"]["details"] = details_json(facts);
+    out["filters"]["details"] = details_json(details);
     out["terraces"] = terraces_json(facts);
     out["interpolation"] = scene.interpolation == FrameInterpolation::hold ? "hold" : "linear";
     add_touch(facts, out);
@@ -341,12 +341,12 @@ Json to_json(const ClipFacts& facts) {
 }
 
 /// The same as text, one fact per line.
-std::string to_text(const ClipFacts& facts) {
+std::string to_text(const ClipFacts& facts, const std::vector<Detail>& details) {
     std::ostringstream out;
     out << one_line(facts.clip) << (facts.scene.name.empty() ? "" : ": ") << printable(facts.scene.name)
         << '\n';
     tell_picture(facts, out);
-    tell_depth(facts, out);
+    tell_depth(facts, details, out);
     tell_touch(facts, out);
     for (const std::string& note : facts.notes) line(out, "note") << one_line(note) << '\n';
     return out.str();
@@ -375,16 +375,18 @@ Result<void> print_facts(const InfoOptions& options) {
     TRY(options.json.check(
         {{"the clip", options.clip.file}, {"--scene", options.clip.scene_file.value_or("")}}));
     TRY_ASSIGN(const auto facts, clip_facts(options.clip));
+    const std::vector<Detail> details = details_of(facts);
+    if (stop_requested()) return interrupted_error();
     std::optional<Verified> verified;
     if (options.verify) TRY(assign(verified, verify_clip(options.clip, facts, options.picture)));
     const std::string verdict = verdict_on(facts, verified ? &verified->findings : nullptr);
     if (options.scene_text) {
         std::cout << mpeg4_text(facts);
     } else if (!options.json.replaces_words()) {
-        std::cout << on_terminal(to_text(facts) + (verified ? verified_in_words(*verified) : "") +
+        std::cout << on_terminal(to_text(facts, details) + (verified ? verified_in_words(*verified) : "") +
                                  "  verdict      " + verdict + '\n');
     }
-    Json json = to_json(facts);
+    Json json = to_json(facts, details);
     if (verified) add_verified(*verified, json);
     json["verdict"] = verdict;
     return options.json.write(json);

@@ -427,8 +427,8 @@ private:
                              static_cast<double>(d * d + e * e)});
         }
     };
-    /// The changes by which noise is told; null of unrelated pictures: a film's distant pixels share at most
-    /// an eighth of the codes' variance.
+    /// The changes that noise is computed of; null for unrelated pictures: a film's distant pixels share at
+    /// most an eighth of the codes' variance.
     const Changes* film() {
         double mean = 0, variance = 0, common = 0, change = 0, own_common = 0, own_change = 0;
         const std::vector<Pair>& pairs = all_.pairs;
