@@ -6,9 +6,9 @@
 #include <fstream>
 #include <glm/geometric.hpp>
 
-#include "bench/real/depth_plane.hpp"
 #include "bench/touch/noisy_scene.hpp"
 #include "engine/base/files.hpp"
+#include "engine/base/hand_thresholds.hpp"
 #include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"

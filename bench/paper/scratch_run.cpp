@@ -6,9 +6,9 @@
 #include <string>
 
 #include "bench/clocks.hpp"
-#include "bench/real/depth_plane.hpp"
 #include "bench/touch/force_spectrum.hpp"
 #include "bench/touch/touch_run.hpp"
+#include "engine/base/hand_thresholds.hpp"
 #include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"

@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "engine/base/hand_thresholds.hpp"
 #include "engine/base/same_bits.hpp"
 
 namespace touchable {
@@ -89,10 +90,6 @@ double standard_error_deg(const DepthMap& map, const DepthPlane& plane, int reac
     const double a = degrees_between(normal, normal_of(to_the_right, map.camera)),
                  b = degrees_between(normal, normal_of(downwards, map.camera));
     return std::sqrt(a * a + b * b);
-}
-
-double degrees_between(const glm::dvec3& a, const glm::dvec3& b) {
-    return arctangent2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180 / pi;
 }
 
 }  // namespace touchable

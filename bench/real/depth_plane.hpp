@@ -27,7 +27,5 @@ glm::dvec3 normal_of(const DepthPlane& plane, const Camera& camera);
 /// Standard error of that direction, degrees. Neighbouring residuals are correlated, so each block of 8x8
 /// pixels counts as one observation (a cluster-robust error: Liang and Zeger 1986).
 double standard_error_deg(const DepthMap& map, const DepthPlane& plane, int reach);
-/// Angle between unit vectors, degrees.
-double degrees_between(const glm::dvec3& a, const glm::dvec3& b);
 
 }  // namespace touchable

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "engine/base/hand_thresholds.hpp"
 #include "haptics_cpu/touch_solver.hpp"
 
 namespace touchable {

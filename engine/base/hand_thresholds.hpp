@@ -5,9 +5,12 @@
 //
 // Threads: constants and pure functions; any thread may use them.
 
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
 #include <optional>
 #include <string>
 
+#include "engine/base/same_bits.hpp"
 #include "engine/base/words.hpp"
 
 namespace touchable {
@@ -22,6 +25,11 @@ inline constexpr double seen_degrees = 18.4, felt_degrees = 25.6;
 /// force using active finger motion", Perception & Psychophysics 49(6), 1991.
 inline constexpr double size_share = 0.07, size_from_n = 2.5, size_to_n = 10;
 }  // namespace hand_thresholds
+
+/// Angle between two directions of any length; 0 where one has none.
+inline double degrees_between(const glm::dvec3& a, const glm::dvec3& b) {
+    return arctangent2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180 / pi;
+}
 
 /// An angle between two forces as a multiple of what a hand just notices where it sees the scene.
 constexpr double direction_jnd(double degrees) {

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "device/hand.hpp"
+#include "engine/base/hand_thresholds.hpp"
 #include "engine/base/try.hpp"
 
 namespace touchable {
@@ -116,10 +117,6 @@ std::vector<ForceComparison::WorstTick> worst_of(std::vector<ForceComparison::Wo
     }
     if (!out.empty() && out.back().newtons == 0) out.pop_back();
     return out;
-}
-
-double degrees_between(const glm::dvec3& a, const glm::dvec3& b) {
-    return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180 / std::numbers::pi;
 }
 
 /// Compares samples with the same goal: contact in A and B, and the forces' difference.
