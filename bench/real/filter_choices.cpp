@@ -1,5 +1,9 @@
 #include "bench/real/filter_choices.hpp"
 
+#include <algorithm>
+#include <limits>
+#include <string>
+
 #include "engine/surface/depth_estimator.hpp"
 
 namespace touchable {
@@ -34,10 +38,33 @@ std::optional<MeasuredDepth> measured_depth(const std::vector<RawFrame>& first, 
     return estimator.measured();
 }
 
+double trusted_to(const FilterSettings& filter, const std::vector<RawFrame>& first, const Scene& scene) {
+    const auto measured = measured_depth(first, scene);
+    const auto to = measured ? measured->trusted_to(filter) : std::nullopt;
+    return to.value_or(std::numeric_limits<double>::infinity());
+}
+
 Scene chosen_filters(const std::vector<RawFrame>& first, Scene scene) {
     scene.filter = {};
     choose_filters(measured_depth(first, scene), all_unstated, scene);
     return scene;
+}
+
+void add_details(const std::vector<RawFrame>& first, const Scene& scene, Figures& figures) {
+    const auto measured = measured_depth(first, scene);
+    if (!measured || !measured->patches) return;
+    const bool temporal = measured->is_noisy(scene.width);
+    const auto points = frontier(measured->tried, temporal);
+    const auto chosen = std::ranges::find(points, mildest_of_the_best(measured->tried, temporal));
+    figures.push_back({"points", static_cast<double>(points.size()), ""});
+    figures.push_back({"chosen_detail", static_cast<double>(chosen - points.begin()), ""});
+    double pen = 0;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        const std::string name = "detail_" + std::to_string(k);
+        pen = std::max(pen, least_relief(*measured->patches, *points[k], measured->noise));
+        figures.push_back({name + "_leans_deg", points[k]->left_deg, "deg", false});
+        figures.push_back({name + "_pen_mm", 1000 * pen * scene.metres_per_unit, "mm", false});
+    }
 }
 
 const std::vector<FilterChoice>& filter_choices() {

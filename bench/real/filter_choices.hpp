@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "bench/suite.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/surface/depth_estimator.hpp"
@@ -22,6 +23,14 @@ std::optional<MeasuredDepth> measured_depth(const std::vector<RawFrame>& first, 
 
 /// The program's choice if nothing is stated.
 Scene chosen_filters(const std::vector<RawFrame>& first, Scene scene);
+
+/// Depth beyond which the force of these filters is said not to be trusted (MeasuredDepth::trusted_to).
+double trusted_to(const FilterSettings& filter, const std::vector<RawFrame>& first, const Scene& scene);
+
+/// Appends the frontier between detailed and smooth that these frames have: `points`, and of each point k
+/// from as recorded on, detail_<k>_leans_deg, what is left of noise, and detail_<k>_pen_mm, the least pen of
+/// which 80 % is kept; chosen_detail, the program's choice by its k.
+void add_details(const std::vector<RawFrame>& first, const Scene& scene, Figures& figures);
 
 /// In the order of the tables. A new choice is a function and a line here.
 const std::vector<FilterChoice>& filter_choices();

@@ -130,8 +130,8 @@ Result<double> KnownRoom::lag(const Scene& scene, const std::vector<SurfaceFrame
     return moving.value() - still.value();
 }
 
-Result<PressErrors> KnownRoom::pressed(const Scene& scene) const {
-    PressErrors errors;
+Result<PressErrors> KnownRoom::pressed(const Scene& scene, double trusted_to) const {
+    PressErrors errors(trusted_to);
     for (const Room& room : rooms_) {
         const auto frames = built(scene, room.stored);
         if (!frames) return frames.error();
@@ -285,11 +285,25 @@ Result<double> KnownRoom::choose_again() {
     return most;
 }
 
+Result<PressErrors> KnownRoom::press_chosen() {
+    if (!scene_)
+        if (auto done = make_rooms(true, settled_frames); !done) return done.error();
+    const Scene chosen = chosen_filters(rooms_[0].stored, *scene_);
+    return pressed(chosen, trusted_to(chosen.filter, rooms_[0].stored, *scene_));
+}
+
+Result<void> KnownRoom::measure_details(Figures& figures) {
+    if (!scene_)
+        if (auto done = make_rooms(true, settled_frames); !done) return done;
+    add_details(rooms_[0].stored, *scene_, figures);
+    return {};
+}
+
 Result<void> KnownRoom::measure(const FilterChoice& choice, bool quick, Figures& figures) {
     if (!scene_)
         if (auto done = make(quick); !done) return done;
     const Scene scene = choice.of(rooms_[0].stored, *scene_);
-    const auto errors = pressed(scene);
+    const auto errors = pressed(scene, trusted_to(scene.filter, rooms_[0].stored, *scene_));
     if (!errors) return errors.error();
     errors->report(figures);
     const auto at_rest = built(scene, rooms_[0].stored);

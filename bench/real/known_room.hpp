@@ -28,6 +28,10 @@ public:
     /// those of measure_rest, lag_mm, frame_cpu_ms and frame_ms, and level_mm, the measured level distance at
     /// the room's median depth (0: every code is a level). `quick`: two rooms.
     Result<void> measure(const FilterChoice& choice, bool quick, Figures& figures);
+    /// The errors of the chosen filters, in two rooms.
+    Result<PressErrors> press_chosen();
+    /// See add_details.
+    Result<void> measure_details(Figures& figures);
     /// Appends the error with the filters chosen by the program, and the best of all: every median, levels of
     /// a tenth to twice the sensor's least step, and averaging for no noise, its noise or more.
     /// force_angle_deg_chosen, _best among those that keep edges (keeps_edges), _best_of_all; times_best.
@@ -68,7 +72,8 @@ private:
                                 std::span<const double> levels, const Press& press,
                                 double* best_of_all) const;
     /// Errors of forces on the filtered surface, against true normals.
-    Result<PressErrors> pressed(const Scene& scene) const;
+    Result<PressErrors> pressed(const Scene& scene,
+                                double trusted_to = std::numeric_limits<double>::infinity()) const;
     Result<void> make_approach();
     Result<double> lag(const Scene& scene, const std::vector<SurfaceFrame>& at_rest) const;
 

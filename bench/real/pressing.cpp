@@ -32,6 +32,15 @@ double root_mean_square(const std::vector<double>& values) {
     return std::sqrt(squares / static_cast<double>(values.size()));
 }
 
+double per_cent(std::size_t part, std::size_t all) {
+    return 100 * static_cast<double>(part) / static_cast<double>(std::max<std::size_t>(all, 1));
+}
+
+double over_20deg_pct(const std::vector<double>& angles) {
+    const auto wrong = std::ranges::count_if(angles, [](double angle) { return angle > 20; });
+    return per_cent(static_cast<std::size_t>(wrong), angles.size());
+}
+
 }  // namespace
 
 Result<void> PressErrors::press(const Scene& scene, const SurfaceFrame& frame,
@@ -57,6 +66,7 @@ Result<void> PressErrors::press(const Scene& scene, const SurfaceFrame& frame,
                 continue;
             }
             angles_.push_back(degrees_between(contacts[k].force, normal_of(planes[k], scene.camera)));
+            if (1 / planes[k].at <= trusted_to_) trusted_.push_back(angles_.back());
         }
     }
     return {};
@@ -64,6 +74,14 @@ Result<void> PressErrors::press(const Scene& scene, const SurfaceFrame& frame,
 
 double PressErrors::angle_deg_rms() const {
     return angles_.empty() ? 180 : root_mean_square(angles_);
+}
+
+double PressErrors::untrusted_pct() const {
+    return per_cent(angles_.size() - trusted_.size(), angles_.size());
+}
+
+double PressErrors::trusted_over_20deg_pct() const {
+    return over_20deg_pct(trusted_);
 }
 
 void PressErrors::report(Figures& figures) const {
@@ -78,9 +96,9 @@ void PressErrors::report(Figures& figures) const {
     figures.push_back({"force_angle_deg_rms", root_mean_square(sorted), "deg"});
     figures.push_back({"force_angle_deg_median", share(0.5), "deg"});
     figures.push_back({"force_angle_deg_p95", share(0.95), "deg"});
-    const auto wrong = std::ranges::count_if(sorted, [](double angle) { return angle > 20; });
-    figures.push_back(
-        {"over_20deg_pct", 100 * static_cast<double>(wrong) / static_cast<double>(sorted.size()), "%"});
+    figures.push_back({"over_20deg_pct", over_20deg_pct(sorted), "%"});
+    figures.push_back({"untrusted_pct", untrusted_pct(), "%"});
+    figures.push_back({"trusted_over_20deg_pct", trusted_over_20deg_pct(), "%"});
     figures.push_back({"contact_lost_pct",
                        100 * static_cast<double>(lost_) / static_cast<double>(lost_ + angles_.size()), "%"});
 }

@@ -62,6 +62,9 @@ void add_recording(std::vector<BenchCase>& cases, const CameraRecording& recordi
     add(cases, recording.name, patches, quick);
     cases.push_back({"real-forms-" + recording.name,
                      [patches, quick](Figures& figures) { return patches->measure_forms(quick, figures); }});
+    cases.push_back({"real-detail-" + recording.name, [patches, quick](Figures& figures) {
+                         return patches->measure_details(quick, figures);
+                     }});
     cases.push_back({"real-left-out-" + recording.name, [patches, quick](Figures& figures) {
                          return patches->measure_left_out(quick, figures);
                      }});
@@ -117,6 +120,23 @@ Result<void> measure_models(const std::filesystem::path& data, const std::vector
     return {};
 }
 
+/// Counts drawn cameras whose forces are right as far as they are said to be trusted, in large rooms.
+Result<void> measure_trust(const std::filesystem::path& data, const std::vector<SensorModel>& models,
+                           Figures& figures) {
+    constexpr double few_pct = 0.7;
+    int right = 0;
+    for (const SensorModel& model : models) {
+        const auto errors = KnownRoom(data, model, far_away).press_chosen();
+        if (!errors) return errors.error();
+        right += errors->trusted_over_20deg_pct() <= few_pct;
+        figures.push_back({"untrusted_pct_" + model.name, errors->untrusted_pct(), "%", false});
+        figures.push_back(
+            {"trusted_over_20deg_pct_" + model.name, errors->trusted_over_20deg_pct(), "%", false});
+    }
+    figures.push_back({"trust_is_right_pct", 100.0 * right / static_cast<double>(models.size()), "%"});
+    return {};
+}
+
 void add_generated(std::vector<BenchCase>& cases) {
     for (const FilterChoice& choice : filter_choices())
         cases.push_back({"real-generated-" + std::string(choice.name),
@@ -163,6 +183,9 @@ std::vector<BenchCase> real_cases(bool quick) {
         cases.push_back({"real-icl-far-chosen", [far, quick](Figures& figures) {
                              return far->measure(filter_choices().back(), quick, figures);
                          }});
+        cases.push_back({"real-detail-azure", [data](Figures& figures) {
+                             return KnownRoom(data, azure_kinect(), 1).measure_details(figures);
+                         }});
         const auto add_models = [&](const std::string& which, const std::vector<SensorModel>& models) {
             cases.push_back({"real-models-" + which,
                              [=](Figures& figures) { return measure_models(data, models, figures); }});
@@ -171,6 +194,8 @@ std::vector<BenchCase> real_cases(bool quick) {
         std::vector<SensorModel> models;
         for (int n = 1; n <= (quick ? 10 : 60); ++n) models.push_back(drawn_model(n));
         add_models("drawn", models);
+        cases.push_back(
+            {"real-models-far", [=](Figures& figures) { return measure_trust(data, models, figures); }});
     }
     for (int number = 1; number <= drawn_models; ++number) add_least_steps(cases, drawn_model(number));
     add_low_relief(cases, kinect_with_lone_pixels(), 1000, 12);

@@ -76,7 +76,7 @@ Result<void> RecordingPatches::measure(const FilterChoice& choice, bool quick, F
     const Scene scene = choice.of(raws_, *scene_);
     const auto frames = built(scene, raws_);
     if (!frames) return frames.error();
-    PressErrors errors;
+    PressErrors errors(trusted_to(scene.filter, raws_, *scene_));
     for (std::size_t n = 0; n < frames->size(); ++n)
         if (auto done = errors.press(scene, (*frames)[n], planes_[n]); !done) return done;
     errors.report(figures);
@@ -109,6 +109,13 @@ Result<void> RecordingPatches::measure_forms(bool quick, Figures& figures) {
         worst = std::max(worst, angle);
     }
     figures.push_back({"forms_apart_deg", worst - best, "deg"});
+    return {};
+}
+
+Result<void> RecordingPatches::measure_details(bool quick, Figures& figures) {
+    if (!scene_)
+        if (auto done = read(quick); !done) return done;
+    add_details(raws_, *scene_, figures);
     return {};
 }
 

@@ -43,6 +43,9 @@ public:
     /// (depth_forms): force_angle_deg_png, ...; forms_apart_deg, the worst less the best.
     Result<void> measure_forms(bool quick, Figures& figures);
 
+    /// See add_details.
+    Result<void> measure_details(bool quick, Figures& figures);
+
     /// Cross-validation: filters chosen from every second frame, measured on the frames between: the
     /// program's choice, the best of those it tried, and their ratio: force_angle_deg_chosen,
     /// force_angle_deg_best, times_best. Each half is left out once.

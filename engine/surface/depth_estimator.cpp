@@ -1,6 +1,9 @@
 // The measurements of the first frames, put together, and the filters chosen by them.
 #include "engine/surface/depth_estimator.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "engine/base/same_bits.hpp"
 
 namespace touchable {
@@ -44,6 +47,10 @@ constexpr double levels_per_noise = 1.5;
 /// about three degrees. It is chosen below kappa_of_terraces if it leaves so much less, from there on unless
 /// it leaves so much more.
 constexpr double least_kappa = 0.1, clearly_less = 0.9, hardly_more = 1.02;
+/// Force cannot be trusted where terraces are removed up to a height of so many pixels' widths, and relief
+/// with them (docs/measurements.md), or where surfaces lean by so much, RMS: then 0.7 % of normally
+/// distributed directions are off by 20 degrees, exp(-(20/9)^2).
+constexpr double most_removed = 10, most_lean_deg = 9;
 /// These close holes three pixels wide.
 constexpr int passes = 2;
 
@@ -142,6 +149,24 @@ std::optional<double> MeasuredDepth::detail_of(const FilterSettings& filter) con
     return {};
 }
 
+std::optional<double> MeasuredDepth::trusted_to(const FilterSettings& filter) const {
+    const TriedFilters* const now = is_searched() ? found_among(tried, filter) : nullptr;
+    if (!now) return {};
+    const double width = pixel / median, here = patches->median_depth();  // a pixel is width depth wide
+    double to = farthest;
+    // Up to the larger depth at which constant + quadratic depth^2 = most width depth.
+    const auto limit = [&](const DepthLength& length, double most) {
+        if (!(length.quadratic > 0)) return;
+        const double half = most * width / (2 * length.quadratic);
+        to = std::min(to, half + std::sqrt(std::max(0.0, half * half - length.constant / length.quadratic)));
+    };
+    if (now->terraces) limit(now->levels, most_removed);
+    // A lean grows like depths' scatter in pixels' widths.
+    const DepthLength scatter = patches->roughness();
+    limit(scatter, scatter.at(here) / (width * here) * most_lean_deg / now->left_deg);
+    return to < farthest ? std::optional(to) : std::nullopt;
+}
+
 bool MeasuredDepth::is_noisy(int width) const {
     return noise_at_median() >= noise_per_picture * pixel * width;
 }
@@ -217,13 +242,14 @@ std::optional<MeasuredDepth> DepthEstimator::measured() const {
 }
 
 std::optional<MeasuredDepth> DepthEstimator::measured_without_trying() const {
-    const auto median = levels_.median_depth();
+    const auto median = levels_.depth_of_share(50);
     if (!median) return std::nullopt;
     Scene scene = scene_;
     if (scene.filter.levels == DepthLength{}) scene.filter.levels = levels_.levels();
     using Place = NoiseEstimator::Place;
     return MeasuredDepth{.frames = added_,
                          .median = *median,
+                         .farthest = levels_.depth_of_share(99).value_or(*median),
                          .pixel = *median / scene.camera.fx,
                          .levels = scene.filter.levels,
                          .distance = level_distance(scene, *median),

@@ -23,6 +23,7 @@ namespace touchable {
 struct MeasuredDepth {
     int frames = 0;       ///< frames that were measured; noise needs three
     double median = 0;    ///< depth of what can be touched
+    double farthest = 0;  ///< of it, but for the last hundredth
     double pixel = 0;     ///< width of a pixel at the median
     DepthLength levels;   ///< zero: every code is a level
     double distance = 0;  ///< from one level to the next at the median
@@ -66,6 +67,9 @@ struct MeasuredDepth {
     bool has_flying_pixels() const;
     /// Detail of a scene's filters, 0 to 1, by their place on the frontier; nothing: they are not on it.
     std::optional<double> detail_of(const FilterSettings& filter) const;
+    /// Depth beyond which these filters leave too much noise for force to be trusted. Nothing: nothing is so
+    /// far away, or it was not found.
+    std::optional<double> trusted_to(const FilterSettings& filter) const;
 };
 
 /// Measures the frames of a clip from the first one on; of pictures larger than 4096x4096 the middle. The

@@ -10,19 +10,19 @@ namespace {
 /// Value and weight.
 using Weighted = std::pair<double, std::int64_t>;
 
-/// The value below and above which there is half of the weight.
-double weighted_median(std::vector<Weighted> values) {
+/// The value below which there is this share of the weight, in hundredths.
+double weighted_percentile(std::vector<Weighted> values, int hundredths) {
     std::ranges::sort(values);
     std::int64_t all = 0, sum = 0;
     for (const Weighted& value : values) all += value.second;
     for (const Weighted& value : values)
-        if (sum += value.second; 2 * sum >= all) return value.first;
+        if (sum += value.second; 100 * sum >= hundredths * all) return value.first;
     return 0;
 }
 
 /// The median, if three quarters of the weight are within a fifth of it.
 std::optional<double> common_value(const std::vector<Weighted>& values) {
-    const double middle = weighted_median(values);
+    const double middle = weighted_percentile(values, 50);
     std::int64_t all = 0, near = 0;
     for (const Weighted& value : values) {
         all += value.second;
@@ -64,7 +64,7 @@ void LevelEstimator::add(const CodePicture& picture) {
     }
 }
 
-std::optional<double> LevelEstimator::median_depth() const {
+std::optional<double> LevelEstimator::depth_of_share(int hundredths) const {
     std::vector<Weighted> depths, background;
     for (int code = 0; code < 65536; ++code) {
         const std::int64_t pixels = counts_[static_cast<std::size_t>(code)].pixels;
@@ -74,7 +74,7 @@ std::optional<double> LevelEstimator::median_depth() const {
     }
     if (depths.empty()) depths = std::move(background);
     if (depths.empty()) return std::nullopt;
-    return weighted_median(std::move(depths));
+    return weighted_percentile(std::move(depths), hundredths);
 }
 
 /// Nothing if the window's codes are no levels, or too few to tell.
@@ -118,7 +118,7 @@ std::optional<LevelEstimator::Window> LevelEstimator::window(int first, int end)
         if (7 * sum.same_right < sum.right || 7 * sum.same_above < sum.above) return std::nullopt;
     }
     const int middle = (least_code + last) / 2;
-    const double gap = weighted_median(std::move(gaps));
+    const double gap = weighted_percentile(std::move(gaps), 50);
     const auto at = [&](double code) { return coding_.depth(static_cast<std::uint16_t>(code)); };
     return Window{sum.pixels, at(middle),
                   std::fabs(at(last) - at(least_code)) / static_cast<double>(span) * gap};
@@ -150,7 +150,7 @@ DepthLength LevelEstimator::levels_of_floats(const std::vector<Window>& found) {
     const auto digits_of = [](const Window& one) { return std::ilogb(one.depth / one.distance); };
     std::vector<Weighted> digits;
     for (const Window& one : found) digits.emplace_back(digits_of(one), one.pixels);
-    const double usual = weighted_median(digits);
+    const double usual = weighted_percentile(digits, 50);
     std::int64_t all = 0, like = 0;
     double nearest = found.back().depth, deepest = 0;
     for (const Window& one : found) {

@@ -38,9 +38,9 @@ public:
 
     void add(const CodePicture& picture);
 
-    /// Median depth of the valid pixels, scene units, without those at the far plane (backgrounds), unless
-    /// there are no others. Nothing without valid pixels.
-    std::optional<double> median_depth() const;
+    /// Depth nearer than which this share of the valid pixels is, scene units, without those at the far plane
+    /// (backgrounds), unless there are no others: 50 for their median. Nothing without valid pixels.
+    std::optional<double> depth_of_share(int hundredths) const;
     /// Distance between neighbouring depths that occur, if it is more than a code, as for codes rounded from
     /// something coarser, such as disparity. Zero if every code occurs, or if there is no rule.
     /// docs/conventions.md, Levels.

@@ -143,7 +143,7 @@ constexpr double stated_per_measured[] = {0.9, 0, 0, 1.4, 0, 1.5};
 /// Filters are as good as the best if they leave up to this factor of it, or at most these degrees.
 constexpr double as_good = 1.10, good_deg = 0.7;
 /// A point of the frontier leaves at most this share of what the one before leaves.
-constexpr double of_point_before = 0.97;
+constexpr double of_point_before = 0.99;
 /// Cost of a median in a low pen's relief, as the least steps by which levels would be wider
 /// (docs/measurements.md, Low relief).
 constexpr double harshness_of_median[] = {0, 0, 0, 0.17, 0, 0.37};

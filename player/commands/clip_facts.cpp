@@ -34,6 +34,7 @@ Json tried_json(const std::vector<TriedFilters>& tried) {
 
 Json measured_json(const MeasuredDepth& measured) {
     return {{"median_depth", measured.median},
+            {"farthest_depth", measured.farthest},
             {"pixel_width", measured.pixel},
             {"levels", length(measured.levels)},
             {"level_distance", measured.distance},
@@ -464,6 +465,7 @@ Json filters_json(const Scene& scene, const std::optional<ChosenFilters>& chosen
     }
     out["in_words"] = filters_in_words(scene, chosen);
     if (measured) out["measured"] = measured_json(*measured);
+    if (const auto to = measured ? measured->trusted_to(filter) : std::nullopt) out["trusted_to"] = *to;
     if (!chosen) return out;
     // List the reach only if terrace removal is on and was not itself chosen.
     FilterSet told = chosen->chosen;

@@ -101,6 +101,11 @@ std::string effect_in_words(const MeasuredDepth& measured, const FilterSettings&
            direction_jnd_words(with->left_deg) + "), " + number(without->left_deg, " as stored");
 }
 
+std::string trust_in_words(const MeasuredDepth& measured, const Scene& scene) {
+    const auto to = measured.trusted_to(scene.filter);
+    return to ? "; beyond " + number(*to * scene.metres_per_unit, " m") + ' ' + not_trusted_words : "";
+}
+
 /// `depth`: depth at which the noise is stated, scene units; 0: unknown.
 std::string temporal_name(const Scene& scene, double depth) {
     if (!scene.filter.temporal) return "temporal";
@@ -209,7 +214,7 @@ std::string filters_in_words(const Scene& scene, const std::optional<ChosenFilte
                noise_found(measured, unit) + ", " + median_reason(measured, unit) + ")" + damage;
     std::string words = on.empty() && off.empty() ? "none (stated)" : on.empty() ? "none: " : listed(on);
     if (!off.empty()) words += (on.empty() ? "" : "; ") + listed(off);
-    return words + effect_in_words(measured, filter) +
+    return words + effect_in_words(measured, filter) + trust_in_words(measured, scene) +
            (chosen && !known ? "; no pixel of the first frames is valid" : "") + damage;
 }
 

@@ -50,6 +50,9 @@ Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>&
                                                     const UnstatedFilters& unstated, Scene& scene,
                                                     const std::optional<ChosenFilters>& known = {});
 
+/// Of depth too far away (MeasuredDepth::trusted_to).
+inline constexpr const char* not_trusted_words = "its force cannot be trusted";
+
 /// The filters of a scene and the reason for each: "terraces (levels 11.4 mm apart at 2 m), temporal for 3.2
 /// mm (noise 2.1 mm), no median (roughness 0.1 mm, 0.02 of a pixel's width)"; "stated" is the reason of
 /// filters that were not chosen.

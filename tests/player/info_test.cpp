@@ -2,12 +2,14 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "engine/base/same_bits.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/gpu/gpu_device.hpp"
 #include "engine/picture/image.hpp"
@@ -144,6 +146,37 @@ TEST(Info, EndsWithVerdict) {
         << text;
     EXPECT_NE(text.find("\n  verdict      good to touch: touchable play " + clip + "\n"), std::string::npos);
     EXPECT_NE(text.find("; smooth places lean "), std::string::npos) << "what the filter did";
+}
+
+// Levels of 6e-6 depth^2 mm are ten pixels' widths, each 0.0022 depth, 3.7 m away.
+TEST(Info, NamesDepthOfNoTrust) {
+    const TemporaryFolder folder;
+    constexpr int width = 160, height = 120;
+    constexpr double step = 6e-6;
+    SplitMix64 random(1);
+    for (int n = 0; n < 8; ++n) {
+        std::ofstream out(folder / ("depth_" + std::to_string(n) + ".pgm"), std::ios::binary);
+        out << "P5 " << width << ' ' << height << " 65535\n";
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x) {  // of a floor from 1.5 m away to 8 m
+                const double inverse = 1.0 / 1500 + (1.0 / 8000 - 1.0 / 1500) * y / (height - 1);
+                const double level = std::round((inverse + random.within(-4e-6, 4e-6)) / step) * step;
+                const int mm = static_cast<int>(1 / level + 0.5);
+                out << static_cast<char>(mm >> 8) << static_cast<char>(mm & 255);
+            }
+    }
+    const std::vector<std::string> words{"info", folder / "", "--depth-unit", "0.001", "--fov", "20"};
+    const Outcome run = run_touchable(words);
+    EXPECT_NE(run.out.find(" m its force cannot be trusted\n"), std::string::npos) << run.out << run.err;
+    auto as_json = words;
+    as_json.emplace_back("--json");
+    const auto filters = facts_of(as_json)["filters"];
+    ASSERT_TRUE(filters.contains("trusted_to")) << filters;
+    EXPECT_NEAR(filters["trusted_to"], 3.5, 0.4);
+    EXPECT_FALSE(
+        facts_of({"info", folder / "", "--depth-unit", "0.001", "--fov", "60", "--json"})["filters"].contains(
+            "trusted_to"))
+        << "pixels are three times as wide";
 }
 
 TEST(Info, VerdictAsksForGuessedCamera) {

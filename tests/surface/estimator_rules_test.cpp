@@ -829,7 +829,7 @@ TEST(EstimatorRules, MeasureLevelsAsDocumented) {
         LevelEstimator estimator(coding);
         estimator.add(picture);
         expect_near(estimator.levels(), plain.levels, "levels");
-        EXPECT_EQ(estimator.median_depth().value_or(0), plain.median_depth);
+        EXPECT_EQ(estimator.depth_of_share(50).value_or(0), plain.median_depth);
         for (const std::string& rule : plain.decided) ++decided[rule];
     }
     for (const char* rule :
@@ -847,7 +847,7 @@ TEST(EstimatorRules, ExcludeFarPlaneFromMedian) {
         for (std::size_t k = 0; k < 20; ++k) picture.codes[k] = 500;
         LevelEstimator estimator(millimetre_coding(10'000));
         estimator.add(picture);
-        EXPECT_EQ(*estimator.median_depth(), median) << background;
+        EXPECT_EQ(*estimator.depth_of_share(50), median) << background;
     }
 }
 

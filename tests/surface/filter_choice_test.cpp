@@ -133,10 +133,11 @@ TEST(ChosenFilters, TakeMildestOfBestTried) {
 TEST(ChosenFilters, FollowDetail) {
     MeasuredDepth measured = of_a_camera();
     measured.noise = {1, 0};
-    measured.tried = {
-        {false, 0, false, {}, 0, 30},   {true, 0, false, {}, 0, 26},        {false, 3, false, {}, 0.17, 29},
-        {true, 3, false, {}, 0.17, 27}, {true, 0, true, {2, 0}, 0.7, 9},    {true, 3, true, {2, 0}, 0.9, 8.9},
-        {true, 0, true, {4, 0}, 1, 5},  {true, 3, true, {4, 0}, 1.17, 2.1}, {true, 0, true, {6, 0}, 1.4, 2}};
+    measured.tried = {{false, 0, false, {}, 0, 30},    {true, 0, false, {}, 0, 26},
+                      {false, 3, false, {}, 0.17, 29}, {true, 3, false, {}, 0.17, 27},
+                      {true, 0, true, {2, 0}, 0.7, 9}, {true, 3, true, {2, 0}, 0.9, 8.95},
+                      {true, 0, true, {4, 0}, 1, 5},   {true, 3, true, {4, 0}, 1.17, 2.1},
+                      {true, 0, true, {6, 0}, 1.4, 2}};
     const auto with = [&](std::optional<double> detail, int stated_median = -1) {
         Scene scene = open_scene();
         UnstatedFilters unstated = all_unstated;
@@ -161,7 +162,7 @@ TEST(ChosenFilters, FollowDetail) {
     EXPECT_EQ(before, 2);
     EXPECT_EQ(with(std::nullopt).levels, (DepthLength{4, 0})) << "hardly more than the smoothest";
     EXPECT_EQ(with(1, 5).median, 5) << "stated";
-    // Of those with the stated median: 29 degrees, 27, 8.9 and 2.1.
+    // Of those with the stated median: 29 degrees, 27, 8.95 and 2.1.
     EXPECT_EQ(with(1, 3).terraces, TerraceRemoval::off);
     EXPECT_EQ(with(0.34, 3).levels, (DepthLength{2, 0}));
     EXPECT_EQ(with(0, 3).levels, (DepthLength{4, 0}));
@@ -648,6 +649,40 @@ TEST(FilterSearch, ReachesFromDetailToSmooth) {
         EXPECT_GT(relief, sigma);
         EXPECT_EQ(least_relief(patches, *points.front(), {}), 0);
     }
+}
+
+// Force is not trusted where levels are ten pixels wide, which are depth/300 each, or places lean by 9
+// degrees.
+TEST(FilterSearch, TellsHowFarForceIsTrusted) {
+    constexpr double q = 1e-6, width = 1.0 / 300;
+    Random random(3);
+    std::deque<CodePicture> pictures = film_of({});
+    for (CodePicture& picture : pictures)  // from 1.5 m away to 8 m
+        change(picture, [&](int, int y, int) {
+            const double depth = 1 / (1.0 / 1500 + (1.0 / 8000 - 1.0 / 1500) * y / (picture_height - 1));
+            return static_cast<int>(depth + q * depth * depth * noise(random) + 0.5);
+        });
+    MeasuredDepth measured;
+    measured.median = 3000;
+    measured.pixel = 3000 * width;
+    measured.farthest = 8000;
+    measured.noise = {0, q};
+    measured.patches = std::make_shared<const SmoothPatches>(scene_of_millimetres(), pictures);
+    measured.tried = {{.terraces = true, .levels = {0, 8e-6}, .left_deg = 1}, {.left_deg = 1}};
+    const auto trusted_to = [&](std::size_t n) {
+        FilterSettings filter;
+        measured.tried[n].apply(measured.noise, filter);
+        return measured.trusted_to(filter);
+    };
+    EXPECT_NEAR(trusted_to(0).value_or(0), 10 * width / 8e-6, 1e-9);
+    EXPECT_FALSE(trusted_to(1)) << "9 degrees are farther away";
+    // Noise of q depth^2 leans in proportion to depth.
+    const double here = measured.patches->median_depth();
+    measured.tried[1].left_deg = 9 * here / 5000;
+    EXPECT_NEAR(trusted_to(1).value_or(0), 5000, 250);
+    measured.farthest = 4000;
+    EXPECT_FALSE(trusted_to(0)) << "nothing is so far away";
+    EXPECT_FALSE(measured.trusted_to({.median = 3})) << "not tried";
 }
 
 // Removal for levels l apart takes steps up to a code beyond l, and leaves those of four levels.
