@@ -265,6 +265,8 @@ Result<void> describe_depth(const StoredImage& depth, PicturesOfCamera place, De
                             SceneDraft& draft, const DepthCoding* coding = nullptr) {
     draft.own_file = place.own_file;
     draft.unstated.filters = all_unstated;
+    // What varies from pixel to pixel in a rendering is relief.
+    if (depth.is_rendered) draft.unstated.filters.median = draft.unstated.filters.temporal = false;
     Scene& scene = draft.scene;
     scene.width = place.width = depth.image.width;
     scene.height = place.height = depth.image.height;

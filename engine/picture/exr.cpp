@@ -536,7 +536,9 @@ Result<StoredImage> depth_with(const ExrFile& file, const BesideDepth::Wanted& w
     if (is_beside(materials)) together.push_back(&*materials);
     TRY(read_together(file, together));
     StoredImage picture = depth.finish();
-    const bool tells_its_unit = is_exr_depth_of_unreal(file.channels()[*layers.depth].name);
+    const std::string& channel = file.channels()[*layers.depth].name;
+    picture.is_rendered = is_exr_depth_of_renderer(channel);
+    const bool tells_its_unit = is_exr_depth_of_unreal(channel);
     if (!colour && !materials && !tells_its_unit) return picture;
     picture.beside = std::make_shared<BesideDepth>();
     BesideDepth& beside = *picture.beside;

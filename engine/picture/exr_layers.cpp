@@ -270,6 +270,11 @@ std::string exr_name_in_part(const std::string& part, const std::string& channel
     return tells && channel.find('.') == std::string::npos ? whole : channel;
 }
 
+bool is_exr_depth_of_renderer(const std::string& channel) {
+    const auto words = words_of(small_letters(channel));
+    return words.back() == "z" || std::ranges::any_of(words, is_depth_word);
+}
+
 bool is_exr_depth_of_unreal(const std::string& channel) {
     return std::ranges::any_of(words_of(small_letters(channel)), is_depth_of_unreal);
 }

@@ -87,6 +87,7 @@ struct StoredImage {
     std::shared_ptr<BesideDepth> beside{};
     std::vector<std::uint8_t> alpha{};  ///< of a PNG in RGBA of 8 bits that is not opaque everywhere
     Packing packing = Packing::none;    ///< of the picture that these numbers were in
+    bool is_rendered = false;           ///< an OpenEXR file's depth, named as renderers name it
 };
 
 /// Beside depth in a picture of more channels: other pictures of an OpenEXR rendering, of the same pixels as
@@ -149,6 +150,8 @@ Result<StoredImage> decode_exr(std::string_view bytes, const std::string& where)
 /// with its list of names.
 Result<StoredImage> decode_exr(std::string_view bytes, const std::string& where,
                                const BesideDepth::Wanted& wanted, const std::string& channel = {});
+/// Whether a channel is called Z, or is in a pass of depth, as renderers name them.
+bool is_exr_depth_of_renderer(const std::string& channel);
 /// Whether a channel is in a pass of depth as Unreal names them, which is in centimetres.
 bool is_exr_depth_of_unreal(const std::string& channel);
 

@@ -161,9 +161,11 @@ std::optional<double> MeasuredDepth::trusted_to(const FilterSettings& filter) co
         to = std::min(to, half + std::sqrt(std::max(0.0, half * half - length.constant / length.quadratic)));
     };
     if (now->terraces) limit(now->levels, most_removed);
-    // A lean grows like depths' scatter in pixels' widths.
+    // A lean grows like depths' scatter in pixels' widths. What leans by more here is rough everywhere, or
+    // has relief as fine as pixels.
     const DepthLength scatter = patches->roughness();
-    limit(scatter, scatter.at(here) / (width * here) * most_lean_deg / now->left_deg);
+    if (now->left_deg < most_lean_deg)
+        limit(scatter, scatter.at(here) / (width * here) * most_lean_deg / now->left_deg);
     return to < farthest ? std::optional(to) : std::nullopt;
 }
 

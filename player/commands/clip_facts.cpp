@@ -587,7 +587,11 @@ std::string verdict_on(const ClipFacts& facts, const std::vector<Finding>* findi
     const TriedFilters* const now = measured ? found_among(measured->tried, facts.scene.filter) : nullptr;
     const TriedFilters* const best =
         measured ? mildest_of_the_best(measured->tried, measured->is_noisy(facts.scene.width)) : nullptr;
-    if (now && best && now->left_deg > rough_deg && best->left_deg < worth_while * now->left_deg)
+    // Of depth that the scene says to be without noise, a picture cannot tell.
+    const bool may_be_relief =
+        measured && !measured->from_a_camera() && facts.chosen && !facts.chosen->chosen.median;
+    const bool is_rough = now && best && now->left_deg > rough_deg && !may_be_relief;
+    if (is_rough && best->left_deg < worth_while * now->left_deg)
         return "rough: smooth places lean " + degrees(now->left_deg) + " to and fro (" +
                direction_jnd_words(now->left_deg) + "), and " + degrees(best->left_deg) +
                " with other filters: touchable play " + clip + " --filters auto";
@@ -606,7 +610,7 @@ std::string verdict_on(const ClipFacts& facts, const std::vector<Finding>* findi
                (others.empty() ? "" : "; guessed too: " + listed(others));
     }
     if (facts.invalid_pct > many_holes_pct) return little;
-    if (now && best && measured->is_searched() && std::min(now->left_deg, best->left_deg) > rough_deg)
+    if (is_rough && measured->is_searched() && best->left_deg > rough_deg)
         return "rough: smooth places lean " + degrees(now->left_deg) + " to and fro (" +
                direction_jnd_words(now->left_deg) +
                "), whatever the filters: record from nearer, or with more light";

@@ -322,6 +322,9 @@ TEST_F(Rendering, OpensDepthAndColour) {
         expect_seen(frames.at(0), reader->scene());
         EXPECT_TRUE(is_noted(*reader, "linear light shown as sRGB"));
         EXPECT_TRUE(is_noted(*reader, "values are metres"));
+        EXPECT_FALSE(reader->unstated_filters().median || reader->unstated_filters().temporal)
+            << "a rendering has no noise";
+        EXPECT_TRUE(reader->unstated_filters().terraces);
         EXPECT_EQ(is_noted(*reader, "nothing says what they feel like"), std::string(seed) != "z_half.exr");
     }
     auto reader = open_clip(folder / "r_0001.exr");

@@ -159,6 +159,13 @@ TEST(Exr, FindsDepthChannel) {
               "picture: has no channel Z, depth, Y or R for each pixel, but u, v");
 }
 
+TEST(Exr, TellsRenderersByTheirChannels) {
+    for (const char* channel : {"Z", "left.Depth.V", "ViewLayer.Depth.Z"})
+        EXPECT_TRUE(must(decode_stored_image(exr_file({.channels = {channel}}), "picture")).is_rendered);
+    for (const char* channel : {"Y", "R", "disparity"})
+        EXPECT_FALSE(must(decode_stored_image(exr_file({.channels = {channel}}), "picture")).is_rendered);
+}
+
 TEST(Exr, HasNothingOutsideDataWindow) {
     const auto stored = must(decode_stored_image(exr_file({.beyond = 2}), "picture"));
     ASSERT_EQ(stored.image.width, 41);

@@ -41,6 +41,7 @@ def write_scene(folder, *, name, size, rate, camera, near, far, unit, ranges, ha
         "metres_per_unit": 1,
         "camera": {"fx": camera.fx, "fy": camera.fy, "cx": camera.cx, "cy": camera.cy},
         "depth": {"coding": "metric", "scale": unit, "near": near, "far": far},
+        "filter": {"median": 0, "temporal": "off"},  # depth without noise: what varies from pixel to pixel is relief
         "haptic": {key: [limits.least, limits.most] for key, limits in (
             ("stiffness", ranges.stiffness), ("static_friction", ranges.static_friction),
             ("dynamic_friction", ranges.dynamic_friction))},

@@ -141,6 +141,7 @@ Exported open_exported(const std::string& file) {
         return exported;
     }
     exported.reader = std::move(*reader);
+    EXPECT_FALSE(exported.reader->unstated_filters().median) << "fine relief would be taken for noise";
     for (;;) {
         auto frame = exported.reader->next();
         if (!frame) ADD_FAILURE() << frame.error().message;
