@@ -35,24 +35,7 @@ Result<void> write_text(const std::filesystem::path& path, const std::string& te
     return file.commit();
 }
 
-}  // namespace
-
-std::vector<BesidePlace> beside_places() {
-    constexpr int side = 40;
-    constexpr double reach = 60, deep = 0.5;
-    std::vector<BesidePlace> places;
-    for (int k = 0; k < side * side; ++k) {
-        // The rows are shifted, so that no place repeats a grid's phase.
-        const int column = k % side, row = k / side;
-        const double x = reach * (2 * (column + 0.37 * (row % 3)) / side - 1),
-                     y = reach * (2.0 * row / side - 1);
-        const ReliefPoint s = relief_at(Relief::bumps, x, y, 0);
-        const glm::dvec3 outward = glm::normalize(glm::dvec3(-s.zx, -s.zy, 1));
-        places.push_back({(glm::dvec3(x, y, s.z) - deep * outward) / metre, outward});
-    }
-    return places;
-}
-
+/// A line "x,y,z,nx,ny,nz", then a place a line.
 std::string places_csv(const std::vector<BesidePlace>& places) {
     std::string text = "x,y,z,nx,ny,nz\n";
     for (const auto& [tip, outward] : places)
@@ -61,6 +44,8 @@ std::string places_csv(const std::vector<BesidePlace>& places) {
     return text;
 }
 
+/// The forces (newtons) of another program: a line "x y z fx fy fz", then a line for each place, in order;
+/// commas or blanks. 0 0 0: no contact. An error names the file and the line.
 Result<std::vector<glm::dvec3>> read_forces(const std::filesystem::path& file,
                                             const std::vector<BesidePlace>& places) {
     constexpr double same_place = 1e-6;  // metres
@@ -86,6 +71,24 @@ Result<std::vector<glm::dvec3>> read_forces(const std::filesystem::path& file,
     if (forces.size() == places.size()) return forces;
     return input_error(file.string() + ": has " + std::to_string(forces.size()) + " places: must have " +
                        std::to_string(places.size()));
+}
+
+}  // namespace
+
+std::vector<BesidePlace> beside_places() {
+    constexpr int side = 40;
+    constexpr double reach = 60, deep = 0.5;
+    std::vector<BesidePlace> places;
+    for (int k = 0; k < side * side; ++k) {
+        // The rows are shifted, so that no place repeats a grid's phase.
+        const int column = k % side, row = k / side;
+        const double x = reach * (2 * (column + 0.37 * (row % 3)) / side - 1),
+                     y = reach * (2.0 * row / side - 1);
+        const ReliefPoint s = relief_at(Relief::bumps, x, y, 0);
+        const glm::dvec3 outward = glm::normalize(glm::dvec3(-s.zx, -s.zy, 1));
+        places.push_back({(glm::dvec3(x, y, s.z) - deep * outward) / metre, outward});
+    }
+    return places;
 }
 
 void add_angles(const std::vector<BesidePlace>& places, const std::vector<glm::dvec3>& forces,

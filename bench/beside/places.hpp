@@ -18,13 +18,6 @@ struct BesidePlace {
 /// 40 x 40 places on the height field `bumps`, within 60 mm of its middle.
 std::vector<BesidePlace> beside_places();
 
-/// A line "x,y,z,nx,ny,nz", then a place a line.
-std::string places_csv(const std::vector<BesidePlace>& places);
-/// The forces (newtons) of another program: a line "x y z fx fy fz", then a line for each place, in order;
-/// commas or blanks. 0 0 0: no contact. An error names the file and the line.
-Result<std::vector<glm::dvec3>> read_forces(const std::filesystem::path& file,
-                                            const std::vector<BesidePlace>& places);
-
 /// Appends force_angle_deg_rms<suffix> of the places in contact, contact_lost_pct<suffix>.
 void add_angles(const std::vector<BesidePlace>& places, const std::vector<glm::dvec3>& forces,
                 const std::string& suffix, Figures& figures);
@@ -34,7 +27,8 @@ void add_angles(const std::vector<BesidePlace>& places, const std::vector<glm::d
 /// `noise_mm`: standard deviation of each height.
 Result<void> write_exchange(const std::filesystem::path& folder, const std::string& name, int side,
                             double noise_mm);
-/// Appends add_angles of each file <name>.<program>.forces.csv there, by the program's name.
+/// Appends add_angles of each file <name>.<program>.forces.csv there, by the program's name: the forces of
+/// write_exchange's places (bench/README.md).
 Result<void> add_columns(const std::filesystem::path& folder, const std::string& name, Figures& figures);
 
 }  // namespace touchable

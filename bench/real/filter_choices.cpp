@@ -38,16 +38,20 @@ std::optional<MeasuredDepth> measured_depth(const std::vector<RawFrame>& first, 
     return estimator.measured();
 }
 
-double trusted_to(const FilterSettings& filter, const std::vector<RawFrame>& first, const Scene& scene) {
-    const auto measured = measured_depth(first, scene);
+double trusted_to(const FilterSettings& filter, const std::optional<MeasuredDepth>& measured) {
     const auto to = measured ? measured->trusted_to(filter) : std::nullopt;
     return to.value_or(std::numeric_limits<double>::infinity());
 }
 
+Scene chosen_filters(const std::optional<MeasuredDepth>& measured, Scene scene) {
+    scene.filter = {};
+    choose_filters(measured, all_unstated, scene);
+    return scene;
+}
+
 Scene chosen_filters(const std::vector<RawFrame>& first, Scene scene) {
     scene.filter = {};
-    choose_filters(measured_depth(first, scene), all_unstated, scene);
-    return scene;
+    return chosen_filters(measured_depth(first, scene), scene);
 }
 
 void add_details(const std::vector<RawFrame>& first, const Scene& scene, Figures& figures) {
@@ -63,7 +67,8 @@ void add_details(const std::vector<RawFrame>& first, const Scene& scene, Figures
         const std::string name = "detail_" + std::to_string(k);
         pen = std::max(pen, least_relief(*measured->patches, *points[k], measured->noise));
         figures.push_back({name + "_leans_deg", points[k]->left_deg, "deg", false});
-        figures.push_back({name + "_pen_mm", 1000 * pen * scene.metres_per_unit, "mm", false});
+        const double finite = std::min(pen, measured->median);  // no report has infinity
+        figures.push_back({name + "_pen_mm", 1000 * finite * scene.metres_per_unit, "mm", false});
     }
 }
 

@@ -21,11 +21,12 @@ struct FilterChoice {
 /// The program's measurement of the first frames.
 std::optional<MeasuredDepth> measured_depth(const std::vector<RawFrame>& first, const Scene& scene);
 
-/// The program's choice if nothing is stated.
+/// The program's choice if nothing is stated, from the first frames or their measurement.
+Scene chosen_filters(const std::optional<MeasuredDepth>& measured, Scene scene);
 Scene chosen_filters(const std::vector<RawFrame>& first, Scene scene);
 
-/// Depth beyond which the force of these filters is said not to be trusted (MeasuredDepth::trusted_to).
-double trusted_to(const FilterSettings& filter, const std::vector<RawFrame>& first, const Scene& scene);
+/// MeasuredDepth::trusted_to, or infinity.
+double trusted_to(const FilterSettings& filter, const std::optional<MeasuredDepth>& measured);
 
 /// Appends the frontier between detailed and smooth that these frames have: `points`, and of each point k
 /// from as recorded on, detail_<k>_leans_deg, what is left of noise, and detail_<k>_pen_mm, the least pen of

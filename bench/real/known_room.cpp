@@ -228,12 +228,11 @@ Result<KnownRoom::Searched> KnownRoom::search_quickly() {
         judged = {*with, *without, *best};
         return {};
     };
-    if (auto done = add(chosen_filters(rooms_[0].stored, *scene_), std::array{0.0, 1.5}, film, found.film);
-        !done)
-        return done.error();
     const Room& room = rooms_[0];
-    if (const auto measured = measured_depth(room.stored, *scene_))
-        found.details = frontier(measured->tried, measured->is_noisy(scene_->width)).size();
+    const auto measured = measured_depth(room.stored, *scene_);
+    if (auto done = add(chosen_filters(measured, *scene_), std::array{0.0, 1.5}, film, found.film); !done)
+        return done.error();
+    if (measured) found.details = frontier(measured->tried, measured->is_noisy(scene_->width)).size();
     const std::vector<RawFrame> still{filled(room.stored[0])};
     const Press press_still = [&](const Scene& scene) -> Result<double> {
         const auto frames = built(scene, still);
@@ -288,8 +287,9 @@ Result<double> KnownRoom::choose_again() {
 Result<PressErrors> KnownRoom::press_chosen() {
     if (!scene_)
         if (auto done = make_rooms(true, settled_frames); !done) return done.error();
-    const Scene chosen = chosen_filters(rooms_[0].stored, *scene_);
-    return pressed(chosen, trusted_to(chosen.filter, rooms_[0].stored, *scene_));
+    const auto measured = measured_depth(rooms_[0].stored, *scene_);
+    const Scene chosen = chosen_filters(measured, *scene_);
+    return pressed(chosen, trusted_to(chosen.filter, measured));
 }
 
 Result<void> KnownRoom::measure_details(Figures& figures) {
@@ -303,7 +303,7 @@ Result<void> KnownRoom::measure(const FilterChoice& choice, bool quick, Figures&
     if (!scene_)
         if (auto done = make(quick); !done) return done;
     const Scene scene = choice.of(rooms_[0].stored, *scene_);
-    const auto errors = pressed(scene, trusted_to(scene.filter, rooms_[0].stored, *scene_));
+    const auto errors = pressed(scene, trusted_to(scene.filter, measured_depth(rooms_[0].stored, *scene_)));
     if (!errors) return errors.error();
     errors->report(figures);
     const auto at_rest = built(scene, rooms_[0].stored);

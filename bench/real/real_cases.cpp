@@ -128,7 +128,7 @@ Result<void> measure_trust(const std::filesystem::path& data, const std::vector<
     for (const SensorModel& model : models) {
         const auto errors = KnownRoom(data, model, far_away).press_chosen();
         if (!errors) return errors.error();
-        right += errors->trusted_over_20deg_pct() <= few_pct;
+        right += errors->untrusted_pct() < 100 && errors->trusted_over_20deg_pct() <= few_pct;
         figures.push_back({"untrusted_pct_" + model.name, errors->untrusted_pct(), "%", false});
         figures.push_back(
             {"trusted_over_20deg_pct_" + model.name, errors->trusted_over_20deg_pct(), "%", false});

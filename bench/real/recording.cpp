@@ -76,7 +76,7 @@ Result<void> RecordingPatches::measure(const FilterChoice& choice, bool quick, F
     const Scene scene = choice.of(raws_, *scene_);
     const auto frames = built(scene, raws_);
     if (!frames) return frames.error();
-    PressErrors errors(trusted_to(scene.filter, raws_, *scene_));
+    PressErrors errors(trusted_to(scene.filter, measured_depth(raws_, *scene_)));
     for (std::size_t n = 0; n < frames->size(); ++n)
         if (auto done = errors.press(scene, (*frames)[n], planes_[n]); !done) return done;
     errors.report(figures);

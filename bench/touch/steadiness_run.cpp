@@ -10,7 +10,7 @@
 #include "bench/touch/force_spectrum.hpp"
 #include "bench/touch/noisy_scene.hpp"
 #include "bench/touch/touch_run.hpp"
-#include "engine/base/same_bits.hpp"
+#include "engine/base/hand_thresholds.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/touch_solver.hpp"
 
@@ -69,10 +69,6 @@ Result<std::vector<Forces>> forces_at_rest(const Scene& scene, const std::vector
     return forces;
 }
 
-double angle_deg(const glm::dvec3& a, const glm::dvec3& b) {
-    return arctangent2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180 / pi;
-}
-
 void add_rest(const std::vector<Forces>& fingers, Figures& figures) {
     double power = 0, greatest_step = 0, angles = 0;
     for (const Forces& forces : fingers) {
@@ -85,7 +81,8 @@ void add_rest(const std::vector<Forces>& fingers, Figures& figures) {
         }
         for (const auto& part : parts) power += band_power(part, tick_hz, least_hz, tick_hz / 2);
         double squares = 0;
-        for (const glm::dvec3& force : forces) squares += angle_deg(force, sum) * angle_deg(force, sum);
+        for (const glm::dvec3& force : forces)
+            squares += degrees_between(force, sum) * degrees_between(force, sum);
         angles += squares / static_cast<double>(forces.size());
     }
     const auto count = static_cast<double>(fingers.size());

@@ -192,9 +192,13 @@ private:
         Scene& scene = guessed.scene;
         scene.depth_bits = bits;
         scene.depth.code_max = static_cast<std::uint16_t>((1 << bits) - 1);
-        if (is_black_moved && !scene.depth.is_valid(0) && scene.depth.invalid_code_count == 1) {
-            scene.depth.invalid_codes = {0, 1, 2, last_black};
-            scene.depth.invalid_code_count = DepthCoding::max_invalid_codes;
+        if (is_black_moved && !scene.depth.is_valid(0)) {
+            if (scene.depth.invalid_code_count == 1) {
+                scene.depth.invalid_codes = {0, 1, 2, last_black};
+                scene.depth.invalid_code_count = DepthCoding::max_invalid_codes;
+            } else if (scene.depth.kind == DepthCodingKind::metric) {  // the codes are given to others
+                scene.depth.near = std::max(scene.depth.near, scene.depth.scale * (last_black + 1));
+            }
         }
         if (guessed.unstated.far) scene.depth.far = scene.depth.scale * scene.depth.code_max;
         derive_valid_range(scene.depth);

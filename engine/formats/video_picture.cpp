@@ -101,13 +101,15 @@ PartLook look_of(const PlaneView& rgb, int widest_margin = 16) {
             full += is_full;
             both += is_vivid && is_full;
         }
+    const bool is_black = most < DepthCoding::max_invalid_codes;
     const bool is_ramp = 100 * nearly < 98 * pixels && ramp.is_ramp(pixels);
     return {100 * grey >= 99 * pixels,
             !is_ramp && 10 * lit >= pixels && 10 * vivid >= 9 * lit && 10 * full >= 7 * lit,
             100 * nearly >= 98 * pixels,
             is_ramp,
             most - least <= 8,
-            most<DepthCoding::max_invalid_codes, 2 * both> lit,
+            is_black,
+            2 * both > lit,
             100 * nearly >= 95 * pixels};
 }
 

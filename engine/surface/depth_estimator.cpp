@@ -86,8 +86,12 @@ std::optional<TriedFilters> best_of_tried(const MeasuredDepth& measured, const U
                 (unstated.terraces || filter.terraces == TerraceRemoval::automatic ||
                  one.terraces == (filter.terraces == TerraceRemoval::on)))
                 open.push_back(one);
-        const auto points = frontier(open, filter.temporal);
-        if (points.empty()) return {};
+        const bool temporal = filter.temporal && std::ranges::any_of(open, &TriedFilters::temporal);
+        const auto points = frontier(open, temporal);
+        const bool is_open = unstated.median && unstated.terraces;
+        if (points.empty())
+            return is_open && unstated.detail == 1 ? std::optional<TriedFilters>(std::in_place)
+                                                   : std::nullopt;
         const auto steps = static_cast<double>(points.size() - 1);
         return *points[static_cast<std::size_t>((1 - *unstated.detail) * steps + 0.5)];
     }
@@ -154,11 +158,12 @@ std::optional<double> MeasuredDepth::trusted_to(const FilterSettings& filter) co
     if (!now) return {};
     const double width = pixel / median, here = patches->median_depth();  // a pixel is width depth wide
     double to = farthest;
-    // Up to the larger depth at which constant + quadratic depth^2 = most width depth.
+    // Nowhere, or up to the larger depth at which constant + quadratic depth^2 = most width depth.
     const auto limit = [&](const DepthLength& length, double most) {
         if (!(length.quadratic > 0)) return;
         const double half = most * width / (2 * length.quadratic);
-        to = std::min(to, half + std::sqrt(std::max(0.0, half * half - length.constant / length.quadratic)));
+        const double square = half * half - length.constant / length.quadratic;
+        to = std::min(to, square < 0 ? 0 : half + std::sqrt(square));
     };
     if (now->terraces) limit(now->levels, most_removed);
     // A lean grows like depths' scatter in pixels' widths. What leans by more here is rough everywhere, or

@@ -78,7 +78,7 @@ class DepthEstimator {
 public:
     explicit DepthEstimator(const Scene& scene) : scene_(scene), levels_(scene.depth), noise_(scene.depth) {}
     static constexpr int frames = 16;    ///< more are not worth measuring
-    static constexpr int first_few = 4;  ///< enough, if they show no sign of a camera
+    static constexpr int first_few = 4;  ///< enough, if they show neither a camera nor noise
 
     void add(const RawFrame& frame);
     /// Whether the next frame is not needed.
@@ -98,7 +98,8 @@ private:
     int added_ = 0;
 };
 
-/// Whether terrace removal is worth while: enough kappa with the measured levels, and room for its codes.
+/// Whether terrace removal is worth while: it leaves less where it was tried, or kappa is large; and there is
+/// room for its codes.
 bool removal_advised(const MeasuredDepth& measured, const Scene& scene);
 
 /// Settles the filters that a scene's description leaves open, and TerraceRemoval::automatic, by the

@@ -335,7 +335,7 @@ std::vector<TriedFilters> tried_removal(const SmoothPatches& patches, const Dept
 /// one.
 std::vector<const TriedFilters*> frontier(const std::vector<TriedFilters>& tried, bool temporal);
 /// Height of the least pen, five pixels wide, of which filters keep 80 %, on the patches, at their median
-/// depth, scene units; 0: any, as nothing is filtered.
+/// depth, scene units; 0: any, as nothing is filtered; infinity: none.
 double least_relief(const SmoothPatches& patches, const TriedFilters& filters, const DepthLength& noise);
 
 /// The entry with this median, removal and averaging; null: it was not tried.

@@ -519,9 +519,11 @@ double least_relief(const SmoothPatches& patches, const TriedFilters& filters, c
     build(scene, patches.mosaics(), without);
     const double depth = patches.median_depth();
     // The share of a pen's height that is left of it, in the three columns in its middle.
+    const std::span<const RawFrame> all = patches.mosaics();
     const auto kept = [&](double height) {
+        if (stop_requested()) return 1.0;
         std::vector<RawFrame> mosaics;
-        for (const RawFrame& mosaic : patches.mosaics())
+        for (const RawFrame& mosaic : filters.temporal ? all : all.last(1))
             mosaics.push_back(patches.with_pens(mosaic, first, wide, height));
         build(scene, mosaics, with);
         double sum = 0, count = 0;
@@ -537,7 +539,10 @@ double least_relief(const SmoothPatches& patches, const TriedFilters& filters, c
     };
     const double unit = std::max(filters.levels.at(depth), code_step(scene.depth).at(depth));
     double height = finest * unit;
-    while (height < coarsest * unit && kept(height) < kept_share && !stop_requested()) height *= 2;
+    while (kept(height) < kept_share) {
+        if (height >= coarsest * unit) return std::numeric_limits<double>::infinity();
+        height *= 2;
+    }
     for (double factor = std::sqrt(0.5); factor < 0.95; factor = std::sqrt(factor))
         if (kept(height * factor) >= kept_share) height *= factor;
     return height;

@@ -123,6 +123,11 @@ struct PlacedFinding : Finding {
     const std::vector<std::uint8_t>* where;
 };
 
+/// Whether what looks like noise in one picture may be relief: the clip says that its depth has no noise.
+bool may_be_relief(const ClipFacts& facts) {
+    return facts.measured && !facts.measured->from_a_camera() && facts.chosen && !facts.chosen->chosen.median;
+}
+
 /// All findings, the most important for the hand first. PlacedFinding::where points into `quality`.
 class Findings {
 public:
@@ -198,7 +203,9 @@ private:
         if (!facts_.measured) return;
         Scene automatic = facts_.scene;
         automatic.filter = {};
-        choose_filters(facts_.measured, all_unstated, automatic);
+        UnstatedFilters open = all_unstated;
+        if (may_be_relief(facts_)) open.median = open.temporal = false;
+        choose_filters(facts_.measured, open, automatic);
         const FilterSettings &wanted = automatic.filter, &has = facts_.scene.filter;
         const double per_unit = facts_.scene.metres_per_unit;
         if (wanted.terraces == TerraceRemoval::on && has.terraces != TerraceRemoval::on)
@@ -587,10 +594,7 @@ std::string verdict_on(const ClipFacts& facts, const std::vector<Finding>* findi
     const TriedFilters* const now = measured ? found_among(measured->tried, facts.scene.filter) : nullptr;
     const TriedFilters* const best =
         measured ? mildest_of_the_best(measured->tried, measured->is_noisy(facts.scene.width)) : nullptr;
-    // Of depth that the scene says to be without noise, a picture cannot tell.
-    const bool may_be_relief =
-        measured && !measured->from_a_camera() && facts.chosen && !facts.chosen->chosen.median;
-    const bool is_rough = now && best && now->left_deg > rough_deg && !may_be_relief;
+    const bool is_rough = now && best && now->left_deg > rough_deg && !may_be_relief(facts);
     if (is_rough && best->left_deg < worth_while * now->left_deg)
         return "rough: smooth places lean " + degrees(now->left_deg) + " to and fro (" +
                direction_jnd_words(now->left_deg) + "), and " + degrees(best->left_deg) +

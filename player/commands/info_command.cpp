@@ -100,7 +100,7 @@ struct Detail {
     double detail = 0;        // 0 to 1
     std::string filters;      // in words
     double left_deg = 0;      // lean of smooth places to and fro, RMS
-    double least_relief = 0;  // of which 80 % are kept, scene units; 0: any
+    double least_relief = 0;  // of which 80 % are kept, scene units; 0: any; infinity: none
     bool is_in_effect = false;
 };
 
@@ -286,9 +286,10 @@ void tell_depth(const ClipFacts& facts, const std::vector<Detail>& details, std:
         line(out, "detail") << formatted("%.2g: leans ", point.detail) << short_number(point.left_deg, 2)
                             << " degrees (" << short_number(direction_jnd(point.left_deg), 2)
                             << " times what is just noticed), keeps "
-                            << (point.least_relief > 0
+                            << (point.least_relief == 0 ? "all relief"
+                                : std::isfinite(point.least_relief)
                                     ? "relief from " + short_number(point.least_relief * mm, 2) + " mm on"
-                                    : std::string("all relief"))
+                                    : "hardly any relief")
                             << ": " << point.filters << (point.is_in_effect ? " (in effect)" : "") << '\n';
     line(out, "levels") << level_words(facts) << '\n';
     if (facts.measured) line(out, "noise") << noise_in_words(*facts.measured, scene.metres_per_unit) << '\n';

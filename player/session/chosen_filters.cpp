@@ -103,7 +103,8 @@ std::string effect_in_words(const MeasuredDepth& measured, const FilterSettings&
 
 std::string trust_in_words(const MeasuredDepth& measured, const Scene& scene) {
     const auto to = measured.trusted_to(scene.filter);
-    return to ? "; beyond " + number(*to * scene.metres_per_unit, " m") + ' ' + not_trusted_words : "";
+    if (!to) return "";
+    return (*to > 0 ? "; beyond " + number(*to * scene.metres_per_unit, " m ") : "; ") + not_trusted_words;
 }
 
 /// `depth`: depth at which the noise is stated, scene units; 0: unknown.

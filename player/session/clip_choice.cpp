@@ -95,6 +95,7 @@ Result<SceneDescription> applied(const ClipChoice& choice, SceneDescription desc
         unstated.detail = choice.detail;
         unstated.median = unstated.terraces = unstated.temporal = unstated.terrace_reach = true;
         scene.filter.levels = {};
+        scene.filter.terrace_reach = least_terrace_reach;
     }
     apply(choice.single_filters, scene.filter, unstated);
     if (choice.interpolation) scene.interpolation = *choice.interpolation;

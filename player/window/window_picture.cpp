@@ -60,7 +60,8 @@ PlaceFacts place_facts(const OpenedClip& clip, const WatchedMoment& moment, cons
     const auto& chosen = clip.choice().measured;
     const auto trusted_to =
         chosen && chosen->measured ? chosen->measured->trusted_to(scene.filter) : std::nullopt;
-    if (trusted_to && values.z > *trusted_to) lines.push_back(std::string("too far: ") + not_trusted_words);
+    if (trusted_to && values.depth > *trusted_to)
+        lines.push_back(std::string("too far: ") + not_trusted_words);
     lines.push_back(formatted("stiffness %.2g N/mm of the hand", values.properties.stiffness / 1000));
     lines.push_back(formatted("friction %.2f, sliding %.2f", values.properties.static_friction,
                               values.properties.dynamic_friction));

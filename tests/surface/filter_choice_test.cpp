@@ -167,6 +167,23 @@ TEST(ChosenFilters, FollowDetail) {
     EXPECT_EQ(with(0.34, 3).levels, (DepthLength{2, 0}));
     EXPECT_EQ(with(0, 3).levels, (DepthLength{4, 0}));
     EXPECT_EQ(with(0, 3).median, 3);
+    // Averaging that is stated, but was not tried, does not keep the others from being smooth.
+    std::erase_if(measured.tried, &TriedFilters::temporal);
+    measured.tried.push_back({false, 0, true, {4, 0}, 1, 5});
+    Scene averaged = open_scene();
+    averaged.filter.temporal = true;
+    averaged.filter.temporal_noise = {1, 0};
+    UnstatedFilters unstated = all_unstated;
+    unstated.detail = 0;
+    unstated.temporal = false;
+    choose_filters(measured, unstated, averaged);
+    EXPECT_EQ(averaged.filter.levels, (DepthLength{4, 0}));
+    EXPECT_TRUE(averaged.filter.temporal);
+    // Where nothing could be tried, all detail is no filter.
+    measured.tried.clear();
+    measured.roughness = 20;
+    EXPECT_EQ(with(std::nullopt).median, 5);
+    EXPECT_EQ(with(1).median, 0);
 }
 
 TEST(ChosenFilters, NeedTinyHolesForFilling) {
@@ -668,7 +685,7 @@ TEST(FilterSearch, TellsHowFarForceIsTrusted) {
     measured.farthest = 8000;
     measured.noise = {0, q};
     measured.patches = std::make_shared<const SmoothPatches>(scene_of_millimetres(), pictures);
-    measured.tried = {{.terraces = true, .levels = {0, 8e-6}, .left_deg = 1}, {.left_deg = 1}};
+    measured.tried = {{.terraces = true, .levels = {0, 8e-6}, .left_deg = 1}, {.levels = {}, .left_deg = 1}};
     const auto trusted_to = [&](std::size_t n) {
         FilterSettings filter;
         measured.tried[n].apply(measured.noise, filter);
@@ -676,6 +693,9 @@ TEST(FilterSearch, TellsHowFarForceIsTrusted) {
     };
     EXPECT_NEAR(trusted_to(0).value_or(0), 10 * width / 8e-6, 1e-9);
     EXPECT_FALSE(trusted_to(1)) << "9 degrees are farther away";
+    measured.tried[0].levels = {100, 8e-6};
+    EXPECT_EQ(trusted_to(0), 0) << "levels are wider at every depth";
+    measured.tried[0].levels = {0, 8e-6};
     // Noise of q depth^2 leans in proportion to depth.
     const double here = measured.patches->median_depth();
     measured.tried[1].left_deg = 9 * here / 5000;
