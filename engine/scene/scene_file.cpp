@@ -414,6 +414,8 @@ void read_filter(const Node& node, FilterSettings& filter, UnstatedFilters& unst
     if (node.has("detail")) unstated.detail = node["detail"].number();
     if (const auto& detail = unstated.detail; detail && !(*detail >= 0 && *detail <= 1))
         node["detail"].refuse("a number from 0 (smooth) to 1 (as recorded)");
+    if (node.has("detail") && node.has("levels"))
+        node["levels"].refuse("left out, as filter.detail chooses levels");
     for (const FilterSetting& setting : filter_settings()) {
         const bool is_stated = node.has(setting.name);
         if (is_stated) setting.value.set(filter, read_value(node[setting.name], setting.range));

@@ -158,19 +158,23 @@ std::optional<double> MeasuredDepth::trusted_to(const FilterSettings& filter) co
     if (!now) return {};
     const double width = pixel / median, here = patches->median_depth();  // a pixel is width depth wide
     double to = farthest;
-    // Nowhere, or up to the larger depth at which constant + quadratic depth^2 = most width depth.
+    // Nowhere if the length is so many pixels wide at the median already, or up to the larger depth at which
+    // constant + quadratic depth^2 = most width depth.
     const auto limit = [&](const DepthLength& length, double most) {
-        if (!(length.quadratic > 0)) return;
-        const double half = most * width / (2 * length.quadratic);
-        const double square = half * half - length.constant / length.quadratic;
-        to = std::min(to, square < 0 ? 0 : half + std::sqrt(square));
+        if (length.at(median) >= most * width * median) {
+            to = 0;
+        } else if (length.quadratic > 0) {
+            const double half = most * width / (2 * length.quadratic);
+            to = std::min(to, half + std::sqrt(half * half - length.constant / length.quadratic));
+        }
     };
     if (now->terraces) limit(now->levels, most_removed);
-    // A lean grows like depths' scatter in pixels' widths. What leans by more here is rough everywhere, or
-    // has relief as fine as pixels.
+    // A lean grows like depths' scatter in pixels' widths. In one picture it may be relief as fine as pixels.
     const DepthLength scatter = patches->roughness();
     if (now->left_deg < most_lean_deg)
         limit(scatter, scatter.at(here) / (width * here) * most_lean_deg / now->left_deg);
+    else if (from_a_camera())
+        to = 0;
     return to < farthest ? std::optional(to) : std::nullopt;
 }
 
@@ -240,7 +244,8 @@ std::optional<MeasuredDepth> DepthEstimator::measured() const {
     auto measured = measured_without_trying();
     if (!measured) return measured;
     if (!measured->is_searched() && measured->kappa < least_kappa) return measured;
-    measured->patches = std::make_shared<const SmoothPatches>(scene_, last_);
+    measured->patches =
+        std::make_shared<const SmoothPatches>(scene_, last_, measured->noise, measured->levels);
     measured->tried = measured->is_searched()
                           ? tried_filters(*measured->patches, measured->levels,
                                           measured->is_noisy(scene_.width) ? measured->noise : DepthLength{})

@@ -233,8 +233,11 @@ class SmoothPatches {
 public:
     /// Chooses places in the last of some pictures of one size: in each of its 8x8 parts the smoothest place
     /// that is not all of one code; of these, those about as smooth as the best, without those that have a
-    /// low relief if there are enough others. The pictures may be `cropped`.
-    SmoothPatches(const Scene& scene, const std::deque<CodePicture>& pictures);
+    /// low relief if there are enough others. The pictures may be `cropped`. What is far rougher than `noise`
+    /// from frame to frame and `levels` explain has relief of its own, even if that leaves too few places;
+    /// without noise, which is not known then, none is.
+    SmoothPatches(const Scene& scene, const std::deque<CodePicture>& pictures, const DepthLength& noise = {},
+                  const DepthLength& levels = {});
     /// The columns and rows in which a place can lie: 1536 at most of each side.
     static CodePicture cropped(const CodePicture& picture);
     static constexpr int core = 32, side = 64, most_across = 8;
@@ -291,6 +294,7 @@ private:
     bool has_relief(Pictures pictures, const Patch& patch) const;
     const int* row_of(const CodePicture& picture, int x, int y) const;
     void choose(const CodePicture& picture);
+    void drop_relief(const DepthLength& noise, const DepthLength& levels);
     void fit_to_all(Pictures pictures);
     RawFrame mosaic(const CodePicture& picture) const;
 

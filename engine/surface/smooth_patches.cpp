@@ -29,6 +29,8 @@ constexpr double moves_per_residual = 1.1;
 /// Over 8x8 pixels of all pictures noise and levels hardly leave a mean: relative to the residual, 0.08 to
 /// 0.3 was measured where nothing stands out, 0.35 to 2 beside relief (docs/measurements.md, Low relief).
 constexpr double relief_per_residual = 1.0 / 3;
+/// Blotches that stay make places 1.2 times as rough as noise and levels, in models of cameras.
+constexpr double relief_per_explained = 1.5;
 constexpr int relief_block = 8, relief_blocks = SmoothPatches::core / relief_block;
 
 using Terms = std::array<double, fit_terms>;
@@ -177,7 +179,8 @@ double left_by(const Scene& scene, const SmoothPatches& patches) {
 
 }  // namespace
 
-SmoothPatches::SmoothPatches(const Scene& scene, const std::deque<CodePicture>& pictures)
+SmoothPatches::SmoothPatches(const Scene& scene, const std::deque<CodePicture>& pictures,
+                             const DepthLength& noise, const DepthLength& levels)
     : scene_(scene), inverse_of_code_(65536), mosaic_scene_(scene_of_mosaic(scene)) {
     for (int code = scene.depth.valid_min; code <= scene.depth.valid_max; ++code)
         inverse_of_code_[static_cast<std::size_t>(code)] =
@@ -185,6 +188,7 @@ SmoothPatches::SmoothPatches(const Scene& scene, const std::deque<CodePicture>& 
     while (no_depth_ < 65535 && mosaic_scene_.depth.is_valid(static_cast<std::uint16_t>(no_depth_)))
         ++no_depth_;
     if (!pictures.empty()) choose(pictures.back());
+    if (!(noise == DepthLength{})) drop_relief(noise, levels);
     if (!enough()) return;
     std::vector<const CodePicture*> all;
     for (const CodePicture& picture : pictures) all.push_back(&picture);
@@ -315,6 +319,17 @@ bool SmoothPatches::has_relief(Pictures pictures, const Patch& patch) const {
     for (std::size_t n = 0; n < sums.size(); ++n)
         if (std::fabs(sums[n]) > relief_per_residual * patch.fit.residual * counts[n]) return true;
     return false;
+}
+
+/// Drops what is rougher than noise and rounding to levels explain.
+void SmoothPatches::drop_relief(const DepthLength& noise, const DepthLength& levels) {
+    const DepthLength codes = code_step(scene_.depth);
+    std::erase_if(patches_, [&](const Patch& patch) {
+        const double depth = 1 / patch.fit.of[0], rough = patch.fit.residual * depth * depth,
+                     level = std::max(levels.at(depth), codes.at(depth)), moving = noise.at(depth);
+        constexpr double most = relief_per_explained * relief_per_explained;
+        return rough * rough > most * (moving * moving + level * level / 12);
+    });
 }
 
 /// Fits places that do not move to all pictures, which say more than one. Drops places with relief: if

@@ -618,6 +618,9 @@ std::string verdict_on(const ClipFacts& facts, const std::vector<Finding>* findi
         return "rough: smooth places lean " + degrees(now->left_deg) + " to and fro (" +
                direction_jnd_words(now->left_deg) +
                "), whatever the filters: record from nearer, or with more light";
+    if (measured && measured->trusted_to(facts.scene.filter) == 0)
+        return "hardly to be felt: relief is smoothed away with its noise: record from nearer, or with more "
+               "light";
     return "good to touch: touchable play " + clip;
 }
 

@@ -210,6 +210,9 @@ void add_filter_options(CLI::App& sub, ClipTyped& typed) {
 Result<ClipChoice> read_clip(const ClipTyped& typed) {
     ClipChoice choice = typed.choice;
     TRY_ASSIGN(choice.camera, read_camera(typed.camera));
+    if (choice.detail && choice.filters.stated.any())
+        return usage_error(
+            "--detail chooses filters, and --filters states them: give one, or --filters auto");
     return choice;
 }
 

@@ -91,6 +91,7 @@ Result<SceneDescription> applied(const ClipChoice& choice, SceneDescription desc
     Scene& scene = described.scene;
     FilterSet& unstated = described.unstated.filters;
     apply(choice.filters, scene.filter, unstated);
+    if (choice.filters.measured.any()) unstated.detail.reset();
     if (choice.detail) {
         unstated.detail = choice.detail;
         unstated.median = unstated.terraces = unstated.temporal = unstated.terrace_reach = true;

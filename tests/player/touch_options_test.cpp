@@ -101,6 +101,7 @@ TEST_F(TouchRefusal, RejectsInvalidOptions) {
         {{"--filters", "holes=0"}, "holes=0 is not allowed"},
         {{"--filters", "holes=2.5"}, "holes=2.5 is not allowed"},
         {{"--filters", "median=5,terraces,median=3"}, "median=3 is not allowed"},
+        {{"--filters", "off", "--detail", "1"}, "--filters states them"},
         {{"--filters", "flying"}, "flying is not allowed: it needs a length above 0"},
         {{"--filters", "flying=0"}, "flying=0 is not allowed"},
         {{"--filters", "flying=-1"}, "flying=-1 is not allowed"},

@@ -65,7 +65,8 @@ TEST(SceneFile, KeepsDetail) {
     EXPECT_EQ(stated->unstated.filters.detail, 0.25);
     EXPECT_NE(scene_to_json(*stated).find("\"detail\": 0.25"), std::string::npos);
     EXPECT_EQ(described(recording).unstated.filters.detail, std::nullopt);
-    for (const char* const wrong : {"-0.1", "1.5", "\"on\""}) EXPECT_FALSE(with(wrong)) << wrong;
+    for (const char* const wrong : {"-0.1", "1.5", "\"on\"", "1, \"levels\": [1, 0]"})
+        EXPECT_FALSE(with(wrong)) << wrong;
 }
 
 TEST(SceneFile, ReadsRecording) {

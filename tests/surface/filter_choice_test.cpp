@@ -668,6 +668,18 @@ TEST(FilterSearch, ReachesFromDetailToSmooth) {
     }
 }
 
+// What stands still, and is far rougher than noise from frame to frame, is relief: nothing is tried on it.
+TEST(FilterSearch, LeavesReliefOfFilmsAlone) {
+    const DepthLength noise{0.7, 0};
+    std::deque<CodePicture> pictures = film_of({.sigma = 0.6});
+    EXPECT_TRUE(SmoothPatches(scene_of_millimetres(), pictures, noise).enough());
+    for (CodePicture& picture : pictures)  // keys 4 mm high
+        change(picture, [](int x, int y, int code) { return x % 11 < 9 && y % 11 < 9 ? code - 4 : code; });
+    EXPECT_TRUE(SmoothPatches(scene_of_millimetres(), pictures).enough()) << "may be noise";
+    EXPECT_FALSE(SmoothPatches(scene_of_millimetres(), pictures, noise).enough());
+    EXPECT_TRUE(SmoothPatches(scene_of_millimetres(), pictures, noise, {0, 6e-6}).enough()) << "levels";
+}
+
 // Force is not trusted where levels are ten pixels wide, which are depth/300 each, or places lean by 9
 // degrees.
 TEST(FilterSearch, TellsHowFarForceIsTrusted) {
@@ -700,6 +712,11 @@ TEST(FilterSearch, TellsHowFarForceIsTrusted) {
     const double here = measured.patches->median_depth();
     measured.tried[1].left_deg = 9 * here / 5000;
     EXPECT_NEAR(trusted_to(1).value_or(0), 5000, 250);
+    measured.noise = {};
+    measured.tried[1].left_deg = 10;
+    EXPECT_FALSE(trusted_to(1)) << "fine relief of one picture leans, too";
+    measured.noise = {0, q};
+    EXPECT_EQ(trusted_to(1), 0);
     measured.farthest = 4000;
     EXPECT_FALSE(trusted_to(0)) << "nothing is so far away";
     EXPECT_FALSE(measured.trusted_to({.median = 3})) << "not tried";
