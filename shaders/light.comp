@@ -151,7 +151,7 @@ void main() {
     const int lane = int(gl_GlobalInvocationID.x);
     const int lanes_in_row = (int(push.width) + LIGHT_COLUMNS - 1) / LIGHT_COLUMNS;
     const int lane_column = lane % lanes_in_row;
-    const int first = lane / lanes_in_row * int(push.strip), end = min(first + int(push.strip), int(push.height));
+    const int first = lane / lanes_in_row * LIGHT_STRIP, end = min(first + LIGHT_STRIP, int(push.height));
     if (first >= end) return;
     if (is_lit == 0u) {
         copy_rows(first, end, lane_column);

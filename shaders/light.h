@@ -19,6 +19,7 @@ using uint = unsigned int;
 
 #define LIGHT_LANES 8
 #define LIGHT_COLUMNS 8  // of a lane
+#define LIGHT_STRIP 16   // rows of a lane, which starts with five rows more than it lights
 
 #define LIGHT_Q 0        // texels of 4
 #define LIGHT_RGB 1      // texels: 3 bytes a vertex, rows as long as q's; any buffer if there is no colour
@@ -38,7 +39,6 @@ struct LightPush {
     float strength;         // of the light on colours
     uint width, height;     // of the lattice
     uint pitch;             // texels of a row of q
-    uint strip;             // rows of a lane
 };
 
 #ifdef __cplusplus

@@ -24,20 +24,15 @@ layout(set = 0, binding = RESOLVE_Z, std430) writeonly buffer Z {
 };
 
 void main() {
-    const uint lane = gl_GlobalInvocationID.x;
-    const uint row = lane / push.segments, first = lane % push.segments * push.segment_steps;
+    const uint at = gl_GlobalInvocationID.x, row = at / push.steps;
     if (row >= push.height) return;
-    const uint end = min(first + push.segment_steps, push.steps);
     const uint empty = background[row];
-    for (uint step_at = first; step_at < end; ++step_at) {
-        const uint at = row * push.steps + step_at;
-        u64vec4 colour, depth;
-        [[unroll]] for (int n = 0; n < 4; ++n) {
-            const uvec4 two = texelFetch(pixels, int(4u * at) + n);  // colour and z, twice
-            colour[n] = packUint2x32(uvec2(two.y != 0u ? two.x : empty, two.w != 0u ? two.z : empty));
-            depth[n] = packUint2x32(two.yw);
-        }
-        colours[at] = colour;
-        z[at] = depth;
+    u64vec4 colour, depth;
+    [[unroll]] for (int n = 0; n < 4; ++n) {
+        const uvec4 two = texelFetch(pixels, int(4u * at) + n);  // colour and z, twice
+        colour[n] = packUint2x32(uvec2(two.y != 0u ? two.x : empty, two.w != 0u ? two.z : empty));
+        depth[n] = packUint2x32(two.yw);
     }
+    colours[at] = colour;
+    z[at] = depth;
 }

@@ -1,7 +1,7 @@
 // Interface of the kernel resolve.comp and its caller. Compiled as GLSL and as C++.
 //
 // Converts packed pixels (shaders/raster.h) to colours and z, as they are copied into images; empty pixels
-// get the background's colour and 0. A lane marches along a row, or a part of it, eight pixels a step.
+// get the background's colour and 0. A lane has a step of eight pixels.
 // Threads: any; nothing here keeps state.
 #ifndef TOUCHABLE_SHADERS_RESOLVE_H
 #define TOUCHABLE_SHADERS_RESOLVE_H
@@ -11,7 +11,7 @@ namespace touchable {
 using uint = unsigned int;
 #endif
 
-#define RESOLVE_LANES 8
+#define RESOLVE_LANES 64
 #define RESOLVE_STEP 8  // pixels; rows are whole steps
 
 #define RESOLVE_PIXELS 0      // texels of two
@@ -20,10 +20,8 @@ using uint = unsigned int;
 #define RESOLVE_Z 3           // floats
 
 struct ResolvePush {
-    uint steps;          // of a row in memory
-    uint height;         // pixels
-    uint segments;       // parts of a row, for a lane each
-    uint segment_steps;  // steps of a part
+    uint steps;   // of a row in memory
+    uint height;  // pixels
 };
 
 #ifdef __cplusplus

@@ -8,13 +8,13 @@
 #include "shaders/blend_rule.h"
 #include "shaders/unproject.h"
 
-layout(local_size_x_id = 0) in;
-layout(constant_id = 1) const uint is_pair = 1u;
-layout(constant_id = 2) const uint has_heights = 1u;
-layout(constant_id = 3) const uint is_range = 1u;
-layout(constant_id = 4) const uint is_inverse = 0u;
-layout(constant_id = 5) const uint is_from_top = 0u;
-layout(constant_id = 6) const uint is_log = 0u;
+layout(local_size_x = UNPROJECT_LANES) in;
+layout(constant_id = 0) const uint is_pair = 1u;
+layout(constant_id = 1) const uint has_heights = 1u;
+layout(constant_id = 2) const uint is_range = 1u;
+layout(constant_id = 3) const uint is_inverse = 0u;
+layout(constant_id = 4) const uint is_from_top = 0u;
+layout(constant_id = 5) const uint is_log = 0u;
 
 layout(push_constant, std430) uniform Push {
     UnprojectPush push;
@@ -88,19 +88,14 @@ u64vec4 eight(uint row, uint texel, uint x, uint valids, uint next_valids, float
 }
 
 void main() {
-    const uint lane = gl_GlobalInvocationID.x;
-    const uint row = lane / push.segments, first = lane % push.segments * push.segment_words;
+    const uint word = gl_GlobalInvocationID.x, row = word / push.words, column = word % push.words;
     if (row >= push.height) return;
-    const uint end = min(first + push.segment_words, push.words);
     const float v = (float(row) - push.cy) * push.per_fy;
-    for (uint word = first; word < end; ++word) {
-        const uint valids = validity[row * push.words + word];
-        uint next_valids = 0u;
-        if (is_pair != 0u) next_valids = next_validity[row * push.words + word];
-        [[unroll]] for (uint k = 0u; k < 4u; ++k) {
-            const uint texel = 4u * word + k;
-            q_at[4u * (row * push.words + word) + k] =
-                eight(row, texel, 8u * texel, valids >> 8u * k, next_valids >> 8u * k, v * v);
-        }
+    const uint valids = validity[word];
+    uint next_valids = 0u;
+    if (is_pair != 0u) next_valids = next_validity[word];
+    [[unroll]] for (uint k = 0u; k < 4u; ++k) {
+        const uint texel = 4u * column + k;
+        q_at[4u * word + k] = eight(row, texel, 8u * texel, valids >> 8u * k, next_valids >> 8u * k, v * v);
     }
 }

@@ -1,9 +1,9 @@
 // Interface of the kernel unproject.comp and its caller. Compiled as GLSL and as C++.
 //
 // Converts filtered codes of a pair of frames to q = 1 / planar depth as drawn at a moment between them
-// (blend_rule.h), less height; 0 stands for an invalid pixel and for those beyond the width. A lane marches
-// along a row, or a part of it, by words of validity: 32 pixels, 4 texels of codes, so that nothing is loaded
-// twice and no row needs a special end. Rows of q are whole words, too.
+// (blend_rule.h), less height; 0 stands for an invalid pixel and for those beyond the width. A lane has a word
+// of validity: 32 pixels, 4 texels of codes, so that nothing is loaded twice and no row needs a special end.
+// Rows of q are whole words, too.
 //
 // A code's length grows with its distance m from the scale's end of least length (1 / length for inverse
 // codings), so base + step m never adds a negative number, and a depth has four roundings. A logarithmic
@@ -27,6 +27,7 @@ using uint = unsigned int;
 #endif
 
 #define UNPROJECT_WORD 32  // pixels of a word of validity
+#define UNPROJECT_LANES 64
 
 #define UNPROJECT_CODES 0       // of the earlier frame: texels of 8 codes, rows in whole texels
 #define UNPROJECT_VALIDITY 1    // a bit each, rows in whole words
@@ -36,9 +37,8 @@ using uint = unsigned int;
 #define UNPROJECT_NEXT_HEIGHTS 5
 #define UNPROJECT_Q 6  // floats, rows in whole words of UNPROJECT_WORD
 
-/// Specialisation constants, in order. All but the first are 0 or 1: what is not needed is left out.
+/// Specialisation constants, in order, 0 or 1: what is not needed is left out.
 struct UnprojectConstants {
-    uint group_size;   // lanes of a workgroup
     uint is_pair;      // two frames are mixed
     uint has_heights;  // of either frame
     uint is_range;     // a length is along the pixel's ray, and not along -Z
@@ -48,11 +48,9 @@ struct UnprojectConstants {
 };
 
 struct UnprojectPush {
-    uint height;         // pixels
-    uint pitch;          // texels of a row of codes
-    uint words;          // of a row of validity
-    uint segments;       // parts of a row, for a lane each
-    uint segment_words;  // words of a part
+    uint height;  // pixels
+    uint pitch;   // texels of a row of codes
+    uint words;   // of a row of validity
     uint code_max;
     float base, step;                             // scene units, or 1 / scene units
     float shift;                                  // scene units, of inverse codings

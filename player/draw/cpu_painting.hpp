@@ -2,9 +2,9 @@
 
 // Surfaces painted with the CPU's vectors and threads: from frames to a lattice (CpuLattices), vertices at
 // its edges (SurfaceEdges), fewer vertices (Decimation), its triangles from any view (LatticeRaster), whose
-// silhouettes are smoothed (Silhouettes), or from the clip's own (OwnViewPicture). Each gives the same bits
-// with any number of threads and any vectors. `threads` counts the calling thread; the others start on first
-// use and sleep in between.
+// silhouettes are smoothed (Silhouettes), or from the clip's own (OwnViewPicture); and all of it, picture
+// after picture (CpuSurface). Each gives the same bits with any number of threads and any vectors. `threads`
+// counts the calling thread; the others start on first use and sleep in between.
 
 #include <array>
 
@@ -13,6 +13,7 @@
 #include "engine/scene/frames.hpp"
 #include "haptics_cpu/height_field.hpp"
 #include "player/draw/drawn_surface.hpp"
+#include "player/draw/light_picture.hpp"
 #include "player/draw/pictures.hpp"
 #include "player/draw/view.hpp"
 #include "shaders/cut_rule.h"
@@ -157,8 +158,7 @@ struct MappedLattice {
 };
 
 /// Draws a lattice's triangles from any view on the CPU: the same bits with any number of threads and any
-/// vectors. Replaces the kernels raster and resolve on software devices, where a lane waits for the largest
-/// cell of sixteen, which in a view from the side covers hundreds of pixels.
+/// vectors.
 class LatticeRaster {
 public:
     explicit LatticeRaster(int threads, VectorUnit vectors = usable_vector_units().front());
@@ -187,8 +187,6 @@ public:
     explicit Silhouettes(VectorUnit vectors = usable_vector_units().front()) : unit_(vectors) {}
     /// Both in rows of `pitch`.
     void smooth(std::span<PackedColour> colours, std::span<const float> z, int width, int height, int pitch);
-    /// The same before the background, which it draws.
-    void smooth(PicturePlanes& planes);
 
 private:
     /// Strides, and numbers of places: across silhouettes, and along them.
@@ -238,5 +236,67 @@ private:
     Places columns_, rows_;
     Corners upper_, lower_;
 };
+
+/// A surface painted picture after picture, in memory that is used again.
+class CpuSurface {
+public:
+    /// As SurfaceDrawing::show. All is read at once.
+    void show(const HeightField& field, const FramePair& pair, const PlaneView& colour, Lighting lighting,
+              int step);
+    /// Colours before the background, silhouettes smooth, and z (0: empty) of the camera's pixels, rows
+    /// packed. Before the first `show` the background alone.
+    void paint(const ViewCamera& camera, std::span<PackedColour> colours, std::span<float> z);
+
+private:
+    void make(const HeightField& field, const FramePair& pair, const PlaneView& colour, Lighting lighting,
+              int step);
+
+    CpuLattices lattices_{CpuLattices::usual_threads()};
+    Decimation decimation_{CpuLattices::usual_threads()};
+    SurfaceEdges edges_{CpuLattices::usual_threads()};
+    LatticeRaster turned_view_{CpuLattices::usual_threads()};
+    OwnViewPicture own_view_;
+    Silhouettes silhouettes_;
+    std::vector<float> q_;
+    std::vector<PackedColour> colours_, background_;  // background_: of each row
+    MappedLattice lattice_{};                         // of q_ and colours_
+    float focal_length_ = 0;
+    bool edges_are_found_ = false;
+};
+
+/// A painted picture of a surface in memory, rows packed.
+struct FlatPicture {
+    std::span<const PackedColour> colours;
+    std::span<const float> z;  ///< ViewCamera's; 0: background
+    int width = 0, height = 0;
+};
+
+/// The counterpart of `draw_dents` for CpuSurface. A pixel's displacement and light are computed at nodes and
+/// interpolated linearly; a channel differs from `draw_dents` by a few of 255.
+class DentPatches {
+public:
+    /// Takes the dents of fingers in a picture of the camera; false: there are none in sight.
+    bool shape(std::span<const FingerMark> fingers, const MarkSizes& sizes, const ViewCamera& camera);
+    /// Draws them over `to`, a copy of `flat`'s colours.
+    void draw(const FlatPicture& flat, std::span<PackedColour> to);
+
+private:
+    struct Node {
+        float right = 0, down = 0;  // from a pixel to its source, pixels
+        float light = 1, gloss = 0;
+    };
+    void find_nodes(const FlatPicture& flat, const PixelBounds& bounds);
+    void draw(const FlatPicture& flat, const PixelBounds& bounds, PackedColour* to) const;
+
+    std::vector<SurfaceDent> dents_;
+    std::vector<PixelBounds> seen_;  // where dents are in sight
+    glm::dmat4 world_from_pixel_{1.0}, pixel_from_world_{1.0};
+    std::vector<Node> nodes_;
+    int step_ = 1, across_ = 0;  // pixels from one node to the next; nodes in a row
+};
+
+/// Stretches a picture, rows packed, over one twice as wide and high, to the bits of an exact linear filter:
+/// 9, 3, 3 and 1 sixteenths of the nearest samples, rounded.
+void double_picture(std::span<const PackedColour> from, int width, int height, std::span<PackedColour> to);
 
 }  // namespace touchable

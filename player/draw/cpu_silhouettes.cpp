@@ -58,16 +58,6 @@ void Silhouettes::smooth(std::span<PackedColour> colours, std::span<const float>
     smooth_steps({pitch, height - 1, 1, width}, colours);
 }
 
-void Silhouettes::smooth(PicturePlanes& planes) {
-    for (int y = 0; y < planes.height; ++y) {
-        const PackedColour background = background_colour(y, planes.height);
-        for (int x = 0; x < planes.width; ++x)
-            if (const std::size_t at = planes.index(x, y); !(planes.z[at] > 0))
-                planes.colours[at] = background;
-    }
-    smooth(planes.colours, planes.z, planes.width, planes.height, planes.width);
-}
-
 void Silhouettes::smooth_steps(const Steps& steps, std::span<PackedColour> colours) const {
     const auto& [across, most_across, along, most_along] = steps;
     constexpr int longest = 128;  // pixels; of longer steps the ends are smoothed

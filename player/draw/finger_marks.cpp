@@ -254,6 +254,12 @@ std::optional<PixelBounds> bounds_of_ball(const ViewCamera& camera, const glm::d
                        clamped(middle->y + pixels + 1, camera.height)};
 }
 
+std::optional<PixelBounds> bounds_in_sight(const ViewCamera& camera, const glm::dvec3& centre,
+                                           double radius) {
+    const auto bounds = bounds_of_ball(camera, centre, radius);
+    return bounds && bounds->x1 > bounds->x0 && bounds->y1 > bounds->y0 ? bounds : std::nullopt;
+}
+
 glm::vec4 clip_bounds(const std::optional<PixelBounds>& bounds, const ViewCamera& camera) {
     if (!bounds) return glm::vec4(0.0F);
     const double w = camera.width, h = camera.height;

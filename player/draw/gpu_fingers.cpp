@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -11,7 +9,6 @@
 #include "engine/base/try.hpp"
 #include "player/draw/gpu_painting.hpp"
 #include "player/draw/light_picture.hpp"
-#include "shaders/cut_rule.h"
 #include "shaders/dents.h"
 #include "shaders/view_ball.frag.spv.h"
 #include "shaders/view_ball.vert.spv.h"
@@ -25,9 +22,8 @@
 #include "shaders/view_thread.frag.spv.h"
 #include "shaders/view_thread.vert.spv.h"
 
-// GPU drawing over the picture of a surface: dents by shaders (DentDrawing) or, on software devices, by the
-// CPU (DentPatches), and fingers (FingerDrawing). Records of both lie in buffers that are rewritten for each
-// picture.
+// GPU drawing over the picture of a surface: dents (DentDrawing) and fingers (FingerDrawing). Records of both
+// lie in buffers that are rewritten for each picture.
 
 namespace touchable {
 namespace {
@@ -39,13 +35,6 @@ static_assert(sizeof(MarksPush) == 88 && sizeof(SolidRecord) == 64 && sizeof(Thr
 DentRecord record_of(const SurfaceDent& dent, const ViewCamera& camera) {
     return {glm::vec4(dent.centre, 1 / dent.reach), glm::vec4(dent.normal, 0), glm::vec4(dent.moved, 0),
             clip_bounds(bounds_of_ball(camera, dent.centre, dent.reach), camera)};
-}
-
-/// The pixels that a ball may cover; nullopt if there are none.
-std::optional<PixelBounds> bounds_in_sight(const ViewCamera& camera, const glm::dvec3& centre,
-                                           double radius) {
-    const auto bounds = bounds_of_ball(camera, centre, radius);
-    return bounds && bounds->x1 > bounds->x0 && bounds->y1 > bounds->y0 ? bounds : std::nullopt;
 }
 
 VkExtent3D extent_of(const PixelBounds& bounds) {
@@ -62,54 +51,6 @@ void draw_reading_z(GpuCommands& commands, const DrawTarget& target, const GpuIm
     draw();
     end_drawing(commands);
     record_transition(commands, z, VK_IMAGE_LAYOUT_READ_ONLY_OPTIMAL, tested);
-}
-
-/// The channels of two adjacent pixels, and of one.
-using Pair = std::uint16_t __attribute__((vector_size(16)));
-using Channels = std::uint16_t __attribute__((vector_size(8)));
-
-Pair pair_at(const PackedColour* at) {
-    using Bytes = std::uint8_t __attribute__((vector_size(8)));
-    Bytes bytes;
-    std::memcpy(&bytes, at, sizeof bytes);
-    return __builtin_convertvector(bytes, Pair);
-}
-
-/// Interpolates two colours; `share`: 256ths.
-template <class Vector>
-Vector between(Vector a, Vector b, int share) {
-    const auto of_a = static_cast<std::uint16_t>(256 - share), of_b = static_cast<std::uint16_t>(share);
-    return (a * of_a + b * of_b + std::uint16_t{128}) >> 8;
-}
-
-/// A value that changes linearly from pixel to pixel, times `unit`, in 16.16 fixed point.
-struct Steadily {
-    std::int32_t now = 0, change = 0;
-
-    Steadily(float first, float last, float per_step, float unit = 1)
-        : now(static_cast<std::int32_t>(65536 * unit * first)),
-          change(static_cast<std::int32_t>(65536 * unit * (last - first) * per_step)) {}
-    int whole() const { return now >> 16; }
-    void go_on() { now += change; }
-};
-
-/// `light`: 64ths, below 257, as products have 16 bits (dent_light is below 3.2); `gloss`: 0 to 255.
-PackedColour lit(Channels colour, int light, int gloss) {
-    Channels value = ((colour * static_cast<std::uint16_t>(light) + std::uint16_t{32}) >> 6) +
-                     static_cast<std::uint16_t>(gloss);
-    const Channels most = Channels{} + std::uint16_t{255};
-    value = value > most ? most : value;
-    using Bytes = std::uint8_t __attribute__((vector_size(4)));
-    return std::bit_cast<PackedColour>(__builtin_convertvector(value, Bytes)) | 0xff000000U;
-}
-
-/// The interpolated colour at a position in 256ths of a pixel, from the first pixel's centre to before the
-/// last one's.
-Channels colour_around(const FlatPicture& flat, int x, int y) {
-    const PackedColour* const at = flat.colours.data() + std::ptrdiff_t{y >> 8} * flat.pitch + (x >> 8);
-    const auto column =
-        std::bit_cast<std::array<Channels, 2>>(between(pair_at(at), pair_at(at + flat.pitch), y & 255));
-    return between(column[0], column[1], x & 255);
 }
 
 constexpr std::uint32_t frustum_indices = 6 * MARKS_SIDES;
@@ -215,125 +156,6 @@ Result<void> DentDrawing::record(GpuCommands& commands, std::span<const FingerMa
         program_.bind(commands, {records, z, flat_});
         vkCmdDraw(commands.handle(), 6, static_cast<std::uint32_t>(dents_.size()), 0, 0);
     });
-    return {};
-}
-
-/// Matrices between pixels and world.
-struct DentPatches::Sight {
-    explicit Sight(const ViewCamera& camera)
-        : world_from_pixel(glm::inverse(camera.clip_from_world) * clip_from_pixel(camera)),
-          pixel_from_world(glm::inverse(clip_from_pixel(camera)) * camera.clip_from_world) {}
-    glm::dmat4 world_from_pixel, pixel_from_world;
-};
-
-void DentPatches::find_nodes(const Sight& sight, const FlatPicture& flat, const PixelBounds& bounds) {
-    constexpr int steps = 20;  // across a dent; one is a tenth of its reach
-    const int width = bounds.x1 - bounds.x0, height = bounds.y1 - bounds.y0;
-    step_ = std::max(2, std::max(width, height) / steps);
-    across_ = width / step_ + 2;
-    nodes_.assign(static_cast<std::size_t>(across_) * static_cast<std::size_t>(height / step_ + 2), {});
-    auto node = nodes_.begin();
-    for (int down = 0; down < height / step_ + 2; ++down)
-        for (int right = 0; right < across_; ++right, ++node) {
-            const int x = std::min(bounds.x0 + right * step_, flat.width - 1),
-                      y = std::min(bounds.y0 + down * step_, flat.height - 1);
-            const float z = flat.z[static_cast<std::size_t>(y * flat.pitch + x)];
-            if (!(z > 0)) continue;
-            const glm::dvec4 at =
-                sight.world_from_pixel * glm::dvec4(x + 0.5, y + 0.5, static_cast<double>(z), 1);
-            const glm::dvec3 place = glm::dvec3(at) / at.w;
-            const auto dent = dented(dents_, place);
-            if (!dent) continue;
-            const glm::dvec4 there = sight.pixel_from_world * glm::dvec4(place + glm::dvec3(dent->moved), 1);
-            if (!(there.z <= there.w)) continue;  // before the near plane
-            const DentLight light = dent_light(dent->normal_before, dent->normal);
-            const auto shift = [](double pixels) {
-                return static_cast<float>(std::clamp(pixels, -4096.0, 4096.0));
-            };
-            *node = {shift(x + 0.5 - there.x / there.w), shift(y + 0.5 - there.y / there.w), light.factor,
-                     255 * light.gloss};
-        }
-}
-
-void DentPatches::draw(const FlatPicture& flat, const PixelBounds& bounds, PackedColour* to) const {
-    const int width = bounds.x1 - bounds.x0;
-    const float per_step = 1 / static_cast<float>(step_);
-    const int most_x = 256 * (flat.width - 1) - 1, most_y = 256 * (flat.height - 1) - 1;
-    const auto mix = [](const Node& a, const Node& b, float share) {
-        return Node{a.right + share * (b.right - a.right), a.down + share * (b.down - a.down),
-                    a.light + share * (b.light - a.light), a.gloss + share * (b.gloss - a.gloss)};
-    };
-    for (int y = bounds.y0; y < bounds.y1; ++y, to += width) {
-        const int row = (y - bounds.y0) / step_;
-        const float down = static_cast<float>((y - bounds.y0) % step_) * per_step;
-        const Node* const above = nodes_.data() + std::ptrdiff_t{row} * across_;
-        const std::ptrdiff_t start = std::ptrdiff_t{y} * flat.pitch;
-        std::copy_n(flat.colours.data() + start + bounds.x0, width, to);
-        Node left = mix(above[0], above[across_], down);
-        for (int first = 0, column = 1; first < width; first += step_, ++column) {
-            const Node right = mix(above[column], above[across_ + column], down);
-            const Node from = std::exchange(left, right);
-            const bool is_flat = from.light == 1 && right.light == 1 && from.right == 0 && right.right == 0 &&
-                                 from.down == 0 && right.down == 0;
-            if (is_flat) continue;
-            const auto begin = static_cast<float>(bounds.x0 + first);
-            Steadily across(begin + from.right, begin + static_cast<float>(step_) + right.right, per_step),
-                along(static_cast<float>(y) + from.down, static_cast<float>(y) + right.down, per_step),
-                light(from.light, right.light, per_step, 64), gloss(from.gloss, right.gloss, per_step);
-            for (int k = first; k < std::min(first + step_, width); ++k) {
-                int column_of = std::clamp(across.now >> 8, 0, most_x),
-                    row_of = std::clamp(along.now >> 8, 0, most_y);
-                const int more = light.whole(), shine = gloss.whole();
-                for (Steadily* each : {&across, &along, &light, &gloss}) each->go_on();
-                const int x = bounds.x0 + k;
-                const float z = flat.z[static_cast<std::size_t>(start + x)];
-                if (!(z > 0)) continue;
-                const std::ptrdiff_t source =
-                    std::ptrdiff_t{(row_of + 128) >> 8} * flat.pitch + ((column_of + 128) >> 8);
-                // Objects in front of the pixel's own surface are not displaced.
-                if (flat.z[static_cast<std::size_t>(source)] > z * CUT_RULE_RATIO) {
-                    column_of = std::min(256 * x, most_x);
-                    row_of = std::min(256 * y, most_y);
-                }
-                to[k] = lit(colour_around(flat, column_of, row_of), more, shine);
-            }
-        }
-    }
-}
-
-Result<void> DentPatches::record(GpuCommands& commands, std::span<const FingerMark> fingers,
-                                 const MarkSizes& sizes, const ViewCamera& camera, const FlatPicture& flat,
-                                 const GpuImage& target) {
-    shape_dents(fingers, sizes, dents_);
-    std::vector<VkBufferImageCopy> regions;
-    std::vector<PixelBounds> drawn_in;
-    std::size_t bytes = 0;
-    for (const SurfaceDent& dent : dents_) {
-        const auto bounds = bounds_in_sight(camera, dent.centre, dent.reach);
-        if (!bounds) continue;
-        VkBufferImageCopy region{};
-        region.bufferOffset = bytes;
-        region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-        region.imageOffset = {bounds->x0, bounds->y0, 0};
-        region.imageExtent = extent_of(*bounds);
-        bytes += std::size_t{4} * region.imageExtent.width * region.imageExtent.height;
-        regions.push_back(region);
-        drawn_in.push_back(*bounds);
-    }
-    if (regions.empty() || flat.width < 2 || flat.height < 2) return {};
-    TRY_ASSIGN(const auto buffer, uploads_.lease("dents", bytes));
-    const Sight sight(camera);
-    for (std::size_t k = 0; k < regions.size(); ++k) {
-        find_nodes(sight, flat, drawn_in[k]);
-        draw(flat, drawn_in[k], buffer.mapped<PackedColour>().data() + regions[k].bufferOffset / 4);
-    }
-    constexpr VkImageLayout drawn = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-    record_transition(commands, target, drawn, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-    vkCmdCopyBufferToImage(commands.handle(), buffer.handle(), target.handle(),
-                           VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, static_cast<std::uint32_t>(regions.size()),
-                           regions.data());
-    commands.keep(buffer.keep_alive());
-    record_transition(commands, target, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, drawn);
     return {};
 }
 

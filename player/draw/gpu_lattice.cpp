@@ -32,7 +32,7 @@
 namespace touchable {
 namespace {
 
-static_assert(sizeof(UnprojectPush) == 80 && sizeof(LightPush) == 48);
+static_assert(sizeof(UnprojectPush) == 72 && sizeof(LightPush) == 44);
 static_assert(CUT_TILES_CELLS == TileGrid::cells);
 static_assert(offsetof(TileListsHeader, mixed_vertices) - offsetof(TileListsHeader, whole_indices) ==
                   sizeof(VkDrawIndexedIndirectCommand) &&
@@ -200,7 +200,7 @@ Result<GpuProgram> SurfaceUnproject::program_for(const UnprojectConstants& const
                                            {sizeof(UnprojectPush),
                                             {texel_kind, storage_kind, texel_kind, texel_kind, storage_kind,
                                              texel_kind, storage_kind},
-                                            {constants.group_size, 1, 1}},
+                                            {UNPROJECT_LANES, 1, 1}},
                                            values));
     return program;
 }
@@ -240,12 +240,6 @@ Result<void> SurfaceUnproject::record(GpuCommands& commands, const HeightField& 
     if (field.blend() > 0) TRY(assign(next, planes_of(commands, *pair.next.frame)));
 
     auto [push, constants] = unproject_terms(field, pair);
-    // Few lanes that process whole rows on a CPU, many with a word each elsewhere.
-    const bool marches = device_->facts().kind == GpuKind::software;
-    constants.group_size = marches ? 8 : 64;
-    push.segments = marches ? 1 : push.words;
-    push.segment_words = marches ? push.words : 1;
-
     TRY_ASSIGN(const auto program, program_for(constants));
     if (makes_pairs_ && field.scene().interpolation == FrameInterpolation::linear) {
         constants.is_pair ^= 1U;
@@ -253,7 +247,7 @@ Result<void> SurfaceUnproject::record(GpuCommands& commands, const HeightField& 
     }
     commands.dispatch(program, push,
                       {prev.codes, prev.validity, prev.heights, next.codes, next.validity, next.heights, q},
-                      {groups_for(push.height * push.segments, constants.group_size)});
+                      {groups_for(push.height * push.words, UNPROJECT_LANES)});
     return {};
 }
 
@@ -282,7 +276,6 @@ void GpuLattices::set_size(int width, int height, float focal_length, GpuLattice
     lattice.width = width;
     lattice.height = height;
     lattice.pitch = SurfaceUnproject::pitch(width);
-    lattice.step = 1;
     lattice.focal_length = focal_length;
 }
 
@@ -295,17 +288,6 @@ Result<void> GpuLattices::reserve_colours(GpuLattice& lattice) {
     return reserve(lattice.colours, "lattice colours",
                    SurfaceUnproject::q_bytes(lattice.width, lattice.height),  // colours have the same size
                    kernel_memory(*device_));
-}
-
-Result<void> GpuLattices::renew(const HeightField& field, GpuLattice& lattice) {
-    set_size(field.width(), field.height(), static_cast<float>(field.scene().camera.fx), lattice);
-    const std::size_t bytes = SurfaceUnproject::q_bytes(lattice.width, lattice.height);
-    for (GpuBuffer* const buffer : {&lattice.q, &lattice.colours}) {
-        *buffer = {};
-        TRY(check_size("lattice", bytes));
-        TRY_ASSIGN(*buffer, uploads_.lease("lattice", bytes));
-    }
-    return {};
 }
 
 Result<void> GpuLattices::record_q(GpuCommands& commands, const HeightField& field, const FramePair& pair,
@@ -379,8 +361,8 @@ Result<void> GpuLattices::record_view(GpuCommands& commands, bool is_turned, Gpu
     const std::size_t bytes = SurfaceUnproject::q_bytes(lattice.width, lattice.height);
     TRY(reserve(lattice.drawn_q, "drawn q", bytes, kernel_memory(*device_)));
     if (is_turned) TRY(reserve(lattice.edges, "lattice edges", 2 * bytes, kernel_memory(*device_)));
-    const EdgeLattice at = edge_lattice(nullptr, lattice.width, lattice.height, lattice.pitch, lattice.step,
-                                        lattice.focal_length);
+    const EdgeLattice at =
+        edge_lattice(nullptr, lattice.width, lattice.height, lattice.pitch, 1, lattice.focal_length);
     const EdgesPush push{static_cast<std::uint32_t>(at.width),
                          static_cast<std::uint32_t>(at.height),
                          static_cast<std::uint32_t>(at.pitch),
@@ -500,9 +482,7 @@ Result<void> SurfaceLighting::record(GpuCommands& commands, const HeightField& f
     push.width = static_cast<std::uint32_t>(lattice.width);
     push.height = static_cast<std::uint32_t>(lattice.height);
     push.pitch = static_cast<std::uint32_t>(lattice.pitch / 4);
-    // Few lanes with long strips on a CPU: each starts with five rows more than it lights.
-    push.strip = device_->facts().kind == GpuKind::software ? 64 : 16;
-    const std::uint32_t lanes = groups_for(push.width, LIGHT_COLUMNS) * groups_for(push.height, push.strip);
+    const std::uint32_t lanes = groups_for(push.width, LIGHT_COLUMNS) * groups_for(push.height, LIGHT_STRIP);
     commands.dispatch(program, push, {lattice.q, rgb, lattice.colours}, {groups_for(lanes, LIGHT_LANES)});
     return {};
 }

@@ -246,7 +246,6 @@ Result<SurfaceRaster> SurfaceRaster::create(const GpuDevice& device) {
                GpuProgram::create(
                    device, "resolve", resolve_spv,
                    {sizeof(ResolvePush), {texels, storage, storage, storage}, {RESOLVE_LANES, 1, 1}}));
-    made.on_cpu_ = device.facts().kind == GpuKind::software;
     return made;
 }
 
@@ -294,11 +293,8 @@ void SurfaceRaster::record_resolve(GpuCommands& commands, const ViewCamera& came
     ResolvePush push{};
     push.steps = static_cast<std::uint32_t>(resolve_pitch(camera.width) / RESOLVE_STEP);
     push.height = static_cast<std::uint32_t>(camera.height);
-    // Few lanes that process whole rows on a CPU, many with a step each elsewhere.
-    push.segments = on_cpu_ ? 1 : push.steps;
-    push.segment_steps = on_cpu_ ? push.steps : 1;
     commands.dispatch(resolve_, push, {pixels, background, colours, z},
-                      {groups_for(push.height * push.segments, RESOLVE_LANES)});
+                      {groups_for(push.height * push.steps, RESOLVE_LANES)});
 }
 
 Result<std::unique_ptr<SurfacePainter>> make_raster_painter(std::shared_ptr<GpuDevice> device) {

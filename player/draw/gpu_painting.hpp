@@ -31,8 +31,7 @@ namespace touchable {
 struct GpuLattice {
     std::shared_ptr<VulkanDevice> vulkan;  ///< the memory's device
     int width = 0, height = 0;
-    int pitch = 0;      ///< vertices from one row of q and colours to the next
-    int step = 1;       ///< of the clip's pixels per vertex (Decimation)
+    int pitch = 0;            ///< vertices from one row of q and colours to the next
     float focal_length = 0;   ///< of the lattice's camera, vertices
     bool fills_gaps = false;  ///< ViewSurface's
     GpuBuffer q;        ///< floats, row-major
@@ -44,8 +43,7 @@ struct GpuLattice {
     GpuBuffer edges;    ///< drawn positions of vertices at edges: shaders/edges.h; for turned views
 };
 
-/// Inputs of shaders/unproject.h for a pair of frames with codes; the division of rows among lanes is not
-/// set. `field` was made from `pair`.
+/// Inputs of shaders/unproject.h for a pair of frames with codes. `field` was made from `pair`.
 struct UnprojectTerms {
     UnprojectPush push;
     UnprojectConstants constants;
@@ -105,7 +103,7 @@ public:
     static std::size_t q_bytes(int width, int height);
 
 private:
-    using Constants = std::array<std::uint32_t, 7>;
+    using Constants = std::array<std::uint32_t, 6>;
     struct Planes {
         GpuBuffer codes, validity, heights;  // heights: any buffer if the frame has none
     };
@@ -156,9 +154,6 @@ public:
 
     /// Provides a buffer for a lattice's colours, unless it has a large enough one.
     Result<void> reserve_colours(GpuLattice& lattice);
-
-    /// New CPU-writable buffers for a field's q and colours; commands keep the old ones they read.
-    Result<void> renew(const HeightField& field, GpuLattice& lattice);
 
 private:
     Result<void> make_view_programs();
@@ -238,11 +233,10 @@ public:
     static int resolve_pitch(int width);
 
 private:
-    bool on_cpu_ = false;
     GpuProgram raster_, large_, resolve_;
 };
 
-/// The painter `raster` (shaders/raster.comp): several times cheaper than triangles on software devices.
+/// The painter `raster` (shaders/raster.comp).
 /// Fails (ErrorKind::gpu) on a device without 64-bit atomics.
 Result<std::unique_ptr<SurfacePainter>> make_raster_painter(std::shared_ptr<GpuDevice> device);
 
@@ -271,40 +265,6 @@ private:
     GraphicsProgram program_;
     std::vector<SurfaceDent> dents_;
     GpuImage flat_;  // the picture without dents; empty until the first dent
-};
-
-/// A painted picture of a surface in memory, rows of `pitch`.
-struct FlatPicture {
-    std::span<const PackedColour> colours;
-    std::span<const float> z;  ///< ViewCamera's; 0: background
-    int width = 0, height = 0, pitch = 0;
-};
-
-/// The counterpart of `draw_dents` on the CPU, for software devices: a shader took ten times as long there. A
-/// pixel's displacement and light are computed at nodes and interpolated linearly; a channel differs from
-/// `draw_dents` by a few of 255.
-class DentPatches {
-public:
-    explicit DentPatches(std::shared_ptr<GpuDevice> device) : uploads_(std::move(device)) {}
-
-    /// Records the fingers' dents over `target`, which shows `flat`, and is and stays in
-    /// VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL. `flat` is read at once.
-    Result<void> record(GpuCommands& commands, std::span<const FingerMark> fingers, const MarkSizes& sizes,
-                        const ViewCamera& camera, const FlatPicture& flat, const GpuImage& target);
-
-private:
-    struct Node {
-        float right = 0, down = 0;  // from a pixel to its source, pixels
-        float light = 1, gloss = 0;
-    };
-    struct Sight;
-    void find_nodes(const Sight& sight, const FlatPicture& flat, const PixelBounds& bounds);
-    void draw(const FlatPicture& flat, const PixelBounds& bounds, PackedColour* to) const;
-
-    UploadPool uploads_;
-    std::vector<SurfaceDent> dents_;
-    std::vector<Node> nodes_;
-    int step_ = 1, across_ = 0;  // pixels from one node to the next; nodes in a row
 };
 
 /// The counterpart of `draw_fingers` on the triangle hardware (shaders/view_marks.h): the same shapes in the

@@ -53,6 +53,8 @@ struct PixelBounds {
 };
 /// The pixels that a ball (world, scene units) may cover; nullopt if its centre is not visible.
 std::optional<PixelBounds> bounds_of_ball(const ViewCamera& camera, const glm::dvec3& centre, double radius);
+/// The same; nullopt also if there are none.
+std::optional<PixelBounds> bounds_in_sight(const ViewCamera& camera, const glm::dvec3& centre, double radius);
 /// Least x and y, greatest x and y in clip space; all 0 for nullopt.
 glm::vec4 clip_bounds(const std::optional<PixelBounds>& bounds, const ViewCamera& camera);
 

@@ -84,12 +84,12 @@ private:
 
 }  // namespace
 
-bool draws_by_mesh(const GpuFacts& facts) {
-    if (!facts.draws_triangles || !facts.int64_atomics) return facts.draws_triangles;
+std::string_view usual_painter(const GpuFacts& facts) {
+    if (facts.kind == GpuKind::software) return "cpu";
+    if (!facts.draws_triangles || !facts.int64_atomics) return facts.draws_triangles ? "mesh" : "raster";
     const double mesh_ms = facts.measured.mesh_ms, raster_ms = facts.measured.raster_ms;
-    if (std::isinf(mesh_ms)) return false;
-    if (mesh_ms >= 0 && raster_ms >= 0) return mesh_ms <= raster_ms;
-    return facts.kind != GpuKind::software;
+    const bool is_measured = mesh_ms >= 0 && raster_ms >= 0;
+    return std::isinf(mesh_ms) || (is_measured && raster_ms < mesh_ms) ? "raster" : "mesh";
 }
 
 void measure_painters(const std::shared_ptr<GpuDevice>& device) {

@@ -4,7 +4,6 @@
 #include <glm/geometric.hpp>
 
 #include "engine/base/try.hpp"
-#include "engine/base/vectors.hpp"
 #include "engine/gpu/gpu_device.hpp"
 #include "player/draw/cpu_painting.hpp"
 #include "player/draw/drawn_surface.hpp"
@@ -12,8 +11,7 @@
 #include "player/draw/legends.hpp"
 #include "player/draw/light_picture.hpp"
 
-// Composes pictures in linear light, single ones (make_picture) and sequences (CpuDrawing); makes painters by
-// name.
+// Composes single pictures in linear light (make_picture); makes painters by name.
 
 namespace touchable {
 namespace {
@@ -95,11 +93,9 @@ using OpenGpu = std::function<Result<std::shared_ptr<GpuDevice>>()>;
 
 Result<std::unique_ptr<SurfacePainter>> gpu_painter(std::string_view name, const OpenGpu& open_gpu) {
     TRY_ASSIGN(auto device, open_gpu());
-    const GpuFacts& facts = device->facts();
-    // Software Vulkan without 64-bit atomics is slower than the CPU painter.
-    if (name == "mesh" || (name == "auto" && facts.kind != GpuKind::software && draws_by_mesh(facts)))
-        return make_mesh_painter(std::move(device));
-    return make_raster_painter(std::move(device));
+    if (name == "auto") name = usual_painter(device->facts());
+    if (name == "cpu") return make_cpu_painter();
+    return name == "mesh" ? make_mesh_painter(std::move(device)) : make_raster_painter(std::move(device));
 }
 
 /// Samples per pixel along each side.
@@ -194,84 +190,6 @@ Result<Image> make_picture(const SurfacePainter::Settings& settings, const Scene
     const double pixels = camera.focal / samples / glm::length(subject.middle - camera.eye);
     TRY(draw_legend({fingers.size(), sizes.length_per_newton * pixels}, image));
     return image;
-}
-
-void double_picture(std::span<const PackedColour> from, int width, int height, std::span<PackedColour> to) {
-    const auto pixels = static_cast<std::size_t>(width);
-    // Two channels of 16 bits in each value; of two rows, the outer pixels twice.
-    constexpr std::uint32_t channels = 0x00ff00ff, half = 0x00080008;
-    std::vector<std::uint32_t> reds(pixels + 2), greens(pixels + 2);
-    const auto stretch = [&](auto) __attribute__((always_inline)) {
-        const int count = width, last = height - 1;  // in registers, which lets the loops vectorise
-        for (int y = 0; y <= 2 * last + 1; ++y) {
-            const int beside = std::clamp(y / 2 + y % 2 * 2 - 1, 0, last);
-            const PackedColour* const near = from.data() + pixels * static_cast<std::size_t>(y / 2);
-            const PackedColour* const far = from.data() + pixels * static_cast<std::size_t>(beside);
-            std::uint32_t* const red = reds.data() + 1;
-            std::uint32_t* const green = greens.data() + 1;
-            for (int x = 0; x < count; ++x) {
-                red[x] = 3 * (near[x] & channels) + (far[x] & channels);
-                green[x] = 3 * (near[x] >> 8 & channels) + (far[x] >> 8 & channels);
-            }
-            for (std::uint32_t* const sum : {red, green}) {
-                sum[-1] = sum[0];
-                sum[count] = sum[count - 1];
-            }
-            const auto between = [=](int x, int other) __attribute__((always_inline)) {
-                const std::uint32_t r = 3 * red[x] + red[other] + half,
-                                    g = 3 * green[x] + green[other] + half;
-                return (r >> 4 & channels) | (g >> 4 & channels) << 8;
-            };
-            PackedColour* const out = to.data() + 2 * pixels * static_cast<std::size_t>(y);
-            for (int x = 0; x < count; ++x) {
-                out[2 * x] = between(x, x - 1);
-                out[2 * x + 1] = between(x, x + 1);
-            }
-        }
-    };
-    run_vectors(usable_vector_units().front(), stretch);
-}
-
-struct CpuDrawing::Parts {
-    CpuLattices lattices{CpuLattices::usual_threads()};
-    std::unique_ptr<SurfacePainter> painter = make_cpu_painter();
-    ViewSurface surface;
-    Silhouettes silhouettes;
-    LightPicture bare;                  // the surface on its background, without fingers
-    std::optional<glm::dmat4> painted;  // clip_from_lattice of `bare`
-    Image picture;
-};
-
-CpuDrawing::CpuDrawing() : parts_(std::make_unique<Parts>()) {}
-CpuDrawing::~CpuDrawing() = default;
-
-void CpuDrawing::show(const HeightField& field, const FramePair& pair, const PlaneView& colour,
-                      Lighting lighting) {
-    CpuLattices& lattices = parts_->lattices;
-    ViewSurface& surface = parts_->surface;
-    parts_->painted.reset();
-    surface.width = field.width();
-    surface.height = field.height();
-    surface.focal_length = static_cast<float>(field.scene().camera.fx);
-    surface.fills_gaps = fills_gaps(colour, lighting);
-    lattices.q_of(field, pair, surface.q);
-    surface.colours.resize(surface.q.size());
-    lattices.light(field, surface.q.data(), surface.width, colour, lighting, surface.colours.data());
-}
-
-Result<const Image*> CpuDrawing::draw(const ViewCamera& camera, std::span<const FingerMark> fingers,
-                                      const MarkSizes& sizes, int samples) {
-    auto& [lattices, painter, surface, silhouettes, bare, painted, picture] = *parts_;
-    if (painted != camera.clip_from_lattice || bare.width != camera.width || bare.height != camera.height) {
-        TRY_ASSIGN(auto planes, painter->paint(surface, camera));
-        if (!is_own_view(camera)) silhouettes.smooth(planes);
-        bare = on_background(std::move(planes));
-        painted = camera.clip_from_lattice;
-    }
-    LightPicture touched = bare;
-    draw_fingers(fingers, sizes, camera, touched);
-    picture = developed(touched, samples);
-    return &picture;
 }
 
 }  // namespace touchable

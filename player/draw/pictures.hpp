@@ -91,12 +91,12 @@ std::unique_ptr<SurfacePainter> make_cpu_painter();
 /// of milliseconds, plus compiling programs that the faster painter needs anyway. The measurement may lose
 /// the device; facts.measured then records that. One thread at a time.
 void measure_painters(const std::shared_ptr<GpuDevice>& device);
-/// Whether "auto" means mesh, not raster, on this device: by measurement; without one, mesh on a GPU, raster
-/// if Vulkan runs on the CPU.
-bool draws_by_mesh(const GpuFacts& facts);
+/// What "auto" means on this device: cpu if Vulkan runs on the CPU; otherwise mesh or raster, by measurement,
+/// without one mesh.
+std::string_view usual_painter(const GpuFacts& facts);
 
-/// "cpu", "raster" or "mesh" on the GPU that `open_gpu` returns (cpu does not call it), or "auto": mesh or
-/// raster (draws_by_mesh), cpu without Vulkan. Fails (ErrorKind::gpu) if a painter requested by name is not
+/// "cpu", "raster" or "mesh" on the GPU that `open_gpu` returns (cpu does not call it), or "auto": that of
+/// `usual_painter`, cpu without Vulkan. Fails (ErrorKind::gpu) if a painter requested by name is not
 /// available.
 Result<std::unique_ptr<SurfacePainter>> make_painter(
     std::string_view name, const std::function<Result<std::shared_ptr<GpuDevice>>()>& open_gpu);
@@ -120,8 +120,9 @@ class SurfaceDrawing {
 public:
     virtual ~SurfaceDrawing() = default;
 
-    /// painter: "raster", "mesh" or "auto", as in make_painter. Fails (ErrorKind::gpu) if the device supports
-    /// neither, or not the requested one; ErrorKind::usage for another name.
+    /// painter: "cpu" (which draws the fingers on the device), "raster", "mesh" or "auto", as in
+    /// make_painter. Fails (ErrorKind::gpu) if the device does not support it; ErrorKind::usage for another
+    /// name.
     static Result<std::unique_ptr<SurfaceDrawing>> create(std::shared_ptr<GpuDevice> device,
                                                           std::string_view painter);
 
@@ -129,38 +130,31 @@ public:
     /// `pixels_per_vertex` > 0.75.
     static int step_for(double pixels_per_vertex);
 
-    /// "raster" or "mesh".
+    /// "cpu", "raster" or "mesh".
     virtual std::string_view painter() const = 0;
 
-    /// Whether `show` uses its `step`: only if the CPU draws.
+    /// Whether `show` uses its `step`, and `draw` stretches: only if the CPU draws.
     virtual bool thins_vertices() const = 0;
 
     /// Sets the surface to draw: records the commands that make q and colours from the pair behind `field`.
-    /// For the raster on a software device the CPU makes them at once, keeping only every `step`th vertex
-    /// across and down, a power of two: a level of detail (`step_for`). `colour`: RGB of 8 bits, of the
-    /// field's size, or empty for light and depth alone. It is read at once; the pair's frames must live
-    /// until the recorded commands have completed. Planes still in GPU memory (PlaneView::content,
-    /// SurfaceFrame::content) are not uploaded again. Fails (ErrorKind::gpu) if the surface is larger than a
-    /// kernel may read.
+    /// The CPU makes them at once, keeping only every `step`th vertex across and down, a power of two: a
+    /// level of detail (`step_for`). `colour`: RGB of 8 bits, of the field's size, or empty for light and
+    /// depth alone. It is read at once; the pair's frames must live until the recorded commands have
+    /// completed. Planes still in GPU memory (PlaneView::content, SurfaceFrame::content) are not uploaded
+    /// again. Fails (ErrorKind::gpu) if the surface is larger than a kernel may read.
     virtual Result<void> show(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                               const PlaneView& colour, Lighting lighting, int step = 1) = 0;
-    /// The same if the CPU draws, which needs no commands.
-    virtual Result<void> show_by_cpu(const HeightField& field, const FramePair& pair, const PlaneView& colour,
-                                     Lighting lighting, int step) = 0;
 
     /// Records drawing surface, background and fingers (without a submitted `show`: the latter two) into
-    /// `target` (VK_FORMAT_R8G8B8A8_UNORM, of the camera's size). All of it is written and left in
-    /// VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL; later commands must wait for that, as record_transition
-    /// does. On a software device the CPU draws the surface at once, from the last `show`. Fails
+    /// `target` (VK_FORMAT_R8G8B8A8_UNORM, of the camera's size; if the CPU draws, also two or four times as
+    /// wide and high: it stretches the surface, the fingers have the target's pixels). All of it is written
+    /// and left in VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL; later commands must wait for that, as
+    /// record_transition does. The CPU draws the surface at once, from the last `show`. Fails
     /// (ErrorKind::gpu) if the picture is too large for the painter on this device.
     virtual Result<void> draw(GpuCommands& commands, const ViewCamera& camera,
                               std::span<const FingerMark> fingers, const MarkSizes& sizes,
                               const GpuImage& target) = 0;
 };
-
-/// Stretches a picture, rows packed, over one twice as wide and high, to the bits of an exact linear filter:
-/// 9, 3, 3 and 1 sixteenths of the nearest samples, rounded.
-void double_picture(std::span<const PackedColour> from, int width, int height, std::span<PackedColour> to);
 
 /// SurfaceDrawing's counterpart with the `cpu` painter: a surface and the fingers on it, picture after
 /// picture, in the CPU's memory. One sample a pixel: edges are not smooth. Not thread-safe.

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <span>
@@ -14,43 +15,149 @@
 #include "shaders/view_background.frag.spv.h"
 #include "shaders/view_screen.vert.spv.h"
 
-// SurfaceDrawing. Caches a picture's inputs: the lattice of the shown surface, its tiles and edges, the
-// raster's pixels, the images. GpuCommands::Made says for each whether it is valid for the commands being
-// recorded.
+// SurfaceDrawing: on a GPU, and by the CPU's vectors with fingers drawn on a GPU. A GPU's drawing caches a
+// picture's inputs: the lattice of the shown surface, its tiles and edges, the raster's pixels, the images.
+// GpuCommands::Made says for each whether it is valid for the commands being recorded.
 
 namespace touchable {
 namespace {
 
+/// Makes z for pictures of that size, unless it is there.
+Result<void> reserve_z(const GpuDevice& device, int width, int height, GpuImage& z) {
+    if (z && z.is_of_size(width, height)) return {};
+    return assign(z, GpuImage::create(device, "picture z", width, height, GraphicsLook::z_format));
+}
+
+Error not_of_its_size() {
+    return internal_error("a picture is not of its camera's size");
+}
+
+class CpuDrawingOnDevice final : public SurfaceDrawing {
+public:
+    CpuDrawingOnDevice(std::shared_ptr<GpuDevice> device, FingerDrawing fingers)
+        : device_(std::move(device)), pictures_(device_), fingers_(std::move(fingers)) {}
+
+    std::string_view painter() const override { return "cpu"; }
+    bool thins_vertices() const override { return true; }
+
+    Result<void> show(GpuCommands&, const HeightField& field, const FramePair& pair, const PlaneView& colour,
+                      Lighting lighting, int step) override {
+        TRY(check_colour(colour, field.width(), field.height()));
+        painted_.reset();
+        surface_.show(field, pair, colour, lighting, step);
+        return {};
+    }
+
+    Result<void> draw(GpuCommands& commands, const ViewCamera& camera, std::span<const FingerMark> fingers,
+                      const MarkSizes& sizes, const GpuImage& target) override {
+        const int times = static_cast<int>(target.extent().width) / camera.width;
+        ViewCamera seen = camera;  // of the target's size
+        seen.width *= times;
+        seen.height *= times;
+        seen.focal *= times;
+        if ((times != 1 && times != 2 && times != 4) || !target.is_of_size(seen.width, seen.height))
+            return not_of_its_size();
+        TRY(reserve_z(*device_, seen.width, seen.height, z_));
+        TRY(paint(camera, times));
+        TRY_ASSIGN(const auto colours, finished(camera, times, dents_.shape(fingers, sizes, camera)));
+        copy_to_image(commands, colours, 0, target, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+        copy_to_image(commands, z_values_, 0, z_, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
+        commands.mark("picture");
+        TRY(fingers_.record(commands, fingers, sizes, seen, target, z_));
+        if (!fingers.empty()) commands.mark("fingers");
+        return {};
+    }
+
+private:
+    /// What `bare_` and `z_values_` show.
+    struct Painted {
+        glm::dmat4 clip_from_lattice;
+        int width, height, times;
+        bool operator==(const Painted&) const = default;
+    };
+
+    /// Paints into memory that no commands read.
+    Result<void> paint(const ViewCamera& camera, int times) {
+        const Painted wanted{camera.clip_from_lattice, camera.width, camera.height, times};
+        if (painted_ == wanted) return {};
+        painted_.reset();
+        const std::size_t pixels = pixel_count(camera.width, camera.height),
+                          all = pixel_count(camera.width * times, camera.height * times);
+        bare_ = z_values_ = {};
+        TRY_ASSIGN(bare_, pictures_.lease("picture colours", 4 * pixels));
+        TRY_ASSIGN(z_values_, pictures_.lease("picture z", 4 * all));
+        const auto z = z_values_.mapped<float>().first(all);
+        bare_z_.resize(times > 1 ? pixels : 0);
+        surface_.paint(camera, bare_.mapped<PackedColour>().first(pixels), times > 1 ? bare_z_ : z);
+        if (times > 1) repeat(bare_z_, camera.width, times, z);
+        painted_ = wanted;
+        return {};
+    }
+
+    /// Each value `times` across and down.
+    static void repeat(std::span<const float> from, int width, int times, std::span<float> to) {
+        float* out = to.data();
+        for (std::size_t row = 0; row < from.size(); row += static_cast<std::size_t>(width)) {
+            float* const first = out;
+            for (int x = 0; x < width; ++x, out += times)
+                std::fill_n(out, times, from[row + static_cast<std::size_t>(x)]);
+            for (int n = 1; n < times; ++n) out = std::copy_n(first, width * times, out);
+        }
+    }
+
+    /// The picture with dents, stretched.
+    Result<GpuBuffer> finished(const ViewCamera& camera, int times, bool is_dented) {
+        if (times == 1 && !is_dented) return bare_;
+        const std::size_t pixels = pixel_count(camera.width, camera.height),
+                          factor = static_cast<std::size_t>(times);
+        TRY_ASSIGN(auto made, pictures_.lease("picture", 4 * factor * factor * pixels));
+        const auto to = made.mapped<PackedColour>();
+        std::span<const PackedColour> picture = bare_.mapped<PackedColour>().first(pixels);
+        if (is_dented) {
+            dented_.resize(times > 1 ? pixels : 0);
+            const std::span<PackedColour> dented = times > 1 ? dented_ : to.first(pixels);
+            std::ranges::copy(picture, dented.begin());
+            const auto z = times > 1 ? bare_z_ : z_values_.mapped<float>().first(pixels);
+            dents_.draw({picture, z, camera.width, camera.height}, dented);
+            picture = dented;
+        }
+        if (times == 4) {
+            halves_.resize(4 * pixels);
+            double_picture(picture, camera.width, camera.height, halves_);
+            double_picture(halves_, 2 * camera.width, 2 * camera.height, to);
+        } else if (times == 2) {
+            double_picture(picture, camera.width, camera.height, to);
+        }
+        return made;
+    }
+
+    std::shared_ptr<GpuDevice> device_;
+    CpuSurface surface_;
+    UploadPool pictures_;
+    DentPatches dents_;
+    FingerDrawing fingers_;
+    std::optional<Painted> painted_;
+    GpuBuffer bare_, z_values_;  // surface and background; z is stretched
+    std::vector<float> bare_z_;  // of a picture that is stretched
+    std::vector<PackedColour> dented_, halves_;
+    GpuImage z_;
+};
+
 class DeviceDrawing final : public SurfaceDrawing {
 public:
     DeviceDrawing(std::shared_ptr<GpuDevice> device, FingerDrawing fingers)
-        : device_(std::move(device)),
-          lattices_(device_),
-          lighting_(device_),
-          dent_patches_(device_),
-          fingers_(std::move(fingers)),
-          pictures_(device_) {}
+        : device_(std::move(device)), lattices_(device_), lighting_(device_), fingers_(std::move(fingers)) {}
 
-    /// Creates the resources of the GPU painter with that name.
+    /// Creates the resources of the painter with that name.
     Result<void> prepare(std::string_view painter) {
-        const GpuFacts& facts = device_->facts();
-        const bool is_software = facts.kind == GpuKind::software;
-        if (painter == "mesh" || (painter == "auto" && draws_by_mesh(facts))) {
+        if (painter == "mesh") {
             TRY_ASSIGN(mesh_, MeshPipeline::create(*device_));
         } else {
             TRY_ASSIGN(raster_, SurfaceRaster::create(*device_));
-            if (is_software && facts.unified_memory) {
-                by_cpu_.emplace(CpuLattices::usual_threads());
-                decimation_.emplace(CpuLattices::usual_threads());
-                turned_view_.emplace(CpuLattices::usual_threads());
-                edges_.emplace(CpuLattices::usual_threads());
-            }
         }
-        if (!by_cpu_) {
-            TRY_ASSIGN(dents_, DentDrawing::create(device_));
-            TRY(lattices_.make_programs());
-            TRY(lighting_.make_program());
-        }
+        TRY_ASSIGN(dents_, DentDrawing::create(device_));
+        TRY(lattices_.make_programs());
+        TRY(lighting_.make_program());
         return assign(background_, GraphicsProgram::create(*device_, "background",
                                                            {.vertex = view_screen_vert_spv,
                                                             .fragment = view_background_frag_spv,
@@ -59,14 +166,9 @@ public:
     }
 
     std::string_view painter() const override { return raster_ ? "raster" : "mesh"; }
-    bool thins_vertices() const override { return by_cpu_.has_value(); }
+    bool thins_vertices() const override { return false; }
     Result<void> show(GpuCommands& commands, const HeightField& field, const FramePair& pair,
-                      const PlaneView& colour, Lighting lighting, int step) override {
-        if (by_cpu_) {
-            TRY(show_by_cpu(field, pair, colour, lighting, step));
-            shown_.by(commands);
-            return {};
-        }
+                      const PlaneView& colour, Lighting lighting, int /*step*/) override {
         TRY(begin_surface(field, colour, lighting));
         // Wait until the same commands have finished reading the last surface.
         for (const GpuStage reader : {GpuStage::compute, GpuStage::indirect, GpuStage::graphics})
@@ -79,23 +181,9 @@ public:
         return {};
     }
 
-    /// On software devices: the CPU's vectors take a third of the kernels' time.
-    Result<void> show_by_cpu(const HeightField& field, const FramePair& pair, const PlaneView& colour,
-                             Lighting lighting, int step) override {
-        TRY(begin_surface(field, colour, lighting));
-        const bool is_part = step > 1 && SurfaceUnproject::has_codes(field, pair);
-        if (is_part) decimation_->make(field, pair, colour, step);
-        TRY(is_part ? make_by_cpu(decimation_->field(), decimation_->pair(), decimation_->colour(), lighting,
-                                  step)
-                    : make_by_cpu(field, pair, colour, lighting, 1));
-        shown_.by_cpu();
-        return {};
-    }
-
     Result<void> draw(GpuCommands& commands, const ViewCamera& camera, std::span<const FingerMark> fingers,
                       const MarkSizes& sizes, const GpuImage& target) override {
-        if (!target.is_of_size(camera.width, camera.height))
-            return internal_error("a picture is not of its camera's size");
+        if (!target.is_of_size(camera.width, camera.height)) return not_of_its_size();
         TRY(reserve(camera));
         if (raster_ && shown_.is_there_for(commands)) {
             TRY(draw_surface(commands, camera));
@@ -104,7 +192,7 @@ public:
             TRY(record_mesh(commands, camera, target));
         }
         commands.mark("picture");
-        TRY(record_dents(commands, camera, fingers, sizes, target));
+        TRY(dents_->record(commands, fingers, sizes, camera, target, z_));
         TRY(fingers_.record(commands, fingers, sizes, camera, target, z_));
         if (!fingers.empty()) commands.mark("fingers");
         return {};
@@ -113,30 +201,14 @@ public:
 private:
     /// Invalidates everything until the new surface is made.
     Result<void> begin_surface(const HeightField& field, const PlaneView& colour, Lighting lighting) {
-        for (GpuCommands::Made* const made : {&shown_, &listed_, &edged_, &drawn_}) made->reset();
+        for (GpuCommands::Made* const made : {&shown_, &listed_, &drawn_}) made->reset();
         lattice_.fills_gaps = fills_gaps(colour, lighting);
         return check_colour(colour, field.width(), field.height());
     }
 
-    Result<void> make_by_cpu(const HeightField& field, const FramePair& pair, const PlaneView& colour,
-                             Lighting lighting, int step) {
-        TRY(lattices_.renew(field, lattice_));
-        lattice_.step = step;
-        float* const q = lattice_.q.mapped<float>().data();
-        if (SurfaceUnproject::has_codes(field, pair))
-            by_cpu_->q_of(field, pair, q, lattice_.pitch);
-        else
-            put_q(field, lattice_, lattice_.q);
-        by_cpu_->light(field, q, lattice_.pitch, colour, lighting,
-                       lattice_.colours.mapped<PackedColour>().data(), cut_ratio(step));
-        return {};
-    }
-
     /// Resources for pictures of the camera's size.
     Result<void> reserve(const ViewCamera& camera) {
-        if (!z_ || !z_.is_of_size(camera.width, camera.height))
-            TRY(assign(z_, GpuImage::create(*device_, "picture z", camera.width, camera.height,
-                                            GraphicsLook::z_format)));
+        TRY(reserve_z(*device_, camera.width, camera.height, z_));
         if (rows_height_ == camera.height) return {};
         TRY_ASSIGN(auto rows, GpuBuffer::create(
                                   *device_, "background", 4 * static_cast<std::size_t>(camera.height),
@@ -164,47 +236,6 @@ private:
                               SurfaceRaster::large_bytes(lattice_.width, lattice_.height), GpuMemory::device);
     }
 
-    /// Draws into memory that no commands read: earlier recorded pictures keep theirs.
-    Result<void> draw_by_cpu(const GpuCommands& commands, const ViewCamera& camera) {
-        const int pitch = SurfaceRaster::resolve_pitch(camera.width);
-        const std::size_t bytes = 4 * pixel_count(pitch, camera.height);
-        for (auto& [buffer, name] :
-             {std::pair<GpuBuffer&, const char*>{colours_, "picture colours"}, {z_values_, "picture z"}}) {
-            buffer = {};
-            TRY_ASSIGN(buffer, pictures_.lease(name, bytes));
-        }
-        const auto background = rows_.mapped<PackedColour>(), colours = colours_.mapped<PackedColour>();
-        const auto z = z_values_.mapped<float>();
-        const ViewCamera seen = decimated(camera, lattice_.step);
-        const MappedLattice lattice{lattice_.q.mapped<float>().data(),
-                                    lattice_.colours.mapped<PackedColour>().data(),
-                                    lattice_.width,
-                                    lattice_.height,
-                                    lattice_.pitch,
-                                    lattice_.step,
-                                    lattice_.fills_gaps};
-        if (OwnViewPicture::draws(seen)) {
-            own_view_.draw(lattice, seen, background, pitch, colours, z);
-            return {};
-        }
-        find_edges(commands, seen);
-        turned_view_->draw(lattice, *edges_, seen, background, pitch, colours, z);
-        if (!is_own_view(seen)) silhouettes_.smooth(colours, z, camera.width, camera.height, pitch);
-        return {};
-    }
-
-    /// Finds the edges of the surface for a camera's view, once per surface.
-    void find_edges(const GpuCommands& commands, const ViewCamera& camera) {
-        if (is_own_view(camera)) {
-            edges_->clear();
-            edged_.reset();
-        } else if (!edged_.is_there_for(commands)) {
-            edges_->find(edge_lattice(lattice_.q.mapped<float>().data(), lattice_.width, lattice_.height,
-                                      lattice_.pitch, lattice_.step, lattice_.focal_length));
-            edged_.by(commands);
-        }
-    }
-
     /// Records what is drawn of the surface, once for the clip's own view or for turned ones.
     Result<void> list_triangles(GpuCommands& commands, const ViewCamera& camera) {
         const bool is_turned = !is_own_view(camera);
@@ -221,12 +252,8 @@ private:
             drawn_from_.width == camera.width && drawn_from_.height == camera.height)
             return {};
         drawn_.reset();
-        if (by_cpu_) {
-            TRY(draw_by_cpu(commands, camera));
-        } else {
-            TRY(reserve_pixels(camera));
-            TRY(record_raster(commands, camera));
-        }
+        TRY(reserve_pixels(camera));
+        TRY(record_raster(commands, camera));
         drawn_.by(commands);
         drawn_from_ = camera;
         return {};
@@ -255,17 +282,6 @@ private:
         copy_to_image(commands, z_values_, pitch, z_, VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL);
     }
 
-    /// Draws the fingers' dents over the drawn surface.
-    Result<void> record_dents(GpuCommands& commands, const ViewCamera& camera,
-                              std::span<const FingerMark> fingers, const MarkSizes& sizes,
-                              const GpuImage& target) {
-        if (dents_) return dents_->record(commands, fingers, sizes, camera, target, z_);
-        if (!shown_.is_there_for(commands)) return {};
-        const FlatPicture flat{colours_.mapped<PackedColour>(), z_values_.mapped<float>(), camera.width,
-                               camera.height, SurfaceRaster::resolve_pitch(camera.width)};
-        return dent_patches_.record(commands, fingers, sizes, camera, flat, target);
-    }
-
     /// Draws background, and the surface if there is one.
     Result<void> record_mesh(GpuCommands& commands, const ViewCamera& camera, const GpuImage& target) {
         const bool is_shown = shown_.is_there_for(commands);
@@ -285,18 +301,10 @@ private:
 
     std::shared_ptr<GpuDevice> device_;
     std::optional<SurfaceRaster> raster_;
-    std::optional<MeshPipeline> mesh_;          // one of the two is set
-    OwnViewPicture own_view_;                   // replaces the raster on a software device, if it supports
-                                                // the view
-    std::optional<LatticeRaster> turned_view_;  // for other views there
-    std::optional<SurfaceEdges> edges_;         // for turned_view_
-    Silhouettes silhouettes_;                   // of its pictures
+    std::optional<MeshPipeline> mesh_;  // one of the two is set
     GpuLattices lattices_;
     SurfaceLighting lighting_;
-    std::optional<CpuLattices> by_cpu_;     // replaces lattices_ and lighting_ on a software device
-    std::optional<Decimation> decimation_;  // for by_cpu_
     std::optional<DentDrawing> dents_;
-    DentPatches dent_patches_;  // replaces dents_ if the CPU draws the surface
     FingerDrawing fingers_;
     GraphicsProgram background_;
 
@@ -304,10 +312,8 @@ private:
     GpuCommands::Made shown_;       // the surface
     GpuCommands::Made listed_;      // what is drawn of it
     bool is_listed_turned_ = false;
-    GpuCommands::Made edged_;       // its edges, if the CPU draws
     GpuBuffer pixels_, large_;      // for the raster
     GpuBuffer colours_, z_values_;  // surface and background, copied into images
-    UploadPool pictures_;           // colours_ and z_values_, if the CPU writes them
     GpuCommands::Made drawn_;       // colours_ and z_values_
     ViewCamera drawn_from_;         // their camera
     GpuBuffer rows_;                // colours of the background
@@ -319,15 +325,16 @@ private:
 
 Result<std::unique_ptr<SurfaceDrawing>> SurfaceDrawing::create(std::shared_ptr<GpuDevice> device,
                                                                std::string_view painter) {
-    if (painter != "auto" && painter != "raster" && painter != "mesh")
-        return usage_error(
-            "painter " + std::string(painter) + " does not draw on a GPU; auto, raster and mesh do",
-            {{Setting::painter}});
+    const std::string named(painter == "auto" ? usual_painter(device->facts()) : painter);
+    if (named != "cpu" && named != "raster" && named != "mesh")
+        return usage_error("painter " + named + " is not known; auto, cpu, raster and mesh are",
+                           {{Setting::painter}});
     if (!device->facts().draws_triangles)
         return gpu_error(device->facts().name + " draws no triangles, which a window needs");
     TRY_ASSIGN(auto fingers, FingerDrawing::create(device));
+    if (named == "cpu") return std::make_unique<CpuDrawingOnDevice>(std::move(device), std::move(fingers));
     auto made = std::make_unique<DeviceDrawing>(std::move(device), std::move(fingers));
-    TRY(made->prepare(painter));
+    TRY(made->prepare(named));
     return made;
 }
 

@@ -63,8 +63,8 @@ public:
     virtual Result<Image> picture() const = 0;
 };
 
-/// Draws on a GPU to which `screen` is attached. `painter`: auto, raster and mesh as in SurfaceDrawing; cpu
-/// draws surface and fingers on the CPU, the panel on the GPU. An ImGuiLayer must exist and outlive it.
+/// Draws on a GPU to which `screen` is attached. `painter` as in SurfaceDrawing. An ImGuiLayer must exist and
+/// outlive it.
 Result<std::unique_ptr<WindowGraphics>> make_gpu_graphics(std::shared_ptr<GpuDevice> device,
                                                           std::string_view painter, Screen& screen);
 

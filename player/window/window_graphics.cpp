@@ -200,22 +200,19 @@ void record_stretch(GpuCommands& commands, const GpuImage& from, const GpuImage&
 class GpuGraphics final : public WindowGraphics {
 public:
     GpuGraphics(std::shared_ptr<GpuDevice> device, Screen& screen)
-        : device_(std::move(device)), screen_(screen), uploads_(device_) {}
+        : device_(std::move(device)), screen_(screen) {}
 
     Result<void> open(std::string_view painter) {
-        if (painter == "cpu")
-            by_cpu_.emplace();
-        else
-            TRY(assign(drawing_, SurfaceDrawing::create(device_, painter)));
+        TRY(assign(drawing_, SurfaceDrawing::create(device_, painter)));
         return take_letters();
     }
 
-    std::string_view painter() const override { return drawing_ ? drawing_->painter() : "cpu"; }
+    std::string_view painter() const override { return drawing_->painter(); }
     std::string gpu() const override { return device_->facts().name; }
     bool is_lost() const override { return device_->lost(); }
     bool can_stretch() const override { return true; }
-    bool thins_vertices() const override { return drawing_ && drawing_->thins_vertices(); }
-    bool is_quick() const override { return drawing_ && device_->facts().kind != GpuKind::software; }
+    bool thins_vertices() const override { return drawing_->thins_vertices(); }
+    bool is_quick() const override { return !thins_vertices() && device_->facts().kind != GpuKind::software; }
 
     Result<void> take_letters() override {
         imgui_.reset();  // only one may exist
@@ -231,11 +228,7 @@ public:
 
     Result<void> show(const HeightField& field, const FramePair& pair, const PlaneView& colour,
                       Lighting lighting, int step) override {
-        if (!drawing_) {
-            by_cpu_->show(field, pair, colour, lighting);
-            return {};
-        }
-        if (drawing_->thins_vertices()) return drawing_->show_by_cpu(field, pair, colour, lighting, step);
+        if (thins_vertices()) return drawing_->show(*commands_, field, pair, colour, lighting, step);
         TRY_ASSIGN(auto commands, GpuCommands::begin(device_, "surface", GpuTiming::none));
         TRY(drawing_->show(commands, field, pair, colour, lighting, step));
         return std::move(commands).run();
@@ -244,12 +237,13 @@ public:
     Result<void> draw(const ViewCamera& camera, std::span<const FingerMark> fingers, const MarkSizes& sizes,
                       int width, int height) override {
         TRY(reserve(canvas_, "canvas", width, height));
-        if (canvas_.is_of_size(camera.width, camera.height)) return draw_on(canvas_, camera, fingers, sizes);
+        const auto is_drawn_at = [&](int times) {
+            return times * camera.width == width && times * camera.height == height;
+        };
+        if (is_drawn_at(1) || (thins_vertices() && (is_drawn_at(2) || is_drawn_at(4))))
+            return drawing_->draw(*commands_, camera, fingers, sizes, canvas_);
         TRY(reserve(small_, "small picture", camera.width, camera.height));
-        TRY(draw_on(small_, camera, fingers, sizes));
-        for (const int times : {2, 4})
-            if (thins_vertices() && times * camera.width == width && times * camera.height == height)
-                return stretch_by_cpu(times);
+        TRY(drawing_->draw(*commands_, camera, fingers, sizes, small_));
         const bool is_fine = camera.width == 4 * width;  // a stretch reads four samples a pixel
         if (is_fine) {
             TRY(reserve(half_, "half as large a picture", 2 * width, 2 * height));
@@ -278,57 +272,11 @@ private:
         return {};
     }
 
-    Result<void> draw_on(const GpuImage& image, const ViewCamera& camera, std::span<const FingerMark> fingers,
-                         const MarkSizes& sizes) {
-        if (drawing_) return drawing_->draw(*commands_, camera, fingers, sizes, image);
-        TRY_ASSIGN(const auto drawn, by_cpu_->draw(camera, fingers, sizes));
-        return upload(*drawn, image);
-    }
-
-    /// Uploads the CPU's picture.
-    Result<void> upload(const Image& picture, const GpuImage& image) {
-        const std::size_t pixels = picture.samples.size() / 3;
-        TRY_ASSIGN(const auto buffer, uploads_.lease("picture", 4 * pixels));
-        const auto to = buffer.mapped<PackedColour>();
-        const std::uint8_t* rgb = picture.samples.data();
-        for (std::size_t k = 0; k < pixels; ++k, rgb += 3) to[k] = pack_colour(rgb[0], rgb[1], rgb[2]);
-        copy_to_image(*commands_, buffer, 0, image, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-        return {};
-    }
-
-    /// Stretches small_ over canvas_, 2 or 4 times: the CPU's vectors take a third of a software device's
-    /// time.
-    Result<void> stretch_by_cpu(int times) {
-        auto width = static_cast<int>(small_.extent().width),
-             height = static_cast<int>(small_.extent().height);
-        const std::size_t pixels = pixel_count(width, height);
-        TRY_ASSIGN(const auto drawn, uploads_.lease("small picture", 4 * pixels));
-        record_transition(*commands_, small_, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
-                          VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-        copy_from_image(*commands_, small_, drawn);
-        TRY(std::move(*commands_).run());
-        TRY(begin());
-        std::span<const PackedColour> picture = drawn.mapped<PackedColour>().first(pixels);
-        if (times == 4) {
-            halves_.resize(4 * pixels);
-            double_picture(picture, width, height, halves_);
-            picture = halves_;
-            width *= 2, height *= 2;
-        }
-        TRY_ASSIGN(const auto buffer, uploads_.lease("picture", 16 * picture.size()));
-        double_picture(picture, width, height, buffer.mapped<PackedColour>());
-        copy_to_image(*commands_, buffer, 0, canvas_, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-        return {};
-    }
-
     std::shared_ptr<GpuDevice> device_;
     Screen& screen_;
     std::unique_ptr<SurfaceDrawing> drawing_;
-    std::optional<CpuDrawing> by_cpu_;  // replaces drawing_
-    UploadPool uploads_;
     std::unique_ptr<ImGuiVulkan> imgui_;
     GpuImage canvas_, small_, half_;       // small_: stretched over the canvas, if used, by way of half_
-    std::vector<PackedColour> halves_;     // twice as large as small_
     std::optional<GpuCommands> commands_;  // of the current picture
 };
 

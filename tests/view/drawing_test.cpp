@@ -27,7 +27,7 @@
 namespace touchable::test {
 namespace {
 
-constexpr const char* gpu_painters[] = {"raster", "mesh"};
+constexpr const char* painters[] = {"cpu", "raster", "mesh"};
 
 /// Five fingers on the globe: two touch, one of them from behind, and one leaves a thread.
 std::vector<FingerMark> fingers_on(const Viewpoint::Subject& subject, double size) {
@@ -115,8 +115,9 @@ protected:
 /// As `drawing` draws it: the CPU smooths silhouettes of turned views.
 Image cpu_picture(const SurfaceDrawing& drawing, const ViewSurface& surface, const ViewCamera& camera,
                   std::span<const FingerMark> fingers, const MarkSizes& sizes) {
-    PicturePlanes planes = plain_picture(surface, camera);
-    if (drawing.thins_vertices() && !is_own_view(camera)) Silhouettes().smooth(planes);
+    PicturePlanes planes = before_background(plain_picture(surface, camera));
+    if (drawing.thins_vertices() && !is_own_view(camera))
+        Silhouettes().smooth(planes.colours, planes.z, planes.width, planes.height, planes.width);
     LightPicture picture = on_background(std::move(planes));
     draw_fingers(fingers, sizes, camera, picture);
     return developed(picture, 1);
@@ -168,7 +169,7 @@ std::size_t different_beyond_edges(const Image& a, const Image& b, int most) {
 
 TEST_F(Drawing, SurfaceMatchesCpu) {
     const auto shown = shown_scene("globe", 203, 133);
-    for (const char* painter : gpu_painters) {
+    for (const char* painter : painters) {
         const auto drawing = drawing_by(painter);
         EXPECT_EQ(drawing->painter(), painter);
         const GpuImage target = target_of(300, 200);
@@ -190,16 +191,16 @@ TEST_F(Drawing, SurfaceMatchesCpu) {
 }
 
 /// The window's picture on a machine that draws by the CPU alone.
-TEST_F(Drawing, CpuTwinMatchesRaster) {
+TEST_F(Drawing, CpuTwinMatchesCpuOnDevice) {
     const TouchedGlobe globe{.blend = 0.35};
     const auto other = shown_scene("step", 60, 40);
     const ViewCamera camera = globe.camera("orbit:az=25,el=10");
     const GpuImage target = target_of(600, 400);
-    const auto raster = drawing_by("raster");
+    const auto by_cpu = drawing_by("cpu");
     CpuDrawing twin;
     // Before anything is shown there is background.
     EXPECT_EQ(must(twin.draw(camera, {}, globe.sizes))->samples,
-              picture_of(*raster, camera, {}, globe.sizes, target).samples);
+              picture_of(*by_cpu, camera, {}, globe.sizes, target).samples);
     twin.show(other->field(), other->pair(), {}, Lighting::full);
     must(twin.draw(camera, {}, globe.sizes));
     const std::vector<std::uint8_t> bytes(203 * 133 * 3, 77);
@@ -207,14 +208,14 @@ TEST_F(Drawing, CpuTwinMatchesRaster) {
     for (const auto& [plane, lighting] :
          {std::pair(globe.colour, Lighting::full), std::pair(PlaneView{}, Lighting::full),
           std::pair(map, Lighting::values)}) {
-        show(*raster, globe.field, globe.pair, plane, lighting);
+        show(*by_cpu, globe.field, globe.pair, plane, lighting);
         twin.show(globe.field, globe.pair, plane, lighting);
         const Image bare = *must(twin.draw(camera, {}, globe.sizes));
-        EXPECT_LE(different(bare, picture_of(*raster, camera, {}, globe.sizes, target), 3), 120U);
+        EXPECT_LE(different(bare, picture_of(*by_cpu, camera, {}, globe.sizes, target), 3), 120U);
         const Image touched = *must(twin.draw(camera, globe.fingers, globe.sizes));
         const std::size_t marked = different(touched, bare, 3);
         EXPECT_GT(marked, 3000U);
-        EXPECT_LE(different(touched, picture_of(*raster, camera, globe.fingers, globe.sizes, target), 12),
+        EXPECT_LE(different(touched, picture_of(*by_cpu, camera, globe.fingers, globe.sizes, target), 12),
                   marked / 8);
         EXPECT_EQ(must(twin.draw(camera, {}, globe.sizes))->samples, bare.samples)
             << "a finger left something";
@@ -223,7 +224,7 @@ TEST_F(Drawing, CpuTwinMatchesRaster) {
 
 TEST_F(Drawing, FingersMatchCpu) {
     const TouchedGlobe globe;
-    for (const char* painter : gpu_painters) {
+    for (const char* painter : painters) {
         const auto drawing = drawing_by(painter);
         show(*drawing, globe);
         const GpuImage target = target_of(600, 400);
@@ -247,7 +248,7 @@ TEST_F(Drawing, BallsMatchCpu) {
     for (std::size_t k = 0; k < fingers.size(); ++k)
         fingers[k].proxy = globe.subject.points[globe.subject.points.size() * (k + 1) / 4] +
                            glm::dvec3(0, 0, static_cast<double>(k) * globe.sizes.finger_radius);
-    for (const char* painter : gpu_painters) {
+    for (const char* painter : painters) {
         const auto drawing = drawing_by(painter);
         show(*drawing, globe);
         const GpuImage target = target_of(600, 400);
@@ -277,7 +278,7 @@ TEST_F(Drawing, DentsMatchCpu) {
     }
     auto unmoved = fingers;
     for (FingerMark& finger : unmoved) finger.given_way = {};
-    for (const char* painter : gpu_painters) {
+    for (const char* painter : painters) {
         const auto drawing = drawing_by(painter);
         show(*drawing, globe);
         const GpuImage target = target_of(600, 400);
@@ -291,7 +292,7 @@ TEST_F(Drawing, DentsMatchCpu) {
             const Image expected = cpu_picture(*drawing, globe.surface, camera, fingers, globe.sizes);
             // Beyond what differs without a dent: the edges of fingers. By the CPU colours come from places
             // that are exact to half a pixel.
-            const bool by_cpu = drawing->painter() == "raster";
+            const bool by_cpu = drawing->painter() == "cpu";
             const int most = by_cpu ? 24 : 4;
             EXPECT_LE(different(dented, expected, most),
                       different(flat, expected_flat, most) + gave_way / (by_cpu ? 20 : 50))
@@ -309,7 +310,7 @@ TEST_F(Drawing, RepeatsToTheBit) {
     const MarkSizes sizes = mark_sizes(shown->scene, subject.middle);
     const auto fingers = fingers_on(subject, sizes.finger_radius);
     const ViewCamera camera = view_of(*shown, field, "orbit:az=20,el=8", 240, 160);
-    for (const char* painter : gpu_painters) {
+    for (const char* painter : painters) {
         const auto drawing = drawing_by(painter);
         const GpuImage target = target_of(240, 160), other = target_of(240, 160);
         // All of it in one submission: what is uploaded for the second surface leaves the first alone.
@@ -341,7 +342,7 @@ TEST_F(Drawing, RedoesDiscardedCommands) {
     const PlaneView colour = shown->raw_prev.colour;
     const ViewCamera camera = view_of(*shown, field, "orbit:az=25,el=10", 300, 200);
     const GpuImage target = target_of(300, 200);
-    for (const char* painter : gpu_painters) {
+    for (const char* painter : painters) {
         const auto unbroken = drawing_by(painter), drawing = drawing_by(painter);
         const Image background = picture_of(*unbroken, camera, {}, {}, target);
         show(*unbroken, field, shown->pair(), colour);
@@ -355,16 +356,47 @@ TEST_F(Drawing, RedoesDiscardedCommands) {
         forget([&](GpuCommands& commands) {
             return drawing->show(commands, field, shown->pair(), colour, Lighting::full);
         });
-        EXPECT_EQ(picture_of(*drawing, camera, {}, {}, target).samples, background.samples) << painter;
+        // The CPU needs no commands.
+        const Image& there = drawing->painter() == "cpu" ? expected : background;
+        EXPECT_EQ(picture_of(*drawing, camera, {}, {}, target).samples, there.samples) << painter;
         show(*drawing, field, shown->pair(), colour);
         forget([&](GpuCommands& commands) { return drawing->draw(commands, camera, {}, {}, target); });
         EXPECT_EQ(picture_of(*drawing, camera, {}, {}, target).samples, expected.samples) << painter;
     }
 }
 
+/// A smaller picture over the whole target, with fingers as fine as that.
+TEST_F(Drawing, CpuStretchesSurfaceAlone) {
+    const TouchedGlobe globe;
+    const auto drawing = drawing_by("cpu");
+    show(*drawing, globe);
+    const ViewCamera small = globe.camera("orbit:az=25,el=10", 150, 100),
+                     whole = globe.camera("orbit:az=25,el=10", 600, 400);
+    const Image drawn = picture_of(*drawing, small, {}, globe.sizes, target_of(150, 100));
+    std::vector<PackedColour> pixels, twice(300 * 200), four_times(600 * 400);
+    for (std::size_t k = 0; k < drawn.samples.size(); k += 3)
+        pixels.push_back(pack_colour(drawn.samples[k], drawn.samples[k + 1], drawn.samples[k + 2]));
+    double_picture(pixels, 150, 100, twice);
+    double_picture(twice, 300, 200, four_times);
+    Image expected{600, 400, 1, 3, {}};
+    for (const PackedColour colour : four_times)
+        for (const unsigned shift : {0U, 8U, 16U})
+            expected.samples.push_back(static_cast<std::uint8_t>(colour >> shift));
+    const GpuImage target = target_of(600, 400);
+    const Image bare = picture_of(*drawing, small, {}, globe.sizes, target);
+    EXPECT_EQ(bare.samples, expected.samples);
+    const Image touched = picture_of(*drawing, small, globe.fingers, globe.sizes, target),
+                fine = picture_of(*drawing, whole, globe.fingers, globe.sizes, target),
+                fine_bare = picture_of(*drawing, whole, {}, globe.sizes, target);
+    const std::size_t marked = different(touched, bare, 12);
+    EXPECT_GT(marked, 3000U);
+    EXPECT_NEAR(static_cast<double>(marked), static_cast<double>(different(fine, fine_bare, 12)),
+                0.05 * static_cast<double>(marked));
+}
+
 TEST_F(Drawing, AcceptsChangingSizes) {
     const auto large = shown_scene("globe", 150, 100), small = shown_scene("step", 60, 40);
-    for (const char* painter : gpu_painters) {
+    for (const char* painter : painters) {
         const auto drawing = drawing_by(painter);
         int height = 90;
         for (const auto* shown : {small.get(), large.get(), small.get()}) {
@@ -389,7 +421,7 @@ TEST_F(Drawing, EmptySurfaceShowsFingers) {
     const MarkSizes sizes = mark_sizes(shown->scene, subject.middle);
     const auto fingers = fingers_on(subject, sizes.finger_radius);
     const ViewSurface empty = make_view_surface(field, {});
-    for (const char* painter : gpu_painters) {
+    for (const char* painter : painters) {
         const auto drawing = drawing_by(painter);
         const GpuImage target = target_of(192, 128);
         const Image expected = cpu_picture(*drawing, empty, camera, {}, {});
@@ -421,7 +453,7 @@ TEST_F(Drawing, MapsKeepTheirColours) {
     const auto shown = shown_scene("plane", 96, 64);
     const std::vector<std::uint8_t> bytes(96 * 64 * 3, 77);
     const PlaneView map{bytes.data(), 96 * 3, 96, 64, 1, 3};
-    for (const char* painter : gpu_painters) {
+    for (const char* painter : painters) {
         const auto drawing = drawing_by(painter);
         show(*drawing, shown->field(), shown->pair(), map, Lighting::values);
         const Image drawn =
@@ -591,7 +623,7 @@ INSTANTIATE_TEST_SUITE_P(Drawing, KeptPlanes, ::testing::Bool(), [](const auto& 
 });
 
 TEST_F(Drawing, RejectsInvalid) {
-    const auto named = SurfaceDrawing::create(gpu, "cpu");
+    const auto named = SurfaceDrawing::create(gpu, "oil");
     ASSERT_FALSE(named);
     EXPECT_EQ(named.error().kind, ErrorKind::usage);
     const auto drawing = drawing_by("auto");
@@ -612,28 +644,27 @@ TEST(PainterRace, DecidesWhichPainterAutoIs) {
     facts.kind = GpuKind::software;
     measure_painters(device);
     EXPECT_LT(facts.measured.mesh_ms, 0) << "a software Vulkan is not measured";
-    EXPECT_FALSE(draws_by_mesh(facts));
+    EXPECT_EQ(usual_painter(facts), "cpu");
     facts.kind = GpuKind::discrete;
-    EXPECT_TRUE(draws_by_mesh(facts));
+    EXPECT_EQ(usual_painter(facts), "mesh");
     measure_painters(device);
     for (const double ms : {facts.measured.mesh_ms, facts.measured.raster_ms}) {
         EXPECT_GT(ms, 0);
         EXPECT_LT(ms, 60'000);
     }
-    EXPECT_EQ(draws_by_mesh(facts), facts.measured.mesh_ms <= facts.measured.raster_ms);
     EXPECT_EQ(must(SurfaceDrawing::create(device, "auto"))->painter(),
-              draws_by_mesh(facts) ? "mesh" : "raster");
+              facts.measured.mesh_ms <= facts.measured.raster_ms ? "mesh" : "raster");
     const GpuFacts::Measured first = facts.measured;
     measure_painters(device);
     EXPECT_EQ(facts.measured.mesh_ms, first.mesh_ms) << "once";
     facts.measured = {.mesh_ms = 1, .raster_ms = HUGE_VAL};
-    EXPECT_TRUE(draws_by_mesh(facts)) << "the other one has lost the device";
+    EXPECT_EQ(usual_painter(facts), "mesh") << "the other one has lost the device";
     facts.measured = {.mesh_ms = HUGE_VAL, .raster_ms = -1};
-    EXPECT_FALSE(draws_by_mesh(facts));
+    EXPECT_EQ(usual_painter(facts), "raster");
     facts.int64_atomics = false;
-    EXPECT_TRUE(draws_by_mesh(facts));
+    EXPECT_EQ(usual_painter(facts), "mesh");
     facts.draws_triangles = false;
-    EXPECT_FALSE(draws_by_mesh(facts));
+    EXPECT_EQ(usual_painter(facts), "raster");
 }
 
 }  // namespace

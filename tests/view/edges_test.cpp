@@ -400,15 +400,12 @@ TEST(Silhouettes, ApproachReference) {
     const ViewSurface surface = make_view_surface(field, {});
     for (const char* words : {"orbit:az=25,el=10", "orbit:az=-50,el=-20"}) {
         const PicturePlanes reference = reference_picture(surface, *shown, field, words, 480, 300);
-        PicturePlanes planes = plain_picture(surface, view_of(*shown, field, words, 480, 300)), hard = planes;
-        for (int y = 0; y < 300; ++y)
-            for (int x = 0; x < 480; ++x)
-                if (const std::size_t at = hard.index(x, y); !(hard.z[at] > 0))
-                    hard.colours[at] = background_colour(y, 300);
+        const PicturePlanes hard =
+            before_background(plain_picture(surface, view_of(*shown, field, words, 480, 300)));
         std::vector<PackedColour> first;
         for (const VectorUnit unit : usable_vector_units()) {
-            PicturePlanes smooth = planes;
-            Silhouettes(unit).smooth(smooth);
+            PicturePlanes smooth = hard;
+            Silhouettes(unit).smooth(smooth.colours, smooth.z, 480, 300, 480);
             if (first.empty()) first = smooth.colours;
             EXPECT_EQ(smooth.colours, first);
         }
@@ -435,7 +432,7 @@ TEST(Silhouettes, SmoothBothEndsOfLongSteps) {
                 planes.z.push_back(is_near ? 0.5F : 0.1F);
                 planes.colours.push_back(is_near ? pack_colour(255, 255, 255) : pack_colour(0, 0, 0));
             }
-        Silhouettes().smooth(planes);
+        Silhouettes().smooth(planes.colours, planes.z, planes.width, planes.height, planes.width);
         const auto white = [&](int y) {  // in a row, pixels
             double sum = 0;
             for (int x = 0; x < 4; ++x) sum += (planes.colours[planes.index(x, y)] & 255U) / 255.0;

@@ -1,5 +1,7 @@
 #include "tests/view/shown.hpp"
 
+#include "player/draw/light_picture.hpp"
+
 #include <array>
 #include <cstddef>
 #include <utility>
@@ -87,6 +89,14 @@ private:
 
 PicturePlanes plain_picture(const ViewSurface& surface, const ViewCamera& camera) {
     return PlainPainter(surface, camera).paint();
+}
+
+PicturePlanes before_background(PicturePlanes planes) {
+    for (int y = 0; y < planes.height; ++y)
+        for (int x = 0; x < planes.width; ++x)
+            if (const std::size_t at = planes.index(x, y); !(planes.z[at] > 0))
+                planes.colours[at] = background_colour(y, planes.height);
+    return planes;
 }
 
 }  // namespace touchable::test

@@ -252,5 +252,7 @@ struct ManyColours {
 /// What painters draw, one triangle after the other, pixel by pixel: the definition that they are held
 /// against.
 PicturePlanes plain_picture(const ViewSurface& surface, const ViewCamera& camera);
+/// The same, with the background's colour where nothing is drawn.
+PicturePlanes before_background(PicturePlanes planes);
 
 }  // namespace touchable::test
