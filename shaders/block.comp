@@ -32,10 +32,6 @@ layout(set = 0, binding = 2, std430) writeonly buffer Validity { uint out_validi
 layout(set = 0, binding = 3, std430) writeonly buffer Tiles { uvec2 out_tiles[]; };
 /// Working codes of all stored ones, two in a word, the lower code in the lower half.
 layout(set = 0, binding = 4, std430) readonly buffer Table { uint working_codes[]; };
-// The CPU's memory, written if the push constants say so.
-layout(set = 0, binding = 5, std430) writeonly buffer HostCodes { uvec4 host_codes[]; };
-layout(set = 0, binding = 6, std430) writeonly buffer HostValidity { uint host_validity[]; };
-layout(set = 0, binding = 7, std430) writeonly buffer HostTiles { uvec2 host_tiles[]; };
 
 const uint tiles_x = block_width / tile_cells, tiles_y = block_height / tile_cells;
 shared uint tile_least[tiles_y][tiles_x], tile_greatest[tiles_y][tiles_x], tile_invalid[tiles_y][tiles_x];
@@ -211,9 +207,7 @@ uint take(uint texel, uint top, uint rows) {
         }
         if (!is_own) continue;
         const uint at = (first + n) * push.out_pitch + column;
-        const uvec4 packed = packed_halves(codes);
-        out_codes[at] = packed;
-        if (push.codes_to_host != 0u) host_codes[at] = packed;
+        out_codes[at] = packed_halves(codes);
     }
     if (to_finer != 0u || first >= push.height) return all;
     const int tx = int(texel / 2u), ty = int(top / tile_cells);
@@ -234,16 +228,13 @@ void write_validity(uint lane, uint strip) {
     [[unroll]] for (uint k = 0u; k < 4u; ++k)
         bits |= bitfieldExtract(lane_valid[strip][lane - row + k], int(8u * row), 8) << (8u * k);
     out_validity[y * push.validity_words + word] = bits;
-    if (push.rest_to_host != 0u) host_validity[y * push.validity_words + word] = bits;
 }
 
 void write_tile(uint tx, uint ty) {
     const uint x = gl_WorkGroupID.x * tiles_x + tx, y = gl_WorkGroupID.y * tiles_y + ty;
     if (x >= push.tiles_x || y >= push.tiles_y) return;
     // As TileBounds lies in memory.
-    const uvec2 bounds = uvec2(tile_least[ty][tx] | tile_greatest[ty][tx] << 16, tile_invalid[ty][tx]);
-    out_tiles[y * push.tiles_x + x] = bounds;
-    if (push.rest_to_host != 0u) host_tiles[y * push.tiles_x + x] = bounds;
+    out_tiles[y * push.tiles_x + x] = uvec2(tile_least[ty][tx] | tile_greatest[ty][tx] << 16, tile_invalid[ty][tx]);
 }
 
 void main() {

@@ -62,6 +62,6 @@ Pixels filtered(Column columns[8 + 2 * strip_reach]) {
 }
 
 void main() {
-    const Task task = task_of_listed(gl_GlobalInvocationID.x);
+    const Task task = task_of(gl_GlobalInvocationID.x);
     if (task.there) march(task);
 }

@@ -34,12 +34,6 @@ SURFACE_CODES_FUNCTION bool code_is_excluded(uint code, ValidCodes codes) {
            code == codes.excluded[3];
 }
 
-/// A run of neighbouring blocks, numbered row by row. A block is a word of validity wide and a tile high, so
-/// two tiles.
-struct ListedBlocks {
-    uint first, count;
-};
-
 /// Push constants of the kernels that march along strips (strip.h).
 struct StripPush {
     uint width, height;        // pixels
@@ -50,7 +44,6 @@ struct StripPush {
     uint validity_words;       // of a row
     uint pass, groups;         // of fill_holes: which pass this is, and workgroups of each
     uint factor;               // WorkingCodes of filters after the median; unused if they are looked up
-    uint listed;               // of the last stage: runs of blocks to build; 0: the whole frame
     ValidCodes valid;
 };
 
@@ -85,8 +78,6 @@ struct BlockPush {
     uint validity_words;       // of a row
     uint tiles_x, tiles_y;
     uint factor;  // as in StripPush
-    uint codes_to_host,
-        rest_to_host;  // 1: codes, or validity and bounds, are written to the CPU's memory too
     ValidCodes valid;
 };
 
@@ -144,7 +135,6 @@ struct TileBoundsPush {
     uint pitch;          // texels of codes from one row to the next
     uint words, strips;  // pairs of tiles in a row, and pairs of rows
     uint tiles_x, tiles_y;
-    uint listed;  // as in StripPush
 };
 
 /// Push constants of hue_codes.

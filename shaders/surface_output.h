@@ -6,23 +6,8 @@ layout(set = 0, binding = 2, std430) writeonly buffer Validity { uint out_validi
 /// Of each strip and pair of tiles.
 layout(set = 0, binding = 3, std430) writeonly buffer Parts { u64vec2 out_parts[]; };
 
-layout(set = 0, binding = 4, std430) readonly buffer Listed { ListedBlocks listed[]; };
-
 /// Working codes of all stored ones, two in a word, the lower code in the lower half.
-layout(set = 0, binding = 5, std430) readonly buffer Table { uint working_codes[]; };
-
-/// A lane's work in a whole frame, or a strip of listed blocks.
-Task task_of_listed(uint lane) {
-    if (push.listed == 0u) return task_of(lane);
-    const uint n = lane / strips_per_tile;
-    const ListedBlocks blocks = listed[min(n, push.listed - 1u)];
-    Task task;
-    task.strip = strips_per_tile * (blocks.first / push.validity_words) + lane % strips_per_tile;
-    task.there = n < push.listed && 2u * task.strip < push.height;
-    task.first = 4u * (blocks.first % push.validity_words);
-    task.end = min(task.first + 4u * blocks.count, (push.width + 7u) >> 3);
-    return task;
-}
+layout(set = 0, binding = 4, std430) readonly buffer Table { uint working_codes[]; };
 
 /// Least and greatest valid code of a stretch of both rows, and whether one is invalid.
 struct Bounds {

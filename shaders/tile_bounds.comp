@@ -12,8 +12,6 @@ layout(set = 0, binding = 0) uniform utextureBuffer parts;
 layout(set = 0, binding = 1) uniform utextureBuffer codes;
 layout(set = 0, binding = 2, std430) readonly buffer Validity { uint validity[]; };
 layout(set = 0, binding = 3, std430) writeonly buffer Tiles { uvec2 tiles[]; };
-/// The pairs to bound, if not all.
-layout(set = 0, binding = 4, std430) readonly buffer Listed { ListedBlocks listed[]; };
 
 /// Joins bounds of a tile, in the form of parts.
 uvec2 joined(uvec2 a, uvec2 b) {
@@ -62,13 +60,6 @@ void bound(uint pair) {
 }
 
 void main() {
-    const uint lane = gl_GlobalInvocationID.x, pairs = push.words * push.tiles_y;
-    if (push.listed == 0u) {
-        if (lane < pairs) bound(lane);
-        return;
-    }
-    if (lane >= push.listed) return;
-    const ListedBlocks blocks = listed[lane];
-    for (uint n = 0u; n < blocks.count; ++n)
-        if (blocks.first + n < pairs) bound(blocks.first + n);
+    const uint lane = gl_GlobalInvocationID.x;
+    if (lane < push.words * push.tiles_y) bound(lane);
 }

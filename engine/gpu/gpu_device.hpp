@@ -91,7 +91,6 @@ struct GpuFacts {
     /// Infinite: unavailable, or its result was wrong.
     struct Measured {
         double cpu_ms = -1, vulkan_ms = -1;   ///< a frame of 1920x1080 by either builder (measure_builders)
-        double over_bus_ms = -1;              ///< by the latter, with kernels that reach over the bus
         double mesh_ms = -1, raster_ms = -1;  ///< a picture of it by either painter (measure_painters)
     };
     Measured measured{};

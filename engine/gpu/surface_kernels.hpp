@@ -27,23 +27,15 @@ struct SurfacePlan {
     std::uint32_t segment_texels = 0;  ///< of a row for one lane, a multiple of 4; 0: the whole row
     bool along_x = false;              ///< neighbouring lanes take neighbouring segments, not rows
     bool copies = false;               ///< to and from the GPU's own memory, instead of working on the CPU's
-    /// Largest share of changed blocks up to which only those are built. 0: always whole frames.
-    double break_even = 0.6;
-    /// Decoding, medians and bounds by the one kernel for GPUs (shaders/block.comp), not along strips. It
-    /// builds whole frames.
+    /// Decoding, medians and bounds by the one kernel for GPUs (shaders/block.comp), not along strips.
     bool blocks = false;
-    /// With `copies` and `blocks`: the kernel reads from and writes to the CPU's memory over the bus, which
-    /// goes both ways at once. Nothing is copied before or after it.
-    bool over_bus = false;
 
-    bool builds_in_part() const { return break_even > 0 && !blocks; }
     /// Whether rows that are not whole texels lose their gaps before they are copied to the CPU.
     bool packs_rows(int width) const { return blocks && copies && width % 8 != 0; }
 };
 /// The plan that suits a device: few long marches on a CPU; elsewhere blocks, and many short marches with
 /// coalesced loads for kernels along strips. TOUCHABLE_GPU_PLAN=discrete in the environment forces a GPU's
-/// plan on any device, =over-bus one that reaches over the bus, which is otherwise taken if measured to be
-/// faster.
+/// plan on any device.
 SurfacePlan plan_for(const GpuFacts& facts);
 
 /// The valid codes of `coding` as kernels test them: a range, which invalid codes at its ends have narrowed,
@@ -87,7 +79,7 @@ class VulkanSurfaceBuilder : public SurfaceBuilder {
 public:
     /// Milliseconds of the last frame on the device, by stage: "read in" and "read back" if its memory is its
     /// own; "hue", "flying pixels" and "fill" if used; "median" (or "decode"); with filters after it
-    /// "temporal", "terraces" and another "decode"; "bounds". Empty if nothing had changed.
+    /// "temporal", "terraces" and another "decode"; "bounds".
     virtual const std::vector<GpuDevice::Time>& stages() const = 0;
 };
 

@@ -57,18 +57,11 @@ Error more_than_the_device_can(const Scene& scene, const GpuDevice& device, cons
 
 SurfacePlan plan_for(const GpuFacts& facts) {
     const char* asked = std::getenv("TOUCHABLE_GPU_PLAN");
-    const bool over_bus = asked && std::string_view(asked) == "over-bus",
-               is_asked = over_bus || (asked && std::string_view(asked) == "discrete");
+    const bool is_asked = asked && std::string_view(asked) == "discrete";
     if (facts.kind == GpuKind::software && !is_asked) return {};
     SurfacePlan plan{64, 4, true};
     plan.copies = !facts.unified_memory || is_asked;
     plan.blocks = facts.limits.max_group_invocations >= block_lanes_x * block_lanes_y;
-    plan.over_bus =
-        plan.blocks && plan.copies &&
-        (is_asked ? over_bus
-                  : facts.measured.over_bus_ms >= 0 && facts.measured.over_bus_ms < facts.measured.vulkan_ms);
-    // Comparing a frame with the one before takes the CPU longer than building all of it takes a GPU.
-    plan.break_even = 0;
     return plan;
 }
 
@@ -99,7 +92,7 @@ Result<GpuProgram> SurfaceKernels::made(GpuProgram& kept, const char* name,
 Result<GpuProgram> SurfaceKernels::strip(StripKernel kernel, const StripConstants& c) {
     const auto constants = std::bit_cast<Constants>(c);
     GpuLayout layout{sizeof(StripPush), {texels, buffer}, {c.group_size, 1, 1}};
-    layout.bindings.insert(layout.bindings.end(), kernel == StripKernel::fill_holes ? 1 : 4, buffer);
+    layout.bindings.insert(layout.bindings.end(), kernel == StripKernel::fill_holes ? 1 : 3, buffer);
     const KernelSource& source = strip_kernels[static_cast<std::size_t>(kernel)];
     return made(strips_[{kernel, constants}], source.name, source.spirv, std::move(layout), constants);
 }
@@ -107,7 +100,7 @@ Result<GpuProgram> SurfaceKernels::strip(StripKernel kernel, const StripConstant
 Result<GpuProgram> SurfaceKernels::block(const BlockConstants& c) {
     const auto constants = std::bit_cast<std::array<std::uint32_t, 6>>(c);
     return made(blocks_[constants], "block", block_spv,
-                {sizeof(BlockPush), std::vector(8, buffer), {block_lanes_x, block_lanes_y, 1}}, constants);
+                {sizeof(BlockPush), std::vector(5, buffer), {block_lanes_x, block_lanes_y, 1}}, constants);
 }
 
 Result<GpuProgram> SurfaceKernels::terraces(std::uint32_t group_size, int step, bool is_last,
@@ -130,9 +123,8 @@ Result<GpuProgram> SurfaceKernels::temporal() {
 }
 
 Result<GpuProgram> SurfaceKernels::tile_bounds() {
-    return made(
-        tile_bounds_, "tile_bounds", tile_bounds_spv,
-        {sizeof(TileBoundsPush), {texels, texels, buffer, buffer, buffer}, {tile_bounds_group, 1, 1}});
+    return made(tile_bounds_, "tile_bounds", tile_bounds_spv,
+                {sizeof(TileBoundsPush), {texels, texels, buffer, buffer}, {tile_bounds_group, 1, 1}});
 }
 
 Result<GpuProgram> SurfaceKernels::hue_codes() {
@@ -206,8 +198,7 @@ Result<void> SurfaceRecording::make_buffers() {
         {finer_, "finer codes", levels || smooths ? codes_bytes : 0},
         {remembered_[0], "codes remembered", smooths ? codes_bytes : 0},
         {remembered_[1], "codes remembered before", smooths ? codes_bytes : 0},
-        {packed_, "codes without gaps",
-         packs_rows() && !reaches_over_bus() ? std::size_t{2} * width_ * height_ : 0},
+        {packed_, "codes without gaps", packs_rows() ? std::size_t{2} * width_ * height_ : 0},
         {held_, "frames held", smooths ? codes_bytes / 4 : 0},
         {fill_passes_, "passes of hole filling",
          fills ? sizeof(FillPass) * static_cast<std::size_t>(filling->passes + 1) : 0}};
@@ -230,15 +221,9 @@ Result<void> SurfaceRecording::make_table() {
     return {};
 }
 
-bool SurfaceRecording::is_one_kernel() const {
-    return !is_hue() && std::ranges::all_of(filters_.filters, [](const FilterPlan::Stage& stage) {
-        return std::holds_alternative<FilterPlan::MedianWindow>(stage.filter);
-    });
-}
-
-Result<void> SurfaceRecording::record(GpuCommands& commands, const StoredRows& stored, const BlockList& list,
-                                      bool begins, const VulkanPlanes& planes) {
-    Frame frame{commands, list, begins, planes, stored};
+Result<void> SurfaceRecording::record(GpuCommands& commands, const StoredRows& stored, bool begins,
+                                      const VulkanPlanes& planes) {
+    Frame frame{commands, begins, planes, stored};
     if (is_hue()) TRY(record_hue(frame));
     for (const FilterPlan::Stage& stage : filters_.filters)
         TRY(std::visit([&](const auto& filter) { return record(filter, frame); }, stage.filter));
@@ -247,7 +232,7 @@ Result<void> SurfaceRecording::record(GpuCommands& commands, const StoredRows& s
     return plan_.blocks ? Result<void>() : record_bounds(frame);
 }
 
-StripPush SurfaceRecording::push_for(const StoredRows& rows, std::uint32_t listed) const {
+StripPush SurfaceRecording::push_for(const StoredRows& rows) const {
     StripPush push{};
     push.width = width_;
     push.height = height_;
@@ -258,8 +243,7 @@ StripPush SurfaceRecording::push_for(const StoredRows& rows, std::uint32_t liste
     push.along_x = plan_.along_x ? 1 : 0;
     push.validity_words = groups_for(width_, 32);
     push.valid = rows.valid;
-    push.listed = listed;
-    push.groups = groups_for(listed > 0 ? listed * strips_per_tile : strips_ * segments_, plan_.group_size);
+    push.groups = groups_for(strips_ * segments_, plan_.group_size);
     return push;
 }
 
@@ -283,7 +267,6 @@ Result<void> SurfaceRecording::record_codes(Frame& frame, const WorkingCodes* wo
 Result<void> SurfaceRecording::record_block(Frame& frame, const WorkingCodes* working, const GpuBuffer& to) {
     const StoredRows& rows = frame.rows;
     constexpr std::uint32_t sides[] = {1, 3, 5};  // by StripKernel
-    const bool to_host = reaches_over_bus();
     TRY_ASSIGN(const auto program, kernels_->block({sides[static_cast<std::size_t>(frame.kernel)],
                                                     rows.sample_bytes, rows.may_be_invalid() ? 1U : 0U,
                                                     rows.valid.excluded[0] != no_such_code ? 1U : 0U,
@@ -296,26 +279,21 @@ Result<void> SurfaceRecording::record_block(Frame& frame, const WorkingCodes* wo
                          static_cast<std::uint32_t>(grid_.tiles_x),
                          static_cast<std::uint32_t>(grid_.tiles_y),
                          working ? static_cast<std::uint32_t>(working->factor) : 1,
-                         to_host && !packs_rows() ? 1U : 0U,
-                         to_host ? 1U : 0U,
                          rows.valid};
     const VulkanPlanes& planes = frame.planes;
     frame.commands.dispatch(
         program, push,
-        {rows.binding(), to, planes.validity.gpu, planes.tiles.gpu, table_ ? table_ : planes.tiles.gpu,
-         to_host ? planes.codes.host : to, planes.validity.host, planes.tiles.host},
+        {rows.buffer, to, planes.validity.gpu, planes.tiles.gpu, table_ ? table_ : planes.tiles.gpu},
         {groups_for(width_, block_width), groups_for(height_, block_height)});
     return {};
 }
 
 Result<void> SurfaceRecording::record_strips(Frame& frame, const WorkingCodes* working, const GpuBuffer& to) {
     TRY_ASSIGN(const auto program, program_for(frame.kernel, frame.rows, working));
-    StripPush push = push_for(frame.rows, frame.list.count());
+    StripPush push = push_for(frame.rows);
     push.factor = working ? static_cast<std::uint32_t>(working->factor) : 1;
-    const GpuBuffer& list = frame.list.buffer();
     frame.commands.dispatch(
-        program, push,
-        {frame.rows.buffer, to, frame.planes.validity.gpu, parts_, list, table_ ? table_ : list},
+        program, push, {frame.rows.buffer, to, frame.planes.validity.gpu, parts_, table_ ? table_ : parts_},
         {push.groups});
     return {};
 }
@@ -421,7 +399,7 @@ Result<void> SurfaceRecording::record(const FilterPlan::HoleFilling& filling, Fr
     for (int pass = 0; pass < filling.passes; ++pass) {
         const GpuBuffer& to = between_[rows.buffer.handle() == between_[0].handle() ? 1 : 0];
         TRY_ASSIGN(const auto program, program_for(StripKernel::fill_holes, rows));
-        StripPush push = push_for(rows, 0);
+        StripPush push = push_for(rows);
         push.pass = static_cast<std::uint32_t>(pass);
         if (pass < 2)
             commands.dispatch(program, push, {rows.buffer, to, fill_passes_}, {push.groups});
@@ -439,8 +417,7 @@ Result<void> SurfaceRecording::record(const FilterPlan::HoleFilling& filling, Fr
 Result<void> SurfaceRecording::record_packing(const Frame& frame) {
     TRY_ASSIGN(const auto program, kernels_->pack_rows());
     const PackRowsPush push{width_, width_ * height_, 4 * pitch_};
-    frame.commands.dispatch(program, push,
-                            {frame.planes.codes.gpu, packed_ ? packed_ : frame.planes.codes.host},
+    frame.commands.dispatch(program, push, {frame.planes.codes.gpu, packed_},
                             {groups_for(groups_for(push.count, 2), pack_rows_group)});
     return {};
 }
@@ -454,12 +431,9 @@ Result<void> SurfaceRecording::record_bounds(const Frame& frame) {
                               groups_for(width_, 32),
                               strips_,
                               static_cast<std::uint32_t>(grid_.tiles_x),
-                              static_cast<std::uint32_t>(grid_.tiles_y),
-                              frame.list.count()};
-    const std::uint32_t pairs = push.listed > 0 ? push.listed : push.words * push.tiles_y;
-    frame.commands.dispatch(
-        program, push, {parts_, planes.codes.gpu, planes.validity.gpu, planes.tiles.gpu, frame.list.buffer()},
-        {groups_for(pairs, tile_bounds_group)});
+                              static_cast<std::uint32_t>(grid_.tiles_y)};
+    frame.commands.dispatch(program, push, {parts_, planes.codes.gpu, planes.validity.gpu, planes.tiles.gpu},
+                            {groups_for(push.words * push.tiles_y, tile_bounds_group)});
     frame.commands.mark("bounds");
     return {};
 }

@@ -12,58 +12,11 @@
 
 namespace touchable {
 
-/// Rows [first, last).
-struct RowRange {
-    std::uint32_t first = 0, last = 0;
-    std::uint32_t count() const { return last - first; }
-};
-
-/// What a builder's kernels must build of its next frame: all of it, or a list of blocks. Their memory
-/// outside slots holds the newest frame.
-class BlockList {
-public:
-    /// `reach`: of the filters; nullopt: every frame is built as a whole, which also happens if more than the
-    /// share `most` of all blocks would be listed. At most `run` neighbours are listed as one.
-    static Result<BlockList> create(const GpuDevice& device, int width, int height, std::optional<int> reach,
-                                    double most, int run);
-
-    /// Call first for each frame, with the build that its slot holds; returns the one that it will hold.
-    BuildNumber advance(const RawFrame& raw, const BuildNumber& held);
-    /// Call when the frame is built. Without that the next one is built as a whole.
-    void done() { done_ = true; }
-
-    std::uint32_t count() const { return count_; }  ///< of runs; also 0 if all are to be built
-    /// The frame since which haptic and height planes have not changed.
-    BuildNumber touch_planes() const { return changes_->touch_planes(); }
-    /// Rows of pixels with listed blocks; empty if nothing has changed.
-    const RowRange& rows() const { return rows_; }
-    double share() const { return share_; }  ///< share of all blocks that is to be built
-    /// The runs, as ListedBlocks.
-    const GpuBuffer& buffer() const { return buffer_; }
-
-private:
-    void list(const FrameChanges::StaleBlocks& stale);
-
-    std::uint32_t height_ = 0;
-    double most_ = 0, share_ = 1;
-    int run_ = 1;
-    std::unique_ptr<FrameChanges> changes_;
-    std::unique_ptr<RowBands> bands_;
-    GpuBuffer buffer_;
-    bool done_ = false;
-    std::uint32_t count_ = 0;
-    RowRange rows_;
-};
-
 /// A kernel's input: stored values or codes, in rows of whole texels.
 struct StoredRows {
     GpuBuffer buffer;
     std::uint32_t sample_bytes = 2, pitch = 0;  ///< texels from row to row
     ValidCodes valid;
-    std::size_t offset = 0;              ///< bytes before the first row, if read as a storage buffer
-    std::optional<std::size_t> bytes{};  ///< of all rows; none: to the buffer's end
-
-    GpuBinding binding() const { return {buffer, offset, bytes}; }
 
     bool may_be_invalid() const {
         return valid.valid_min > 0 || valid.valid_span < (sample_bytes == 1 ? 255U : 65535U) ||
@@ -72,22 +25,20 @@ struct StoredRows {
 };
 
 /// Depth planes of a builder's frames, as its kernels read them. The GPU copies planes in blocks of plane
-/// memory from there; others the CPU copies first, to buffers that keep rows that are not taken anew.
+/// memory from there; others the CPU copies first.
 class StoredPlane {
 public:
-    /// `valid`: valid values. `turns`: frames that may be taken before the first is finished. Frames that are
-    /// built in part all have the pitch that the CPU's copies have. `in_place`: kernels read the CPU's
-    /// memory, as storage buffers.
+    /// `valid`: valid values. `turns`: frames that may be taken before the first is finished.
     StoredPlane(std::shared_ptr<GpuDevice> device, const ValidCodes& valid, const SurfacePlan& plan,
-                int turns, bool in_place)
+                int turns)
         : device_(std::move(device)),
           valid_(valid),
-          copies_(plan.copies && !in_place),
+          copies_(plan.copies),
           uploads_(static_cast<std::size_t>(turns)),
-          imports_(plan.copies && !plan.builds_in_part() && device_->facts().import_alignment > 0) {}
+          imports_(plan.copies && device_->facts().import_alignment > 0) {}
 
-    /// Takes rows, at least one, of a frame's depth; all of them if the frame before had another form.
-    Result<StoredRows> take(const RawFrame& raw, const RowRange& rows);
+    /// Takes a frame's depth.
+    Result<StoredRows> take(const RawFrame& raw);
     /// Records what `take` leaves to the GPU.
     void record_reading_in(GpuCommands& commands);
 
@@ -95,7 +46,7 @@ private:
     /// Bytes that the GPU copies.
     struct Source {
         GpuBuffer buffer;
-        std::size_t from = 0, to = 0, bytes = 0;  // to: in own_
+        std::size_t from = 0, bytes = 0;
         std::shared_ptr<const void> storage;      // of a frame that is read in place
     };
     struct Imported {
@@ -103,7 +54,7 @@ private:
         GpuBuffer buffer;
     };
     bool find_block(const RawFrame& raw, std::size_t least_pitch);
-    Result<void> upload(const PlaneView& depth, const RowRange& rows, std::size_t pitch);
+    Result<void> upload(const PlaneView& depth, std::size_t pitch);
     Result<void> make_own(std::size_t bytes);
 
     /// More than the frames of 4K that a reader, a timeline and a window hold.
@@ -133,15 +84,9 @@ public:
     const GpuBuffer& codes_of(const VulkanPlanes& planes) const {
         return packed_ ? packed_ : planes.codes.gpu;
     }
-    /// The filters' reach; nullopt also if buffers between stages hold only one frame.
-    std::optional<int> reach() const { return is_one_kernel() ? filters_.reach() : std::nullopt; }
-    /// If the plan does and there is one kernel. Of several, one would read over the bus and another write:
-    /// with a temporal filter that took an H200 a tenth longer than copies.
-    bool reaches_over_bus() const { return plan_.over_bus && is_one_kernel(); }
 
-    /// Records a frame, or its listed blocks. `begins`: it does not follow the last frame that was recorded
-    /// and done.
-    Result<void> record(GpuCommands& commands, const StoredRows& stored, const BlockList& list, bool begins,
+    /// Records a frame. `begins`: it does not follow the last frame that was recorded and done.
+    Result<void> record(GpuCommands& commands, const StoredRows& stored, bool begins,
                         const VulkanPlanes& planes);
 
 private:
@@ -152,7 +97,6 @@ private:
     /// Whether no_finer_code can mark invalid codes. Otherwise 0 does, as in the end: it is free then, and
     /// codes are the stored ones.
     bool has_room_above() const;
-    bool is_one_kernel() const;
     bool packs_rows() const { return plan_.packs_rows(scene_.width); }
     Result<void> check_limits() const;
     Result<void> make_buffers();
@@ -161,7 +105,6 @@ private:
     /// A frame whose stages are recorded one after the other.
     struct Frame {
         GpuCommands& commands;
-        const BlockList& list;
         const bool begins;
         const VulkanPlanes& planes;
         StoredRows rows;                           // what the next stage reads
@@ -169,7 +112,7 @@ private:
         bool is_finer = false;                     // the rows are working codes
     };
 
-    StripPush push_for(const StoredRows& rows, std::uint32_t listed) const;
+    StripPush push_for(const StoredRows& rows) const;
     /// `working`: of codes for filters that need finer ones; null: the codes are final.
     Result<GpuProgram> program_for(StripKernel kernel, const StoredRows& rows,
                                    const WorkingCodes* working = nullptr);

@@ -16,14 +16,7 @@ namespace touchable {
 
 namespace {
 
-/// Compared within about 50 us.
-constexpr long pixels_compared_per_thread = 800'000;
-
 constexpr std::size_t row_texel_bytes = 16;
-
-/// Most blocks that a lane marches along, if it marches along whole rows of whole frames: few enough that no
-/// core waits for another.
-constexpr int longest_run = 8;
 
 /// Frames that are begun before the first is finished: one that the CPU reads or takes, one that the GPU
 /// works at, and one that is ready for it.
@@ -32,14 +25,13 @@ constexpr int most_in_flight = 3;
 class Builder final : public VulkanSurfaceBuilder {
 public:
     Builder(const Scene& scene, std::shared_ptr<GpuDevice> device, const SurfacePlan& plan,
-            SurfaceRecording recording, BlockList list)
+            SurfaceRecording recording)
         : scene_(scene),
           device_(std::move(device)),
           plan_(plan),
           recording_(std::move(recording)),
-          list_(std::move(list)),
-          stored_(device_, valid_codes_of(scene.depth), plan, frames_in_flight(),
-                  recording_.reaches_over_bus()) {}
+          changes_(scene.width, scene.height, std::nullopt, VectorUnit::baseline),
+          stored_(device_, valid_codes_of(scene.depth), plan, most_in_flight) {}
 
     /// Makes a frame's programs before the first frame is waited for: on a GPU that takes longer than many
     /// frames.
@@ -48,16 +40,14 @@ public:
         TRY_ASSIGN(auto commands, GpuCommands::begin(device_, "surface"));
         const std::uint32_t sample_bytes = scene_.depth_bits > 8 ? 2 : 1;
         TRY(recording_.record(commands, {planes.codes.gpu, sample_bytes, 1, valid_codes_of(scene_.depth)},
-                              list_, true, planes));
+                              true, planes));
         keep(std::move(planes));
         return {};  // nothing is submitted
     }
 
     std::string_view name() const override { return "vulkan"; }
     const std::vector<GpuDevice::Time>& stages() const override { return stages_; }
-    double built_share() const override { return share_; }
-    /// Blocks are listed in memory that a frame in flight may still read.
-    int frames_in_flight() const override { return plan_.builds_in_part() ? 1 : most_in_flight; }
+    int frames_in_flight() const override { return most_in_flight; }
 
     Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
         assert(begun_.empty());
@@ -73,13 +63,9 @@ public:
         TRY(check_raw_frame(raw, scene_));
         TRY_ASSIGN(auto planes, take_spare());
         Begun frame{raw, std::move(planes)};
-        const BuildNumber held = std::exchange(frame.planes.build, {});
-        const BuildNumber newest = list_.advance(raw, held);
-        frame.share = list_.share();
-        frame.touch_planes = list_.touch_planes();
+        frame.planes.build = changes_.advance(raw, bands_);
+        frame.touch_planes = changes_.touch_planes();
         TRY(submit(frame));
-        list_.done();
-        frame.planes.build = newest;
         begun_.push_back(std::move(frame));
         return {};
     }
@@ -89,14 +75,11 @@ public:
         Begun frame = std::move(begun_.front());
         begun_.pop_front();
         stages_.clear();
-        if (frame.submission) {
-            if (auto waited = frame.submission->wait(); !waited) {
-                last_.reset();
-                return waited;
-            }
-            stages_ = frame.submission->times();
+        if (auto waited = frame.submission->wait(); !waited) {
+            last_.reset();
+            return waited;
         }
-        share_ = frame.share;
+        stages_ = frame.submission->times();
         VulkanVertices& slot = give(std::move(frame.planes), out);
         show(slot.planes, out);
         const BuildNumber held = std::exchange(slot.touch_planes, {});
@@ -111,8 +94,7 @@ private:
         RawFrame raw;
         VulkanPlanes planes;
         BuildNumber touch_planes{};  // the build since which they are the same
-        double share = 1;
-        std::optional<GpuCommands::Submission> submission{};  // nullopt: nothing had changed
+        std::optional<GpuCommands::Submission> submission{};
     };
 
     /// Keeps planes for a later frame.
@@ -139,37 +121,25 @@ private:
     }
 
     Result<void> submit(Begun& frame) {
-        if (list_.rows().count() == 0) return {};
-        TRY_ASSIGN(auto rows, stored_.take(frame.raw, list_.rows()));
+        TRY_ASSIGN(auto rows, stored_.take(frame.raw));
         TRY_ASSIGN(auto commands, GpuCommands::begin(device_, "surface"));
         const bool begins = !last_ || !last_->is_before(frame.raw);
         last_.reset();  // until all of it is submitted
         stored_.record_reading_in(commands);
-        TRY(recording_.record(commands, rows, list_, begins, frame.planes));
-        if (frame.planes.codes.is_copied() && !recording_.reaches_over_bus())
-            record_reading_back(commands, frame.planes);
+        TRY(recording_.record(commands, rows, begins, frame.planes));
+        if (frame.planes.codes.is_copied()) record_reading_back(commands, frame.planes);
         TRY_ASSIGN(auto submission, std::move(commands).submit());
         frame.submission.emplace(std::move(submission));
         last_.emplace(frame.raw);
         return {};
     }
 
-    /// Copies rows of listed blocks: the slot's memory on the CPU has the others already.
     void record_reading_back(GpuCommands& commands, const VulkanPlanes& planes) const {
         commands.barrier(GpuStage::compute, GpuStage::transfer);
-        const auto copy = [&](const GpuBuffer& from, const GpuBuffer& to, std::uint32_t rows,
-                              const RowRange& range) {
-            const std::size_t row_bytes = to.bytes() / rows, first = range.first * row_bytes;
-            if (range.count() > 0) commands.copy(from, first, to, first, range.count() * row_bytes);
-        };
-        const RowRange rows = list_.rows();
-        const auto height = static_cast<std::uint32_t>(scene_.height),
-                   tile_rows = static_cast<std::uint32_t>(TileGrid::of(scene_.width, scene_.height).tiles_y);
-        copy(recording_.codes_of(planes), planes.codes.host, height, rows);
-        copy(planes.validity.gpu, planes.validity.host, height, rows);
-        copy(planes.tiles.gpu, planes.tiles.host, tile_rows,
-             {std::min(rows.first / tile_cells, tile_rows),
-              std::min(groups_for(rows.last, tile_cells), tile_rows)});
+        for (const auto& [from, to] : {std::pair(recording_.codes_of(planes), planes.codes.host),
+                                       {planes.validity.gpu, planes.validity.host},
+                                       {planes.tiles.gpu, planes.tiles.host}})
+            commands.copy(from, 0, to, 0, to.bytes());
         commands.mark("read back");
     }
 
@@ -196,13 +166,13 @@ private:
     const std::shared_ptr<GpuDevice> device_;
     const SurfacePlan plan_;
     SurfaceRecording recording_;
-    BlockList list_;
+    FrameChanges changes_;  // of haptic and height planes
+    RowBands bands_{1};
     StoredPlane stored_;
     std::optional<RawFrame::Place> last_;  // of the last submitted frame
     std::deque<Begun> begun_;
     std::vector<VulkanPlanes> spare_;
     std::vector<GpuDevice::Time> stages_;
-    double share_ = 1;
 };
 
 // ---- The race
@@ -254,7 +224,8 @@ Result<double> least_ms(SurfaceBuilder& builder, const std::vector<RawFrame>& fr
     return least;
 }
 
-Result<void> race(const std::shared_ptr<GpuDevice>& device, SurfacePlan plan, GpuFacts::Measured& measured) {
+Result<void> race(const std::shared_ptr<GpuDevice>& device, const SurfacePlan& plan,
+                  GpuFacts::Measured& measured) {
     TRY_ASSIGN(const auto frames, noisy_frames());
     Scene scene;
     scene.width = race_width;
@@ -269,75 +240,16 @@ Result<void> race(const std::shared_ptr<GpuDevice>& device, SurfacePlan plan, Gp
 
     Slots right;
     TRY_ASSIGN(measured.cpu_ms, least_ms(*make_cpu_builder(scene), frames, 1, 3, right));
-    const auto kernels = std::make_shared<SurfaceKernels>(device);
-    measured.over_bus_ms = HUGE_VAL;
-    for (const bool over_bus : {false, true}) {
-        if (over_bus && !plan.copies) break;
-        plan.over_bus = over_bus;
-        double& ms = over_bus ? measured.over_bus_ms : measured.vulkan_ms;
-        ms = HUGE_VAL;
-        TRY_ASSIGN(const auto builder, make_vulkan_builder(scene, kernels, plan));
-        Slots made;
-        TRY_ASSIGN(const double took, least_ms(*builder, frames, 2, 6, made));
-        if (same_frames(made[0], right[0]) && same_frames(made[1], right[1])) ms = took;
-    }
+    measured.vulkan_ms = HUGE_VAL;
+    TRY_ASSIGN(const auto builder,
+               make_vulkan_builder(scene, std::make_shared<SurfaceKernels>(device), plan));
+    Slots made;
+    TRY_ASSIGN(const double took, least_ms(*builder, frames, 2, 6, made));
+    if (same_frames(made[0], right[0]) && same_frames(made[1], right[1])) measured.vulkan_ms = took;
     return {};
 }
 
 }  // namespace
-
-Result<BlockList> BlockList::create(const GpuDevice& device, int width, int height, std::optional<int> reach,
-                                    double most, int run) {
-    BlockList list;
-    TRY_ASSIGN(list.buffer_, GpuBuffer::create(device, "blocks to build",
-                                               BlockGrid::of(width, height).count() * sizeof(ListedBlocks),
-                                               GpuMemory::upload));
-    list.height_ = static_cast<std::uint32_t>(height);
-    list.most_ = most;
-    list.run_ = run;
-    // A tile's bounds cover its own blocks and the pixels after them, to the right and below.
-    if (reach) ++*reach;
-    list.changes_ = std::make_unique<FrameChanges>(width, height, reach, usable_vector_units().front());
-    list.bands_ =
-        std::make_unique<RowBands>(reach ? threads_for(long{width} * height, pixels_compared_per_thread) : 1);
-    return list;
-}
-
-BuildNumber BlockList::advance(const RawFrame& raw, const BuildNumber& held) {
-    const bool was_done = std::exchange(done_, false);
-    share_ = 1;
-    count_ = 0;
-    rows_ = {0, height_};
-    const BuildNumber newest = changes_->advance(raw, *bands_);
-    const auto stale = was_done ? changes_->stale_blocks(held) : std::nullopt;
-    if (!stale) return newest;
-    const double share = static_cast<double>(stale->count()) / static_cast<double>(stale->grid().count());
-    if (share > most_) {
-        changes_->comparing_was_in_vain();
-    } else {
-        share_ = share;
-        list(*stale);
-    }
-    return newest;
-}
-
-void BlockList::list(const FrameChanges::StaleBlocks& stale) {
-    const BlockGrid grid = stale.grid();
-    const auto listed = buffer_.mapped<ListedBlocks>();
-    int first = grid.rows, last = 0;
-    for (int row = 0; row < grid.rows; ++row) {
-        BlockGrid::Run run;
-        while (!(run = stale.next_run(row, row + 1, run.last)).empty()) {
-            run.last = std::min(run.last, run.first + run_);
-            listed[count_++] = {static_cast<std::uint32_t>(grid.index(run.first, row)),
-                                static_cast<std::uint32_t>(run.last - run.first)};
-            first = std::min(first, row);
-            last = row + 1;
-        }
-    }
-    rows_ = {static_cast<std::uint32_t>(std::min(first, last) * BlockGrid::height),
-             std::min(static_cast<std::uint32_t>(last * BlockGrid::height), height_)};
-}
 
 Result<void> StoredPlane::make_own(std::size_t bytes) {
     if (!copies_) return {};
@@ -357,7 +269,6 @@ bool StoredPlane::find_block(const RawFrame& raw, std::size_t least_pitch) {
     if (!block) return false;
     if (block->bytes() > most_imported_bytes / 3) return false;  // it would not be lent again
     const auto from = static_cast<std::size_t>(depth.data - block->data());
-    if (!copies_ && from % limits.min_storage_buffer_alignment != 0) return false;
     const auto found =
         std::ranges::find(imported_, block->id(), [](const auto& each) { return each.block->id(); });
     if (found != imported_.end()) {
@@ -385,27 +296,24 @@ bool StoredPlane::find_block(const RawFrame& raw, std::size_t least_pitch) {
 }
 
 /// Copies rows by the CPU, each to begin at a texel.
-Result<void> StoredPlane::upload(const PlaneView& depth, const RowRange& rows, std::size_t pitch) {
+Result<void> StoredPlane::upload(const PlaneView& depth, std::size_t pitch) {
     turn_ = (turn_ + 1) % uploads_.size();
     GpuBuffer& buffer = uploads_[turn_];
     const std::size_t bytes = pitch * static_cast<std::size_t>(depth.height);
     if (!buffer || buffer.bytes() != bytes)
         TRY(assign(buffer, GpuBuffer::create(*device_, "stored values", bytes, GpuMemory::upload)));
-    const std::size_t row_bytes = depth.row_bytes();
-    std::byte* to = buffer.mapped<std::byte>().data() + pitch * rows.first;
-    const std::uint8_t* from = depth.row(static_cast<int>(rows.first));
+    std::byte* to = buffer.mapped<std::byte>().data();
     if (depth.stride == static_cast<std::ptrdiff_t>(pitch)) {
-        std::memcpy(to, from, pitch * rows.count() - (pitch - row_bytes));
+        std::memcpy(to, depth.row(0), bytes - (pitch - depth.row_bytes()));
     } else {
-        for (std::uint32_t n = 0; n < rows.count(); ++n, to += pitch, from += depth.stride)
-            std::memcpy(to, from, row_bytes);
+        depth.copy_rows(reinterpret_cast<std::uint8_t*>(to), pitch);
     }
     source_.buffer = buffer;
     source_.from = 0;
     return {};
 }
 
-Result<StoredRows> StoredPlane::take(const RawFrame& raw, const RowRange& rows) {
+Result<StoredRows> StoredPlane::take(const RawFrame& raw) {
     const PlaneView& depth = raw.depth;
     const auto pixel_bytes = static_cast<std::size_t>(depth.channels * depth.bytes_per_sample);
     // Whole texels, and whole groups of 8 pixels, which is what kernels read.
@@ -415,19 +323,12 @@ Result<StoredRows> StoredPlane::take(const RawFrame& raw, const RowRange& rows) 
     if (find_block(raw, pitch)) {
         pitch = static_cast<std::size_t>(depth.stride);
     } else {
-        TRY(upload(depth, rows, pitch));
+        TRY(upload(depth, pitch));
     }
     TRY(make_own(pitch * static_cast<std::size_t>(depth.height)));
     StoredRows taken{copies_ ? own_ : source_.buffer, static_cast<std::uint32_t>(depth.bytes_per_sample),
                      static_cast<std::uint32_t>(pitch / row_texel_bytes), valid_};
-    if (copies_) {
-        source_.to = pitch * rows.first;
-        source_.from += source_.to;
-        source_.bytes = pitch * rows.count();
-    } else if (source_.storage) {
-        taken.offset = source_.from;
-        taken.bytes = pitch * static_cast<std::size_t>(depth.height);
-    }
+    source_.bytes = pitch * static_cast<std::size_t>(depth.height);
     return taken;
 }
 
@@ -435,7 +336,7 @@ void StoredPlane::record_reading_in(GpuCommands& commands) {
     const Source source = std::exchange(source_, {});
     if (source.storage) commands.keep(source.storage);
     if (!copies_) return;
-    commands.copy(source.buffer, source.from, own_, source.to, source.bytes);
+    commands.copy(source.buffer, source.from, own_, 0, source.bytes);
     commands.barrier(GpuStage::transfer, GpuStage::compute);
     commands.mark("read in");
 }
@@ -481,12 +382,7 @@ Result<std::unique_ptr<VulkanSurfaceBuilder>> make_vulkan_builder(const Scene& s
                                                                   const SurfacePlan& plan) {
     const std::shared_ptr<GpuDevice> device = kernels->device();
     TRY_ASSIGN(auto recording, SurfaceRecording::create(scene, std::move(kernels), plan));
-    const int run =
-        plan.segment_texels > 0 ? static_cast<int>(groups_for(plan.segment_texels, 4)) : longest_run;
-    TRY_ASSIGN(auto list, BlockList::create(*device, scene.width, scene.height,
-                                            plan.builds_in_part() ? recording.reach() : std::nullopt,
-                                            plan.break_even, run));
-    auto builder = std::make_unique<Builder>(scene, device, plan, std::move(recording), std::move(list));
+    auto builder = std::make_unique<Builder>(scene, device, plan, std::move(recording));
     TRY(builder->make_programs());
     return builder;
 }
@@ -510,7 +406,6 @@ void measure_builders(const std::shared_ptr<GpuDevice>& device) {
     if (!race(device, plan, measured) && !device->lost()) return;
     facts.measured.cpu_ms = measured.cpu_ms;
     facts.measured.vulkan_ms = measured.vulkan_ms;
-    facts.measured.over_bus_ms = measured.over_bus_ms;
 }
 
 }  // namespace touchable

@@ -61,20 +61,20 @@ public:
     BuildNumber touch_planes;  ///< of the frame whose haptic and height planes the slot has
 };
 
-/// Builds each frame by kernels in one submission. On a GPU that is not software three frames may be begun
-/// before the first is finished. Codes, validity and bounds of a frame stay in the GPU's mapped memory if the
-/// CPU shares it, and are otherwise read back to mapped memory. Then the CPU copies nothing; with shared
-/// memory it copies rows that are no multiple of 8 codes. `build` reuses the memory of a recycled slot;
-/// `finish` gives the slot the frame's memory, and keeps the slot's for a later frame. They fail with
-/// ErrorKind::gpu if the device is lost, has too little memory or does not answer; `out` then holds no frame.
+/// Builds each frame by kernels in one submission. Three frames may be begun before the first is finished.
+/// Codes, validity and bounds of a frame stay in the GPU's mapped memory if the CPU shares it, and are
+/// otherwise read back to mapped memory. Then the CPU copies nothing; with shared memory it copies rows that
+/// are no multiple of 8 codes. `build` reuses the memory of a recycled slot; `finish` gives the slot the
+/// frame's memory, and keeps the slot's for a later frame. They fail with ErrorKind::gpu if the device is
+/// lost, has too little memory or does not answer; `out` then holds no frame.
 ///
 /// Refused (ErrorKind::gpu) if the scene's frames are larger than the device's buffers may be, or with a
 /// temporal filter if depth.invalid names some of 65536 codes, but neither 0 nor 65535.
 Result<std::unique_ptr<SurfaceBuilder>> make_vulkan_builder(const Scene& scene,
                                                             std::shared_ptr<GpuDevice> device);
 
-/// Measures a frame's time on a GPU with the CPU builder and this one, by copies and over the bus
-/// (facts.measured), unless known: takes some tens of milliseconds and the making of a program. If that loses
+/// Measures a frame's time on a GPU with the CPU builder and this one (facts.measured),
+/// unless known: takes some tens of milliseconds and the making of a program. If that loses
 /// the device, this is recorded, too. One thread at a time.
 void measure_builders(const std::shared_ptr<GpuDevice>& device);
 

@@ -21,48 +21,14 @@ Result<std::unique_ptr<SurfaceBuilder>> make_vulkan(const Scene& scene, RunGpu& 
     return make_fallback_builder(std::move(builder), make_cpu_builder(scene), warn);
 }
 
-// Measured on a core of an AMD EPYC (docs/measurements.md). Other cores scale both columns by about the same
-// factor.
-
 /// CPU time of a whole frame: ns per pixel (terraces: per pixel and pass), plus frame_us, which is constant.
+/// Measured on a core of an AMD EPYC (docs/measurements.md).
 constexpr double decode_ns = 0.20, median3_ns = 0.38, median5_ns = 0.57, terraces_ns = 0.22,
                  temporal_ns = 0.15, frame_us = 10;
 
-/// CPU time that the lazy builder adds to a tick per finger, us: a constant, and a part that grows with the
-/// pixels a finger passes, per thousand pixels of picture width. Measured for 0.3 m/s between two frames; a
-/// slower finger costs less.
-struct LazyCost {
-    double us, us_by_width;
-};
-constexpr LazyCost lazy_decode{0.10, 0.17}, lazy_median3{0.13, 0.23}, lazy_median5{0.10, 0.50};
-
-/// A saving below a hundredth of a core does not justify longer ticks.
-constexpr double least_gain_ms = 10;
-/// Opening a GPU costs about as much CPU time as one second at a fifth of a core: worth it from there on.
-constexpr double gpu_from_ms = 200;
-
-constexpr double ticks_per_second = 1000;
-
-/// Name of an active filter that reads too many pixels around each result to run within a tick; "": none.
-std::string filter_that_reaches_far(const Scene& scene) {
-    if (terrace_filter(scene)) return "removing terraces";
-    return scene.filter.fill_holes > 0 ? "filling holes" : "";
-}
-
-BuilderChoice pick_on_cpu(const BuilderChoice::Load& load, double whole_ms) {
-    if (!load.moves) return {"cpu", "the clip is a single frame"};
-    if (load.live) return {"cpu", "live touch never waits for a filter, as whole frames are filtered ahead"};
-    if (load.scene.filter.temporal) return {"cpu", "the temporal filter needs whole frames"};
-    if (const std::string filter = filter_that_reaches_far(load.scene); !filter.empty())
-        return {"cpu", filter + " takes much of the picture around a finger"};
-    const double lazy_ms = lazy_ms_per_second(load);
-    if (whole_ms - lazy_ms < least_gain_ms)
-        return {"cpu",
-                formatted("about %.1f ms of CPU time a second; only where fingers are it would be %.1f ms",
-                          whole_ms, lazy_ms)};
-    return {"lazy", formatted("about %.1f ms of CPU time a second; whole frames would be %.1f ms", lazy_ms,
-                              whole_ms)};
-}
+/// Opening a GPU costs about as much CPU time as one second at a fifth of a core: worth it from there on; if
+/// it is open to draw, from a hundredth.
+constexpr double gpu_from_ms = 200, open_gpu_from_ms = 10;
 
 }  // namespace
 
@@ -132,29 +98,18 @@ double whole_frames_ms_per_second(const BuilderChoice::Load& load) {
     return scene.rate.per_second() * (pixels * ns * 1e-6 + frame_us * 1e-3);
 }
 
-double lazy_ms_per_second(const BuilderChoice::Load& load) {
-    const int median = load.scene.filter.median;
-    const LazyCost& cost = median == 5 ? lazy_median5 : median == 3 ? lazy_median3 : lazy_decode;
-    const double us = cost.us + cost.us_by_width * load.scene.width / 1000;
-    return ticks_per_second * load.fingers * us * 1e-3;
-}
-
 bool is_fast_builder(const GpuFacts& facts) {
     const GpuFacts::Measured& measured = facts.measured;
     if (facts.kind == GpuKind::software) return false;
-    const double gpu_ms =
-        measured.over_bus_ms < 0 ? measured.vulkan_ms : std::min(measured.vulkan_ms, measured.over_bus_ms);
-    return gpu_ms <= 2 * measured.cpu_ms || measured.cpu_ms < 0;
+    return measured.vulkan_ms <= 2 * measured.cpu_ms || measured.cpu_ms < 0;
 }
 
 BuilderChoice pick_builder(const BuilderChoice::Load& load, const std::function<bool()>& gpu_is_fast) {
-    const double whole_ms = whole_frames_ms_per_second(load);
-    BuilderChoice choice = pick_on_cpu(load, whole_ms);
-    const double from_ms = load.drawn ? least_gain_ms : gpu_from_ms;
-    if (choice.name == "cpu" && load.moves && whole_ms >= from_ms && gpu_is_fast())
-        choice = {"vulkan",
-                  formatted("on the processor it would be about %.0f ms of CPU time a second", whole_ms)};
-    return choice;
+    if (!load.moves) return {"cpu", "the clip is a single frame"};
+    const double ms = whole_frames_ms_per_second(load);
+    if (ms >= (load.drawn ? open_gpu_from_ms : gpu_from_ms) && gpu_is_fast())
+        return {"vulkan", formatted("on the processor it would be about %.0f ms of CPU time a second", ms)};
+    return {"cpu", formatted("about %.1f ms of CPU time a second", ms)};
 }
 
 }  // namespace touchable

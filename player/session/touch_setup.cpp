@@ -107,8 +107,8 @@ Result<void> check_camera(const SessionOptions& options) {
 constexpr int device_log_ticks = 4096;
 
 /// Resolves auto for this run. A GPU named by the user may be a software one; it must exist even if auto does
-/// not use it. `live`: ticks are due on the wall clock.
-Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frames, bool live) {
+/// not use it.
+Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frames) {
     SessionOptions& options = setup.options;
     BuilderChoice& choice = options.builder;
     if (choice.name == "auto") {
@@ -118,8 +118,7 @@ Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frame
             TRY_ASSIGN(const auto device, options.gpu->open());
             drawn = drawn && device->facts().kind != GpuKind::software;  // there the CPU draws
         }
-        const BuilderChoice::Load load{setup.scene, frames != 1, options.fingers, live, drawn};
-        const BuilderChoice pick = pick_builder(load, [&] {
+        const BuilderChoice pick = pick_builder({setup.scene, frames != 1, drawn}, [&] {
             const auto device = options.gpu->open_measured(measure_builders);
             return device && (named || is_fast_builder((*device)->facts()));
         });
@@ -148,13 +147,13 @@ std::int64_t stale_after_ns(const SessionOptions& options, const FrameRate& rate
 }
 
 /// Makes the feed, which turns the clip's frames into surfaces.
-Result<void> make_feed(TouchSetup& setup, ClipChoice::Opened clip, bool live) {
+Result<void> make_feed(TouchSetup& setup, ClipChoice::Opened clip) {
     SessionOptions& options = setup.options;
     setup.scene = std::move(clip.scene);
     setup.notes = remarks_of(*clip.reader);
     setup.filters = std::move(clip.chosen);
     if (!options.gpu) options.gpu = std::make_shared<RunGpu>(options.builder.gpu);
-    TRY(choose_builder(setup, clip.reader->frame_count(), live));
+    TRY(choose_builder(setup, clip.reader->frame_count()));
     TRY_ASSIGN(auto builder, make_builder(options.builder, setup.scene, *options.gpu));
     const auto eye = options.watched ? SurfaceTimeline::Eye::one : SurfaceTimeline::Eye::none;
     setup.feed = std::make_unique<SurfaceFeed>(std::move(clip.reader), std::move(builder), setup.scene,

@@ -77,8 +77,6 @@ struct BuilderChoice {
     struct Load {
         Scene scene;        ///< as the run applies it
         bool moves = true;  ///< the clip has more than one frame
-        int fingers = 1;
-        bool live = false;  ///< ticks are due every millisecond of the wall clock
         /// A GPU is open to draw the frames, so frames built there need no copy.
         bool drawn = false;
     };
@@ -99,13 +97,11 @@ struct BuilderChoice {
 Result<std::unique_ptr<SurfaceBuilder>> make_builder(const BuilderChoice& choice, const Scene& scene,
                                                      RunGpu& gpu);
 
-/// CPU time, all threads, ms per second of the clip: of whole frames by the CPU builder, without hole
-/// filling, which depends on the holes; and of the lazy builder's additions to ticks (constants:
-/// docs/measurements.md).
+/// CPU time, all threads, ms per second of the clip, of frames by the CPU builder, without hole filling,
+/// which depends on the holes (constants: docs/measurements.md).
 double whole_frames_ms_per_second(const BuilderChoice::Load& load);
-double lazy_ms_per_second(const BuilderChoice::Load& load);
 
-/// Resolves `--builder auto`: cpu, lazy or vulkan, and why. `gpu_is_fast` opens a device, so it is called
+/// Resolves `--builder auto`: cpu or vulkan, and why. `gpu_is_fast` opens a device, so it is called
 /// only if whole frames cost enough for that to pay; it returns whether there is a GPU that is neither a
 /// software Vulkan nor measured to be slow (is_fast_builder). Only name and why of the result are set; a
 /// GPU's name and the fallback are the caller's.

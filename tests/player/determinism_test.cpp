@@ -308,16 +308,16 @@ TEST(LostGpu, IsNotMeasuredAgain) {
     int measured = 0;
     const auto measure = [&](const std::shared_ptr<GpuDevice>& device) {
         GpuFacts::Measured& figures = device->vulkan()->facts.measured;
-        if (figures.over_bus_ms >= 0) return;
+        if (figures.vulkan_ms >= 0) return;
         ++measured;
-        figures.over_bus_ms = HUGE_VAL;
+        figures.vulkan_ms = HUGE_VAL;
         device->lose();
     };
     for (int n = 0; n < 2; ++n) {
         const auto device = gpu.open_measured(measure);
         ASSERT_TRUE(device) << device.error().message;
         EXPECT_FALSE((*device)->lost());
-        EXPECT_EQ((*device)->facts().measured.over_bus_ms, HUGE_VAL);
+        EXPECT_EQ((*device)->facts().measured.vulkan_ms, HUGE_VAL);
         (*device)->lose();
     }
     setenv("XDG_CACHE_HOME", before.c_str(), 1);  // empty: as if it were not set

@@ -609,15 +609,13 @@ TEST(BuilderPick, MeasurementDecidesGpuSpeed) {
     GpuFacts facts;
     facts.kind = GpuKind::discrete;
     EXPECT_TRUE(is_fast_builder(facts)) << "not measured";
-    facts.measured = {.cpu_ms = 1, .vulkan_ms = 2, .over_bus_ms = -1};
+    facts.measured = {.cpu_ms = 1, .vulkan_ms = 2};
     EXPECT_TRUE(is_fast_builder(facts));
     facts.measured.vulkan_ms = 2.1;
     EXPECT_FALSE(is_fast_builder(facts));
-    facts.measured.over_bus_ms = 1.5;
-    EXPECT_TRUE(is_fast_builder(facts));
-    facts.measured.over_bus_ms = facts.measured.vulkan_ms = HUGE_VAL;
+    facts.measured.vulkan_ms = HUGE_VAL;
     EXPECT_FALSE(is_fast_builder(facts)) << "wrong bits";
-    facts.measured = {.cpu_ms = 1, .vulkan_ms = 0.1, .over_bus_ms = -1};
+    facts.measured = {.cpu_ms = 1, .vulkan_ms = 0.1};
     facts.kind = GpuKind::software;
     EXPECT_FALSE(is_fast_builder(facts));
 }

@@ -333,67 +333,6 @@ TEST_P(ChangedFrames, EqualWholeInOldSlots) {
     EXPECT_GT(whole_again, 20);
 }
 
-/// Planes are uploaded as a whole or in part; and what kernels leave for the next frame is of another slot.
-TEST(VulkanChangedFrames, EqualWholeBuilds) {
-    int patched = 0, whole_again = 0, nothing = 0;
-    for (const int median : {0, 3, 5})
-        for (const auto& [width, height] : {std::pair{171, 130}, {64, 70}})
-            for (SurfacePlan plan : all_plans) {
-                plan.break_even = 1;
-                const Scene scene = depth_scene(width, height, 16, Marking::zero, {median, 0});
-                Film film(scene, static_cast<std::uint64_t>(width + median));
-                auto builder = make_vulkan_builder(scene, test_kernels(), plan),
-                     twin = make_vulkan_builder(scene, test_kernels(), plan);
-                ASSERT_TRUE(builder && twin);
-                Slots slots = fresh_slots();
-                for (int n = 0; n < 25; ++n) {
-                    film.edit(film.any_edit());
-                    const RawFrame raw = film.frame();
-                    SurfaceFrame* const slot =
-                        next_slot(film, slots, n, raw, **twin, *make_cpu_builder(scene, in_part));
-                    if (!slot) continue;
-                    ASSERT_TRUE((*builder)->build(raw, *slot));
-                    SurfaceFrame whole;
-                    ASSERT_TRUE(make_cpu_builder(scene, {1})->build(raw, whole));
-                    ASSERT_EQ(difference(whole, *slot), "")
-                        << "median " << median << ", " << plan_text(plan) << ", " << width << "x" << height
-                        << ", frame " << n;
-                    const double share = (*builder)->built_share();
-                    patched += share > 0 && share < 1;
-                    whole_again += n > 4 && share == 1;
-                    nothing += share == 0;
-                }
-            }
-    EXPECT_GT(patched, 50);
-    EXPECT_GT(whole_again, 50);
-    EXPECT_GT(nothing, 0);
-}
-
-/// Rows are uploaded in part from planes of whatever stride, over what was uploaded from another.
-TEST(VulkanChangedFrames, ReadNoStaleRows) {
-    const Scene scene = depth_scene(64, 70, 16, Marking::zero, {3, 0});
-    Random random(1);
-    std::vector<std::uint16_t> codes = fill_picture(scene, Fill::random, random);
-    const auto frame = [&](int padding) {
-        auto memory = std::make_shared<const StoredPlane>(store_plane(64, 70, codes, {2, padding, false}));
-        RawFrame raw = memory->frame();
-        raw.storage = memory;
-        return raw;
-    };
-    auto builder = make_vulkan_builder(scene, test_kernels(), all_plans[0]);
-    ASSERT_TRUE(builder);
-    SurfaceFrame slot, whole;
-    ASSERT_TRUE((*builder)->build(frame(2), slot));
-    for (int x = 0; x < 64; ++x) codes[static_cast<std::size_t>(15 * 64 + x)] ^= 0x4000;
-    ASSERT_TRUE((*builder)->build(frame(0), slot));
-    codes[20 * 64 + 40] ^= 0x4000;
-    const RawFrame last = frame(2);
-    ASSERT_TRUE((*builder)->build(last, slot));
-    EXPECT_LT((*builder)->built_share(), 0.2);
-    ASSERT_TRUE(make_reference_builder(scene)->build(last, whole));
-    EXPECT_EQ(first_difference(whole, slot), "");
-}
-
 INSTANTIATE_TEST_SUITE_P(Filters, ChangedFrames, testing::ValuesIn(filters), [](const auto& test) {
     return "Median" + std::to_string(test.param.median) + "Fill" + std::to_string(test.param.fill_holes) +
            (test.param.terraces == TerraceRemoval::on ? "Terraces" : "") +

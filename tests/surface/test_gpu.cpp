@@ -52,8 +52,7 @@ std::unique_ptr<VulkanSurfaceBuilder> test_vulkan_builder(const Scene& scene) {
 std::string plan_text(const SurfacePlan& plan) {
     return "groups of " + std::to_string(plan.group_size) + ", segments of " +
            std::to_string(plan.segment_texels) + (plan.along_x ? " along x" : "") +
-           (plan.copies ? ", copied" : "") + (plan.blocks ? ", blocks" : "") +
-           (plan.over_bus ? ", over the bus" : "");
+           (plan.copies ? ", copied" : "") + (plan.blocks ? ", blocks" : "");
 }
 
 std::string BuilderComparison::difference(const Scene& scene, const RawFrame& raw,

@@ -143,7 +143,7 @@ TEST(VulkanBuilder, KeepsFramesInFlightOrdered) {
             const Scene scene = depth_scene(83, 45, 16, Marking::zero, filter);
             auto made = must(make_vulkan_builder(scene, test_kernels(), plan));
             SurfaceBuilder& builder = *made;
-            EXPECT_EQ(builder.frames_in_flight(), plan.builds_in_part() ? 1 : 3);
+            EXPECT_EQ(builder.frames_in_flight(), 3);
             const auto twin = make_reference_builder(scene);
             std::vector<std::shared_ptr<StoredPlane>> planes;
             for (std::uint64_t n = 0; n < 12; ++n) {
@@ -232,7 +232,7 @@ TEST(BuilderRace, RunsOncePerDevice) {
         measure_builders(device);
         first = device->facts().measured;
     }
-    for (const double ms : {first.cpu_ms, first.vulkan_ms, first.over_bus_ms}) {
+    for (const double ms : {first.cpu_ms, first.vulkan_ms}) {
         EXPECT_GT(ms, 0);
         EXPECT_LT(ms, 60'000) << "with the right bits";
     }
@@ -241,25 +241,16 @@ TEST(BuilderRace, RunsOncePerDevice) {
     const GpuFacts::Measured& kept = again->facts().measured;
     EXPECT_EQ(kept.cpu_ms, first.cpu_ms);
     EXPECT_EQ(kept.vulkan_ms, first.vulkan_ms);
-    EXPECT_EQ(kept.over_bus_ms, first.over_bus_ms);
 }
 
-TEST(BuilderRace, DecidesOnBusAccess) {
+TEST(SurfacePlan, FollowsKindOfDevice) {
     GpuFacts facts = test_kernels()->device()->facts();
+    EXPECT_FALSE(plan_for(facts).blocks) << "a software Vulkan";
     facts.kind = GpuKind::discrete;
     facts.unified_memory = false;
-    EXPECT_FALSE(plan_for(facts).over_bus) << "not known to be right";
-    facts.measured = {.cpu_ms = 1, .vulkan_ms = 2, .over_bus_ms = 1};
-    EXPECT_TRUE(plan_for(facts).over_bus);
-    facts.measured.over_bus_ms = 3;
-    EXPECT_FALSE(plan_for(facts).over_bus);
-    facts.measured.over_bus_ms = HUGE_VAL;
-    EXPECT_FALSE(plan_for(facts).over_bus) << "wrong";
-    facts.measured.over_bus_ms = 1;
+    EXPECT_TRUE(plan_for(facts).blocks && plan_for(facts).copies);
     facts.unified_memory = true;
-    EXPECT_FALSE(plan_for(facts).over_bus) << "nothing is copied there";
-    facts.kind = GpuKind::software;
-    EXPECT_FALSE(plan_for(facts).blocks);
+    EXPECT_TRUE(plan_for(facts).blocks && !plan_for(facts).copies);
 }
 
 /// For every plan: a device whose limits just suffice makes the builder; one less of any limit refuses it.
