@@ -9,7 +9,6 @@
 #include "bench/surface/codes_race.hpp"
 #include "bench/surface/drawing_race.hpp"
 #include "bench/surface/eye_race.hpp"
-#include "bench/surface/ffmpeg_median.hpp"
 #include "bench/surface/kernel_shelf.hpp"
 #include "bench/surface/lazy_run.hpp"
 #include "bench/surface/stages.hpp"
@@ -64,8 +63,6 @@ Result<void> measure_median(const SurfaceCase& c, const Picture& picture, int fr
                                       figures);
         !raced)
         return raced;
-    if (c.width == 720)
-        if (auto done = measure_ffmpeg_median(c, picture, frames < 100 ? 2 : 10, figures); !done) return done;
     if (side == 5) return {};
     if (auto raced = measure_changes(c, picture, std::max(frames / 6, 1), kernels, figures); !raced)
         return raced;

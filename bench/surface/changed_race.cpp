@@ -7,7 +7,7 @@
 namespace touchable {
 namespace {
 
-enum class Where { disc, tiles, pixels };
+enum class Where { disc, tiles };
 
 /// A depth plane in memory of its own.
 RawFrame copy_of(const RawFrame& raw) {
@@ -47,15 +47,9 @@ RawFrame changed(const RawFrame& raw, int pct, Where where) {
             const int left = tx * TileGrid::cells, top = ty * TileGrid::cells;
             const double dx = left + 8 - 0.5 * width, dy = top + 8 - 0.5 * height;
             state = state * 6364136223846793005U + 1442695040888963407U;
-            const bool chosen =
-                pct == 100 || (where == Where::disc ? dx * dx + dy * dy < square
-                                                    : static_cast<int>((state >> 33) % 100) < pct);
+            const bool chosen = where == Where::disc ? dx * dx + dy * dy < square
+                                                     : static_cast<int>((state >> 33) % 100) < pct;
             if (!chosen) continue;
-            if (where == Where::pixels) {
-                change_pixel(copy, std::min(left + static_cast<int>(state >> 40) % 16, width - 1),
-                             std::min(top + static_cast<int>(state >> 50) % 16, height - 1));
-                continue;
-            }
             for (int y = top; y < std::min(top + TileGrid::cells, height); ++y)
                 for (int x = left; x < std::min(left + TileGrid::cells, width); ++x) change_pixel(copy, x, y);
         }
@@ -127,14 +121,8 @@ Result<void> race_changed(const RawFrame& raw, const std::string& prefix, const 
         int pct;
         Where where;
     };
-    std::vector<Kind> kinds{{"unchanged", 0, Where::tiles}, {"dirty100", 100, Where::tiles}};
-    for (const int pct : {1, 10, 30}) {
-        const std::string name = "dirty" + std::to_string(pct);
-        kinds.push_back({name, pct, Where::disc});
-        kinds.push_back({name + "_scattered", pct, Where::tiles});
-        kinds.push_back({name + "_speckled", pct, Where::pixels});
-    }
-    for (const Kind& kind : kinds)
+    for (const Kind& kind : {Kind{"unchanged", 0, Where::tiles}, Kind{"dirty10", 10, Where::disc},
+                             Kind{"dirty10_scattered", 10, Where::tiles}})
         if (auto raced = race_with_whole(prefix + kind.name, copy_of(raw), changed(raw, kind.pct, kind.where),
                                          make_builder, rounds, figures);
             !raced)

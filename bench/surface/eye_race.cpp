@@ -168,7 +168,6 @@ Result<void> race_for_the_eye(const SurfaceCase& c, const Picture& picture, Vulk
     };
     if (with_opencv) {
         add_opencv("opencv_positions", [](OpenCvPipeline& o) { o.q(); });
-        add_opencv("opencv_points", [](OpenCvPipeline& o) { o.points(); });
         add_opencv("opencv_mask", [](OpenCvPipeline& o) {
             o.q();
             o.mark_cuts();
@@ -179,7 +178,7 @@ Result<void> race_for_the_eye(const SurfaceCase& c, const Picture& picture, Vulk
     for (const GpuDevice::Time& stage : stages)
         figures.push_back({"mesh" + side + "_" + stage.label + "_ms", stage.ms, "ms"});
     if (!with_opencv) return {};
-    const FrameTimes &positions = racers[6].times, &mask = racers[8].times;
+    const FrameTimes &positions = racers[6].times, &mask = racers[7].times;
     const auto add_ratio = [&](const std::string& name, const FrameTimes& ours, const FrameTimes& theirs) {
         figures.push_back({name, ours.wall_ms / theirs.wall_ms, ""});
     };
