@@ -69,6 +69,22 @@ Result<void> measure_median(const SurfaceCase& c, const Picture& picture, int fr
     return measure_drawing(c, picture, *vulkan, std::max(frames / 10, 1), kernels->device(), figures);
 }
 
+/// The most CPU time of a frame by Vulkan over that of the CPU builder, for all that frames are made into.
+double most_over_builder(const Figures& figures) {
+    double most = 0;
+    const auto cpu_ms = [&](const char* what) {
+        const auto found = std::ranges::find(figures, std::string(what) + "_cpu_ms", &Figure::metric);
+        return found == figures.end() ? 0 : found->value;
+    };
+    for (const auto& [vulkan, cpu] : {std::pair{"codes3", "cpu_builder3_1t"},
+                                      {"codes5", "cpu_builder5_1t"},
+                                      {"positions3", "cpu_positions3_1t"},
+                                      {"mesh3", "cpu_mesh3_1t"},
+                                      {"terraces", "cpu_builder_terraces"}})
+        if (const double by_cpu = cpu_ms(cpu); by_cpu > 0) most = std::max(most, cpu_ms(vulkan) / by_cpu);
+    return most;
+}
+
 /// The kernels of a 3x3 median against a kernel that copies the bytes they need at least.
 Result<void> measure_bandwidth(const SurfaceCase& c, const std::shared_ptr<GpuDevice>& device,
                                Figures& figures) {
@@ -113,7 +129,9 @@ Result<void> measure(const SurfaceCase& c, bool quick, const Kernels& kernels, F
             return wrong(c, done.error().message);
     if (auto done = measure_bandwidth(c, kernels->device(), figures); !done) return done;
     const bool on_gpu = kernels->device()->facts().kind != GpuKind::software;
+    figures.push_back({"vulkan_cpu_vs_builder_most", most_over_builder(figures), ""});
     figures.push_back({"on_gpu", on_gpu ? 1.0 : 0.0, ""});
+    figures.push_back({"in_software", on_gpu ? 0.0 : 1.0, ""});
     figures.push_back({"mismatched_codes", 0, ""});  // a difference would have been an error
     return {};
 }

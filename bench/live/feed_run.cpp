@@ -162,6 +162,7 @@ Result<void> measure_feed(const LiveClip& clip, bool colour, int rounds, LiveCli
     figures.push_back({"ffmpeg_cpu_ms", plain->cpu_ms / clip.frames, "ms"});
     figures.push_back({"ffmpeg_ms", plain->wall_ms / clip.frames, "ms"});
     figures.push_back({"read_cpu_vs_ffmpeg", reading.cpu_ms * clip.frames / plain->cpu_ms, ""});
+    figures.push_back({"feed_cpu_vs_ffmpeg", feeding.cpu_ms * clip.frames / plain->cpu_ms, ""});
     figures.push_back({"read_vs_ffmpeg", reading.wall_ms * clip.frames / plain->wall_ms, ""});
     return {};
 }

@@ -90,15 +90,34 @@ Result<void> check(const std::string& name, const Turns& turns, const MakeBuilde
     return Error{ErrorKind::check, name + " differs from the whole frame"};
 }
 
-/// Races only against whole frames, so that caches hold as much of the data as with a clip.
+/// Copies of the frame's bytes.
+class Copies {
+public:
+    explicit Copies(const RawFrame& from) : from_(from.depth), to_(bytes()) {}
+    void make() {
+        for (int n = 0; n < frames_per_turn; ++n) std::memcpy(to_.data(), from_.data, to_.size());
+    }
+
+private:
+    std::size_t bytes() const { return static_cast<std::size_t>(from_.stride) * from_.height; }
+    const PlaneView from_;
+    std::vector<std::uint8_t> to_;
+};
+
+/// Races only against whole frames and copies, so that caches hold as much of the data as with a clip.
 Result<void> race_with_whole(const std::string& name, const RawFrame& before, const RawFrame& after,
                              const MakeBuilder& make_builder, int rounds, Figures& figures) {
     auto in_part = make_builder(), as_whole = make_builder();
     if (!in_part || !as_whole) return in_part ? as_whole.error() : in_part.error();
     Turns turns[] = {{std::move(*in_part), {before, after}}, {std::move(*as_whole), {before, after}}};
     for (RawFrame& frame : turns[1].frames) frame.storage = nullptr;  // disables comparison of frames
+    Copies copies(before);
     std::vector<Racer> racers{{name, [&] { return turns[0].build(); }},
-                              {"full", [&] { return turns[1].build(); }}};
+                              {"full", [&] { return turns[1].build(); }},
+                              {"copy", [&]() -> Result<void> {
+                                   copies.make();
+                                   return {};
+                               }}};
     for (const int count : {1, rounds}) {
         for (Racer& racer : racers) racer.times = {};
         if (auto raced = race(racers, count); !raced) return raced;
@@ -108,6 +127,7 @@ Result<void> race_with_whole(const std::string& name, const RawFrame& before, co
     add_times(figures, name, per_frame(racers[0].times));
     figures.push_back({name + "_vs_full", racers[0].times.wall_ms / racers[1].times.wall_ms, ""});
     figures.push_back({name + "_cpu_vs_full", racers[0].times.cpu_ms / racers[1].times.cpu_ms, ""});
+    figures.push_back({name + "_cpu_vs_copy", racers[0].times.cpu_ms / racers[2].times.cpu_ms, ""});
     figures.push_back({name + "_tiles_pct", 100 * turns[0].builder->built_share(), "%"});
     return {};
 }
