@@ -59,7 +59,7 @@ Result<void> measure_median(const SurfaceCase& c, const Picture& picture, int fr
         return wrong(c, raced.error().message);
     figures.push_back({"codes" + what + "_first_ms", first_ms, "ms"});
     if (side == 0) return {};
-    if (auto raced = race_for_the_eye(c, picture, *vulkan, kernels->device(), opencv, std::max(frames / 2, 3),
+    if (auto raced = race_for_the_eye(c, picture, *vulkan, kernels->device(), opencv, std::max(frames / 2, 8),
                                       figures);
         !raced)
         return raced;

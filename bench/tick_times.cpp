@@ -17,35 +17,31 @@ double microseconds(std::int64_t ns, double clock_cost_ns) {
     return std::max(0.0, (static_cast<double>(ns) - clock_cost_ns) / 1000.0);
 }
 
-/// Least times over the repeats.
-struct LeastTimes {
-    std::vector<double> batches_us, roots_us, ticks_us;  // a root is timed after each batch
-};
-void keep_least(std::vector<double>& least, std::size_t at, double value) {
-    if (at == least.size()) least.push_back(value);
-    least[at] = std::min(least[at], value);
-}
-double sum(const std::vector<double>& values) {
-    return std::accumulate(values.begin(), values.end(), 0.0);
-}
-
 /// Mean CPU time of a tick over the batches of one repeat.
-double mean_cpu_us(TimedRun& run, LeastTimes& least) {
+double mean_cpu_us(TimedRun& run) {
     run.restart();
     const int ticks = run.ticks();
-    double all = 0;
-    std::size_t batch = 0;
+    double sum = 0;
     for (int k = 0; k < ticks;) {
         const int end = std::min(k + batch_ticks, ticks);
         run.prepare(k, end);
         const std::int64_t begin = thread_cpu_ns();
         for (; k < end; ++k) run.tick(k);
-        const double us = microseconds(thread_cpu_ns() - begin, clock_costs().thread_cpu);
-        all += us;
-        keep_least(least.batches_us, batch, us);
-        keep_least(least.roots_us, batch++, root_ns() / 1000);
+        sum += microseconds(thread_cpu_ns() - begin, clock_costs().thread_cpu);
     }
-    return all / ticks;
+    return sum / ticks;
+}
+
+/// Least times over the repeats: of each tick, and of the root after each batch.
+struct LeastTimes {
+    std::vector<double> ticks_us, roots_us;
+};
+void keep_least(std::vector<double>& least, std::size_t at, double value) {
+    if (at == least.size()) least.push_back(value);
+    least[at] = std::min(least[at], value);
+}
+double mean_of(const std::vector<double>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
 /// Counts batches disturbed by other work of the machine.
@@ -69,9 +65,10 @@ private:
     bool gap_ = false;
 };
 
-void take_wall_times(TimedRun& run, TickTimes& times) {
+void take_wall_times(TimedRun& run, TickTimes& times, LeastTimes& least) {
     run.restart();
     const int ticks = run.ticks();
+    std::size_t batch = 0;
     Disturbances disturbances(times);
     for (int k = 0; k < ticks;) {
         const int end = std::min(k + batch_ticks, ticks);
@@ -81,8 +78,10 @@ void take_wall_times(TimedRun& run, TickTimes& times) {
             run.tick(k);
             times.wall_us.push_back(microseconds(monotonic_ns() - begin, clock_costs().monotonic));
             disturbances.note(times.wall_us.back());
+            keep_least(least.ticks_us, static_cast<std::size_t>(k), times.wall_us.back());
         }
         disturbances.end_batch();
+        keep_least(least.roots_us, batch++, root_ns() / 1000);
     }
 }
 
@@ -100,19 +99,15 @@ TickTimes time_hot(TimedRun& run, int repeats) {
     std::vector<double> means;
     LeastTimes least;
     for (int repeat = 0; repeat < repeats; ++repeat) {
-        means.push_back(mean_cpu_us(run, least));
-        take_wall_times(run, times);
+        means.push_back(mean_cpu_us(run));
+        take_wall_times(run, times, least);
     }
     std::sort(means.begin(), means.end());
     times.mean_us = means[means.size() / 2];
     times.in_order_us = times.wall_us;
-    const auto ticks = static_cast<std::size_t>(run.ticks());
-    const double root_us = sum(least.roots_us) / static_cast<double>(least.roots_us.size());
-    times.roots = sum(least.batches_us) / static_cast<double>(ticks) / root_us;
-    for (std::size_t k = 0; k < times.wall_us.size(); ++k)
-        keep_least(least.ticks_us, k % ticks, times.wall_us[k]);
+    times.roots = mean_of(least.ticks_us) / mean_of(least.roots_us);
     std::sort(least.ticks_us.begin(), least.ticks_us.end());
-    times.roots_p99 = least.ticks_us[ticks * 99 / 100] / root_us;
+    times.roots_p99 = least.ticks_us[least.ticks_us.size() * 99 / 100] / mean_of(least.roots_us);
     std::sort(times.wall_us.begin(), times.wall_us.end());
     return times;
 }
