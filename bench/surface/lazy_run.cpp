@@ -95,7 +95,8 @@ Result<void> check_forces(FedRun& lazy, FedRun& whole) {
 /// `which`: suffix of the figures' names.
 Result<void> measure_added(const Scene& scene, const RawFrame& raw, const TouchCase& c, bool quick,
                            const std::string& which, Figures& figures) {
-    const int ticks = quick ? 2000 : 10000, repeats = quick ? 6 : 10;
+    const bool has_target = c.fingers == 5 && c.median == 5;
+    const int ticks = quick ? 2000 : 10000, repeats = has_target ? 30 : quick ? 3 : 5;
     TouchSettings settings;
     settings.metres_per_scene_unit = scene.device_metres_per_unit.value();
     const auto solver = TouchSolver::create(scene, settings);
