@@ -64,7 +64,7 @@ Result<void> measure_median(const SurfaceCase& c, const Picture& picture, int fr
         !raced)
         return raced;
     if (side == 5) return {};
-    if (auto raced = measure_changes(c, picture, std::max(frames / 6, 1), kernels, figures); !raced)
+    if (auto raced = measure_changes(c, picture, std::max(frames / 6, 8), kernels, figures); !raced)
         return raced;
     return measure_drawing(c, picture, *vulkan, std::max(frames / 10, 1), kernels->device(), figures);
 }

@@ -32,9 +32,9 @@ std::vector<Target> make_surface_targets() {
     on_gpu("as fast as a copy of the bytes, on a GPU", large, "bandwidth_pct", Sense::at_least, 60, "%");
     add("the slowest by Vulkan over the CPU builder's", {full_hd.front(), full_hd_8.front(), large.back()},
         "vulkan_cpu_vs_builder_most", Sense::at_most, 7.5, "");
-    add("a tenth of the tiles changed over full, CPU", full_hd, "dirty10_cpu_vs_full", Sense::at_most, 0.75,
+    add("a tenth of the tiles changed over full, CPU", full_hd, "dirty10_cpu_vs_full", Sense::at_most, 0.8,
         "");
-    add("  by a software Vulkan", full_hd, "vulkan_dirty10_cpu_vs_full", Sense::at_most, 0.36, "")
+    add("  by a software Vulkan", full_hd, "vulkan_dirty10_cpu_vs_full", Sense::at_most, 0.42, "")
         ->only_where = "in_software";
     add("unchanged frame over a copy, CPU", full_hd, "unchanged_cpu_vs_copy", Sense::at_most, 1.4, "");
     add("  by Vulkan", full_hd, "vulkan_unchanged_cpu_vs_copy", Sense::at_most, 1.4, "");

@@ -35,7 +35,6 @@ std::vector<Target> make_touch_targets() {
     // In dependent square roots: within the run, and as fast as the clock.
     add("tick, bumps, to 1920x1080, mean, in roots", bumps, "tick_roots", below(90, ""));
     add("tick, bumps, to 1920x1080, p99", bumps, "tick_roots_p99", below(220, ""));
-    add("tick, bumps, 3840x2160, mean", {huge}, "tick_roots", below(180, ""));
     add("a cell, 3840x2160 over 320x240", {huge}, "cell_roots", at_most(1, ""), small);
     add("tick of 5 fingers, 1920x1080, mean", {"bumps-1920x1080-16-5f-world"}, "tick_roots", below(500, ""));
     add("tick of 10 fingers, 1920x1080, mean", {"bumps-1920x1080-16-10f-world"}, "tick_roots",
