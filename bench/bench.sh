@@ -6,7 +6,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 ./run install tests
 ./run build release touchable-bench
 mkdir -p out/bench
-for suite in touch surface gpu loop paper media live play beside targets; do
+for suite in touch surface gpu loop paper live play targets; do
     printf '\n== benchmark %s\n' "$suite"
     build/release/bench/touchable-bench "$suite" --quick --json "out/bench/$suite.json"
 done

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace touchable {
 namespace {
@@ -65,6 +66,18 @@ const ClockCosts& clock_costs() {
         return c;
     }();
     return costs;
+}
+
+double root_ns() {
+    constexpr int roots = 1000;
+    volatile double begin_at = 2, end_at;  // so that the compiler computes all of them, here
+    double x = begin_at;
+    const std::int64_t begin = thread_cpu_ns();
+    for (int k = 0; k < roots; ++k) x = std::sqrt(x + 1);
+    end_at = x;
+    const auto ns = static_cast<double>(thread_cpu_ns() - begin) - clock_costs().thread_cpu;
+    static_cast<void>(end_at);
+    return ns / roots;
 }
 
 void sleep_until(std::int64_t time_ns) {

@@ -23,6 +23,10 @@ struct ClockCosts {
 /// Measured once, at the first call.
 const ClockCosts& clock_costs();
 
+/// CPU time of one of 1000 dependent square roots, ns: what a tick takes is told as a multiple of it. Call it
+/// between the ticks, so that both have the same clock frequency and the same neighbours.
+double root_ns();
+
 /// Sleeps until a time of the monotonic clock.
 void sleep_until(std::int64_t time_ns);
 

@@ -6,7 +6,6 @@ plot.py detail TOUCH.json OUT.png      what filters leave of noise against the l
 plot.py stability LOOP.json OUT.png    up to which stiffness a closed loop is stable, beside theory
 plot.py spectrum PAPER.json OUT.png    power spectral density of the force by filter, as the paper's Fig. 19
 plot.py gpu GPU.json PAGE.html         a page: what a GPU, its builder and three ways to touch cost
-plot.py delay STREAM.json OUT.png      force error by transport, loss and delay, beside forces that are sent
 """
 
 import argparse
@@ -16,7 +15,6 @@ from pathlib import Path
 sys.dont_write_bytecode = True  # a plot leaves nothing in the source tree
 sys.path.append(str(Path(__file__).resolve().parents[1] / "player" / "plot"))
 
-from plots.delay import draw_delay
 from plots.detail import draw_detail
 from plots.gpu import draw_gpu
 from plots.pareto import draw_pareto
@@ -27,7 +25,7 @@ from style import BadInput
 
 def main():
     parser = argparse.ArgumentParser(description="Draws what touchable-bench wrote.")
-    commands = parser.add_subparsers(required=True, metavar="pareto|detail|stability|spectrum|delay|gpu")
+    commands = parser.add_subparsers(required=True, metavar="pareto|detail|stability|spectrum|gpu")
     pareto = commands.add_parser("pareto", help="run time against error of the touch solver's options")
     pareto.add_argument("results", metavar="TOUCH.json")
     pareto.set_defaults(draw=draw_pareto)
@@ -40,10 +38,7 @@ def main():
     spectrum = commands.add_parser("spectrum", help="the spectrum of the force, filter by filter")
     spectrum.add_argument("results", metavar="PAPER.json")
     spectrum.set_defaults(draw=draw_spectrum)
-    delay = commands.add_parser("delay", help="force error by transport, loss and delay, beside forces that are sent")
-    delay.add_argument("results", metavar="STREAM.json")
-    delay.set_defaults(draw=draw_delay)
-    for command in (pareto, detail, stability, spectrum, delay):
+    for command in (pareto, detail, stability, spectrum):
         command.add_argument("out", metavar="OUT.png")
     gpu = commands.add_parser("gpu", help="a page: what a GPU, its builder and three ways to touch cost")
     gpu.add_argument("results", metavar="GPU.json")

@@ -56,18 +56,6 @@ std::vector<BenchCase> stream_cases(bool quick) {
             return measure_stream({transport, large}, *clips, figures);
         });
     }
-    // Remote touch: effect of delay and loss on forces.
-    const LiveClip far{.scene = "globe", .width = 640, .height = 480, .frames = quick ? 120 : 225};
-    for (const char* const transport : {"tcp", "http", "srt", "ts"})
-        for (const int loss : {0, 1, 5})
-            for (const int delay : {0, 100, 200}) {
-                const test::NetworkFaults faults{.loss = loss / 100.0, .delay_ms = 1.0 * delay};
-                add("far-" + std::string(transport) + "-loss-" + std::to_string(loss) + "-delay-" +
-                        std::to_string(delay),
-                    [=](Figures& figures) {
-                        return measure_stream({transport, far, faults, true}, *clips, figures);
-                    });
-            }
     return cases;
 }
 

@@ -52,17 +52,12 @@ std::vector<BenchCase> surface_cases(bool quick);
 std::vector<BenchCase> gpu_cases(bool quick);
 std::vector<BenchCase> loop_cases(bool quick);
 std::vector<BenchCase> paper_cases(bool quick);
-std::vector<BenchCase> media_cases(bool quick);
-/// Prints for each plane the codec with the least decoding time and that with the fewest bytes.
-Result<void> conclude_media(const std::vector<CaseFigures>& measured);
 /// Prints the paper's figures beside the measured ones.
 Result<void> conclude_paper(const std::vector<CaseFigures>& measured);
 /// Print the table of the suite's targets (touch: those of real cameras' depth); a missed target is no error.
 Result<void> conclude_touch(const std::vector<CaseFigures>& measured);
 Result<void> conclude_surface(const std::vector<CaseFigures>& measured);
 std::vector<BenchCase> stream_cases(bool quick);
-std::vector<BenchCase> capi_cases(bool quick);
-std::vector<BenchCase> beside_cases(bool quick);
 std::vector<BenchCase> live_cases(bool quick);
 /// Prints the table of targets; a missed target is no error.
 Result<void> conclude_live(const std::vector<CaseFigures>& measured);

@@ -9,7 +9,6 @@
 #include "bench/surface/codes_race.hpp"
 #include "bench/surface/drawing_race.hpp"
 #include "bench/surface/eye_race.hpp"
-#include "bench/surface/ffmpeg_median.hpp"
 #include "bench/surface/kernel_shelf.hpp"
 #include "bench/surface/lazy_run.hpp"
 #include "bench/surface/stages.hpp"
@@ -60,16 +59,30 @@ Result<void> measure_median(const SurfaceCase& c, const Picture& picture, int fr
         return wrong(c, raced.error().message);
     figures.push_back({"codes" + what + "_first_ms", first_ms, "ms"});
     if (side == 0) return {};
-    if (auto raced = race_for_the_eye(c, picture, *vulkan, kernels->device(), opencv, std::max(frames / 2, 3),
+    if (auto raced = race_for_the_eye(c, picture, *vulkan, kernels->device(), opencv, std::max(frames / 2, 8),
                                       figures);
         !raced)
         return raced;
-    if (c.width == 720)
-        if (auto done = measure_ffmpeg_median(c, picture, frames < 100 ? 2 : 10, figures); !done) return done;
     if (side == 5) return {};
-    if (auto raced = measure_changes(c, picture, std::max(frames / 6, 1), kernels, figures); !raced)
+    if (auto raced = measure_changes(c, picture, std::max(frames / 6, 8), kernels, figures); !raced)
         return raced;
     return measure_drawing(c, picture, *vulkan, std::max(frames / 10, 1), kernels->device(), figures);
+}
+
+/// The most CPU time of a frame by Vulkan over that of the CPU builder, for all that frames are made into.
+double most_over_builder(const Figures& figures) {
+    double most = 0;
+    const auto cpu_ms = [&](const char* what) {
+        const auto found = std::ranges::find(figures, std::string(what) + "_cpu_ms", &Figure::metric);
+        return found == figures.end() ? 0 : found->value;
+    };
+    for (const auto& [vulkan, cpu] : {std::pair{"codes3", "cpu_builder3_1t"},
+                                      {"codes5", "cpu_builder5_1t"},
+                                      {"positions3", "cpu_positions3_1t"},
+                                      {"mesh3", "cpu_mesh3_1t"},
+                                      {"terraces", "cpu_builder_terraces"}})
+        if (const double by_cpu = cpu_ms(cpu); by_cpu > 0) most = std::max(most, cpu_ms(vulkan) / by_cpu);
+    return most;
 }
 
 /// The kernels of a 3x3 median against a kernel that copies the bytes they need at least.
@@ -116,7 +129,9 @@ Result<void> measure(const SurfaceCase& c, bool quick, const Kernels& kernels, F
             return wrong(c, done.error().message);
     if (auto done = measure_bandwidth(c, kernels->device(), figures); !done) return done;
     const bool on_gpu = kernels->device()->facts().kind != GpuKind::software;
+    figures.push_back({"vulkan_cpu_vs_builder_most", most_over_builder(figures), ""});
     figures.push_back({"on_gpu", on_gpu ? 1.0 : 0.0, ""});
+    figures.push_back({"in_software", on_gpu ? 0.0 : 1.0, ""});
     figures.push_back({"mismatched_codes", 0, ""});  // a difference would have been an error
     return {};
 }

@@ -1,6 +1,7 @@
 #include "bench/tick_times.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <string>
 
 #include "bench/clocks.hpp"
@@ -31,6 +32,18 @@ double mean_cpu_us(TimedRun& run) {
     return sum / ticks;
 }
 
+/// Least times over the repeats: of each tick, and of the root after each batch.
+struct LeastTimes {
+    std::vector<double> ticks_us, roots_us;
+};
+void keep_least(std::vector<double>& least, std::size_t at, double value) {
+    if (at == least.size()) least.push_back(value);
+    least[at] = std::min(least[at], value);
+}
+double mean_of(const std::vector<double>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
 /// Counts batches disturbed by other work of the machine.
 class Disturbances {
 public:
@@ -52,9 +65,10 @@ private:
     bool gap_ = false;
 };
 
-void take_wall_times(TimedRun& run, TickTimes& times) {
+void take_wall_times(TimedRun& run, TickTimes& times, LeastTimes& least) {
     run.restart();
     const int ticks = run.ticks();
+    std::size_t batch = 0;
     Disturbances disturbances(times);
     for (int k = 0; k < ticks;) {
         const int end = std::min(k + batch_ticks, ticks);
@@ -64,8 +78,10 @@ void take_wall_times(TimedRun& run, TickTimes& times) {
             run.tick(k);
             times.wall_us.push_back(microseconds(monotonic_ns() - begin, clock_costs().monotonic));
             disturbances.note(times.wall_us.back());
+            keep_least(least.ticks_us, static_cast<std::size_t>(k), times.wall_us.back());
         }
         disturbances.end_batch();
+        keep_least(least.roots_us, batch++, root_ns() / 1000);
     }
 }
 
@@ -81,13 +97,17 @@ TickTimes time_hot(TimedRun& run, int repeats) {
     TickTimes times;
     times.wall_us.reserve(static_cast<std::size_t>(repeats) * static_cast<std::size_t>(run.ticks()));
     std::vector<double> means;
+    LeastTimes least;
     for (int repeat = 0; repeat < repeats; ++repeat) {
         means.push_back(mean_cpu_us(run));
-        take_wall_times(run, times);
+        take_wall_times(run, times, least);
     }
     std::sort(means.begin(), means.end());
     times.mean_us = means[means.size() / 2];
     times.in_order_us = times.wall_us;
+    times.roots = mean_of(least.ticks_us) / mean_of(least.roots_us);
+    std::sort(least.ticks_us.begin(), least.ticks_us.end());
+    times.roots_p99 = least.ticks_us[least.ticks_us.size() * 99 / 100] / mean_of(least.roots_us);
     std::sort(times.wall_us.begin(), times.wall_us.end());
     return times;
 }

@@ -22,6 +22,9 @@ public:
 /// Times of ticks (bench/README.md, "How time is taken").
 struct TickTimes {
     double mean_us = 0;               ///< thread's CPU time: mean over batches, median over repeats
+    /// Mean and 99 % of the ticks, in dependent square roots between their batches (clocks.hpp), both by the
+    /// monotonic clock. Each tick and root counts with its least repeat, as other load disturbs some.
+    double roots = 0, roots_p99 = 0;
     std::vector<double> in_order_us;  ///< every tick of every repeat, monotonic clock, one after another
     std::vector<double> wall_us;      ///< in_order_us, ascending
     int batches = 0;                  ///< batches of 64 ticks in wall_us

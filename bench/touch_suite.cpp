@@ -97,7 +97,8 @@ private:
 
     void add_timing(const TouchCase& c) {
         TimingRun run{c};
-        if (quick_) run.repeats = 3;
+        if (quick_) run.repeats = 15;
+        if (c.width == ultra_hd.width) run.repeats = 40;  // as most of it is in no cache
         const bool world = c.metric == TouchMetric::world;
         if (c.width == full_hd.width && c.fingers == 1 && world) run.paced_ticks = quick_ ? 3000 : 30000;
         add(run, measure_timing);

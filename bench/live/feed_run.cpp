@@ -9,9 +9,10 @@
 
 #include "bench/clocks.hpp"
 #include "bench/live/plain_decoding.hpp"
-#include "bench/media/codec_run.hpp"
 #include "bench/surface/race.hpp"
 #include "engine/base/threads.hpp"
+#include "engine/base/try.hpp"
+#include "engine/clip/tracks.hpp"
 #include "player/run/surface_feed.hpp"
 #include "player/session/clip_choice.hpp"
 
@@ -97,15 +98,18 @@ Result<FrameTimes> feed_all(const std::filesystem::path& file, const Scene& scen
 Result<double> ffv1_bytes_of(const LiveClip& clip, const ScenePictures& source) {
     double bytes = 0;
     for (const PlaneRole role : clip.planes) {
-        std::vector<PlaneView> planes;
-        for (const RawFrame& frame : source.frames)
-            if (!plane_of(frame, role).empty()) planes.push_back(plane_of(frame, role));
-        if (planes.empty()) continue;
-        const auto stored = bytes_per_frame(codec_choices(role, planes.front()).front(), planes);
-        if (!stored) return stored;
-        bytes += *stored;
+        std::unique_ptr<TrackEncoder> encoder;
+        for (const RawFrame& frame : source.frames) {
+            const PlaneView plane = plane_of(frame, role);
+            if (plane.empty()) continue;
+            if (!encoder) {
+                TRY_ASSIGN(encoder, TrackEncoder::open(role, TrackCoding::ffv1, plane, source.scene));
+            }
+            TRY_ASSIGN(const auto packet, encoder->encode(plane, true));
+            bytes += packet->size;
+        }
     }
-    return bytes;
+    return bytes / static_cast<double>(source.frames.size());
 }
 
 Result<void> add_sizes(const LiveClip& clip, const std::filesystem::path& file, const ScenePictures& source,
@@ -158,6 +162,7 @@ Result<void> measure_feed(const LiveClip& clip, bool colour, int rounds, LiveCli
     figures.push_back({"ffmpeg_cpu_ms", plain->cpu_ms / clip.frames, "ms"});
     figures.push_back({"ffmpeg_ms", plain->wall_ms / clip.frames, "ms"});
     figures.push_back({"read_cpu_vs_ffmpeg", reading.cpu_ms * clip.frames / plain->cpu_ms, ""});
+    figures.push_back({"feed_cpu_vs_ffmpeg", feeding.cpu_ms * clip.frames / plain->cpu_ms, ""});
     figures.push_back({"read_vs_ffmpeg", reading.wall_ms * clip.frames / plain->wall_ms, ""});
     return {};
 }

@@ -6,14 +6,22 @@
 
 #include <algorithm>
 #include <chrono>
+#include <fstream>
+#include <string>
 #include <thread>
-
-#include "bench/peak_memory.hpp"
 
 extern char** environ;
 
 namespace touchable {
 namespace {
+
+/// Peak memory of a process so far, bytes; 0: it has ended. Linux only: "VmHWM:   12345 kB".
+std::int64_t peak_memory_of(pid_t process) {
+    std::ifstream status("/proc/" + std::to_string(process) + "/status");
+    for (std::string line; std::getline(status, line);)
+        if (line.starts_with("VmHWM:")) return 1024 * std::stoll(line.substr(6));
+    return 0;
+}
 
 /// Runs the program to its end and returns its peak memory, bytes.
 Result<std::int64_t> peak_of_program(const std::vector<std::string>& arguments) {
@@ -34,7 +42,7 @@ Result<std::int64_t> peak_of_program(const std::vector<std::string>& arguments) 
     int status = 0;
     pid_t ended = 0;
     while ((ended = waitpid(process, &status, WNOHANG)) == 0) {
-        peak = std::max(peak, peak_memory_of(process).value_or(0));
+        peak = std::max(peak, peak_memory_of(process));
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     if (ended != process || !WIFEXITED(status) || WEXITSTATUS(status) != 0)

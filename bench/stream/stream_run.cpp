@@ -11,8 +11,6 @@
 #include <utility>
 
 #include "bench/clocks.hpp"
-#include "bench/real/built_frames.hpp"
-#include "bench/stream/delayed_touch.hpp"
 #include "bench/stream/felt_stream.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/clip_choice.hpp"
@@ -74,12 +72,11 @@ void add_network_figures(const StreamFigures& came, Figures& figures) {
     add("jitter_buffer_ms", came.delay_ms, "ms");
 }
 
-/// Measures the run, with any transport. `delayed`: records it; null: no recording.
-Result<void> measure_touch(TouchSetup& setup, DelayedTouch* delayed, Figures& figures) {
+/// Measures the run, with any transport.
+Result<void> measure_touch(TouchSetup& setup, Figures& figures) {
     TouchFigures touched;
     FeltStream felt;
-    std::vector<TouchSink*> sinks{&touched, &felt};
-    if (delayed != nullptr) sinks.push_back(delayed);
+    const std::vector<TouchSink*> sinks{&touched, &felt};
     const auto hand = make_port(*setup.hand);
     TouchSessionSettings settings = setup.options;
     settings.ticks = setup.ticks();
@@ -118,7 +115,7 @@ Result<void> measure_without_network(const LiveClip& clip, LiveClips& clips, Fig
     const auto file = clips.file(clip);
     if (!file) return file.error();
     const auto setup = touch_live("replay:" + file->string(), ticks_of(clip));
-    return setup ? measure_touch(**setup, nullptr, figures) : setup.error();
+    return setup ? measure_touch(**setup, figures) : setup.error();
 }
 
 Result<void> measure_stream(const StreamCase& stream, LiveClips& clips, Figures& figures) {
@@ -131,28 +128,13 @@ Result<void> measure_stream(const StreamCase& stream, LiveClips& clips, Figures&
     auto served = serve(stream, port, clips);
     if (!served) return served.error();
     const auto setup = touch_live("stream:" + address(stream, (*relay)->port()), ticks_of(stream.clip));
-    if (!setup && stream.is_far && setup.error().kind != ErrorKind::interrupted) {
-        figures.push_back({"whole", 0, ""});
-        figures.push_back({"without_touch_pct", 100, "%"});  // no complete frameset arrived in time
-        return {};
-    }
     if (!setup) return setup.error();
-    DelayedTouch delayed((*setup)->feed->reader());
-    if (auto touched = measure_touch(**setup, stream.is_far ? &delayed : nullptr, figures); !touched)
-        return touched;
+    if (auto touched = measure_touch(**setup, figures); !touched) return touched;
     const auto came = (*setup)->feed->reader().stream_figures();
     const auto report = (*served)->end();
     if (!report) return report.error();
     if (!came || came->whole == 0) return Error{ErrorKind::check, "no whole frameset came"};
     add_network_figures(*came, figures);
-    if (stream.is_far) {
-        const auto pictures = clips.pictures(stream.clip);
-        if (!pictures) return pictures.error();
-        const auto frames = built((*setup)->scene, (*pictures)->frames);
-        if (!frames) return frames.error();
-        auto compared = delayed.add_figures(**setup, *frames, stream.clip.frames, stream.faults, figures);
-        if (!compared) return compared;
-    }
     figures.push_back({"sender_cpu_ms", report->at("cpu_ms_per_frameset").get<double>(), "ms"});
     figures.push_back({"kb_per_frameset", report->at("bytes_per_frameset").get<double>() * 1e-3, "KB"});
     return {};

@@ -14,7 +14,6 @@ struct StreamCase {
     std::string transport;  ///< "tcp", "http", "srt", "ts" (MPEG-TS over SRT)
     LiveClip clip;
     test::NetworkFaults faults{};
-    bool is_far = false;  ///< compare forces with those without delay (DelayedTouch)
 };
 
 /// Touches it live for the clip's length; figures of framesets received and lost, delay from sending to

@@ -40,8 +40,10 @@ void add_ratios(Figures& figures, const std::string& side, const std::vector<Rac
     const FrameTimes& vulkan = racers.front().times;
     figures.push_back({"median" + side + "_vs_opencv", vulkan.wall_ms / opencv.wall_ms, ""});
     figures.push_back({"median" + side + "_cpu_vs_opencv", vulkan.cpu_ms / opencv.cpu_ms, ""});
-    for (std::size_t n = 1; n + 1 < racers.size(); ++n)
+    for (std::size_t n = 1; n + 1 < racers.size(); ++n) {
         figures.push_back({racers[n].name + "_vs_opencv", racers[n].times.wall_ms / opencv.wall_ms, ""});
+        figures.push_back({racers[n].name + "_cpu_vs_opencv", racers[n].times.cpu_ms / opencv.cpu_ms, ""});
+    }
 }
 
 }  // namespace

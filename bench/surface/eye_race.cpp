@@ -168,7 +168,6 @@ Result<void> race_for_the_eye(const SurfaceCase& c, const Picture& picture, Vulk
     };
     if (with_opencv) {
         add_opencv("opencv_positions", [](OpenCvPipeline& o) { o.q(); });
-        add_opencv("opencv_points", [](OpenCvPipeline& o) { o.points(); });
         add_opencv("opencv_mask", [](OpenCvPipeline& o) {
             o.q();
             o.mark_cuts();
@@ -179,14 +178,16 @@ Result<void> race_for_the_eye(const SurfaceCase& c, const Picture& picture, Vulk
     for (const GpuDevice::Time& stage : stages)
         figures.push_back({"mesh" + side + "_" + stage.label + "_ms", stage.ms, "ms"});
     if (!with_opencv) return {};
-    const FrameTimes &positions = racers[6].times, &mask = racers[8].times;
-    const auto add_ratio = [&](const std::string& name, const FrameTimes& ours, const FrameTimes& theirs) {
-        figures.push_back({name, ours.wall_ms / theirs.wall_ms, ""});
+    const FrameTimes &positions = racers[6].times, &mask = racers[7].times;
+    const auto add_ratio = [&](const std::string& ours, const FrameTimes& times, const std::string& vs,
+                               const FrameTimes& theirs) {
+        figures.push_back({ours + vs, times.wall_ms / theirs.wall_ms, ""});
+        figures.push_back({ours + "_cpu" + vs, times.cpu_ms / theirs.cpu_ms, ""});
     };
-    add_ratio("positions" + side + "_vs_opencv", racers[0].times, positions);
-    add_ratio("cpu_positions" + side + "_2t_vs_opencv", racers[2].times, positions);
-    add_ratio("mask" + side + "_vs_opencv_mask", racers[3].times, mask);
-    add_ratio("cpu_mask" + side + "_vs_opencv_mask", racers[5].times, mask);
+    add_ratio("positions" + side, racers[0].times, "_vs_opencv", positions);
+    add_ratio("cpu_positions" + side + "_2t", racers[2].times, "_vs_opencv", positions);
+    add_ratio("mask" + side, racers[3].times, "_vs_opencv_mask", mask);
+    add_ratio("cpu_mask" + side, racers[5].times, "_vs_opencv_mask", mask);
     return {};
 }
 

@@ -23,20 +23,11 @@ OpenCvPipeline::OpenCvPipeline(const Scene& scene, const RawFrame& raw)
     filtered_.resize(pixels * static_cast<std::size_t>(raw.depth.bytes_per_sample));
     depth_.resize(pixels);
     q_.resize(pixels);
-    points_.resize(3 * pixels);
     const TileGrid grid = TileGrid::of(width_, height_);
     marks_.resize(static_cast<std::size_t>(grid.tiles_x) * static_cast<std::size_t>(grid.tiles_y));
-    make_rays(scene.camera);
-}
-
-void OpenCvPipeline::make_rays(const Camera& camera) {
     for (int y = 0; y < height_; ++y)
-        for (int x = 0; x < width_; ++x) {
-            const double length = camera.ray_length(x, y);
-            ray_lengths_.push_back(static_cast<float>(length));
-            for (const double axis : {camera.u(x), camera.v(y), -1.0})
-                rays_.push_back(static_cast<float>(axis / length));
-        }
+        for (int x = 0; x < width_; ++x)
+            ray_lengths_.push_back(static_cast<float>(scene.camera.ray_length(x, y)));
 }
 
 PlaneView OpenCvPipeline::codes() const {
@@ -94,12 +85,6 @@ void OpenCvPipeline::q() {
     cv::divide(matrix_of(ray_lengths_, width_, height_), matrix_of(depth_, width_, height_), q);
 }
 
-void OpenCvPipeline::points() {
-    take_depth();
-    for (std::size_t k = 0; k < depth_.size(); ++k)
-        for (std::size_t axis = 0; axis < 3; ++axis) points_[3 * k + axis] = depth_[k] * rays_[3 * k + axis];
-}
-
 #else
 
 bool has_opencv() {
@@ -109,7 +94,6 @@ bool has_opencv() {
 void OpenCvPipeline::median() {}
 void OpenCvPipeline::take_depth() {}
 void OpenCvPipeline::q() {}
-void OpenCvPipeline::points() {}
 
 #endif
 

@@ -22,7 +22,6 @@ public:
     void median();     ///< filters stored values; OpenCV's median has one thread
     void q();          ///< 1 / planar depth, with a precomputed plane of ray lengths
     void mark_cuts();  ///< per tile: whether a triangle is cut, and whether one is not
-    void points();     ///< instead of q: positions in the camera's frame, with a plane of rays
 
     PlaneView codes() const;
     const std::vector<float>& q_plane() const { return q_; }
@@ -30,13 +29,12 @@ public:
     const std::vector<std::uint8_t>& cut_marks() const { return marks_; }
 
 private:
-    void make_rays(const Camera& camera);
     void take_depth();
 
     const int width_, height_, side_;
     const RawFrame& raw_;
     std::vector<std::uint8_t> filtered_;
-    std::vector<float> depth_, q_, ray_lengths_, rays_, points_;
+    std::vector<float> depth_, q_, ray_lengths_;
     std::vector<std::uint8_t> marks_;
     double per_code_, of_code_0_;  // depth, linear in the code
 };

@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "bench/clocks.hpp"
+#include "bench/surface/opencv_pipeline.hpp"
 #include "bench/surface/race.hpp"
+#include "engine/base/try.hpp"
 #include "player/draw/gpu_painting.hpp"
 #include "player/draw/view.hpp"
 
@@ -69,15 +71,24 @@ Result<void> measure_terraces_within(int reach, const SurfaceCase& c, const Pict
     if (auto built = (*vulkan)->build(picture.raw, frame); !built) return built;
     if (mismatches(expected, frame) > 0)
         return wrong(c, "codes without terraces differ from the CPU builder's");
-    const auto times = time_frames(**vulkan, picture.raw, frame, frames);
-    if (!times) return times.error();
-    add_times(figures, name, *times);
+    TRY_ASSIGN(const FrameTimes by_vulkan, time_frames(**vulkan, picture.raw, frame, frames));
+    add_times(figures, name, by_vulkan);
     for (const GpuDevice::Time& stage : (*vulkan)->stages())
         if (std::string_view(stage.label) == "terraces")
             figures.push_back({name + "_kernels_ms", stage.ms, "ms"});
-    const auto cpu_times = time_frames(*cpu, picture.raw, expected, std::max(frames / 4, 3));
-    if (!cpu_times) return cpu_times.error();
-    add_times(figures, "cpu_builder_" + name, *cpu_times);
+    scene.filter.median = 5;
+    OpenCvPipeline opencv(scene, picture.raw);
+    std::vector<Racer> racers{{"cpu_builder_" + name, [&] { return cpu->build(picture.raw, expected); }},
+                              {"opencv_median5", [&]() -> Result<void> {
+                                   opencv.median();
+                                   return {};
+                               }}};
+    TRY(race(racers, frames));
+    const FrameTimes &by_cpu = racers[0].times, &median = racers[1].times;
+    add_times(figures, racers[0].name, by_cpu);
+    figures.push_back({name + "_vs_builder", by_vulkan.wall_ms / by_cpu.wall_ms, ""});
+    if (has_opencv())
+        figures.push_back({racers[0].name + "_cpu_vs_opencv", by_cpu.cpu_ms / median.cpu_ms, ""});
     return {};
 }
 

@@ -68,6 +68,7 @@ Result<void> measure_start_up(Figures& figures) {
     const ShaderCache cache;
     if (cache.folder().empty())
         return input_error("no folder for compiled shaders can be made; $TMPDIR says where");
+    double cold_ms = 0;
     for (const char* state : {"_cold", ""})
         for (const int median : {3, 5}) {
             picture.scene.filter.median = median;
@@ -76,6 +77,9 @@ Result<void> measure_start_up(Figures& figures) {
             const std::string which = std::string(median == 5 ? "5" : "") + state + "_ms";
             figures.push_back({"first_surface" + which, took->surface_ms, "ms"});
             figures.push_back({"first_frame" + which, took->frame_ms, "ms"});
+            if (median != 3) continue;
+            if (cold_ms > 0) figures.push_back({"first_surface_vs_cold", took->surface_ms / cold_ms, ""});
+            cold_ms = took->surface_ms;
         }
     return {};
 }

@@ -73,6 +73,7 @@ Result<void> measure_frame_changes(const TouchSurface& surface, const FrameChang
     Contact contact;
     std::vector<double> changed_us, other_us;
     std::int64_t last = -1;
+    const double root = std::min({root_ns(), root_ns(), root_ns()});
     for (int k = 0; k < run.ticks; ++k) {
         const std::int64_t now = k * tick_length_ns;
         // Publish half a frame ahead, so that the copied data no longer fill the caches.
@@ -91,6 +92,7 @@ Result<void> measure_frame_changes(const TouchSurface& surface, const FrameChang
     }
     const double changed = at_share(changed_us, 0.5), other = at_share(other_us, 0.5);
     figures.push_back({"new_frame_us", changed - other, "us"});
+    figures.push_back({"new_frame_roots", 1000 * (changed - other) / root, ""});
     figures.push_back({"new_frames", static_cast<double>(changed_us.size()), ""});
     figures.push_back({"new_frame_tick_us_p50", changed, "us"});
     figures.push_back({"new_frame_tick_us_p99", at_share(changed_us, 0.99), "us"});

@@ -32,6 +32,9 @@ Result<void> measure_timing(const TouchSurface& surface, const TimingRun& run, F
 
     const TickTimes times = time_hot(hot, run.repeats);
     add_figures(times, "", figures);
+    figures.push_back({"tick_roots", times.roots, ""});
+    figures.push_back({"cell_roots", times.roots / counts->cells_per_tick, ""});
+    figures.push_back({"tick_roots_p99", times.roots_p99, ""});
     add_figures(*counts, times.mean_us, figures);
     if (run.paced_ticks == 0) return {};
 

@@ -10,7 +10,7 @@ namespace touchable {
 struct TimingRun {
     TouchCase setup;
     int ticks = 30000;
-    int repeats = 5;      ///< repeats of the hot loop
+    int repeats = 25;     ///< repeats of the hot loop
     int paced_ticks = 0;  ///< 0: not paced
 };
 

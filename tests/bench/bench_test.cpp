@@ -1,4 +1,4 @@
-// What benchmarks are made of: codecs, sensors and clips that they measure with; loops, spectra and the GPU's
+// What benchmarks are made of: sensors and clips that they measure with; loops, spectra and the GPU's
 // cases; targets and reports.
 
 #include <gtest/gtest.h>
@@ -14,11 +14,9 @@
 #include <sstream>
 #include <string>
 
-#include "bench/beside/places.hpp"
 #include "bench/gpu/frame_ring.hpp"
 #include "bench/gpu/gpu_cases.hpp"
 #include "bench/loop/stability.hpp"
-#include "bench/media/byte_codecs.hpp"
 #include "bench/paper/chest_scene.hpp"
 #include "bench/paper/paper_clip.hpp"
 #include "bench/paper/scripted_path.hpp"
@@ -31,69 +29,14 @@
 #include "bench/touch/force_spectrum.hpp"
 #include "engine/base/hand_thresholds.hpp"
 #include "engine/base/same_bits.hpp"
-#include "engine/base/words.hpp"
-#include "engine/content/families.hpp"
 #include "engine/gpu/gpu_device.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/plane_memory.hpp"
 #include "haptics_cpu/height_field.hpp"
-#include "tests/content/exact_touch.hpp"
 #include "tests/temporary_files.hpp"
 
 namespace touchable {
 namespace {
-
-/// Samples of the whole range with holes among them, rows apart by more than their length.
-struct HoleyPicture {
-    HoleyPicture(int width, int height, int bytes, int channels) {
-        const int stride = width * bytes * channels + 6;
-        samples.resize(static_cast<std::size_t>(stride * height));
-        SplitMix64 random(3);
-        for (std::uint8_t& sample : samples)
-            sample = random.unit() < 0.5 ? 0 : static_cast<std::uint8_t>(random.next());
-        view = {samples.data(), stride, width, height, bytes, channels};
-    }
-    std::vector<std::uint8_t> samples;
-    PlaneView view;
-};
-
-void expect_back(PlaneCodec& codec, const PlaneView& view) {
-    Packet packet;
-    ASSERT_TRUE(codec.encode(view, packet));
-    ASSERT_TRUE(codec.decode(packet));
-    EXPECT_TRUE(same_samples(*codec.plane(), view));
-}
-
-TEST(ByteCodecs, GiveBackWhatWentIn) {
-    for (const auto& [bytes, channels] : {std::pair{1, 1}, {2, 1}, {1, 3}}) {
-        const HoleyPicture picture(37, 11, bytes, channels);
-        expect_back(*make_raw_codec(picture.view), picture.view);
-        if (channels == 1) expect_back(*make_rvl_codec(picture.view), picture.view);
-        for (const auto make : {make_zstd_codec, make_zstd_gradient_codec})
-            expect_back(*make(picture.view), picture.view);
-    }
-}
-
-TEST(ByteCodecs, RvlWritesRunsAndDifferences) {
-    // Two zeros, then 5, 3 and 20: differences 5, -2, 17 become 10, 3, 34, of which 10 and 34 take two
-    // groups.
-    const std::vector<std::uint16_t> row{0, 0, 5, 3, 20};
-    const PlaneView view{reinterpret_cast<const std::uint8_t*>(row.data()), 10, 5, 1, 2, 1};
-    Packet packet;
-    ASSERT_TRUE(make_rvl_codec(view)->encode(view, packet));
-    // From the lowest group on: 2, 3, 10 = 2 + 8 * 1, 3, 34 = 2 + 8 * 4.
-    EXPECT_EQ(packet, (Packet{0x32, 0x1a, 0xa3, 0x04}));
-}
-
-TEST(ByteCodecs, RefuseWhatIsCutOff) {
-    const HoleyPicture picture(37, 11, 2, 1);
-    for (const auto& codec : {make_raw_codec(picture.view), make_rvl_codec(picture.view)}) {
-        Packet packet;
-        ASSERT_TRUE(codec->encode(picture.view, packet));
-        packet.resize(packet.size() / 2);
-        EXPECT_FALSE(codec->decode(packet));
-    }
-}
 
 // The parts of the benchmark on real depth: cameras, pictures from elsewhere, planes, spectra.
 
@@ -772,79 +715,6 @@ TEST(HandThresholds, MatchTheirSources) {
     EXPECT_DOUBLE_EQ(just_noticed_newtons(2.5).value_or(0), 0.175);
     EXPECT_DOUBLE_EQ(just_noticed_newtons(10).value_or(0), 0.7);
     EXPECT_FALSE(just_noticed_newtons(2.4) || just_noticed_newtons(10.1));
-}
-
-/// Forces of another program, in files as bench/README.md says.
-class Beside : public testing::Test {
-protected:
-    void write(const std::string& text) { std::ofstream(folder / "bumps-200.mine.forces.csv") << text; }
-    std::string refusal() {
-        Figures figures;
-        const auto added = add_columns(folder.path(), "bumps-200", figures);
-        return added ? "" : added.error().message;
-    }
-    std::string line(std::size_t place, const glm::dvec3& force) const {
-        const glm::dvec3& tip = places[place].tip;
-        return formatted("%.9g,%.9g,%.9g, %.9g %.9g %.9g\n", tip.x, tip.y, tip.z, force.x, force.y, force.z);
-    }
-
-    const test::TemporaryFolder folder;
-    const std::vector<BesidePlace> places = beside_places();
-};
-
-TEST_F(Beside, PlacesLieUnderSurface) {
-    const ExactSurface surface("bumps");
-    ASSERT_EQ(places.size(), 1600U);
-    for (const auto& [tip, outward] : places) {
-        const auto truth = surface.closest(1000.0 * tip, 1000.0 * tip, 0);
-        ASSERT_TRUE(truth);
-        EXPECT_NEAR(glm::distance(truth->point, 1000.0 * tip), 0.5, 1e-9);
-        EXPECT_LT(glm::distance(truth->normal, outward), 1e-9);
-    }
-}
-
-TEST_F(Beside, ReadsForcesOfOtherProgram) {
-    // 9.2 degrees off everywhere, by half a newton; without contact at the first place.
-    const double angle = 9.2 * pi / 180;
-    std::string text = "x y z fx fy fz\n" + line(0, {0, 0, 0});
-    for (std::size_t k = 1; k < places.size(); ++k) {
-        const glm::dvec3& outward = places[k].outward;
-        const glm::dvec3 across = glm::normalize(glm::cross(outward, {0, 1, 0}));
-        text += line(k, 0.5 * (std::cos(angle) * outward + std::sin(angle) * across));
-    }
-    write(text);
-    Figures figures;
-    ASSERT_TRUE(add_columns(folder.path(), "bumps-200", figures));
-    ASSERT_EQ(figures.size(), 2U);
-    EXPECT_EQ(figures[0].metric, "force_angle_deg_rms_mine");
-    EXPECT_NEAR(figures[0].value, 9.2, 1e-5);
-    EXPECT_EQ(figures[1].metric, "contact_lost_pct_mine");
-    EXPECT_NEAR(figures[1].value, 100.0 / 1600, 1e-9);
-}
-
-TEST_F(Beside, NamesFaultyLine) {
-    const std::string header = "x y z fx fy fz\n";
-    for (const auto& [text, fault] :
-         {std::pair<std::string, const char*>{"x y z\n", "line 1 must be x y z fx fy fz"},
-          {header + line(0, {0, 0, 1}) + "1 2 3\n", "line 3 must be six numbers"},
-          {header + "0 0 0 0 0 nan\n", "line 2 must be six numbers"},
-          {header + line(1, {0, 0, 1}), "line 2 is not of the place"},
-          {header + line(0, {0, 0, 1}), "has 1 places: must have 1600"}}) {
-        write(text);
-        EXPECT_NE(refusal().find(fault), std::string::npos) << refusal();
-    }
-}
-
-TEST_F(Beside, WritesSurface) {
-    ASSERT_TRUE(write_exchange(folder.path(), "bumps-3", 3, 0));
-    std::ifstream file(folder / "bumps-3.heights.csv");
-    std::string names, values, rows[3];
-    for (std::string* line : {&names, &values, &rows[0], &rows[1], &rows[2]}) std::getline(file, *line);
-    EXPECT_EQ(names, "columns,rows,left,right,bottom,top");
-    EXPECT_EQ(values, "3,3,-0.1,0.1,-0.1,0.1");
-    // The second of the middle row lies under the middle.
-    const double middle = std::stod(rows[1].substr(rows[1].find(',') + 1));
-    EXPECT_NEAR(middle, relief_at(Relief::bumps, 0, 0, 0).z / 1000, 1e-9);
 }
 
 TEST(Report, AddsJndBesideDirections) {
