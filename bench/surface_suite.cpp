@@ -23,33 +23,13 @@ namespace {
 
 using Kernels = std::shared_ptr<SurfaceKernels>;
 
-/// Frames that change in part, by both builders.
-Result<void> measure_changes(const SurfaceCase& c, const Picture& picture, int rounds, const Kernels& kernels,
-                             Figures& figures) {
-    const auto cpu = [&]() -> Result<std::unique_ptr<SurfaceBuilder>> {
-        return make_cpu_builder(picture.scene);
-    };
-    const auto vulkan = [&]() -> Result<std::unique_ptr<SurfaceBuilder>> {
-        TRY_ASSIGN(auto made,
-                   make_vulkan_builder(picture.scene, kernels, plan_for(kernels->device()->facts())));
-        return std::unique_ptr<SurfaceBuilder>(std::move(made));
-    };
-    if (auto raced = race_changed(picture.raw, "", cpu, rounds, figures); !raced)
-        return wrong(c, raced.error().message);
-    if (auto raced = race_changed(picture.raw, "vulkan_", vulkan, rounds, figures); !raced)
-        return wrong(c, raced.error().message);
-    return {};
-}
-
 /// Codes with the scene's median, and the additional data for drawing.
 Result<void> measure_median(const SurfaceCase& c, const Picture& picture, int frames, const Kernels& kernels,
                             Figures& figures) {
     const int side = picture.scene.filter.median;
     const std::string what = std::to_string(side);
-    SurfacePlan plan = plan_for(kernels->device()->facts());
-    plan.break_even = 0;    // build whole frames, although they repeat
-    plan.over_bus = false;  // kernels are timed without the bus
-    TRY_ASSIGN(auto vulkan, make_vulkan_builder(picture.scene, kernels, plan));
+    TRY_ASSIGN(auto vulkan,
+               make_vulkan_builder(picture.scene, kernels, plan_for(kernels->device()->facts())));
     SurfaceFrame frame;
     const std::int64_t begin = monotonic_ns();
     if (auto built = vulkan->build(kept(picture.raw), frame); !built) return built;
@@ -64,8 +44,9 @@ Result<void> measure_median(const SurfaceCase& c, const Picture& picture, int fr
         !raced)
         return raced;
     if (side == 5) return {};
-    if (auto raced = measure_changes(c, picture, std::max(frames / 6, 8), kernels, figures); !raced)
-        return raced;
+    const auto by_cpu = [&] { return make_cpu_builder(picture.scene); };
+    if (auto raced = race_changed(picture.raw, by_cpu, std::max(frames / 6, 8), figures); !raced)
+        return wrong(c, raced.error().message);
     return measure_drawing(c, picture, *vulkan, std::max(frames / 10, 1), kernels->device(), figures);
 }
 
@@ -131,7 +112,6 @@ Result<void> measure(const SurfaceCase& c, bool quick, const Kernels& kernels, F
     const bool on_gpu = kernels->device()->facts().kind != GpuKind::software;
     figures.push_back({"vulkan_cpu_vs_builder_most", most_over_builder(figures), ""});
     figures.push_back({"on_gpu", on_gpu ? 1.0 : 0.0, ""});
-    figures.push_back({"in_software", on_gpu ? 0.0 : 1.0, ""});
     figures.push_back({"mismatched_codes", 0, ""});  // a difference would have been an error
     return {};
 }

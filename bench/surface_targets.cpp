@@ -32,12 +32,8 @@ std::vector<Target> make_surface_targets() {
     on_gpu("as fast as a copy of the bytes, on a GPU", large, "bandwidth_pct", Sense::at_least, 60, "%");
     add("the slowest by Vulkan over the CPU builder's", {full_hd.front(), full_hd_8.front(), large.back()},
         "vulkan_cpu_vs_builder_most", Sense::at_most, 7.5, "");
-    add("a tenth of the tiles changed over full, CPU", full_hd, "dirty10_cpu_vs_full", Sense::at_most, 0.8,
-        "");
-    add("  by a software Vulkan", full_hd, "vulkan_dirty10_cpu_vs_full", Sense::at_most, 0.42, "")
-        ->only_where = "in_software";
-    add("unchanged frame over a copy, CPU", full_hd, "unchanged_cpu_vs_copy", Sense::at_most, 1.4, "");
-    add("  by Vulkan", full_hd, "vulkan_unchanged_cpu_vs_copy", Sense::at_most, 1.4, "");
+    add("a tenth of the tiles changed over full", full_hd, "dirty10_cpu_vs_full", Sense::at_most, 0.8, "");
+    add("unchanged frame over a copy", full_hd, "unchanged_cpu_vs_copy", Sense::at_most, 1.4, "");
     add("CPU builder, codes, 3x3, over OpenCV's median", large, "cpu_builder3_1t_cpu_vs_opencv",
         Sense::at_most, 2.4, "");
     add("  with positions, over OpenCV's", large, "cpu_positions3_2t_cpu_vs_opencv", Sense::at_most, 2.1, "");

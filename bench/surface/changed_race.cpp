@@ -81,10 +81,8 @@ struct Turns {
 };
 
 Result<void> check(const std::string& name, const Turns& turns, const MakeBuilder& make_builder) {
-    auto builder = make_builder();
-    if (!builder) return builder.error();
     SurfaceFrame whole;
-    if (auto built = (*builder)->build(turns.frames[1 - turns.next], whole); !built) return built;
+    if (auto built = make_builder()->build(turns.frames[1 - turns.next], whole); !built) return built;
     const SurfaceFrame& slot = turns.slot;
     if (whole.codes == slot.codes && whole.validity == slot.validity && whole.tiles == slot.tiles) return {};
     return Error{ErrorKind::check, name + " differs from the whole frame"};
@@ -107,9 +105,7 @@ private:
 /// Races only against whole frames and copies, so that caches hold as much of the data as with a clip.
 Result<void> race_with_whole(const std::string& name, const RawFrame& before, const RawFrame& after,
                              const MakeBuilder& make_builder, int rounds, Figures& figures) {
-    auto in_part = make_builder(), as_whole = make_builder();
-    if (!in_part || !as_whole) return in_part ? as_whole.error() : in_part.error();
-    Turns turns[] = {{std::move(*in_part), {before, after}}, {std::move(*as_whole), {before, after}}};
+    Turns turns[] = {{make_builder(), {before, after}}, {make_builder(), {before, after}}};
     for (RawFrame& frame : turns[1].frames) frame.storage = nullptr;  // disables comparison of frames
     Copies copies(before);
     std::vector<Racer> racers{{name, [&] { return turns[0].build(); }},
@@ -134,8 +130,8 @@ Result<void> race_with_whole(const std::string& name, const RawFrame& before, co
 
 }  // namespace
 
-Result<void> race_changed(const RawFrame& raw, const std::string& prefix, const MakeBuilder& make_builder,
-                          int rounds, Figures& figures) {
+Result<void> race_changed(const RawFrame& raw, const MakeBuilder& make_builder, int rounds,
+                          Figures& figures) {
     struct Kind {
         std::string name;
         int pct;
@@ -143,7 +139,7 @@ Result<void> race_changed(const RawFrame& raw, const std::string& prefix, const 
     };
     for (const Kind& kind : {Kind{"unchanged", 0, Where::tiles}, Kind{"dirty10", 10, Where::disc},
                              Kind{"dirty10_scattered", 10, Where::tiles}})
-        if (auto raced = race_with_whole(prefix + kind.name, copy_of(raw), changed(raw, kind.pct, kind.where),
+        if (auto raced = race_with_whole(kind.name, copy_of(raw), changed(raw, kind.pct, kind.where),
                                          make_builder, rounds, figures);
             !raced)
             return raced;

@@ -233,12 +233,12 @@ Result<void> measure_pictures(Result<TwoFrames> frames, int rounds,
         {"file_paint", [&] { return gallery.put_together(**painter); }},
     };
     std::vector<std::unique_ptr<SurfaceDrawing>> drawings;
-    for (const char* name : {"raster", "mesh"}) {
+    for (const char* name : {"cpu", "raster", "mesh"}) {
         auto made = SurfaceDrawing::create(device, name);
         if (!made) return made.error();
         SurfaceDrawing& drawing = **made;
         drawings.push_back(std::move(*made));
-        const std::string suffix = drawing.painter() == "raster" ? "" : "_mesh";
+        const std::string suffix = drawing.painter() == "raster" ? "" : "_" + std::string(drawing.painter());
         racers.push_back({"show" + suffix, [&] { return gallery.show(drawing); }});
         racers.push_back({"draw" + suffix, [&] { return gallery.draw(drawing, true); }});
         racers.push_back({"draw_fingers" + suffix, [&] { return gallery.draw(drawing, false); }});
@@ -265,7 +265,7 @@ Result<void> measure_pictures_of(SurfaceBuilder& builder, Gallery& gallery, cons
     const auto painter = make_cpu_painter();
     std::vector<std::unique_ptr<SurfaceDrawing>> drawings;
     std::vector<Racer> racers;
-    for (const char* by : {"raster", "mesh"}) {
+    for (const char* by : {"cpu", "raster", "mesh"}) {
         auto made = SurfaceDrawing::create(device, by);
         if (!made && made.error().kind == ErrorKind::gpu) continue;  // the device lacks what it needs
         if (!made) return made.error();

@@ -460,7 +460,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_options(const SessionOptions& opt
         setup->film = std::make_shared<CameraCapture>(clip.reader->described());
         clip.reader = with_film(std::move(clip.reader), setup->film);
     }
-    TRY(make_feed(*setup, std::move(clip), options.live));
+    TRY(make_feed(*setup, std::move(clip)));
     setup->options.guard.stale_after_ns = stale_after_ns(options, setup->scene.rate);
     if (options.late_playback) setup->options.playback = options.late_playback();
     setup->options.late_playback = nullptr;  // may refer to variables of the caller
@@ -481,7 +481,7 @@ Result<std::unique_ptr<TouchSetup>> setup_from_recording(const RecordedPart& par
     setup->options.fingers = part.fingers;
     TRY_ASSIGN(const auto scene, read_recorded_facts(part.facts, part.name, *setup));
     TRY_ASSIGN(auto clip, open_recorded(setup->options.clip, scene, part.name, options.clip));
-    TRY(make_feed(*setup, std::move(clip), false));
+    TRY(make_feed(*setup, std::move(clip)));
     setup->feed->leave_out(setup->dropped);
     setup->hand = std::make_unique<ReplayHand>(part);
     follow(part, *setup);
