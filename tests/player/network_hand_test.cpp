@@ -431,6 +431,21 @@ private:
     const pid_t program_;
 };
 
+/// For 600 answers under the surface; then the hand goes out.
+void expect_no_force(PressingHand& hand, double inside) {
+    int answers = 0;
+    std::uint32_t answered = 0;
+    for (int tries = 0; answers < 600 && tries < 60'000; ++tries) {
+        const NetworkPacket answer = hand.rest_at(inside);
+        ASSERT_EQ(answer.kind == NetworkPacket::Kind::forces ? answer.vectors[0] : glm::dvec3(0),
+                  glm::dvec3(0))
+            << "answer " << answers;
+        if (!answer.last && answer.sequence != std::exchange(answered, answer.sequence)) ++answers;
+    }
+    EXPECT_EQ(answers, 600) << "the program does not answer any more";
+    hand.go_out();
+}
+
 /// A program that was stopped, as by a debugger or a machine that swaps, may find any hand anywhere.
 TEST_F(NetworkTouch, StandstillRequiresFreeFinger) {
     std::optional<RunningProgram> program(std::in_place, clip, device(), record);
@@ -444,17 +459,7 @@ TEST_F(NetworkTouch, StandstillRequiresFreeFinger) {
         std::this_thread::sleep_for(std::chrono::milliseconds(400));
         hand.forget();
         program->send(SIGCONT);
-        int answers = 0;
-        std::uint32_t answered = 0;
-        for (int tries = 0; answers < 600 && tries < 60'000; ++tries) {
-            const NetworkPacket answer = hand.rest_at(inside);
-            ASSERT_EQ(answer.kind == NetworkPacket::Kind::forces ? answer.vectors[0] : glm::dvec3(0),
-                      glm::dvec3(0))
-                << "answer " << answers;
-            if (!answer.last && answer.sequence != std::exchange(answered, answer.sequence)) ++answers;
-        }
-        EXPECT_EQ(answers, 600) << "the program does not answer any more";
-        hand.go_out();
+        expect_no_force(hand, inside);
     }
     EXPECT_TRUE(hand.feels_something()) << "it goes out of the surface, and comes again";
     program.reset();
@@ -474,17 +479,7 @@ TEST_F(NetworkTouch, SilenceRequiresFreeFinger) {
     const double inside = hand.place() - 0.004;
     std::this_thread::sleep_for(std::chrono::milliseconds(70));
     hand.forget();
-    std::uint32_t answered = 0;
-    int answers = 0;
-    for (int tries = 0; answers < 600 && tries < 60'000; ++tries) {
-        const NetworkPacket answer = hand.rest_at(inside);
-        ASSERT_EQ(answer.kind == NetworkPacket::Kind::forces ? answer.vectors[0] : glm::dvec3(0),
-                  glm::dvec3(0))
-            << "answer " << answers;
-        if (answer.sequence != std::exchange(answered, answer.sequence)) ++answers;
-    }
-    EXPECT_EQ(answers, 600) << "the program does not answer any more";
-    hand.go_out();
+    expect_no_force(hand, inside);
     EXPECT_TRUE(hand.feels_something()) << "it goes out of the surface, and comes again";
 }
 

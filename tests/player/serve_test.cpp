@@ -411,7 +411,7 @@ TEST_F(ServePage, ServesCameraFrames) {
     const std::string moving = folder / "moving.mkv";
     ASSERT_EQ(message(write_clip(moving, quick_scene(), 2000, served_planes)), "");
     std::set<std::string> depths;
-    FramePacker packer;
+    FramePacker packer(1);
     for (const RawFrame& frame : must(read_clip(moving)))
         if (const auto packets = must(packer.pack(frame)); !packets[0].empty()) depths.insert(packets[0]);
     serve_page({"--camera", "replay:" + moving}, [&](const std::string& place) {

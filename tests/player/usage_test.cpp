@@ -427,13 +427,6 @@ TEST(BuilderPick, MeasurementDecidesGpuSpeed) {
     EXPECT_FALSE(is_fast_builder(facts));
 }
 
-TEST(BuilderPick, CostsGrowWithLoad) {
-    EXPECT_GT(whole_frames_ms_per_second(full_hd(5, 1)), whole_frames_ms_per_second(full_hd(3, 1)));
-    EXPECT_GT(whole_frames_ms_per_second(full_hd(3, 1)), whole_frames_ms_per_second(load_of(720, 480, 3, 1)));
-    EXPECT_DOUBLE_EQ(lazy_ms_per_second(full_hd(3, 6)), 6 * lazy_ms_per_second(full_hd(3, 1)));
-    EXPECT_GT(lazy_ms_per_second(full_hd(5, 1)), lazy_ms_per_second(full_hd(3, 1)));
-}
-
 TEST(BuilderPick, ReportsChoiceAndKeepsForces) {
     const TemporaryFolder folder;
     make_clip("moving", folder / "clip.mkv", {"--size", "1280x720", "--frames", "2"});
