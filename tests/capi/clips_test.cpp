@@ -18,6 +18,7 @@
 #include "engine/scene/scene.hpp"
 #include "engine/surface/depth_estimator.hpp"
 #include "tests/capi/hill.hpp"
+#include "tests/must.hpp"
 #include "tests/temporary_files.hpp"
 
 namespace touchable::test {
@@ -76,8 +77,7 @@ touch_status status_of_open(const std::string& path, std::string* line = nullptr
 TEST(Clips, MatchProgramsReader) {
     const TemporaryFolder folder;
     const fs::path file = make_globe(folder / "globe.mkv");
-    auto expected = open_clip(file);
-    ASSERT_TRUE(expected);
+    auto expected = must(open_clip(file));
     touch::Clip clip(file.string());
     const touch_clip_facts facts = clip.facts();
     EXPECT_EQ(facts.width, 64);
@@ -97,7 +97,7 @@ TEST(Clips, MatchProgramsReader) {
     EXPECT_FALSE(clip.next());
     for (const touch::Frameset& frameset : held) {  // long after they were read
         const touch_frame frame = frameset.frame();
-        const auto raw = (*expected)->next();
+        const auto raw = expected->next();
         ASSERT_TRUE(raw && *raw);
         EXPECT_EQ(frame.number, (*raw)->number);
         EXPECT_EQ(frame.time_ns, (*raw)->time_ns);
@@ -136,19 +136,17 @@ TEST(Clips, ChooseProgramsFilters) {
     const TemporaryFolder folder;
     const fs::path file = make_globe(folder / "globe.mkv", 6, 8);
     // Written anew with filters that are not stated.
-    auto reader = open_clip(file);
-    ASSERT_TRUE(reader);
-    SceneDescription open((*reader)->scene());
+    auto reader = must(open_clip(file));
+    SceneDescription open(reader->scene());
     open.unstated.filters = all_unstated;
-    auto writer = create_clip(folder / "open.mkv", open);
-    ASSERT_TRUE(writer);
+    auto writer = must(create_clip(folder / "open.mkv", open));
     DepthEstimator estimator(open.scene);
-    for (auto frame = (*reader)->next(); frame && *frame; frame = (*reader)->next()) {
+    for (auto frame = reader->next(); frame && *frame; frame = reader->next()) {
         if (!estimator.enough()) estimator.add(**frame);
-        ASSERT_TRUE((*writer)->write(**frame));
+        ASSERT_TRUE(writer->write(**frame));
     }
-    ASSERT_TRUE((*writer)->complete());
-    ASSERT_TRUE((*writer)->finish());
+    ASSERT_TRUE(writer->complete());
+    ASSERT_TRUE(writer->finish());
     Scene expected = open.scene;
     ASSERT_TRUE(settle_filters(estimator.measured(), all_unstated, expected));
     ASSERT_NE(expected.filter, open.scene.filter) << "nothing was chosen";

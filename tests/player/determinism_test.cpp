@@ -27,6 +27,7 @@
 #include "player/session/run_record.hpp"
 #include "player/session/touch_setup.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
+#include "tests/must.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 #include "tests/real_data.hpp"
@@ -138,22 +139,15 @@ INSTANTIATE_TEST_SUITE_P(, Determinism, ::testing::ValuesIn(known_runs),
 
 // The room of a run links into any program (touch_a_clip.cpp), which feels what `touchable touch` does.
 
-std::string text_of(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
 TEST(LinkedRun, MatchesProgramForces) {
     const TemporaryFolder folder;
     const auto clip = folder / "clip.mkv", report = folder / "report.json", hash = folder / "hash";
-    ASSERT_EQ(run_touchable({"make", "bumps", clip, "--frames", "2"}).code, 0);
-    ASSERT_EQ(run_touchable({"touch", clip, "--hand", "press", "--builder", "cpu", "--json", report}).code,
-              0);
+    succeed({"make", "bumps", clip, "--frames", "2"});
+    succeed({"touch", clip, "--hand", "press", "--builder", "cpu", "--json", report});
     const std::string command =
         std::string("'" TOUCHABLE_LINKED_RUN "' '") + clip.string() + "' > '" + hash.string() + "'";
     ASSERT_EQ(std::system(command.c_str()), 0);
-    EXPECT_EQ(text_of(hash),
-              nlohmann::json::parse(text_of(report)).at("force_hash").get<std::string>() + "\n");
+    EXPECT_EQ(file_contents(hash), json_in(report).at("force_hash").get<std::string>() + "\n");
 }
 
 /// Names that a program tells the loader: a sanitized one has hundreds of megabytes besides.
@@ -178,7 +172,7 @@ std::string loaded_names(const char* program) {
 // A library that a program needs is named in it.
 TEST(LinkedRun, NeedsNeitherWindowNorVulkan) {
     const std::string program = loaded_names(TOUCHABLE_LINKED_RUN);
-    ASSERT_NE(program.find("libavformat.so"), std::string::npos);
+    ASSERT_PRED2(says, program, "libavformat.so");
     for (const char* library :
          {"libvulkan.so", "libglfw.so", "libX11.so", "libasound.so", "libcairo.so", "libusb"})
         EXPECT_EQ(program.find(library), std::string::npos) << library;
@@ -271,11 +265,10 @@ TEST(LostGpu, KeepsFramesAndForces) {
                                         {Doom::lost, frames - 1},
                                         {Doom::hangs, 0},
                                         {Doom::hangs, 11}}) {
-        auto device = GpuDevice::open();
-        ASSERT_TRUE(device) << device.error().message;
+        auto device = must(GpuDevice::open());
         std::vector<std::string> told;
         const Touched run = touched_with(
-            reader(), make_fallback_builder(std::make_unique<DoomedBuilder>(scene, *device, doom, lost_at),
+            reader(), make_fallback_builder(std::make_unique<DoomedBuilder>(scene, device, doom, lost_at),
                                             make_cpu_builder(scene),
                                             [&](const std::string& line) { told.push_back(line); }));
         EXPECT_EQ(run.force_hash, expected.force_hash) << "lost at frame " << lost_at;
@@ -288,15 +281,13 @@ TEST(LostGpu, KeepsFramesAndForces) {
 
 TEST(LostGpu, IsReplacedOnNextOpen) {
     RunGpu gpu("auto");
-    const auto first = gpu.open();
-    ASSERT_TRUE(first) << first.error().message;
-    EXPECT_EQ(*gpu.open(), *first) << "one for all";
-    (*first)->lose();
-    const auto second = gpu.open();
-    ASSERT_TRUE(second) << second.error().message;
-    EXPECT_FALSE((*second)->lost());
-    EXPECT_EQ(*gpu.open(), *second);
-    EXPECT_EQ(gpu.name(), (*second)->facts().name);
+    const auto first = must(gpu.open());
+    EXPECT_EQ(*gpu.open(), first) << "one for all";
+    first->lose();
+    const auto second = must(gpu.open());
+    EXPECT_FALSE(second->lost());
+    EXPECT_EQ(*gpu.open(), second);
+    EXPECT_EQ(gpu.name(), second->facts().name);
 }
 
 TEST(LostGpu, IsNotMeasuredAgain) {
@@ -314,11 +305,10 @@ TEST(LostGpu, IsNotMeasuredAgain) {
         device->lose();
     };
     for (int n = 0; n < 2; ++n) {
-        const auto device = gpu.open_measured(measure);
-        ASSERT_TRUE(device) << device.error().message;
-        EXPECT_FALSE((*device)->lost());
-        EXPECT_EQ((*device)->facts().measured.vulkan_ms, HUGE_VAL);
-        (*device)->lose();
+        const auto device = must(gpu.open_measured(measure));
+        EXPECT_FALSE(device->lost());
+        EXPECT_EQ(device->facts().measured.vulkan_ms, HUGE_VAL);
+        device->lose();
     }
     setenv("XDG_CACHE_HOME", before.c_str(), 1);  // empty: as if it were not set
     EXPECT_EQ(measured, 1);
@@ -335,18 +325,17 @@ TEST(LostGpu, LetsProgramEndNormally) {
     unsetenv("LD_PRELOAD");
     unsetenv("MESA_SHADER_CACHE_DISABLE");
     EXPECT_EQ(run.code, 0) << run.err;
-    EXPECT_NE(run.err.find("is given up; the cpu builder goes on"), std::string::npos) << run.err;
+    EXPECT_PRED2(says, run.err, "is given up; the cpu builder goes on");
 }
 
 /// `spoil` makes a GPU, which the picture was to be drawn on, one that cannot.
 void expect_a_picture_by_any_painter(const std::function<void(GpuDevice&)>& spoil) {
     const TemporaryFolder folder;
     make_clip("globe", folder / "clip.mkv", {"--size", "72x48", "--frames", "1"});
-    auto reader = open_clip(folder / "clip.mkv", std::nullopt);
-    ASSERT_TRUE(reader);
-    const auto raw = (*reader)->next();
+    auto reader = must(open_clip(folder / "clip.mkv", std::nullopt));
+    const auto raw = reader->next();
     ASSERT_TRUE(raw && *raw);
-    const Scene& scene = (*reader)->scene();
+    const Scene& scene = reader->scene();
     SurfaceFrame surface;
     ASSERT_TRUE(make_cpu_builder(scene)->build(**raw, surface));
     const FramePair still{{0, 0, &surface}, {0, 0, &surface}, 0};
@@ -402,11 +391,7 @@ private:
 /// The forces of the CPU and the lazy builder, to the bit, and nothing said by the validation layer.
 void expect_the_same_forces(Words words) {
     words.insert(words.end(), {"--fingers", "3", "--seconds", "0.5"});
-    const auto with = [&](const Words& more) {
-        Words all = words;
-        all.insert(all.end(), more.begin(), more.end());
-        return force_hash(all);
-    };
+    const auto with = [&](const Words& more) { return force_hash(plus(words, more)); };
     for (const char* median : {"0", "3", "5"}) {
         const std::string cpu = with({"--median", median, "--builder", "cpu"});
         EXPECT_EQ(with({"--median", median, "--builder", "lazy"}), cpu) << median;
@@ -478,11 +463,10 @@ TEST(VulkanTouch, PassesValidationLayer) {
 TEST(VulkanTouch, ReportNamesBuilderDevice) {
     const TemporaryFolder folder;
     make_clip("bumps", folder / "clip.mkv", {"--size", "40x30", "--frames", "2"});
-    const auto device = GpuDevice::open();
-    ASSERT_TRUE(device);
+    const auto device = must(GpuDevice::open());
     const auto on_gpu = touch({folder / "clip.mkv", "--seconds", "0.1", "--builder", "vulkan"});
     const auto on_cpu = touch({folder / "clip.mkv", "--seconds", "0.1"});
-    EXPECT_EQ(on_gpu["device_name"], (*device)->facts().name);
+    EXPECT_EQ(on_gpu["device_name"], device->facts().name);
     EXPECT_EQ(on_cpu["device_name"], on_cpu["cpu_name"]);
     EXPECT_EQ(on_gpu["cpu_name"], on_cpu["cpu_name"]);
 }
@@ -491,10 +475,7 @@ TEST(VulkanTouch, ReportsMissingDriver) {
     const TemporaryFolder folder;
     make_clip("bumps", folder / "clip.mkv", {"--size", "40x30", "--frames", "2"});
     const WithoutDriver none;
-    const Outcome run = run_touchable({"touch", folder / "clip.mkv", "--builder", "vulkan"});
-    EXPECT_EQ(run.code, 4);
-    EXPECT_TRUE(run.one_line_of_error()) << run.err;
-    EXPECT_NE(run.err.find("install a driver"), std::string::npos) << run.err;
+    expect_failure({"touch", folder / "clip.mkv", "--builder", "vulkan"}, 4, "install a driver");
 }
 
 TEST(VulkanTouch, AutoFallsBackToCpu) {
@@ -505,46 +486,22 @@ TEST(VulkanTouch, AutoFallsBackToCpu) {
     const auto asked_for = make_builder({.name = "vulkan"}, scene, none);
     ASSERT_FALSE(asked_for);
     EXPECT_EQ(asked_for.error().kind, ErrorKind::gpu);
-    const auto picked = make_builder({.name = "vulkan", .gpu_fallback = true}, scene, none);
-    ASSERT_TRUE(picked) << picked.error().message;
-    EXPECT_EQ((*picked)->name(), "cpu");
-}
-
-TEST(VulkanTouch, RejectsUnknownGpu) {
-    const TemporaryFolder folder;
-    make_clip("bumps", folder / "clip.mkv", {"--size", "40x30", "--frames", "2"});
-    const Outcome run =
-        run_touchable({"touch", folder / "clip.mkv", "--builder", "vulkan", "--gpu", "no such device"});
-    EXPECT_EQ(run.code, 4);
-    EXPECT_TRUE(run.one_line_of_error()) << run.err;
-    EXPECT_NE(run.err.find("no such device"), std::string::npos) << run.err;
+    const auto picked = must(make_builder({.name = "vulkan", .gpu_fallback = true}, scene, none));
+    EXPECT_EQ(picked->name(), "cpu");
 }
 
 TEST(VulkanTouch, AutoRequiresNamedGpu) {
     const TemporaryFolder folder;
     make_clip("bumps", folder / "clip.mkv", {"--size", "40x30", "--frames", "2"});
     const Words words{folder / "clip.mkv", "--seconds", "0.1"};
-    Words named = words;
-    named.insert(named.end(), {"--gpu", "0"});
-    const auto report = touch(named);
+    const auto report = touch(plus(words, {"--gpu", "0"}));
     EXPECT_EQ(report["builder"], "cpu") << "small frames are not worth a GPU";
     EXPECT_EQ(report["force_hash"], force_hash(words));
-    const Outcome none = run_touchable({"touch", folder / "clip.mkv", "--gpu", "no such device"});
-    EXPECT_EQ(none.code, 4) << none.err;
-    EXPECT_TRUE(none.one_line_of_error()) << none.err;
-}
-
-TEST(VulkanTouch, GpuOptionsNeedVulkanBuilder) {
-    const TemporaryFolder folder;
-    make_clip("bumps", folder / "clip.mkv", {"--size", "40x30", "--frames", "2"});
-    for (const Words& words :
-         {Words{"--builder", "cpu", "--gpu", "0"}, {"--builder", "lazy", "--gpu", "0"}}) {
-        Words all{"touch", folder / "clip.mkv"};
-        all.insert(all.end(), words.begin(), words.end());
-        const Outcome run = run_touchable(all);
-        EXPECT_EQ(run.code, 2) << words.back();
-        EXPECT_TRUE(run.one_line_of_error()) << run.err;
-    }
+    for (const char* builder : {"auto", "vulkan"})
+        expect_failure({"touch", folder / "clip.mkv", "--builder", builder, "--gpu", "no such device"}, 4,
+                       "no such device");
+    for (const char* builder : {"cpu", "lazy"})
+        expect_failure({"touch", folder / "clip.mkv", "--builder", builder, "--gpu", "0"}, 2);
 }
 
 // A clip in MP4, or as a glTF scene, is felt as the same clip in Matroska, to the bit.
@@ -566,8 +523,7 @@ TEST_P(Mp4Touch, MatchesMatroskaForces) {
     for (const auto& [from, to] : {std::pair{"made.mkv", "converted.mp4"},
                                    {"converted.mp4", "scene.gltf"},
                                    {"scene.gltf", "back.mkv"}}) {
-        const Outcome run = run_touchable({"convert", at(from), at(to)});
-        ASSERT_EQ(run.code, 0) << run.err;
+        succeed({"convert", at(from), at(to)});
         EXPECT_EQ(forces(to), known) << to;
     }
 }
@@ -595,10 +551,7 @@ TEST_P(FragmentedTouch, MatchesClipForces) {
     for (const std::vector<std::string>& step :
          {std::vector<std::string>{at("made.mkv"), at("converted.mp4"), "--fragmented"},
           {at("converted.mp4"), at("back.mkv")}}) {
-        std::vector<std::string> words{"convert"};
-        words.insert(words.end(), step.begin(), step.end());
-        const Outcome run = run_touchable(words);
-        ASSERT_EQ(run.code, 0) << run.err;
+        const Outcome run = succeed(plus({"convert"}, step));
         EXPECT_EQ(run.out.find("has no MPEG-4 scene in fragments") != std::string::npos, step.size() > 2);
     }
     EXPECT_EQ(forces("converted.mp4"), known);
@@ -608,7 +561,7 @@ TEST_P(FragmentedTouch, MatchesClipForces) {
     std::ofstream(at("cut.mp4"), std::ios::binary) << whole.substr(0, whole.size() * 9 / 10);
     EXPECT_EQ(forces("cut.mp4"), known);
     const Outcome told = run_touchable({"info", at("cut.mp4")});
-    EXPECT_NE(told.out.find("the file is cut: its first 15 frames are whole"), std::string::npos) << told.out;
+    EXPECT_PRED2(says, told.out, "the file is cut: its first 15 frames are whole");
 }
 
 INSTANTIATE_TEST_SUITE_P(Bits, FragmentedTouch, ::testing::Values(8, 16));
@@ -618,13 +571,9 @@ TEST(FragmentedClip, RequiresMp4Name) {
     const std::string clip = folder / "clip.mkv";
     make_clip("globe", clip, {"--size", "64x48", "--frames", "2"});
     for (const char* out : {"out.mkv", "out/", "out.png"}) {
-        const Outcome run = run_touchable({"convert", clip, folder / out, "--fragmented"});
-        EXPECT_EQ(run.code, 2) << out;
-        EXPECT_NE(run.err.find("--fragmented is for NAME.mp4"), std::string::npos) << run.err;
+        expect_failure({"convert", clip, folder / out, "--fragmented"}, 2, "--fragmented is for NAME.mp4");
     }
-    const Outcome made = run_touchable({"make", "globe", folder / "out.mkv", "--fragmented"});
-    EXPECT_EQ(made.code, 2);
-    EXPECT_NE(made.err.find("--fragmented is for NAME.mp4"), std::string::npos) << made.err;
+    expect_failure({"make", "globe", folder / "out.mkv", "--fragmented"}, 2, "--fragmented is for NAME.mp4");
 }
 
 TEST(FragmentedClip, ReportsLostSound) {
@@ -640,9 +589,8 @@ TEST(FragmentedClip, ReportsLostSound) {
                          "' -f lavfi -i sine=d=1 -map 0 -map 1 -c copy -c:a " + codec + " '" + sounding + "'")
                             .c_str()),
             0);
-        const Outcome run = run_touchable({"convert", sounding, out, "--fragmented"});
-        EXPECT_EQ(run.code, 0) << run.err;
-        EXPECT_NE(run.out.find(words), std::string::npos) << run.out;
+        const Outcome run = succeed({"convert", sounding, out, "--fragmented"});
+        EXPECT_PRED2(says, run.out, words);
     }
 }
 

@@ -35,15 +35,13 @@ void write_log(const std::string& file, int seconds) {
 }
 
 TEST(Devices, ListEveryKind) {
-    const Outcome run = run_touchable({"devices"});
-    EXPECT_EQ(run.code, 0) << run.err;
+    const Outcome run = succeed({"devices"});
     for (const DeviceKind& kind : device_kinds())
-        EXPECT_NE(run.out.find("\n    " + std::string(kind.name) + std::string(kind.keys) + " "),
-                  std::string::npos)
+        EXPECT_PRED2(says, run.out, "\n    " + std::string(kind.name) + std::string(kind.keys) + " ")
             << kind.name;
     for (const char* part : {"\n    falcon:firmware=FILE ", "\n    woodenhaptics:file=FILE ",
                              "\n    recorded:FILE ", "\n    simulated "})
-        EXPECT_NE(run.out.find(part), std::string::npos) << part << run.out;
+        EXPECT_PRED2(says, run.out, part);
     if (run.out.starts_with("No device")) {
         EXPECT_EQ(run.out.find("sudo udevadm control --reload") == std::string::npos, has_udev_rules())
             << run.out;
@@ -51,14 +49,11 @@ TEST(Devices, ListEveryKind) {
     for (const char* part : {"\nWhat --device takes (docs/devices.md has each one's keys):\n    ",
                              "\nSee whether it works:  touchable check --device NAME\n",
                              "touchable touch CLIP --live --device NAME\n"})
-        EXPECT_NE(run.out.find(part), std::string::npos) << part << run.out;
+        EXPECT_PRED2(says, run.out, part);
 }
 
 TEST(Devices, ListKindsAsJson) {
-    const Outcome run = run_touchable({"devices", "--json"});
-    EXPECT_EQ(run.code, 0) << run.err;
-    const auto json = nlohmann::json::parse(run.out, nullptr, false);
-    ASSERT_TRUE(json.is_object()) << run.out;
+    const auto json = json_of({"devices", "--json"});
     EXPECT_TRUE(json["devices"].is_array());
     ASSERT_EQ(json["words"].size(), device_kinds().size() + 1);
     EXPECT_EQ(json["words"][0]["word"], "falcon");
@@ -68,8 +63,7 @@ TEST(Devices, ListKindsAsJson) {
 
 /// For users who have the program without its source tree.
 TEST(Devices, PrintUdevRules) {
-    const Outcome run = run_touchable({"devices", "--udev-rules"});
-    EXPECT_EQ(run.code, 0);
+    const Outcome run = succeed({"devices", "--udev-rules"});
     EXPECT_EQ(run.out, file_contents(std::string(TOUCHABLE_SOURCE_DIR) + "/share/udev/70-touchable.rules"));
 }
 
@@ -77,11 +71,8 @@ TEST(DeviceCheck, MeasuresRecordedLog) {
     const TemporaryFolder folder;
     const std::string log = folder / "trouble.csv", report = folder / "report.txt";
     write_log(log, 8);
-    const Outcome run = run_touchable(
+    const auto json = json_of(
         {"check", "--device", "recorded:" + log + ":force=4", "--seconds", "1", "--json", "--out", report});
-    ASSERT_EQ(run.code, 0) << run.err;
-    const auto json = nlohmann::json::parse(run.out, nullptr, false);
-    ASSERT_TRUE(json.is_object()) << run.out;
     EXPECT_EQ(json["touchable_device_check"], 1);
     EXPECT_EQ(json["device"]["words"], "recorded:trouble.csv:force=4");
     EXPECT_EQ(json["device"]["axes_driven"], 0);
@@ -100,7 +91,7 @@ TEST(DeviceCheck, MeasuresRecordedLog) {
     const std::string words = file_contents(report);
     for (const char* part : {"recorded:trouble.csv:force=4", "touchable ", "Linux ", "reports   ",
                              "age       ", "places    ", "stiffness not tried: it exerts no force"})
-        EXPECT_NE(words.find(part), std::string::npos) << part << " in\n" << words;
+        EXPECT_PRED2(says, words, part) << part << " in\n" << words;
     EXPECT_EQ(words.find(folder.path().string()), std::string::npos) << "folder names identify a person";
 
     const Outcome again = run_touchable({"check", "--device", "recorded:" + log, "--out", report});
@@ -109,11 +100,9 @@ TEST(DeviceCheck, MeasuresRecordedLog) {
 }
 
 TEST(DeviceCheck, ReportsDeviceThatCannotOpen) {
-    const Outcome run = run_touchable({"check", "--device", "spacemouse:node=/dev/nonexistent-hidraw"});
-    EXPECT_EQ(run.code, 5);
-    EXPECT_TRUE(run.one_line_of_error()) << run.err;
+    const Outcome run = expect_failure({"check", "--device", "spacemouse:node=/dev/nonexistent-hidraw"}, 5);
     EXPECT_TRUE(run.out.empty()) << run.out;
-    EXPECT_NE(run.err.find("/dev/nonexistent-hidraw: does not exist; must be"), std::string::npos) << run.err;
+    EXPECT_PRED2(says, run.err, "/dev/nonexistent-hidraw: does not exist; must be");
 }
 
 TEST(DeviceCheck, ReportsMissingFileAndDevice) {
@@ -121,50 +110,40 @@ TEST(DeviceCheck, ReportsMissingFileAndDevice) {
     const TemporaryFolder folder;
     for (const char* device : {"falcon:firmware=", "woodenhaptics:file="}) {
         const std::string name(device, std::string(device).find(':'));
-        const Outcome run = run_touchable({"check", "--device", device + (folder / "none.bin").string()});
-        EXPECT_EQ(run.code, 3) << device;
-        EXPECT_TRUE(run.one_line_of_error()) << run.err;
-        EXPECT_NE(run.err.find("none.bin: does not exist; expected "), std::string::npos) << run.err;
-        EXPECT_NE(run.err.find("; and no " + name + " is connected"), std::string::npos) << run.err;
+        const Outcome run = expect_failure({"check", "--device", device + (folder / "none.bin").string()}, 3,
+                                           "none.bin: does not exist; expected ");
+        EXPECT_PRED2(says, run.err, "; and no " + name + " is connected");
         const Outcome on_folder = run_touchable({"check", "--device", device + folder.path().string()});
-        EXPECT_NE(on_folder.err.find(": is a folder; expected "), std::string::npos) << on_folder.err;
+        EXPECT_PRED2(says, on_folder.err, ": is a folder; expected ");
     }
     const Outcome log = run_touchable({"check", "--device", "recorded:" + (folder / "none.csv").string()});
-    EXPECT_NE(log.err.find("none.csv: does not exist; expected a CSV file\n"), std::string::npos) << log.err;
+    EXPECT_PRED2(says, log.err, "none.csv: does not exist; expected a CSV file\n");
 }
 
 TEST(DeviceCheck, SuggestsNearestDeviceName) {
     const auto refusal = [](const char* name) { return run_touchable({"check", "--device", name}).err; };
     const std::string falco = refusal("falco");
-    EXPECT_NE(
-        falco.find("unknown device 'falco'; did you mean falcon? There are falcon, inverse3, woodenhaptics, "
-                   "spacemouse, network, recorded, simulated; and mouse, in the window alone"),
-        std::string::npos)
-        << falco;
-    EXPECT_NE(refusal("netwrok:port=6000").find("did you mean network?"), std::string::npos);
-    EXPECT_NE(refusal("inverse").find("did you mean inverse3?"), std::string::npos);
-    EXPECT_NE(refusal("xyz").find("unknown device 'xyz'; there are falcon, "), std::string::npos)
-        << "none is near";
+    EXPECT_PRED2(says, falco,
+                 "unknown device 'falco'; did you mean falcon? There are falcon, inverse3, woodenhaptics, "
+                 "spacemouse, network, recorded, simulated; and mouse, in the window alone");
+    EXPECT_PRED2(says, refusal("netwrok:port=6000"), "did you mean network?");
+    EXPECT_PRED2(says, refusal("inverse"), "did you mean inverse3?");
+    EXPECT_PRED2(says, refusal("xyz"), "unknown device 'xyz'; there are falcon, ") << "none is near";
 }
 
 TEST(DeviceCheck, TimesOutWithoutHand) {
     const TemporaryFolder folder;
     const std::string port = std::to_string(unused_port());
-    const Outcome run = run_touchable(
-        {"check", "--device", "network:port=" + port, "--wait", "1", "--out", folder / "report.txt"});
-    EXPECT_EQ(run.code, 5);
-    EXPECT_TRUE(run.one_line_of_error()) << run.err;
-    EXPECT_NE(run.err.find("no position within 1 s; waiting for a hand at UDP 127.0.0.1:" + port),
-              std::string::npos)
-        << run.err;
+    expect_failure(
+        {"check", "--device", "network:port=" + port, "--wait", "1", "--out", folder / "report.txt"}, 5,
+        "no position within 1 s; waiting for a hand at UDP 127.0.0.1:" + port);
     EXPECT_EQ(folder.file_count(), 0u);
 }
 
 TEST(DeviceCheck, StopsWhenInterrupted) {
-    const Outcome run = run_interrupted_at_once(
-        {"check", "--device", "network:port=" + std::to_string(unused_port()), "--wait", "60"});
-    EXPECT_EQ(run.code, 130);
-    EXPECT_TRUE(run.one_line_of_error()) << run.err;
+    expect_failure(run_interrupted_at_once({"check", "--device",
+                                            "network:port=" + std::to_string(unused_port()), "--wait", "60"}),
+                   130);
 }
 
 /// `check` of a network hand that rests, by a person at a terminal of their own.
@@ -176,15 +155,11 @@ protected:
         const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
         ASSERT_TRUE(terminal >= 0 && grantpt(terminal) == 0 && unlockpt(terminal) == 0);
         const std::string name = ptsname(terminal), said = folder_ / "said", json = folder_ / "json";
-        const pid_t program = fork();
-        if (program == 0) {
-            dup2(open(name.c_str(), O_RDWR | O_NOCTTY), STDIN_FILENO);
-            dup2(creat(json.c_str(), 0600), STDOUT_FILENO);
-            dup2(creat(said.c_str(), 0600), STDERR_FILENO);
-            execl(TOUCHABLE_PROGRAM, TOUCHABLE_PROGRAM, "check", "--device", device.c_str(), "--seconds", "1",
-                  "--json", nullptr);
-            _exit(127);
-        }
+        const int in = open(name.c_str(), O_RDWR | O_NOCTTY), out = creat(json.c_str(), 0600),
+                  err = creat(said.c_str(), 0600);
+        const pid_t program =
+            start_touchable({"check", "--device", device, "--seconds", "1", "--json"}, in, out, err);
+        for (const int each : {in, out, err}) close(each);
         for (bool asked = false; waitpid(program, nullptr, WNOHANG) == 0;) {
             rest(static_cast<std::uint16_t>(std::stoi(port)));
             if (asked || file_contents(said).find("n and Enter leaves that out") == std::string::npos)
@@ -193,7 +168,7 @@ protected:
             EXPECT_EQ(write(terminal, answer.data(), answer.size()), static_cast<ssize_t>(answer.size()));
         }
         close(terminal);
-        report_ = nlohmann::json::parse(file_contents(json), nullptr, false);
+        report_ = json_in(json);
         ASSERT_TRUE(report_.is_object()) << file_contents(said);
     }
     /// A packet out, and what has come back.
@@ -239,19 +214,7 @@ TEST_F(TerminalCheck, EnterTriesSprings) {
 
 /// True where the program ignores a signal while it waits for a hand.
 bool ignores(int signal, const Words& words) {
-    Words all{TOUCHABLE_PROGRAM};
-    all.insert(all.end(), words.begin(), words.end());
-    std::vector<char*> argv;
-    for (std::string& word : all) argv.push_back(word.data());
-    argv.push_back(nullptr);
-    const pid_t program = fork();
-    if (program == 0) {
-        std::signal(signal, SIG_DFL);  // the parent may ignore it
-        const int nowhere = open("/dev/null", O_RDWR);
-        for (const int stream : {0, 1, 2}) dup2(nowhere, stream);
-        execv(argv[0], argv.data());
-        _exit(127);
-    }
+    const pid_t program = start_touchable(words);
     bool ignored = false;
     while (!ignored && waitpid(program, nullptr, WNOHANG) == 0) {
         std::ifstream status("/proc/" + std::to_string(program) + "/status");
@@ -270,7 +233,7 @@ bool ignores(int signal, const Words& words) {
 TEST(HeldDevice, IgnoresTerminalStopSignals) {
     const TemporaryFolder folder;
     const std::string clip = folder / "globe.mkv";
-    ASSERT_EQ(run_touchable({"make", "globe", clip, "--size", "64x48", "--frames", "2"}).code, 0);
+    succeed({"make", "globe", clip, "--size", "64x48", "--frames", "2"});
     for (const int signal : {SIGTSTP, SIGTTIN, SIGTTOU}) {
         EXPECT_TRUE(ignores(signal, {"touch", clip, "--live", "--device",
                                      "network:port=" + std::to_string(unused_port()), "--seconds", "3"}))
@@ -290,25 +253,18 @@ TEST(DeviceCheck, RejectsInvalidOptions) {
                                {"--device", "network", "--seconds", "0"},
                                {"--hands-off"},
                                {"--seconds", "3"}}) {
-        Words all{"check"};
-        all.insert(all.end(), words.begin(), words.end());
-        const Outcome run = run_touchable(all);
-        EXPECT_EQ(run.code, 2) << words[0] << ' ' << words.back();
-        EXPECT_TRUE(run.one_line_of_error()) << run.err;
+        expect_failure(plus({"check"}, words), 2);
     }
 }
 
 class LogDevice : public ::testing::Test {
 protected:
     LogDevice() {
-        const Outcome made = run_touchable({"make", "globe", clip, "--size", "64x48", "--frames", "2"});
-        EXPECT_EQ(made.code, 0) << made.err;
+        succeed({"make", "globe", clip, "--size", "64x48", "--frames", "2"});
         write_log(log, 1);
     }
     Outcome touch(const Words& more) const {
-        Words all{"touch", clip, "--live", "--device", "recorded:" + log};
-        all.insert(all.end(), more.begin(), more.end());
-        return run_touchable(all);
+        return run_touchable(plus({"touch", clip, "--live", "--device", "recorded:" + log}, more));
     }
 
     const TemporaryFolder folder;
@@ -318,10 +274,8 @@ protected:
 TEST_F(LogDevice, EndsRunAtLogEnd) {
     const Outcome run = touch({"--json", report});
     EXPECT_EQ(run.code, 0) << run.err;
-    EXPECT_NE(run.out.find("has ended: nothing holds the handle any more; the run ends there"),
-              std::string::npos)
-        << run.out;
-    const auto facts = nlohmann::json::parse(file_contents(report));
+    EXPECT_PRED2(says, run.out, "has ended: nothing holds the handle any more; the run ends there");
+    const auto facts = json_in(report);
     const auto ticks = facts["ticks"].get<int>() + facts["skipped_ticks"].get<int>();
     EXPECT_GT(ticks, 0) << "the log begins when it is opened, a moment before the hand";
     EXPECT_LT(ticks, 2900) << "not the clip's three seconds, nor for ever";
@@ -331,7 +285,7 @@ TEST_F(LogDevice, RunsForRequestedSeconds) {
     const Outcome run = touch({"--seconds", "1.5", "--json", report});
     EXPECT_EQ(run.code, 0) << run.err;
     EXPECT_EQ(run.out.find("the run ends there"), std::string::npos) << run.out;
-    const auto facts = nlohmann::json::parse(file_contents(report));
+    const auto facts = json_in(report);
     EXPECT_GE(facts["ticks"].get<int>() + facts["skipped_ticks"].get<int>(), 1500);
     EXPECT_LE(facts["ticks"].get<int>(), 1500);
 }
@@ -340,27 +294,23 @@ TEST_F(LogDevice, ExertsNoForce) {
     for (const Words& more : {Words{"--json", report}, {"--force-on", "--json", folder / "on.json"}}) {
         const Outcome run = touch(more);
         EXPECT_EQ(run.code, 0) << run.err;
-        EXPECT_NE(run.err.find("the recorded device exerts no force"), std::string::npos) << run.err;
-        EXPECT_NE(run.out.find("the device exerts no force\n"), std::string::npos) << run.out;
+        EXPECT_PRED2(says, run.err, "the recorded device exerts no force");
+        EXPECT_PRED2(says, run.out, "the device exerts no force\n");
         EXPECT_EQ((run.out + run.err).find("forces on"), std::string::npos) << run.out << run.err;
-        EXPECT_EQ(nlohmann::json::parse(file_contents(more.back()))["forces_on_ticks"], 0);
+        EXPECT_EQ(json_in(more.back())["forces_on_ticks"], 0);
     }
 }
 
 TEST_F(LogDevice, ReportsMissingHand) {
     const std::string port = std::to_string(unused_port());
-    const Outcome run = run_touchable(
+    const Outcome run = succeed(
         {"touch", clip, "--live", "--device", "network:port=" + port, "--seconds", "0.3", "--json", report});
-    EXPECT_EQ(run.code, 0) << run.err;
-    EXPECT_NE(run.err.find("press the device's first button (bit 0 of its buttons)"), std::string::npos)
-        << run.err;
-    EXPECT_NE(run.err.find("waiting for a hand at UDP 127.0.0.1:" + port), std::string::npos) << run.err;
-    EXPECT_NE(run.out.find("no hand ever came to UDP 127.0.0.1:" + port + "\n"), std::string::npos)
-        << run.out;
+    EXPECT_PRED2(says, run.err, "press the device's first button (bit 0 of its buttons)");
+    EXPECT_PRED2(says, run.err, "waiting for a hand at UDP 127.0.0.1:" + port);
+    EXPECT_PRED2(says, run.out, "no hand ever came to UDP 127.0.0.1:" + port + "\n");
     EXPECT_EQ(run.out.find("no finger touched anything"), std::string::npos) << run.out;
     EXPECT_EQ(run.out.find("changed by it"), std::string::npos) << run.out;
-    EXPECT_EQ(nlohmann::json::parse(file_contents(report))["warnings"].back(),
-              "no hand ever came to UDP 127.0.0.1:" + port);
+    EXPECT_EQ(json_in(report)["warnings"].back(), "no hand ever came to UDP 127.0.0.1:" + port);
 }
 
 TEST(DeviceReport, NamesNoFolders) {
@@ -376,26 +326,27 @@ TEST(DeviceReport, DescribesStiffnessSearch) {
     DeviceReport report;
     report.capabilities.answers = true;
     report.facts.left_out = 7;
-    const auto says = [&report](const char* part) {
+    const auto expect = [&report](const char* part) {
         const std::string text = to_text(report);
-        EXPECT_NE(text.find(part), std::string::npos) << part << " in\n" << text;
+        EXPECT_PRED2(says, text, part);
     };
     report.stiffness = {.quiet = 800, .shaking = 1131, .why = "its swings doubled", .most_force = 1.5};
-    says("stiffness 0.8 N/mm is quiet, 1.13 N/mm is not: its swings doubled (no hand on it, 1.5 N at most)");
-    says("answer    round trip, from a force to the position that answers it: ");
-    says("7 reports");
+    expect(
+        "stiffness 0.8 N/mm is quiet, 1.13 N/mm is not: its swings doubled (no hand on it, 1.5 N at most)");
+    expect("answer    round trip, from a force to the position that answers it: ");
+    expect("7 reports");
     report.stiffness = {.quiet = 1000, .most_force = 1.5};
-    says("1 N/mm, its own limit, is quiet");
+    expect("1 N/mm, its own limit, is quiet");
     report.stiffness = {.quiet = 0, .shaking = 100, .why = "it went 3 mm away"};
-    says("even 0.1 N/mm is not quiet: it went 3 mm away");
+    expect("even 0.1 N/mm is not quiet: it went 3 mm away");
     report.stiffness = {.quiet = 1000, .moved = false};
-    says("friction held the handle against every nudge");
+    expect("friction held the handle against every nudge");
     report.facts.left_out = -1;
     report.capabilities.answers = false;
-    says("answer    from a force to the next position, which comes by itself: ");
+    expect("answer    from a force to the next position, which comes by itself: ");
     EXPECT_EQ(to_text(report).find(" reports, "), std::string::npos) << "it does not count them";
     report.watch.rest.farthest_m = 0.004;
-    says("the handle moved (by 4 mm)");
+    expect("the handle moved (by 4 mm)");
 }
 
 }  // namespace

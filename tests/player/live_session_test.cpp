@@ -22,6 +22,7 @@
 #include "player/session/touch_setup.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/limits.hpp"
+#include "tests/must.hpp"
 #include "tests/player/in_process.hpp"
 #include "tests/sweep.hpp"
 #include "tests/temporary_files.hpp"
@@ -559,10 +560,9 @@ TEST(CameraFilm, HasNoFramesOnceBroken) {
 }
 
 TEST(CameraChoice, ReplayNamesClip) {
-    const auto camera = read_live_camera("replay:takes/clip.mkv,fps=15");
-    ASSERT_TRUE(camera) << camera.error().message;
+    const auto camera = must(read_live_camera("replay:takes/clip.mkv,fps=15"));
     ClipChoice choice;
-    choice.choose(*camera);
+    choice.choose(camera);
     EXPECT_EQ(choice.file, "takes/clip.mkv");
     EXPECT_TRUE(choice.is_camera());
 }

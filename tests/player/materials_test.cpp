@@ -12,6 +12,7 @@
 #include "engine/picture/image.hpp"
 #include "player/commands/make_command.hpp"
 #include "tests/limits.hpp"
+#include "tests/must.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 #include "tests/real_data.hpp"
@@ -49,18 +50,14 @@ protected:
             "camera": {"fx": 400, "fy": 400, "cx": 47.5, "cy": 31.5}, "device_metres_per_unit": 0.0005,
             "depth": {"coding": "metric", "scale": 1, "near": 10, "far": 1500, "invalid": [0]},
             "folder": {"depth": "depth_%d.png", "colour": "colour_%d.png", "count": 12}})";
-        const Outcome made = run_touchable({"convert", at("wall"), at("wall.mkv"), "--exact-colour"});
-        EXPECT_EQ(made.code, 0) << made.err;
+        succeed({"convert", at("wall"), at("wall.mkv"), "--exact-colour"});
     }
     std::string at(const std::string& name) const { return folder_ / name; }
     Words words(const std::string& out, const Words& more = {}) const {
-        Words all{"materials", at("wall.mkv"), at(out)};
-        all.insert(all.end(), more.begin(), more.end());
-        return all;
+        return plus({"materials", at("wall.mkv"), at(out)}, more);
     }
     Outcome run(const std::string& out, const Words& more = {}) const {
-        const Outcome done = run_touchable(words(out, more));
-        EXPECT_EQ(done.code, 0) << done.err;
+        const Outcome done = succeed(words(out, more));
         return done;
     }
     /// A hash of the file's bytes: a failure prints two numbers and not two files.
@@ -89,18 +86,13 @@ protected:
 TEST_F(Materials, WriteSeveralClipsToFolder) {
     fs::copy_file(at("wall.mkv"), at("other.mkv"));
     const Words several{"materials", at("wall.mkv"), at("other.mkv"), at("out") + "/"};
-    ASSERT_EQ(run_touchable(several).code, 0);
+    succeed(several);
     EXPECT_TRUE(fs::exists(at("out/wall.mkv")) && fs::exists(at("out/other.mkv")));
-    Words saved = several;
-    saved.insert(saved.end(), {"--save", at("names.json")});
-    const Outcome refused = run_touchable(saved);
-    EXPECT_EQ(refused.code, 2);
-    EXPECT_NE(refused.err.find("--save is one file"), std::string::npos) << refused.err;
+    Words saved = plus(several, {"--save", at("names.json")});
+    expect_failure(saved, 2, "--save is one file");
     // A clip that is there already would be left out, and nothing saved.
-    const Outcome one =
-        run_touchable({"materials", at("wall.mkv"), at("out") + "/", "--save", at("names.json")});
-    EXPECT_EQ(one.code, 2);
-    EXPECT_NE(one.err.find("--save is one file"), std::string::npos) << one.err;
+    expect_failure({"materials", at("wall.mkv"), at("out") + "/", "--save", at("names.json")}, 2,
+                   "--save is one file");
 }
 
 /// A wall that is cut across, and of which two parts are one thing again.
@@ -119,17 +111,14 @@ TEST_F(Materials, SaveCutsAndJoins) {
     EXPECT_EQ(bytes("saved_again.json"), bytes("saved.json"));
     std::ofstream(at("beside.json")) << R"({"touchable_segments": 1, "segments": [],
         "cuts": [{"frame": 0, "stroke": [[2, 2], [8, 8]]}]})";
-    const Outcome refused = run_touchable(words("no.mkv", {"--segments", at("beside.json")}));
-    EXPECT_EQ(refused.code, 3);
-    EXPECT_NE(refused.err.find("beside.json: cuts[0]: the stroke crosses no segment"), std::string::npos)
-        << refused.err;
+    expect_failure(words("no.mkv", {"--segments", at("beside.json")}), 3,
+                   "beside.json: cuts[0]: the stroke crosses no segment");
 }
 
 TEST_F(Materials, WarnAboutTwiceScaledHeights) {
-    ASSERT_EQ(run_touchable({"relief", at("wall.mkv"), at("rough.mkv")}).code, 0);
+    succeed({"relief", at("wall.mkv"), at("rough.mkv")});
     const auto scaled = [&](const std::string& clip, const std::string& out) {
-        const Outcome done = run_touchable({"materials", at(clip), at(out), "--scale-relief"});
-        EXPECT_EQ(done.code, 0) << done.err;
+        const Outcome done = succeed({"materials", at(clip), at(out), "--scale-relief"});
         return done.out.find("are scaled twice") != std::string::npos;
     };
     EXPECT_FALSE(scaled("rough.mkv", "once.mkv"));
@@ -167,24 +156,22 @@ TEST_F(Materials, KeepOtherPlanesUnchanged) {
     const Outcome done = run("felt.mkv", wood_and_foam);
     for (const char* said : {"colour  every value kept", "haptic  every value kept", "table: 2 N/mm",
                              "mat: 0.22 N/mm", "steady   0.000 %", "frames/s"})
-        EXPECT_NE(done.out.find(said), std::string::npos) << said << '\n' << done.out;
+        EXPECT_PRED2(says, done.out, said);
     const auto before = packets(at("wall.mkv")), after = packets(at("felt.mkv"));
     EXPECT_FALSE(before.empty());
     for (const std::string& packet : before)
         EXPECT_NE(std::find(after.begin(), after.end(), packet), after.end());
     EXPECT_GT(after.size(), before.size());
 
-    EXPECT_EQ(run_touchable({"convert", at("felt.mkv"), at("again.mkv")}).code, 0);
-    EXPECT_EQ(run_touchable({"convert", at("felt.mkv"), at("felt.mp4")}).code, 0);
+    succeed({"convert", at("felt.mkv"), at("again.mkv")});
+    succeed({"convert", at("felt.mkv"), at("felt.mp4")});
     const std::string hash = force_hash({at("felt.mkv"), "--seconds", "0.5"});
     EXPECT_EQ(force_hash({at("again.mkv"), "--seconds", "0.5"}), hash);
     EXPECT_EQ(force_hash({at("felt.mp4"), "--seconds", "0.5"}), hash);
     EXPECT_NE(force_hash({at("wall.mkv"), "--seconds", "0.5"}), hash);
-    EXPECT_EQ(
-        run_touchable({"play", at("felt.mkv"), "--headless", "--seconds", "0.1", "--size", "160x120"}).code,
-        0);
+    succeed({"play", at("felt.mkv"), "--headless", "--seconds", "0.1", "--size", "160x120"});
     // Its haptic pictures give way to others.
-    EXPECT_EQ(run_touchable({"materials", at("felt.mkv"), at("other.mkv"), "--otherwise", "stone"}).code, 0);
+    succeed({"materials", at("felt.mkv"), at("other.mkv"), "--otherwise", "stone"});
     EXPECT_EQ(packets(at("other.mkv")).size(), after.size());
 }
 
@@ -215,15 +202,13 @@ TEST_F(Materials, ReproduceSameBytes) {
 TEST_F(Materials, WriteMapOfOneFrame) {
     const Outcome done =
         run("map.png", {"--frame", "1", "--material", "mat=carpet", "--at", "80,20", "--otherwise", "stone"});
-    EXPECT_NE(done.out.find("static friction 1.34 becomes 1"), std::string::npos) << done.out;
+    EXPECT_PRED2(says, done.out, "static friction 1.34 becomes 1");
     EXPECT_EQ(done.out.find("guess"), std::string::npos) << done.out;
-    auto clip = open_clip(at("wall.mkv"));
-    ASSERT_TRUE(clip);
-    const auto& ranges = (*clip)->scene().haptic;
-    const auto map = read_image(at("map.png"));
-    ASSERT_TRUE(map);
+    auto clip = must(open_clip(at("wall.mkv")));
+    const auto& ranges = clip->scene().haptic;
+    const auto map = must(read_image(at("map.png")));
     const auto felt = [&](int x, int y) {
-        const PlaneView view = map->view();
+        const PlaneView view = map.view();
         return ranges.at(static_cast<std::uint8_t>(view.sample(x, y, 0)),
                          static_cast<std::uint8_t>(view.sample(x, y, 1)),
                          static_cast<std::uint8_t>(view.sample(x, y, 2)));
@@ -238,18 +223,15 @@ TEST_F(Materials, WriteMapOfOneFrame) {
 
 TEST_F(Materials, ListWithoutWriting) {
     const auto before = names_in(at(""));
-    const Outcome told = run_touchable({"materials", at("wall.mkv")});
-    EXPECT_EQ(told.code, 0) << told.err;
-    EXPECT_NE(told.out.find("wood       guess"), std::string::npos) << told.out;
-    EXPECT_NE(told.out.find("Guesses are by colour and roughness alone"), std::string::npos) << told.out;
-    const Outcome list = run_touchable({"materials", "--list"});
-    EXPECT_EQ(list.code, 0) << list.err;
+    const Outcome told = succeed({"materials", at("wall.mkv")});
+    EXPECT_PRED2(says, told.out, "wood       guess");
+    EXPECT_PRED2(says, told.out, "Guesses are by colour and roughness alone");
+    const Outcome list = succeed({"materials", "--list"});
     for (const char* said : {"wood ", "water ", "as stiff as the device can", "HaTT", "estimate"})
-        EXPECT_NE(list.out.find(said), std::string::npos) << said;
-    const auto json =
-        nlohmann::json::parse(run_touchable({"materials", "--list", "--json"}).out, nullptr, false);
+        EXPECT_PRED2(says, list.out, said);
+    const auto json = json_of({"materials", "--list", "--json"});
     for (const auto& material : json["materials"])
-        EXPECT_NE(list.out.find(material["name"].get<std::string>() + ' '), std::string::npos) << material;
+        EXPECT_PRED2(says, list.out, material["name"].get<std::string>() + ' ') << material;
     EXPECT_EQ(std::ranges::count(list.out, '\n'), std::ssize(json["materials"]) + 4) << list.out;
     EXPECT_EQ(run_touchable({"materials", at("wall.mkv"), "--json"}).code, 2) << "--save writes the segments";
     EXPECT_EQ(names_in(at("")), before);
@@ -257,12 +239,8 @@ TEST_F(Materials, ListWithoutWriting) {
 
 TEST_F(Materials, NeedColourOnlyForGuesses) {
     make_clip("bumps", at("grey.mkv"), {"--size", "48x32", "--frames", "2"});
-    const Outcome guessed = run_touchable({"materials", at("grey.mkv"), at("out.mkv")});
-    EXPECT_EQ(guessed.code, 3) << guessed.err;
-    EXPECT_TRUE(guessed.one_line_of_error()) << guessed.err;
-    EXPECT_NE(guessed.err.find("has no colour"), std::string::npos) << guessed.err;
-    const Outcome said = run_touchable({"materials", at("grey.mkv"), at("out.mkv"), "--otherwise", "cork"});
-    EXPECT_EQ(said.code, 0) << said.err;
+    expect_failure({"materials", at("grey.mkv"), at("out.mkv")}, 3, "has no colour");
+    succeed({"materials", at("grey.mkv"), at("out.mkv"), "--otherwise", "cork"});
     const auto cork = haptic_at("out.mkv", 1, 1);
     EXPECT_EQ(cork, haptic_at("out.mkv", 47, 31));
     EXPECT_NEAR(cork[0], (1.5 - 0.05) / 1.95 * 255, 0.5);
@@ -302,15 +280,6 @@ TEST_F(Materials, ChangeWithoutKickingRestingFinger) {
     }
 }
 
-TEST_F(Materials, LeaveNothingWhenInterrupted) {
-    make_clip("globe", at("long.mkv"), {"--size", "320x240", "--frames", "30"});
-    const auto before = names_in(at(""));
-    const Outcome stopped = run_interrupted(
-        {"materials", at("long.mkv"), at("felt.mkv"), "--save", at("names.json")}, folder_.path());
-    EXPECT_EQ(stopped.code, 130) << stopped.err;
-    EXPECT_EQ(names_in(at("")), before);
-}
-
 TEST_F(Materials, RejectInvalidOptions) {
     std::ofstream(at("bad.json")) << R"({"touchable_segments": 1, "segments": [
         {"name": "a", "material": "gold", "at": [20, 40]}]})";
@@ -319,10 +288,7 @@ TEST_F(Materials, RejectInvalidOptions) {
     const auto before = names_in(at(""));
     const auto expect = [&](const Words& more, int code, const std::string& why,
                             const std::string& out = "out.mkv") {
-        const Outcome run = run_touchable(words(out, more));
-        EXPECT_EQ(run.code, code) << run.err;
-        EXPECT_TRUE(run.one_line_of_error()) << run.err;
-        EXPECT_NE(run.err.find(why), std::string::npos) << run.err;
+        expect_failure(words(out, more), code, why);
         EXPECT_EQ(names_in(at("")), before) << why;
     };
     const auto named = [](const std::string& material, const std::string& place) {
@@ -385,21 +351,10 @@ public:
     const TemporaryFolder& folder() const { return folder_; }
     /// `make globe` of them, small and short, with more words.
     std::vector<std::string> words(const std::vector<std::string>& more = {}) const {
-        std::vector<std::string> all{"make",
-                                     "globe",
-                                     folder_ / "out.mkv",
-                                     "--size",
-                                     "96x64",
-                                     "--frames",
-                                     "2",
-                                     "--colour",
-                                     folder_ / "colour.png",
-                                     "--elevation",
-                                     folder_ / "elevation.png",
-                                     "--mask",
-                                     folder_ / "mask.png"};
-        all.insert(all.end(), more.begin(), more.end());
-        return all;
+        return plus({"make", "globe", folder_ / "out.mkv", "--size", "96x64", "--frames", "2", "--colour",
+                     folder_ / "colour.png", "--elevation", folder_ / "elevation.png", "--mask",
+                     folder_ / "mask.png"},
+                    more);
     }
 
 private:
@@ -409,18 +364,15 @@ private:
 TEST(GlobeMaps, GiveAllPlanes) {
     for (const bool white : {true, false}) {
         const MapsInAFolder maps(64, white);
-        const Outcome run = run_touchable(maps.words({"--longitude", "0", "--rate", "24", "--bits", "12"}));
-        ASSERT_EQ(run.code, 0) << run.err;
-        EXPECT_NE(run.out.find("out.mkv: 2 frames of globe, 96x64, 12 bits"), std::string::npos) << run.out;
-        EXPECT_NE(run.out.find("sea level 8000 of the elevation map; land is " +
-                               std::string(white ? "bright" : "dark") +
-                               " in the mask; the two agree on 100.0 % of the globe"),
-                  std::string::npos)
-            << run.out;
-        auto reader = open_clip(maps / "out.mkv");
-        ASSERT_TRUE(reader) << reader.error().message;
-        EXPECT_EQ((*reader)->scene().rate.num, 24);
-        const RawFrame frame = (*reader)->next()->value();
+        const Outcome run = succeed(maps.words({"--longitude", "0", "--rate", "24", "--bits", "12"}));
+        EXPECT_PRED2(says, run.out, "out.mkv: 2 frames of globe, 96x64, 12 bits");
+        EXPECT_PRED2(says, run.out,
+                     "sea level 8000 of the elevation map; land is " +
+                         std::string(white ? "bright" : "dark") +
+                         " in the mask; the two agree on 100.0 % of the globe");
+        auto reader = must(open_clip(maps / "out.mkv"));
+        EXPECT_EQ(reader->scene().rate.num, 24);
+        const RawFrame frame = reader->next()->value();
         EXPECT_FALSE(frame.colour.empty());
         EXPECT_FALSE(frame.height.empty());
         EXPECT_EQ(frame.haptic.sample(48, 31), 148);  // land in front: 1.2 N/mm
@@ -431,42 +383,29 @@ TEST(GlobeMaps, GiveAllPlanes) {
 
 TEST(GlobeMaps, GiveSameBytesAgain) {
     const MapsInAFolder maps;
-    ASSERT_EQ(run_touchable(maps.words()).code, 0);
+    succeed(maps.words());
     const std::string first = file_contents(maps / "out.mkv");
-    ASSERT_EQ(run_touchable(maps.words({"--overwrite"})).code, 0);
+    succeed(maps.words({"--overwrite"}));
     EXPECT_EQ(file_contents(maps / "out.mkv"), first);
-}
-
-TEST(GlobeMaps, UseGivenSeaLevel) {
-    const MapsInAFolder maps;
-    const Outcome run = run_touchable(maps.words({"--sea-level", "8123.5"}));
-    ASSERT_EQ(run.code, 0) << run.err;
-    EXPECT_NE(run.out.find("sea level 8123.5, as told;"), std::string::npos) << run.out;
 }
 
 TEST(GlobeMaps, UseLeastElevationWithoutMask) {
     const MapsInAFolder maps;
     auto words = maps.words();
     words.resize(words.size() - 2);
-    ASSERT_EQ(run_touchable(maps.words({"--longitude", "0"})).code, 0);
+    succeed(maps.words({"--longitude", "0"}));
     const std::string with_mask = file_contents(maps / "out.mkv");
     words.insert(words.end(), {"--longitude", "0", "--overwrite"});
-    const Outcome run = run_touchable(words);
-    ASSERT_EQ(run.code, 0) << run.err;
-    EXPECT_NE(
-        run.out.find("sea level 8000, the least of the elevation map (--sea-level VALUE says otherwise)"),
-        std::string::npos)
-        << run.out;
+    const Outcome run = succeed(words);
+    EXPECT_PRED2(says, run.out,
+                 "sea level 8000, the least of the elevation map (--sea-level VALUE says otherwise)");
     EXPECT_EQ(file_contents(maps / "out.mkv"), with_mask);
     words.insert(words.end(), {"--sea-level", "13000"});
-    const Outcome told = run_touchable(words);
-    ASSERT_EQ(told.code, 0) << told.err;
-    EXPECT_NE(told.out.find("sea level 13000, as told"), std::string::npos) << told.out;
+    const Outcome told = succeed(words);
+    EXPECT_PRED2(says, told.out, "sea level 13000, as told");
     EXPECT_NE(file_contents(maps / "out.mkv"), with_mask);
     words.back() = "7000";
-    const Outcome dry = run_touchable(words);
-    EXPECT_EQ(dry.code, 3);
-    EXPECT_NE(dry.err.find("--sea-level leaves only land"), std::string::npos) << dry.err;
+    expect_failure(words, 3, "--sea-level leaves only land");
 }
 
 TEST(GlobeMaps, KeepHapticMapCodes) {
@@ -475,32 +414,14 @@ TEST(GlobeMaps, KeepHapticMapCodes) {
     for (int n = 0; n < 32 * 16; ++n)
         for (const int code : {200, 100, 50}) touch.samples.push_back(static_cast<std::uint8_t>(code));
     ASSERT_TRUE(write_png(maps / "touch.png", touch.view()));
-    ASSERT_EQ(run_touchable(maps.words({"--haptic", maps / "touch.png"})).code, 0);
-    auto reader = open_clip(maps / "out.mkv");
-    ASSERT_TRUE(reader);
-    const RawFrame frame = (*reader)->next()->value();
+    succeed(maps.words({"--haptic", maps / "touch.png"}));
+    auto reader = must(open_clip(maps / "out.mkv"));
+    const RawFrame frame = reader->next()->value();
     for (const int x : {25, 48, 70}) {
         EXPECT_EQ(frame.haptic.sample(x, 31, 0), 200);
         EXPECT_EQ(frame.haptic.sample(x, 31, 1), 100);
         EXPECT_EQ(frame.haptic.sample(x, 31, 2), 50);
     }
-}
-
-TEST(GlobeMaps, AreReadIntoTheirPlaces) {
-    const MapsInAFolder maps;
-    GlobeMapFiles files;
-    files.elevation = maps / "elevation.png";
-    files.mask = maps / "mask.png";
-    const auto missing = read_globe_maps(files);
-    ASSERT_FALSE(missing);
-    EXPECT_EQ(missing.error().message, "the colour map is missing");
-    files.haptic = files.colour = maps / "colour.png";
-    const auto read = read_globe_maps(files);
-    ASSERT_TRUE(read) << read.error().message;
-    EXPECT_EQ((*read)->maps.colour.at(32, 16, 0), 120);
-    EXPECT_EQ((*read)->maps.elevation.at(0, 0, 0), 8000);
-    EXPECT_EQ((*read)->maps.mask.at(32, 16, 0), 255);
-    EXPECT_EQ((*read)->maps.haptic.at(32, 16, 1), 90);
 }
 
 TEST(GlobeMaps, ScaleWhiteByBitDepth) {
@@ -513,19 +434,15 @@ TEST(GlobeMaps, ScaleWhiteByBitDepth) {
         std::ofstream(files.colour, std::ios::binary)
             << "P5 64 32 " << largest << "\n"
             << std::string(static_cast<std::size_t>(64 * 32 * bytes), '\0');
-        const auto read = read_globe_maps(files);
-        ASSERT_TRUE(read) << read.error().message;
-        EXPECT_EQ((*read)->maps.colour.largest, largest);
+        const auto read = must(read_globe_maps(files));
+        EXPECT_EQ(read->maps.colour.largest, largest);
     }
 }
 
 /// One line, the right exit code, and nothing is left behind.
 void expect_refusal(const MapsInAFolder& maps, const std::vector<std::string>& words, int code,
                     const std::string& said) {
-    const Outcome run = run_touchable(words);
-    EXPECT_EQ(run.code, code) << run.err;
-    EXPECT_TRUE(run.one_line_of_error()) << run.err;
-    EXPECT_NE(run.err.find(said), std::string::npos) << run.err;
+    expect_failure(words, code, said);
     for (const std::string& name : names_in(maps.folder().path())) EXPECT_NE(name, "out.mkv");
 }
 
@@ -608,21 +525,7 @@ TEST(GlobeMaps, ReportInsufficientMemory) {
     for (std::size_t n = 0; n < large.samples.size(); n += 97)
         large.samples[n] = static_cast<std::uint8_t>(n);
     ASSERT_TRUE(write_png(maps / "colour.png", large.view()));
-    const Outcome run = run_in_memory(maps.words(), 360);
-    EXPECT_EQ(run.code, 3) << run.err;
-    EXPECT_TRUE(run.one_line_of_error()) << run.err;
-    EXPECT_NE(run.err.find("memory"), std::string::npos) << run.err;
-}
-
-TEST(GlobeMaps, LeaveNoClipWhenInterrupted) {
-    const MapsInAFolder maps;
-    const TemporaryFolder out;
-    std::vector<std::string> words = maps.words();
-    words[2] = out / "out.mkv";
-    words[6] = "100000";
-    const Outcome run = run_interrupted(words, out.path());
-    EXPECT_EQ(run.code, 130) << run.err;
-    EXPECT_TRUE(names_in(out.path()).empty());
+    expect_failure(run_in_memory(maps.words(), 360), 3, "memory");
 }
 
 TEST(GlobeMaps, ShowHimalayaOfRealEarth) {
@@ -635,20 +538,18 @@ TEST(GlobeMaps, ShowHimalayaOfRealEarth) {
     };
     for (const Mask& mask :
          {Mask{"etopo5_10min_landmask.png", "bright", 99.9}, {"earth-water.png", "dark", 98}}) {
-        const Outcome run = run_touchable(
-            {"make", "globe", folder / "earth.mkv", "--size", "240x160", "--frames", "1", "--axial-tilt", "0",
-             "--longitude", "85", "--overwrite", "--colour", (earth / "earth-blue-marble.jpg").string(),
-             "--elevation", (earth / "etopo5_10min_elev_u16.png").string(), "--mask",
-             (earth / mask.file).string()});
-        ASSERT_EQ(run.code, 0) << run.err;
-        EXPECT_NE(run.out.find(std::string("land is ") + mask.land), std::string::npos) << run.out;
+        const Outcome run =
+            succeed({"make", "globe", folder / "earth.mkv", "--size", "240x160", "--frames", "1",
+                     "--axial-tilt", "0", "--longitude", "85", "--overwrite", "--colour",
+                     (earth / "earth-blue-marble.jpg").string(), "--elevation",
+                     (earth / "etopo5_10min_elev_u16.png").string(), "--mask", (earth / mask.file).string()});
+        EXPECT_PRED2(says, run.out, std::string("land is ") + mask.land);
         const double level = std::stod(run.out.substr(run.out.find("sea level ") + 10));
         EXPECT_NEAR(level, 11000, 60) << run.out;
         EXPECT_GE(std::stod(run.out.substr(run.out.find("agree on ") + 9)), mask.least) << run.out;
-        auto reader = open_clip(folder / "earth.mkv");
-        ASSERT_TRUE(reader);
-        const Scene& scene = (*reader)->scene();
-        const RawFrame frame = (*reader)->next()->value();
+        auto reader = must(open_clip(folder / "earth.mkv"));
+        const Scene& scene = reader->scene();
+        const RawFrame frame = reader->next()->value();
         // Straight ahead of the camera, in rows, the sphere's own radius and that of what lies there.
         const double radius = 0.032 / *scene.device_metres_per_unit;
         const auto rise = [&](int x, int y) {

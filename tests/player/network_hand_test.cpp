@@ -185,10 +185,7 @@ Outcome touch_with(const std::string& hand, const Words& words, std::string& sai
 
 class NetworkTouch : public ::testing::Test {
 protected:
-    NetworkTouch() {
-        const Outcome made = run_touchable({"make", "globe", clip, "--size", "64x48", "--frames", "4"});
-        EXPECT_EQ(made.code, 0) << made.err;
-    }
+    NetworkTouch() { succeed({"make", "globe", clip, "--size", "64x48", "--frames", "4"}); }
     std::string device() const { return "network:port=" + std::to_string(port); }
 
     const TemporaryFolder folder;
@@ -219,21 +216,20 @@ TEST_F(NetworkTouch, PythonExampleFeelsAndReplays) {
              "--verbose", "--json", report, "--device-log", log, "--record", record, "--forces", forces},
             said);
         ASSERT_EQ(live.code, 130) << live.err;
-        facts = nlohmann::json::parse(file_contents(report));
+        facts = json_in(report);
     }
-    EXPECT_NE(said.find("ms p99, largest force "), std::string::npos) << said;
-    EXPECT_NE(said.find("exit 0"), std::string::npos) << said;
+    EXPECT_PRED2(says, said, "ms p99, largest force ");
+    EXPECT_PRED2(says, said, "exit 0");
     EXPECT_GT(felt_force(said), 0) << said;
     EXPECT_EQ(facts["device"], "network hand");
     EXPECT_GT(facts["forces_on_ticks"], 1000);
     EXPECT_GT(facts["contact_ticks"], 50);
     EXPECT_GT(facts["longest_device_call_ms"].get<double>(), 0);
     EXPECT_TRUE(std::isfinite(facts["longest_device_call_ms"].get<double>()));
-    EXPECT_NE(live.out.find("\n  device calls          longest "), std::string::npos) << live.out;
+    EXPECT_PRED2(says, live.out, "\n  device calls          longest ");
     EXPECT_EQ(facts["proxy_behind_mesh_ticks"], 0);
-    const Outcome replay = run_touchable({"touch", "--replay", record, "--json", folder / "again.json"});
-    EXPECT_EQ(replay.code, 0) << replay.err;
-    EXPECT_EQ(nlohmann::json::parse(file_contents(folder / "again.json"))["force_hash"], facts["force_hash"]);
+    succeed({"touch", "--replay", record, "--json", folder / "again.json"});
+    EXPECT_EQ(json_in(folder / "again.json")["force_hash"], facts["force_hash"]);
 
     std::ifstream rows(log);
     std::string header, row;
@@ -289,9 +285,9 @@ TEST_F(NetworkTouch, DocumentedHandFeelsGlobe) {
                                         said);
         EXPECT_EQ(live.code, 130) << live.err;
     }
-    EXPECT_NE(said.find(" answers, largest force "), std::string::npos) << said;
+    EXPECT_PRED2(says, said, " answers, largest force ");
     EXPECT_GT(felt_force(said), 0) << said;
-    EXPECT_NE(said.find("exit 0"), std::string::npos) << said;
+    EXPECT_PRED2(says, said, "exit 0");
 }
 
 TEST_F(NetworkTouch, SerialBoardFeelsGlobe) {
@@ -317,19 +313,17 @@ TEST_F(NetworkTouch, SerialBoardFeelsGlobe) {
 TEST_F(NetworkTouch, ExampleReportsMissingAnswer) {
     const std::string example = "/usr/bin/python3 " TOUCHABLE_SOURCE_DIR "/device/examples/network_hand.py ";
     const std::string alone = said_by(example + "0.05 " + std::to_string(port));
-    EXPECT_NE(
-        alone.find("no answer from UDP 127.0.0.1:" + std::to_string(port) + ": no program listens there"),
-        std::string::npos)
-        << alone;
-    EXPECT_NE(alone.find("exit 1"), std::string::npos) << alone;
+    EXPECT_PRED2(says, alone,
+                 "no answer from UDP 127.0.0.1:" + std::to_string(port) + ": no program listens there");
+    EXPECT_PRED2(says, alone, "exit 1");
     UdpSocket deaf;
     ASSERT_TRUE(deaf.bind("127.0.0.1", 0));
     const std::string unheard = said_by(example + "0.05 " + std::to_string(deaf.port()));
-    EXPECT_NE(unheard.find(": no answer came"), std::string::npos) << unheard;
+    EXPECT_PRED2(says, unheard, ": no answer came");
     EXPECT_EQ(unheard.find("Traceback"), std::string::npos) << unheard;
     const std::string help = said_by(example + "--help");
-    EXPECT_NE(help.find("A small hand"), std::string::npos) << help;
-    EXPECT_NE(help.find("exit 0"), std::string::npos) << help;
+    EXPECT_PRED2(says, help, "A small hand");
+    EXPECT_PRED2(says, help, "exit 0");
 }
 
 TEST_F(NetworkTouch, ReportsSlowLogReader) {
@@ -343,11 +337,9 @@ TEST_F(NetworkTouch, ReportsSlowLogReader) {
         const std::string rows = file_contents(log);
         if (std::count(rows.begin(), rows.end(), '\n') > 7000) break;
     }
-    EXPECT_NE(said.find("--device-log -: its disk or its reader was too slow for 1000 ticks a second: "),
-              std::string::npos)
-        << said;
-    EXPECT_NE(said.find(" ticks are missing"), std::string::npos) << said;
-    EXPECT_NE(said.find("exit 3"), std::string::npos) << said;
+    EXPECT_PRED2(says, said, "--device-log -: its disk or its reader was too slow for 1000 ticks a second: ");
+    EXPECT_PRED2(says, said, " ticks are missing");
+    EXPECT_PRED2(says, said, "exit 3");
 }
 
 TEST_F(NetworkTouch, LivePlotEndsWithInput) {
@@ -358,7 +350,7 @@ TEST_F(NetworkTouch, LivePlotEndsWithInput) {
                                 "/device/examples/plot_live.py " +
                                 picture;
     const std::string said = said_by("bash -c '" + command + "'");
-    EXPECT_NE(said.find("exit 0"), std::string::npos) << said;
+    EXPECT_PRED2(says, said, "exit 0");
     EXPECT_EQ(file_contents(picture).substr(1, 3), "PNG");
 }
 
@@ -376,9 +368,9 @@ TEST_F(NetworkTouch, ForcesAreOffUntilRequested) {
         while (!is_over) EXPECT_EQ(hand.press().vectors[0], glm::dvec3(0));
         touchable.join();
         ASSERT_EQ(live.code, 0) << live.err;
-        facts = nlohmann::json::parse(file_contents(report));
+        facts = json_in(report);
     }
-    EXPECT_NE(live.err.find("forces are off"), std::string::npos) << live.err;
+    EXPECT_PRED2(says, live.err, "forces are off");
     EXPECT_EQ(facts["forces_on_ticks"], 0);
     // Nor is one told of, though the hand was pressed in.
     EXPECT_GT(facts["contact_ticks"], 0);
@@ -387,7 +379,7 @@ TEST_F(NetworkTouch, ForcesAreOffUntilRequested) {
     EXPECT_EQ(facts["force_limited"]["finger_ticks"], 0);
     for (const char* figure : {"created", "zoh_bound", "surface", "on_hand"})
         EXPECT_NEAR(facts["energy_mj"][figure].get<double>(), 0, 1e-9) << figure;
-    EXPECT_NE(live.out.find("with no force or a part of it: forces were off"), std::string::npos) << live.out;
+    EXPECT_PRED2(says, live.out, "with no force or a part of it: forces were off");
     for (const ForcesRow& row : read_forces(forces)) {
         ASSERT_EQ(row["share"], 0) << row["tick"];
         ASSERT_EQ(length(row.vector("force")), 0) << row["tick"];
@@ -417,14 +409,8 @@ TEST_F(NetworkTouch, AsksBuriedFingerToLift) {
 class RunningProgram {
 public:
     RunningProgram(const std::string& clip, const std::string& device, const std::string& record)
-        : program_(fork()) {
-        if (program_ != 0) return;
-        const int nowhere = open("/dev/null", O_RDWR);
-        for (const int stream : {0, 1, 2}) dup2(nowhere, stream);
-        execl(TOUCHABLE_PROGRAM, TOUCHABLE_PROGRAM, "touch", clip.c_str(), "--live", "--device",
-              device.c_str(), "--force-on", "--record", record.c_str(), nullptr);
-        _exit(127);
-    }
+        : program_(start_touchable(
+              {"touch", clip, "--live", "--device", device, "--force-on", "--record", record})) {}
     ~RunningProgram() {
         send(SIGCONT);
         send(SIGTERM);
@@ -445,6 +431,21 @@ private:
     const pid_t program_;
 };
 
+/// For 600 answers under the surface; then the hand goes out.
+void expect_no_force(PressingHand& hand, double inside) {
+    int answers = 0;
+    std::uint32_t answered = 0;
+    for (int tries = 0; answers < 600 && tries < 60'000; ++tries) {
+        const NetworkPacket answer = hand.rest_at(inside);
+        ASSERT_EQ(answer.kind == NetworkPacket::Kind::forces ? answer.vectors[0] : glm::dvec3(0),
+                  glm::dvec3(0))
+            << "answer " << answers;
+        if (!answer.last && answer.sequence != std::exchange(answered, answer.sequence)) ++answers;
+    }
+    EXPECT_EQ(answers, 600) << "the program does not answer any more";
+    hand.go_out();
+}
+
 /// A program that was stopped, as by a debugger or a machine that swaps, may find any hand anywhere.
 TEST_F(NetworkTouch, StandstillRequiresFreeFinger) {
     std::optional<RunningProgram> program(std::in_place, clip, device(), record);
@@ -458,17 +459,7 @@ TEST_F(NetworkTouch, StandstillRequiresFreeFinger) {
         std::this_thread::sleep_for(std::chrono::milliseconds(400));
         hand.forget();
         program->send(SIGCONT);
-        int answers = 0;
-        std::uint32_t answered = 0;
-        for (int tries = 0; answers < 600 && tries < 60'000; ++tries) {
-            const NetworkPacket answer = hand.rest_at(inside);
-            ASSERT_EQ(answer.kind == NetworkPacket::Kind::forces ? answer.vectors[0] : glm::dvec3(0),
-                      glm::dvec3(0))
-                << "answer " << answers;
-            if (!answer.last && answer.sequence != std::exchange(answered, answer.sequence)) ++answers;
-        }
-        EXPECT_EQ(answers, 600) << "the program does not answer any more";
-        hand.go_out();
+        expect_no_force(hand, inside);
     }
     EXPECT_TRUE(hand.feels_something()) << "it goes out of the surface, and comes again";
     program.reset();
@@ -477,8 +468,7 @@ TEST_F(NetworkTouch, StandstillRequiresFreeFinger) {
     for (std::size_t tick = 0; tick < raw.ticks(); ++tick)
         gaps += (raw.integer(raw.guard_at(tick, 0), 4) & guard_gap) != 0;
     EXPECT_GE(gaps, 2);
-    const Outcome replay = run_touchable({"touch", "--replay", record});
-    EXPECT_EQ(replay.code, 0) << replay.err;
+    succeed({"touch", "--replay", record});
 }
 
 /// docs/devices.md: after more than 50 ms, which a slow machine only makes longer.
@@ -489,17 +479,7 @@ TEST_F(NetworkTouch, SilenceRequiresFreeFinger) {
     const double inside = hand.place() - 0.004;
     std::this_thread::sleep_for(std::chrono::milliseconds(70));
     hand.forget();
-    std::uint32_t answered = 0;
-    int answers = 0;
-    for (int tries = 0; answers < 600 && tries < 60'000; ++tries) {
-        const NetworkPacket answer = hand.rest_at(inside);
-        ASSERT_EQ(answer.kind == NetworkPacket::Kind::forces ? answer.vectors[0] : glm::dvec3(0),
-                  glm::dvec3(0))
-            << "answer " << answers;
-        if (answer.sequence != std::exchange(answered, answer.sequence)) ++answers;
-    }
-    EXPECT_EQ(answers, 600) << "the program does not answer any more";
-    hand.go_out();
+    expect_no_force(hand, inside);
     EXPECT_TRUE(hand.feels_something()) << "it goes out of the surface, and comes again";
 }
 
@@ -509,15 +489,10 @@ TEST_F(NetworkTouch, AnyExitUnpowersHand) {
         const std::uint16_t own_port = unused_port();
         const std::string own_device = "network:port=" + std::to_string(own_port);
         const std::string said = folder / "said.txt";
-        const pid_t program = fork();
-        if (program == 0) {
-            const int nowhere = open("/dev/null", O_RDWR);
-            for (const int stream : {0, 1}) dup2(nowhere, stream);
-            dup2(open(said.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), 2);
-            execl(TOUCHABLE_PROGRAM, TOUCHABLE_PROGRAM, "touch", clip.c_str(), "--live", "--device",
-                  own_device.c_str(), "--force-on", nullptr);
-            _exit(127);
-        }
+        const int said_to = creat(said.c_str(), 0600);
+        const pid_t program =
+            start_touchable({"touch", clip, "--live", "--device", own_device, "--force-on"}, -1, -1, said_to);
+        ::close(said_to);
         PressingHand hand(own_port);
         EXPECT_TRUE(hand.feels_something()) << signal;
         ASSERT_EQ(waitpid(program, nullptr, WNOHANG), 0)
@@ -542,16 +517,16 @@ TEST_F(NetworkTouch, RejectsInvalidOptions) {
         {{"--live", "--force-on"}, "--device"},
         {{"--live", "--device", device(), "--hand", "poke"}, "--hand"},
         {{"--live", "--device", "mouse"}, "touchable play"},
+        {{"--live", "--device", "falkon"}, "simulated"},
+        {{"--live", "--device", "simulated:mass=no"}, "0.05 to 10 kg"},
         {{"--live", "--device", device(), "--world-from-camera", ""}, "16 numbers"},
         {{"--live", "--device-log", log}, "--device-log"},
     };
     for (const auto& [words, part] : refused) {
-        Words all{"touch", clip, "--seconds", "0.1"};
-        all.insert(all.end(), words.begin(), words.end());
-        const Outcome outcome = run_touchable(all);
+        const Outcome outcome = run_touchable(plus({"touch", clip, "--seconds", "0.1"}, words));
         EXPECT_TRUE(outcome.code == 2 || outcome.code == 5) << outcome.code << ' ' << outcome.err;
         EXPECT_TRUE(outcome.one_line_of_error()) << outcome.err;
-        EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
+        EXPECT_PRED2(says, outcome.err, part);
     }
 }
 
@@ -560,8 +535,7 @@ TEST_F(NetworkTouch, RejectsInvalidOptions) {
 class StreamedClip : public TouchedCamera {
 protected:
     StreamedClip() {
-        const Outcome made = run_touchable({"make", "moving", clip, "--size", "64x48", "--frames", "30"});
-        EXPECT_EQ(made.code, 0) << made.err;
+        succeed({"make", "moving", clip, "--size", "64x48", "--frames", "30"});
         bytes = read_bytes(clip);
     }
     /// A web server with that one file, of which it gives parts.
@@ -602,12 +576,10 @@ TEST_F(StreamedClip, MatchesFileForces) {
         EXPECT_EQ(streamed["force_hash"], felt["force_hash"]) << url;
         EXPECT_EQ(streamed["clip"], url);
         EXPECT_TRUE(streamed["warnings"].empty() || streamed["warnings"] == felt["warnings"]);
-        const Outcome info = run_touchable({"info", url});
-        EXPECT_EQ(info.code, 0) << info.err;
+        const Outcome info = succeed({"info", url});
         EXPECT_EQ(info.out.find(url), 0U) << info.out;
         const std::string saved = folder / "saved.mkv";
-        const Outcome converted = run_touchable({"convert", url, saved, "--overwrite"});
-        EXPECT_EQ(converted.code, 0) << converted.err;
+        succeed({"convert", url, saved, "--overwrite"});
         EXPECT_EQ(touch({saved, "--fingers", "2"})["force_hash"], felt["force_hash"]) << url;
     }
 }
@@ -627,7 +599,7 @@ TEST_F(StreamedClip, LiveRunReplaysWithoutStream) {
     EXPECT_GT(lived["stream"]["whole"], 0);
     EXPECT_EQ(lived["stream"]["torn"], 0);
     EXPECT_LE(lived["stream"]["delay_ms"], 50);
-    EXPECT_NE(said.find("framesets whole"), std::string::npos) << said;
+    EXPECT_PRED2(says, said, "framesets whole");
     const auto again = touch({"--replay", record, "--builder", "reference"});
     EXPECT_EQ(again["force_hash"], lived["force_hash"]);
     EXPECT_EQ(said.find("not the recorded ones"), std::string::npos) << said;
@@ -650,10 +622,7 @@ TEST_F(StreamedClip, RejectsInvalidOptions) {
              {{"touch", sender.url(), "--fov", "60"}, 2, "has its scene in it"},
              {{"touch", "--live", sender.url(), "--fov", "60"}, 2, "has its scene in it"},
              {{"info", "pipe:77"}, 3, "no open descriptor 77"}}) {
-        const Outcome outcome = run_touchable(words);
-        EXPECT_EQ(outcome.code, code) << outcome.err;
-        EXPECT_TRUE(outcome.one_line_of_error()) << outcome.err;
-        EXPECT_NE(outcome.err.find(fragment), std::string::npos) << outcome.err;
+        expect_failure(words, code, fragment);
     }
 }
 
@@ -661,9 +630,7 @@ TEST_F(StreamedClip, SilentStreamIsInterruptible) {
     const LoopbackSender silent(
         [](const LoopbackSender::Listener& to, int) { (void)to.wait(std::chrono::hours(1)); });
     for (const Words& words : {Words{"touch", silent.url()}, Words{"touch", "--live", silent.url()}}) {
-        const Outcome ended = run_interrupted_at_once(words);
-        EXPECT_EQ(ended.code, 130) << ended.err;
-        EXPECT_TRUE(ended.one_line_of_error()) << ended.err;
+        expect_failure(run_interrupted_at_once(words), 130);
     }
 }
 
@@ -715,39 +682,19 @@ private:
 
 class UnpoweredHand : public ::testing::Test {
 protected:
-    void SetUp() override {
-        const Outcome made = run_touchable({"make", "globe", clip_, "--size", "64x48", "--frames", "4"});
-        ASSERT_EQ(made.code, 0) << made.err;
-    }
+    void SetUp() override { succeed({"make", "globe", clip_, "--size", "64x48", "--frames", "4"}); }
     void TearDown() override {
         if (program_ <= 0) return;
         kill(program_, SIGKILL);
         waitpid(program_, nullptr, 0);
     }
-    /// In a group of its own, as a shell starts it, and with forces on. `terminal`: for what it says; -1:
-    /// that goes to a file.
+    /// With forces on. `terminal`: for what it says; -1: that goes to a file.
     void start(int terminal = -1) {
-        std::vector<std::string> words{TOUCHABLE_PROGRAM,
-                                       "touch",
-                                       clip_,
-                                       "--live",
-                                       "--force-on",
-                                       "--device",
-                                       "network:port=" + std::to_string(port_)};
-        program_ = fork();
-        if (program_ != 0) return;
-        setpgid(0, 0);
-        // As from a terminal, though these tests may run in a shell's background, where they are ignored.
-        for (const int asked : {SIGINT, SIGTERM, SIGHUP}) std::signal(asked, SIG_DFL);
-        const int nowhere = open("/dev/null", O_RDWR);
-        const int errors = terminal < 0 ? open(said_.c_str(), O_WRONLY | O_CREAT, 0600) : terminal;
-        for (const int stream : {0, 1}) dup2(nowhere, stream);
-        dup2(errors, 2);
-        std::vector<char*> arguments;
-        for (std::string& word : words) arguments.push_back(word.data());
-        arguments.push_back(nullptr);
-        execv(TOUCHABLE_PROGRAM, arguments.data());
-        _exit(127);
+        const int errors = terminal < 0 ? creat(said_.c_str(), 0600) : dup(terminal);
+        program_ = start_touchable(
+            {"touch", clip_, "--live", "--force-on", "--device", "network:port=" + std::to_string(port_)}, -1,
+            -1, errors);
+        ::close(errors);
     }
     /// The one process that the program has started.
     pid_t guardian() const {

@@ -1,6 +1,7 @@
 #include "tests/player/program.hpp"
 
 #include <fcntl.h>
+#include <gtest/gtest.h>
 #include <linux/filter.h>
 #include <linux/seccomp.h>
 #include <poll.h>
@@ -10,6 +11,7 @@
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -101,7 +103,7 @@ struct Hooks {
 /// Libraries that are loaded before the program, so that a busy machine is waited for: a GPU has the time
 /// that it needs, and the clock of a window that goes by a script waits for the window. GCC's
 /// AddressSanitizer allows nothing before itself.
-std::string loaded_before(const std::vector<std::string>& arguments) {
+std::string loaded_before(const Words& arguments) {
     const char* const asked = std::getenv("LD_PRELOAD");
     std::string libraries = asked ? asked : "";
 #ifndef __SANITIZE_ADDRESS__
@@ -114,12 +116,21 @@ std::string loaded_before(const std::vector<std::string>& arguments) {
     return libraries;
 }
 
-Outcome run(const std::vector<std::string>& arguments, const Hooks& hooks) {
-    std::vector<std::string> words{hooks.program};
-    words.insert(words.end(), arguments.begin(), arguments.end());
+/// This process becomes that program.
+[[noreturn]] void become(Words words) {
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
+    execv(argv[0], argv.data());
+    _exit(127);
+}
+
+/// As from a terminal, though these tests may run in a shell's background, where they are ignored.
+void mind_signals() {
+    for (const int asked : {SIGINT, SIGTERM, SIGHUP, SIGTSTP, SIGTTIN, SIGTTOU}) std::signal(asked, SIG_DFL);
+}
+
+Outcome run(const Words& arguments, const Hooks& hooks) {
     const std::string libraries = loaded_before(arguments);
 
     Pipe out(hooks.out), err(hooks.err);
@@ -127,12 +138,10 @@ Outcome run(const std::vector<std::string>& arguments, const Hooks& hooks) {
     if (child == 0) {
         out.take_over(STDOUT_FILENO);
         err.take_over(STDERR_FILENO);
-        // As from a terminal, though these tests may run in a shell's background, where they are ignored.
-        for (const int asked : {SIGINT, SIGTERM, SIGHUP}) std::signal(asked, SIG_DFL);
+        mind_signals();
         setenv("LD_PRELOAD", libraries.c_str(), 1);
         hooks.prepare();
-        execv(argv[0], argv.data());
-        _exit(127);
+        become(plus({hooks.program}, arguments));
     }
     out.leave_to_child();
     err.leave_to_child();
@@ -172,7 +181,7 @@ void wait_until_it_minds_interrupts(pid_t child) {
     });
 }
 
-Outcome run_limited(const std::vector<std::string>& arguments, decltype(RLIMIT_AS) what, rlim_t bytes) {
+Outcome run_limited(const Words& arguments, decltype(RLIMIT_AS) what, rlim_t bytes) {
     Hooks hooks;
     hooks.prepare = [=] {
         rlimit limit{};
@@ -217,11 +226,56 @@ bool Outcome::one_line_of_error() const {
            err.back() == '\n';
 }
 
-Outcome run_touchable(const std::vector<std::string>& arguments) {
+Outcome run_touchable(const Words& arguments) {
     return run(arguments, {});
 }
 
-Outcome run_in_folder(const std::vector<std::string>& arguments, const fs::path& folder) {
+Outcome succeed(const Words& arguments, const char* file, int line) {
+    Outcome done = run_touchable(arguments);
+    if (done.code != 0) ADD_FAILURE_AT(file, line) << "exit code " << done.code << ": " << done.err;
+    return done;
+}
+
+Outcome expect_failure(Outcome run, int code, const std::string& words, const char* file, int line) {
+    if (run.code != code || !run.one_line_of_error() || !says(run.err, words))
+        ADD_FAILURE_AT(file, line) << "exit code " << run.code << " for " << code << ", and \"" << words
+                                   << "\" in a line, not: " << run.err << run.out;
+    return run;
+}
+Outcome expect_failure(const Words& arguments, int code, const std::string& words, const char* file,
+                       int line) {
+    return expect_failure(run_touchable(arguments), code, words, file, line);
+}
+
+nlohmann::json json_of(const Words& words, const char* file, int line) {
+    return nlohmann::json::parse(succeed(words, file, line).out, nullptr, false);
+}
+
+nlohmann::json json_in(const std::filesystem::path& file) {
+    return nlohmann::json::parse(file_contents(file), nullptr, false);
+}
+
+bool says(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+
+Words plus(Words words, const Words& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
+pid_t start_touchable(const Words& arguments, int in, int out, int err) {
+    const pid_t child = fork();
+    if (child != 0) return child;
+    setpgid(0, 0);
+    mind_signals();
+    const int nowhere = open("/dev/null", O_RDWR);
+    for (const auto& [stream, to] : {std::pair{STDIN_FILENO, in}, {STDOUT_FILENO, out}, {STDERR_FILENO, err}})
+        dup2(to < 0 ? nowhere : to, stream);
+    become(plus({TOUCHABLE_PROGRAM}, arguments));
+}
+
+Outcome run_in_folder(const Words& arguments, const fs::path& folder) {
     Hooks hooks;
     hooks.prepare = [&] {
         if (chdir(folder.c_str()) != 0) _exit(126);
@@ -229,7 +283,7 @@ Outcome run_in_folder(const std::vector<std::string>& arguments, const fs::path&
     return run(arguments, hooks);
 }
 
-Outcome run_in_folder_until(const std::vector<std::string>& arguments, const fs::path& folder,
+Outcome run_in_folder_until(const Words& arguments, const fs::path& folder,
                             const std::function<bool()>& is_enough) {
     Hooks hooks;
     hooks.prepare = [&] {
@@ -242,8 +296,7 @@ Outcome run_in_folder_until(const std::vector<std::string>& arguments, const fs:
     return run(arguments, hooks);
 }
 
-Outcome run_in_folder_halting(const std::vector<std::string>& arguments, const fs::path& folder,
-                              const fs::path& file) {
+Outcome run_in_folder_halting(const Words& arguments, const fs::path& folder, const fs::path& file) {
     Hooks hooks;
     hooks.prepare = [&] {
         if (chdir(folder.c_str()) != 0) _exit(126);
@@ -275,15 +328,15 @@ fs::path install_program(const fs::path& prefix) {
     return program;
 }
 
-Outcome run_until_it_says(const std::vector<std::string>& arguments,
-                          const std::function<bool(const std::string&)>& is_enough, const fs::path& program) {
+Outcome run_until_it_says(const Words& arguments, const std::function<bool(const std::string&)>& is_enough,
+                          const fs::path& program) {
     Hooks hooks;
     if (!program.empty()) hooks.program = program.string();
     hooks.is_enough = [&](const Outcome& outcome) { return is_enough(outcome.err); };
     return run(arguments, hooks);
 }
 
-Outcome run_unheard(const std::vector<std::string>& arguments) {
+Outcome run_unheard(const Words& arguments) {
     Hooks hooks;
     hooks.prepare = [] {
         Pipe nobody_reads;
@@ -292,7 +345,7 @@ Outcome run_unheard(const std::vector<std::string>& arguments) {
     return run(arguments, hooks);
 }
 
-Outcome run_unread(const std::vector<std::string>& arguments, bool interrupted) {
+Outcome run_unread(const Words& arguments, bool interrupted) {
     Hooks hooks;
     hooks.prepare = [] {
         std::array<int, 2> ends{};  // this process keeps both
@@ -312,14 +365,13 @@ Outcome run_unread(const std::vector<std::string>& arguments, bool interrupted) 
     return run(arguments, hooks);
 }
 
-Outcome run_with_full_output(const std::vector<std::string>& arguments) {
+Outcome run_with_full_output(const Words& arguments) {
     Hooks hooks;
     hooks.prepare = [] { dup2(open("/dev/full", O_WRONLY), STDOUT_FILENO); };
     return run(arguments, hooks);
 }
 
-Outcome run_interrupted(const std::vector<std::string>& arguments, const fs::path& folder, int signal,
-                        Unfinished files) {
+Outcome run_interrupted(const Words& arguments, const fs::path& folder, int signal, Unfinished files) {
     Hooks hooks;
     if (files == Unfinished::named) hooks.prepare = refuse_unnamed_files;
     hooks.meanwhile = [&](pid_t child) {
@@ -330,19 +382,19 @@ Outcome run_interrupted(const std::vector<std::string>& arguments, const fs::pat
     return run(arguments, hooks);
 }
 
-Outcome run_with_named_files(const std::vector<std::string>& arguments) {
+Outcome run_with_named_files(const Words& arguments) {
     Hooks hooks;
     hooks.prepare = refuse_unnamed_files;
     return run(arguments, hooks);
 }
 
-Outcome run_interrupted_once_it_speaks(const std::vector<std::string>& arguments) {
+Outcome run_interrupted_once_it_speaks(const Words& arguments) {
     Hooks hooks;
     hooks.is_enough = [](const Outcome& outcome) { return !outcome.out.empty(); };
     return run(arguments, hooks);
 }
 
-Outcome run_interrupted_at_once(const std::vector<std::string>& arguments) {
+Outcome run_interrupted_at_once(const Words& arguments) {
     Hooks hooks;
     hooks.meanwhile = [](pid_t child) {
         wait_until_it_minds_interrupts(child);
@@ -351,7 +403,7 @@ Outcome run_interrupted_at_once(const std::vector<std::string>& arguments) {
     return run(arguments, hooks);
 }
 
-Outcome run_interrupted_while_live(const std::vector<std::string>& arguments) {
+Outcome run_interrupted_while_live(const Words& arguments) {
     // Its line moves on: it has run for a tenth of a second at least.
     Outcome outcome =
         run_on_terminal(arguments, [](const std::string& shown) { return moments_shown(shown) > 1; });
@@ -363,7 +415,7 @@ Outcome run_interrupted_while_live(const std::vector<std::string>& arguments) {
     return outcome;
 }
 
-Outcome run_on_terminal(const std::vector<std::string>& arguments,
+Outcome run_on_terminal(const Words& arguments,
                         const std::function<bool(const std::string&)>& has_shown_enough) {
     Hooks hooks;
     hooks.err = Pipe::Kind::terminal;
@@ -371,7 +423,7 @@ Outcome run_on_terminal(const std::vector<std::string>& arguments,
     return run(arguments, hooks);
 }
 
-Outcome run_on_screen(const std::vector<std::string>& arguments, int columns) {
+Outcome run_on_screen(const Words& arguments, int columns) {
     Hooks hooks;
     hooks.err = hooks.out = Pipe::Kind::terminal;
     hooks.prepare = [columns] {
@@ -393,7 +445,7 @@ std::size_t moments_shown(const std::string& terminal) {
     return moments.size();
 }
 
-Outcome run_under_nohup(const std::vector<std::string>& arguments) {
+Outcome run_under_nohup(const Words& arguments) {
     Hooks hooks;
     hooks.prepare = [] { std::signal(SIGHUP, SIG_IGN); };
     hooks.meanwhile = [](pid_t child) {
@@ -403,15 +455,15 @@ Outcome run_under_nohup(const std::vector<std::string>& arguments) {
     return run(arguments, hooks);
 }
 
-Outcome run_on_full_disk(const std::vector<std::string>& arguments, int kibibytes) {
+Outcome run_on_full_disk(const Words& arguments, int kibibytes) {
     return run_limited(arguments, RLIMIT_FSIZE, static_cast<rlim_t>(kibibytes) * 1024);
 }
 
-Outcome run_in_memory(const std::vector<std::string>& arguments, int mebibytes) {
+Outcome run_in_memory(const Words& arguments, int mebibytes) {
     return run_limited(arguments, RLIMIT_AS, static_cast<rlim_t>(mebibytes) << 20);
 }
 
-Outcome run_with_threads(const std::vector<std::string>& arguments, int threads) {
+Outcome run_with_threads(const Words& arguments, int threads) {
     constexpr rlim_t stack = rlim_t{1} << 30;
     Hooks hooks;
     hooks.prepare = [=] {
@@ -428,8 +480,8 @@ std::string file_contents(const fs::path& file) {
     return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-std::vector<std::string> names_in(const fs::path& folder) {
-    std::vector<std::string> names;
+Words names_in(const fs::path& folder) {
+    Words names;
     std::error_code failure;
     for (const auto& entry : fs::directory_iterator(folder, failure))
         names.push_back(entry.path().filename().string());

@@ -25,6 +25,7 @@
 #include "player/session/clip_choice.hpp"
 #include "player/session/touch_setup.hpp"
 #include "tests/clip/clip_fixture.hpp"
+#include "tests/must.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
 #include "tests/stream/labelled_stream.hpp"
@@ -114,11 +115,10 @@ protected:
         return read_clip(folder / "saved.mkv");
     }
     void expect_whole_clip(std::size_t listener) const {
-        const auto read = saved(listener);
-        ASSERT_EQ(message(read), "");
-        ASSERT_EQ(std::ssize(*read), frames);
+        const auto read = must(saved(listener));
+        ASSERT_EQ(std::ssize(read), frames);
         for (int n = 0; n < frames; ++n)
-            EXPECT_TRUE(same_touch_planes((*read)[static_cast<std::size_t>(n)],
+            EXPECT_TRUE(same_touch_planes(read[static_cast<std::size_t>(n)],
                                           test_frame(quick_scene(), n, served_planes)))
                 << n;
     }
@@ -143,9 +143,9 @@ TEST_F(ServeCommand, SendsWholeClip) {
         EXPECT_EQ(told["listeners"][0]["sent"], frames);
         EXPECT_EQ(told["listeners"][0]["dropped"], 0);
         EXPECT_EQ(told["listeners"][0]["end"], "");
-        EXPECT_NE(outcome.out.find("sent 12 framesets"), std::string::npos) << outcome.out;
-        EXPECT_NE(outcome.err.find(" listens; 1 listener\n"), std::string::npos) << outcome.err;
-        EXPECT_NE(outcome.err.find(" has all of it: 12 framesets sent"), std::string::npos) << outcome.err;
+        EXPECT_PRED2(says, outcome.out, "sent 12 framesets");
+        EXPECT_PRED2(says, outcome.err, " listens; 1 listener\n");
+        EXPECT_PRED2(says, outcome.err, " has all of it: 12 framesets sent");
     }
 }
 
@@ -171,25 +171,23 @@ TEST_F(ServeCommand, LoopRunsUntilInterrupted) {
                                 });
     listeners->wait();
     EXPECT_EQ(outcome.code, 0) << outcome.err;
-    EXPECT_NE(outcome.out.find("1 listener\n"), std::string::npos) << outcome.out;
+    EXPECT_PRED2(says, outcome.out, "1 listener\n");
     const auto told = nlohmann::json::parse(read_bytes(report), nullptr, false);
     EXPECT_GE(told["framesets"], told["listeners"][0]["sent"]);
-    const auto read = saved(0);
-    ASSERT_EQ(message(read), "");
-    EXPECT_GE(read->size(), 3U);
-    for (std::size_t n = 1; n < read->size(); ++n)
-        EXPECT_EQ(((*read)[n].time_ns - (*read)[n - 1].time_ns) % 10'000'000, 0);
+    const auto read = must(saved(0));
+    EXPECT_GE(read.size(), 3U);
+    for (std::size_t n = 1; n < read.size(); ++n)
+        EXPECT_EQ((read[n].time_ns - read[n - 1].time_ns) % 10'000'000, 0);
 }
 
 TEST_F(ServeCommand, EndsAfterGivenSeconds) {
     const auto told = serve({clip, "tcp://127.0.0.1:0", "--loop", "--listeners", "1", "--seconds", "0.275"});
     EXPECT_EQ(told["framesets"], 28);
     EXPECT_EQ(told["rounds"], 3);
-    const auto read = saved(0);
-    ASSERT_EQ(message(read), "");
-    ASSERT_EQ(read->size(), 28U);
+    const auto read = must(saved(0));
+    ASSERT_EQ(read.size(), 28U);
     for (int n = 0; n < 28; ++n)
-        EXPECT_TRUE(same_touch_planes((*read)[static_cast<std::size_t>(n)],
+        EXPECT_TRUE(same_touch_planes(read[static_cast<std::size_t>(n)],
                                       test_frame(quick_scene(), n % frames, served_planes)));
 }
 
@@ -198,13 +196,12 @@ TEST_F(ServeCommand, SendsCameraFrames) {
     const auto told =
         serve({"--camera", "replay:" + clip + ",drop=0.5", "tcp://127.0.0.1:0", "--listeners", "1"});
     EXPECT_EQ(told["listeners"][0]["sent"], told["framesets"]);
-    const auto read = saved(0);
-    ASSERT_EQ(message(read), "");
-    EXPECT_EQ(std::ssize(*read), told["framesets"]);
-    EXPECT_LT(std::ssize(*read), frames);
-    EXPECT_GE(read->size(), 1U);
+    const auto read = must(saved(0));
+    EXPECT_EQ(std::ssize(read), told["framesets"]);
+    EXPECT_LT(std::ssize(read), frames);
+    EXPECT_GE(read.size(), 1U);
     int n = 0;
-    for (const RawFrame& frame : *read) {
+    for (const RawFrame& frame : read) {
         while (n < frames && !same_touch_planes(frame, test_frame(quick_scene(), n, served_planes))) ++n;
         ASSERT_LT(n, frames) << "frame " << frame.number << " is none that comes after the one before";
         ++n;
@@ -245,7 +242,7 @@ TEST_F(ServeCommand, HlsFolderHoldsWholeClip) {
     EXPECT_NEAR(told["hls"]["seconds"], 0.12, 1e-9);
     EXPECT_GT(told["hls"]["colour_bytes_per_second"], 0);
     EXPECT_GT(told["hls"]["touch_bytes_per_second"], 0);
-    EXPECT_NE(read_bytes(web / "touch.m3u8").find("#EXT-X-PLAYLIST-TYPE:VOD"), std::string::npos);
+    EXPECT_PRED2(says, read_bytes(web / "touch.m3u8"), "#EXT-X-PLAYLIST-TYPE:VOD");
     EXPECT_EQ(frames_of_depth(web / "master.m3u8", quick_scene(), frames), frames);
 }
 
@@ -256,7 +253,7 @@ TEST_F(ServeCommand, HlsFolderHasLowLevel) {
     EXPECT_GT(hls["low_touch_bytes_per_second"], 0);
     EXPECT_LT(hls["low_touch_bytes_per_second"], hls["touch_bytes_per_second"]);
     EXPECT_LT(hls["low_colour_bytes_per_second"], hls["colour_bytes_per_second"]);
-    EXPECT_NE(read_bytes(web / "master.m3u8").find("touch-low.m3u8"), std::string::npos);
+    EXPECT_PRED2(says, read_bytes(web / "master.m3u8"), "touch-low.m3u8");
     EXPECT_EQ(frames_of_depth(web / "master.m3u8", quick_scene(), frames), frames);
 }
 
@@ -276,20 +273,13 @@ TEST_F(ServeCommand, HlsFolderKeepsLoopWindow) {
 }
 
 TEST_F(ServeCommand, KeepsForeignFolder) {
-    const Outcome run = run_touchable({"serve", clip, "--hls", folder.path().string()});
-    EXPECT_EQ(run.code, 3) << run.err;
-    EXPECT_NE(run.err.find("clip.mkv"), std::string::npos) << run.err;
+    expect_failure({"serve", clip, "--hls", folder.path().string()}, 3, "clip.mkv");
     EXPECT_EQ(folder.file_count(), 1U);
 }
 
 TEST_F(ServeCommand, RejectsInvalidOptions) {
     const auto refused = [&](const Words& words, const std::string& why) {
-        Words all{"serve"};
-        all.insert(all.end(), words.begin(), words.end());
-        const Outcome run = run_touchable(all);
-        EXPECT_EQ(run.code, 2) << run.err;
-        EXPECT_TRUE(run.one_line_of_error()) << run.err;
-        EXPECT_NE(run.err.find(why), std::string::npos) << run.err;
+        expect_failure(plus({"serve"}, words), 2, why);
     };
     refused({}, "what is to be sent?");
     refused({clip}, "no destination: add a URL after CLIP, such as tcp://0.0.0.0:7000, or --hls FOLDER");
@@ -374,19 +364,19 @@ TEST_F(ServePage, ServesPackedClip) {
         EXPECT_EQ(fetched(place, ""), "a page");
         const std::string text = fetched(place, "clip.json");
         write_bytes(saved / "clip.json", text);
-        for (const auto& [role, plane] : nlohmann::json::parse(text).at("planes").items()) {
+        const auto told = nlohmann::json::parse(text);
+        for (const auto& [role, plane] : told.at("planes").items()) {
             const std::string name = plane.at("file"), whole = fetched(place, name);
             write_bytes(saved / name, whole);
             EXPECT_EQ(fetched(place, name, "Range: bytes=3-9\r\n"), whole.substr(3, 7)) << name;
         }
         EXPECT_EQ(fetched(place, "live"), "");
     });
-    const auto read = read_clip(saved / "clip.json");
-    ASSERT_EQ(message(read), "");
-    ASSERT_EQ(std::ssize(*read), frames);
+    const auto read = must(read_clip(saved / "clip.json"));
+    ASSERT_EQ(std::ssize(read), frames);
     for (int n = 0; n < frames; ++n)
-        EXPECT_TRUE(same_touch_planes((*read)[static_cast<std::size_t>(n)],
-                                      test_frame(quick_scene(), n, served_planes)))
+        EXPECT_TRUE(
+            same_touch_planes(read[static_cast<std::size_t>(n)], test_frame(quick_scene(), n, served_planes)))
             << n;
     EXPECT_EQ(outcome.err.find("is open to ANY machine"), std::string::npos) << outcome.err;
 }
@@ -421,7 +411,7 @@ TEST_F(ServePage, ServesCameraFrames) {
     const std::string moving = folder / "moving.mkv";
     ASSERT_EQ(message(write_clip(moving, quick_scene(), 2000, served_planes)), "");
     std::set<std::string> depths;
-    FramePacker packer;
+    FramePacker packer(1);
     for (const RawFrame& frame : must(read_clip(moving)))
         if (const auto packets = must(packer.pack(frame)); !packets[0].empty()) depths.insert(packets[0]);
     serve_page({"--camera", "replay:" + moving}, [&](const std::string& place) {
@@ -449,7 +439,7 @@ TEST_F(ServePage, ServesCameraFrames) {
         }
         EXPECT_EQ(fetched(place, ""), "a page");
     });
-    EXPECT_NE(outcome.out.find("3 listeners\n"), std::string::npos) << outcome.out;
+    EXPECT_PRED2(says, outcome.out, "3 listeners\n");
 }
 
 TEST_F(ServePage, NeedsPage) {
@@ -468,9 +458,8 @@ protected:
         EXPECT_GE(frames.size(), least);
         for (std::size_t n = 0; n < frames.size(); ++n)
             EXPECT_TRUE(same_touch_planes(frames[n], sent.frames[n])) << n;
-        EXPECT_NE(run.err.find("; " + out + " has what came, " + std::to_string(frames.size()) + " frame"),
-                  std::string::npos)
-            << run.err;
+        EXPECT_PRED2(says, run.err,
+                     "; " + out + " has what came, " + std::to_string(frames.size()) + " frame");
     }
 
     const StreamOfFrames sent = make_stream(quick_scene(), 8, served_planes);
@@ -484,10 +473,10 @@ TEST_F(SavedStream, IsKeptWhenInterrupted) {
         to.stay();
     });
     const Outcome run = run_on_terminal({"convert", sender.url(), out}, [](const std::string& said) {
-        return said.find("converting frame") != std::string::npos;
+        return says(said, "converting frame");
     });
     EXPECT_EQ(run.code, 130);
-    EXPECT_NE(run.err.find("interrupted; "), std::string::npos) << run.err;
+    EXPECT_PRED2(says, run.err, "interrupted; ");
     expect_saved(run, 1);
 }
 
@@ -496,39 +485,33 @@ TEST_F(SavedStream, SaysWhatWasLost) {
     const LoopbackSender sender(
         stream_by(open_matroska_stream(quick_scene()), quick_scene(), 8, served_planes, {.label = label})
             .bytes());
-    const Outcome run = run_touchable({"convert", sender.url(), out});
-    EXPECT_EQ(run.code, 0) << run.err;
+    const Outcome run = succeed({"convert", sender.url(), out});
     EXPECT_EQ(must(read_clip(out)).size(), 9U);
     // The frame behind the gap cannot be decoded either.
     for (const char* note : {"  note    2 of the stream's framesets were lost on the way\n",
                              "  note    in place of them the one before was held, for 2 frames\n"})
-        EXPECT_NE(run.out.find(note), std::string::npos) << run.out;
+        EXPECT_PRED2(says, run.out, note);
 }
 
 TEST_F(SavedStream, CanGetRelief) {
     const LoopbackSender sender(sent.bytes());
-    const Outcome run = run_touchable({"relief", sender.url(), out});
-    EXPECT_EQ(run.code, 0) << run.err;
+    succeed({"relief", sender.url(), out});
     EXPECT_FALSE(must(read_clip(out)).at(0).height.empty());
 }
 
 TEST_F(SavedStream, IsKeptWhenConnectionBreaks) {
     const std::string whole = sent.bytes();
     const LoopbackSender sender(whole.substr(0, whole.size() - sent.blocks.back().size() / 2));
-    const Outcome run = run_touchable({"convert", sender.url(), out});
-    EXPECT_EQ(run.code, 3);
-    EXPECT_NE(run.err.find("frame 7: the sender closed the connection in the middle of it; "),
-              std::string::npos)
-        << run.err;
+    const Outcome run = expect_failure({"convert", sender.url(), out}, 3,
+                                       "frame 7: the sender closed the connection in the middle of it; ");
     expect_saved(run, 7);
 }
 
 TEST_F(ServeCommand, WarnsAboutOpenAddress) {
     const std::string open = " is open to ANY machine that reaches it: ";
     const auto is_open = [&](const std::string& place) {
-        const Outcome run = run_touchable({"serve", clip, place, "--loop", "--seconds", "0.05"});
-        EXPECT_EQ(run.code, 0) << run.err;
-        EXPECT_NE(run.err.find(": touchable play "), std::string::npos) << run.err;
+        const Outcome run = succeed({"serve", clip, place, "--loop", "--seconds", "0.05"});
+        EXPECT_PRED2(says, run.err, ": touchable play ");
         return run.err.find(open) != std::string::npos;
     };
     const std::string port = std::to_string(unused_port()), key = "?passphrase=";
@@ -582,8 +565,7 @@ TEST_F(ServedTouch, MatchesFileOnEveryTransport) {
 
 TEST_F(ServedTouch, MatchesFileInSegments) {
     const std::string web = folder / "web";
-    const Outcome served = run_touchable({"serve", clip, "--hls", web});
-    ASSERT_EQ(served.code, 0) << served.err;
+    succeed({"serve", clip, "--hls", web});
     const WebServer server([&](const std::string& path) { return reply_with_file(web, path); });
     const std::string expected = hash_of(clip);
     EXPECT_EQ(hash_of(server.url("/master.m3u8")), expected);
@@ -625,22 +607,19 @@ bool comes(const Condition& condition) {
 TEST_F(ServedTouch, NetworkFailureReleasesHand) {
     const std::string plane = folder / "plane.mkv";
     make_clip("globe", plane, {"--size", "64x48", "--frames", "1", "--rate", "30"});
-    auto served = ServedClip::start(plane, {"tcp://127.0.0.1:0", "--loop"}, folder / "served.json");
-    ASSERT_TRUE(served) << served.error().message;
-    const std::string address = (*served)->address();
+    auto served = must(ServedClip::start(plane, {"tcp://127.0.0.1:0", "--loop"}, folder / "served.json"));
+    const std::string address = served->address();
     const int port = std::stoi(address.substr(address.rfind(':') + 1));
-    const auto relay = Relay::open(Relay::Kind::tcp, port);
-    ASSERT_TRUE(relay) << relay.error().message;
+    const auto relay = must(Relay::open(Relay::Kind::tcp, port));
 
     SessionOptions options;
     options.live = options.start_buried = true;
     options.ticks = 300'000;
     options.hand = "press:depth=2,lift=0,period=4";
-    options.camera = "stream:tcp://127.0.0.1:" + std::to_string((*relay)->port());
+    options.camera = "stream:tcp://127.0.0.1:" + std::to_string(relay->port());
     options.clip.choose(*read_live_camera(*options.camera));
-    const auto setup = setup_from_options(options);
-    ASSERT_TRUE(setup) << setup.error().message;
-    TouchSetup& s = **setup;
+    const auto setup = must(setup_from_options(options));
+    TouchSetup& s = *setup;
     TouchSessionSettings settings = s.options;
     settings.ticks = s.ticks();
     const auto hand = make_port(*s.hand);
@@ -652,14 +631,14 @@ TEST_F(ServedTouch, NetworkFailureReleasesHand) {
 
     const auto& reader = s.feed->reader();
     EXPECT_TRUE(comes([&] { return watch.is_felt.load(); }));
-    (*relay)->stall(true);
+    relay->stall(true);
     EXPECT_TRUE(comes([&] { return watch.is_gone.load(); }));
     EXPECT_EQ(silence_in_words(2'100'000'000, 250'000'000, reader),
               "no frame for 2.1 s: the surface goes soft");
     EXPECT_EQ(silence_in_words(200'000'000, 250'000'000, reader), "");
-    (*relay)->stall(false);
+    relay->stall(false);
     EXPECT_TRUE(comes([&] { return watch.is_felt.load(); })) << "after a network that stood still";
-    (*relay)->cut();
+    relay->cut();
     EXPECT_TRUE(comes(
         [&] { return silence_in_words(0, 0, reader).starts_with("the stream has ended: the sender "); }));
     EXPECT_TRUE(comes([&] { return reader.stream_figures()->connections > 1; }));

@@ -23,9 +23,7 @@ namespace fs = std::filesystem;
 nlohmann::json expect_verified(const Words& clip_and_hand, const std::string& exported) {
     const TemporaryFolder folder;
     const std::string csv = folder / "forces.csv";
-    Words words = clip_and_hand;
-    words.insert(words.end(), {"--forces", csv});
-    const auto report = touch(words);
+    const auto report = touch(plus(clip_and_hand, {"--forces", csv}));
     EXPECT_EQ(report["proxy_behind_mesh_ticks"], 0);
     EXPECT_EQ(report["nonfinite_ticks"], 0);
     EXPECT_GE(report["finger_contact_pct"], 50);
@@ -41,12 +39,11 @@ nlohmann::json expect_verified(const Words& clip_and_hand, const std::string& ex
 void expect_wandering_is_verified(const std::string& clip, const std::string& scene) {
     const TemporaryFolder folder;
     const std::string exported = folder / "frames";
-    ASSERT_EQ(run_touchable({"export", clip, "--scene", scene, "--frames", "all", "--out", exported}).code,
-              0);
+    succeed({"export", clip, "--scene", scene, "--frames", "all", "--out", exported});
     for (const Words& hand : {Words{"--fingers", "1"}, Words{"--fingers", "5", "--max-force", "1000"}}) {
-        Words words{clip, "--scene", scene, "--hand", "wander:speed=0.05,glide=30,max_speed=2"};
-        words.insert(words.end(), hand.begin(), hand.end());
-        expect_verified(words, exported);
+        expect_verified(
+            plus({clip, "--scene", scene, "--hand", "wander:speed=0.05,glide=30,max_speed=2"}, hand),
+            exported);
     }
 }
 
@@ -87,7 +84,7 @@ void expect_recorded_hand_is_verified(const std::string& csv, const std::string&
     const TemporaryFolder folder;
     const std::string clip = folder / "globe.mkv", exported = folder / "frames";
     make_clip("globe", clip, {"--size", "360x240", "--frames", "20"});
-    ASSERT_EQ(run_touchable({"export", clip, "--frames", "all", "--out", exported}).code, 0);
+    succeed({"export", clip, "--frames", "all", "--out", exported});
     const std::string hand = "csv:" + csv + ":" + keys;
     expect_verified({clip, "--hand", hand}, exported);
     expect_verified({clip, "--hand", hand, "--fingers", "3", "--max-force", "1000", "--seconds", "2"},
@@ -131,10 +128,10 @@ void expect_soft_holes_are_verified(const std::string& clip, const std::string& 
                                     const std::string& csv) {
     const TemporaryFolder folder;
     const std::string soft = folder / "soft.json", exported = folder / "frames";
-    auto scene = nlohmann::json::parse(file_contents(scene_file));
+    auto scene = json_in(scene_file);
     scene["hole_stiffness"] = 0.1;
     std::ofstream(soft) << scene;
-    ASSERT_EQ(run_touchable({"export", clip, "--scene", soft, "--frames", "all", "--out", exported}).code, 0);
+    succeed({"export", clip, "--scene", soft, "--frames", "all", "--out", exported});
     const auto report =
         expect_verified({clip, "--scene", soft, "--hand", "csv:" + csv + ":columns=x_m+y_m+z_m,extent=0.1",
                          "--fingers", "3", "--max-force", "1000", "--seconds", "2.5"},
@@ -167,7 +164,7 @@ TEST(TouchFinerCodes, EveryForceIsVerified) {
         Words words{"export", clip, "--frames", "all", "--out", exported}, touched{clip, "--fingers", "3"};
         words.insert(words.end(), filter.begin(), filter.end());
         touched.insert(touched.end(), filter.begin(), filter.end());
-        ASSERT_EQ(run_touchable(words).code, 0);
+        succeed(words);
         expect_verified(touched, exported);
     }
 }
@@ -184,13 +181,11 @@ TEST(TouchFeltGlobe, EveryForceIsVerified) {
     std::ofstream(odd) << scene;
     for (const Words& meaning : {Words{}, Words{"--scene", odd}}) {
         const std::string exported = folder / (meaning.empty() ? "frames" : "odd");
-        Words words{"export", clip, "--frames", "all", "--out", exported};
-        words.insert(words.end(), meaning.begin(), meaning.end());
-        ASSERT_EQ(run_touchable(words).code, 0);
+        succeed(plus({"export", clip, "--frames", "all", "--out", exported}, meaning));
         for (const std::string interpolation : {"linear", "hold"}) {
-            Words touched{clip, "--fingers", "5", "--interpolation", interpolation, "--seconds", "1.2"};
-            touched.insert(touched.end(), meaning.begin(), meaning.end());
-            expect_verified(touched, exported);
+            expect_verified(
+                plus({clip, "--fingers", "5", "--interpolation", interpolation, "--seconds", "1.2"}, meaning),
+                exported);
         }
     }
 }

@@ -14,18 +14,14 @@
 
 namespace touchable::test {
 
-void make_clip(const std::string& scene, const std::string& file, const std::vector<std::string>& more) {
-    std::vector<std::string> words{"make", scene, file, "--overwrite"};
-    words.insert(words.end(), more.begin(), more.end());
-    const Outcome run = run_touchable(words);
-    ASSERT_EQ(run.code, 0) << run.err;
+void make_clip(const std::string& scene, const std::string& file, const Words& more) {
+    succeed(plus({"make", scene, file, "--overwrite"}, more));
 }
 
 nlohmann::json scene_of(const std::string& clip) {
     const TemporaryFolder folder;
-    const Outcome run = run_touchable({"export", clip, "--frame", "0", "--out", folder / "out"});
-    EXPECT_EQ(run.code, 0) << run.err;
-    return nlohmann::json::parse(file_contents(folder / "out/scene.json"), nullptr, false);
+    succeed({"export", clip, "--frame", "0", "--out", folder / "out"});
+    return json_in(folder / "out/scene.json");
 }
 
 std::string zigzag_hand(const std::string& file) {
@@ -36,20 +32,18 @@ std::string zigzag_hand(const std::string& file) {
     return "csv:" + file + ":columns=1+2+3,rate=50,scale=0.0001,contact=0.8";
 }
 
-nlohmann::json touch(const std::vector<std::string>& more) {
+nlohmann::json touch(const Words& more) {
     const TemporaryFolder folder;
-    std::vector<std::string> words{"touch", "--overwrite", "--json", folder / "report.json"};
-    words.insert(words.end(), more.begin(), more.end());
+    Words words = plus({"touch", "--overwrite", "--json", folder / "report.json"}, more);
     nlohmann::json report;
     for (int go = 0; go == 0 || (stood_still(report) && go < most_standstills); ++go) {
-        const Outcome run = run_touchable(words);
-        EXPECT_EQ(run.code, 0) << run.err;
-        report = nlohmann::json::parse(file_contents(folder / "report.json"), nullptr, false);
+        succeed(words);
+        report = json_in(folder / "report.json");
     }
     return report;
 }
 
-std::string force_hash(const std::vector<std::string>& words) {
+std::string force_hash(const Words& words) {
     return touch(words).value("force_hash", "none");
 }
 

@@ -15,7 +15,7 @@
 namespace touchable::test {
 
 /// Makes a clip of a generated scene, over an earlier one; fails the test where that goes wrong.
-void make_clip(const std::string& scene, const std::string& file, const std::vector<std::string>& more);
+void make_clip(const std::string& scene, const std::string& file, const Words& more);
 /// A clip's scene file.
 nlohmann::json scene_of(const std::string& clip);
 /// Writes a motion of 1 s that zigzags over the picture, in and out of what is there, and gives the hand that
@@ -33,9 +33,9 @@ inline bool stood_still(const nlohmann::json& report) {
 inline constexpr int most_standstills = 8;
 
 /// Runs `touchable touch` with these words and --overwrite, which must succeed, and gives what --json wrote.
-nlohmann::json touch(const std::vector<std::string>& words);
+nlohmann::json touch(const Words& words);
 /// Its force_hash.
-std::string force_hash(const std::vector<std::string>& words);
+std::string force_hash(const Words& words);
 
 /// A row of --forces, read by its column names alone.
 struct ForcesRow {

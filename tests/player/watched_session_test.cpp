@@ -24,6 +24,7 @@
 #include "player/run/terminal.hpp"
 #include "player/session/run_record.hpp"
 #include "player/session/touch_setup.hpp"
+#include "tests/must.hpp"
 #include "tests/player/in_process.hpp"
 #include "tests/sweep.hpp"
 #include "tests/temporary_files.hpp"
@@ -117,14 +118,13 @@ protected:
     }
     void start(const SessionOptions& options) {
         handle->height = 1;  // m: far from any surface
-        auto setup = setup_from_options(options);
-        ASSERT_TRUE(setup) << setup.error().message;
-        auto record = RecordingFile::create(folder / "run.rec", (*setup)->options.fingers, Existing::replace);
-        ASSERT_TRUE(record);
-        record_ = std::move(*record);
-        auto started = WatchedSession::start(std::move(*setup), {record_.get(), &figures_.emplace(), &steps});
-        ASSERT_TRUE(started) << started.error().message;
-        session = std::move(*started);
+        auto setup = must(setup_from_options(options));
+        auto record =
+            must(RecordingFile::create(folder / "run.rec", setup->options.fingers, Existing::replace));
+        record_ = std::move(record);
+        auto started =
+            must(WatchedSession::start(std::move(setup), {record_.get(), &figures_.emplace(), &steps}));
+        session = std::move(started);
         // Felt contacts come by the session's own thread, a little later than the held frames.
         ASSERT_TRUE(comes_true([this] {
             const WatchedMoment* const seen = session->look();

@@ -91,12 +91,14 @@ TEST(HlsWriter, WritesWholeClipInSegments) {
     const Written written = write_hls({home}, 25, {true, true, false});
     ASSERT_EQ(message(written.outcome), "");
     EXPECT_TRUE(has_line(home / "master.m3u8", "colour.m3u8"));
+    EXPECT_TRUE(has_words(read_bytes(home / "master.m3u8"), ",CODECS=\"avc1."));
     EXPECT_TRUE(has_line(home / "master.m3u8",
                          "#EXT-X-SESSION-DATA:DATA-ID=\"com.touchable.planes\",VALUE=\"touch.m3u8\""));
     for (const std::string name : {"colour.m3u8", "touch.m3u8"}) {
         EXPECT_TRUE(has_line(home / name, "#EXT-X-TARGETDURATION:1"));
         EXPECT_TRUE(has_line(home / name, "#EXT-X-PLAYLIST-TYPE:VOD"));
         EXPECT_TRUE(has_line(home / name, "#EXT-X-ENDLIST"));
+        EXPECT_TRUE(has_line(home / name, "#EXT-X-PROGRAM-DATE-TIME:2023-11-14T22:13:20.000Z"));
         EXPECT_EQ(std::ranges::count(lines_of(home / name), "#EXTINF:1.000000,"), 2);
         EXPECT_TRUE(has_line(home / name, "#EXTINF:0.500000,"));
         const auto files = files_of(home / name);

@@ -6,6 +6,7 @@
 #include "engine/formats/open_clip.hpp"
 #include "engine/stream/receiving.hpp"
 #include "engine/stream/stream_bytes.hpp"
+#include "tests/must.hpp"
 #include "tests/stream/labelled_stream.hpp"
 #include "tests/stream/peers.hpp"
 #include "tests/stream/servers.hpp"
@@ -151,11 +152,10 @@ TEST(StreamClip, HoldsFrameOverDamage) {
         if (harm == 3) block[block.size() / 2] = static_cast<char>(block[block.size() / 2] ^ 1);
         const LoopbackSender sender(harmed.bytes());
         const auto clip = must(open(sender.url()));
-        const auto frames = read_all(*clip);
-        ASSERT_EQ(message(frames), "") << harm;
-        ASSERT_EQ(frames->size(), 20U) << harm;
+        const auto frames = must(read_all(*clip));
+        ASSERT_EQ(frames.size(), 20U) << harm;
         for (std::size_t n = 0; n < 20; ++n) {
-            const RawFrame& frame = (*frames)[n];
+            const RawFrame& frame = frames[n];
             const auto is_of = [&](std::size_t k) { return same_touch_planes(frame, sent.frames[k]); };
             const bool is_held = n >= 7 && n < 10;
             EXPECT_TRUE(is_of(n) || (is_held && (is_of(6) || is_of(n - 1)))) << harm << ": " << n;

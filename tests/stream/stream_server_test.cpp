@@ -11,6 +11,7 @@
 #include "engine/stream/hls.hpp"
 #include "engine/stream/listeners.hpp"
 #include "engine/stream/receiving.hpp"
+#include "tests/must.hpp"
 #include "tests/stream/labelled_stream.hpp"
 #include "tests/stream/peers.hpp"
 #include "tests/temporary_files.hpp"
@@ -458,14 +459,13 @@ TEST_F(PageServer, StreamIsBesideFiles) {
 TEST(StreamServer, RunsInItsThread) {
     StreamRing ring;
     StreamAudience audience([](const std::string&) {});
-    auto server = StreamServer::open({*read_stream_url("tcp://127.0.0.1:0")}, ring, audience);
-    ASSERT_TRUE(server);
-    ASSERT_TRUE((*server)->start());
-    const StreamPeer peer((*server)->addresses().front());
+    auto server = must(StreamServer::open({*read_stream_url("tcp://127.0.0.1:0")}, ring, audience));
+    ASSERT_TRUE(server->start());
+    const StreamPeer peer(server->addresses().front());
     ring.begin({});
     ring.add({0, true, {'x'}});
     while (peer.hear() != "x") std::this_thread::yield();
-    server->reset();
+    server.reset();
     EXPECT_EQ(peer.hear(), std::nullopt);
     EXPECT_EQ(audience.there(), 0);
 }
@@ -474,10 +474,9 @@ TEST(StreamServer, ClientSaysWhyItFailed) {
     for (const std::string address : {"tcp://127.0.0.1:0", "http://127.0.0.1:0/live.mkv"}) {
         StreamRing ring;
         StreamAudience audience([](const std::string&) {});
-        auto server = StreamServer::open({*read_stream_url(address)}, ring, audience);
-        ASSERT_TRUE(server);
-        ASSERT_TRUE((*server)->start());
-        const std::string place = (*server)->addresses().front();
+        auto server = must(StreamServer::open({*read_stream_url(address)}, ring, audience));
+        ASSERT_TRUE(server->start());
+        const std::string place = server->addresses().front();
         std::vector<std::unique_ptr<StreamPeer>> peers;
         while (std::ssize(peers) < StreamAudience::most_listeners) {
             peers.push_back(std::make_unique<StreamPeer>(place));
@@ -501,9 +500,8 @@ TEST(StreamServer, RejectsUnusableAddresses) {
         return StreamServer::open({*read_stream_url(address)}, ring, audience);
     };
     EXPECT_TRUE(is_refused(open("tcp://example.org:7000"), "", ErrorKind::usage));
-    const auto first = open("tcp://127.0.0.1:0");
-    ASSERT_TRUE(first);
-    EXPECT_TRUE(is_refused(open((*first)->addresses().front()), "in use", ErrorKind::input));
+    const auto first = must(open("tcp://127.0.0.1:0"));
+    EXPECT_TRUE(is_refused(open(first->addresses().front()), "in use", ErrorKind::input));
 }
 
 constexpr std::int64_t link_ms = 1'000'000;

@@ -15,6 +15,7 @@
 
 #include "device/hand.hpp"
 #include "player/window/study.hpp"
+#include "tests/must.hpp"
 #include "tests/window/scripted_window.hpp"
 
 namespace touchable::test {
@@ -39,9 +40,8 @@ class Participant : public testing::Test {
 protected:
     void SetUp() override { open(); }
     void open() {
-        auto run = open_in(folder_ / "results");
-        ASSERT_TRUE(run) << run.error().message;
-        run_ = std::move(*run);
+        auto run = must(open_in(folder_ / "results"));
+        run_ = std::move(run);
     }
     Result<std::unique_ptr<StudyRun>> open_in(const std::filesystem::path& results) {
         auto study = parse_study(small_study, "small.json");
@@ -340,17 +340,16 @@ const std::filesystem::path own_study =
     std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "share/study/paper-4.2.json";
 
 TEST(StudyFile, BundledPaperStudyIsBilingual) {
-    const auto study = parse_study(file_contents(own_study), "paper-4.2.json");
-    ASSERT_TRUE(study) << study.error().message;
-    EXPECT_EQ(study->name, "paper-4.2");
-    ASSERT_EQ(study->conditions.size(), 2U);
-    EXPECT_EQ(study->conditions[0].force, StudyForce::on);
-    EXPECT_EQ(study->conditions[1].force, StudyForce::off);
-    EXPECT_EQ(study->clips(), 1U);
-    EXPECT_EQ(study->before.back().id, "trial");
+    const auto study = must(parse_study(file_contents(own_study), "paper-4.2.json"));
+    EXPECT_EQ(study.name, "paper-4.2");
+    ASSERT_EQ(study.conditions.size(), 2U);
+    EXPECT_EQ(study.conditions[0].force, StudyForce::on);
+    EXPECT_EQ(study.conditions[1].force, StudyForce::off);
+    EXPECT_EQ(study.clips(), 1U);
+    EXPECT_EQ(study.before.back().id, "trial");
     // What the paper reports of its questionnaire.
     std::set<std::string> asked;
-    for (const StudyStep& step : study->after)
+    for (const StudyStep& step : study.after)
         for (const StudyQuestion& question : step.questions) asked.insert(question.id);
     for (const char* id :
          {"useful", "helped-details", "disable", "realistic-roughness", "realistic-heights", "tiring"})
@@ -369,8 +368,8 @@ TEST(StudyFile, BundledPaperStudyIsBilingual) {
         }
     };
     check(check, nlohmann::json::parse(file_contents(own_study)));
-    EXPECT_TRUE(contains(study->all_words("de"), "ü"));
-    EXPECT_FALSE(contains(study->all_words("en"), "ü"));
+    EXPECT_TRUE(contains(study.all_words("de"), "ü"));
+    EXPECT_FALSE(contains(study.all_words("en"), "ü"));
 }
 
 std::string message_of(const std::string& json) {

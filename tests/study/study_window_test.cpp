@@ -52,12 +52,10 @@ protected:
     }
     std::vector<std::string> words(const std::string& script, const std::vector<std::string>& more) const {
         std::ofstream(folder_ / "script") << script;
-        std::vector<std::string> words{"play", clip_, "--kiosk", "--study"};
-        words.insert(words.end(), {(folder_ / "study.json").string(), "--results", results().string()});
-        words.insert(words.end(), {"--headless", "--painter", painter_, "--size", "640x400"});
-        words.insert(words.end(), {"--kiosk-texts", "en", "--script", (folder_ / "script").string()});
-        words.insert(words.end(), more.begin(), more.end());
-        return words;
+        return plus({"play", clip_, "--kiosk", "--study", folder_ / "study.json", "--results", results(),
+                     "--headless", "--painter", painter_, "--size", "640x400", "--kiosk-texts", "en",
+                     "--script", folder_ / "script"},
+                    more);
     }
     std::filesystem::path results() const { return folder_ / "results"; }
     std::vector<Row> rows_of(const char* file) const {
@@ -102,17 +100,9 @@ bool has_trial(const std::filesystem::path& file) {
 }
 
 /// Starts the program, and kills it as nothing can be minded.
-void kill_once(std::vector<std::string> words, const std::function<bool()>& is_enough) {
-    words.insert(words.begin(), TOUCHABLE_PROGRAM);
-    std::vector<char*> typed;
-    for (std::string& word : words) typed.push_back(word.data());
-    typed.push_back(nullptr);
-    const pid_t child = fork();
+void kill_once(const std::vector<std::string>& words, const std::function<bool()>& is_enough) {
+    const pid_t child = start_touchable(words);
     ASSERT_GE(child, 0);
-    if (child == 0) {
-        execv(TOUCHABLE_PROGRAM, typed.data());
-        _exit(127);
-    }
     comes_true(is_enough, 60'000);
     kill(child, SIGKILL);
     int status = 0;
