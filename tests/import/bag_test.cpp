@@ -56,15 +56,6 @@ void expect_geometry(const Scene& scene, const PlaneView& depth, const Camera& c
 int written_code(int n, int x, int y) {
     return 500 + 10 * n + 3 * x + 40 * y;
 }
-void expect_written_colour(const PlaneView& colour, int n) {
-    for (int y = 0; y < 12; ++y)
-        for (int x = 0; x < 16; ++x) {
-            ASSERT_EQ(colour.sample(x, y, 0), 10 * n + x);
-            ASSERT_EQ(colour.sample(x, y, 1), 2 * y);
-            ASSERT_EQ(colour.sample(x, y, 2), 3 * x);
-        }
-}
-
 /// The colour camera of realsense_lz4.bag: 24 and 25 pixels, 15 mm to the left, turned by 0.002 about its
 /// axis.
 void expect_registered_colour(const PlaneView& colour, int n) {
@@ -104,19 +95,6 @@ TEST_F(Bag, ReadsRealSense) {
     EXPECT_TRUE(is_noted(*reader, "a code is 0.25 mm, as the camera's Depth Units say"));
     EXPECT_TRUE(is_noted(*reader, "colour is brought onto depth's pixels"));
     EXPECT_EQ(reader->inputs(), std::vector{kept_bag("realsense_lz4.bag")});
-}
-
-TEST_F(Bag, ReadsFloats) {
-    const auto [reader, frames] = opened_bag(kept_bag("tum_bz2.bag"));
-    ASSERT_EQ(frames.size(), 4U);
-    EXPECT_EQ(reader->scene().rate.num, 30);
-    EXPECT_TRUE(is_noted(*reader, "floats that are whole multiples of 0.001 m: kept exactly"));
-    for (int n = 0; n < 4; ++n) {
-        const RawFrame& frame = frames[static_cast<std::size_t>(n)];
-        expect_written_colour(frame.colour, n);
-        expect_geometry(reader->scene(), frame.depth, {21, 22, 7.75, 5.25}, 1e-9,
-                        [&](int x, int y) { return 0.001 * written_code(n, x, y); });
-    }
 }
 
 TEST_F(Bag, PrefersAlignedDepth) {

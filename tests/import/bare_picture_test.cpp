@@ -238,8 +238,14 @@ TEST_F(BarePicture, TakesPlanarityFromName) {
 
 /// Most of the picture is background: the ball has to be the surface, and not the hole in one.
 TEST_F(BarePicture, MakesRendererBackgroundAHole) {
-    for (const auto& [name, background] :
-         {std::pair{"a.pfm", 1e10F}, {"b.pfm", 65504.0F}, {"c.pfm", -1e30F}, {"d.npy", 65504.0F}}) {
+    for (const auto& [name, background] : {std::pair{"a.pfm", 1e10F},
+                                           {"b.pfm", 65504.0F},
+                                           {"c.pfm", -1e30F},
+                                           {"d.npy", 65504.0F},
+                                           {"e.pfm", 1e9F},
+                                           {"f.pfm", -65504.0F},
+                                           {"g.pfm", INFINITY},
+                                           {"h.pfm", -INFINITY}}) {
         SCOPED_TRACE(name);
         const TemporaryFolder own;
         write_bytes(own / name, ball_file(std::string(name).ends_with("pfm"), background));
@@ -247,6 +253,7 @@ TEST_F(BarePicture, MakesRendererBackgroundAHole) {
         const Scene& scene = reader->scene();
         EXPECT_TRUE(is_noted(*reader, "values are metres: their median, 6"));
         EXPECT_TRUE(is_noted(*reader, "% of the pixels are background"));
+        EXPECT_NEAR(scene.depth.near, 4, 1e-9);
         EXPECT_NEAR(scene.depth.far, 6.3, 1e-6);
         const auto frames = must(read_all(*reader));
         const PlaneView& depth = frames.at(0).depth;
@@ -436,13 +443,6 @@ TEST_F(Inputs, ListDepthkitMetadata) {
                 "  nearClip: 0.5\n  crop: {x: 0, y: 0, z: 1, w: 1}\n");
     EXPECT_EQ(inputs_of(open_clip(folder / "Take 1.mov")),
               (Paths{folder / "Take 1.mov", folder / "Take 1.Metadata.asset"}));
-}
-
-TEST_F(Inputs, ListRealDepthkitMetadata) {
-    const std::filesystem::path data = real_data("depthkit_typing");
-    TOUCHABLE_NEEDS_DATA(data);
-    EXPECT_EQ(inputs_of(open_clip(data / "Test.mov")),
-              (Paths{data / "Test.mov", data / "Test.Metadata.asset"}));
 }
 
 // Opening that is given up ends at once, though a disk does not answer.

@@ -10,49 +10,7 @@
 namespace touchable::test {
 namespace {
 
-CameraFile read(const TemporaryFolder& folder, const std::string& text) {
-    write_bytes(folder / "camera.txt", text);
-    return must(read_camera_file(folder / "camera.txt"));
-}
-
 using CameraFiles = FolderTest;
-
-TEST_F(CameraFiles, ReadPopularFormats) {
-    const Intrinsics wanted{500, 501, 320.5, 240.25};
-    const std::pair<const char*, Intrinsics> files[] = {
-        {R"({"fx": 500, "fy": 501, "ppx": 320.5, "ppy": 240.25, "model": "brown"})", wanted},
-        {R"({"color": {"width": 8}, "depth": {"intrinsics": {"width": 640, "height": 480, "fx": 500, "fy": 501, "cx": 320.5, "cy": 240.25}}})",
-         {500, 501, 320.5, 240.25, 640, 480}},
-        {R"({"width": 640, "height": 480, "intrinsic_matrix": [500, 0, 0, 0, 501, 0, 320.5, 240.25, 1]})",
-         {500, 501, 320.5, 240.25, 640, 480}},
-        {R"({"K": [500, 0, 320.5, 0, 501, 240.25, 0, 0, 1]})", wanted},
-        {R"({"K": [[500, 0, 320.5], [0, 501, 240.25], [0, 0, 1]], "w": 640, "h": 480})",
-         {500, 501, 320.5, 240.25, 640, 480}},
-        {"image_width: 640\nimage_height: 480\ncamera_name: head\ncamera_matrix:\n  rows: 3\n  cols: 3\n  "
-         "data: [500, 0, "
-         "320.5, 0, 501, 240.25, 0, 0, 1]\ndistortion_model: plumb_bob\ndistortion_coefficients:\n  rows: "
-         "1\n  data: [1, 2, 3]\n",
-         {500, 501, 320.5, 240.25, 640, 480}},
-        {"header:\n  seq: 0\nheight: 480\nwidth: 640\nK: [500.0, 0.0, 320.5, 0.0, 501.0, 240.25, 0.0, 0.0, "
-         "1.0]\nR: [1.0]\n",
-         {500, 501, 320.5, 240.25, 640, 480}},
-        {"%YAML:1.0\nK: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [500, 0, 320.5, 0, 501, "
-         "240.25, 0, 0, 1]\n",
-         wanted},
-        {"\xef\xbb\xbf{\"fx\": 500, \"fy\": 501}", {500, 501}},
-        {"500 0 320.5\n0 501 240.25\n0 0 1\n", wanted},
-        {"5e2 0 320.5 0\n0 501 240.25 0\n0 0 1 0\n0 0 0 1\n", wanted},
-        {"640 480 500 501 320.5 240.25\n", {500, 501, 320.5, 240.25, 640, 480}},
-        {"# Camera list\n1 PINHOLE 640 480 500 501 321 240.75\n", {500, 501, 320.5, 240.25, 640, 480}},
-        {"1 SIMPLE_RADIAL 640 480 500 321 240.75 0.1\n", {500, 500, 320.5, 240.25, 640, 480}}};
-    for (const auto& [text, intrinsics] : files) EXPECT_EQ(read(folder, text).intrinsics, intrinsics) << text;
-    const CameraFile stereo = read(folder,
-                                   "cam0=[500 0 320.5; 0 501 240.25; 0 0 1]\ncam1=[1 0 2; 0 1 3; 0 0 1]\n"
-                                   "doffs=12.5\nbaseline=193.001\nwidth=640\nheight=480\nndisp=290\n");
-    EXPECT_EQ(stereo.intrinsics, (Intrinsics{500, 501, 320.5, 240.25, 640, 480}));
-    EXPECT_EQ(stereo.baseline, 0.193001);
-    EXPECT_EQ(stereo.offset, 12.5);
-}
 
 TEST_F(CameraFiles, RefuseTextWithoutCamera) {
     for (const char* text : {"",
@@ -77,19 +35,11 @@ TEST_F(CameraFiles, RefuseTextWithoutCamera) {
                              "500 9 320\n0 500 240\n0 0 1\n",
                              R"({"K": [0.9, 0, 0.1, 0, 1, 0, -0.1, 0, 0.9]})"}) {
         write_bytes(folder / "camera.txt", text);
-        EXPECT_TRUE(is_refused(read_camera_file(folder / "camera.txt"), "has no camera")) << text;
-        EXPECT_EQ(camera_beside({.folder = folder.path()}).camera, std::nullopt);
+        EXPECT_TRUE(is_refused(read_intrinsics(folder / "camera.txt"), "has no camera")) << text;
     }
     write_bytes(folder / "camera.txt", "640 480 500 501 3200 240");
-    EXPECT_TRUE(is_refused(read_camera_file(folder / "camera.txt"), "principal point"));
-    EXPECT_TRUE(is_refused(read_camera_file(folder.path()), "is a folder; expected a camera's file"));
-}
-
-TEST_F(CameraFiles, PreferCameraOfDepth) {
-    write_bytes(folder / "camera_colour.json", R"({"fx": 1, "fy": 1})");
-    write_bytes(folder / "intrinsics_depth.txt", "500 0 320.5\n0 501 240.25\n0 0 1\n");
-    write_bytes(folder / "groundtruth.txt", "1 0 1\n0 1 1\n0 0 1\n");
-    EXPECT_EQ(camera_beside({.folder = folder.path()}).file, folder / "intrinsics_depth.txt");
+    EXPECT_TRUE(is_refused(read_intrinsics(folder / "camera.txt"), "principal point"));
+    EXPECT_TRUE(is_refused(read_intrinsics(folder.path()), "is a folder; expected a camera's file"));
 }
 
 // Cameras, scales and rates under the names that programs give them, in files that lie beside pictures, above
@@ -155,11 +105,21 @@ TEST_F(CameraSpellings, GiveTheSameCamera) {
         {"s.xml",
          R"(<document><sensor label="a"><calibration class="adjusted"><resolution width="64" height="48"/>
                      <fx>50</fx><fy type="float">52</fy><cx>33.5</cx><cy>21.25</cy></calibration></sensor></document>)"},
+        {"t.json", "\xef\xbb\xbf{\"fx\": 50, \"fy\": 52, \"ppx\": 33.5, \"ppy\": 21.25}"},
+        {"u.txt", "5e1 0 33.5 0\n0 52 21.25 0\n0 0 1 0\n0 0 0 1\n"},
+        {"v.yaml",
+         "%YAML:1.0\nK: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [50, 0, 33.5, 0, 52, "
+         "21.25, 0, 0, 1]\n"},
+        {"undistorted_camera_parameters/a.conf",  // Matterport3D's
+         "dataset matterport\nn_images 2\ndepth_directory depth\n\nintrinsics_matrix 50 0 33.5  0 52 21.25  "
+         "0 0 1\nscan 0.png 0.jpg 1 0 0 1.5 0 1 0 2 0 0 1 3 0 0 0 1\n"},
         {"metadata", R"({"K": [50, 0, 0, 0, 52, 0, 33.5, 21.25, 1], "w": 64, "h": 48})"}};
     for (const auto& [name, text] : files) {
         const Camera camera = camera_by(name, text);
         EXPECT_EQ(camera, (Camera{50, 52, 33.5, 21.25})) << name;
     }
+    EXPECT_EQ(camera_by("cameras.txt", "1 SIMPLE_RADIAL 64 48 50 34 21.75 0.1\n"),
+              (Camera{50, 50, 33.5, 21.25}));
 }
 
 TEST_F(CameraSpellings, ConvertFieldOfView) {
@@ -402,13 +362,6 @@ TEST_F(CameraSpellings, GiveEachFrameItsCamera) {
     EXPECT_TRUE(has_remark(clip->scene(), "median of those of 2 frames"));
 }
 
-TEST_F(CameraSpellings, ScaleMatrixOfLargerPictures) {
-    const Camera camera =
-        camera_by("camera_matrix.csv", "500.5, 0.0, 317\n0.0, 500.5, 239.75\n0.0, 0.0, 1.0\n");
-    EXPECT_NEAR(camera.fx, 50.05, 1e-9);
-    EXPECT_NEAR(camera.cx, (317 - 319.5) / 10 + 31.5, 1e-9);
-}
-
 TEST_F(CameraSpellings, ScaleOrRefuseNamedFile) {
     write_depth(folder.path());
     write_in_folder(folder / "else/m.csv", "500.5, 0.0, 317\n0.0, 500.5, 239.75\n0.0, 0.0, 1.0\n");
@@ -428,19 +381,6 @@ TEST_F(CameraSpellings, ScaleOrRefuseNamedFile) {
     write_in_folder(folder / "else/fov.json", R"({"fov_x": 50})");
     const auto seen = must(guess_by("fov.json"));
     EXPECT_NEAR(seen.scene.camera.fx, camera_of_fov(50, across, down).fx, 1e-9);
-}
-
-TEST_F(CameraSpellings, GiveRateByOdometry) {
-    write_depth(folder.path());
-    write_in_folder(
-        folder / "odometry.csv",
-        "timestamp, frame, x, y, z, qx, qy, qz, qw\n7300.500000, 000000, 0.0, 0, 0, 0, 0, 0, 1\n"
-        "7300.516667, 000001, 0.001, 0, 0, 0, 0, 0, 1\n7300.533333, 000002, 0.001, 0, 0, 0, 0, 0, 1\n");
-    write_in_folder(folder / "imu.csv", "timestamp, a_x, a_y\n7300.5, 0, 9.8\n7300.51, 0, 9.8\n");
-    const Scene scene = guessed(folder.path());
-    EXPECT_NEAR(scene.rate.per_second(), 60, 0.01);
-    EXPECT_TRUE(has_remark(scene, "as odometry.csv says"));
-    EXPECT_TRUE(has_remark(scene, "not used: imu.csv"));
 }
 
 TEST_F(CameraSpellings, GiveRateByTimes) {
@@ -544,16 +484,6 @@ TEST_F(CameraSpellings, SayBaselineOfPair) {
         EXPECT_NEAR(read.intrinsics.fx, 50, 1e-9) << text;
         EXPECT_NEAR(read.baseline, metres, 1e-9) << text;
     }
-}
-
-TEST(NumberTable, ReadsHeadLineAndRows) {
-    const NumberTable table = table_in("# time, f_x, K[0,2]\n1.5, 2, 3\n\nwords\n4, 5, 6\n");
-    EXPECT_EQ(table.names, (std::vector<std::string>{"time", "fx", "k02"}));
-    EXPECT_EQ(table.rows, (std::vector<std::vector<double>>{{1.5, 2, 3}, {4, 5, 6}}));
-    EXPECT_EQ(table.column({"t", "time"}), 0);
-    EXPECT_EQ(table.column({"t"}), -1);
-    for (const char* none : {"", "1 2\n3 4\n", "a b\n", "a b\nc d\n", "a b\n1\n", "{\"a\": 1}\n1 2\n"})
-        EXPECT_TRUE(table_in(none).rows.empty()) << none;
 }
 
 }  // namespace

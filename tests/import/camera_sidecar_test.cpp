@@ -151,10 +151,6 @@ TEST_F(CameraSidecar, ReadsEveryProgram) {
          "# Camera list with one line of data per camera:\n#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n"
          "# Number of cameras: 2\n1 SIMPLE_RADIAL 640 480 500 320 240 0.01\n2 PINHOLE 64 48 50 52 34 "
          "21.75\n"},
-        // nerfstudio's
-        {"transforms.json",
-         R"({"w": 64, "h": 48, "fl_x": 50, "fl_y": 52, "cx": 33.5, "cy": 21.25, "camera_model": "OPENCV",
-             "frames": [{"file_path": "a.png", "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]})"},
     };
     for (const auto& [name, text] : files) {
         write_bytes(folder / name, text);
@@ -330,20 +326,6 @@ TEST_F(CameraSidecar, ReadsArraysBesidePictures) {
     EXPECT_FALSE(has_remark(guess().scene, "not used"));
     write_npz(folder / "more.npz", {{"poses", npy_bytes("4,", {1, 2, 3, 4})}});
     EXPECT_FALSE(has_remark(guess().scene, "more.npz"));
-}
-
-/// Matterport3D's undistorted_camera_parameters.
-TEST_F(CameraSidecar, ReadsFoldersOfOtherNames) {
-    const std::pair<const char*, const char*> files[] = {
-        {"undistorted_camera_parameters/a.conf",
-         "dataset matterport\nn_images 2\ndepth_directory depth\n\n"
-         "intrinsics_matrix 50 0 33.5  0 52 21.25  0 0 1\nscan 0.png 0.jpg 1 0 0 1.5 0 1 0 2 0 0 1 3 0 0 0 "
-         "1\n"}};
-    for (const auto& [name, text] : files) {
-        write_in_folder(folder / name, text);
-        EXPECT_LT(farthest_from_plane(), half_a_code) << said_of_camera();
-        std::filesystem::remove_all((folder / name).parent_path());
-    }
 }
 
 TEST_F(CameraSidecar, GivesRateUnlessTimesDo) {
@@ -707,41 +689,6 @@ TEST_F(FrameCameras, MatchPlainTwin) {
             ASSERT_TRUE(second && *second);
             EXPECT_TRUE(same_frame(**second, frames.at(1))) << "whatever frame came before";
         }
-}
-
-/// As far off the plane as half a stored pixel across and down is.
-TEST_F(FrameCameras, KeepSurfaceWithinHalfPixel) {
-    for (const bool is_range : {false, true}) {
-        const TemporaryFolder folder;
-        const DepthAt depth = is_range ? range_at : planar_at;
-        write_plane(folder, {}, depth);
-        write_bytes(folder / "scene.json",
-                    scene_json(camera_json(of_clip), is_range ? "range" : "planar", with_cameras));
-        const auto frames = must(read_clip(folder.path()));
-        const auto u_of = [](const Lens4& camera, long double x) { return (x - camera.cx) / camera.fx; };
-        const auto v_of = [](const Lens4& camera, long double y) { return (y - camera.cy) / camera.fy; };
-        long double worst = 0, worst_unmoved = 0;
-        for (int n = 1; n < 3; ++n)
-            for (int y = 0; y < high; ++y)
-                for (int x = 0; x < wide; ++x) {
-                    const int code = frames.at(static_cast<std::size_t>(n)).depth.sample(x, y);
-                    if (code == 0) continue;
-                    const long double truth = depth(u_of(of_clip, x), v_of(of_clip, y));
-                    const auto [column, row] = stored_place(of_frames[n], {}, x, y);
-                    long double allowed = 0.5L * unit + 1e-9L;
-                    for (const long double dx : {-0.5L, 0.5L})
-                        for (const long double dy : {-0.5L, 0.5L})
-                            allowed = std::max(allowed, 0.5L * unit + 1e-6L +
-                                                            std::abs(depth(u_of(of_frames[n], column + dx),
-                                                                           v_of(of_frames[n], row + dy)) -
-                                                                     truth));
-                    ASSERT_LE(std::abs(unit * code - truth), allowed) << n << ": " << x << ", " << y;
-                    worst = std::max(worst, std::abs(unit * code - truth));
-                    const long double stored = depth(u_of(of_frames[n], x), v_of(of_frames[n], y));
-                    worst_unmoved = std::max(worst_unmoved, std::abs(stored - truth));
-                }
-        EXPECT_LT(4 * worst, worst_unmoved) << "it is worth it";
-    }
 }
 
 TEST_F(FrameCameras, ChangeNothingIfEqual) {

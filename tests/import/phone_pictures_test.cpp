@@ -352,10 +352,6 @@ TEST_F(GdepthJpeg, OpensAsOneFrame) {
     EXPECT_EQ(scene.width, deep_photo_wide);
     EXPECT_EQ(scene.height, deep_photo_high);
     EXPECT_EQ(scene.metres_per_unit, 1.0);
-    EXPECT_EQ(scene.camera.cx, 5.5);
-    EXPECT_EQ(scene.camera.cy, 4.5);
-    EXPECT_EQ(scene.camera.fx, scene.camera.fy);
-    EXPECT_NEAR(2 * std::atan(deep_photo_wide / 2.0 / scene.camera.fx) * 180 / M_PI, 60, 1e-12);
     EXPECT_EQ(scene.depth.semantics, DepthSemantics::planar);
     for (int v = 0; v < 256; ++v)  // as the format's description has it
         EXPECT_NEAR(scene.depth.depth(static_cast<std::uint16_t>(v)), 10.0 * 2 / (10 - v / 255.0 * (10 - 2)),
@@ -403,7 +399,7 @@ TEST_F(GdepthJpeg, ReadsSixteenBits) {
     const PlaneView plane = test_plane(memory, deep_photo_wide, deep_photo_high, 2, 1, 65535, 3, true);
     ASSERT_EQ(message(write_png(folder / "depth.png", plane)), "");
     Gdepth still;
-    still.data = encode_base64(read_bytes(folder / "depth.png"));
+    still.data = encode_base64(read_bytes(folder / "depth.png")).insert(6, " \r\n\t");
     auto clip = must(open_bytes(folder, still.file()));
     EXPECT_EQ(clip->scene().depth.code_max, 65535);
     const auto frames = read_all(*clip);
@@ -467,6 +463,11 @@ TEST_F(GdepthJpeg, NamesFaults) {
         {with("GDepth:Format='RangeInverse' GDepth:Units='ft' " + ends), "GDepth:Units is \"ft\""},
         {with("GDepth:Format='RangeInverse' GDepth:MeasureType='x' " + ends), "GDepth:MeasureType is \"x\""},
         {with_data("?" + encode_base64(depth_png())), "GDepth:Data is not base64"},
+        {with_data("Z"), "GDepth:Data is not base64"},
+        {with_data("Zg="), "GDepth:Data is not base64"},
+        {with_data("Zg==Zg=="), "GDepth:Data is not base64"},
+        {with_data("Z=g="), "GDepth:Data is not base64"},
+        {with_data("Zm9-"), "GDepth:Data is not base64"},
         {with_data(""), "depth: is neither PNG nor JPEG"},
         {with_data(encode_base64("GIF89a")), "depth: is neither PNG nor JPEG"},
         {with_data(encode_base64(depth_png().substr(0, 60))), "depth: is cut short"},
@@ -512,30 +513,6 @@ INSTANTIATE_TEST_SUITE_P(Lensblur, RealGdepth,
                          ::testing::Values(Still{"greek-helmet", 2048, 1536, 4.484, 19.309},
                                            Still{"yamasa-maneki-neko", 1536, 2048, 8.291, 40.795}),
                          [](const auto& test) { return test.index == 0 ? "Helmet" : "Neko"; });
-
-TEST(Base64, DecodesExamplesOfRfc4648) {
-    EXPECT_EQ(decode_base64(""), "");
-    EXPECT_EQ(decode_base64("Zg=="), "f");
-    EXPECT_EQ(decode_base64("Zm8="), "fo");
-    EXPECT_EQ(decode_base64("Zm9v"), "foo");
-    EXPECT_EQ(decode_base64("Zm9vYg=="), "foob");
-    EXPECT_EQ(decode_base64(" Zm9v\r\nYm\tFy\n"), "foobar");
-}
-
-TEST(Base64, KeepsAllBytes) {
-    Random numbers(3);
-    for (int length = 0; length < 200; ++length) {
-        std::string bytes;
-        for (int k = 0; k < length; ++k) bytes += static_cast<char>(numbers.below(256));
-        ASSERT_EQ(decode_base64(encode_base64(bytes)), bytes) << length;
-    }
-}
-
-TEST(Base64, RefusesAnythingElse) {
-    for (const char* text :
-         {"Z", "Zg", "Zg=", "Zg===", "Zg==Zg==", "Z=g=", "====", "=", "Zm9v!", "Zm9-", "Zm&v"})
-        EXPECT_FALSE(decode_base64(text)) << text;
-}
 
 TEST(Xmp, ReadsAttributesAndElements) {
     const auto entries = parse_xmp_entries(R"(<?xpacket begin="" id="x>"?><!-- a="1" <b> -->
@@ -588,14 +565,6 @@ TEST(JpegXmp, JoinsPiecesInAnyOrder) {
         EXPECT_EQ(xmp.at("a:Data"), std::string(1000, 'Q'));
         EXPECT_EQ(xmp.at("a:Near"), "1") << "the packet itself wins";
         EXPECT_EQ(xmp.count("a:Other"), 0U);
-    }
-}
-
-TEST(JpegXmp, IsEmptyWithoutSegments) {
-    for (const std::string& segments : {std::string(), segment('\xe1', std::string("Exif\0\0MM", 8)),
-                                        extension_segment(guid, packet("a:Near='2'"), 0, 10)}) {
-        const auto xmp = must(read_jpeg_xmp(jpeg_around(segments), "x.jpg"));
-        EXPECT_TRUE(xmp.empty());
     }
 }
 

@@ -194,38 +194,6 @@ TEST_F(FoundFiles, NoteEqualTimes) {
     EXPECT_EQ(rate_of(found_in(folder, "depth.txt"))->per_second(), 1) << "of two";
 }
 
-TEST_F(FoundFiles, UseHapticStillForAll) {
-    for (const char* name : {"d0.png", "d1.png", "map.png"}) write_bytes(folder / name, "");
-    const FolderSource source{.depth = "d%d.png", .colour = "", .haptic = "map.png", .height = ""};
-    const auto depth = must(depth_files(folder.path(), source));
-    const auto haptic = must(files_beside(folder.path(), PlaneRole::haptic, source, depth));
-    EXPECT_EQ(names(haptic), (Names{"map.png", "map.png"}));
-}
-
-TEST_F(FoundFiles, TakeNumbersOfEachPlane) {
-    for (const char* name : {"d3.png", "d5.png", "d7.png", "c100.png", "c104.png", "c108.png", "h3.png",
-                             "h5.png", "h7.png", "t9.png", "t11.png", "t13.png"})
-        write_bytes(folder / name, "");
-    FolderSource source{.depth = "d%d.png", .colour = "c%d.png", .haptic = "t%d.png", .height = "h%d.png"};
-    source.first = 3;
-    source.step = 2;
-    source.colour_numbers = {100, 4};
-    source.haptic_numbers.first = 9;
-    const auto depth = depth_files(folder.path(), source);
-    ASSERT_EQ(message(depth), "");
-    EXPECT_EQ(names(*depth), (Names{"d3.png", "d5.png", "d7.png"}));
-    EXPECT_EQ(depth->remark, "");
-    const auto beside = [&](PlaneRole role) { return files_beside(folder.path(), role, source, *depth); };
-    ASSERT_EQ(message(beside(PlaneRole::colour)), "");
-    EXPECT_EQ(names(*beside(PlaneRole::colour)), (Names{"c100.png", "c104.png", "c108.png"}));
-    EXPECT_EQ(names(*beside(PlaneRole::haptic)), (Names{"t9.png", "t11.png", "t13.png"})) << "depth's step";
-    EXPECT_EQ(names(*beside(PlaneRole::height)), (Names{"h3.png", "h5.png", "h7.png"})) << "depth's numbers";
-    std::filesystem::remove(folder / "c104.png");
-    EXPECT_TRUE(is_refused(beside(PlaneRole::colour), "c104.png (colour, frame 1): is missing"));
-    source.count = 2;
-    EXPECT_EQ(depth_files(folder.path(), source)->count(), 2U);
-}
-
 TEST_F(FoundFiles, CountMissingByStep) {
     for (const char* name : {"d0.png", "d10.png", "d40.png", "d45.png", "d60.png"})
         write_bytes(folder / name, "");
