@@ -43,16 +43,6 @@ std::vector<int> first_codes(ClipReader& clip) {
     }
 }
 
-TEST_F(Hdf5Clip, OpensStack) {
-    add("demos.hdf5", {"data/demo_0/obs/agentview_depth", {3, 16, 20, 1}}, 1000);
-    add("demos.hdf5", {"data/demo_1/obs/agentview_depth", {2, 16, 20, 1}}, 5000);
-    EXPECT_TRUE(is_refused(open("demos.hdf5"), "has several data sets that may be depth: /data/demo_0/obs/"));
-    const auto clip = must(open("demos.hdf5", "data/demo_1/obs/agentview_depth"));
-    EXPECT_EQ(clip->scene().width, 20);
-    EXPECT_EQ(clip->tracks().front().codec, "hdf5");
-    EXPECT_EQ(first_codes(*clip), (std::vector{5000, 5320}));
-}
-
 TEST_F(Hdf5Clip, OpensFolderOfFrames) {
     for (const int number : {0, 1, 2, 10})
         add("scene/frame.00" + std::string(number < 10 ? "0" : "") + std::to_string(number) +
@@ -119,14 +109,6 @@ TEST_F(Hdf5Clip, RefusesDataSetOfOthers) {
         (folder_ / "d.png").string() + ": is no HDF5 file and no .npz, of which a data set could be named");
     EXPECT_EQ(message(open("d.h5", "", "Z")),
               (folder_ / "d.h5").string() + ": is no OpenEXR file, of which a channel could be named");
-}
-
-TEST_F(Hdf5Clip, NamesDataSetsWithoutDepth) {
-    add("c.h5", {"colors", {16, 20, 3}, "UIN", 8}, 0);
-    EXPECT_EQ(message(open("c.h5")),
-              (folder_ / "c.h5").string() +
-                  ": is an HDF5 file without a data set of pictures of depth (height x "
-                  "width, or count x height x width): it has /colors of 16x20x3");
 }
 
 }  // namespace

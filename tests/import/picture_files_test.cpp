@@ -374,16 +374,6 @@ TEST_F(SeveralPictures, TakeFirstPageWithNote) {
         is_noted(*clip, "each file is one frame: of the 2 pictures in depth_1.tif the first is taken"));
 }
 
-TEST_F(SeveralPictures, OpenNpzArraysAsFrames) {
-    const auto picture = [](float metres) { return npy_bytes("16, 20", std::vector<float>(320, metres)); };
-    write_npz(folder / "list.npz", {{"arr_1", picture(2)}, {"arr_0", picture(1)}, {"arr_2", picture(1.5)}});
-    auto clip = must(open_clip(folder / "list.npz"));
-    EXPECT_EQ(frames_of(*clip).size(), 3U);
-    write_npz(folder / "two.npz", {{"depth", picture(2)}, {"inverse", picture(1)}});
-    auto chosen = must(open_clip(folder / "two.npz"));
-    EXPECT_TRUE(is_noted(*chosen, "two.npz: depth is the array depth; left out: inverse"));
-}
-
 /// As Stray Scanner has it.
 TEST_F(SeveralPictures, FindColourVideoBesidePictures) {
     for (const char* n : {"0", "1", "2"}) depth(std::string("depth/00000") + n + ".png");

@@ -153,16 +153,6 @@ TEST_F(Mcap, ReadsUpToCut) {
         }
     }
     EXPECT_GT(opened, 5);
-    Random numbers(7);
-    const std::string packed = ros2_mcap().file({"lz4"});
-    for (int n = 0; n < 300; ++n) {
-        std::string damaged = packed;
-        for (int k = 0; k < 3; ++k)
-            damaged[static_cast<std::size_t>(8 + numbers.below(static_cast<int>(packed.size()) - 8))] =
-                static_cast<char>(numbers.below(256));
-        write_bytes(folder / "x.mcap", damaged);
-        if (const auto clip = open_clip(folder / "x.mcap"); clip) (void)read_all(**clip);
-    }
     McapBytes none;
     none.add(none.add_channel("/tf", "tf2_msgs/msg/TFMessage"), 1, "what");
     write_bytes(folder / "x.mcap", none.file({}));
@@ -444,13 +434,6 @@ TEST(AzureKinect, RefusesDamagedCalibration) {
     ASSERT_EQ(message(parsed(whole)), "");
     for (std::size_t length = 0; length < whole.size(); ++length)
         ASSERT_NE(message(parsed(whole.substr(0, length))), "") << length;
-    Random numbers(3);
-    for (int trial = 0; trial < 2000; ++trial) {
-        std::string changed = whole;
-        changed[static_cast<std::size_t>(numbers.below(static_cast<int>(whole.size())))] =
-            static_cast<char>(numbers.below(256));
-        EXPECT_EQ(message(parsed(changed)).find('\n'), std::string::npos);
-    }
     EXPECT_TRUE(
         is_refused(parse_azure_kinect_calibration(whole, {640, 480}, {}, "k.mkv"), "depth of 640x480"));
 }

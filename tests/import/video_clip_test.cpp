@@ -361,24 +361,6 @@ TEST_F(VideoClip, RefusesTruncatedFile) {
     }
 }
 
-TEST_F(VideoClip, SurvivesChangedBytes) {
-    int refused = 0;
-    for (const char* name : {"d.mkv", "d.mov", "d.avi"}) {
-        write_codes(folder / name);
-        const std::string whole = read_bytes(folder / name);
-        Random numbers(7);
-        for (int attempt = 0; attempt < 30; ++attempt) {
-            std::string changed = whole;
-            for (int k = 1 + numbers.below(3); k > 0; --k)
-                changed[static_cast<std::size_t>(numbers.below(static_cast<int>(changed.size())))] =
-                    static_cast<char>(numbers.below(256));
-            write_bytes(folder / name, changed);
-            refused += !read_clip(folder / name);
-        }
-    }
-    EXPECT_GT(refused, 5);
-}
-
 // iPhone's Cinematic videos.
 
 constexpr int disparity_width = 64, disparity_height = 36;
