@@ -353,15 +353,6 @@ TEST_F(CameraSpellings, AreFoundInFoldersAbove) {
     EXPECT_EQ(scene.depth.scale, 0.001);
 }
 
-TEST_F(CameraSpellings, GiveEachFrameItsCamera) {
-    write_depth(folder.path());
-    write_in_folder(folder / "cameras/0001.json", R"({"fx": 50, "fy": 50, "cx": 31.5, "cy": 23.5})");
-    write_in_folder(folder / "cameras/0002.json", R"({"fx": 54, "fy": 54, "cx": 31.5, "cy": 23.5})");
-    const auto clip = must(open_clip(folder.path()));
-    EXPECT_TRUE(has_remark(clip->scene(), "the camera is that of cameras/*.json"));
-    EXPECT_TRUE(has_remark(clip->scene(), "median of those of 2 frames"));
-}
-
 TEST_F(CameraSpellings, ScaleOrRefuseNamedFile) {
     write_depth(folder.path());
     write_in_folder(folder / "else/m.csv", "500.5, 0.0, 317\n0.0, 500.5, 239.75\n0.0, 0.0, 1.0\n");

@@ -126,13 +126,7 @@ TEST_F(GuessedVideo, RecognisesRecord3dByItsCamera) {
                     video + R"({"intrinsicMatrix":)" + matrix + R"(,"rangeOfEncodedDepth":[0,3]})");
         auto clip = must(open_clip(folder / "d.mp4"));
         const Scene& scene = clip->scene();
-        EXPECT_EQ(scene.width, 32);
         EXPECT_EQ(scene.camera, (Camera{40.5, 41.5, 15.25, 8.5}));
-        for (const int each : {1, 512, 1535}) {
-            const double metres = 3.0 * each / 1536;
-            EXPECT_NEAR(scene.depth.depth(static_cast<std::uint16_t>(each)), metres, 1e-6 * metres);
-        }
-        EXPECT_FALSE(scene.depth.is_valid(0));
         EXPECT_TRUE(is_noted(*clip, "as Record3D exports it"));
         const auto frames = must(read_all(*clip));
         ASSERT_EQ(frames.size(), 2U);

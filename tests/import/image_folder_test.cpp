@@ -278,15 +278,6 @@ TEST_F(ImageFolder, ReadsGreyPalettesOnly) {
     }
 }
 
-TEST_F(ImageFolder, NamesDamagedFrame) {
-    write_folder(folder, folder_scene(depth_only_source), 3, {});
-    const std::string whole = read_bytes(folder / "depth_001.png");
-    write_bytes(folder / "depth_001.png", whole.substr(0, whole.size() / 2));
-    EXPECT_TRUE(has_words(refusal(folder), "depth_001.png: is cut short (depth, frame 1)"));
-    write_bytes(folder / "depth_001.png", "");
-    EXPECT_TRUE(has_words(refusal(folder), "depth_001.png: is empty (depth, frame 1)"));
-}
-
 /// Whichever of a frame's pictures was looked at first.
 TEST_F(ImageFolder, NamesFirstDamagedPlane) {
     write_folder(folder, folder_scene(all_source), 3, {true, true, true});

@@ -528,27 +528,6 @@ void expect_robot_depth(ClipReader& clip, const Published& by) {
 
 using LeRobot = FolderTest;
 
-TEST_F(LeRobot, OpensByVideoAndFolder) {
-    write_robot_depth(folder / robot_depth);
-    write_robot_colour(folder / robot_colour, robot_frames);
-    write_robot_info(folder.path(),
-                     robot_feature(R"(, "video.depth_min": 0.01, "video.depth_max": 10.0, "video.shift": 3.5,
-        "video.use_log": true)") +
-                         ", " + robot_colour_feature);
-    for (const std::filesystem::path& named : {folder / robot_depth, folder.path()}) {
-        auto clip = must(open_clip(named));
-        EXPECT_EQ(clip->scene().depth.kind, DepthCodingKind::log);
-        EXPECT_TRUE(is_noted(*clip, "depth is LeRobot's, as info.json says"));
-        EXPECT_TRUE(is_noted(*clip, "colour is ../../observation.images.wrist/chunk-000/file-000.mp4"));
-        EXPECT_FALSE(is_noted(*clip, "changes values"));
-        EXPECT_FALSE(is_noted(*clip, "codes are"));
-        const auto first = must(clip->next());
-        EXPECT_FALSE(first->colour.empty());
-        ASSERT_EQ(message(clip->rewind()), "");
-        expect_robot_depth(*clip, {});
-    }
-}
-
 TEST_F(LeRobot, AssumesUsualDescriptionWithNote) {
     write_robot_depth(folder / "a.mp4");
     auto clip = must(open_clip(folder / "a.mp4"));
@@ -582,6 +561,9 @@ TEST_F(LeRobot, TakesOtherNumbersAndWords) {
         write_robot_depth(folder / robot_depth, each.by);
         write_robot_info(folder.path(), each.features);
         auto clip = must(open_clip(folder / robot_depth));
+        EXPECT_EQ(clip->scene().depth.kind == DepthCodingKind::log, each.by.is_log);
+        EXPECT_TRUE(is_noted(*clip, "depth is LeRobot's, as info.json says"));
+        EXPECT_FALSE(is_noted(*clip, "changes values"));
         expect_robot_depth(*clip, each.by);
     }
 }
