@@ -206,11 +206,8 @@ std::string ball_file(bool is_pfm, float background) {
 
 /// Distances along rays and depth along the camera's axis differ most at the corners.
 TEST_F(BarePicture, TakesPlanarityFromName) {
-    std::string pfm = "Pf\n4 3\n-1\n";
-    for (int k = 0; k < 12; ++k) {
-        const float metres = 1.0F + 0.0371F * static_cast<float>(k * k);
-        pfm.append(reinterpret_cast<const char*>(&metres), sizeof metres);
-    }
+    const std::string pfm =
+        pfm_of(4, 3, [](int x, int y) { return 1 + 0.0371 * std::pow(4 * (2 - y) + x, 2); });
     for (const char* name : {"a.pfm", "range_1.pfm", "arrange.pfm", "frame.0000.depth_meters.pfm",
                              "distance_to_camera_0000.pfm", "distance_to_image_plane_0000.pfm"})
         write_bytes(folder / name, pfm);
@@ -269,14 +266,8 @@ TEST_F(BarePicture, MakesRendererBackgroundAHole) {
 /// By FFmpeg: 1/depth, brighter to the right, but for what JPEG does to it.
 TEST_F(BarePicture, ReadsGreyJpegWithNote) {
     constexpr int width = 96, height = 64;
-    const std::string bytes = encoded("mjpeg", AV_PIX_FMT_YUVJ444P, width, height, [](AVFrame& frame) {
-        for (int plane = 0; plane < 3; ++plane)
-            for (int y = 0; y < height; ++y)
-                for (int x = 0; x < width; ++x)
-                    frame.data[plane][y * frame.linesize[plane] + x] =
-                        static_cast<std::uint8_t>(plane == 0 ? 20 + 2 * x : 128);
-    });
-    write_bytes(folder / "depth.jpg", bytes);
+    write_bytes(folder / "depth.jpg",
+                jpeg_of(width, height, [](int x, int, int plane) { return plane == 0 ? 20 + 2 * x : 128; }));
     auto reader = must(open_clip(folder / "depth.jpg"));
     EXPECT_TRUE(is_noted(*reader, "depth is a JPEG, and has lost what is finer than 256 levels"));
     const auto frame = must(reader->next());
@@ -641,14 +632,9 @@ protected:
         }
     }
     void write_floats(const std::string& name, int count) const {
-        for (int n = 0; n < count; ++n) {
-            std::string bytes = "Pf\n16 12\n-1.0\n";
-            for (int k = 0; k < 16 * 12; ++k) {
-                const float metres = 1.0F + 0.01F * static_cast<float>(k + n);
-                bytes.append(reinterpret_cast<const char*>(&metres), sizeof metres);
-            }
-            write_bytes(folder / (name + std::to_string(100 + n) + ".pfm"), bytes);
-        }
+        for (int n = 0; n < count; ++n)
+            write_bytes(folder / (name + std::to_string(100 + n) + ".pfm"),
+                        pfm_of(16, 12, [&](int x, int y) { return 1 + 0.01 * (16 * (11 - y) + x + n); }));
     }
     std::map<std::string, int> counts_of(const std::filesystem::path& clip) const {
         OpenedFiles opened(folder.path());

@@ -426,13 +426,7 @@ double corner(int x, int y) {
 }
 
 void write_floats(const std::filesystem::path& file, const std::function<double(int x, int y)>& value) {
-    std::string bytes = "Pf\n64 48\n-1\n";  // rows from the lowest up
-    for (int y = shown_high - 1; y >= 0; --y)
-        for (int x = 0; x < shown_wide; ++x) {
-            const auto number = static_cast<float>(value(x, y));
-            bytes.append(reinterpret_cast<const char*>(&number), sizeof(number));
-        }
-    write_bytes(file, bytes);
+    write_bytes(file, pfm_of(shown_wide, shown_high, value));
 }
 
 TEST_F(ValueEvidence, TellsDepthBuffersByFlatPlaces) {
@@ -588,14 +582,8 @@ TEST_F(ValueEvidence, ReadsDepthOfThreeChannels) {
 void write_rgba(const std::filesystem::path& file,
                 const std::function<std::array<unsigned, 4>(int x, int y)>& bytes) {
     std::filesystem::create_directories(file.parent_path());
-    write_bytes(file, encoded("png", AV_PIX_FMT_RGBA, shown_wide, shown_high, [&](AVFrame& frame) {
-                    for (int y = 0; y < shown_high; ++y)
-                        for (int x = 0; x < shown_wide; ++x) {
-                            const auto of_pixel = bytes(x, y);
-                            for (std::size_t c = 0; c < 4; ++c)
-                                frame.data[0][y * frame.linesize[0] + 4 * x + static_cast<int>(c)] =
-                                    static_cast<std::uint8_t>(of_pixel[c]);
-                        }
+    write_bytes(file, rgba_png(shown_wide, shown_high, [&](int x, int y, int c) {
+                    return bytes(x, y)[static_cast<std::size_t>(c)];
                 }));
 }
 

@@ -259,13 +259,7 @@ TEST_F(Panorama, HasOtherProjections) {
 /// Depth of a box from its middle, all around; and of a floor and a ceiling as a pinhole sees them.
 TEST_F(Panorama, IsDoubtedByItsValues) {
     const auto doubted = [&](const std::string& name, const auto& metres) {
-        std::string pfm = "Pf\n96 48\n-1\n";
-        for (int y = 0; y < 48; ++y)
-            for (int x = 0; x < 96; ++x) {
-                const auto depth = static_cast<float>(metres(x + 0.5, y + 0.5));
-                pfm.append(reinterpret_cast<const char*>(&depth), sizeof depth);
-            }
-        write_bytes(folder / name, pfm);
+        write_bytes(folder / name, pfm_of(96, 48, [&](int x, int y) { return metres(x + 0.5, 47.5 - y); }));
         const auto clip = must(open_clip(folder / name));
         EXPECT_FALSE(is_noted(*clip, "though they are larger in the lower third")) << name;
         return is_noted(*clip,
@@ -301,13 +295,8 @@ TEST_F(Panorama, IsNamedInFolders) {
 /// Google's photo spheres have the projection in their XMP, whatever their names and shapes.
 TEST_F(Panorama, IsNamedByXmp) {
     const auto with_xmp = [](const std::string& projection) {
-        const std::string jpeg = encoded("mjpeg", AV_PIX_FMT_YUVJ444P, 48, 32, [](AVFrame& frame) {
-            for (int plane = 0; plane < 3; ++plane)
-                for (int y = 0; y < 32; ++y)
-                    for (int x = 0; x < 48; ++x)
-                        frame.data[plane][y * frame.linesize[plane] + x] =
-                            static_cast<std::uint8_t>(plane > 0 ? 128 : 5 * x);
-        });
+        const std::string jpeg =
+            jpeg_of(48, 32, [](int x, int, int plane) { return plane > 0 ? 128 : 5 * x; });
         return jpeg.substr(0, 2) +
                xmp_segment("<x><rdf:Description GPano:ProjectionType='" + projection + "'/></x>") +
                jpeg.substr(2);

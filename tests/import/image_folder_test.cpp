@@ -719,12 +719,8 @@ TEST_F(GuessedFolder, TakesGreyByPreset) {
 /// As MiDaS writes them: PFM has its lowest row first, and what is near has large values.
 TEST_F(GuessedFolder, DoubtsFloatsLargeBelow) {
     const auto pfm = [&](bool is_large_below) {
-        std::string bytes = "Pf\n16 12\n-1\n";
-        for (int k = 0; k < 16 * 12; ++k) {
-            const int row = k / 16;
-            const float value = 200.0F + 10.0F * static_cast<float>(is_large_below ? 11 - row : row);
-            bytes.append(reinterpret_cast<const char*>(&value), 4);
-        }
+        const std::string bytes =
+            pfm_of(16, 12, [&](int, int y) { return 200 + 10 * (is_large_below ? y : 11 - y); });
         write_bytes(folder / "depth_0.pfm", bytes);
         write_bytes(folder / "depth_1.pfm", bytes);
     };
@@ -742,12 +738,10 @@ TEST_F(GuessedFolder, DoubtsFloatsLargeBelow) {
 /// As Marigold guesses it: from 0, the nearest, to 1. Others guess 1/depth, 1 the nearest.
 TEST_F(GuessedFolder, TellsDepthFromInverseDepth) {
     for (const bool is_near_high : {false, true}) {
-        std::string bytes = "Pf\n16 12\n-1\n";  // from the lowest row on
-        for (int k = 0; k < 16 * 12; ++k) {
-            const float share = static_cast<float>(k) / 191;
-            const float value = is_near_high ? 1 - share : share;
-            bytes.append(reinterpret_cast<const char*>(&value), 4);
-        }
+        const std::string bytes = pfm_of(16, 12, [&](int x, int y) {
+            const double share = (16 * (11 - y) + x) / 191.0;
+            return is_near_high ? 1 - share : share;
+        });
         write_bytes(folder / "depth_0.pfm", bytes);
         write_bytes(folder / "depth_1.pfm", bytes);
         const GuessedScene guessed = guess();

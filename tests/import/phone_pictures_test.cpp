@@ -58,14 +58,8 @@ std::string map_png() {
     });
 }
 std::string photo_jpeg() {
-    return encoded("mjpeg", AV_PIX_FMT_YUVJ444P, photo_wide, photo_high, [](AVFrame& frame) {
-        for (int plane = 0; plane < 3; ++plane)
-            for (int y = 0; y < photo_high; ++y)
-                for (int x = 0; x < photo_wide; ++x)
-                    frame.data[plane][y * frame.linesize[plane] + x] =
-                        plane > 0                                  ? 128
-                        : x < photo_wide / 2 && y < photo_high / 2 ? 220
-                                                                   : 40;
+    return jpeg_of(photo_wide, photo_high, [](int x, int y, int plane) {
+        return plane > 0 ? 128 : x < photo_wide / 2 && y < photo_high / 2 ? 220 : 40;
     });
 }
 
@@ -250,11 +244,8 @@ TEST_F(DynamicDepth, NamesFaults) {
     known.fov = 50;
     EXPECT_TRUE(is_refused(open(cut.bytes(), known), "has no depth map of")) << "no grey picture of depth";
     const auto jpeg = [](bool is_grey) {
-        return encoded("mjpeg", AV_PIX_FMT_YUVJ444P, 16, 8, [&](AVFrame& frame) {
-            for (int plane = 0; plane < 3; ++plane)
-                for (int k = 0; k < 8 * frame.linesize[plane]; ++k)
-                    frame.data[plane][k] =
-                        static_cast<std::uint8_t>(is_grey && plane > 0 ? 128 : k % 100 + 40 * plane);
+        return jpeg_of(16, 8, [&](int x, int y, int plane) {
+            return is_grey && plane > 0 ? 128 : (16 * y + x) % 100 + 40 * plane;
         });
     };
     EXPECT_TRUE(is_refused(open(jpeg(false)), "a JPEG needs a depth map (GDepth, Dynamic Depth)"));
@@ -267,29 +258,17 @@ constexpr int deep_photo_wide = 12, deep_photo_high = 10;
 
 /// A depth map as phones store it: three channels alike, and alpha.
 std::string depth_png(int odd_one_out = -1) {
-    return encoded("png", AV_PIX_FMT_RGBA, deep_photo_wide, deep_photo_high, [&](AVFrame& frame) {
-        for (int y = 0; y < deep_photo_high; ++y)
-            for (int x = 0; x < deep_photo_wide; ++x) {
-                std::uint8_t* pixel =
-                    frame.data[0] + std::ptrdiff_t{frame.linesize[0]} * y + 4 * std::ptrdiff_t{x};
-                pixel[0] = pixel[1] = pixel[2] = map_at(x, y);
-                pixel[3] = 255;
-                if (y * deep_photo_wide + x == odd_one_out) ++pixel[1];
-            }
+    return rgba_png(deep_photo_wide, deep_photo_high, [&](int x, int y, int c) {
+        const bool is_odd = c == 1 && y * deep_photo_wide + x == odd_one_out;
+        return c == 3 ? 255 : map_at(x, y) + (is_odd ? 1 : 0);
     });
 }
 
 /// A plain picture; half the depth map's size where asked.
 std::string plain_jpeg(int divisor = 1) {
-    return encoded("mjpeg", AV_PIX_FMT_YUVJ420P, deep_photo_wide / divisor, deep_photo_high / divisor,
-                   [&](AVFrame& frame) {
-                       for (int plane = 0; plane < 3; ++plane)
-                           for (int y = 0; y < (plane == 0 ? frame.height : (frame.height + 1) / 2); ++y)
-                               for (int x = 0; x < (plane == 0 ? frame.width : (frame.width + 1) / 2); ++x)
-                                   frame.data[plane][y * frame.linesize[plane] + x] = plane == 0   ? 150
-                                                                                      : plane == 1 ? 100
-                                                                                                   : 140;
-                   });
+    return jpeg_of(deep_photo_wide / divisor, deep_photo_high / divisor, [](int, int, int plane) {
+        return plane == 0 ? 150 : plane == 1 ? 100 : 140;
+    });
 }
 
 /// Most pictures after the first, such as a gain map, are no depth.

@@ -204,11 +204,7 @@ TEST(Image, ReadsJpegColours) {
 }
 
 TEST(Image, ReadsJpegOfFullRange) {
-    const auto bytes = encoded("mjpeg", AV_PIX_FMT_YUVJ444P, 16, 16, [](AVFrame& frame) {
-        for (int plane = 0; plane < 3; ++plane)
-            for (int y = 0; y < 16; ++y)
-                std::memset(frame.data[plane] + y * frame.linesize[plane], plane == 0 ? 7 : 128, 16);
-    });
+    const auto bytes = jpeg_of(16, 16, [](int, int, int plane) { return plane == 0 ? 7 : 128; });
     const auto image = must(read_bytes_as_image(bytes));
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(image.view().sample(5, 5, c), 7, 1);  // not squeezed from 16..235
 }
