@@ -59,11 +59,15 @@ Scene guessed(const std::filesystem::path& folder) {
     return must(guess_folder(folder, {})).scene;
 }
 
-Camera camera_by(const std::string& name, const std::string& text) {
+/// As guessed with one file beside the pictures.
+Scene scene_by(const std::string& name, const std::string& text) {
     const TemporaryFolder folder;
     write_depth(folder.path());
     write_in_folder(folder / name, text);
-    return guessed(folder.path()).camera;
+    return guessed(folder.path());
+}
+Camera camera_by(const std::string& name, const std::string& text) {
+    return scene_by(name, text).camera;
 }
 
 using CameraSpellings = FolderTest;
@@ -113,10 +117,61 @@ TEST_F(CameraSpellings, GiveTheSameCamera) {
         {"undistorted_camera_parameters/a.conf",  // Matterport3D's
          "dataset matterport\nn_images 2\ndepth_directory depth\n\nintrinsics_matrix 50 0 33.5  0 52 21.25  "
          "0 0 1\nscan 0.png 0.jpg 1 0 0 1.5 0 1 0 2 0 0 1 3 0 0 0 1\n"},
-        {"metadata", R"({"K": [50, 0, 0, 0, 52, 0, 33.5, 21.25, 1], "w": 64, "h": 48})"}};
+        {"metadata", R"({"K": [50, 0, 0, 0, 52, 0, 33.5, 21.25, 1], "w": 64, "h": 48})"},
+        // librealsense's and Open3D's JSON; Open3D's matrix goes column by column.
+        {"intrinsics.json", R"({"width": 64, "height": 48, "fx": 50, "fy": 52, "ppx": 33.5, "ppy": 21.25})"},
+        {"camera.json",
+         R"({"width": 64, "height": 48, "depth_scale": 1000,
+             "intrinsic_matrix": [50, 0, 0, 0, 52, 0, 33.5, 21.25, 1]})"},
+        {"trajectory_camera.json",
+         R"({"class_name": "PinholeCameraTrajectory", "parameters": [{"extrinsic": [1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],
+             "intrinsic": {"height": 48, "width": 64, "intrinsic_matrix": [50, 0, 0, 0, 52, 0, 33.5, 21.25, 1]}}]})"},
+        // ViSP: vpCameraParameters as JSON, vpXmlParserCamera, and its trackers' configuration.
+        {"visp.json",
+         R"({"model": "perspectiveWithoutDistortion", "px": 50, "py": 52, "u0": 33.5, "v0": 21.25})"},
+        {"visp.xml", R"(<?xml version="1.0"?><root><!--for the vpCameraParameters Class of ViSP--><camera>
+<!--Name of the camera--><name>Camera</name><image_width>64</image_width><image_height>48</image_height>
+<model><type>perspectiveProjWithDistortion</type>
+<px>49</px><py>51</py><u0>30</u0><v0>20</v0><kud>-0.1</kud><kdu>0.1</kdu></model>
+<model><type>perspectiveProjWithoutDistortion</type>
+<px>50</px><py>52</py><u0>33.5</u0><v0>21.25</v0></model></camera></root>)"},
+        {"tracker.xml",
+         "<conf>\n<face><near_clipping>0.1</near_clipping></face>\n<camera><width>64</width><height>48</"
+         "height>"
+         "<u0>33.5</u0><v0>21.25</v0><px>50</px><py>52</py></camera>\n</conf>\n"},
+        // Flat YAML, by hand and of ORB-SLAM.
+        {"depth_camera.yaml", "# pixels\nfx: 50\nfy: 52.0\ncx: 33.5\ncy: 21.25  # down\n"},
+        {"TUM1.yaml",
+         "%YAML:1.0\n\nFile.version: \"1.0\"\nCamera.type: \"PinHole\"\nCamera.fx: 50.0\nCamera.fy: 52.0\n"
+         "Camera.cx: 33.5\nCamera.cy: 21.25\nCamera.width: 64\nCamera.height: 48\nCamera.fps: 30\n"
+         "DepthMapFactor: 1000.0\n"},
+        // rostopic echo, and what camera_calibration writes.
+        {"camera_info.yaml",
+         "header: \n  seq: 0\n  stamp: \n    secs: 1\n  frame_id: \"camera\"\nheight: 48\nwidth: 64\n"
+         "distortion_model: \"plumb_bob\"\nD: [0.0, 0.0, 0.0, 0.0, 0.0]\n"
+         "K: [50.0, 0.0, 33.5, 0.0, 52.0, 21.25, 0.0, 0.0, 1.0]\nR: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, "
+         "1.0]\nP: [50.0, 0.0, 33.5, 0.0, 0.0, 52.0, 21.25, 0.0, 0.0, 0.0, 1.0, 0.0]\n---\n"},
+        {"head_camera.yaml",
+         "image_width: 64\nimage_height: 48\ncamera_name: head\ncamera_matrix:\n  rows: 3\n  cols: 3\n  "
+         "data: "
+         "[50, 0, 33.5,\n    0, 52, 21.25, 0, 0, 1]\ndistortion_model: plumb_bob\ndistortion_coefficients:\n"
+         "  rows: 1\n  cols: 5\n  data: [0, 0, 0, 0, 0]\n"},
+        {"camchain.yaml",
+         "cam0:\n  cam_overlaps: []\n  camera_model: pinhole\n  distortion_coeffs: [0.0, 0.0, 0.0, 0.0]\n"
+         "  distortion_model: radtan\n  intrinsics: [50.0, 52.0, 33.5, 21.25]\n  resolution: [64, 48]\n"
+         "  rostopic: /depth\ncam1:\n  T_cn_cnm1:\n  - [1.0, 0.0, 0.0, 0.1]\n  - [0.0, 1.0, 0.0, 0.0]\n"
+         "  - [0.0, 0.0, 1.0, 0.0]\n  - [0.0, 0.0, 0.0, 1.0]\n  camera_model: pinhole\n"
+         "  intrinsics: [99.0, 99.0, 64, 48]\n  resolution: [128, 96]\n  rostopic: /cam1\n"},
+        // COLMAP: pixel centres are at a half.
+        {"cameras.txt",
+         "# Camera list with one line of data per camera:\n#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n"
+         "# Number of cameras: 2\n1 SIMPLE_RADIAL 640 480 500 320 240 0.01\n2 PINHOLE 64 48 50 52 34 "
+         "21.75\n"},
+    };
     for (const auto& [name, text] : files) {
-        const Camera camera = camera_by(name, text);
-        EXPECT_EQ(camera, (Camera{50, 52, 33.5, 21.25})) << name;
+        const Scene scene = scene_by(name, text);
+        EXPECT_EQ(scene.camera, (Camera{50, 52, 33.5, 21.25})) << name;
+        EXPECT_TRUE(has_remark(scene, std::string("that of ") + name)) << name;
     }
     EXPECT_EQ(camera_by("cameras.txt", "1 SIMPLE_RADIAL 64 48 50 34 21.75 0.1\n"),
               (Camera{50, 50, 33.5, 21.25}));
@@ -144,10 +199,7 @@ TEST_F(CameraSpellings, ConvertFieldOfView) {
           "}",
           R"({"fov": 38.5517, "keep_aspect": "KEEP_HEIGHT"})", R"({"fov": 50, "keep_aspect": "KEEP_WIDTH"})",
           R"({"fov": 50, "image_size_x": "64", "aspect": 1.3333})"}) {
-        const TemporaryFolder here;
-        write_depth(here.path());
-        write_in_folder(here / "camera.json", text);
-        const Scene scene = guessed(here.path());
+        const Scene scene = scene_by("camera.json", text);
         EXPECT_NEAR(scene.camera.fx, focal, 0.001 * focal) << text;
         EXPECT_FALSE(has_remark(scene, "gives one angle")) << text;
     }
@@ -250,10 +302,7 @@ TEST_F(CameraSpellings, GiveDepthScale) {
         {"d.txt", "m_depthShift = 4000\n", 0.00025},
         {"e.yaml", "cam:\n  png_depth_scale: 5000\n", 0.0002}};
     for (const auto& [name, text, metres] : files) {
-        const TemporaryFolder folder;
-        write_depth(folder.path());
-        write_in_folder(folder / name, text);
-        const Scene scene = guessed(folder.path());
+        const Scene scene = scene_by(name, text);
         EXPECT_NEAR(scene.depth.scale, metres, 1e-9 * metres) << name;
         EXPECT_TRUE(has_remark(scene, std::string(name) + " says")) << name;
     }
@@ -262,10 +311,7 @@ TEST_F(CameraSpellings, GiveDepthScale) {
 TEST_F(CameraSpellings, IgnoreOtherUnits) {
     for (const char* text : {R"({"unit": "cm"})", R"({"depth_unit": "m"})", R"({"depth_unit": "1/0 m"})",
                              R"({"metersPerSceneUnit": 0.01})", R"({"depth_scale": "/"})"}) {
-        const TemporaryFolder folder;
-        write_depth(folder.path());
-        write_in_folder(folder / "a.json", text);
-        EXPECT_EQ(guessed(folder.path()).depth.scale, 0.001) << text;
+        EXPECT_EQ(scene_by("a.json", text).depth.scale, 0.001) << text;
     }
 }
 
@@ -282,9 +328,7 @@ TEST_F(CameraSpellings, CentreMetashapePrincipalPoint) {
         camera_by("cameras.xml",
                   R"(<document><sensor id="0" type="frame"><calibration><resolution width="64" height="48"/>
                           <f>50</f><cx>2</cx><cy>-2.75</cy></calibration></sensor></document>)");
-    EXPECT_EQ(camera.fx, 50);
-    EXPECT_EQ(camera.cx, 33.5);
-    EXPECT_EQ(camera.cy, 20.75);
+    EXPECT_EQ(camera, (Camera{50, 50, 33.5, 20.75}));
 }
 
 TEST_F(CameraSpellings, TakeScaleFromNamedFile) {
@@ -384,12 +428,8 @@ TEST_F(CameraSpellings, GiveRateByTimes) {
         // Times of other frames.
         {"timestamps.txt", "10.00\n10.05\n10.1\n", 30},
         {"imu_times.txt", "10.00\n10.05\n", 30}};
-    for (const auto& [name, text, rate] : files) {
-        const TemporaryFolder folder;
-        write_depth(folder.path());
-        write_in_folder(folder / name, text);
-        EXPECT_NEAR(guessed(folder.path()).rate.per_second(), rate, 0.01) << name << text;
-    }
+    for (const auto& [name, text, rate] : files)
+        EXPECT_NEAR(scene_by(name, text).rate.per_second(), rate, 0.01) << name << text;
     write_bytes(folder / "depth.npy", npy_bytes("2, 48, 64", std::vector<float>(2 * across * down, 1.5F)));
     write_in_folder(folder / "intrinsics.json",
                     R"({"fx": 50, "fy": 52, "cx": 33.5, "cy": 21.25, "fps": 12})");

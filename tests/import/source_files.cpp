@@ -324,7 +324,7 @@ fs::path seed(Writer& w, const std::string& kept, const std::string& own) {
     return file;
 }
 
-Made realsense_bag(Writer& w) {  // of tests/import/write_bags.cpp
+Made realsense_bag(Writer& w) {
     return made(
         seed(w, "bag/realsense_lz4.bag", "20230101_120000.bag"),
         [](int n, int x, int y) { return 0.00025 * (500 + 10 * n + 3 * x + 40 * y); }, {20, 21, 7.75, 5.25},
