@@ -341,9 +341,7 @@ TEST_F(V4l2Camera, AssumesUnitByFormat) {
             for (int k = 0; k < w * h; ++k) codes.insert(codes.end(), {0x20, 0x4e});  // 20000
             return codes;
         };
-        SourceDescription known;
-        known.preset = preset;
-        const auto camera = must(open(known));
+        const auto camera = must(open(stated(&SourceDescription::preset, preset)));
         EXPECT_EQ(camera->scene().depth.scale, scale);
         const std::string notes = notes_of(*camera);
         EXPECT_EQ(notes.find("a code is 1 mm, as most cameras of Z16 have it") != std::string::npos,

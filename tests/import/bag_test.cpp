@@ -462,10 +462,9 @@ TEST_F(Bag, NamesFaults) {
     picture.data.pop_back();
     EXPECT_TRUE(
         has_words(refusal_of(file, bag_of_depth(picture)), "/depth, frame 0: is damaged: has 95 bytes"));
-    SourceDescription known;
-    known.preset = "nothing";
-    EXPECT_TRUE(
-        is_refused(open_clip(kept_bag("tum_bz2.bag"), std::nullopt, known), "preset nothing is not known"));
+    EXPECT_TRUE(is_refused(
+        open_clip(kept_bag("tum_bz2.bag"), std::nullopt, stated(&SourceDescription::preset, "nothing")),
+        "preset nothing is not known"));
 }
 
 /// Spoils the first bytes of every `step`th packed chunk.

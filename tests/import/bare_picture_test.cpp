@@ -177,8 +177,7 @@ TEST_F(BarePicture, TakesLeastConfidenceBesideScene) {
 
 TEST_F(BarePicture, OpensStackThatBeginsBlank) {
     std::vector<float> depth(24, 0.0F);
-    SourceDescription known;
-    known.fov = 60;
+    const SourceDescription known = stated(&SourceDescription::fov, 60);
     write_npz(folder / "blank.npz", {{"depth", npy_bytes("2, 3, 4", depth)}});
     EXPECT_TRUE(is_refused(open_clip(folder / "blank.npz", std::nullopt, known), "has no depth"));
     std::fill(depth.begin() + 12, depth.end(), 2.5F);
@@ -191,16 +190,17 @@ TEST_F(BarePicture, OpensStackThatBeginsBlank) {
 
 /// PFM of 32 bits, or NumPy's array of 16, of a ball from 4 to 6 before a background.
 std::string ball_file(bool is_pfm, float background) {
-    std::string bytes = is_pfm ? "Pf\n20 20\n-1\n" : npy_header("<f2", "20, 20");
-    for (int y = 0; y < 20; ++y)
-        for (int x = 0; x < 20; ++x) {
-            const bool is_ball = x >= 5 && x < 12 && y >= 5 && y < 12;
-            const float value = is_ball ? (x == 8 && y == 8 ? 4.0F : 6.0F) : background;
-            const std::uint16_t half = !is_ball ? 0x7bff : value == 4.0F ? 0x4400 : 0x4600;
-            bytes.append(
-                is_pfm ? reinterpret_cast<const char*>(&value) : reinterpret_cast<const char*>(&half),
-                is_pfm ? 4 : 2);
-        }
+    const auto value = [=](int x, int y) {
+        const bool is_ball = x >= 5 && x < 12 && y >= 8 && y < 15;
+        return is_ball ? (x == 8 && y == 11 ? 4.0F : 6.0F) : background;
+    };
+    if (is_pfm) return pfm_of(20, 20, value);
+    std::string bytes = npy_header("<f2", "20, 20");
+    for (int k = 0; k < 400; ++k) {
+        const float at = value(k % 20, k / 20);
+        const std::uint16_t half = at > 6 ? 0x7bff : at == 4 ? 0x4400 : 0x4600;
+        bytes.append(reinterpret_cast<const char*>(&half), sizeof half);
+    }
     return bytes;
 }
 
@@ -292,9 +292,7 @@ TEST_F(BarePicture, GuessesCameraAndUnit) {
     EXPECT_TRUE(is_noted(*reader, "depth codes are millimetres: their median, "));
     EXPECT_TRUE(is_noted(*reader, "0 and 65535 are no depth"));
     EXPECT_TRUE(same_plane(read_all(*reader)->at(0).depth, plane));
-    SourceDescription wide;
-    wide.fov = 90;
-    reader = must(open_clip(folder / "my.png", std::nullopt, wide));
+    reader = must(open_clip(folder / "my.png", std::nullopt, stated(&SourceDescription::fov, 90)));
     EXPECT_NEAR(reader->scene().camera.fx, 10, 1e-12);
     EXPECT_FALSE(is_noted(*reader, "degrees from left to right"));
 }
@@ -352,9 +350,7 @@ TEST_F(BarePicture, AveragesNearlyGrey) {
     for (const char* name : {"a.png", "clip/depth_1.png", "clip/depth_2.png"})
         ASSERT_EQ(message(write_png(folder / name, picture.view())), "");
     for (const char* name : {"a.png", "clip"}) {
-        SourceDescription known;
-        known.metres_per_code = 0.01;
-        auto clip = must(open_clip(folder / name, {}, known));
+        auto clip = must(open_clip(folder / name, {}, stated(&SourceDescription::metres_per_code, 0.01)));
         EXPECT_TRUE(is_noted(*clip, "depth is nearly grey, and a value is the mean of its colours"));
         EXPECT_EQ(clip->tracks().size(), 1U);
         const auto frame = must(clip->next());
@@ -379,10 +375,9 @@ TEST_F(BarePicture, RefusesInvalidDescriptions) {
     EXPECT_TRUE(is_refused(open_clip(folder / "colour.png"), "is in colour"));
     EXPECT_TRUE(has_words(with("100%.png", 30, 0.001), "rename it"));
     EXPECT_TRUE(has_words(with("clip.mkv", 30, 0.001), "has its scene in it"));
-    SourceDescription unknown;
-    unknown.preset = "kinekt";
     EXPECT_TRUE(
-        is_refused(open_clip(folder / "my.png", std::nullopt, unknown), "must be one of tum, redwood"));
+        is_refused(open_clip(folder / "my.png", std::nullopt, stated(&SourceDescription::preset, "kinekt")),
+                   "must be one of tum, redwood"));
     Samples nothing(400, 0);
     ASSERT_EQ(message(write_png(folder / "empty.png", {nothing.data(), 40, 20, 10, 2, 1})), "");
     EXPECT_TRUE(is_refused(open_clip(folder / "empty.png"), "has no depth"));

@@ -207,9 +207,8 @@ TEST_F(CameraSidecar, BringsSharesToPixels) {
     EXPECT_EQ(said_of_camera(),
               guessed_field_of_view(60) + "; not understood as a camera's file: camera.json");
     // What a person types goes the same way.
-    SourceDescription known;
-    known.intrinsics = Intrinsics{50, 52, 0.53125, 0.453125};
-    const auto typed = must(guess_folder(folder.path(), known));
+    const auto typed = must(guess_folder(
+        folder.path(), stated(&SourceDescription::intrinsics, Intrinsics{50, 52, 0.53125, 0.453125})));
     EXPECT_NEAR(typed.scene.camera.cx, 33.5, 1e-9);
     EXPECT_TRUE(
         has_remark(typed.scene, "the camera is the one that was said, some of whose numbers are shares"));

@@ -512,9 +512,7 @@ TEST_F(ValueEvidence, ReadsNegatedLengthsAndRoundBackgrounds) {
     }
     // A stated unit does not make 65535 a surface.
     write_words(folder / "c.png", [&](int x, int y) { return x < 3 ? 65535 : millimetres_of(corner(x, y)); });
-    SourceDescription known;
-    known.metres_per_code = 0.001;
-    expect_depths(folder / "c.png", metres, 1e-3, known);
+    expect_depths(folder / "c.png", metres, 1e-3, stated(&SourceDescription::metres_per_code, 0.001));
 }
 
 /// Noise hides what is flat: the lengths are metres, and the other meaning is named.
@@ -573,9 +571,7 @@ TEST_F(ValueEvidence, ReadsDepthOfThreeChannels) {
     // Nothing shows within one step of the highest byte; a person says it.
     write_packed(folder / "near.png", 1);
     EXPECT_TRUE(is_refused(open_clip(folder / "near.png"), "is in colour"));
-    SourceDescription known;
-    known.preset = "carla";
-    expect_depths(folder / "near.png", room, 1e-4, known);
+    expect_depths(folder / "near.png", room, 1e-4, stated(&SourceDescription::preset, "carla"));
 }
 
 /// Red, green, blue and alpha of each pixel.
@@ -657,9 +653,7 @@ TEST_F(ValueEvidence, ReadsSharesWithHighestByteInRed) {
         const auto reader = must(open_clip(folder / "a.png"));
         EXPECT_TRUE(is_noted(*reader, "depth has no scale"));
         EXPECT_TRUE(is_noted(*reader, base == 255 ? "preset bgr255" : "preset bgr24"));
-        SourceDescription known;
-        known.metres_per_code = 40;
-        expect_depths(folder / "a.png", metres, 1e-4, known);
+        expect_depths(folder / "a.png", metres, 1e-4, stated(&SourceDescription::metres_per_code, 40));
     }
 }
 
@@ -675,9 +669,8 @@ TEST_F(ValueEvidence, NamesLikelyPacking) {
         EXPECT_TRUE(has_words(message(refused), "its bytes look like 16 bits: green + 256 red")) << name;
         ASSERT_EQ(refused.error().hints.size(), 1U);
         EXPECT_EQ(refused.error().hints.front().value, "gr16");
-        SourceDescription known;
-        known.preset = "gr16";
-        EXPECT_EQ(message(open_clip(folder / name, {}, known)), "") << name;
+        EXPECT_EQ(message(open_clip(folder / name, {}, stated(&SourceDescription::preset, "gr16"))), "")
+            << name;
     }
 }
 
@@ -721,10 +714,9 @@ TEST_F(ValueEvidence, RecognisesDisparitiesByName) {
         folder / "disp1.png",
         [&](int x, int y) { return disparity(x, y) == 0 ? 0 : 80 * 0.2 / disparity(x, y); }, 1e-3);
     EXPECT_TRUE(has_words(notes, "baseline and focal length are those of calib.txt"));
-    SourceDescription angle;
-    angle.fov = 60;
-    EXPECT_EQ(must(open_clip(folder / "disp1.png", std::nullopt, angle))->inputs(),
-              (std::vector{folder / "disp1.png", folder / "calib.txt"}));
+    EXPECT_EQ(
+        must(open_clip(folder / "disp1.png", std::nullopt, stated(&SourceDescription::fov, 60)))->inputs(),
+        (std::vector{folder / "disp1.png", folder / "calib.txt"}));
 }
 
 /// Values that mean something else by themselves, and lengths by what a file or a name says.
@@ -799,10 +791,9 @@ TEST_F(ValueEvidence, NamesOtherFittingUnits) {
     };
     EXPECT_TRUE(noted(with_little, "if they are centimetres and 65535 is the sky"));
     EXPECT_TRUE(noted(with_sky, "if they are centimetres and 65535 is the sky"));
-    SourceDescription known;
-    known.preset = "vkitti";
     expect_depths(
-        folder / "a.png", [&](int x, int y) { return y < 10 ? 0 : 0.01 * with_sky(x, y); }, 1e-6, known);
+        folder / "a.png", [&](int x, int y) { return y < 10 ? 0 : 0.01 * with_sky(x, y); }, 1e-6,
+        stated(&SourceDescription::preset, "vkitti"));
     const auto of_tum = [](int x, int y) { return static_cast<unsigned>(std::lround(5003 * room(x, y))); };
     EXPECT_TRUE(noted(of_tum, "if 5000 codes are a metre"));
     EXPECT_TRUE(noted(of_tum, "if they are tenths of a millimetre"));

@@ -88,12 +88,11 @@ TEST_F(ForeignFiles, AreNamedWithRemedy) {
         {"f.dpt", std::string("PIEH\2\0\0\0\1\0\0\0", 12) + "1234", "is cut short", ""},
         {"short.dpt", "PIEH", "is cut short", ""},
     };
-    SourceDescription known;
-    known.fov = 60;
     for (const Foreign& each : all) {
         text(each.name, each.bytes);
         for (const std::string& said :
-             {refusal(each.name), refusal(each.name, known), message(guess_clip(folder / each.name, {}))}) {
+             {refusal(each.name), refusal(each.name, stated(&SourceDescription::fov, 60)),
+              message(guess_clip(folder / each.name, {}))}) {
             EXPECT_TRUE(has_words(said, each.what)) << each.name << ": " << said;
             EXPECT_TRUE(has_words(said, each.way)) << each.name << ": " << said;
             EXPECT_TRUE(said.starts_with((folder / each.name).string() + ": ")) << said;

@@ -483,9 +483,8 @@ TEST_F(Rendering, ReadsUnrealCentimetres) {
               "");
     for (const char* name : {"pictures/depth_1.png", "pictures"})
         EXPECT_TRUE(is_refused(open_clip(folder / name, {}, named), "is no OpenEXR file")) << name;
-    SourceDescription known;
-    known.metres_per_code = 1;
-    const auto metres = must(open_clip(folder / "Shot.0001.exr", {}, known));
+    const auto metres =
+        must(open_clip(folder / "Shot.0001.exr", {}, stated(&SourceDescription::metres_per_code, 1)));
     EXPECT_FALSE(is_noted(*metres, "centimetres"));
 }
 

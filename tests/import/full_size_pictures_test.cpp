@@ -476,9 +476,7 @@ void expect_points(const std::filesystem::path& file, const SourceDescription& k
 }
 
 SourceDescription preset(const char* name) {
-    SourceDescription known;
-    known.preset = name;
-    return known;
+    return stated(&SourceDescription::preset, name);
 }
 
 void expect_disparities_of_swapped_bytes(const std::filesystem::path& file) {

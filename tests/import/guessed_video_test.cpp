@@ -291,14 +291,13 @@ TEST_F(GuessedVideo, TakesDullHalfOfRecord3dAsMean) {
 }
 
 TEST_F(GuessedVideo, RefusesHueOfGrey) {
-    SourceDescription hue;
-    hue.preset = "hue";
     for (const int tint : {0, 3, 12}) {
         write_rgb(folder / "d.mov", 32, 16, [&](int x, int y) {
             const int grey = 20 + 5 * x + 3 * y;
             return Rgb{grey + tint * (x % 2), grey, grey + tint * (y % 2)};
         });
-        EXPECT_TRUE(is_refused(open_clip(folder / "d.mov", {}, hue), "is grey in three channels"));
+        EXPECT_TRUE(is_refused(open_clip(folder / "d.mov", {}, stated(&SourceDescription::preset, "hue")),
+                               "is grey in three channels"));
         auto clip = must(open_clip(folder / "d.mov"));
         EXPECT_TRUE(is_noted(*clip, "depth is grey"));
         EXPECT_EQ((*must(clip->next())).depth.sample(7, 5), 70 + (2 * tint + 1) / 3);
@@ -314,9 +313,7 @@ TEST_F(GuessedVideo, ReadsGreyThatGetsTinted) {
             return Rgb{grey, grey, grey + 6 * n};
         });
     });
-    SourceDescription known;
-    known.metres_per_code = 0.01;
-    auto clip = must(open_clip(folder / "d.mov", {}, known));
+    auto clip = must(open_clip(folder / "d.mov", {}, stated(&SourceDescription::metres_per_code, 0.01)));
     const auto frames = must(read_all(*clip));
     EXPECT_EQ(frames[0].depth.sample(4, 2), 46);
     EXPECT_EQ(frames[1].depth.sample(4, 2), 48);

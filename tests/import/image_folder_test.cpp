@@ -424,9 +424,7 @@ protected:
         write_in_folder(folder / name, even_image(16, 12, 1, 3, red));
     }
     GuessedScene guess(const std::string& preset = "") const {
-        SourceDescription known;
-        known.preset = preset;
-        auto guessed = must(guess_folder(folder.path(), known));
+        auto guessed = must(guess_folder(folder.path(), stated(&SourceDescription::preset, preset)));
         EXPECT_EQ(lost_kinds(guessed.scene.remarks), "");
         return guessed;
     }
@@ -500,9 +498,8 @@ TEST_F(GuessedFolder, OpensByItsGuessedScene) {
     const auto described = frames();
     ASSERT_EQ(described.size(), guessed.size());
     for (std::size_t n = 0; n < guessed.size(); ++n) EXPECT_TRUE(same_frame(described[n], guessed[n])) << n;
-    SourceDescription known;
-    known.fov = 50;
-    EXPECT_TRUE(is_refused(open_clip(folder.path(), std::nullopt, known), "describes these pictures"));
+    EXPECT_TRUE(is_refused(open_clip(folder.path(), std::nullopt, stated(&SourceDescription::fov, 50)),
+                           "describes these pictures"));
 }
 
 /// As ARKitScenes has them: each frame has a camera of its own, and cameras of other pictures lie beside.
@@ -543,9 +540,8 @@ TEST_F(GuessedFolder, TakesArkitFrameCameras) {
     ASSERT_EQ(again.size(), 5U);
     for (std::size_t n = 0; n < 5; ++n) EXPECT_TRUE(same_frame(again[n], read[n])) << n;
     std::filesystem::remove(folder / "scene.json");
-    SourceDescription known;
-    known.intrinsics = Intrinsics{30, 30};
-    const auto told = must(guess_folder(folder.path(), known));
+    const auto told =
+        must(guess_folder(folder.path(), stated(&SourceDescription::intrinsics, Intrinsics{30, 30})));
     EXPECT_EQ(told.scene.folder->cameras, "") << "the camera is stated";
     EXPECT_EQ(told.scene.camera.fx, 30);
     write_bytes(folder / "lowres_wide_intrinsics/41048190_3379.143.pincam", "16 12 20\n");
@@ -708,9 +704,8 @@ TEST_F(GuessedFolder, TakesGreyByPreset) {
     for (const char* n : {"0", "1", "2"}) colour("out/rgb/frame_" + std::string(n) + ".png");
     const auto refused = guess_folder(folder / "out", {});
     EXPECT_TRUE(is_refused(refused, "a preset says so"));
-    SourceDescription known;
-    known.preset = "relative-inverse";
-    const auto guessed = must(guess_folder(folder / "out", known));
+    const auto guessed =
+        must(guess_folder(folder / "out", stated(&SourceDescription::preset, "relative-inverse")));
     EXPECT_EQ(guessed.scene.folder->depth, "frame_*.png");
     EXPECT_EQ(guessed.scene.folder->colour, "rgb/frame_*.png");
     EXPECT_EQ(guessed.scene.stored.kind, StoredDepth::Kind::relative);

@@ -215,9 +215,8 @@ TEST_F(OrganisedCloud, TurnsRowsFromBelow) {
 
 TEST_F(OrganisedCloud, TakesStatedCamera) {
     write_bytes(folder / "cloud.pcd", pcd_binary(points()));
-    SourceDescription known;
-    known.intrinsics = Intrinsics{.fx = 30, .fy = 31};
-    const auto reader = must(open_clip(folder / "cloud.pcd", {}, known));
+    const auto reader = must(open_clip(
+        folder / "cloud.pcd", {}, stated(&SourceDescription::intrinsics, Intrinsics{.fx = 30, .fy = 31})));
     EXPECT_DOUBLE_EQ(reader->scene().camera.fx, 30);
     EXPECT_FALSE(is_noted(*reader, "the camera is that of cloud.pcd"));
 }

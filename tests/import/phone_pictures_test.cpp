@@ -240,8 +240,7 @@ TEST_F(DynamicDepth, NamesFaults) {
           {&empty, "has no Item:Length"},
           {&cut, "has no depth map of 99999999999 bytes after its picture"}})
         EXPECT_TRUE(is_refused(open(file->bytes()), word));
-    SourceDescription known;
-    known.fov = 50;
+    const SourceDescription known = stated(&SourceDescription::fov, 50);
     EXPECT_TRUE(is_refused(open(cut.bytes(), known), "has no depth map of")) << "no grey picture of depth";
     const auto jpeg = [](bool is_grey) {
         return jpeg_of(16, 8, [&](int x, int y, int plane) {
@@ -611,9 +610,7 @@ protected:
     Result<std::unique_ptr<ClipReader>> open(const std::string& bytes, std::optional<double> fov = {}) {
         std::filesystem::remove(folder / "photo.heic");  // what is written over is waited for
         write_bytes(folder / "photo.heic", bytes);
-        SourceDescription known;
-        known.fov = fov;
-        return open_clip(folder / "photo.heic", std::nullopt, known);
+        return open_clip(folder / "photo.heic", std::nullopt, stated(&SourceDescription::fov, fov));
     }
     TemporaryFolder folder;
 };

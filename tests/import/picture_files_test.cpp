@@ -464,25 +464,31 @@ TEST_F(SeveralPictures, OpenVideoByItsFolder) {
         << "of three";
 }
 
-/// No name tells, and the first track is colour.
-TEST_F(SeveralPictures, TakeGreyTrackAsDepth) {
+/// By its title, or as the grey one.
+TEST_F(SeveralPictures, FindDepthTrack) {
     std::filesystem::create_directories(folder / "parts");
     colour_video("parts/c.mkv", 3);
     depth_video("parts/d.mkv");
-    for (const bool depth_first : {false, true}) {
-        std::vector<TitledFile> tracks = {{folder / "parts/c.mkv", ""}, {folder / "parts/d.mkv", ""}};
-        if (depth_first) std::swap(tracks[0], tracks[1]);
+    const TitledFile colour{folder / "parts/c.mkv", ""}, depth{folder / "parts/d.mkv", ""},
+        titled{depth.first, "Depth map"};
+    const std::pair<std::vector<TitledFile>, const char*> files[] = {
+        {{colour, depth}, "none is named depth: stream 1 is read, as it is grey of more"},
+        {{depth, colour}, "none is named depth: stream 0 is read"},
+        {{colour, titled}, ""}};
+    for (const auto& [tracks, note] : files) {
         join_tracks(tracks, folder / "two.mkv");
         auto clip = must(open_clip(folder / "two.mkv"));
-        EXPECT_TRUE(is_noted(*clip, depth_first
-                                        ? "none is named depth: stream 0 is read"
-                                        : "none is named depth: stream 1 is read, as it is grey of more"));
+        EXPECT_TRUE(is_noted(*clip, note)) << note;
+        EXPECT_EQ(is_noted(*clip, "none is named depth"), *note != 0);
         EXPECT_TRUE(is_noted(*clip, "colour is another track of the file"));
         const auto frames = frames_of(*clip);
         ASSERT_EQ(frames.size(), 3U);
         EXPECT_EQ(frames[2].depth.sample(4, 4), 1042);
         EXPECT_EQ(frames[2].colour.sample(5, 5, 0), 40);
     }
+    join_tracks({depth, depth}, folder / "untold.mkv");
+    auto first = must(open_clip(folder / "untold.mkv"));
+    EXPECT_TRUE(is_noted(*first, "has 2 tracks of pictures, and none is named depth: stream 0 is read"));
 }
 
 /// As Zivid's and Blender's exports have them: colour, then depth.
@@ -516,22 +522,6 @@ TEST_F(SeveralPictures, NameWhatIsLeftOut) {
         *clip, "left out: b_depth_*.png (a scene file's folder.depth names one of these to open it)"));
     for (const char* name : {"old", "last_depth.png"})
         EXPECT_EQ(message(open_clip(folder / name)), "") << name;
-}
-
-TEST_F(SeveralPictures, FindDepthTrackByTitle) {
-    std::filesystem::create_directories(folder / "parts");
-    colour_video("parts/c.mkv", 3);
-    depth_video("parts/d.mkv");
-    join_tracks({{folder / "parts/c.mkv", ""}, {folder / "parts/d.mkv", "Depth map"}}, folder / "both.mkv");
-    auto clip = must(open_clip(folder / "both.mkv"));
-    EXPECT_TRUE(is_noted(*clip, "colour is another track of the file"));
-    const auto frames = frames_of(*clip);
-    ASSERT_EQ(frames.size(), 3U);
-    EXPECT_EQ(frames[2].depth.sample(4, 4), 1042);
-    EXPECT_EQ(frames[2].colour.sample(5, 5, 0), 40);
-    join_tracks({{folder / "parts/d.mkv", ""}, {folder / "parts/d.mkv", ""}}, folder / "untold.mkv");
-    auto first = must(open_clip(folder / "untold.mkv"));
-    EXPECT_TRUE(is_noted(*first, "has 2 tracks of pictures, and none is named depth: stream 0 is read"));
 }
 
 TEST_F(SeveralPictures, FindColourVideoByWord) {

@@ -533,9 +533,7 @@ TEST_F(LeRobot, AssumesUsualDescriptionWithNote) {
     auto clip = must(open_clip(folder / "a.mp4"));
     EXPECT_TRUE(is_noted(*clip, "guessed: depth is as LeRobot usually stores it"));
     expect_robot_depth(*clip, {});
-    SourceDescription known;
-    known.metres_per_code = 0.001;
-    clip = must(open_clip(folder / "a.mp4", {}, known));
+    clip = must(open_clip(folder / "a.mp4", {}, stated(&SourceDescription::metres_per_code, 0.001)));
     EXPECT_EQ(clip->scene().depth.depth(1677), 1.677);
 }
 
@@ -646,9 +644,7 @@ TEST_F(RealsenseRaw, OpensWithCameraAndColour) {
         EXPECT_EQ(std::ranges::count(reader->inputs(), folder / "snap_Depth_metadata.csv"), 1);
         EXPECT_EQ(message(guess_clip(path, {})), "");
     }
-    SourceDescription known;
-    known.fov = 60;
-    const auto reader = must(open_clip(folder / "snap_Depth.raw", {}, known));
+    const auto reader = must(open_clip(folder / "snap_Depth.raw", {}, stated(&SourceDescription::fov, 60)));
     EXPECT_NE(reader->scene().camera.fx, 20.5);
 }
 
