@@ -251,18 +251,9 @@ int room_millimetres(int x, int y, int farthest) {
     return y < 20 ? farthest - 3 * x : farthest - 3 * x - 40 * (y - 20);
 }
 
-/// PNG of 16 bits by FFmpeg.
 void write_words(const std::filesystem::path& file, const std::function<unsigned(int x, int y)>& word) {
-    const std::string bytes =
-        encoded("png", AV_PIX_FMT_GRAY16BE, shown_wide, shown_high, [&](AVFrame& frame) {
-            for (int y = 0; y < shown_high; ++y)
-                for (int x = 0; x < shown_wide; ++x) {
-                    std::uint8_t* const to = frame.data[0] + std::ptrdiff_t{y} * frame.linesize[0] + 2 * x;
-                    to[0] = static_cast<std::uint8_t>(word(x, y) >> 8);
-                    to[1] = static_cast<std::uint8_t>(word(x, y));
-                }
-        });
-    write_bytes(file, bytes);
+    write_in_folder(file,
+                    made_image(shown_wide, shown_high, 2, 1, [&](int x, int y, int) { return word(x, y); }));
 }
 
 struct FirstFrame {
@@ -278,25 +269,21 @@ struct FirstFrame {
     std::uint16_t code(int x, int y) const { return stored_code(frame.depth, scene.depth, x, y); }
 };
 
-/// Each pixel against an unprojection written out here: 60 degrees wide; 0 is a hole. Returns the notes.
-std::string expect_unprojected(const std::filesystem::path& file,
-                               const std::function<double(int x, int y)>& metres) {
-    const FirstFrame first(file);
+/// Depth along the camera's axis at each pixel, whatever the camera is; 0 is a hole. Returns the notes.
+std::string expect_depths(const std::filesystem::path& path,
+                          const std::function<double(int x, int y)>& metres, double tolerance = 1e-6,
+                          const SourceDescription& known = {}) {
+    const FirstFrame first(path, known);
     const Scene& scene = first.scene;
     const std::string& notes = first.notes;
-    const double f = shown_wide / 2.0 / std::tan(M_PI / 6);
     for (int y = 0; y < shown_high; ++y)
         for (int x = 0; x < shown_wide; ++x) {
             const std::uint16_t code = first.code(x, y);
             const double z = metres(x, y);
-            EXPECT_EQ(scene.depth.is_valid(code), z > 0) << x << ", " << y << '\n' << notes;
-            if (scene.depth.is_valid(code) != (z > 0)) return notes;
-            if (z == 0) continue;
-            const glm::dvec3 point = unproject(scene.camera, x, y, scene.depth.depth(code));
-            EXPECT_NEAR(point.x, (x - 31.5) / f * z, 1e-6 * z) << notes;
-            EXPECT_NEAR(point.y, -(y - 23.5) / f * z, 1e-6 * z);
-            EXPECT_NEAR(point.z, -z, 1e-6 * z);
-            if (std::abs(point.z + z) > 1e-6 * z) return notes;
+            const double got =
+                scene.depth.is_valid(code) ? scene.depth.depth(code) * scene.metres_per_unit : 0;
+            EXPECT_NEAR(got, z, tolerance * z) << x << ", " << y << '\n' << notes;
+            if (std::abs(got - z) > tolerance * z) return notes;
         }
     return notes;
 }
@@ -314,7 +301,7 @@ TEST_F(ValueEvidence, UndoesMultipliedMillimetres) {
             return static_cast<unsigned>(factor * millimetres(x, y));
         });
         const std::string notes =
-            expect_unprojected(folder / "my.png", [&](int x, int y) { return 0.001 * millimetres(x, y); });
+            expect_depths(folder / "my.png", [&](int x, int y) { return 0.001 * millimetres(x, y); });
         EXPECT_TRUE(has_words(notes, "all values are multiples of " + std::to_string(factor)));
     }
 }
@@ -326,7 +313,7 @@ TEST_F(ValueEvidence, NotesOtherMultiples) {
         write_words(folder / "my.png",
                     [&](int x, int y) { return static_cast<unsigned>(millimetres(x, y)); });
         const std::string notes =
-            expect_unprojected(folder / "my.png", [&](int x, int y) { return 0.001 * millimetres(x, y); });
+            expect_depths(folder / "my.png", [&](int x, int y) { return 0.001 * millimetres(x, y); });
         EXPECT_TRUE(has_words(notes, "multiples of " + std::to_string(factor) + ", which tells nothing"));
     }
 }
@@ -348,29 +335,10 @@ TEST_F(ValueEvidence, RecognisesSunByRotation) {
             const auto depth = static_cast<unsigned>(room_millimetres(x, y, farthest));
             return (depth << 3 | depth >> 13) & 0xffffU;
         });
-        const std::string notes = expect_unprojected(
+        const std::string notes = expect_depths(
             folder / "my.png", [&](int x, int y) { return 0.001 * room_millimetres(x, y, farthest); });
         EXPECT_TRUE(has_words(notes, "preset sun"));
     }
-}
-
-/// Depth along the camera's axis at each pixel, whatever the camera is; 0 is a hole. Returns the notes.
-std::string expect_depths(const std::filesystem::path& path,
-                          const std::function<double(int x, int y)>& metres, double tolerance,
-                          const SourceDescription& known = {}) {
-    const FirstFrame first(path, known);
-    const Scene& scene = first.scene;
-    const std::string& notes = first.notes;
-    for (int y = 0; y < shown_high; ++y)
-        for (int x = 0; x < shown_wide; ++x) {
-            const std::uint16_t code = first.code(x, y);
-            const double z = metres(x, y);
-            const double got =
-                scene.depth.is_valid(code) ? scene.depth.depth(code) * scene.metres_per_unit : 0;
-            EXPECT_NEAR(got, z, tolerance * z) << x << ", " << y << '\n' << notes;
-            if (std::abs(got - z) > tolerance * z) return notes;
-        }
-    return notes;
 }
 
 /// A wall, a box before it that stands on a floor, and holes beside the box.
@@ -388,13 +356,13 @@ unsigned millimetres_of(double metres) {
 /// Millimetres that are as small, with a pile at what a Kinect has for none, but not without what it sees.
 TEST_F(ValueEvidence, KeepsSmallMillimetres) {
     write_words(folder / "a.png", [&](int x, int y) { return millimetres_of(room(x, y) / 2.5); });
-    const std::string notes = expect_depths(
-        folder / "a.png", [](int x, int y) { return millimetres_of(room(x, y) / 2.5) / 1e3; }, 1e-6);
+    const std::string notes =
+        expect_depths(folder / "a.png", [](int x, int y) { return millimetres_of(room(x, y) / 2.5) / 1e3; });
     EXPECT_TRUE(has_words(notes, "depth codes are millimetres"));
     write_words(folder / "b.png",
                 [&](int x, int y) { return x < 8 ? 2047U : 1000U + static_cast<unsigned>(10 * x + 7 * y); });
-    expect_depths(
-        folder / "b.png", [](int x, int y) { return x < 8 ? 2.047 : (1000 + 10 * x + 7 * y) / 1e3; }, 1e-6);
+    expect_depths(folder / "b.png",
+                  [](int x, int y) { return x < 8 ? 2.047 : (1000 + 10 * x + 7 * y) / 1e3; });
 }
 
 /// Depth beyond 8.191 m is not a person, even behind something near.
@@ -405,8 +373,8 @@ TEST_F(ValueEvidence, KeepsDepthBeyondEightMetres) {
     };
     write_words(folder / "a.png",
                 [&](int x, int y) { return (millimetres(x, y) << 3 | millimetres(x, y) >> 13) & 0xffffU; });
-    const std::string notes = expect_depths(
-        folder / "a.png", [&](int x, int y) { return millimetres(x, y) / 1e3; }, 1e-6);
+    const std::string notes =
+        expect_depths(folder / "a.png", [&](int x, int y) { return millimetres(x, y) / 1e3; });
     EXPECT_TRUE(has_words(notes, "preset sun"));
 }
 
@@ -414,8 +382,8 @@ TEST_F(ValueEvidence, DropsConfidenceInHighBits) {
     write_words(folder / "a.png", [](int x, int y) {
         return millimetres_of(room(x, y)) | static_cast<unsigned>((x / 3 + y / 5) % 8) << 13;
     });
-    const std::string notes = expect_depths(
-        folder / "a.png", [](int x, int y) { return millimetres_of(room(x, y)) / 1e3; }, 1e-6);
+    const std::string notes =
+        expect_depths(folder / "a.png", [](int x, int y) { return millimetres_of(room(x, y)) / 1e3; });
     EXPECT_TRUE(has_words(notes, "preset depth16"));
 }
 
@@ -527,44 +495,35 @@ TEST_F(ValueEvidence, NamesDepthBufferWhereNothingTells) {
 TEST_F(ValueEvidence, KeepsShallowScenesWithinOneConfidence) {
     const auto lengths = [](int x, int y) { return millimetres_of(10 * corner(x, y)); };
     write_words(folder / "a.png", lengths);
-    expect_depths(
-        folder / "a.png", [&](int x, int y) { return lengths(x, y) / 1e3; }, 1e-6);
+    expect_depths(folder / "a.png", [&](int x, int y) { return lengths(x, y) / 1e3; });
     const auto below = [](int x, int y) {
         return millimetres_of(1 / (1.2 + (y - 23.5) / 44 + (x - 31.5) / 210));
     };
     write_words(folder / "b.png", [&](int x, int y) { return below(x, y) | 3U << 13; });
-    const std::string notes = expect_depths(
-        folder / "b.png", [&](int x, int y) { return below(x, y) / 1e3; }, 1e-6);
+    const std::string notes =
+        expect_depths(folder / "b.png", [&](int x, int y) { return below(x, y) / 1e3; });
     EXPECT_TRUE(has_words(notes, "preset depth16")) << notes;
 }
 
 /// 24 bits over three channels.
 void write_packed(const std::filesystem::path& file, double scale) {
-    Image image{shown_wide, shown_high, 1, 3, {}};
-    for (int y = 0; y < shown_high; ++y)
-        for (int x = 0; x < shown_wide; ++x) {
-            const double z = room(x, y) == 0 ? 1000 : scale * room(x, y);
-            const auto code = static_cast<unsigned>(std::lround(z / 1000 * 0xffffff));
-            for (const unsigned shift : {0U, 8U, 16U})
-                image.samples.push_back(static_cast<std::uint8_t>(code >> shift & 0xffU));
-        }
-    ASSERT_EQ(message(write_png(file, image.view())), "");
+    write_in_folder(file, made_image(shown_wide, shown_high, 1, 3, [&](int x, int y, int c) {
+                        const double z = room(x, y) == 0 ? 1000 : scale * room(x, y);
+                        return std::lround(z / 1000 * 0xffffff) >> 8 * c & 255;
+                    }));
 }
 
 TEST_F(ValueEvidence, ReadsDepthOfThreeChannels) {
     const auto metres = [](int x, int y) { return 8 * room(x, y); };
-    std::filesystem::create_directories(folder / "clip/a");
-    std::filesystem::create_directories(folder / "clip/b");
-    for (const char* number : {"1", "2"}) {
-        write_packed(folder / ("clip/a/" + std::string(number) + ".png"), 8);
-        Image colour{shown_wide, shown_high, 1, 3, {}};
-        for (int k = 0; k < 3 * shown_wide * shown_high; ++k)
-            colour.samples.push_back(static_cast<std::uint8_t>(k * 5 / 7 + k % 3));
-        ASSERT_EQ(message(write_png(folder / ("clip/b/" + std::string(number) + ".png"), colour.view())), "");
+    for (const std::string number : {"1.png", "2.png"}) {
+        write_packed(folder / ("clip/a/" + number), 8);
+        write_in_folder(folder / ("clip/b/" + number),
+                        made_image(shown_wide, shown_high, 1, 3, [](int x, int y, int c) {
+                            return (3 * (shown_wide * y + x) + c) * 5 / 7 + c;
+                        }));
     }
-    for (const char* name : {"clip/a/1.png", "clip"}) {
+    for (const char* name : {"clip/a/1.png", "clip"})
         EXPECT_TRUE(has_words(expect_depths(folder / name, metres, 1e-4), "preset carla"));
-    }
     const auto guessed = must(guess_folder(folder / "clip", {}));
     write_bytes(folder / "clip/scene.json", scene_to_json(guessed));
     expect_depths(folder / "clip", metres, 1e-4);
@@ -577,10 +536,9 @@ TEST_F(ValueEvidence, ReadsDepthOfThreeChannels) {
 /// Red, green, blue and alpha of each pixel.
 void write_rgba(const std::filesystem::path& file,
                 const std::function<std::array<unsigned, 4>(int x, int y)>& bytes) {
-    std::filesystem::create_directories(file.parent_path());
-    write_bytes(file, rgba_png(shown_wide, shown_high, [&](int x, int y, int c) {
-                    return bytes(x, y)[static_cast<std::size_t>(c)];
-                }));
+    write_in_folder(file, rgba_png(shown_wide, shown_high, [&](int x, int y, int c) {
+                        return bytes(x, y)[static_cast<std::size_t>(c)];
+                    }));
 }
 
 TEST_F(ValueEvidence, ReadsFloatsInFourChannels) {
@@ -631,8 +589,8 @@ TEST_F(ValueEvidence, ReadsWordsInTwoChannels) {
             const unsigned z = millimetres_of(room(x, y));
             return {red_is_high ? z >> 8 : z & 0xffU, red_is_high ? z & 0xffU : z >> 8, 0, 255};
         });
-        const std::string notes = expect_depths(
-            folder / "a.png", [](int x, int y) { return millimetres_of(room(x, y)) / 1e3; }, 1e-6);
+        const std::string notes =
+            expect_depths(folder / "a.png", [](int x, int y) { return millimetres_of(room(x, y)) / 1e3; });
         EXPECT_TRUE(has_words(notes, red_is_high ? "preset gr16" : "preset rg16"));
         EXPECT_TRUE(has_words(notes, "depth codes are millimetres"));
     }
@@ -676,17 +634,13 @@ TEST_F(ValueEvidence, NamesLikelyPacking) {
 
 TEST_F(ValueEvidence, IgnoresColourMaps) {
     for (int map = 0; map < 3; ++map) {
-        Image image{256, 64, 1, 3, {}};
-        for (int y = 0; y < 64; ++y)
-            for (int x = 0; x < 256; ++x) {
-                const int up = (x + y) & 255, wave = std::abs(((x * 3 + y) & 511) - 255);
-                for (const int c : map == 0 ? std::array{up, wave, 255 - up}
-                                   : map == 1
-                                       ? std::array{wave, 255 - wave, up}
-                                       : std::array{(x * 7 + y * 13) & 255, (x * 31) & 255, (y * 17) & 255})
-                    image.samples.push_back(static_cast<std::uint8_t>(c));
-            }
-        ASSERT_EQ(message(write_png(folder / "a.png", image.view())), "");
+        write_in_folder(folder / "a.png", made_image(256, 64, 1, 3, [&](int x, int y, int c) {
+                            const int up = (x + y) & 255, wave = std::abs(((x * 3 + y) & 511) - 255);
+                            const int of_maps[][3] = {{up, wave, 255 - up},
+                                                      {wave, 255 - wave, up},
+                                                      {x * 7 + y * 13, x * 31, y * 17}};
+                            return of_maps[map][c];
+                        }));
         EXPECT_TRUE(is_refused(open_clip(folder / "a.png"), "is in colour")) << map;
     }
 }
@@ -738,19 +692,16 @@ TEST_F(ValueEvidence, PrefersStatedUnit) {
     EXPECT_DOUBLE_EQ(scale_of("stated.png", "a code is 0.2 mm, as stated.json says"), 0.0002);
     // A folder of disparities may have depth in it, and a folder's word counts where the file has none.
     const auto millimetres = [](int x, int y) { return static_cast<unsigned>(room_millimetres(x, y, 1500)); };
-    for (const char* name : {"disp/depth_1.png", "range/kinect.png", "range/1.png", "depth_cm.png"}) {
-        std::filesystem::create_directories((folder.path() / name).parent_path());
+    for (const char* name : {"disp/depth_1.png", "range/kinect.png", "range/1.png", "depth_cm.png"})
         write_words(folder / name, millimetres);
-    }
     EXPECT_DOUBLE_EQ(scale_of("disp/depth_1.png", "depth codes are millimetres"), 0.001);
     EXPECT_DOUBLE_EQ(scale_of("range/kinect.png", "if it goes along each pixel's ray"), 0.001);
     EXPECT_DOUBLE_EQ(scale_of("range/1.png", "each pixel's ray, as the name says"), 0.001);
     EXPECT_DOUBLE_EQ(scale_of("depth_cm.png", "values are centimetres, as the name says"), 0.01);
     // 8 bits are no lengths, whatever a camera's file says of its 16.
-    Image bytes{shown_wide, shown_high, 1, 1, {}};
-    for (int k = 0; k < shown_wide * shown_high; ++k)
-        bytes.samples.push_back(static_cast<std::uint8_t>(20 + k % 200));
-    ASSERT_TRUE(write_png(folder / "eight.png", bytes.view()));
+    write_in_folder(folder / "eight.png", made_image(shown_wide, shown_high, 1, 1, [](int x, int y, int) {
+                        return 20 + (shown_wide * y + x) % 200;
+                    }));
     write_bytes(folder / "eight.json", R"({"fx": 70, "fy": 70, "cx": 32, "cy": 24, "depth_scale": 0.001})");
     (void)scale_of("eight.png", "depth has no scale");
 }
@@ -835,7 +786,7 @@ TEST_F(ValueEvidence, DropsMinusOneInArrays) {
         GTEST_SKIP() << "needs Python with NumPy (Debian: python3-matplotlib)";
     for (const char* name : {"metres.npy", "whole.npy", "packed.npz", "batch.npy", "last.npy"}) {
         SCOPED_TRACE(name);
-        const std::string notes = expect_unprojected(
+        const std::string notes = expect_depths(
             folder / name, [](int x, int y) { return (x + y) % 9 == 0 ? 0 : 0.001 * (900 + 7 * x + 5 * y); });
         EXPECT_EQ(notes.find("0 and what is below it are no depth") != std::string::npos,
                   std::string(name) != "last.npy")

@@ -231,12 +231,14 @@ TEST_F(GuessedVideo, AveragesNearlyGrey) {
     EXPECT_TRUE(is_refused(open_clip(folder / "a.png", std::nullopt, mean), "preset mean is for depth videos"));
 }
 
+/// Depth beside colour, and the camera behind the film.
+void write_record3d(const std::filesystem::path& file, const std::function<Rgb(int, int)>& depth) {
+    write_rgb(file, 64, 16, [&](int x, int y) { return x < 32 ? depth(x, y) : Rgb{10 * y, 90, 200}; });
+    write_bytes(file, read_bytes(file) + R"({"intrinsicMatrix":[40.5,0,0,0,41.5,0,15.25,8.5,1]})");
+}
+
 TEST_F(GuessedVideo, ReadsGreyHalfOfRecord3d) {
-    write_rgb(folder / "d.mp4", 64, 16, [&](int x, int y) {
-        return x < 32 ? Rgb{50 + 4 * x, 50 + 4 * x, 50 + 4 * x} : Rgb{10 * y, 90, 200};
-    });
-    write_bytes(folder / "d.mp4",
-                read_bytes(folder / "d.mp4") + R"({"intrinsicMatrix":[40.5,0,0,0,41.5,0,15.25,8.5,1]})");
+    write_record3d(folder / "d.mp4", [](int x, int) { return Rgb{50 + 4 * x, 50 + 4 * x, 50 + 4 * x}; });
     const auto clip = must(open_clip(folder / "d.mp4"));
     EXPECT_EQ(clip->scene().camera.fx, 40.5);
     EXPECT_EQ(clip->scene().depth.kind, DepthCodingKind::inverse);
@@ -245,11 +247,7 @@ TEST_F(GuessedVideo, ReadsGreyHalfOfRecord3d) {
 
 TEST_F(GuessedVideo, TakesDarkHalfOfRecord3dAsGrey) {
     const auto kind_of = [&](const std::function<Rgb(int, int)>& depth) {
-        write_rgb(folder / "d.mp4", 64, 16, [&](int x, int y) {
-            return x < 32 ? depth(x, y) : Rgb{10 * y, 90, 200};
-        });
-        write_bytes(folder / "d.mp4",
-                    read_bytes(folder / "d.mp4") + R"({"intrinsicMatrix":[40.5,0,0,0,41.5,0,15.25,8.5,1]})");
+        write_record3d(folder / "d.mp4", depth);
         return must(open_clip(folder / "d.mp4"))->scene().depth.kind;
     };
     // Eight codes of grey; noise of some 20 codes, by which few pixels are lit, and these vivid.
@@ -273,12 +271,10 @@ TEST_F(GuessedVideo, TakesDarkHalfOfRecord3dAsGrey) {
 TEST_F(GuessedVideo, TakesDullHalfOfRecord3dAsMean) {
     // Bluish grey, up to 49 codes from grey: hues would all be one blue.
     const auto grey = [](int x, int y) { return 40 + 5 * x + 3 * y; };
-    write_rgb(folder / "d.mp4", 64, 16, [&](int x, int y) {
+    write_record3d(folder / "d.mp4", [&](int x, int y) {
         const int blue = grey(x, y), other = blue * 4 / 5;
-        return x < 32 ? Rgb{other, other, blue} : Rgb{10 * y, 90, 200};
+        return Rgb{other, other, blue};
     });
-    write_bytes(folder / "d.mp4",
-                read_bytes(folder / "d.mp4") + R"({"intrinsicMatrix":[40.5,0,0,0,41.5,0,15.25,8.5,1]})");
     auto clip = must(open_clip(folder / "d.mp4"));
     EXPECT_EQ(clip->scene().depth.kind, DepthCodingKind::inverse);
     EXPECT_TRUE(is_noted(*clip, "depth is the left half, which is nearly grey"));
