@@ -117,17 +117,6 @@ TEST_F(Bag, KeepsStatedCameraAndUnit) {
     EXPECT_EQ(reader->scene().depth.scale, 0.002);
 }
 
-TEST_F(Bag, OpensByItsGuessedScene) {
-    std::filesystem::copy_file(kept_bag("realsense_lz4.bag"), folder / "my.bag");
-    const auto guessed = must(guess_clip(folder / "my.bag", {}));
-    write_bytes(folder / "my.json", scene_to_json(guessed));
-    const auto described = opened_bag(folder / "my.json"), itself = opened_bag(folder / "my.bag");
-    ASSERT_EQ(described.frames.size(), 3U);
-    for (std::size_t n = 0; n < 3; ++n) EXPECT_TRUE(same_frame(described.frames[n], itself.frames[n])) << n;
-    EXPECT_EQ(described.reader->scene().camera.fx, itself.reader->scene().camera.fx);
-    EXPECT_EQ(described.reader->inputs().size(), 2U);
-}
-
 /// A picture of 8 x 6, all of one pixel.
 ImageMessage even_picture(const std::string& encoding, const std::string& pixel, std::int64_t stamp_ns = 0) {
     ImageMessage image{stamp_ns, 8, 6, encoding, false, static_cast<std::uint32_t>(8 * pixel.size()), {}};

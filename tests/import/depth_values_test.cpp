@@ -524,9 +524,6 @@ TEST_F(ValueEvidence, ReadsDepthOfThreeChannels) {
     }
     for (const char* name : {"clip/a/1.png", "clip"})
         EXPECT_TRUE(has_words(expect_depths(folder / name, metres, 1e-4), "preset carla"));
-    const auto guessed = must(guess_folder(folder / "clip", {}));
-    write_bytes(folder / "clip/scene.json", scene_to_json(guessed));
-    expect_depths(folder / "clip", metres, 1e-4);
     // Nothing shows within one step of the highest byte; a person says it.
     write_packed(folder / "near.png", 1);
     EXPECT_TRUE(is_refused(open_clip(folder / "near.png"), "is in colour"));
