@@ -350,9 +350,7 @@ TEST(UnfilledClip, IsOneWithMovingCamera) {
 TEST(UnfilledClip, IsARealHandheldRecording) {
     const auto folder = real_data("castel_sr300");
     TOUCHABLE_NEEDS_DATA(folder);
-    SourceDescription known;
-    known.preset = "realsense";
-    EXPECT_EQ(note_of(*filled(must(open_clip(folder, {}, known)))),
+    EXPECT_EQ(note_of(*filled(must(open_clip(folder, {}, stated(&SourceDescription::preset, "realsense"))))),
               "no hole is filled from motion, because the camera moves: the clip is left as it is");
 }
 

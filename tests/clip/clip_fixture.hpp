@@ -27,6 +27,14 @@
 
 namespace touchable::test {
 
+/// What a person says of a clip, one thing: stated(&SourceDescription::fov, 60).
+template <class Member, class Value>
+SourceDescription stated(Member SourceDescription::*member, Value&& value) {
+    SourceDescription known;
+    known.*member = std::forward<Value>(value);
+    return known;
+}
+
 inline std::string read_bytes(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};

@@ -93,6 +93,8 @@ TEST_F(LiveSource, GivesNewestAndCountsGaps) {
     EXPECT_EQ(next({3, 10'000}).first, 6) << "a count that begins anew";
     EXPECT_EQ(next({3 + 1'000'000, 11'000}).first, 6 + 1'000'000);
     EXPECT_EQ(next({3 + 2'000'001, 12'000}).first, 7 + 1'000'000) << "another count";
+    EXPECT_EQ(next({0xffff'ffff, 13'000}).first, 8 + 1'000'000);
+    EXPECT_EQ(next({1, 14'000}).first, 10 + 1'000'000) << "a count of 32 bits";
     EXPECT_EQ(source.taken_before(4), 7);
     EXPECT_EQ(source.taken_before(3), 0);
 }

@@ -10,49 +10,7 @@
 namespace touchable::test {
 namespace {
 
-CameraFile read(const TemporaryFolder& folder, const std::string& text) {
-    write_bytes(folder / "camera.txt", text);
-    return must(read_camera_file(folder / "camera.txt"));
-}
-
 using CameraFiles = FolderTest;
-
-TEST_F(CameraFiles, ReadPopularFormats) {
-    const Intrinsics wanted{500, 501, 320.5, 240.25};
-    const std::pair<const char*, Intrinsics> files[] = {
-        {R"({"fx": 500, "fy": 501, "ppx": 320.5, "ppy": 240.25, "model": "brown"})", wanted},
-        {R"({"color": {"width": 8}, "depth": {"intrinsics": {"width": 640, "height": 480, "fx": 500, "fy": 501, "cx": 320.5, "cy": 240.25}}})",
-         {500, 501, 320.5, 240.25, 640, 480}},
-        {R"({"width": 640, "height": 480, "intrinsic_matrix": [500, 0, 0, 0, 501, 0, 320.5, 240.25, 1]})",
-         {500, 501, 320.5, 240.25, 640, 480}},
-        {R"({"K": [500, 0, 320.5, 0, 501, 240.25, 0, 0, 1]})", wanted},
-        {R"({"K": [[500, 0, 320.5], [0, 501, 240.25], [0, 0, 1]], "w": 640, "h": 480})",
-         {500, 501, 320.5, 240.25, 640, 480}},
-        {"image_width: 640\nimage_height: 480\ncamera_name: head\ncamera_matrix:\n  rows: 3\n  cols: 3\n  "
-         "data: [500, 0, "
-         "320.5, 0, 501, 240.25, 0, 0, 1]\ndistortion_model: plumb_bob\ndistortion_coefficients:\n  rows: "
-         "1\n  data: [1, 2, 3]\n",
-         {500, 501, 320.5, 240.25, 640, 480}},
-        {"header:\n  seq: 0\nheight: 480\nwidth: 640\nK: [500.0, 0.0, 320.5, 0.0, 501.0, 240.25, 0.0, 0.0, "
-         "1.0]\nR: [1.0]\n",
-         {500, 501, 320.5, 240.25, 640, 480}},
-        {"%YAML:1.0\nK: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [500, 0, 320.5, 0, 501, "
-         "240.25, 0, 0, 1]\n",
-         wanted},
-        {"\xef\xbb\xbf{\"fx\": 500, \"fy\": 501}", {500, 501}},
-        {"500 0 320.5\n0 501 240.25\n0 0 1\n", wanted},
-        {"5e2 0 320.5 0\n0 501 240.25 0\n0 0 1 0\n0 0 0 1\n", wanted},
-        {"640 480 500 501 320.5 240.25\n", {500, 501, 320.5, 240.25, 640, 480}},
-        {"# Camera list\n1 PINHOLE 640 480 500 501 321 240.75\n", {500, 501, 320.5, 240.25, 640, 480}},
-        {"1 SIMPLE_RADIAL 640 480 500 321 240.75 0.1\n", {500, 500, 320.5, 240.25, 640, 480}}};
-    for (const auto& [text, intrinsics] : files) EXPECT_EQ(read(folder, text).intrinsics, intrinsics) << text;
-    const CameraFile stereo = read(folder,
-                                   "cam0=[500 0 320.5; 0 501 240.25; 0 0 1]\ncam1=[1 0 2; 0 1 3; 0 0 1]\n"
-                                   "doffs=12.5\nbaseline=193.001\nwidth=640\nheight=480\nndisp=290\n");
-    EXPECT_EQ(stereo.intrinsics, (Intrinsics{500, 501, 320.5, 240.25, 640, 480}));
-    EXPECT_EQ(stereo.baseline, 0.193001);
-    EXPECT_EQ(stereo.offset, 12.5);
-}
 
 TEST_F(CameraFiles, RefuseTextWithoutCamera) {
     for (const char* text : {"",
@@ -77,19 +35,11 @@ TEST_F(CameraFiles, RefuseTextWithoutCamera) {
                              "500 9 320\n0 500 240\n0 0 1\n",
                              R"({"K": [0.9, 0, 0.1, 0, 1, 0, -0.1, 0, 0.9]})"}) {
         write_bytes(folder / "camera.txt", text);
-        EXPECT_TRUE(is_refused(read_camera_file(folder / "camera.txt"), "has no camera")) << text;
-        EXPECT_EQ(camera_beside({.folder = folder.path()}).camera, std::nullopt);
+        EXPECT_TRUE(is_refused(read_intrinsics(folder / "camera.txt"), "has no camera")) << text;
     }
     write_bytes(folder / "camera.txt", "640 480 500 501 3200 240");
-    EXPECT_TRUE(is_refused(read_camera_file(folder / "camera.txt"), "principal point"));
-    EXPECT_TRUE(is_refused(read_camera_file(folder.path()), "is a folder; expected a camera's file"));
-}
-
-TEST_F(CameraFiles, PreferCameraOfDepth) {
-    write_bytes(folder / "camera_colour.json", R"({"fx": 1, "fy": 1})");
-    write_bytes(folder / "intrinsics_depth.txt", "500 0 320.5\n0 501 240.25\n0 0 1\n");
-    write_bytes(folder / "groundtruth.txt", "1 0 1\n0 1 1\n0 0 1\n");
-    EXPECT_EQ(camera_beside({.folder = folder.path()}).file, folder / "intrinsics_depth.txt");
+    EXPECT_TRUE(is_refused(read_intrinsics(folder / "camera.txt"), "principal point"));
+    EXPECT_TRUE(is_refused(read_intrinsics(folder.path()), "is a folder; expected a camera's file"));
 }
 
 // Cameras, scales and rates under the names that programs give them, in files that lie beside pictures, above
@@ -109,11 +59,15 @@ Scene guessed(const std::filesystem::path& folder) {
     return must(guess_folder(folder, {})).scene;
 }
 
-Camera camera_by(const std::string& name, const std::string& text) {
+/// As guessed with one file beside the pictures.
+Scene scene_by(const std::string& name, const std::string& text) {
     const TemporaryFolder folder;
     write_depth(folder.path());
     write_in_folder(folder / name, text);
-    return guessed(folder.path()).camera;
+    return guessed(folder.path());
+}
+Camera camera_by(const std::string& name, const std::string& text) {
+    return scene_by(name, text).camera;
 }
 
 using CameraSpellings = FolderTest;
@@ -155,11 +109,72 @@ TEST_F(CameraSpellings, GiveTheSameCamera) {
         {"s.xml",
          R"(<document><sensor label="a"><calibration class="adjusted"><resolution width="64" height="48"/>
                      <fx>50</fx><fy type="float">52</fy><cx>33.5</cx><cy>21.25</cy></calibration></sensor></document>)"},
-        {"metadata", R"({"K": [50, 0, 0, 0, 52, 0, 33.5, 21.25, 1], "w": 64, "h": 48})"}};
+        {"t.json", "\xef\xbb\xbf{\"fx\": 50, \"fy\": 52, \"ppx\": 33.5, \"ppy\": 21.25}"},
+        {"u.txt", "5e1 0 33.5 0\n0 52 21.25 0\n0 0 1 0\n0 0 0 1\n"},
+        {"v.yaml",
+         "%YAML:1.0\nK: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [50, 0, 33.5, 0, 52, "
+         "21.25, 0, 0, 1]\n"},
+        {"undistorted_camera_parameters/a.conf",  // Matterport3D's
+         "dataset matterport\nn_images 2\ndepth_directory depth\n\nintrinsics_matrix 50 0 33.5  0 52 21.25  "
+         "0 0 1\nscan 0.png 0.jpg 1 0 0 1.5 0 1 0 2 0 0 1 3 0 0 0 1\n"},
+        {"metadata", R"({"K": [50, 0, 0, 0, 52, 0, 33.5, 21.25, 1], "w": 64, "h": 48})"},
+        // librealsense's and Open3D's JSON; Open3D's matrix goes column by column.
+        {"intrinsics.json", R"({"width": 64, "height": 48, "fx": 50, "fy": 52, "ppx": 33.5, "ppy": 21.25})"},
+        {"camera.json",
+         R"({"width": 64, "height": 48, "depth_scale": 1000,
+             "intrinsic_matrix": [50, 0, 0, 0, 52, 0, 33.5, 21.25, 1]})"},
+        {"trajectory_camera.json",
+         R"({"class_name": "PinholeCameraTrajectory", "parameters": [{"extrinsic": [1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],
+             "intrinsic": {"height": 48, "width": 64, "intrinsic_matrix": [50, 0, 0, 0, 52, 0, 33.5, 21.25, 1]}}]})"},
+        // ViSP: vpCameraParameters as JSON, vpXmlParserCamera, and its trackers' configuration.
+        {"visp.json",
+         R"({"model": "perspectiveWithoutDistortion", "px": 50, "py": 52, "u0": 33.5, "v0": 21.25})"},
+        {"visp.xml", R"(<?xml version="1.0"?><root><!--for the vpCameraParameters Class of ViSP--><camera>
+<!--Name of the camera--><name>Camera</name><image_width>64</image_width><image_height>48</image_height>
+<model><type>perspectiveProjWithDistortion</type>
+<px>49</px><py>51</py><u0>30</u0><v0>20</v0><kud>-0.1</kud><kdu>0.1</kdu></model>
+<model><type>perspectiveProjWithoutDistortion</type>
+<px>50</px><py>52</py><u0>33.5</u0><v0>21.25</v0></model></camera></root>)"},
+        {"tracker.xml",
+         "<conf>\n<face><near_clipping>0.1</near_clipping></face>\n<camera><width>64</width><height>48</"
+         "height>"
+         "<u0>33.5</u0><v0>21.25</v0><px>50</px><py>52</py></camera>\n</conf>\n"},
+        // Flat YAML, by hand and of ORB-SLAM.
+        {"depth_camera.yaml", "# pixels\nfx: 50\nfy: 52.0\ncx: 33.5\ncy: 21.25  # down\n"},
+        {"TUM1.yaml",
+         "%YAML:1.0\n\nFile.version: \"1.0\"\nCamera.type: \"PinHole\"\nCamera.fx: 50.0\nCamera.fy: 52.0\n"
+         "Camera.cx: 33.5\nCamera.cy: 21.25\nCamera.width: 64\nCamera.height: 48\nCamera.fps: 30\n"
+         "DepthMapFactor: 1000.0\n"},
+        // rostopic echo, and what camera_calibration writes.
+        {"camera_info.yaml",
+         "header: \n  seq: 0\n  stamp: \n    secs: 1\n  frame_id: \"camera\"\nheight: 48\nwidth: 64\n"
+         "distortion_model: \"plumb_bob\"\nD: [0.0, 0.0, 0.0, 0.0, 0.0]\n"
+         "K: [50.0, 0.0, 33.5, 0.0, 52.0, 21.25, 0.0, 0.0, 1.0]\nR: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, "
+         "1.0]\nP: [50.0, 0.0, 33.5, 0.0, 0.0, 52.0, 21.25, 0.0, 0.0, 0.0, 1.0, 0.0]\n---\n"},
+        {"head_camera.yaml",
+         "image_width: 64\nimage_height: 48\ncamera_name: head\ncamera_matrix:\n  rows: 3\n  cols: 3\n  "
+         "data: "
+         "[50, 0, 33.5,\n    0, 52, 21.25, 0, 0, 1]\ndistortion_model: plumb_bob\ndistortion_coefficients:\n"
+         "  rows: 1\n  cols: 5\n  data: [0, 0, 0, 0, 0]\n"},
+        {"camchain.yaml",
+         "cam0:\n  cam_overlaps: []\n  camera_model: pinhole\n  distortion_coeffs: [0.0, 0.0, 0.0, 0.0]\n"
+         "  distortion_model: radtan\n  intrinsics: [50.0, 52.0, 33.5, 21.25]\n  resolution: [64, 48]\n"
+         "  rostopic: /depth\ncam1:\n  T_cn_cnm1:\n  - [1.0, 0.0, 0.0, 0.1]\n  - [0.0, 1.0, 0.0, 0.0]\n"
+         "  - [0.0, 0.0, 1.0, 0.0]\n  - [0.0, 0.0, 0.0, 1.0]\n  camera_model: pinhole\n"
+         "  intrinsics: [99.0, 99.0, 64, 48]\n  resolution: [128, 96]\n  rostopic: /cam1\n"},
+        // COLMAP: pixel centres are at a half.
+        {"cameras.txt",
+         "# Camera list with one line of data per camera:\n#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n"
+         "# Number of cameras: 2\n1 SIMPLE_RADIAL 640 480 500 320 240 0.01\n2 PINHOLE 64 48 50 52 34 "
+         "21.75\n"},
+    };
     for (const auto& [name, text] : files) {
-        const Camera camera = camera_by(name, text);
-        EXPECT_EQ(camera, (Camera{50, 52, 33.5, 21.25})) << name;
+        const Scene scene = scene_by(name, text);
+        EXPECT_EQ(scene.camera, (Camera{50, 52, 33.5, 21.25})) << name;
+        EXPECT_TRUE(has_remark(scene, std::string("that of ") + name)) << name;
     }
+    EXPECT_EQ(camera_by("cameras.txt", "1 SIMPLE_RADIAL 64 48 50 34 21.75 0.1\n"),
+              (Camera{50, 50, 33.5, 21.25}));
 }
 
 TEST_F(CameraSpellings, ConvertFieldOfView) {
@@ -184,10 +199,7 @@ TEST_F(CameraSpellings, ConvertFieldOfView) {
           "}",
           R"({"fov": 38.5517, "keep_aspect": "KEEP_HEIGHT"})", R"({"fov": 50, "keep_aspect": "KEEP_WIDTH"})",
           R"({"fov": 50, "image_size_x": "64", "aspect": 1.3333})"}) {
-        const TemporaryFolder here;
-        write_depth(here.path());
-        write_in_folder(here / "camera.json", text);
-        const Scene scene = guessed(here.path());
+        const Scene scene = scene_by("camera.json", text);
         EXPECT_NEAR(scene.camera.fx, focal, 0.001 * focal) << text;
         EXPECT_FALSE(has_remark(scene, "gives one angle")) << text;
     }
@@ -290,10 +302,7 @@ TEST_F(CameraSpellings, GiveDepthScale) {
         {"d.txt", "m_depthShift = 4000\n", 0.00025},
         {"e.yaml", "cam:\n  png_depth_scale: 5000\n", 0.0002}};
     for (const auto& [name, text, metres] : files) {
-        const TemporaryFolder folder;
-        write_depth(folder.path());
-        write_in_folder(folder / name, text);
-        const Scene scene = guessed(folder.path());
+        const Scene scene = scene_by(name, text);
         EXPECT_NEAR(scene.depth.scale, metres, 1e-9 * metres) << name;
         EXPECT_TRUE(has_remark(scene, std::string(name) + " says")) << name;
     }
@@ -302,10 +311,7 @@ TEST_F(CameraSpellings, GiveDepthScale) {
 TEST_F(CameraSpellings, IgnoreOtherUnits) {
     for (const char* text : {R"({"unit": "cm"})", R"({"depth_unit": "m"})", R"({"depth_unit": "1/0 m"})",
                              R"({"metersPerSceneUnit": 0.01})", R"({"depth_scale": "/"})"}) {
-        const TemporaryFolder folder;
-        write_depth(folder.path());
-        write_in_folder(folder / "a.json", text);
-        EXPECT_EQ(guessed(folder.path()).depth.scale, 0.001) << text;
+        EXPECT_EQ(scene_by("a.json", text).depth.scale, 0.001) << text;
     }
 }
 
@@ -322,9 +328,7 @@ TEST_F(CameraSpellings, CentreMetashapePrincipalPoint) {
         camera_by("cameras.xml",
                   R"(<document><sensor id="0" type="frame"><calibration><resolution width="64" height="48"/>
                           <f>50</f><cx>2</cx><cy>-2.75</cy></calibration></sensor></document>)");
-    EXPECT_EQ(camera.fx, 50);
-    EXPECT_EQ(camera.cx, 33.5);
-    EXPECT_EQ(camera.cy, 20.75);
+    EXPECT_EQ(camera, (Camera{50, 50, 33.5, 20.75}));
 }
 
 TEST_F(CameraSpellings, TakeScaleFromNamedFile) {
@@ -393,22 +397,6 @@ TEST_F(CameraSpellings, AreFoundInFoldersAbove) {
     EXPECT_EQ(scene.depth.scale, 0.001);
 }
 
-TEST_F(CameraSpellings, GiveEachFrameItsCamera) {
-    write_depth(folder.path());
-    write_in_folder(folder / "cameras/0001.json", R"({"fx": 50, "fy": 50, "cx": 31.5, "cy": 23.5})");
-    write_in_folder(folder / "cameras/0002.json", R"({"fx": 54, "fy": 54, "cx": 31.5, "cy": 23.5})");
-    const auto clip = must(open_clip(folder.path()));
-    EXPECT_TRUE(has_remark(clip->scene(), "the camera is that of cameras/*.json"));
-    EXPECT_TRUE(has_remark(clip->scene(), "median of those of 2 frames"));
-}
-
-TEST_F(CameraSpellings, ScaleMatrixOfLargerPictures) {
-    const Camera camera =
-        camera_by("camera_matrix.csv", "500.5, 0.0, 317\n0.0, 500.5, 239.75\n0.0, 0.0, 1.0\n");
-    EXPECT_NEAR(camera.fx, 50.05, 1e-9);
-    EXPECT_NEAR(camera.cx, (317 - 319.5) / 10 + 31.5, 1e-9);
-}
-
 TEST_F(CameraSpellings, ScaleOrRefuseNamedFile) {
     write_depth(folder.path());
     write_in_folder(folder / "else/m.csv", "500.5, 0.0, 317\n0.0, 500.5, 239.75\n0.0, 0.0, 1.0\n");
@@ -430,19 +418,6 @@ TEST_F(CameraSpellings, ScaleOrRefuseNamedFile) {
     EXPECT_NEAR(seen.scene.camera.fx, camera_of_fov(50, across, down).fx, 1e-9);
 }
 
-TEST_F(CameraSpellings, GiveRateByOdometry) {
-    write_depth(folder.path());
-    write_in_folder(
-        folder / "odometry.csv",
-        "timestamp, frame, x, y, z, qx, qy, qz, qw\n7300.500000, 000000, 0.0, 0, 0, 0, 0, 0, 1\n"
-        "7300.516667, 000001, 0.001, 0, 0, 0, 0, 0, 1\n7300.533333, 000002, 0.001, 0, 0, 0, 0, 0, 1\n");
-    write_in_folder(folder / "imu.csv", "timestamp, a_x, a_y\n7300.5, 0, 9.8\n7300.51, 0, 9.8\n");
-    const Scene scene = guessed(folder.path());
-    EXPECT_NEAR(scene.rate.per_second(), 60, 0.01);
-    EXPECT_TRUE(has_remark(scene, "as odometry.csv says"));
-    EXPECT_TRUE(has_remark(scene, "not used: imu.csv"));
-}
-
 TEST_F(CameraSpellings, GiveRateByTimes) {
     const std::tuple<const char*, const char*, double> files[] = {
         {"timestamps.txt", "10.00\n10.05\n", 20},
@@ -453,12 +428,8 @@ TEST_F(CameraSpellings, GiveRateByTimes) {
         // Times of other frames.
         {"timestamps.txt", "10.00\n10.05\n10.1\n", 30},
         {"imu_times.txt", "10.00\n10.05\n", 30}};
-    for (const auto& [name, text, rate] : files) {
-        const TemporaryFolder folder;
-        write_depth(folder.path());
-        write_in_folder(folder / name, text);
-        EXPECT_NEAR(guessed(folder.path()).rate.per_second(), rate, 0.01) << name << text;
-    }
+    for (const auto& [name, text, rate] : files)
+        EXPECT_NEAR(scene_by(name, text).rate.per_second(), rate, 0.01) << name << text;
     write_bytes(folder / "depth.npy", npy_bytes("2, 48, 64", std::vector<float>(2 * across * down, 1.5F)));
     write_in_folder(folder / "intrinsics.json",
                     R"({"fx": 50, "fy": 52, "cx": 33.5, "cy": 21.25, "fps": 12})");
@@ -544,16 +515,6 @@ TEST_F(CameraSpellings, SayBaselineOfPair) {
         EXPECT_NEAR(read.intrinsics.fx, 50, 1e-9) << text;
         EXPECT_NEAR(read.baseline, metres, 1e-9) << text;
     }
-}
-
-TEST(NumberTable, ReadsHeadLineAndRows) {
-    const NumberTable table = table_in("# time, f_x, K[0,2]\n1.5, 2, 3\n\nwords\n4, 5, 6\n");
-    EXPECT_EQ(table.names, (std::vector<std::string>{"time", "fx", "k02"}));
-    EXPECT_EQ(table.rows, (std::vector<std::vector<double>>{{1.5, 2, 3}, {4, 5, 6}}));
-    EXPECT_EQ(table.column({"t", "time"}), 0);
-    EXPECT_EQ(table.column({"t"}), -1);
-    for (const char* none : {"", "1 2\n3 4\n", "a b\n", "a b\nc d\n", "a b\n1\n", "{\"a\": 1}\n1 2\n"})
-        EXPECT_TRUE(table_in(none).rows.empty()) << none;
 }
 
 }  // namespace

@@ -85,86 +85,6 @@ TEST_F(CameraSidecar, TellsGuessedPrincipalPoint) {
     EXPECT_FALSE(has_remark(guess().scene, "the middle of the picture"));
 }
 
-TEST_F(CameraSidecar, ReadsEveryProgram) {
-    const std::pair<const char*, const char*> files[] = {
-        // librealsense's and Open3D's JSON; Open3D's matrix goes column by column.
-        {"intrinsics.json", R"({"width": 64, "height": 48, "fx": 50, "fy": 52, "ppx": 33.5, "ppy": 21.25})"},
-        {"camera.json",
-         R"({"width": 64, "height": 48, "depth_scale": 1000,
-             "intrinsic_matrix": [50, 0, 0, 0, 52, 0, 33.5, 21.25, 1]})"},
-        {"trajectory_camera.json",
-         R"({"class_name": "PinholeCameraTrajectory", "parameters": [{"extrinsic": [1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],
-             "intrinsic": {"height": 48, "width": 64, "intrinsic_matrix": [50, 0, 0, 0, 52, 0, 33.5, 21.25, 1]}}]})"},
-        // ViSP: vpCameraParameters as JSON, vpXmlParserCamera, and its trackers' configuration.
-        {"visp.json",
-         R"({"model": "perspectiveWithoutDistortion", "px": 50, "py": 52, "u0": 33.5, "v0": 21.25})"},
-        {"visp.xml", R"(<?xml version="1.0"?>
-<root>
-  <!--This file stores intrinsic camera parameters used in the vpCameraParameters Class of ViSP-->
-  <camera>
-    <!--Name of the camera-->
-    <name>Camera</name>
-    <image_width>64</image_width>
-    <image_height>48</image_height>
-    <model>
-      <type>perspectiveProjWithDistortion</type>
-      <px>49</px><py>51</py><u0>30</u0><v0>20</v0><kud>-0.1</kud><kdu>0.1</kdu>
-    </model>
-    <model>
-      <type>perspectiveProjWithoutDistortion</type>
-      <px>50</px>
-      <py>52</py>
-      <u0>33.5</u0>
-      <v0>21.25</v0>
-    </model>
-  </camera>
-</root>)"},
-        {"tracker.xml",
-         "<conf>\n<face><near_clipping>0.1</near_clipping></face>\n<camera><width>64</width><height>48</"
-         "height>"
-         "<u0>33.5</u0><v0>21.25</v0><px>50</px><py>52</py></camera>\n</conf>\n"},
-        // Flat YAML, by hand and of ORB-SLAM.
-        {"depth_camera.yaml", "# pixels\nfx: 50\nfy: 52.0\ncx: 33.5\ncy: 21.25  # down\n"},
-        {"TUM1.yaml",
-         "%YAML:1.0\n\nFile.version: \"1.0\"\nCamera.type: \"PinHole\"\nCamera.fx: 50.0\nCamera.fy: 52.0\n"
-         "Camera.cx: 33.5\nCamera.cy: 21.25\nCamera.width: 64\nCamera.height: 48\nCamera.fps: 30\n"
-         "DepthMapFactor: 1000.0\n"},
-        // rostopic echo, and what camera_calibration writes.
-        {"camera_info.yaml",
-         "header: \n  seq: 0\n  stamp: \n    secs: 1\n  frame_id: \"camera\"\nheight: 48\nwidth: 64\n"
-         "distortion_model: \"plumb_bob\"\nD: [0.0, 0.0, 0.0, 0.0, 0.0]\n"
-         "K: [50.0, 0.0, 33.5, 0.0, 52.0, 21.25, 0.0, 0.0, 1.0]\nR: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, "
-         "1.0]\nP: [50.0, 0.0, 33.5, 0.0, 0.0, 52.0, 21.25, 0.0, 0.0, 0.0, 1.0, 0.0]\n---\n"},
-        {"head_camera.yaml",
-         "image_width: 64\nimage_height: 48\ncamera_name: head\ncamera_matrix:\n  rows: 3\n  cols: 3\n  "
-         "data: "
-         "[50, 0, 33.5,\n    0, 52, 21.25, 0, 0, 1]\ndistortion_model: plumb_bob\ndistortion_coefficients:\n"
-         "  rows: 1\n  cols: 5\n  data: [0, 0, 0, 0, 0]\n"},
-        {"camchain.yaml",
-         "cam0:\n  cam_overlaps: []\n  camera_model: pinhole\n  distortion_coeffs: [0.0, 0.0, 0.0, 0.0]\n"
-         "  distortion_model: radtan\n  intrinsics: [50.0, 52.0, 33.5, 21.25]\n  resolution: [64, 48]\n"
-         "  rostopic: /depth\ncam1:\n  T_cn_cnm1:\n  - [1.0, 0.0, 0.0, 0.1]\n  - [0.0, 1.0, 0.0, 0.0]\n"
-         "  - [0.0, 0.0, 1.0, 0.0]\n  - [0.0, 0.0, 0.0, 1.0]\n  camera_model: pinhole\n"
-         "  intrinsics: [99.0, 99.0, 64, 48]\n  resolution: [128, 96]\n  rostopic: /cam1\n"},
-        // COLMAP: pixel centres are at a half.
-        {"cameras.txt",
-         "# Camera list with one line of data per camera:\n#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n"
-         "# Number of cameras: 2\n1 SIMPLE_RADIAL 640 480 500 320 240 0.01\n2 PINHOLE 64 48 50 52 34 "
-         "21.75\n"},
-        // nerfstudio's
-        {"transforms.json",
-         R"({"w": 64, "h": 48, "fl_x": 50, "fl_y": 52, "cx": 33.5, "cy": 21.25, "camera_model": "OPENCV",
-             "frames": [{"file_path": "a.png", "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]}]})"},
-    };
-    for (const auto& [name, text] : files) {
-        write_bytes(folder / name, text);
-        EXPECT_LT(farthest_from_plane(), half_a_code) << name;
-        EXPECT_TRUE(has_words(said_of_camera(), std::string("that of ") + name));
-        std::filesystem::remove(folder / name);
-    }
-    EXPECT_GT(farthest_from_plane(), 10 * half_a_code) << "or this would show nothing";
-}
-
 #ifdef TOUCHABLE_HAS_OPENCV
 TEST_F(CameraSidecar, ReadsOpenCvFiles) {
     const cv::Matx33d matrix{seen_fx, 0, seen_cx, 0, seen_fy, seen_cy, 0, 0, 1};
@@ -287,9 +207,8 @@ TEST_F(CameraSidecar, BringsSharesToPixels) {
     EXPECT_EQ(said_of_camera(),
               guessed_field_of_view(60) + "; not understood as a camera's file: camera.json");
     // What a person types goes the same way.
-    SourceDescription known;
-    known.intrinsics = Intrinsics{50, 52, 0.53125, 0.453125};
-    const auto typed = must(guess_folder(folder.path(), known));
+    const auto typed = must(guess_folder(
+        folder.path(), stated(&SourceDescription::intrinsics, Intrinsics{50, 52, 0.53125, 0.453125})));
     EXPECT_NEAR(typed.scene.camera.cx, 33.5, 1e-9);
     EXPECT_TRUE(
         has_remark(typed.scene, "the camera is the one that was said, some of whose numbers are shares"));
@@ -330,20 +249,6 @@ TEST_F(CameraSidecar, ReadsArraysBesidePictures) {
     EXPECT_FALSE(has_remark(guess().scene, "not used"));
     write_npz(folder / "more.npz", {{"poses", npy_bytes("4,", {1, 2, 3, 4})}});
     EXPECT_FALSE(has_remark(guess().scene, "more.npz"));
-}
-
-/// Matterport3D's undistorted_camera_parameters.
-TEST_F(CameraSidecar, ReadsFoldersOfOtherNames) {
-    const std::pair<const char*, const char*> files[] = {
-        {"undistorted_camera_parameters/a.conf",
-         "dataset matterport\nn_images 2\ndepth_directory depth\n\n"
-         "intrinsics_matrix 50 0 33.5  0 52 21.25  0 0 1\nscan 0.png 0.jpg 1 0 0 1.5 0 1 0 2 0 0 1 3 0 0 0 "
-         "1\n"}};
-    for (const auto& [name, text] : files) {
-        write_in_folder(folder / name, text);
-        EXPECT_LT(farthest_from_plane(), half_a_code) << said_of_camera();
-        std::filesystem::remove_all((folder / name).parent_path());
-    }
 }
 
 TEST_F(CameraSidecar, GivesRateUnlessTimesDo) {
@@ -707,41 +612,6 @@ TEST_F(FrameCameras, MatchPlainTwin) {
             ASSERT_TRUE(second && *second);
             EXPECT_TRUE(same_frame(**second, frames.at(1))) << "whatever frame came before";
         }
-}
-
-/// As far off the plane as half a stored pixel across and down is.
-TEST_F(FrameCameras, KeepSurfaceWithinHalfPixel) {
-    for (const bool is_range : {false, true}) {
-        const TemporaryFolder folder;
-        const DepthAt depth = is_range ? range_at : planar_at;
-        write_plane(folder, {}, depth);
-        write_bytes(folder / "scene.json",
-                    scene_json(camera_json(of_clip), is_range ? "range" : "planar", with_cameras));
-        const auto frames = must(read_clip(folder.path()));
-        const auto u_of = [](const Lens4& camera, long double x) { return (x - camera.cx) / camera.fx; };
-        const auto v_of = [](const Lens4& camera, long double y) { return (y - camera.cy) / camera.fy; };
-        long double worst = 0, worst_unmoved = 0;
-        for (int n = 1; n < 3; ++n)
-            for (int y = 0; y < high; ++y)
-                for (int x = 0; x < wide; ++x) {
-                    const int code = frames.at(static_cast<std::size_t>(n)).depth.sample(x, y);
-                    if (code == 0) continue;
-                    const long double truth = depth(u_of(of_clip, x), v_of(of_clip, y));
-                    const auto [column, row] = stored_place(of_frames[n], {}, x, y);
-                    long double allowed = 0.5L * unit + 1e-9L;
-                    for (const long double dx : {-0.5L, 0.5L})
-                        for (const long double dy : {-0.5L, 0.5L})
-                            allowed = std::max(allowed, 0.5L * unit + 1e-6L +
-                                                            std::abs(depth(u_of(of_frames[n], column + dx),
-                                                                           v_of(of_frames[n], row + dy)) -
-                                                                     truth));
-                    ASSERT_LE(std::abs(unit * code - truth), allowed) << n << ": " << x << ", " << y;
-                    worst = std::max(worst, std::abs(unit * code - truth));
-                    const long double stored = depth(u_of(of_frames[n], x), v_of(of_frames[n], y));
-                    worst_unmoved = std::max(worst_unmoved, std::abs(stored - truth));
-                }
-        EXPECT_LT(4 * worst, worst_unmoved) << "it is worth it";
-    }
 }
 
 TEST_F(FrameCameras, ChangeNothingIfEqual) {

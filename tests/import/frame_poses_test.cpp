@@ -483,9 +483,8 @@ TEST_F(Rendering, ReadsUnrealCentimetres) {
               "");
     for (const char* name : {"pictures/depth_1.png", "pictures"})
         EXPECT_TRUE(is_refused(open_clip(folder / name, {}, named), "is no OpenEXR file")) << name;
-    SourceDescription known;
-    known.metres_per_code = 1;
-    const auto metres = must(open_clip(folder / "Shot.0001.exr", {}, known));
+    const auto metres =
+        must(open_clip(folder / "Shot.0001.exr", {}, stated(&SourceDescription::metres_per_code, 1)));
     EXPECT_FALSE(is_noted(*metres, "centimetres"));
 }
 
@@ -681,20 +680,6 @@ TEST_F(WrittenSceneText, NamesMissingOrForeignPictures) {
     const Image small{7, 5, 2, 1, Samples(70, 1)};
     ASSERT_TRUE(write_png(picture("depth"), small.view()));
     EXPECT_TRUE(is_refused(open_clip(file), "is 7x5, but the scene is 23x14"));
-}
-
-/// Grey in JPEG is read as depth, and what that does to it is said.
-TEST_F(SceneTextClips, ReadDepthJpegWithNote) {
-    write_bytes(folder / "depth.jpg",
-                encoded("mjpeg", AV_PIX_FMT_YUVJ420P, text_wide, text_high, [](AVFrame& frame) {
-                    for (int plane = 0; plane < 3; ++plane)
-                        for (int y = 0; y < text_high / (plane > 0 ? 2 : 1); ++y)
-                            std::memset(frame.data[plane] + y * frame.linesize[plane], plane > 0 ? 128 : 100,
-                                        text_wide / (plane > 0 ? 2 : 1));
-                }));
-    const auto clip = must(open(scene_with(R"(ImageTexture { url "depth.jpg" })")));
-    EXPECT_TRUE(is_noted(*clip, "depth is stored as mjpeg, which changes values"));
-    EXPECT_EQ(read_all(*clip)->front().depth.sample(3, 1), 100);
 }
 
 TEST_F(SceneTextClips, StayInTheirFolder) {

@@ -466,21 +466,6 @@ TEST_P(RecordedFolder, HasPlausibleDepths) {
     }
 }
 
-TEST_P(RecordedFolder, SurvivesClip) {
-    const TemporaryFolder output;
-    auto reader = must(open_clip(folder(), scene_file()));
-    auto writer = must(create_clip(output / "clip.mkv", reader->scene(), exact_clip));
-    std::vector<RawFrame> originals;
-    for (int n = 0; n < 3; ++n) {
-        auto frame = must(reader->next());
-        ASSERT_EQ(message(writer->write(*frame)), "");
-        originals.push_back(std::move(*frame));
-    }
-    ASSERT_EQ(message(writer->finish()), "");
-    const auto frames = must(read_clip(output / "clip.mkv"));
-    EXPECT_TRUE(std::equal(originals.begin(), originals.end(), frames.begin(), frames.end(), same_frame));
-}
-
 INSTANTIATE_TEST_SUITE_P(Real, RecordedFolder, ::testing::ValuesIn(recordings),
                          [](const auto& parameter) { return std::string(parameter.param.scene); });
 INSTANTIATE_TEST_SUITE_P(Generated, RecordedFolder, ::testing::ValuesIn(generated),

@@ -476,9 +476,7 @@ void expect_points(const std::filesystem::path& file, const SourceDescription& k
 }
 
 SourceDescription preset(const char* name) {
-    SourceDescription known;
-    known.preset = name;
-    return known;
+    return stated(&SourceDescription::preset, name);
 }
 
 void expect_disparities_of_swapped_bytes(const std::filesystem::path& file) {
@@ -537,19 +535,6 @@ TEST(RealPictures, ReadMidasInverseDepth) {
     expect_inverse_depth_without_a_scale(file);
 }
 
-TEST(PictureStandIns, ReadMidasInverseDepth) {
-    const TemporaryFolder folder;
-    std::string bytes = npy_header("<f4", "640, 640");
-    for (int y = 0; y < 640; ++y)
-        for (int x = 0; x < 640; ++x) {
-            const float value =
-                3.7F + 11 * std::sin(0.01F * static_cast<float>(x)) + 0.02F * static_cast<float>(y);
-            bytes.append(reinterpret_cast<const char*>(&value), 4);
-        }
-    write_bytes(folder / "moon.npy", bytes);
-    expect_inverse_depth_without_a_scale(folder / "moon.npy");
-}
-
 TEST(RealPictures, OpenRedwoodWithCamera) {
     const auto folder = real_data("stills/redwood5");
     TOUCHABLE_NEEDS_DATA(folder);
@@ -559,43 +544,6 @@ TEST(RealPictures, OpenRedwoodWithCamera) {
     EXPECT_EQ(reader->scene().camera.cx, 319.5);
     EXPECT_EQ(reader->tracks().size(), 2U);
     EXPECT_EQ(reader->scene().depth.depth(1861), 1.861);
-}
-
-/// NumPy writes arrays, as most people's scripts do.
-TEST(RealPictures, OpenNumPyStacks) {
-    const TemporaryFolder folder;
-    const std::string script =
-        "import numpy as n; y, x = n.mgrid[0:12, 0:16]\n"
-        "n.save('" +
-        (folder / "mm.npy").string() +
-        "', n.stack([(500 + 3 * x + k).astype('uint16') for k in range(4)]))\n"
-        "n.savez_compressed('" +
-        (folder / "metres.npz").string() +
-        "', depth=n.stack([0.5 + 0.003 * x + 0.001 * k for k in range(3)]))\n"
-        "n.save('" +
-        (folder / "holes.npy").string() + "', n.where(x < 4, n.nan, 1.25 + 0.01 * y).astype('float32'))\n";
-    write_bytes(folder / "write.py", script);
-    if (std::system(("/usr/bin/python3 " + (folder / "write.py").string() + " 2>/dev/null").c_str()) != 0)
-        GTEST_SKIP() << "no python3 with numpy";
-    for (const auto& [name, count] : {std::pair{"mm.npy", 4}, {"metres.npz", 3}}) {
-        auto reader = open_clip(folder / name);
-        ASSERT_EQ(message(reader), "") << name;
-        EXPECT_EQ((*reader)->frame_count(), count);
-        const auto frames = must(read_all(**reader));
-        ASSERT_EQ(frames.size(), static_cast<std::size_t>(count));
-        const Scene& scene = (*reader)->scene();
-        for (const auto& frame : frames)
-            EXPECT_NEAR(scene.depth.depth(stored_code(frame.depth, scene.depth, 5, 3)),
-                        0.515 + 0.001 * static_cast<double>(frame.number), 1e-5)
-                << name;
-        EXPECT_EQ(message((*reader)->seek(1)), "");
-        EXPECT_TRUE(same_plane((**(*reader)->next()).depth, frames.at(1).depth));
-    }
-    auto reader = must(open_clip(folder / "holes.npy"));
-    const auto frame = reader->next();
-    const Scene& scene = reader->scene();
-    EXPECT_FALSE(scene.depth.is_valid(stored_code((*frame)->depth, scene.depth, 3, 5)));
-    EXPECT_NEAR(scene.depth.depth(stored_code((*frame)->depth, scene.depth, 4, 5)), 1.3, 1e-5);
 }
 
 }  // namespace

@@ -42,10 +42,6 @@ protected:
     Scene scene = small_scene(24, 18, 16);
 };
 
-bool has(const std::string& text, const std::string& part) {
-    return text.find(part) != std::string::npos;
-}
-
 TEST_F(PackedClip, KeepsWhatIsFelt) {
     for (const bool noisy : {true, false})
         for (const int bits : {8, 16}) {
@@ -113,8 +109,8 @@ TEST_F(PackedClip, RefusesChangedText) {
         {[](Json& json) { json["live"] = "live"; }, "live"}};
     for (const auto& [change, why] : changes) {
         const std::string told = refusal(change);
-        EXPECT_PRED2(has, told, why);
-        EXPECT_PRED2(has, told, "clip.json");
+        EXPECT_TRUE(has_words(told, why));
+        EXPECT_TRUE(has_words(told, "clip.json"));
     }
 }
 
@@ -128,11 +124,11 @@ TEST_F(PackedClip, NamesFrameOfDamagedPacket) {
         const auto read = read_clip(file("clip.json"));
         // Deflate has no checksum: another picture may come, of the same form.
         if (read) continue;
-        EXPECT_PRED2(has, read.error().message, "depth.bin: frame ");
+        EXPECT_TRUE(has_words(read.error().message, "depth.bin: frame "));
     }
     for (const std::size_t kept : {std::size_t{0}, whole.size() / 2, whole.size() - 1}) {
         write_bytes(file("depth.bin"), whole.substr(0, kept));
-        EXPECT_PRED2(has, message(read_clip(file("clip.json"))), "depth.bin");
+        EXPECT_TRUE(has_words(message(read_clip(file("clip.json"))), "depth.bin"));
     }
 }
 

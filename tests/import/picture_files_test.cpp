@@ -194,38 +194,6 @@ TEST_F(FoundFiles, NoteEqualTimes) {
     EXPECT_EQ(rate_of(found_in(folder, "depth.txt"))->per_second(), 1) << "of two";
 }
 
-TEST_F(FoundFiles, UseHapticStillForAll) {
-    for (const char* name : {"d0.png", "d1.png", "map.png"}) write_bytes(folder / name, "");
-    const FolderSource source{.depth = "d%d.png", .colour = "", .haptic = "map.png", .height = ""};
-    const auto depth = must(depth_files(folder.path(), source));
-    const auto haptic = must(files_beside(folder.path(), PlaneRole::haptic, source, depth));
-    EXPECT_EQ(names(haptic), (Names{"map.png", "map.png"}));
-}
-
-TEST_F(FoundFiles, TakeNumbersOfEachPlane) {
-    for (const char* name : {"d3.png", "d5.png", "d7.png", "c100.png", "c104.png", "c108.png", "h3.png",
-                             "h5.png", "h7.png", "t9.png", "t11.png", "t13.png"})
-        write_bytes(folder / name, "");
-    FolderSource source{.depth = "d%d.png", .colour = "c%d.png", .haptic = "t%d.png", .height = "h%d.png"};
-    source.first = 3;
-    source.step = 2;
-    source.colour_numbers = {100, 4};
-    source.haptic_numbers.first = 9;
-    const auto depth = depth_files(folder.path(), source);
-    ASSERT_EQ(message(depth), "");
-    EXPECT_EQ(names(*depth), (Names{"d3.png", "d5.png", "d7.png"}));
-    EXPECT_EQ(depth->remark, "");
-    const auto beside = [&](PlaneRole role) { return files_beside(folder.path(), role, source, *depth); };
-    ASSERT_EQ(message(beside(PlaneRole::colour)), "");
-    EXPECT_EQ(names(*beside(PlaneRole::colour)), (Names{"c100.png", "c104.png", "c108.png"}));
-    EXPECT_EQ(names(*beside(PlaneRole::haptic)), (Names{"t9.png", "t11.png", "t13.png"})) << "depth's step";
-    EXPECT_EQ(names(*beside(PlaneRole::height)), (Names{"h3.png", "h5.png", "h7.png"})) << "depth's numbers";
-    std::filesystem::remove(folder / "c104.png");
-    EXPECT_TRUE(is_refused(beside(PlaneRole::colour), "c104.png (colour, frame 1): is missing"));
-    source.count = 2;
-    EXPECT_EQ(depth_files(folder.path(), source)->count(), 2U);
-}
-
 TEST_F(FoundFiles, CountMissingByStep) {
     for (const char* name : {"d0.png", "d10.png", "d40.png", "d45.png", "d60.png"})
         write_bytes(folder / name, "");
@@ -406,16 +374,6 @@ TEST_F(SeveralPictures, TakeFirstPageWithNote) {
         is_noted(*clip, "each file is one frame: of the 2 pictures in depth_1.tif the first is taken"));
 }
 
-TEST_F(SeveralPictures, OpenNpzArraysAsFrames) {
-    const auto picture = [](float metres) { return npy_bytes("16, 20", std::vector<float>(320, metres)); };
-    write_npz(folder / "list.npz", {{"arr_1", picture(2)}, {"arr_0", picture(1)}, {"arr_2", picture(1.5)}});
-    auto clip = must(open_clip(folder / "list.npz"));
-    EXPECT_EQ(frames_of(*clip).size(), 3U);
-    write_npz(folder / "two.npz", {{"depth", picture(2)}, {"inverse", picture(1)}});
-    auto chosen = must(open_clip(folder / "two.npz"));
-    EXPECT_TRUE(is_noted(*chosen, "two.npz: depth is the array depth; left out: inverse"));
-}
-
 /// As Stray Scanner has it.
 TEST_F(SeveralPictures, FindColourVideoBesidePictures) {
     for (const char* n : {"0", "1", "2"}) depth(std::string("depth/00000") + n + ".png");
@@ -428,11 +386,6 @@ TEST_F(SeveralPictures, FindColourVideoBesidePictures) {
         ASSERT_EQ(frames.size(), 3U);
         for (int n = 0; n < 3; ++n)
             EXPECT_EQ(frames[static_cast<std::size_t>(n)].colour.sample(5, 5, 0), 20 * n);
-        const auto guessed = must(guess_folder(folder.path(), {}));
-        write_bytes(folder / "scene.json", scene_to_json(guessed));
-        auto described = must(open_clip(folder.path()));
-        EXPECT_TRUE(same_frame(frames_of(*described).back(), frames.back()));
-        std::filesystem::remove(folder / "scene.json");
         std::filesystem::remove(folder / video);
     }
     colour_video("holiday.mov", 5);
@@ -506,25 +459,31 @@ TEST_F(SeveralPictures, OpenVideoByItsFolder) {
         << "of three";
 }
 
-/// No name tells, and the first track is colour.
-TEST_F(SeveralPictures, TakeGreyTrackAsDepth) {
+/// By its title, or as the grey one.
+TEST_F(SeveralPictures, FindDepthTrack) {
     std::filesystem::create_directories(folder / "parts");
     colour_video("parts/c.mkv", 3);
     depth_video("parts/d.mkv");
-    for (const bool depth_first : {false, true}) {
-        std::vector<TitledFile> tracks = {{folder / "parts/c.mkv", ""}, {folder / "parts/d.mkv", ""}};
-        if (depth_first) std::swap(tracks[0], tracks[1]);
+    const TitledFile colour{folder / "parts/c.mkv", ""}, depth{folder / "parts/d.mkv", ""},
+        titled{depth.first, "Depth map"};
+    const std::pair<std::vector<TitledFile>, const char*> files[] = {
+        {{colour, depth}, "none is named depth: stream 1 is read, as it is grey of more"},
+        {{depth, colour}, "none is named depth: stream 0 is read"},
+        {{colour, titled}, ""}};
+    for (const auto& [tracks, note] : files) {
         join_tracks(tracks, folder / "two.mkv");
         auto clip = must(open_clip(folder / "two.mkv"));
-        EXPECT_TRUE(is_noted(*clip, depth_first
-                                        ? "none is named depth: stream 0 is read"
-                                        : "none is named depth: stream 1 is read, as it is grey of more"));
+        EXPECT_TRUE(is_noted(*clip, note)) << note;
+        EXPECT_EQ(is_noted(*clip, "none is named depth"), *note != 0);
         EXPECT_TRUE(is_noted(*clip, "colour is another track of the file"));
         const auto frames = frames_of(*clip);
         ASSERT_EQ(frames.size(), 3U);
         EXPECT_EQ(frames[2].depth.sample(4, 4), 1042);
         EXPECT_EQ(frames[2].colour.sample(5, 5, 0), 40);
     }
+    join_tracks({depth, depth}, folder / "untold.mkv");
+    auto first = must(open_clip(folder / "untold.mkv"));
+    EXPECT_TRUE(is_noted(*first, "has 2 tracks of pictures, and none is named depth: stream 0 is read"));
 }
 
 /// As Zivid's and Blender's exports have them: colour, then depth.
@@ -558,22 +517,6 @@ TEST_F(SeveralPictures, NameWhatIsLeftOut) {
         *clip, "left out: b_depth_*.png (a scene file's folder.depth names one of these to open it)"));
     for (const char* name : {"old", "last_depth.png"})
         EXPECT_EQ(message(open_clip(folder / name)), "") << name;
-}
-
-TEST_F(SeveralPictures, FindDepthTrackByTitle) {
-    std::filesystem::create_directories(folder / "parts");
-    colour_video("parts/c.mkv", 3);
-    depth_video("parts/d.mkv");
-    join_tracks({{folder / "parts/c.mkv", ""}, {folder / "parts/d.mkv", "Depth map"}}, folder / "both.mkv");
-    auto clip = must(open_clip(folder / "both.mkv"));
-    EXPECT_TRUE(is_noted(*clip, "colour is another track of the file"));
-    const auto frames = frames_of(*clip);
-    ASSERT_EQ(frames.size(), 3U);
-    EXPECT_EQ(frames[2].depth.sample(4, 4), 1042);
-    EXPECT_EQ(frames[2].colour.sample(5, 5, 0), 40);
-    join_tracks({{folder / "parts/d.mkv", ""}, {folder / "parts/d.mkv", ""}}, folder / "untold.mkv");
-    auto first = must(open_clip(folder / "untold.mkv"));
-    EXPECT_TRUE(is_noted(*first, "has 2 tracks of pictures, and none is named depth: stream 0 is read"));
 }
 
 TEST_F(SeveralPictures, FindColourVideoByWord) {

@@ -77,12 +77,9 @@ void write_tiff(const fs::path& file, std::vector<float> values) {
     TIFFClose(out);
 }
 
-/// PFM's rows go from the bottom to the top.
 void write_pfm(const fs::path& file, const std::vector<float>& values) {
-    std::string bytes = "Pf\n" + std::to_string(wide) + ' ' + std::to_string(high) + "\n-1.0\n";
-    for (int y = high - 1; y >= 0; --y)
-        bytes.append(reinterpret_cast<const char*>(values.data() + std::ptrdiff_t{y} * wide), 4 * wide);
-    write_bytes(file, bytes);
+    write_bytes(file, pfm_of(wide, high,
+                             [&](int x, int y) { return values[static_cast<std::size_t>(y * wide + x)]; }));
 }
 
 /// PGM of 16 bits, high byte first, or as libfreenect's `record` has it, low byte first.
@@ -137,19 +134,9 @@ void Writer::grey(const std::string& name, const std::function<int(int, int)>& c
 }
 
 void Writer::colour(const std::string& name, int width, int height) const {
-    const bool is_jpeg = name.ends_with(".jpg");
-    write_bytes(*this / name,
-                encoded(is_jpeg ? "mjpeg" : "png", is_jpeg ? AV_PIX_FMT_YUVJ444P : AV_PIX_FMT_RGB24, width,
-                        height, [&](AVFrame& frame) {
-                            for (int y = 0; y < height; ++y)
-                                for (int x = 0; x < width; ++x)
-                                    for (int k = 0; k < 3; ++k) {
-                                        const int sample = k == 0 ? 200 - x / 4 : k == 1 ? 40 + y : 90;
-                                        frame.data[is_jpeg ? k : 0][y * frame.linesize[is_jpeg ? k : 0] +
-                                                                    (is_jpeg ? x : 3 * x + k)] =
-                                            static_cast<std::uint8_t>(sample);
-                                    }
-                        }));
+    const auto sample = [](int x, int y, int k) { return k == 0 ? 200 - x / 4 : k == 1 ? 40 + y : 90; };
+    if (name.ends_with(".jpg")) return write_bytes(*this / name, jpeg_of(width, height, sample));
+    write_in_folder(folder_ / name, made_image(width, height, 1, 3, sample));
 }
 
 }  // namespace touchable::test

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -89,8 +91,55 @@ struct Made {
     DepthSemantics semantics = DepthSemantics::planar;
 };
 
+/// Of a camera that sees so many degrees across.
+inline Camera seen(double degrees) {
+    const double f = 0.5 * wide / std::tan(degrees * M_PI / 360);
+    return {f, f, 0.5 * (wide - 1), 0.5 * (high - 1)};
+}
+
+inline Made made(const std::filesystem::path& file, Depth metres, const Camera& camera, int frames = 1,
+                 double rate = 30, bool has_colour = false, int width = wide, int height = high) {
+    return {file, std::move(metres), camera, frames, rate, has_colour, width, height};
+}
+
+constexpr Camera measured{140.5, 140.7, 79.9, 60.1};
+
+/// Depth without a scale, as networks guess it: 1/depth, or depth, from 0 to `top`. The nearest is taken for
+/// 0.5 m and the farthest for 1.5 m.
+struct RelativeDepth {
+    double top;
+    bool is_inverse = true, is_rounded = true;
+
+    double number(int n, int x, int y) const {
+        const double z = room(n, std::max(x, 4), y);
+        return is_inverse ? 1 / z : z;
+    }
+    std::pair<double, double> ends() const {
+        double least = 1e9, most = 0;
+        for (int k = 0; k < wide * high; ++k) {
+            least = std::min(least, number(0, k % wide, k / wide));
+            most = std::max(most, number(0, k % wide, k / wide));
+        }
+        return {least, most};
+    }
+    Depth values() const {
+        const auto [least, most] = ends();
+        return [*this, least = least, most = most](int n, int x, int y) {
+            const double value = top * (number(n, x, y) - least) / (most - least);
+            return is_rounded ? std::round(value) : value;
+        };
+    }
+    Depth metres() const {
+        return [*this, value = values()](int n, int x, int y) {
+            const double share = value(n, x, y) / top;
+            return is_inverse ? 1 / (1 / 1.5 + share * (1 / 0.5 - 1 / 1.5)) : 0.5 + share;
+        };
+    }
+};
+
 using SourceMaker = Made (*)(Writer&);
-/// By the names of rows (DepthSource).
+/// By the names of rows (DepthSource); of networks and data sets.
 const std::map<std::string, SourceMaker>& source_makers();
+std::map<std::string, SourceMaker> data_set_makers();
 
 }  // namespace touchable::test

@@ -19,8 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// As the row's command opens it, with `file` in the place of its example.
-Result<std::unique_ptr<ClipReader>> open_by(const DepthSource& source, const fs::path& file) {
+/// What the row's command says of `file`, which is in the place of its example.
+SourceDescription said_by(const DepthSource& source, const fs::path& file) {
     std::istringstream in(source.command);
     std::vector<std::string> words{std::istream_iterator<std::string>(in), {}};
     EXPECT_EQ(words.at(0), "touchable");
@@ -32,9 +32,7 @@ Result<std::unique_ptr<ClipReader>> open_by(const DepthSource& source, const fs:
     add_clip_options(app, typed);
     add_camera_options(app, typed.camera);
     app.parse(words);
-    auto known = read_camera(typed.camera);
-    if (!known) return known.error();
-    return open_clip(file, {}, *known);
+    return must(read_camera(typed.camera));
 }
 
 /// What the remarks say is guessed, in the words of the table. Which files are which, and which values are no
@@ -98,7 +96,7 @@ void expect_depth(const RawFrame& frame, const Scene& scene, const Made& made, i
     EXPECT_LT(holes, scene.width * scene.height / 9);
 }
 
-void expect_opened(ClipReader& clip, const Made& made) {
+void expect_opened(ClipReader& clip, const Made& made, std::vector<RawFrame>& frames) {
     const Scene& scene = clip.scene();
     ASSERT_EQ(scene.width, made.width);
     ASSERT_EQ(scene.height, made.height);
@@ -107,7 +105,7 @@ void expect_opened(ClipReader& clip, const Made& made) {
     EXPECT_NEAR(scene.camera.fy, made.camera.fy, 1e-6 * made.camera.fy);
     EXPECT_NEAR(scene.camera.cx, made.camera.cx, 1e-5);
     EXPECT_NEAR(scene.camera.cy, made.camera.cy, 1e-5);
-    const auto frames = must(read_all(clip));
+    frames = must(read_all(clip));
     ASSERT_EQ(std::ssize(frames), made.frames);
     if (made.frames > 1) {
         EXPECT_NEAR(scene.rate.per_second(), made.rate, 0.01 * made.rate);
@@ -118,6 +116,24 @@ void expect_opened(ClipReader& clip, const Made& made) {
         expect_depth(frame, scene, made, n);
         if (::testing::Test::HasFatalFailure()) return;
     }
+}
+
+/// The scene file that is written for it gives the same, unless nothing of it is guessed.
+void expect_described(const fs::path& file, const SourceDescription& known, const Scene& opened,
+                      const std::vector<RawFrame>& frames) {
+    const auto guessed = guess_clip(file, known);
+    if (!guessed) {
+        EXPECT_TRUE(is_refused(guessed, "touchable ")) << "must name another way";
+        return;
+    }
+    const fs::path scene = fs::is_directory(file) ? file / "scene.json" : file.parent_path() / "told.json";
+    write_bytes(scene, scene_to_json(*guessed));
+    const auto [clip, again] =
+        must_read(open_clip(scene, {}, stated(&SourceDescription::dataset, known.dataset)));
+    EXPECT_EQ(clip->scene().depth, opened.depth);
+    EXPECT_EQ(clip->scene().camera, opened.camera);
+    ASSERT_EQ(again.size(), frames.size());
+    for (std::size_t n = 0; n < frames.size(); ++n) EXPECT_TRUE(same_frame(again[n], frames[n])) << n;
 }
 
 class Source : public ::testing::TestWithParam<const DepthSource*> {
@@ -132,13 +148,16 @@ protected:
         const Made made = maker->second(writer);
         if (HasFailure()) return;
         has_other_names = writer.has_other_names();
-        const auto clip = must(open_by(source, made.file));
+        const SourceDescription known = said_by(source, made.file);
+        const auto clip = must(open_clip(made.file, {}, known));
         std::string notes;
         for (const std::string& note : clip_notes(*clip)) notes += "\n  " + note;
         SCOPED_TRACE(notes);
         EXPECT_EQ(lost_kinds(clip->described().scene.remarks), "");
         EXPECT_EQ(guessed_of(clip->described().scene.remarks), source.guessed);
-        expect_opened(*clip, made);
+        std::vector<RawFrame> frames;
+        expect_opened(*clip, made, frames);
+        if (!renames && !HasFailure()) expect_described(made.file, known, clip->scene(), frames);
     }
     TemporaryFolder folder;
     bool has_other_names = false;

@@ -579,12 +579,7 @@ TEST_F(Mp4StillClips, NameMp4BoxSceneFault) {
 
 TEST_F(Mp4StillClips, NoteJpegAndLaterPictures) {
     pictures[PlaneRole::colour] = pictures[PlaneRole::haptic] =
-        encoded("mjpeg", AV_PIX_FMT_YUVJ420P, still_wide, still_high, [](AVFrame& made) {
-            for (int plane = 0; plane < 3; ++plane)
-                for (int y = 0; y < still_high / (plane > 0 ? 2 : 1); ++y)
-                    std::memset(made.data[plane] + y * made.linesize[plane], plane > 0 ? 128 : 77,
-                                still_wide / (plane > 0 ? 2 : 1));
-        });
+        jpeg_of(still_wide, still_high, [](int, int, int plane) { return plane > 0 ? 128 : 77; });
     const auto clip = must(open_clip(written(nodes(), 2)));
     EXPECT_TRUE(is_noted(*clip, "haptic is stored as mjpeg, which changes values"));
     EXPECT_FALSE(is_noted(*clip, "colour is stored as"));

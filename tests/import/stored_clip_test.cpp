@@ -97,38 +97,6 @@ TEST_F(StoredClips, ReadEveryPictureOnce) {
     EXPECT_EQ(taken(), (Asked{"depth 0", "colour 0"}));
 }
 
-TEST_F(StoredClips, SeekUpToEnd) {
-    auto clip = opened();
-    ASSERT_EQ(message(clip), "");
-    EXPECT_EQ((*clip)->frame_count(), 5);
-    EXPECT_EQ((*clip)->access_point(3), 0);
-    EXPECT_EQ((*clip)->access_point(4), 4);
-    ASSERT_EQ(message((*clip)->seek(5)), "");
-    const auto end = must((*clip)->next());
-    EXPECT_FALSE(end);
-    for (const std::int64_t beyond : {6, -1}) {
-        const auto refused = (*clip)->seek(beyond);
-        ASSERT_FALSE(refused);
-        EXPECT_EQ(refused.error().kind, ErrorKind::usage);
-        EXPECT_EQ(refused.error().message,
-                  "the clip: has no frame " + std::to_string(beyond) + ": must be from 0 to 4");
-    }
-    for (const std::int64_t n : {3, 1, 4}) {
-        ASSERT_EQ(message((*clip)->seek(n)), "");
-        EXPECT_EQ((**(*clip)->next()).number, n);
-    }
-}
-
-TEST_F(StoredClips, SkipUnwantedColour) {
-    auto clip = must(opened(3));
-    clip->leave_out_colour();
-    taken();
-    const auto frames = must(read_all(*clip));
-    EXPECT_EQ(taken(), (Asked{"depth 1", "depth 2"}));
-    for (const RawFrame& frame : frames) EXPECT_TRUE(frame.colour.empty());
-    EXPECT_EQ(clip->tracks().size(), 2U) << "it is stored all the same";
-}
-
 TEST_F(StoredClips, ReadRepeatedPictureOnce) {
     pictures->number = [](PlaneRole role, std::int64_t frame) {
         return role == PlaneRole::depth ? frame : frame / 2;
@@ -137,27 +105,6 @@ TEST_F(StoredClips, ReadRepeatedPictureOnce) {
     EXPECT_EQ(taken(), (Asked{"depth 0", "colour 0", "depth 1", "depth 2", "colour 2", "depth 3"}));
     EXPECT_EQ(frames[1].colour.data, frames[0].colour.data);
     EXPECT_EQ(frames[3].colour.sample(0, 0), 12);
-}
-
-TEST_F(StoredClips, RefuseChangedSizeOrFormat) {
-    for (const PlaneRole role : {PlaneRole::depth, PlaneRole::colour}) {
-        const std::string other = role == PlaneRole::depth ? "pal8" : "yuvj444p";
-        for (const bool is_wider : {true, false}) {
-            pictures = std::make_unique<FakePictures>(asked);
-            pictures->made = [&, role, is_wider](PlaneRole asked_for, std::int64_t frame) {
-                const bool differs = asked_for == role && frame == 2;
-                StoredImage stored =
-                    picture_of(asked_for, frame, differs && is_wider ? fake_wide + 1 : fake_wide);
-                if (differs && !is_wider) stored.pixel_format = other;
-                return TrackPicture{std::move(stored)};
-            };
-            auto clip = must(opened());
-            const std::string format = role == PlaneRole::depth ? "gray" : "rgb24";
-            EXPECT_EQ(message(read_all(*clip)), in_words(role, 2) + ": is " +
-                                                    (is_wider ? "9x6 " + format : "8x6 " + other) +
-                                                    ", but frame 0 is 8x6 " + format);
-        }
-    }
 }
 
 TEST_F(StoredClips, MixPalettesAndRgb) {
@@ -338,16 +285,6 @@ TEST(FloatLattice, FindsMultiplesOfAnyUnit) {
     }
 }
 
-/// The same depths in millimetres, as floats.
-TEST(FloatLattice, FindsWholeMillimetres) {
-    SplitMix64 random(2);
-    const auto codes = scene_codes(random, 350, 4000);
-    const auto found = lattice_of(
-        many, 0.001, [&](int k) { return static_cast<float>(codes[static_cast<std::size_t>(k)]); });
-    ASSERT_TRUE(found);
-    EXPECT_EQ(found->step, 1);
-}
-
 /// A camera that measures disparities and writes millimetres leaves most of these out.
 TEST(FloatLattice, FindsUnitOfSparseLevels) {
     SplitMix64 random(3);
@@ -456,32 +393,6 @@ TEST(FloatLattice, FindsFinestStepOfHalves) {
     EXPECT_EQ(found->step, 0x1p-11);
     EXPECT_FALSE(found->is_rounded);
     EXPECT_EQ(found->off, 0);
-}
-
-TEST(FloatLattice, FindsMillimetresOfHalves) {
-    SplitMix64 random(10);
-    const auto codes = scene_codes(random, 450, 3500);
-    const auto found = lattice_of(many, 1, [&](int k) {
-        return half_of(static_cast<float>(codes[static_cast<std::size_t>(k)]) * 0.001F);
-    });
-    ASSERT_TRUE(found);
-    EXPECT_EQ(found->step, 0.001);
-    EXPECT_TRUE(found->is_rounded);
-}
-
-TEST(FloatLattice, IgnoresOrder) {
-    SplitMix64 random(11);
-    std::vector<float> values;
-    for (const int code : scene_codes(random, 700, 6000))
-        values.push_back(static_cast<float>(code * 0.000317));
-    LatticeSearch one, other;
-    for (const float value : values) one.add(value);
-    std::reverse(values.begin(), values.end());
-    for (const float value : values) other.add(value);
-    const auto a = one.of_lengths(1), b = other.of_lengths(1);
-    ASSERT_TRUE(a && b);
-    EXPECT_EQ(a->step, b->step);
-    EXPECT_EQ(a->first, b->first);
 }
 
 TEST(FloatLattice, FindsStepsWithoutUnit) {

@@ -361,24 +361,6 @@ TEST_F(VideoClip, RefusesTruncatedFile) {
     }
 }
 
-TEST_F(VideoClip, SurvivesChangedBytes) {
-    int refused = 0;
-    for (const char* name : {"d.mkv", "d.mov", "d.avi"}) {
-        write_codes(folder / name);
-        const std::string whole = read_bytes(folder / name);
-        Random numbers(7);
-        for (int attempt = 0; attempt < 30; ++attempt) {
-            std::string changed = whole;
-            for (int k = 1 + numbers.below(3); k > 0; --k)
-                changed[static_cast<std::size_t>(numbers.below(static_cast<int>(changed.size())))] =
-                    static_cast<char>(numbers.below(256));
-            write_bytes(folder / name, changed);
-            refused += !read_clip(folder / name);
-        }
-    }
-    EXPECT_GT(refused, 5);
-}
-
 // iPhone's Cinematic videos.
 
 constexpr int disparity_width = 64, disparity_height = 36;
@@ -402,33 +384,6 @@ void write_cinematic(const std::filesystem::path& file) {
             fill_plane(frame, plane, [&](int x, int y) { return plane ? 128 : disparity_at(x, y, n); });
     });
     join_cinematic(folder / "c.mov", folder / "d.mov", file);
-}
-
-TEST(Cinematic, ReadsDisparityAndColour) {
-    const TemporaryFolder folder;
-    write_cinematic(folder / "IMG_0001.MOV");
-    if (HasFatalFailure()) return;
-    auto clip = must(open_clip(folder / "IMG_0001.MOV", {}, {}, Colour::wanted, DepthAlignment::off));
-    const Scene& scene = clip->scene();
-    EXPECT_EQ(scene.width, disparity_width);
-    EXPECT_EQ(scene.height, disparity_height);
-    EXPECT_EQ(scene.depth.kind, DepthCodingKind::inverse);
-    EXPECT_TRUE(scene.depth.near_is_high);
-    EXPECT_TRUE(is_noted(*clip, "depth is the disparity of a Cinematic video, colour is its other track"));
-    EXPECT_TRUE(is_noted(*clip, "its nearest is taken for 0.5 m and its farthest for 1.5 m"));
-    const auto frames = must(read_all(*clip));
-    ASSERT_EQ(frames.size(), 4U);
-    for (int n = 0; n < 4; ++n) {
-        const RawFrame& frame = frames[static_cast<std::size_t>(n)];
-        ASSERT_EQ(frame.colour.width, disparity_width);
-        for (int y = 0; y < disparity_height; ++y)
-            for (int x = 0; x < disparity_width; ++x) {
-                const std::uint16_t code = frame.depth.sample(x, y);
-                ASSERT_EQ(code, disparity_at(x, y, n));
-                const double z = 1 / (1 / 1.5 + (1 / 0.5 - 1 / 1.5) * code / 255.0);
-                ASSERT_TRUE(is_at(scene, code, scene.camera, x, y, z, 1e-9));
-            }
-    }
 }
 
 TEST(Cinematic, RefusesCutFiles) {

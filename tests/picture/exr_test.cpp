@@ -310,66 +310,6 @@ TEST(ExrLayers, CountDepthsByViewLayer) {
     EXPECT_EQ(depths_in({"u", "v"}), 0);
 }
 
-std::string blenders(const std::string& name) {
-    return read_bytes(std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/fuzz/seeds/exr_layers" / name);
-}
-
-struct Seen {
-    float depth, material;
-    int red, green, blue;
-    bool operator==(const Seen&) const = default;
-};
-/// Left, right, the box on the left above, and nothing around.
-const Seen left{10, 0, 188, 137, 99}, right{10, 2, 0, 0, 255}, box{8, 5, 255, 71, 0},
-    nothing{1e10F, 0, 0, 0, 0};
-
-Seen seen_at(const StoredImage& depth, const StoredImage& colour, const StoredImage* materials, int x,
-             int y) {
-    const auto k = static_cast<std::size_t>(16 * y + x);
-    const std::uint8_t* rgb = &colour.image.samples[3 * k];
-    const float index = materials ? materials->values[k] : 0;
-    return {depth.values[k], index, rgb[0], rgb[1], rgb[2]};
-}
-
-TEST(ExrLayers, ReadBlenderPasses) {
-    for (const auto& [name, format] : {std::pair{"layers_half.exr", "rgbf16"},
-                                       {"layers_float.exr", "rgbf32"},
-                                       {"two_layers.exr", "rgbf16"},
-                                       {"z_half.exr", "rgbf16"}}) {
-        SCOPED_TRACE(name);
-        const auto picture = decode_exr(blenders(name), "picture", {true, true});
-        ASSERT_EQ(message(picture), "");
-        ASSERT_TRUE(picture->beside && picture->beside->colour);
-        const StoredImage& colour = *picture->beside->colour;
-        const bool has_materials = std::string(name) != "z_half.exr";
-        ASSERT_EQ(picture->beside->materials.has_value(), has_materials);
-        const StoredImage* materials = has_materials ? &*picture->beside->materials : nullptr;
-        EXPECT_EQ(colour.pixel_format, format);
-        const auto expected = [&](Seen seen) {
-            if (!has_materials) seen.material = 0;
-            return seen;
-        };
-        // A pixel is half a unit of the floor.
-        EXPECT_EQ(seen_at(*picture, colour, materials, 4, 9), expected(left));
-        EXPECT_EQ(seen_at(*picture, colour, materials, 12, 4), expected(right));
-        EXPECT_EQ(seen_at(*picture, colour, materials, 4, 3), expected(box));
-        EXPECT_EQ(seen_at(*picture, colour, materials, 0, 0), expected(nothing));
-        // Alone they are the same.
-        const auto alone = must(decode_exr_colour(blenders(name), "picture"));
-        EXPECT_EQ(alone.image.samples, colour.image.samples);
-        const auto depth = must(decode_exr(blenders(name), "picture"));
-        EXPECT_EQ(depth.values, picture->values);
-        EXPECT_EQ(depth.beside, nullptr);
-        const auto indices = decode_exr_materials(blenders(name), "picture");
-        EXPECT_EQ(message(indices), has_materials ? ""
-                                                  : "picture: has no material indices: must have a layer "
-                                                    "IndexMA of each pixel, but has A, B, G, R, Z");
-        if (!has_materials) continue;
-        EXPECT_EQ(indices->values, materials->values);
-    }
-    EXPECT_EQ(decode_exr(blenders("two_layers.exr"), "p", {true, true})->beside->depth_name, "b.Depth.Z");
-}
-
 struct PartChannel {
     std::string name;
     Imf::PixelType type = Imf::HALF;

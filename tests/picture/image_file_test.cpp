@@ -16,7 +16,6 @@
 #include "tests/limits.hpp"
 #include "tests/picture/picture_bytes.hpp"
 #include "tests/picture/results.hpp"
-#include "tests/real_data.hpp"
 
 namespace touchable::test {
 namespace {
@@ -205,11 +204,7 @@ TEST(Image, ReadsJpegColours) {
 }
 
 TEST(Image, ReadsJpegOfFullRange) {
-    const auto bytes = encoded("mjpeg", AV_PIX_FMT_YUVJ444P, 16, 16, [](AVFrame& frame) {
-        for (int plane = 0; plane < 3; ++plane)
-            for (int y = 0; y < 16; ++y)
-                std::memset(frame.data[plane] + y * frame.linesize[plane], plane == 0 ? 7 : 128, 16);
-    });
+    const auto bytes = jpeg_of(16, 16, [](int, int, int plane) { return plane == 0 ? 7 : 128; });
     const auto image = must(read_bytes_as_image(bytes));
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(image.view().sample(5, 5, c), 7, 1);  // not squeezed from 16..235
 }
@@ -373,35 +368,6 @@ TEST(Image, ReadsGreyStoredAsColour) {
     ASSERT_EQ(stored->image.channels, 1);
     for (int y = 0; y < 5; ++y)
         for (int x = 0; x < 7; ++x) EXPECT_EQ(stored->image.view().sample(x, y), (x + y) * 256 + x + y + 1);
-}
-
-void expect_as_plainly_parsed(const std::filesystem::path& file) {
-    const auto stored = must(read_stored_image(file));
-    const std::string bytes = read_bytes(file), header = "P5 640 480 65535\n";
-    ASSERT_TRUE(bytes.starts_with(header));
-    ASSERT_EQ(stored.image.width, 640);
-    ASSERT_EQ(stored.image.height, 480);
-    for (int y = 0; y < 480; ++y)
-        for (int x = 0; x < 640; ++x) {
-            const std::size_t at = header.size() + 2 * static_cast<std::size_t>(640 * y + x);
-            ASSERT_EQ(stored.image.view().sample(x, y),
-                      static_cast<unsigned char>(bytes[at]) << 8 | static_cast<unsigned char>(bytes[at + 1]));
-        }
-}
-
-TEST(Netpbm, MatchesPlainParse) {
-    const TemporaryFolder folder;
-    std::string bytes = "P5 640 480 65535\n";
-    Random numbers(3);
-    for (int k = 0; k < 2 * 640 * 480; ++k) bytes += static_cast<char>(numbers.below(256));
-    write_bytes(folder / "kinect.pgm", bytes);
-    expect_as_plainly_parsed(folder / "kinect.pgm");
-}
-
-TEST(Netpbm, MatchesPlainParseOfKinect) {
-    const auto file = real_data("other_formats/NYU_depth.pgm");
-    TOUCHABLE_NEEDS_DATA(file);
-    expect_as_plainly_parsed(file);
 }
 
 /// By the format's definition: the lowest row first. (FFmpeg 5.1 writes the highest first.)

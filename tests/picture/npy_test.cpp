@@ -10,7 +10,6 @@
 #include "engine/scene/scene.hpp"
 #include "tests/limits.hpp"
 #include "tests/picture/results.hpp"
-#include "tests/real_data.hpp"
 
 namespace touchable::test {
 namespace {
@@ -267,17 +266,6 @@ TEST(NpyStack, RefusesShortFile) {
     std::filesystem::resize_file(file, 1000);
     const LimitedMemory little(64);
     EXPECT_TRUE(is_refused(open_npy_stack(file), "is cut short: has 1000 bytes of 4000000128"));
-}
-
-TEST(NpyReal, ReadsRelativeDepthOfNetwork) {
-    const auto file = real_data("stills/midas_moon/moon.npy");
-    TOUCHABLE_NEEDS_DATA(file);
-    const auto stored = must(read_stored_image(file));
-    EXPECT_EQ(stored.pixel_format, "grayf32le");
-    ASSERT_EQ(stored.values.size(), 640U * 640U);
-    const std::string bytes = read_bytes(file);
-    ASSERT_EQ(bytes.size(), 128 + 4 * stored.values.size());
-    EXPECT_EQ(std::memcmp(bytes.data() + 128, stored.values.data(), bytes.size() - 128), 0);
 }
 
 // Arrays with a confidence beside depth, as Depth Anything 3 writes them.

@@ -118,6 +118,40 @@ std::string encoded(const char* codec_name, AVPixelFormat format, int width, int
     return {reinterpret_cast<const char*>(packet->data), static_cast<std::size_t>(packet->size)};
 }
 
+/// JPEG of full range, and PNG of three colours and alpha, by FFmpeg: `sample(x, y, k)` is the k-th of a
+/// pixel's.
+template <class Sample>
+std::string jpeg_of(int width, int height, Sample&& sample) {
+    return encoded("mjpeg", AV_PIX_FMT_YUVJ444P, width, height, [&](AVFrame& frame) {
+        for (int k = 0; k < 3; ++k)
+            for (int y = 0; y < height; ++y)
+                for (int x = 0; x < width; ++x)
+                    frame.data[k][y * frame.linesize[k] + x] = static_cast<std::uint8_t>(sample(x, y, k));
+    });
+}
+template <class Sample>
+std::string rgba_png(int width, int height, Sample&& sample) {
+    return encoded("png", AV_PIX_FMT_RGBA, width, height, [&](AVFrame& frame) {
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                for (int k = 0; k < 4; ++k)
+                    frame.data[0][y * frame.linesize[0] + 4 * x + k] =
+                        static_cast<std::uint8_t>(sample(x, y, k));
+    });
+}
+
+/// A PFM file, whose rows go from the bottom to the top.
+template <class Value>
+std::string pfm_of(int width, int height, Value&& value) {
+    std::string bytes = "Pf\n" + std::to_string(width) + ' ' + std::to_string(height) + "\n-1.0\n";
+    for (int y = height - 1; y >= 0; --y)
+        for (int x = 0; x < width; ++x) {
+            const auto number = static_cast<float>(value(x, y));
+            bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
+        }
+    return bytes;
+}
+
 /// The header of a .npy file, as NumPy writes it.
 inline std::string npy_header(const std::string& type, const std::string& shape) {
     std::string text = "{'descr': '" + type + "', 'fortran_order': False, 'shape': (" + shape + "), }";

@@ -317,18 +317,6 @@ TEST_F(SceneFileOnDisk, IsReadByPath) {
     EXPECT_EQ(scene.scene.name, "globe");
 }
 
-TEST_F(SceneFileOnDisk, IsNamedIfUnreadable) {
-    const std::pair<std::filesystem::path, std::string> files[] = {
-        {folder_ / "absent.json", "does not exist"}, {folder_.path(), "is a folder"}};
-    for (const auto& [file, why] : files) {
-        const auto scene = read_scene_file(file);
-        ASSERT_FALSE(scene);
-        EXPECT_EQ(scene.error().kind, ErrorKind::input);
-        EXPECT_EQ(scene.error().message,
-                  file.string() + ": " + why + "; expected a scene file (JSON, docs/scene_file.md)");
-    }
-}
-
 TEST_F(SceneFileOnDisk, RejectsEmptyOrHugeFiles) {
     expect_error(read_scene_file(write("empty.json", "")), "empty.json: line 1");
     expect_error(read_scene_file(write("long.json", std::string(3 << 20, ' '))), "larger than 1 MiB");
@@ -439,23 +427,16 @@ TEST(SceneRefusal, NamesWrongValuesByPath) {
         {"640", "0", {"width is 0", "16384"}},
         {"640", "99999999999999999999", {"width is", "a whole number"}},
         {"640", "18446744073709551615", {"width is 18446744073709551615", "a whole number"}},
-        {"480", "16385", {"height is 16385", "16384"}},
         {"[30, 1]", "30", {"rate is 30", "[30000, 1001]"}},
         {"[30, 1]", "[30]", {"rate is [30]"}},
-        {"[30, 1]", "[30, 0]", {"rate", "is 0"}},
         {"[30, 1]", "[29.97, 1]", {"rate[0] is 29.97", "a whole number"}},
         {"\"metres_per_unit\": 0.001", "\"metres_per_unit\": true", {"metres_per_unit is true", "a number"}},
-        {"\"metres_per_unit\": 0.001",
-         "\"metres_per_unit\": -1",
-         {"metres_per_unit is -1", "greater than 0"}},
         {"{\"fx\": 476.0, \"fy\": 477.5, \"cx\": 312.25, \"cy\": 240.5}", "7", {"camera is 7", "an object"}},
         {"{\"fx\": 476.0, \"fy\": 477.5, \"cx\": 312.25, \"cy\": 240.5}",
          "{\"focal_length\": 4.7, \"pixel_width\": 0}",
          {"camera.pixel_width is 0", "greater than 0"}},
         {"\"cy\": 240.5", "\"cy\": 240.5, \"pixel_width\": 0.01", {"camera.c", "focal_length, pixel_width"}},
         {"476.0", "null", {"camera.fx is null", "a number"}},
-        {"476.0", "0", {"camera.fx is 0", "greater than 0"}},
-        {"477.5", "0.0", {"camera.fy is 0", "greater than 0"}},
         {"\"coding\": \"linear\"",
          "\"coding\": \"logarithm\"",
          {"depth.coding is \"logarithm\"", "\"linear\", \"inverse\", \"metric\", \"hue\""}},
@@ -477,7 +458,6 @@ TEST(SceneRefusal, NamesWrongValuesByPath) {
         {"\"coding\": \"linear\"", "\"coding\": 1", {"depth.coding is 1", "\"inverse\""}},
         {"\"range\"", "\"z\"", {"depth.semantics is \"z\"", "\"range\", \"planar\""}},
         {"\"near\": 40", "\"near\": \"40\"", {"depth.near is \"40\"", "a number"}},
-        {"\"near\": 40", "\"near\": 200", {"depth.near is 200", "depth.far, which is 180"}},
         {"\"near\": 40", "\"scale\": 1, \"near\": 40", {"depth.scale is 1", "left out"}},
         {"\"coding\": \"linear\"", "\"coding\": \"metric\"", {"depth.near_is is \"high\"", "left out"}},
         {"\"bits\": 10", "\"bits\": 7", {"depth.bits is 7", "8 to 16"}},
@@ -487,25 +467,17 @@ TEST(SceneRefusal, NamesWrongValuesByPath) {
         {"[0, 1023]", "[0, -1]", {"depth.invalid[1] is -1"}},
         {"[0, 1023]", "[1, 2, 3, 4, 5]", {"depth.invalid is [1,2,3,4,5]", "at most 4"}},
         {"[0, 1023]", "0", {"depth.invalid is 0", "an array"}},
-        {"\"max\": 2.5", "\"max\": 80", {"height_map.max is 80", "at most 72.784"}},
         {"\"levels\"", "\"mm\"", {"height_map.units is \"mm\"", "\"levels\", \"world\""}},
         {"\"units\": \"levels\", \"bits\": 8", "\"bits\": 17", {"height_map.bits is 17", "8 to 16"}},
-        {"[0.1, 10]", "[10, 0.1]", {"haptic.stiffness", "is 0.1", "10"}},
         {"[0.1, 10]", "[0.1]", {"haptic.stiffness is [0.1]", "[minimum, maximum]"}},
         {"[0.1, 10]", "[0.1, \"a\"]", {"haptic.stiffness[1] is \"a\"", "a number"}},
-        {"[0.2, 0.9]", "[-0.2, 0.9]", {"haptic.static_friction", "-0.2"}},
         {"[0.2, 0.8]", "{}", {"haptic.dynamic_friction is {}"}},
-        {"\"stiffness\": 0.6", "\"stiffness\": 0", {"default_properties.stiffness", "is 0"}},
         {"\"stiffness\": 0.6",
          "\"stiffness\": 0.6, \"stiffness_n_per_m\": 600",
          {"stiffness_n_per_m", "left out"}},
         {"\"default_properties\"",
-         "\"hole_stiffness\": -1, \"default_properties\"",
-         {"hole_stiffness is -1"}},
-        {"\"default_properties\"",
          "\"hole_stiffness\": \"soft\", \"default_properties\"",
          {"hole_stiffness is \"soft\"", "a number"}},
-        {"\"dynamic_friction\": 0.3", "\"dynamic_friction\": 0.5", {"dynamic_friction is 0.5", "0.4"}},
         {"\"median\": 3", "\"median\": 7", {"filter.median is 7", "0 (off), 3 or 5"}},
         {"\"median\": 3", "\"median\": \"3x3\"", {"filter.median is \"3x3\""}},
         {"\"fill_holes\": 1", "\"terraces\": true", {"filter.terraces is true"}},
@@ -518,9 +490,6 @@ TEST(SceneRefusal, NamesWrongValuesByPath) {
         {"\"fill_holes\": 1", "\"terrace_reach\": -128", {"filter.terrace_reach is -128"}},
         {"\"fill_holes\": 1", "\"temporal\": true", {"filter.temporal is true", "\"off\", \"on\""}},
         {"\"fill_holes\": 1",
-         "\"temporal\": \"on\"",
-         {"filter.temporal is on", "filter.temporal_noise is [0, 0]"}},
-        {"\"fill_holes\": 1",
          "\"temporal_noise\": 2",
          {"filter.temporal_noise is 2", "[constant, quadratic]"}},
         {"\"fill_holes\": 1", "\"temporal_noise\": [1, -2]", {"filter.temporal_noise's quadratic is -2"}},
@@ -529,12 +498,8 @@ TEST(SceneRefusal, NamesWrongValuesByPath) {
         {"\"interpolation\": \"linear\"",
          "\"interpolation\": \"cubic\"",
          {"interpolation is \"cubic\"", "\"hold\""}},
-        {"0.0005", "0", {"device_metres_per_unit is 0", "greater than 0"}},
-        {"d_%04d.png", "depth.png", {"folder.colour", "c%d.png", "depth.png", "a single picture"}},
-        {"c%d.png", "%s%n", {"folder.colour", "%s%n"}},
         {"t%d.png", "\\u0000%d", {"folder.haptic", "control"}},
         {"t%d.png", "\\u007f%d", {"folder.haptic", "control"}},
-        {"\"first\": 0", "\"first\": -1", {"folder.first is -1"}},
         {"\"c%d.png\"", "{\"first\": 4}", {"folder.colour.files is missing"}},
         {"\"c%d.png\"", "{\"files\": \"c%d.png\", \"fist\": 4}", {"folder.colour.fist", "first"}},
         {"\"c%d.png\"", "{\"files\": \"c%d.png\", \"step\": 0}", {"folder.colour.step is 0", "from 1"}},

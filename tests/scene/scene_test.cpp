@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -326,20 +325,12 @@ TEST(Validation, NeedsOneDigitField) {
 
 // Written scenes are read again unchanged, to the last bit and byte.
 
-bool same_bits(double a, double b) {
-    return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
-}
-bool same_bits(const HapticProperties& a, const HapticProperties& b) {
-    return same_bits(a.stiffness, b.stiffness) && same_bits(a.static_friction, b.static_friction) &&
-           same_bits(a.dynamic_friction, b.dynamic_friction);
-}
-bool same_bits(const Camera& a, const Camera& b) {
-    return same_bits(a.fx, b.fx) && same_bits(a.fy, b.fy) && same_bits(a.cx, b.cx) && same_bits(a.cy, b.cy);
-}
-bool same_bits(const PropertyRange& a, const PropertyRange& b) {
-    return same_bits(a.min, b.min) && same_bits(a.max, b.max);
+void expect_same(const PropertyRange& a, const PropertyRange& b) {
+    EXPECT_EQ(a.min, b.min);
+    EXPECT_EQ(a.max, b.max);
 }
 
+/// None of its doubles can be -0 or NaN.
 void expect_same(const SceneDescription& one, const SceneDescription& other) {
     const Scene &a = one.scene, &b = other.scene;
     EXPECT_EQ(one.unstated, other.unstated);
@@ -348,28 +339,26 @@ void expect_same(const SceneDescription& one, const SceneDescription& other) {
     EXPECT_EQ(a.height, b.height);
     EXPECT_EQ(a.rate.num, b.rate.num);
     EXPECT_EQ(a.rate.den, b.rate.den);
-    EXPECT_TRUE(same_bits(a.metres_per_unit, b.metres_per_unit));
-    EXPECT_TRUE(same_bits(a.camera, b.camera));
-    EXPECT_EQ(a.depth, b.depth);  // none of its doubles can be -0 or NaN
+    EXPECT_EQ(a.metres_per_unit, b.metres_per_unit);
+    EXPECT_EQ(a.camera, b.camera);
+    EXPECT_EQ(a.depth, b.depth);
     EXPECT_EQ(a.depth_bits, b.depth_bits);
-    EXPECT_TRUE(same_bits(a.height_coding.max_height, b.height_coding.max_height));
+    EXPECT_EQ(a.height_coding.max_height, b.height_coding.max_height);
     EXPECT_EQ(a.height_coding.units, b.height_coding.units);
     EXPECT_EQ(a.height_coding.code_max, b.height_coding.code_max);
-    EXPECT_TRUE(same_bits(a.haptic.stiffness, b.haptic.stiffness));
-    EXPECT_TRUE(same_bits(a.haptic.static_friction, b.haptic.static_friction));
-    EXPECT_TRUE(same_bits(a.haptic.dynamic_friction, b.haptic.dynamic_friction));
-    EXPECT_TRUE(same_bits(a.default_properties, b.default_properties));
+    expect_same(a.haptic.stiffness, b.haptic.stiffness);
+    expect_same(a.haptic.static_friction, b.haptic.static_friction);
+    expect_same(a.haptic.dynamic_friction, b.haptic.dynamic_friction);
+    EXPECT_EQ(a.default_properties, b.default_properties);
     ASSERT_EQ(one.materials.size(), other.materials.size());
     for (std::size_t k = 0; k < one.materials.size(); ++k) {
         EXPECT_EQ(one.materials[k].index, other.materials[k].index);
-        EXPECT_TRUE(same_bits(one.materials[k].properties, other.materials[k].properties));
+        EXPECT_EQ(one.materials[k].properties, other.materials[k].properties);
     }
-    ASSERT_EQ(a.hole_stiffness.has_value(), b.hole_stiffness.has_value());
-    EXPECT_TRUE(same_bits(a.hole_stiffness.value_or(0), b.hole_stiffness.value_or(0)));
+    EXPECT_EQ(a.hole_stiffness, b.hole_stiffness);
     EXPECT_EQ(a.filter, b.filter);
     EXPECT_EQ(a.interpolation, b.interpolation);
-    ASSERT_EQ(a.device_metres_per_unit.has_value(), b.device_metres_per_unit.has_value());
-    EXPECT_TRUE(same_bits(a.device_metres_per_unit.value_or(0), b.device_metres_per_unit.value_or(0)));
+    EXPECT_EQ(a.device_metres_per_unit, b.device_metres_per_unit);
     ASSERT_EQ(a.folder.has_value(), b.folder.has_value());
     if (!a.folder) return;
     EXPECT_EQ(a.folder->depth, b.folder->depth);

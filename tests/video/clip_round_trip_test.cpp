@@ -129,9 +129,10 @@ TEST_F(Clip, KeepsUnstatedFiltersUnstated) {
     described.unstated.filters = {.median = true, .terraces = true};
     const auto frames = test_frames(scene, 3, depth_only);
     ASSERT_EQ(message(write_all(create_clip(folder / "clip.mkv", described), frames)), "");
+    ASSERT_EQ(message(write_all(create_mp4_clip(folder / "clip.mp4", described), frames)), "");
     auto pictures = create_image_folder(folder / "clip", described, Existing::keep);
     ASSERT_EQ(message(write_all(std::move(pictures), frames)), "");
-    for (const char* name : {"clip.mkv", "clip"}) {
+    for (const char* name : {"clip.mkv", "clip.mp4", "clip"}) {
         auto reader = must(open_clip(folder / name));
         EXPECT_EQ(reader->unstated_filters(), described.unstated.filters) << name;
         const auto part = must(part_of_clip(std::move(reader), {.first = 1}));
@@ -240,21 +241,6 @@ TEST_F(Clip, ReadsLossyColour) {
         EXPECT_LT(error, 4.0) << codec;  // the ramp is nearly grey; range and channels are right
         EXPECT_GT(error, 0.0) << codec;
     }
-}
-
-TEST_F(Clip, ResamplesColourOfAnotherSize) {
-    ASSERT_EQ(
-        message(write_clip(folder / "exact.mkv", small_scene(64, 48, 16), 2, {true, true, true, false})), "");
-    remux(folder / "exact.mkv", folder / "large.mkv",
-          {.transcoded = {{"colour", "mjpeg"}}, .transcoded_scale = 2});
-    auto reader = must(open_clip(folder / "large.mkv"));
-    EXPECT_EQ(reader->tracks()[1].width, 128);
-    ASSERT_EQ(reader->notes().size(), 1U);
-    EXPECT_EQ(reader->notes()[0], "colour is 128x96: resampled to the nearest pixel of depth's 64x48");
-    const auto frames = must(read_all(*reader));
-    ASSERT_EQ(frames.size(), 2U);
-    EXPECT_EQ(frames.at(1).colour.width, 64);
-    EXPECT_EQ(frames.at(1).colour.height, 48);
 }
 
 // Depth as hue in the project's own clips and in folders of images.

@@ -394,30 +394,19 @@ TEST_F(ClipRefusal, ChecksRate) {
     EXPECT_EQ(refusal({.file_tags = {{"T3D_RATE", "60/2"}}}), "");
 }
 
-TEST_F(ClipRefusal, ChecksRoles) {
-    EXPECT_REFUSED(Remux({.roles = {{"height", "warmth"}}}), "track 4 has the role \"warmth\"");
-    EXPECT_REFUSED(Remux({.roles = {{"haptic", "colour"}}}), "track 3 is a second track of role colour");
-    EXPECT_REFUSED(Remux({.roles = {{"depth", ""}}}), "has no track of role depth");
-}
-
-TEST_F(ClipRefusal, ChecksFormatsOfRoles) {
-    EXPECT_REFUSED(Remux({.roles = {{"depth", ""}, {"colour", "depth"}}}),
-                   "track depth, frame 0: is 8-bit RGB, but the scene's depth.bits, 16, needs 16-bit grey");
-    EXPECT_REFUSED(Remux({.roles = {{"depth", ""}, {"height", "depth"}}}), "needs 16-bit grey");
-    EXPECT_REFUSED(Remux({.roles = {{"depth", "height"}, {"height", "depth"}}}),
-                   "track depth, frame 0: is 8-bit grey");
-    EXPECT_REFUSED(Remux({.roles = {{"height", ""}, {"colour", "height"}}}),
-                   "track height, frame 0: has pixel format gbrp");
-}
-
-TEST_F(ClipRefusal, NeedsScene) {
-    EXPECT_REFUSED(Remux({.attachment_name = "notes.txt"}),
-                   "has no scene.json attached: describe it with a scene file");
-}
-
-TEST_F(ClipRefusal, RejectsSubsampledHaptic) {
-    EXPECT_REFUSED(Remux({.transcoded = {{"haptic", "mjpeg"}}}),
-                   "track haptic, frame 0: has pixel format yuvj420p");
+TEST_F(ClipRefusal, ChecksRolesAndFormats) {
+    const std::pair<Remux, const char*> faults[] = {
+        {{.attachment_name = "notes.txt"}, "has no scene.json attached: describe it with a scene file"},
+        {{.roles = {{"height", "warmth"}}}, "track 4 has the role \"warmth\""},
+        {{.roles = {{"haptic", "colour"}}}, "track 3 is a second track of role colour"},
+        {{.roles = {{"depth", ""}}}, "has no track of role depth"},
+        {{.roles = {{"depth", ""}, {"colour", "depth"}}},
+         "track depth, frame 0: is 8-bit RGB, but the scene's depth.bits, 16, needs 16-bit grey"},
+        {{.roles = {{"depth", ""}, {"height", "depth"}}}, "needs 16-bit grey"},
+        {{.roles = {{"depth", "height"}, {"height", "depth"}}}, "track depth, frame 0: is 8-bit grey"},
+        {{.roles = {{"height", ""}, {"colour", "height"}}}, "track height, frame 0: has pixel format gbrp"},
+        {{.transcoded = {{"haptic", "mjpeg"}}}, "track haptic, frame 0: has pixel format yuvj420p"}};
+    for (const auto& [changes, words] : faults) EXPECT_REFUSED(changes, words);
 }
 
 TEST_F(ClipRefusal, NamesMissingFrame) {

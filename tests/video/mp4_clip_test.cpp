@@ -76,14 +76,6 @@ TEST_F(Mp4Clip, RoundTripsTheScene) {
     expect_mp4(folder / "clip.mp4", scene, 2, all_planes);
 }
 
-TEST_F(Mp4Clip, KeepsUnstatedFiltersUnstated) {
-    SceneDescription described(small_scene(40, 30, 12));
-    described.unstated.filters = {.median = true, .terraces = true};
-    ASSERT_EQ(message(write_mp4(folder / "clip.mp4", described, 1, {})), "");
-    const auto reader = must(open_clip(folder / "clip.mp4"));
-    EXPECT_EQ(reader->unstated_filters(), described.unstated.filters);
-}
-
 /// Every frame, in an order that goes to and fro.
 void expect_same_by_any_way(const fs::path& file, const Scene& scene, int frames) {
     auto reader = must(open_clip(file));

@@ -46,14 +46,14 @@ std::string role_of(const AVStream& stream) {
 /// Decodes one track and encodes it as 4:2:0.
 class Transcoder {
 public:
-    Transcoder(const AVStream& from, const std::string& codec_name, int scale) {
+    Transcoder(const AVStream& from, const std::string& codec_name) {
         decoder_.reset(avcodec_alloc_context3(avcodec_find_decoder(from.codecpar->codec_id)));
         avcodec_parameters_to_context(decoder_.get(), from.codecpar);
         expect_done(avcodec_open2(decoder_.get(), nullptr, nullptr), "open decoder");
         const AVCodec* codec = avcodec_find_encoder_by_name(codec_name.c_str());
         encoder_.reset(avcodec_alloc_context3(codec));
-        encoder_->width = scale * from.codecpar->width;
-        encoder_->height = scale * from.codecpar->height;
+        encoder_->width = from.codecpar->width;
+        encoder_->height = from.codecpar->height;
         encoder_->pix_fmt = codec_name == "mjpeg" ? AV_PIX_FMT_YUVJ420P : AV_PIX_FMT_YUV420P;
         encoder_->time_base = {1, 1000};
         encoder_->gop_size = 1;
@@ -107,7 +107,7 @@ RemuxedTrack add_track(const AVStream& from, AVFormatContext& out, const Remux& 
     if (attached && !changes.attachment_name.empty())
         av_dict_set(&to->metadata, "filename", changes.attachment_name.c_str(), 0);
     if (const auto codec = changes.transcoded.find(track.role); codec != changes.transcoded.end()) {
-        track.transcoder = std::make_unique<Transcoder>(from, codec->second, changes.transcoded_scale);
+        track.transcoder = std::make_unique<Transcoder>(from, codec->second);
         avcodec_parameters_from_context(to->codecpar, &track.transcoder->codec());
         to->codecpar->codec_tag = 0;
     }

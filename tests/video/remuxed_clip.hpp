@@ -20,7 +20,6 @@ struct Remux {
     std::map<std::string, std::string>
         roles{};  ///< role -> new tag T3D_ROLE; an empty value removes the track
     std::map<std::string, std::string> transcoded{};  ///< role -> codec, "mjpeg" or "mpeg4"; both 4:2:0
-    int transcoded_scale = 1;                         ///< size of transcoded pictures over the original's
     std::string attachment_name{};                    ///< if not empty, the scene's new name
     bool checksums = true;                            ///< whether headers and tags carry CRC-32 elements
     /// Packets to leave out.
