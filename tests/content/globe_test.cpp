@@ -29,6 +29,31 @@ const Published published[] = {
     {CameraPreset::b, 4.7L, 0.0112L, 40, 180, 110, 81.3, 59.5},
 };
 
+double degrees(double radians) {
+    return radians * 180 / 3.14159265358979;
+}
+
+TEST(Globe, HasPublishedFieldsOfView) {
+    for (const Published& p : published) {
+        SceneOptions options;
+        options.preset = p.preset;
+        const auto globe = made("globe", options);
+        const Camera& camera = globe->scene().camera;
+        EXPECT_NEAR(degrees(2 * std::atan(360 / camera.fx)), p.width_degrees, 0.05);
+        EXPECT_NEAR(degrees(2 * std::atan(240 / camera.fy)), p.height_degrees, 0.05);
+        EXPECT_EQ(camera.cx, 360);
+        EXPECT_EQ(camera.cy, 239);
+        EXPECT_EQ(globe->scene().depth.semantics, DepthSemantics::range);
+    }
+}
+
+TEST(Globe, KeepsFieldOfView) {
+    for (const auto& [width, height] : {std::pair{320, 240}, {1280, 720}, {1920, 1080}, {3840, 2160}}) {
+        const auto globe = made("globe", sized(width, height));
+        EXPECT_NEAR(globe->scene().camera.fx * 720 / width, 4.7 / 0.0112, 1e-9);
+    }
+}
+
 TEST(Globe, ShowsNearerCrossing) {
     for (const Published& p : published)
         for (const auto& [width, height] : {std::pair{320, 240}, {720, 480}, {1920, 1080}}) {
@@ -87,6 +112,24 @@ TEST(Globe, Spans32MillimetresOfDevice) {
     EXPECT_DOUBLE_EQ(*globe->scene().device_metres_per_unit * sphere.radius, 0.032);
     EXPECT_EQ(globe->scene().default_properties.stiffness, 1000);
     EXPECT_EQ(globe->scene().default_properties.static_friction, 0);
+}
+
+TEST(Globe, FindsClosestPointAlongNormal) {
+    const ExactSurface exact("globe");
+    const GlobeSphere sphere = globe_sphere(CameraPreset::b, 720, 480);
+    SplitMix64 random(3);
+    for (int trial = 0; trial < 200; ++trial) {
+        const glm::dvec3 way{random.within(-1, 1), random.within(-1, 1), random.within(0.1, 1)};
+        const double reach = random.within(0.5, 1.2) * sphere.radius;
+        const glm::dvec3 goal = sphere.centre + way * (reach / length(way));
+        const auto truth = exact.closest(goal, goal, 0);
+        ASSERT_TRUE(truth);
+        ASSERT_NEAR(length(truth->point - sphere.centre), sphere.radius, 1e-12 * sphere.radius);
+        ASSERT_NEAR(length(truth->normal - way / length(way)), 0, 1e-14);
+        ASSERT_NEAR(length(truth->point - goal), std::fabs(reach - sphere.radius), 1e-12 * sphere.radius);
+    }
+    const auto centre = exact.closest(sphere.centre, sphere.centre, 0);
+    EXPECT_NEAR(length(centre->point - sphere.centre), sphere.radius, 1e-12 * sphere.radius);
 }
 
 const double half_turn = 3.14159265358979323846;

@@ -340,6 +340,15 @@ TEST(Noise, RepeatsPerSeed) {
     }
 }
 
+TEST(Noise, HasNoTruth) {
+    const glm::dvec3 goal{0, 0, -100};
+    for (const std::string_view name : {"noise", "cliffs", "grain"})
+        EXPECT_FALSE(ExactSurface(name, sized(128, 128)).closest(goal, goal, 0));
+    SceneOptions planet = sized(90, 60);
+    planet.properties = true;
+    EXPECT_FALSE(ExactSurface("globe", planet).closest(goal, goal, 0));
+}
+
 constexpr real degree = 3.14159265358979323846264338L / 180;
 
 SceneOptions tilted(double tilt, double direction) {
@@ -369,6 +378,21 @@ TEST(Plane, RecedesAsRequested) {
               made("plane", tilted(30, 0))->depth(0, 120, 0));
     EXPECT_GT(made("plane", tilted(30, 90))->depth(160, 0, 0),
               made("plane", tilted(30, 90))->depth(160, 239, 0));
+}
+
+TEST(Plane, FindsClosestPointByProjection) {
+    const auto plane = made("plane", tilted(50, 25));
+    const ExactSurface exact("plane", tilted(50, 25));
+    SplitMix64 random(2);
+    for (int trial = 0; trial < 200; ++trial) {
+        const glm::dvec3 goal{random.within(-60, 60), random.within(-40, 40), random.within(-1100, -900)};
+        const auto truth = exact.closest(goal, goal, 0);
+        const glm::dvec3 out = goal - truth->point;
+        const double along = out.x * truth->normal.x + out.y * truth->normal.y + out.z * truth->normal.z;
+        ASSERT_NEAR(std::fabs(along), length(out), 1e-10);
+        const auto pixel = project(plane->scene().camera, truth->point);
+        ASSERT_NEAR(plane->depth(pixel->x, pixel->y, 0), pixel->planar_depth, 1e-9);
+    }
 }
 
 TEST(Plane, RejectsTooTallPictures) {
@@ -422,6 +446,23 @@ TEST(Spheres, HideEachOther) {
     EXPECT_TRUE(ball_to_ball);
 }
 
+TEST(Spheres, FindClosestOfAllPieces) {
+    const ExactSurface exact("spheres", sized(640, 480));
+    SplitMix64 random(4);
+    for (int trial = 0; trial < 300; ++trial) {
+        const glm::dvec3 goal{random.within(-90, 90), random.within(-60, 60), random.within(-1085, -930)};
+        const auto truth = exact.closest(goal, goal, 0);
+        double least = std::fabs(goal.z + 1080);
+        for (const Ball& b : balls) {
+            const glm::dvec3 centre(static_cast<double>(b.x), static_cast<double>(b.y),
+                                    static_cast<double>(b.z));
+            least = std::fmin(least, std::fabs(length(goal - centre) - static_cast<double>(b.radius)));
+        }
+        ASSERT_NEAR(length(truth->point - goal), least, 1e-10);
+        ASSERT_NEAR(length(truth->normal), 1, 1e-14);
+    }
+}
+
 TEST(Step, RisesByGrowingLevels) {
     const auto scene = made("step", sized(720, 480, 8));
     const RawFrame frame = scene->frame(0);
@@ -461,6 +502,151 @@ TEST(Step, FindsClosestBandOrRiser) {
         ASSERT_GT(found, least - 1.0) << "a riser may be nearer than any band, by no more than its height";
         ASSERT_GT(truth->normal.z, -0.1) << "a riser lies along the camera's rays";
     }
+}
+
+TEST(Step, HasRiserNormalsOverBands) {
+    const auto scene = made("step", sized(330, 100));
+    // Just right of the last step's edge and half way up its 10 levels, inside the higher band.
+    const double edge = scene->scene().camera.u(10 * 30 - 0.5), level = scene->scene().depth.level();
+    const double d = scene->scene().depth.far - level * (100 + 45 + 5);
+    const auto truth = ExactSurface("step", sized(330, 100)).closest({edge * d + 0.01, 0, -d}, {0, 0, 0}, 0);
+    EXPECT_LT(truth->normal.x, -0.99);
+    EXPECT_NEAR(truth->point.x, edge * d, 1e-3);
+}
+
+constexpr double one_degree = 3.14159265358979323846 / 180;
+
+TEST(GlobeStroke, RunsOneMillimetreUnderSphere) {
+    const GlobeStroke stroke(CameraPreset::b, 720, 480);
+    const GlobeSphere sphere = globe_sphere(CameraPreset::b, 720, 480);
+    const double units_per_mm = sphere.radius / 32;
+    std::array<int, 4> bins{};
+    for (int tick = GlobeStroke::approach_ticks;
+         tick < GlobeStroke::approach_ticks + GlobeStroke::stroke_ticks; ++tick) {
+        const double T = (tick - 200) * 0.001;
+        const GlobeStroke::Goal at = stroke.at(tick);
+        double nx = std::sin(50 * one_degree * std::sin(2 * M_PI * 0.37 * T));
+        double ny = std::sin(50 * one_degree * std::sin(2 * M_PI * 0.29 * T + 1));
+        if (nx * nx + ny * ny > 0.72) {
+            const double scale = std::sqrt(0.72 / (nx * nx + ny * ny));
+            nx *= scale, ny *= scale;
+        }
+        ASSERT_NEAR(at.normal.x, nx, 1e-13);
+        ASSERT_NEAR(at.normal.y, ny, 1e-13);
+        ASSERT_NEAR(length(at.normal), 1, 1e-14);
+        ASSERT_GT(at.normal.z, 0);
+        ASSERT_NEAR(length(at.goal - sphere.centre - (sphere.radius - units_per_mm) * at.normal), 0, 1e-10);
+        ASSERT_NEAR(at.polar_angle, std::acos(at.normal.z), 1e-12);
+        ASSERT_LE(at.polar_angle, 58.06 * one_degree);
+        const double polar = at.polar_angle / one_degree;
+        ++bins[polar < 15 ? 0 : polar < 30 ? 1 : polar < 45 ? 2 : 3];
+    }
+    for (const int count : bins) EXPECT_GT(count, 500);
+}
+
+TEST(GlobeStroke, ApproachesStraightFromOutside) {
+    const GlobeStroke stroke(CameraPreset::a_prime, 720, 480);
+    const GlobeSphere sphere = globe_sphere(CameraPreset::a_prime, 720, 480);
+    const double units_per_mm = sphere.radius / 32;
+    EXPECT_NEAR(length(stroke.at(0).goal - sphere.centre), sphere.radius + 10 * units_per_mm, 1e-10);
+    for (int tick = 1; tick <= 200; ++tick) {
+        EXPECT_NEAR(length(stroke.at(tick).goal - stroke.at(tick - 1).goal), 11.0 / 200 * units_per_mm,
+                    1e-10);
+        EXPECT_EQ(stroke.at(tick).normal, stroke.at(200).normal);
+    }
+}
+
+TEST(GlobeStroke, StaysInCamerasView) {
+    const auto globe = made("globe");
+    const GlobeStroke stroke(CameraPreset::b, 720, 480);
+    const ExactSurface exact("globe");
+    for (int tick = 200; tick < 20200; tick += 7) {
+        const auto truth = exact.closest(stroke.at(tick).goal, {}, 0);
+        const auto pixel = project(globe->scene().camera, truth->point);
+        ASSERT_TRUE(pixel);
+        ASSERT_NEAR(globe->depth(pixel->x, pixel->y, 0), length(truth->point), 1e-9) << tick;
+    }
+}
+
+TEST(ReliefStroke, KeepsSpeedExceptWhenReflected) {
+    for (const double speed : {0.05, 0.1, 0.3}) {
+        ReliefStroke stroke(Relief::bumps, 1280, 720, speed);
+        glm::dvec3 before = stroke.next().goal;
+        int reflected = 0;
+        for (int tick = 1; tick < 30000; ++tick) {
+            const glm::dvec3 goal = stroke.next().goal;
+            const double moved = std::hypot(goal.x - before.x, goal.y - before.y);
+            ASSERT_LE(moved, speed + 1e-12);
+            reflected += moved < speed - 1e-12;
+            ASSERT_LE(std::fabs(goal.x), 88);
+            ASSERT_LE(std::fabs(goal.y), 100.0 * 719 / 1279 - 12);
+            before = goal;
+        }
+        EXPECT_LT(reflected, 400);
+        EXPECT_TRUE(speed < 0.2 || reflected > 3);
+    }
+}
+
+TEST(ReliefStroke, StartsAboveMiddleAndTurns) {
+    ReliefStroke stroke(Relief::bumps, 720, 480, 0.1);
+    const ReliefStroke::Goal first = stroke.next(), second = stroke.next();
+    EXPECT_EQ(first.goal.x, 0);
+    EXPECT_EQ(first.goal.y, 0);
+    EXPECT_EQ(first.under, -50);
+    EXPECT_NEAR(std::atan2(second.goal.y, second.goal.x), 0.3, 1e-12);
+    glm::dvec3 before = second.goal;
+    for (int tick = 2; tick < 500; ++tick) {  // far from any edge: the heading is the integral of the law
+        const glm::dvec3 goal = stroke.next().goal;
+        const double t = (tick - 1) * 0.001;
+        const double heading = 0.3 + 0.4 * t + 0.9 * (1 - std::cos(2 * M_PI * 0.37 * t)) / (2 * M_PI * 0.37);
+        ASSERT_NEAR(std::atan2(goal.y - before.y, goal.x - before.x), heading, 2e-3);
+        before = goal;
+    }
+}
+
+TEST(ReliefStroke, StaysUnderShownSurface) {
+    for (const auto& [relief, name] :
+         {std::pair{Relief::bumps, "bumps"}, {Relief::rough, "rough"}, {Relief::moving, "moving"}}) {
+        const auto scene = made(name, sized(320, 240));
+        ReliefStroke stroke(relief, 320, 240, 0.3);
+        for (int tick = 0; tick < 5000; ++tick) {
+            const double t = tick * 0.001;
+            const ReliefStroke::Goal at = stroke.next();
+            const auto pixel = project(scene->scene().camera, at.goal + glm::dvec3(0, 0, at.under));
+            ASSERT_TRUE(pixel);
+            ASSERT_NEAR(scene->depth(pixel->x, pixel->y, t), pixel->planar_depth, 1e-9);
+            const double law = 3.5 + 1.5 * std::sin(2 * M_PI * 0.9 * t);
+            ASSERT_NEAR(at.under, tick >= 250 ? law : -50 + (law + 50) * tick / 250, 1e-11);
+        }
+    }
+}
+
+TEST(RandomWalk, MovesInStepsAndJumps) {
+    const auto scene = made("noise", sized(128, 128));
+    const Scene& s = scene->scene();
+    RandomWalk walk(s, 1), again(s, 1), other(s, 2);
+    Camera::ImagePoint before = *project(s.camera, walk.next());
+    (void)again.next();
+    int jumps = 0, in_picture = 0;
+    bool differs = false;
+    const int ticks = 50000;
+    for (int tick = 0; tick < ticks; ++tick) {
+        const glm::dvec3 goal = walk.next();
+        ASSERT_EQ(goal, again.next());
+        differs = differs || goal != other.next();
+        const auto at = project(s.camera, goal);
+        ASSERT_TRUE(at);
+        jumps += std::fabs(at->x - before.x) > 1 + 1e-9 || std::fabs(at->y - before.y) > 1 + 1e-9 ||
+                 std::fabs(at->planar_depth - before.planar_depth) > 3 + 1e-9;
+        ASSERT_GT(at->planar_depth, 0.89 * s.depth.near);
+        ASSERT_LT(at->planar_depth, 1.06 * s.depth.far);
+        in_picture += at->x >= 0 && at->x <= 127 && at->y >= 0 && at->y <= 127;
+        before = *at;
+    }
+    EXPECT_NEAR(jumps, ticks / 50, 5 * 32);
+    EXPECT_GT(in_picture, 0.8 * ticks);
+    EXPECT_LT(in_picture, ticks);
+    EXPECT_TRUE(differs);
 }
 
 }  // namespace
