@@ -342,72 +342,32 @@ TEST(Usage, FailsOnFullStandardOutput) {
     EXPECT_NE(std::system(full.c_str()), 0);
 }
 
-BuilderChoice::Load load_of(int width, int height, int median, int fingers = 1, FrameRate rate = {}) {
+BuilderChoice::Load load_of(int width, int height, int median, FrameRate rate = {}) {
     BuilderChoice::Load load;
     load.scene = must(make_scene("moving", {.width = width, .height = height, .rate = rate}))->scene();
     load.scene.filter.median = median;
-    load.fingers = fingers;
-    return load;
-}
-BuilderChoice::Load full_hd(int median, int fingers = 1, FrameRate rate = {}) {
-    return load_of(1920, 1080, median, fingers, rate);
-}
-template <class Change>
-BuilderChoice::Load with(BuilderChoice::Load load, Change change) {
-    change(load);
     return load;
 }
 
+/// A GPU is asked for where frames cost a fifth of a core, and sooner where they are drawn there.
 TEST(BuilderPick, FitsLoad) {
-    using Load = BuilderChoice::Load;
-    const auto live = [](Load& load) { load.live = true; };
-    const auto drawn = [](Load& load) { load.live = load.drawn = true; };
-    // A GPU is asked for where frames cost a fifth of a core, and sooner where they are drawn there.
-    const Load uhd = with(load_of(3840, 2160, 5, 1, {60, 1}), live), shown = with(full_hd(3), drawn);
-    for (const Load& load : {uhd, shown}) {
+    const BuilderChoice::Load uhd = load_of(3840, 2160, 5, {60, 1});
+    BuilderChoice::Load drawn = load_of(1920, 1080, 3), still = drawn;
+    drawn.drawn = still.drawn = true;
+    still.moves = false;
+    for (const BuilderChoice::Load& load : {uhd, drawn}) {
         EXPECT_EQ(pick_builder(load, [] { return true; }).name, "vulkan");
         EXPECT_EQ(pick_builder(load, [] { return false; }).name, "cpu");
     }
-    struct Case {
-        const char *why, *picked;
-        Load load;
-    };
-    const Case cases[] = {
-        {"large frames", "lazy", full_hd(0, 5)},
-        {"large frames, wide median", "lazy", full_hd(5, 5)},
-        {"many fingers", "cpu", full_hd(3, 100)},
-        {"thirty fingers", "cpu", full_hd(5, 30)},
-        {"a high rate", "lazy", full_hd(5, 30, {120, 1})},
-        {"small frames are not worth the time in ticks", "cpu", load_of(320, 240, 5)},
-        {"a live tick does not filter", "cpu", with(full_hd(5), live)},
-        {"a still is built once", "cpu", with(full_hd(5), [](Load& load) { load.moves = false; })},
-        {"filled holes", "cpu", with(full_hd(3), [](Load& load) { load.scene.filter.fill_holes = 1; })},
-        {"averages", "cpu", with(full_hd(3), [](Load& load) { load.scene.filter.temporal = true; })},
-        {"terraces", "cpu",
-         with(full_hd(3), [](Load& load) { load.scene.filter.terraces = TerraceRemoval::on; })},
-        {"frames that are cheap enough", "cpu", with(load_of(3840, 2160, 5, 1, {30, 1}), live)},
-        {"ticks filter", "lazy", load_of(3840, 2160, 5, 1, {60, 1})},
-        {"drawn once", "cpu", with(shown, [](Load& load) { load.moves = false; })},
-        {"not drawn", "cpu", with(full_hd(3), live)}};
-    for (const Case& one : cases)
-        EXPECT_EQ(pick_builder(one.load,
-                               [&] {
-                                   ADD_FAILURE() << "a GPU was asked for: " << one.why;
+    for (const BuilderChoice::Load& load :
+         {still, load_of(1920, 1080, 3), load_of(320, 240, 5), load_of(3840, 2160, 5, {30, 1})})
+        EXPECT_EQ(pick_builder(load,
+                               [] {
+                                   ADD_FAILURE() << "a GPU was asked for";
                                    return false;
                                })
                       .name,
-                  one.picked)
-            << one.why;
-}
-
-TEST(BuilderPick, FingersDecideAtTenMilliseconds) {
-    for (const int median : {3, 5}) {
-        int fingers = 1;
-        while (pick_builder(full_hd(median, fingers), [] { return false; }).name == "lazy") ++fingers;
-        const BuilderChoice::Load first = full_hd(median, fingers), last = full_hd(median, fingers - 1);
-        EXPECT_LT(whole_frames_ms_per_second(first) - lazy_ms_per_second(first), 10);
-        EXPECT_GE(whole_frames_ms_per_second(last) - lazy_ms_per_second(last), 10);
-    }
+                  "cpu");
 }
 
 TEST(BuilderPick, MeasurementDecidesGpuSpeed) {
@@ -433,7 +393,7 @@ TEST(BuilderPick, ReportsChoiceAndKeepsForces) {
         return touch(words);
     };
     const auto by_choice = run({}), cpu = run({"--builder", "cpu"});
-    EXPECT_EQ(by_choice["builder"], "lazy");
+    EXPECT_EQ(by_choice["builder"], "cpu");
     EXPECT_PRED2(says, by_choice["builder_why"].get<std::string>(), "of CPU time a second");
     EXPECT_EQ(cpu["builder_why"], "");
     EXPECT_EQ(by_choice["force_hash"], cpu["force_hash"]);
