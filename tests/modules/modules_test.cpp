@@ -424,6 +424,78 @@ TEST(Links, LeadToExistingHeadings) {
     EXPECT_GT(checked, 200);
 }
 
+// A test stands at the public face, or is an oracle for an algorithm with a written contract
+// (CONTRIBUTING.md, Tests). private_headers.txt lists the private headers that tests include; the list only
+// shrinks.
+
+/// Whether a header is the product's, and its module does not name it as public. (No module includes the C
+/// API's installed headers, so none names them.)
+bool is_private(const std::string& header) {
+    const fs::path path(header);
+    const std::string folder = path.parent_path().string(), file = path.filename().string();
+    if (folder.empty() || std::ranges::find(kProduct, path.begin()->string()) == kProduct.end() ||
+        header.starts_with("capi/touchable."))
+        return false;
+    return std::ranges::none_of(modules(), [&](const auto& module) {
+        return module.second.folder == folder && module.second.headers.contains(file);
+    });
+}
+
+/// What has to change about a private header, or nothing. `entry`: its word in the list, a heading of docs/
+/// or a number of files; empty: it is not listed. `files`: how many files of tests/ include it.
+std::string change_of_list(const std::string& entry, std::size_t files) {
+    if (entry.empty()) return "include a public header instead, or list the heading of its contract in docs/";
+    if (files == 0) return "no test includes it: remove its line";
+    if (entry.find_first_not_of("0123456789") == std::string::npos) {
+        const std::size_t listed = std::stoul(entry);
+        if (files > listed)
+            return std::to_string(files) + " files include it, " + entry +
+                   " may: include a public header instead";
+        if (files < listed) return "fewer files include it: write " + std::to_string(files) + " in its line";
+        return "";
+    }
+    const std::size_t sharp = std::min(entry.find('#'), entry.size() - 1);
+    const fs::path page = source("docs") / entry.substr(0, sharp);
+    const bool has_contract = fs::is_regular_file(page) && anchors_of(page).contains(entry.substr(sharp + 1));
+    return has_contract ? "" : "docs/" + entry + " is no heading: name the one of its contract";
+}
+
+TEST(PrivateHeaders, OfTestsAreListed) {
+    std::map<std::string, std::string> listed;
+    std::istringstream lines(text_of(source("tests/modules/private_headers.txt")));
+    for (std::string line; std::getline(lines, line);) {
+        if (line.empty() || line.starts_with('#')) continue;
+        const std::size_t space = std::min(line.find(' '), line.size() - 1);
+        EXPECT_TRUE(listed.emplace(line.substr(0, space), line.substr(space + 1)).second) << line;
+    }
+    std::map<std::string, Names> included;
+    for (const auto& [header, entry] : listed) included[header];
+    int files = 0;
+    for (const auto& found : fs::recursive_directory_iterator(source("tests"))) {
+        if (!is_code(found.path())) continue;
+        ++files;
+        for (const std::string& header : included_by(found.path(), "#include \"", '"'))
+            if (is_private(header)) included[header].insert(fs::relative(found.path(), source("")).string());
+    }
+    for (const auto& [header, by] : included)
+        EXPECT_EQ(change_of_list(listed[header], by.size()), "")
+            << header << ", included by " << ::testing::PrintToString(by);
+    EXPECT_GT(files, 200) << "hardly anything was looked at";
+}
+
+TEST(PrivateHeaders, ListOnlyShrinks) {
+    const auto stays = [](const std::string& entry, std::size_t files) {
+        return change_of_list(entry, files).empty();
+    };
+    const std::string heading = "conventions.md#what-is-measured";
+    EXPECT_TRUE(stays("2", 2) && stays(heading, 1) && stays(heading, 5));
+    EXPECT_FALSE(stays("", 1) || stays("2", 3) || stays("2", 1) || stays("2", 0));
+    EXPECT_FALSE(stays(heading, 0) || stays(heading + "-here", 1) || stays("none.md#units", 1));
+    EXPECT_TRUE(is_private("haptics_cpu/cast.hpp"));
+    for (const char* header : {"haptics_cpu/haptic_loop.hpp", "capi/touchable.h", "tests/must.hpp"})
+        EXPECT_FALSE(is_private(header)) << header;
+}
+
 // Recordings are looked for by one function, so that one word in the environment takes all of them away.
 
 TEST(RealData, IsFoundByOneFunction) {
