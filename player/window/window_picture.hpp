@@ -117,7 +117,7 @@ private:
     Clock::time_point last_picture_, last_words_, frame_came_at_;
     std::vector<FingerHalo> halos_;  // of the last picture
     double last_draw_ms_ = 0;
-    bool is_fine_ = false;  // the last picture had several samples a pixel
+    bool is_fine_ = false;  // the last picture had all samples that there is room for
     std::string shown_message_;
     std::string values_;  // last shown at the pointer
     std::size_t place_lines_ = 0;

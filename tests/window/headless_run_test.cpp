@@ -93,8 +93,40 @@ TEST(HeadlessWindow, DrawsNothingAtRest) {
     EXPECT_LT(more, few + 20);
 }
 
+/// A window whose pictures take long, the first ones longer still.
+class SlowScreen final : public WrappedScreen {
+public:
+    using WrappedScreen::WrappedScreen;
+    Result<void> present(GpuCommands commands, const GpuImage& canvas) override {
+        std::this_thread::sleep_for(std::chrono::milliseconds(++pictures_ < 5 ? 400 : 100));
+        return WrappedScreen::present(std::move(commands), canvas);
+    }
+
+private:
+    int pictures_ = 0;
+};
+
+/// Smaller pictures are for what moves.
+TEST(HeadlessWindow, DrawsWholePictureAtRest) {
+    const TemporaryFolder folder;
+    const auto shot = [&]<class Made>(const char* name, std::type_identity<Made>) {
+        PlayOptions options = headless_by_cpu(made_clip("globe", 90));
+        options.painter = "auto";
+        options.make_screen = [](const ScreenOptions& size) { return std::make_unique<Made>(size); };
+        options.screenshot = folder / name;
+        options.seconds = 5;
+        const auto played = play_in_window(options);
+        EXPECT_TRUE(played);
+        return std::pair(*read_image(folder / name), played->least_detail);
+    };
+    const auto [quick, by_quick] = shot("quick.png", std::type_identity<WrappedScreen>());
+    const auto [slow, by_slow] = shot("slow.png", std::type_identity<SlowScreen>());
+    EXPECT_LT(by_slow, 0.3);
+    EXPECT_EQ(differences(quick, slow, {60, 40, 260, 190}, 0), 0);
+}
+
 /// In the middle, where there is no panel and beside the finger no ring: nothing draws those without a GPU.
-/// (Fingers are compared by Drawing.CpuTwinMatchesRaster.)
+/// (Fingers are compared by Drawing.CpuTwinMatchesCpuOnDevice.)
 TEST(HeadlessWindow, CpuPictureMatchesGpu) {
     const std::string large = "0 size 640x480\n", touch = large + "0 move 330 190\n0.1 press left\n";
     const std::vector<std::string> by_cpu{"--painter", "cpu", "--builder", "cpu"};
