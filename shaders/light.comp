@@ -18,7 +18,7 @@ layout(push_constant, std430) uniform Push {
 };
 layout(set = 0, binding = LIGHT_Q) uniform utextureBuffer q_texels;
 layout(set = 0, binding = LIGHT_RGB) uniform utextureBuffer rgb_texels;
-// In the widest words, because a software Vulkan's stores cost by the word.
+// In the widest words: stores cost by the word.
 layout(set = 0, binding = LIGHT_COLOURS, std430) writeonly buffer Colours {
     u64vec4 colours[];
 };

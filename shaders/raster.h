@@ -24,8 +24,8 @@ using uint = unsigned int;
 /// 64 pixels: products of two such lengths, and their differences, fit into 32 bits.
 #define RASTER_LARGE_CELL 16384
 
-#define RASTER_Q 0        // words, which a software GPU reads faster than storage
-#define RASTER_COLOURS 1  // words, too
+#define RASTER_Q 0        // words
+#define RASTER_COLOURS 1  // words
 #define RASTER_PIXELS 2  // 64 bits each
 #define RASTER_LARGE 3   // RASTER_LARGE_HEADER, then cells: room for all there are
 #define RASTER_EDGES 4   // moved vertices (shaders/edges.h); any buffer if none are moved

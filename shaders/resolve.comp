@@ -15,7 +15,7 @@ layout(set = 0, binding = RESOLVE_PIXELS) uniform utextureBuffer pixels;
 layout(set = 0, binding = RESOLVE_BACKGROUND, std430) readonly buffer Background {
     uint background[];
 };
-// In the widest words, because a software Vulkan's stores cost by the word.
+// In the widest words: stores cost by the word.
 layout(set = 0, binding = RESOLVE_COLOURS, std430) writeonly buffer Colours {
     u64vec4 colours[];
 };

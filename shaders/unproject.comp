@@ -29,7 +29,7 @@ layout(set = 0, binding = UNPROJECT_NEXT_VALIDITY, std430) readonly buffer NextV
     uint next_validity[];
 };
 layout(set = 0, binding = UNPROJECT_NEXT_HEIGHTS) uniform utextureBuffer next_heights;
-// In the widest words, because a software Vulkan's stores cost by the word.
+// In the widest words: stores cost by the word.
 layout(set = 0, binding = UNPROJECT_Q, std430) writeonly buffer Q {
     u64vec4 q_at[];
 };

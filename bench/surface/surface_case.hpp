@@ -27,9 +27,8 @@ struct Picture {
     RawFrame raw;
 };
 
-/// A frame with storage, like a clip's, so that a software Vulkan can read it in place. Without storage
-/// builders do not compare a frame with the previous one; with this frame comparing must be disabled. `raw`
-/// must outlive it.
+/// A frame with storage, like a clip's. Without storage builders do not compare a frame with the previous
+/// one; with this frame comparing must be disabled. `raw` must outlive it.
 inline RawFrame kept(RawFrame raw) {
     raw.storage = std::shared_ptr<const void>(std::shared_ptr<void>(), raw.depth.data);
     return raw;

@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t most_bytes = std::size_t{64} << 20;
 
 struct Head {
-    char magic[16] = {'t', 'o', 'u', 'c', 'h', 'a', 'b', 'l', 'e', ' ', 'p', 'r', 'o', 'g', ' ', '1'};
+    char magic[16] = {'t', 'o', 'u', 'c', 'h', 'a', 'b', 'l', 'e', ' ', 'p', 'r', 'o', 'g', ' ', '2'};
     std::uint32_t vendor = 0, device = 0, driver_version = 0;
     std::uint32_t kernel = 0;  // hash of the measured kernel, for the program's version
     std::uint8_t cache_uuid[VK_UUID_SIZE] = {};

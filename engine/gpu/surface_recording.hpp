@@ -6,7 +6,6 @@
 #include "engine/gpu/surface_kernels.hpp"
 #include "engine/gpu/vulkan_builder.hpp"
 #include "engine/scene/frames.hpp"
-#include "engine/surface/frame_changes.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "shaders/surface_codes.h"
 

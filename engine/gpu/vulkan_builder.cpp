@@ -30,7 +30,6 @@ public:
           device_(std::move(device)),
           plan_(plan),
           recording_(std::move(recording)),
-          changes_(scene.width, scene.height, std::nullopt, VectorUnit::baseline),
           stored_(device_, valid_codes_of(scene.depth), plan, most_in_flight) {}
 
     /// Makes a frame's programs before the first frame is waited for: on a GPU that takes longer than many
@@ -63,8 +62,11 @@ public:
         TRY(check_raw_frame(raw, scene_));
         TRY_ASSIGN(auto planes, take_spare());
         Begun frame{raw, std::move(planes)};
-        frame.planes.build = changes_.advance(raw, bands_);
-        frame.touch_planes = changes_.touch_planes();
+        if (newest_.depth.empty() || !same_samples(newest_.haptic, raw.haptic) ||
+            !same_samples(newest_.height, raw.height))
+            touch_planes_ = new_content_number();
+        newest_ = raw.storage ? raw : RawFrame{};
+        frame.touch_planes = touch_planes_;
         TRY(submit(frame));
         begun_.push_back(std::move(frame));
         return {};
@@ -82,9 +84,8 @@ public:
         stages_ = frame.submission->times();
         VulkanVertices& slot = give(std::move(frame.planes), out);
         show(slot.planes, out);
-        const BuildNumber held = std::exchange(slot.touch_planes, {});
-        if (!held.is_since(frame.touch_planes)) copy_touch_planes(frame.raw, out);
-        slot.touch_planes = slot.planes.build;
+        if (std::exchange(slot.touch_planes, frame.touch_planes) != frame.touch_planes)
+            copy_touch_planes(frame.raw, out);
         out.filled = frame.raw.filled;
         return {};
     }
@@ -93,7 +94,7 @@ private:
     struct Begun {
         RawFrame raw;
         VulkanPlanes planes;
-        BuildNumber touch_planes{};  // the build since which they are the same
+        std::uint64_t touch_planes = 0;
         std::optional<GpuCommands::Submission> submission{};
     };
 
@@ -166,8 +167,8 @@ private:
     const std::shared_ptr<GpuDevice> device_;
     const SurfacePlan plan_;
     SurfaceRecording recording_;
-    FrameChanges changes_;  // of haptic and height planes
-    RowBands bands_{1};
+    RawFrame newest_;                 // empty if it does not keep its planes
+    std::uint64_t touch_planes_ = 0;  // names its haptic and height planes
     StoredPlane stored_;
     std::optional<RawFrame::Place> last_;  // of the last submitted frame
     std::deque<Begun> begun_;

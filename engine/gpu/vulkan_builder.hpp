@@ -18,7 +18,6 @@
 #include "engine/gpu/gpu_commands.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
-#include "engine/surface/frame_changes.hpp"
 #include "engine/surface/surface_builder.hpp"
 
 namespace touchable {
@@ -48,7 +47,6 @@ struct VulkanPlanes {
     int width = 0, height = 0;
     bool packed = false;
     Plane codes{}, validity{}, tiles{};
-    BuildNumber build{};  ///< that the planes hold
 };
 
 /// A slot's content in the Vulkan builder: the memory of its frame, which its vertices read.
@@ -58,7 +56,7 @@ public:
         : FilteredVertices(frame), planes(std::move(memory)) {}
 
     VulkanPlanes planes;
-    BuildNumber touch_planes;  ///< of the frame whose haptic and height planes the slot has
+    std::uint64_t touch_planes = 0;  ///< names the haptic and height planes that the slot has
 };
 
 /// Builds each frame by kernels in one submission. Three frames may be begun before the first is finished.

@@ -65,7 +65,7 @@ BlockGrid::Run FrameChanges::StaleBlocks::next_run(int first_row, int last_row, 
     return {first, last};
 }
 
-FrameChanges::FrameChanges(int width, int height, std::optional<int> reach, VectorUnit unit)
+FrameChanges::FrameChanges(int width, int height, int reach, VectorUnit unit)
     : builder_(new_content_number()),
       reach_(reach),
       unit_(unit),
@@ -75,7 +75,7 @@ FrameChanges::FrameChanges(int width, int height, std::optional<int> reach, Vect
 BuildNumber FrameChanges::advance(const RawFrame& raw, RowBands& bands) {
     ++frame_;
     const bool knows = !newest_.depth.empty();
-    const bool compares = reach_ && rest_ == 0 && knows && same_form(newest_.depth, raw.depth);
+    const bool compares = rest_ == 0 && knows && same_form(newest_.depth, raw.depth);
     rest_ = std::max(rest_ - 1, 0);
     if (!compares || !compare_depth(raw.depth, bands)) {
         all_ = frame_;
@@ -150,10 +150,10 @@ void FrameChanges::add_differences(const PlaneView& after, int top, int bottom,
 
 /// Marks every block within reach of the box; other threads may mark those of adjacent rows at the same time.
 void FrameChanges::mark(const PixelBox& changed) {
-    const int left = std::max(changed.left - *reach_, 0) / BlockGrid::width;
-    const int top = std::max(changed.top - *reach_, 0) / BlockGrid::height;
-    const int right = std::min((changed.right + *reach_ - 1) / BlockGrid::width + 1, grid_.columns);
-    const int bottom = std::min((changed.bottom + *reach_ - 1) / BlockGrid::height + 1, grid_.rows);
+    const int left = std::max(changed.left - reach_, 0) / BlockGrid::width;
+    const int top = std::max(changed.top - reach_, 0) / BlockGrid::height;
+    const int right = std::min((changed.right + reach_ - 1) / BlockGrid::width + 1, grid_.columns);
+    const int bottom = std::min((changed.bottom + reach_ - 1) / BlockGrid::height + 1, grid_.rows);
     for (int y = top; y < bottom; ++y)
         for (int x = left; x < right; ++x)
             std::atomic_ref(changed_[grid_.index(x, y)]).store(frame_, std::memory_order_relaxed);

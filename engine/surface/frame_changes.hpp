@@ -5,7 +5,7 @@
 //
 // FrameChanges compares depth in blocks and widens the changes by the filters' reach; StaleBlocks are the
 // blocks that one slot of the ring lacks.
-// Threads: the building one, where the CPU's builder and the GPU's use both.
+// Threads: the building one.
 
 #include "engine/base/threads.hpp"
 #include "engine/base/vectors.hpp"
@@ -67,9 +67,8 @@ public:
         std::uint64_t since_;
     };
 
-    /// `reach`: largest distance of pixels, along x and y, that may depend on each other. Nothing: depth is
-    /// not compared, and all of it is new in each frame.
-    FrameChanges(int width, int height, std::optional<int> reach, VectorUnit unit);
+    /// `reach`: largest distance of pixels, along x and y, that may depend on each other.
+    FrameChanges(int width, int height, int reach, VectorUnit unit);
 
     /// Compares the next frame with the one before, if that keeps its planes alive (`storage`); otherwise
     /// everything is new.
@@ -91,7 +90,7 @@ private:
     void mark(const PixelBox& changed);
 
     const std::uint64_t builder_;
-    const std::optional<int> reach_;
+    const int reach_;
     const VectorUnit unit_;
     const BlockGrid grid_;
     int rest_ = 0;                                    // frames that will not be compared

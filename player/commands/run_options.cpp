@@ -254,7 +254,7 @@ CLI::Option* add_painter_option(CLI::App& sub, std::string& painter) {
     return add_word_option(
                sub, "--painter", painter,
                "what draws. raster (compute) and mesh (triangles) need Vulkan; auto: the faster of "
-               "the two on a GPU, otherwise what there is",
+               "the two on a GPU, otherwise cpu",
                {"auto", "cpu", "raster", "mesh"})
         ->default_str(painter);
 }

@@ -247,7 +247,6 @@ void DentPatches::draw(const FlatPicture& flat, const PixelBounds& bounds, Packe
 
 struct CpuDrawing::Parts {
     CpuSurface surface;
-    PicturePlanes planes;
     LightPicture bare;                  // the surface on its background, without fingers
     std::optional<glm::dmat4> painted;  // clip_from_lattice of `bare`
     Image picture;
@@ -264,10 +263,11 @@ void CpuDrawing::show(const HeightField& field, const FramePair& pair, const Pla
 
 Result<const Image*> CpuDrawing::draw(const ViewCamera& camera, std::span<const FingerMark> fingers,
                                       const MarkSizes& sizes, int samples) {
-    auto& [surface, planes, bare, painted, picture] = *parts_;
+    auto& [surface, bare, painted, picture] = *parts_;
     if (painted != camera.clip_from_lattice || bare.width != camera.width || bare.height != camera.height) {
         const std::size_t pixels = pixel_count(camera.width, camera.height);
-        planes = {camera.width, camera.height, std::vector<float>(pixels), std::vector<PackedColour>(pixels)};
+        PicturePlanes planes{camera.width, camera.height, std::vector<float>(pixels),
+                             std::vector<PackedColour>(pixels)};
         surface.paint(camera, planes.colours, planes.z);
         bare = on_background(std::move(planes));
         painted = camera.clip_from_lattice;

@@ -111,6 +111,13 @@ std::vector<float> q_from(const GpuLattice& lattice, const GpuBuffer& seen) {
     return q;
 }
 
+/// Writes q of a field without codes, in rows of the lattice's pitch, into a mapped buffer of that size.
+void put_q(const HeightField& field, const GpuLattice& lattice, const GpuBuffer& to) {
+    // There are no vertices beyond the width.
+    std::memset(to.mapped<std::byte>().data(), 0, SurfaceUnproject::q_bytes(lattice.width, lattice.height));
+    put_rows(q_of(field), lattice, to);
+}
+
 }  // namespace
 
 UnprojectTerms unproject_terms(const HeightField& field, const FramePair& pair) {
@@ -257,12 +264,6 @@ ViewSurface::Tiles read_tiles(const GpuBuffer& buffer) {
     const auto whole = list.first(header.whole_tiles);
     const auto mixed = list.subspan(header.whole_tiles, header.mixed_tiles);
     return {{whole.begin(), whole.end()}, {mixed.begin(), mixed.end()}};
-}
-
-void put_q(const HeightField& field, const GpuLattice& lattice, const GpuBuffer& to) {
-    // There are no vertices beyond the width.
-    std::memset(to.mapped<std::byte>().data(), 0, SurfaceUnproject::q_bytes(lattice.width, lattice.height));
-    put_rows(q_of(field), lattice, to);
 }
 
 Result<void> GpuLattices::check_size(const char* name, std::size_t bytes) const {

@@ -119,9 +119,6 @@ private:
 /// Reads the tile lists that kernels and indirect commands use (shaders/tile_lists.h) from mapped memory.
 ViewSurface::Tiles read_tiles(const GpuBuffer& buffer);
 
-/// Writes q of a field without codes, in rows of the lattice's pitch, into a mapped buffer of that size.
-void put_q(const HeightField& field, const GpuLattice& lattice, const GpuBuffer& to);
-
 /// Makes lattices on a device: from codes by kernels, or from the CPU's data.
 class GpuLattices {
 public:

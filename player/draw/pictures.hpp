@@ -110,9 +110,9 @@ Result<Image> make_picture(const SurfacePainter::Settings& settings, const Scene
                            std::span<const FingerMark> fingers, const MarkSizes& sizes,
                            SurfacePainter& painter);
 
-/// Draws a surface and the fingers on it, picture after picture, on the device from codes to colours, into
-/// reused memory, for a window. The same picture as `make_picture` with one sample a pixel, except that
-/// fingers have smooth edges.
+/// Draws a surface and the fingers on it, picture after picture, into reused memory, for a window: on the
+/// device from codes to colours, or the surface by the CPU. The same picture as `make_picture` with one
+/// sample a pixel, except that fingers have smooth edges, and the CPU's turned views smooth silhouettes.
 ///
 /// Submit recorded commands in the order of recording; results of commands that are dropped instead are
 /// recomputed when needed. Not thread-safe.

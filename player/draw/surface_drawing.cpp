@@ -76,58 +76,50 @@ private:
         bool operator==(const Painted&) const = default;
     };
 
-    /// Paints into memory that no commands read.
+    // Memory for uploads is written once and in order: the CPU may read it slowly.
+
     Result<void> paint(const ViewCamera& camera, int times) {
         const Painted wanted{camera.clip_from_lattice, camera.width, camera.height, times};
         if (painted_ == wanted) return {};
         painted_.reset();
-        const std::size_t pixels = pixel_count(camera.width, camera.height),
-                          all = pixel_count(camera.width * times, camera.height * times);
-        bare_ = z_values_ = {};
-        TRY_ASSIGN(bare_, pictures_.lease("picture colours", 4 * pixels));
-        TRY_ASSIGN(z_values_, pictures_.lease("picture z", 4 * all));
-        const auto z = z_values_.mapped<float>().first(all);
-        bare_z_.resize(times > 1 ? pixels : 0);
-        surface_.paint(camera, bare_.mapped<PackedColour>().first(pixels), times > 1 ? bare_z_ : z);
-        if (times > 1) repeat(bare_z_, camera.width, times, z);
+        z_values_ = plain_ = {};
+        bare_.resize(pixel_count(camera.width, camera.height));
+        bare_z_.resize(bare_.size());
+        surface_.paint(camera, bare_, bare_z_);
+        TRY_ASSIGN(z_values_, pictures_.lease("picture z",
+                                              4 * pixel_count(camera.width * times, camera.height * times)));
+        float* to = z_values_.mapped<float>().data();
+        std::vector<float> row(static_cast<std::size_t>(camera.width * times));
+        for (int y = 0; y < camera.height; ++y) {
+            const float* const from = bare_z_.data() + pixel_place(0, y, camera.width);
+            for (int x = 0; x < camera.width; ++x) std::fill_n(row.data() + x * times, times, from[x]);
+            for (int n = 0; n < times; ++n) to = std::ranges::copy(row, to).out;
+        }
         painted_ = wanted;
         return {};
     }
 
-    /// Each value `times` across and down.
-    static void repeat(std::span<const float> from, int width, int times, std::span<float> to) {
-        float* out = to.data();
-        for (std::size_t row = 0; row < from.size(); row += static_cast<std::size_t>(width)) {
-            float* const first = out;
-            for (int x = 0; x < width; ++x, out += times)
-                std::fill_n(out, times, from[row + static_cast<std::size_t>(x)]);
-            for (int n = 1; n < times; ++n) out = std::copy_n(first, width * times, out);
-        }
-    }
-
-    /// The picture with dents, stretched.
+    /// The picture, with dents if there are some, stretched.
     Result<GpuBuffer> finished(const ViewCamera& camera, int times, bool is_dented) {
-        if (times == 1 && !is_dented) return bare_;
-        const std::size_t pixels = pixel_count(camera.width, camera.height),
-                          factor = static_cast<std::size_t>(times);
-        TRY_ASSIGN(auto made, pictures_.lease("picture", 4 * factor * factor * pixels));
-        const auto to = made.mapped<PackedColour>();
-        std::span<const PackedColour> picture = bare_.mapped<PackedColour>().first(pixels);
+        if (plain_ && !is_dented) return plain_;
         if (is_dented) {
-            dented_.resize(times > 1 ? pixels : 0);
-            const std::span<PackedColour> dented = times > 1 ? dented_ : to.first(pixels);
-            std::ranges::copy(picture, dented.begin());
-            const auto z = times > 1 ? bare_z_ : z_values_.mapped<float>().first(pixels);
-            dents_.draw({picture, z, camera.width, camera.height}, dented);
-            picture = dented;
+            dented_ = bare_;
+            dents_.draw({bare_, bare_z_, camera.width, camera.height}, dented_);
         }
-        if (times == 4) {
-            halves_.resize(4 * pixels);
-            double_picture(picture, camera.width, camera.height, halves_);
-            double_picture(halves_, 2 * camera.width, 2 * camera.height, to);
+        const std::vector<PackedColour>& picture = is_dented ? dented_ : bare_;
+        const auto factor = static_cast<std::size_t>(times);
+        TRY_ASSIGN(auto made, pictures_.lease("picture", 4 * factor * factor * picture.size()));
+        const auto to = made.mapped<PackedColour>();
+        if (times == 1) {
+            std::ranges::copy(picture, to.begin());
         } else if (times == 2) {
             double_picture(picture, camera.width, camera.height, to);
+        } else {
+            halves_.resize(4 * picture.size());
+            double_picture(picture, camera.width, camera.height, halves_);
+            double_picture(halves_, 2 * camera.width, 2 * camera.height, to);
         }
+        if (!is_dented) plain_ = made;
         return made;
     }
 
@@ -137,9 +129,9 @@ private:
     DentPatches dents_;
     FingerDrawing fingers_;
     std::optional<Painted> painted_;
-    GpuBuffer bare_, z_values_;  // surface and background; z is stretched
-    std::vector<float> bare_z_;  // of a picture that is stretched
-    std::vector<PackedColour> dented_, halves_;
+    std::vector<PackedColour> bare_, dented_, halves_;  // surface and background
+    std::vector<float> bare_z_;
+    GpuBuffer plain_, z_values_;  // without dents, and z; stretched
     GpuImage z_;
 };
 
@@ -223,15 +215,14 @@ private:
 
     Result<void> reserve_pixels(const ViewCamera& camera) {
         const std::size_t pixels = pixel_count(SurfaceRaster::resolve_pitch(camera.width), camera.height);
-        const GpuMemory memory = device_->facts().unified_memory ? GpuMemory::shared : GpuMemory::device;
         if (8 * pixels > device_->facts().limits.max_storage_buffer_range)
             return gpu_error("a picture of " + size_text(camera.width, camera.height) +
                                  " pixels is too large for the painter raster on " + device_->facts().name +
                                  "; mesh draws it",
                              {{Setting::painter, "mesh"}});
         TRY(pixels_.reserve(*device_, "picture pixels", 8 * pixels, GpuMemory::device));
-        TRY(colours_.reserve(*device_, "picture colours", 4 * pixels, memory));
-        TRY(z_values_.reserve(*device_, "picture z", 4 * pixels, memory));
+        TRY(colours_.reserve(*device_, "picture colours", 4 * pixels, GpuMemory::device));
+        TRY(z_values_.reserve(*device_, "picture z", 4 * pixels, GpuMemory::device));
         return large_.reserve(*device_, "large cells",
                               SurfaceRaster::large_bytes(lattice_.width, lattice_.height), GpuMemory::device);
     }

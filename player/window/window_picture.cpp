@@ -284,7 +284,7 @@ Result<void> WindowPicture::draw_if_due(const WatchedMoment* moment) {
     const auto since = std::max(last_picture_, core_.time.last_event);
     const bool moves = is_due(moment, now),
                rests = 1000 * Clock::seconds_between(since, now) > after_input_ms,
-               is_fine = !moves && (is_fine_ || (rests && (most_samples() > 1 || governor_.share() < 1)));
+               is_fine = !moves && (is_fine_ || (rests && can_be_finer()));
     if (!moves && is_fine == is_fine_ && !words_differ(moment)) return {};
     is_fine_ = is_fine;
     const auto drawn = draw_what_is_there(moment);
@@ -356,6 +356,11 @@ int WindowPicture::most_samples() const {
     return 1;
 }
 
+/// Whether a picture at rest would have more samples than one that moves.
+bool WindowPicture::can_be_finer() const {
+    return most_samples() > 1 || (surface_.graphics().can_stretch() && governor_.share() < 1);
+}
+
 double WindowPicture::pause_ms() const {
     return std::clamp(redraw_.ms() / share_of_drawing, picture_pause_ms, slowest_pause_ms);
 }
@@ -398,7 +403,7 @@ Result<void> WindowPicture::draw_what_is_there(const WatchedMoment* moment) {
 }
 
 Result<void> WindowPicture::draw_newest() {
-    is_fine_ = most_samples() > 1 || governor_.share() < 1;
+    is_fine_ = can_be_finer();
     return draw_what_is_there(core_.clip() ? core_.clip()->session().look() : nullptr);
 }
 
