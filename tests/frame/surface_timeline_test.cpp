@@ -51,9 +51,14 @@ TEST(SurfaceTimeline, BlendsFarthestTimesExactly) {
     const std::int64_t first = std::numeric_limits<std::int64_t>::min() + 1;
     const std::int64_t last = std::numeric_limits<std::int64_t>::max();
     FramePair pair;
+    EXPECT_FALSE(timeline.publish(0, 0)) << "nothing was acquired";
     EXPECT_EQ(timeline.newest_time(), std::numeric_limits<std::int64_t>::min());
     ASSERT_NE(timeline.acquire(), nullptr);
+    EXPECT_FALSE(timeline.pair_at(0, pair));
+    EXPECT_EQ(pair.prev.frame, nullptr);
     ASSERT_TRUE(timeline.publish(0, first));
+    EXPECT_FALSE(timeline.publish(1, last));
+    EXPECT_EQ(timeline.newest_time(), first);
     for (const std::int64_t t : {first - 1, std::int64_t{0}, last}) {
         ASSERT_TRUE(timeline.pair_at(t, pair));
         EXPECT_EQ(pair.prev.frame, pair.next.frame);

@@ -203,10 +203,10 @@ bool parse_times(std::string_view bytes) {
     return true;
 }
 
-const Registered bag_target{{.name = "bag", .parse = parse_bag, .changes = 100, .most_bytes = 16384}};
-const Registered mcap_target{{.name = "mcap", .parse = parse_mcap, .changes = 100, .most_bytes = 8192}};
+const Registered bag_target{{.name = "bag", .parse = parse_bag, .changes = 700, .most_bytes = 16384}};
+const Registered mcap_target{{.name = "mcap", .parse = parse_mcap, .changes = 300, .most_bytes = 8192}};
 const Registered db3_target{
-    {.name = "db3", .parse = parse_db3, .cuts_are_refused = true, .changes = 100, .most_bytes = 8192}};
+    {.name = "db3", .parse = parse_db3, .cuts_are_refused = true, .changes = 300, .most_bytes = 8192}};
 const Registered rvl_target{{.name = "rvl", .parse = parse_rvl, .most_bytes = 512}};
 const Registered k4a_target{{.name = "k4a",
                              .parse = parse_k4a,

@@ -110,7 +110,7 @@ const Registered zip_folder_target{{.name = "zip_folder",
                                     .changes = 100,
                                     .decodes_video = true}};
 const Registered video_target{
-    {.name = "video", .parse = parse_video, .changes = 60, .most_bytes = 8192, .decodes_video = true}};
+    {.name = "video", .parse = parse_video, .changes = 90, .most_bytes = 8192, .decodes_video = true}};
 
 // Maps of touch in the files of other programs, and clips as glTF scenes.
 

@@ -36,6 +36,7 @@ TEST_F(CameraFiles, RefuseTextWithoutCamera) {
                              R"({"K": [0.9, 0, 0.1, 0, 1, 0, -0.1, 0, 0.9]})"}) {
         write_bytes(folder / "camera.txt", text);
         EXPECT_TRUE(is_refused(read_intrinsics(folder / "camera.txt"), "has no camera")) << text;
+        EXPECT_EQ(camera_beside({.folder = folder.path()}).camera, std::nullopt) << text;
     }
     write_bytes(folder / "camera.txt", "640 480 500 501 3200 240");
     EXPECT_TRUE(is_refused(read_intrinsics(folder / "camera.txt"), "principal point"));
@@ -110,6 +111,9 @@ TEST_F(CameraSpellings, GiveTheSameCamera) {
          R"(<document><sensor label="a"><calibration class="adjusted"><resolution width="64" height="48"/>
                      <fx>50</fx><fy type="float">52</fy><cx>33.5</cx><cy>21.25</cy></calibration></sensor></document>)"},
         {"t.json", "\xef\xbb\xbf{\"fx\": 50, \"fy\": 52, \"ppx\": 33.5, \"ppy\": 21.25}"},
+        {"w.json",
+         R"({"color": {"width": 8}, "depth": {"intrinsics": {"width": 64, "height": 48, "fx": 50, "fy": 52,
+             "cx": 33.5, "cy": 21.25}}})"},
         {"u.txt", "5e1 0 33.5 0\n0 52 21.25 0\n0 0 1 0\n0 0 0 1\n"},
         {"v.yaml",
          "%YAML:1.0\nK: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [50, 0, 33.5, 0, 52, "
@@ -515,6 +519,16 @@ TEST_F(CameraSpellings, SayBaselineOfPair) {
         EXPECT_NEAR(read.intrinsics.fx, 50, 1e-9) << text;
         EXPECT_NEAR(read.baseline, metres, 1e-9) << text;
     }
+}
+
+TEST(NumberTable, ReadsHeadLineAndRows) {
+    const NumberTable table = table_in("# time, f_x, K[0,2]\n1.5, 2, 3\n\nwords\n4, 5, 6\n");
+    EXPECT_EQ(table.names, (std::vector<std::string>{"time", "fx", "k02"}));
+    EXPECT_EQ(table.rows, (std::vector<std::vector<double>>{{1.5, 2, 3}, {4, 5, 6}}));
+    EXPECT_EQ(table.column({"t", "time"}), 0);
+    EXPECT_EQ(table.column({"t"}), -1);
+    for (const char* none : {"", "1 2\n3 4\n", "a b\n", "a b\nc d\n", "a b\n1\n", "{\"a\": 1}\n1 2\n"})
+        EXPECT_TRUE(table_in(none).rows.empty()) << none;
 }
 
 }  // namespace

@@ -614,6 +614,41 @@ TEST_F(FrameCameras, MatchPlainTwin) {
         }
 }
 
+/// As far off the plane as half a stored pixel across and down is.
+TEST_F(FrameCameras, KeepSurfaceWithinHalfPixel) {
+    for (const bool is_range : {false, true}) {
+        const TemporaryFolder folder;
+        const DepthAt depth = is_range ? range_at : planar_at;
+        write_plane(folder, {}, depth);
+        write_bytes(folder / "scene.json",
+                    scene_json(camera_json(of_clip), is_range ? "range" : "planar", with_cameras));
+        const auto frames = must(read_clip(folder.path()));
+        const auto u_of = [](const Lens4& camera, long double x) { return (x - camera.cx) / camera.fx; };
+        const auto v_of = [](const Lens4& camera, long double y) { return (y - camera.cy) / camera.fy; };
+        long double worst = 0, worst_unmoved = 0;
+        for (int n = 1; n < 3; ++n)
+            for (int y = 0; y < high; ++y)
+                for (int x = 0; x < wide; ++x) {
+                    const int code = frames.at(static_cast<std::size_t>(n)).depth.sample(x, y);
+                    if (code == 0) continue;
+                    const long double truth = depth(u_of(of_clip, x), v_of(of_clip, y));
+                    const auto [column, row] = stored_place(of_frames[n], {}, x, y);
+                    long double allowed = 0.5L * unit + 1e-9L;
+                    for (const long double dx : {-0.5L, 0.5L})
+                        for (const long double dy : {-0.5L, 0.5L})
+                            allowed = std::max(allowed, 0.5L * unit + 1e-6L +
+                                                            std::abs(depth(u_of(of_frames[n], column + dx),
+                                                                           v_of(of_frames[n], row + dy)) -
+                                                                     truth));
+                    ASSERT_LE(std::abs(unit * code - truth), allowed) << n << ": " << x << ", " << y;
+                    worst = std::max(worst, std::abs(unit * code - truth));
+                    const long double stored = depth(u_of(of_frames[n], x), v_of(of_frames[n], y));
+                    worst_unmoved = std::max(worst_unmoved, std::abs(stored - truth));
+                }
+        EXPECT_LT(4 * worst, worst_unmoved) << "it is worth it";
+    }
+}
+
 TEST_F(FrameCameras, ChangeNothingIfEqual) {
     write_plane(folder, {}, planar_at);
     write_bytes(folder / "scene.json", scene_json(camera_json(of_clip), "planar"));

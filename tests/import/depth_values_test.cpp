@@ -73,6 +73,33 @@ DepthValues settled(Scene& scene, const StoredImage& picture, bool lacks_far = f
     return values;
 }
 
+TEST(DepthValues, KeepFloatsWithinHalfCode) {
+    const float inf = std::numeric_limits<float>::infinity();
+    const std::vector<float> depths{0.4F, 1, 1.7F, 2.5F, 3.999F, 0, -1, NAN, inf, -inf};
+    for (const double metres : {1.0, 0.001}) {
+        Scene scene = scene_of_lengths(10, 1, metres);
+        scene.metres_per_unit = 1;
+        scene.depth.far = 65.535;
+        std::vector<float> stored;
+        for (const float depth : depths) stored.push_back(static_cast<float>(depth / metres));
+        DepthValues values(without_far(scene));
+        ASSERT_TRUE(values.needs_looks(floats(10, stored)));
+        values.look(floats(10, stored));
+        const auto said = must(values.settle(scene));
+        const Image codes = values.codes(floats(10, stored));
+        for (int x = 0; x < 5; ++x) {
+            const double wanted = depths[static_cast<std::size_t>(x)], near = scene.depth.near,
+                         far = scene.depth.far;
+            const double half = scene.depth.kind == DepthCodingKind::linear
+                                    ? 0.5 * (far - near) / scene.depth.code_max
+                                    : 0.5 * wanted * wanted * (1 / near - 1 / far) / scene.depth.code_max;
+            EXPECT_NEAR(depth_at(scene, codes, x), wanted, 1.01 * half + 1e-6 * wanted) << x << " " << said;
+        }
+        for (int x = 5; x < 10; ++x) EXPECT_EQ(depth_at(scene, codes, x), 0) << x;
+        EXPECT_TRUE(has_words(said, "half a code is"));
+    }
+}
+
 /// Leaning planes whose 1/depth goes by p steps to the right and q down: what is called exact is, within the
 /// rounding of floats, though p and q leave the same rest by small numbers.
 TEST(DepthValues, KeepLeaningPlanesExactly) {
@@ -185,6 +212,42 @@ TEST(DepthValues, ClampNearerAndDropFarther) {
     EXPECT_EQ(depth_at(scene, codes, 3), 0);
 }
 
+TEST(DepthValues, UseAllSixteenBits) {
+    Scene scene = scene_of(3, 1);
+    scene.depth.kind = DepthCodingKind::inverse;
+    scene.depth.near = 0.5;
+    scene.depth.far = 1.5;
+    scene.stored.kind = StoredDepth::Kind::relative;
+    DepthValues values(scene);
+    values.look(words(3, {0, 65535, 1000}));
+    const auto said = must(values.settle(scene));
+    EXPECT_EQ(said, "depth values from 0 to 65535 are depths from 1.5 to 0.5") << "large values near";
+    const Image codes = values.codes(words(3, {0, 65535, 1000}));
+    EXPECT_EQ(depth_at(scene, codes, 0), 1.5);
+    EXPECT_EQ(depth_at(scene, codes, 1), 0.5);
+}
+
+TEST(DepthValues, KeepIntegerDisparities) {
+    for (const double scale : {1.0 / 16, -1.0}) {
+        Scene scene = scene_of(7, 1);
+        scene.depth.kind = DepthCodingKind::inverse;
+        scene.stored = {StoredDepth::Kind::disparity, 0.2, scale, scale > 0 ? 2.5 : 1092.5, false, 0};
+        scene.depth.invalid_codes[0] = 0;
+        scene.depth.invalid_code_count = 1;
+        const std::vector<std::uint16_t> stored{17, 100, 333, 999, 1000, 0, 500};
+        DepthValues values = settled(scene, words(7, stored));
+        EXPECT_TRUE(scene.stored.is_plain());
+        const Image codes = values.codes(words(7, stored));
+        for (int x = 0; x < 7; ++x) {
+            const double value = stored[static_cast<std::size_t>(x)];
+            const double wanted = value == 0 ? 0 : 500 * 0.2 / (scale * value + (scale > 0 ? 2.5 : 1092.5));
+            EXPECT_NEAR(depth_at(scene, codes, x), wanted, 1e-12 * wanted) << x << " scale " << scale;
+        }
+        EXPECT_GE(scene.depth.far,
+                  1.04 * scene.depth.depth(stored_code(codes.view(), scene.depth, scale > 0 ? 0 : 4, 0)));
+    }
+}
+
 // As of a camera file that is wrong: what was seen keeps its steps, and the far plane lies no farther than
 // codes go.
 TEST(DepthValues, KeepDisparitiesWithLargeOffset) {
@@ -226,11 +289,42 @@ TEST(DepthValues, KeepOrderWithoutScale) {
         }
 }
 
+TEST(DepthValues, RestoreRotatedAndSwappedWords) {
+    Scene scene = scene_of(3, 1);
+    scene.depth.kind = DepthCodingKind::metric;
+    scene.depth.scale = 0.001;
+    scene.stored.rotated = 3;
+    // SUN RGB-D: depth << 3 with its upper bits below.
+    const Image turned =
+        DepthValues(scene).codes(words(3, {800 << 3, static_cast<std::uint16_t>(9000 << 3 | 9000 >> 13), 5}));
+    EXPECT_EQ(turned.view().sample(0, 0), 800);
+    EXPECT_EQ(turned.view().sample(1, 0), 9000);
+    EXPECT_EQ(turned.view().sample(2, 0), 5 << 13);
+    scene.stored.used_bits = 13;
+    EXPECT_EQ(DepthValues(scene).codes(words(1, {800 << 3 | 5})).view().sample(0, 0), 800);
+    scene.stored = {};
+    scene.stored.bytes_swapped = true;
+    EXPECT_EQ(DepthValues(scene).codes(words(3, {0x0102, 0xff00, 7})).view().sample(0, 0), 0x0201);
+}
+
 TEST(DepthValues, RefuseFramesWithoutDepth) {
     Scene scene = scene_of_lengths(2, 1);
     DepthValues values(without_far(scene));
     values.look(floats(2, {NAN, 0}));
     EXPECT_TRUE(is_refused(values.settle(scene), "no frame has a valid depth"));
+}
+
+/// As sorting all of them tells it.
+TEST(EstimatedValues, MedianIsExact) {
+    Random numbers(3);
+    for (const int count : {1, 2, 3, 1000, 300'001}) {
+        std::vector<float> stored;
+        for (int k = 0; k < count; ++k)
+            stored.push_back(static_cast<float>(numbers.below(2000) - 1000) / 7 + 0.001F);
+        std::vector<float> sorted = stored;
+        std::sort(sorted.begin(), sorted.end());
+        EXPECT_EQ(estimate_values(floats(1, stored)).median, sorted[sorted.size() / 2]) << count;
+    }
 }
 
 TEST(EstimatedValues, EndsWhenStopped) {

@@ -235,6 +235,8 @@ TEST_F(ImageFolder, NamesMisfitImages) {
     EXPECT_TRUE(
         has_words(refused("colour_001.png", test_plane(memory, columns + 1, rows, 1, 3, 255, 1, true)),
                   "(colour, frame 1): is 25x18 rgb24, but frame 0 is " + size));
+    EXPECT_TRUE(has_words(refused("colour_001.png", grey(memory, columns, rows)),
+                          "(colour, frame 1): is " + size + " gray, but frame 0 is " + size + " rgb24"));
     EXPECT_TRUE(has_words(refused("depth_001.png", grey(memory, columns, rows)),
                           "(depth, frame 1): is " + size + " gray, but"));
     EXPECT_TRUE(has_words(refused("depth_000.png", grey(memory, columns, rows)),
@@ -281,6 +283,9 @@ TEST_F(ImageFolder, ReadsGreyPalettesOnly) {
 /// Whichever of a frame's pictures was looked at first.
 TEST_F(ImageFolder, NamesFirstDamagedPlane) {
     write_folder(folder, folder_scene(all_source), 3, {true, true, true});
+    const std::string whole = read_bytes(folder / "depth_001.png");
+    write_bytes(folder / "depth_001.png", whole.substr(0, whole.size() / 2));
+    EXPECT_TRUE(has_words(refusal(folder), "depth_001.png: is cut short (depth, frame 1)"));
     for (const char* plane : {"depth", "colour", "haptic", "height"})
         write_bytes(folder / (std::string(plane) + "_001.png"), "");
     for (const char* plane : {"depth", "colour", "haptic"}) {

@@ -446,6 +446,12 @@ TEST_F(GdepthJpeg, NamesFaults) {
         {with_data("Zg==Zg=="), "GDepth:Data is not base64"},
         {with_data("Z=g="), "GDepth:Data is not base64"},
         {with_data("Zm9-"), "GDepth:Data is not base64"},
+        {with_data("Zg"), "GDepth:Data is not base64"},
+        {with_data("Zg==="), "GDepth:Data is not base64"},
+        {with_data("===="), "GDepth:Data is not base64"},
+        {with_data("="), "GDepth:Data is not base64"},
+        {with_data("Zm9v!"), "GDepth:Data is not base64"},
+        {with_data("Zm&v"), "GDepth:Data is not base64"},
         {with_data(""), "depth: is neither PNG nor JPEG"},
         {with_data(encode_base64("GIF89a")), "depth: is neither PNG nor JPEG"},
         {with_data(encode_base64(depth_png().substr(0, 60))), "depth: is cut short"},
@@ -485,6 +491,15 @@ TEST_P(RealGdepth, HasDepthsInMetres) {
     const double figure = depth(scene.width / 2, scene.height / 2), background = depth(scene.width / 2, 10);
     EXPECT_LT(figure * 1.3, background);
     EXPECT_EQ(frame.colour.width, scene.width);
+}
+
+TEST(Base64, DecodesExamplesOfRfc4648) {
+    EXPECT_EQ(decode_base64(""), "");
+    EXPECT_EQ(decode_base64("Zg=="), "f");
+    EXPECT_EQ(decode_base64("Zm8="), "fo");
+    EXPECT_EQ(decode_base64("Zm9v"), "foo");
+    EXPECT_EQ(decode_base64("Zm9vYg=="), "foob");
+    EXPECT_EQ(decode_base64(" Zm9v\r\nYm\tFy\n"), "foobar");
 }
 
 INSTANTIATE_TEST_SUITE_P(Lensblur, RealGdepth,
@@ -543,6 +558,14 @@ TEST(JpegXmp, JoinsPiecesInAnyOrder) {
         EXPECT_EQ(xmp.at("a:Data"), std::string(1000, 'Q'));
         EXPECT_EQ(xmp.at("a:Near"), "1") << "the packet itself wins";
         EXPECT_EQ(xmp.count("a:Other"), 0U);
+    }
+}
+
+TEST(JpegXmp, IsEmptyWithoutSegments) {
+    for (const std::string& segments : {std::string(), segment('\xe1', std::string("Exif\0\0MM", 8)),
+                                        extension_segment(guid, packet("a:Near='2'"), 0, 10)}) {
+        const auto xmp = must(read_jpeg_xmp(jpeg_around(segments), "x.jpg"));
+        EXPECT_TRUE(xmp.empty());
     }
 }
 

@@ -285,6 +285,16 @@ TEST(FloatLattice, FindsMultiplesOfAnyUnit) {
     }
 }
 
+/// The same depths in millimetres, as floats.
+TEST(FloatLattice, FindsWholeMillimetres) {
+    SplitMix64 random(2);
+    const auto codes = scene_codes(random, 350, 4000);
+    const auto found = lattice_of(
+        many, 0.001, [&](int k) { return static_cast<float>(codes[static_cast<std::size_t>(k)]); });
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->step, 1);
+}
+
 /// A camera that measures disparities and writes millimetres leaves most of these out.
 TEST(FloatLattice, FindsUnitOfSparseLevels) {
     SplitMix64 random(3);
@@ -393,6 +403,32 @@ TEST(FloatLattice, FindsFinestStepOfHalves) {
     EXPECT_EQ(found->step, 0x1p-11);
     EXPECT_FALSE(found->is_rounded);
     EXPECT_EQ(found->off, 0);
+}
+
+TEST(FloatLattice, FindsMillimetresOfHalves) {
+    SplitMix64 random(10);
+    const auto codes = scene_codes(random, 450, 3500);
+    const auto found = lattice_of(many, 1, [&](int k) {
+        return half_of(static_cast<float>(codes[static_cast<std::size_t>(k)]) * 0.001F);
+    });
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->step, 0.001);
+    EXPECT_TRUE(found->is_rounded);
+}
+
+TEST(FloatLattice, IgnoresOrder) {
+    SplitMix64 random(11);
+    std::vector<float> values;
+    for (const int code : scene_codes(random, 700, 6000))
+        values.push_back(static_cast<float>(code * 0.000317));
+    LatticeSearch one, other;
+    for (const float value : values) one.add(value);
+    std::reverse(values.begin(), values.end());
+    for (const float value : values) other.add(value);
+    const auto a = one.of_lengths(1), b = other.of_lengths(1);
+    ASSERT_TRUE(a && b);
+    EXPECT_EQ(a->step, b->step);
+    EXPECT_EQ(a->first, b->first);
 }
 
 TEST(FloatLattice, FindsStepsWithoutUnit) {

@@ -310,6 +310,33 @@ TEST(ExrLayers, CountDepthsByViewLayer) {
     EXPECT_EQ(depths_in({"u", "v"}), 0);
 }
 
+TEST(ExrLayers, ReadEachPassAlone) {
+    const std::filesystem::path seeds =
+        std::filesystem::path(TOUCHABLE_SOURCE_DIR) / "tests/fuzz/seeds/exr_layers";
+    for (const auto& [name, format] : {std::pair{"layers_half.exr", "rgbf16"},
+                                       {"layers_float.exr", "rgbf32"},
+                                       {"two_layers.exr", "rgbf16"},
+                                       {"z_half.exr", "rgbf16"}}) {
+        SCOPED_TRACE(name);
+        const std::string bytes = read_bytes(seeds / name);
+        const auto whole = must(decode_exr(bytes, "picture", {true, true}));
+        ASSERT_TRUE(whole.beside && whole.beside->colour);
+        const auto colour = must(decode_exr_colour(bytes, "picture"));
+        EXPECT_EQ(colour.pixel_format, format);
+        EXPECT_EQ(colour.image.samples, whole.beside->colour->image.samples);
+        const auto depth = must(decode_exr(bytes, "picture"));
+        EXPECT_EQ(depth.values, whole.values);
+        EXPECT_EQ(depth.beside, nullptr);
+        const auto indices = decode_exr_materials(bytes, "picture");
+        EXPECT_EQ(message(indices), whole.beside->materials
+                                        ? ""
+                                        : "picture: has no material indices: must have a layer IndexMA of "
+                                          "each pixel, but has A, B, G, R, Z");
+        EXPECT_EQ(whole.beside->materials.has_value(), std::string(name) != "z_half.exr");
+        EXPECT_TRUE(!indices || indices->values == whole.beside->materials->values);
+    }
+}
+
 struct PartChannel {
     std::string name;
     Imf::PixelType type = Imf::HALF;

@@ -370,6 +370,24 @@ TEST(Image, ReadsGreyStoredAsColour) {
         for (int x = 0; x < 7; ++x) EXPECT_EQ(stored->image.view().sample(x, y), (x + y) * 256 + x + y + 1);
 }
 
+TEST(Netpbm, MatchesPlainParse) {
+    const TemporaryFolder folder;
+    const std::string header = "P5 640 480 65535\n";
+    std::string bytes = header;
+    Random numbers(3);
+    for (int k = 0; k < 2 * 640 * 480; ++k) bytes += static_cast<char>(numbers.below(256));
+    write_bytes(folder / "kinect.pgm", bytes);
+    const auto stored = must(read_stored_image(folder / "kinect.pgm"));
+    ASSERT_EQ(stored.image.width, 640);
+    ASSERT_EQ(stored.image.height, 480);
+    for (int y = 0; y < 480; ++y)
+        for (int x = 0; x < 640; ++x) {
+            const std::size_t at = header.size() + 2 * static_cast<std::size_t>(640 * y + x);
+            ASSERT_EQ(stored.image.view().sample(x, y),
+                      static_cast<unsigned char>(bytes[at]) << 8 | static_cast<unsigned char>(bytes[at + 1]));
+        }
+}
+
 /// By the format's definition: the lowest row first. (FFmpeg 5.1 writes the highest first.)
 TEST(Pfm, ReadsBothByteOrdersUpward) {
     const auto value = [](int x, int y) { return static_cast<float>(x) / 3 - static_cast<float>(y); };

@@ -783,7 +783,7 @@ TEST_F(Writing, OverwritesOnlyWithPermission) {
                                {"export", clip, "--frame", "1", "--out", out("e")},
                                {"export", clip, "--frames", "0-1", "--out", out("es")},
                                {"export", clip, "--frame", "1", "--picture", out("e.png")},
-                               {"init-scene", clip, "--out", out("i.json")},
+                               {"init-scene", clip, "--out", out("scene.json")},
                                {"touch", clip, "--seconds", "0.1", "--json", out("t.json")},
                                {"touch", clip, "--seconds", "0.1", "--forces", out("t.csv")},
                                {"touch", clip, "--seconds", "0.1", "--record", out("t.rec")}}) {
@@ -791,8 +791,32 @@ TEST_F(Writing, OverwritesOnlyWithPermission) {
         const Words before = contents();
         expect_failure(run(words), 2, "--overwrite");
         EXPECT_TRUE(contents() == before) << words[0];
+        // Nothing but a scene is replaced by a scene.
+        for (const auto& entry : fs::recursive_directory_iterator(folder / "out"))
+            if (entry.is_regular_file() && entry.path().filename() != "scene.json")
+                std::ofstream(entry.path()) << "earlier\n";
         EXPECT_EQ(run(plus(words, {"--overwrite"})).code, 0) << words[0];
+        EXPECT_TRUE(words[0] == "touch" || contents() == before) << words[0];
+        for (const std::string& file : contents()) EXPECT_FALSE(says(file, "earlier\n")) << words[0];
+        fs::remove_all(folder / "out");
+        fs::create_directory(folder / "out");
     }
+}
+
+/// One file that is there keeps all from being written.
+TEST_F(Writing, AsksForEveryOutputFirst) {
+    const Words names{"t.csv", "t.json", "t.rec"};
+    const Words words{"touch",       clip,       "--seconds",  "0.1",      "--json",
+                      out("t.json"), "--forces", out("t.csv"), "--record", out("t.rec")};
+    for (const std::string& name : names) {
+        std::ofstream(folder / out(name)) << "earlier\n";
+        expect_failure(run(words), 2, "--overwrite");
+        EXPECT_EQ(names_in(folder / "out"), Words{name});
+        EXPECT_EQ(file_contents(folder / out(name)), "earlier\n");
+        fs::remove(folder / out(name));
+    }
+    EXPECT_EQ(run(words).code, 0);
+    EXPECT_EQ(names_in(folder / "out"), names);
 }
 
 /// A limit on the size of files stands in for a full disk: writing fails half-way, or at the very end, for

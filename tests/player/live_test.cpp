@@ -247,6 +247,14 @@ TEST_F(LiveRun, ReportsThreadStartFailure) {
     }
 }
 
+TEST_F(LiveRun, RejectsInvalidDevice) {
+    for (const auto& [words, part] : std::vector<std::pair<Words, const char*>>{
+             {{"--device", "simulated"}, "--live"},
+             {{"--live", "--device", "falkon"}, "simulated"},
+             {{"--live", "--device", "simulated:mass=no"}, "0.05 to 10 kg"}})
+        expect_failure(plus({"touch", clip}, words), 2, part);
+}
+
 // Outputs of a live run that cannot be written: a disk that is full, a pipe that is not read. The others are
 // complete, and the run ends by itself.
 

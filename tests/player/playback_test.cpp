@@ -474,6 +474,25 @@ TEST(PlaybackClock, PredictsEpochsFromTick) {
     }
 }
 
+TEST(PlaybackClock, RejectsInvalidCommands) {
+    const std::pair<PlaybackCommand, const char*> wrong[] = {
+        {{-1, Verb::play, 0, 0}, "tick -1"},
+        {{4, Verb::play, 0, 0}, "is before 5"},
+        {{5, Verb::rate, 0, 0}, "0.001 to 8"},
+        {{5, Verb::rate, 8001, 0}, "0.001 to 8"},
+        {{5, Verb::seek, -1, 0}, "0 to 1e6 s"},
+        {{5, Verb::seek, latest_moment_ns + 1, 0}, "0 to 1e6 s"},
+        {{5, Verb::loop, 0, shortest_loop_ns - 1}, "0.1 s or longer"},
+        {{5, Verb::loop, -5, shortest_loop_ns}, "0 to 1e6 s"},
+        {{5, static_cast<Verb>(7), 0, 0}, "no command"}};
+    for (const auto& [command, fragment] : wrong) {
+        const auto refused = validate({{5, Verb::play, 0, 0}, command});
+        ASSERT_FALSE(refused) << fragment;
+        EXPECT_PRED2(says, refused.error().message, "command 2: ");
+        EXPECT_PRED2(says, refused.error().message, fragment);
+    }
+}
+
 // `./run` on a machine that lacks what it needs.
 
 namespace fs = std::filesystem;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -472,7 +473,8 @@ TEST_F(ClipVerification, PictureRequiresVerify) {
     expect_failure({"info", at("globe.mkv"), "--picture", at("where.png")}, 2, "--verify");
 }
 
-// A frame in which nothing that can be touched has changed is the one before once more.
+// A frame in which nothing that can be touched has changed is the one before once more; and in virtual time
+// frames are begun before they are asked for, where their builder works at several.
 
 constexpr int width = 20, height = 12;
 
@@ -496,10 +498,12 @@ Scene planned_scene() {
 
 class Planned final : public OwnClip {
 public:
-    explicit Planned(std::vector<PlannedPlanes> frames)
-        : OwnClip(planned_scene(), std::ssize(frames)), frames_(std::move(frames)) {}
+    /// `fails_at`: the frame that cannot be read.
+    explicit Planned(std::vector<PlannedPlanes> frames, std::int64_t fails_at = -1)
+        : OwnClip(planned_scene(), std::ssize(frames)), frames_(std::move(frames)), fails_at_(fails_at) {}
     Result<std::optional<RawFrame>> next() override {
         if (number_ == count_) return std::optional<RawFrame>();
+        if (number_ == fails_at_) return input_error("the disk is out");
         // Each frame in memory of its own, which is freed with its last holder.
         auto planes = std::make_shared<PlannedPlanes>(frames_[static_cast<std::size_t>(number_)]);
         RawFrame raw;
@@ -516,6 +520,7 @@ public:
 
 private:
     std::vector<PlannedPlanes> frames_;
+    const std::int64_t fails_at_;
 };
 
 class Counting final : public SurfaceBuilder {
@@ -602,6 +607,88 @@ TEST(UnchangedFrames, WaitForHand) {
     ASSERT_TRUE(feed.timeline().pair_at((*raw)->raw.time_ns, pair));
     const auto later = feed.publish(**raw);
     EXPECT_TRUE(later && *later);
+}
+
+/// Works at three frames, which it builds when they are finished.
+class ThreeAtOnce final : public SurfaceBuilder {
+public:
+    explicit ThreeAtOnce(std::size_t& most) : most_(most) {}
+    std::string_view name() const override { return "three"; }
+    int frames_in_flight() const override { return 3; }
+    Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
+        EXPECT_TRUE(begun_.empty());
+        return builder_->build(raw, out);
+    }
+    Result<void> begin(const RawFrame& raw) override {
+        begun_.push_back(raw);
+        most_ = std::max(most_, begun_.size());
+        return {};
+    }
+    Result<void> finish(SurfaceFrame& out) override {
+        const RawFrame raw = std::move(begun_.front());
+        begun_.pop_front();
+        return builder_->build(raw, out);
+    }
+
+private:
+    std::size_t& most_;
+    std::unique_ptr<SurfaceBuilder> builder_ = make_reference_builder(planned_scene());
+    std::deque<RawFrame> begun_;
+};
+
+/// Frames of which the first are each the one before once more or another one in turn.
+std::vector<PlannedPlanes> some_frames() {
+    std::vector<PlannedPlanes> frames(9);
+    for (std::size_t n = 0; n < frames.size(); ++n)
+        frames[n].depth.back() = static_cast<std::uint8_t>(100 + 3 * (n < 4 ? n / 2 : n));
+    return frames;
+}
+
+TEST(FramesAhead, GiveSamePairsEveryEpoch) {
+    const Scene scene = planned_scene();
+    std::size_t most = 0;
+    int built = 0;
+    SurfaceFeed ahead(std::make_unique<Planned>(some_frames()), std::make_unique<ThreeAtOnce>(most), scene),
+        plain(std::make_unique<Planned>(some_frames()), std::make_unique<Counting>(built), scene);
+    ahead.work_ahead();
+    const auto compare = [&](const MediaMoment& moment) {
+        const FramePair a = must(ahead.pair_at(moment)), b = must(plain.pair_at(moment));
+        EXPECT_EQ(a.prev.number, b.prev.number);
+        EXPECT_EQ(a.next.number, b.next.number);
+        EXPECT_EQ(a.epoch, b.epoch);
+        EXPECT_EQ(a.prev.frame->codes, b.prev.frame->codes) << b.prev.number;
+        EXPECT_EQ(a.next.frame->codes, b.next.frame->codes) << b.next.number;
+    };
+    const auto time = [&](std::int64_t frame) { return scene.rate.time_ns(frame); };
+    for (std::int64_t n = 0; n < 4; ++n) compare({0, time(n), 0});
+    for (std::int64_t n = 2; n < 12; ++n) compare({1, time(n), time(2)});
+    for (std::int64_t n = 7; n < 12; ++n) compare({2, time(n), time(7)});
+    for (std::int64_t n = 0; n < 3; ++n) compare({3, time(n), 0});
+    EXPECT_EQ(most, 3U);
+    EXPECT_EQ(ahead.frames(), plain.frames());
+    EXPECT_EQ(ahead.unchanged_frames(), plain.unchanged_frames());
+    EXPECT_EQ(ahead.built(), plain.built());
+    EXPECT_EQ(ahead.planes_hash(), plain.planes_hash());
+}
+
+/// As for a feed that threads ask for its frames: it begins none ahead.
+TEST(FramesAhead, AreOffByDefault) {
+    std::size_t most = 0;
+    SurfaceFeed feed(std::make_unique<Planned>(some_frames()), std::make_unique<ThreeAtOnce>(most),
+                     planned_scene());
+    must(feed.pair_at(0));
+    EXPECT_EQ(most, 1U);
+    EXPECT_EQ(feed.place().next_number, 2);
+}
+
+TEST(FramesAhead, DelayErrorUntilItsFrame) {
+    std::size_t most = 0;
+    SurfaceFeed feed(std::make_unique<Planned>(some_frames(), 5), std::make_unique<ThreeAtOnce>(most),
+                     planned_scene());
+    feed.work_ahead();
+    const FrameRate rate = planned_scene().rate;
+    for (std::int64_t n = 0; n < 4; ++n) EXPECT_TRUE(feed.pair_at(rate.time_ns(n))) << n;
+    expect_error(feed.pair_at(rate.time_ns(4)), "the disk is out");
 }
 
 /// The memory of one frame's planes may be another's later.

@@ -534,6 +534,19 @@ TEST(TouchFigures, TrackLongestLimitAndHole) {
     EXPECT_EQ(report["hole_contact"]["force_limited_ticks"], 11);
 }
 
+TEST(TouchFigures, TrackStiffnessRangeInContact) {
+    TwoFingers two;
+    two.press(0, 1);
+    two.press(1, 1);
+    two.contacts[0].properties.stiffness = 250;
+    two.contacts[1].properties.stiffness = 4000;
+    TwoFingers free;
+    free.contacts[0].properties.stiffness = 1;
+    const auto stiffness = figures_of({free, two})["stiffness_limited"];
+    EXPECT_EQ(stiffness["smallest_n_mm"], 0.25);
+    EXPECT_EQ(stiffness["largest_n_mm"], 4.0);
+}
+
 // In joules of each finger up to the newest tick; of all parts of a run.
 TEST(TouchFigures, SumEnergyOverParts) {
     TouchFigures figures;

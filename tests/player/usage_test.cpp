@@ -124,9 +124,14 @@ TEST(Usage, RefusalNamesMistake) {
         {{"a.mkv", "--script", "--headless"}, "--script needs a value: FILE; see touchable play -h"},
         {{"make", "globe", "--seed", "--overwrite", "a.mkv"}, "--seed needs a value: N"},
         {{"info", ""}, "names no file"},
+        {{"info", "a.mkv", "--scene", ""}, "names no file"},
         {{"make", "plane", ""}, "names no file"},
+        {{"touch", ""}, "names no file"},
         {{"touch", "a.mkv", "--forces", ""}, "names no file"},
+        {{"touch", "a.mkv", "--record", ""}, "names no file"},
+        {{"touch", "a.mkv", "--picture", ""}, "names no file"},
         {{"touch", "--replay", ""}, "names no file"},
+        {{"export", "", "--frame", "0", "--out", "out"}, "names no file"},
         {{"export", "a.mkv", "--frame", "0", "--out", ""}, "names no file"},
         // Options that go with others, and words that are allowed.
         {{"make", "globe", "g.mkv", "--size", "8x8", "--size", "9x9"}, "--size is given more than once;"},
@@ -253,6 +258,11 @@ TEST(Usage, FormatsDescribesEverySource) {
     EXPECT_EQ(near.code, 2);
     EXPECT_EQ(near.err, "touchable: formats: no source is called \"tun\"; did you mean tum?\n");
     expect_failure({"formats", "nothing like it"}, 2, "touchable formats lists them");
+}
+
+TEST(Usage, NamesMissingFile) {
+    expect_failure({"info", "no-such-clip.mkv"}, 3, "no-such-clip.mkv");
+    expect_failure({"export", "no-such-clip.mkv", "--frame", "0", "--out", "never"}, 3, "no-such-clip.mkv");
 }
 
 /// Whether text has nothing that a terminal acts on: control characters, overrides of direction, other bytes
@@ -449,6 +459,33 @@ TEST(TrialVerdict, NamesSlowPart) {
     // The same work on more cores is bound by the one that decodes.
     EXPECT_TRUE(judge({1920, 1080, 5, 80}, easy(), 4).can);
     EXPECT_EQ(judge(demand, easy(), 4).most_rate, 90);
+}
+
+TEST(TrialVerdict, PrecedesFigures) {
+    const auto text = [](const TrialFigures& figures) {
+        return trial_to_text(demand, figures, judge(demand, figures, 2), 2);
+    };
+    EXPECT_EQ(text(easy()).rfind("yes: 1920x1080 at 30 frames/s with 5 fingers; ", 0), 0U) << text(easy());
+    TrialFigures slow = easy();
+    slow.decode_ms.mean = 61;
+    EXPECT_EQ(
+        text(slow).rfind("no: 1920x1080 at 30 frames/s with 5 fingers is too much here; decoding a frame "
+                         "takes 61 of the 30 ms it may\n",
+                         0),
+        0U)
+        << text(slow);
+    EXPECT_PRED2(says, text(slow), "at most   14 frames/s");
+    EXPECT_PRED2(says, text(slow), "other programs kept the cores busy") << "61 ms for 24";
+    EXPECT_FALSE(says(text(easy()), "other programs"));
+}
+
+TEST(RealtimeAdvice, NamesUserAndProgram) {
+    const auto ways = ways_to_realtime("ada", "/usr/bin/touchable");
+    for (const char* part : {"ada - rtprio 80", "setcap cap_sys_nice,cap_ipc_lock=ep /usr/bin/touchable",
+                             "LimitRTPRIO=80", "--cap-add=SYS_NICE"})
+        EXPECT_TRUE(std::any_of(ways.begin(), ways.end(), [part](const std::string& way) {
+            return says(way, part);
+        })) << part;
 }
 
 TEST(KernelFacts, UseRunsWithTimes) {

@@ -1,6 +1,7 @@
 import concurrent.futures
 import gc
 import itertools
+import json
 import os
 import re
 import tempfile
@@ -90,6 +91,21 @@ class ForcesAt(unittest.TestCase):
         self.assertEqual((smooth.static_friction, smooth.dynamic_friction), (0, 0))
         self.assertGreater(rough.static_friction, 0)
         self.assertEqual(smooth.force_n.shape, (3,))
+
+    def test_UnsteadyForceIsReported(self):
+        """Where a finger comes out of a soft hole stiffness rises by 0.04 N a tick: 20 N in 500."""
+        random = numpy.random.default_rng(1)
+        depth = random.integers(500, 520, (120, 160)).astype(numpy.uint16)
+        depth[random.random(depth.shape) < 0.2] = 0
+        camera = touchable.Camera(160, 120, fx_px=140)
+        text = {**json.loads(touchable.Scene.from_camera(camera).text), "hole_stiffness": 0.05}
+        scene = touchable.Scene.from_text(json.dumps(text))
+        x, y = numpy.meshgrid(numpy.linspace(5, 150, 40), numpy.linspace(5, 110, 30))
+        found = touchable.Surface(depth, scene).forces_at(camera.points(x, y, 0.8), friction=True, max_force_n=1000,
+                                                          metres_per_scene_unit=1)
+        self.assertTrue(found.steady.any() and not found.steady.all())
+        unsteady = touchable.Guard.UNSTEADY | touchable.Guard.RISE
+        self.assertTrue((found.guard[~found.steady] & unsteady == unsteady).all())
 
     def test_UsesNewestPicture(self):
         depth, camera = hill()
@@ -230,6 +246,14 @@ class Surfaces(unittest.TestCase):
             self.assertEqual(solver.next_tick, 2)
             solver._run = in_c
             self.assertTrue(other.submit(solver.tick, deep).result(longest_s).any())
+
+    def test_ForceLimitHolds(self):
+        depth, camera = hill()
+        path = stroke(camera, depth_m=0.6)
+        touched = touchable.Surface(depth, camera).touch(path, metres_per_scene_unit=1, max_force_n=1.5)
+        longest = numpy.linalg.norm(touched.force_n, axis=-1).max()
+        self.assertTrue(1.4 < longest <= 1.5 + 1e-12)
+        self.assertTrue((touched.guard & touchable.Guard.FORCE).any())
 
     def test_EpochBeginsAnywhere(self):
         depth, camera = hill()

@@ -165,6 +165,11 @@ TEST(DepthCoding, AcceptsExactlyFittingCodes) {
     }
 }
 
+TEST(DepthCoding, AcceptsNothingIfNothingFits) {
+    const DepthCoding coding = metric(1.0, 2.25, 2.75);
+    EXPECT_TRUE(valid_codes(coding).empty());
+}
+
 TEST(DepthCoding, RejectsMarkedCodes) {
     DepthCoding coding = between_planes(DepthCodingKind::linear, 40, 180, 255, true);
     coding.invalid_codes = {0, 255, 17, 0};

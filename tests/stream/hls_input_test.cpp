@@ -474,6 +474,52 @@ TEST(HlsPlaylist, RejectsPlacesElsewhere) {
     EXPECT_EQ(resolved(home, "http://other/b"), "refused");
 }
 
+TEST(HlsPlaylist, MasterLeadsToLowLevel) {
+    const HlsShown full{"colour.m3u8", 2000, "avc1.64001f", 640, 480, 30},
+        low{"low.m3u8", 1000, "", 640, 480, 30};
+    const auto places = must(places_in_playlist(master_text(full, low), web));
+    EXPECT_EQ(places.colour, "http://host:8080/live/clip/colour.m3u8");
+    EXPECT_EQ(places.low_touch, "http://host:8080/live/clip/touch-low.m3u8");
+    EXPECT_EQ(places.low_colour, "http://host:8080/live/clip/low.m3u8");
+    // A second variant alone is no low level.
+    const auto others = must(
+        places_in_playlist(master_text(full) + "#EXT-X-STREAM-INF:BANDWIDTH=1\nhttp://other/c.m3u8\n", web));
+    EXPECT_EQ(others.low_touch + others.low_colour, "");
+    // Without colour its variants are the planes.
+    const HlsShown grey{"touch.m3u8", 2000, "", 640, 480, 30},
+        low_grey{"touch-low.m3u8", 1000, "", 640, 480, 15};
+    const auto planes = must(places_in_playlist(master_text(grey, low_grey), web));
+    EXPECT_EQ(planes.low_touch, "http://host:8080/live/clip/touch-low.m3u8");
+    EXPECT_EQ(planes.colour + planes.low_colour, "");
+}
+
+std::string numbered_playlist() {
+    return "#EXTM3U\n#EXT-X-TARGETDURATION:1\n#EXT-X-MEDIA-SEQUENCE:7\n#EXT-X-MAP:URI=\"i.mp4\"\n"
+           "#EXTINF:1.000000,\na.m4s\n#EXT-X-DISCONTINUITY\n#EXTINF:0.5,\nb.m4s\n#EXTINF:x,\na.m4s\n"
+           "#EXT-X-ENDLIST\n";
+}
+
+TEST(HlsPlaylist, FindsSegments) {
+    const std::string text = numbered_playlist(), a = "http://host:8080/live/clip/a.m4s";
+    const auto first = segment_in(text, web, a, 0);
+    ASSERT_TRUE(first);
+    EXPECT_EQ(first->number, 7);
+    EXPECT_EQ(first->duration_ns, 1'000'000'000);
+    const auto again = segment_in(text, web, a, 8);
+    ASSERT_TRUE(again);
+    EXPECT_EQ(again->number, 9);
+    EXPECT_EQ(again->duration_ns, 0);
+    EXPECT_FALSE(segment_in(text, web, a, 10));
+    EXPECT_FALSE(segment_in(text, web, "http://host:8080/live/clip/c.m4s", 0));
+}
+
+TEST(HlsPlaylist, BeginsAtSegment) {
+    EXPECT_EQ(playlist_from(numbered_playlist(), 8),
+              "#EXTM3U\n#EXT-X-MEDIA-SEQUENCE:8\n#EXT-X-TARGETDURATION:1\n#EXT-X-MAP:URI=\"i.mp4\"\n"
+              "#EXT-X-DISCONTINUITY\n#EXTINF:0.5,\nb.m4s\n#EXTINF:x,\na.m4s\n#EXT-X-ENDLIST\n");
+    EXPECT_FALSE(playlist_from(numbered_playlist(), 10));
+}
+
 TEST(HlsPlaylist, RejectsHostileMasters) {
     const std::string head = "#EXTM3U\n#EXT-X-SESSION-DATA:DATA-ID=\"com.touchable.planes\",VALUE=\"";
     const std::string colour = "\"\n#EXT-X-STREAM-INF:BANDWIDTH=1\n",
@@ -507,6 +553,60 @@ TEST(HlsPlaylist, RejectsHostileMediaPlaylists) {
           std::string("#EXT-X-MEDIA-SEQUENCE:-1\n"), std::string("#EXT-X-MEDIA:TYPE=AUDIO,URI=\"x\"\n")})
         EXPECT_FALSE(check_hls_media(head + line + end, web)) << line;
     EXPECT_FALSE(check_hls_media(head, web)) << "no segment";
+}
+
+TEST(HlsText, WritesLiveWindow) {
+    HlsMedia media;
+    media.target_s = 1;
+    media.first = 7;
+    media.header = "touch-init.mp4";
+    media.segments = {{"touch-7.m4s", 1'000'000'000, 1'700'000'000'250'000'000},
+                      {"touch-8.m4s", 966'666'667, 0, true}};
+    const std::string head =
+        "#EXTM3U\n#EXT-X-VERSION:7\n## written by touchable\n#EXT-X-INDEPENDENT-SEGMENTS\n"
+        "#EXT-X-TARGETDURATION:1\n#EXT-X-MEDIA-SEQUENCE:7\n";
+    const std::string rest =
+        "#EXT-X-MAP:URI=\"touch-init.mp4\"\n"
+        "#EXT-X-PROGRAM-DATE-TIME:2023-11-14T22:13:20.250Z\n#EXTINF:1.000000,\ntouch-7.m4s\n"
+        "#EXT-X-DISCONTINUITY\n#EXTINF:0.966667,\ntouch-8.m4s\n";
+    EXPECT_EQ(text_of(media), head + rest);
+    EXPECT_EQ(next_segment_of(text_of(media)), 9);
+    media.is_whole = media.has_ended = true;
+    EXPECT_EQ(text_of(media), head + "#EXT-X-PLAYLIST-TYPE:VOD\n" + rest + "#EXT-X-ENDLIST\n");
+}
+
+TEST(HlsText, CountsFromZeroWithoutPlaylist) {
+    EXPECT_EQ(next_segment_of(""), 0);
+    EXPECT_EQ(next_segment_of("#EXTM3U\n#EXT-X-MEDIA-SEQUENCE:-5\n"), 0);
+    EXPECT_EQ(next_segment_of("#EXTM3U\n#EXT-X-MEDIA-SEQUENCE:99999999999999999999\n"), 0);
+}
+
+TEST(HlsText, MasterNamesColourAndTouch) {
+    EXPECT_EQ(master_text({"colour.m3u8", 2'500'000, "avc1.64001f,mp4a.40.2", 640, 480, 30000.0 / 1001}),
+              "#EXTM3U\n#EXT-X-VERSION:7\n## written by touchable\n#EXT-X-INDEPENDENT-SEGMENTS\n"
+              "#EXT-X-SESSION-DATA:DATA-ID=\"com.touchable.planes\",VALUE=\"touch.m3u8\"\n"
+              "#EXT-X-STREAM-INF:BANDWIDTH=2500000,CODECS=\"avc1.64001f,mp4a.40.2\",RESOLUTION=640x480,"
+              "FRAME-RATE=29.970\ncolour.m3u8\n");
+}
+
+TEST(HlsText, MasterNamesTheLowLevel) {
+    const HlsShown full{"colour.m3u8", 2'500'000, "avc1.64001f", 640, 480, 30},
+        low{"colour-low.m3u8", 1'250'000, "avc1.64001e", 640, 480, 30};
+    EXPECT_EQ(master_text(full, low),
+              "#EXTM3U\n#EXT-X-VERSION:7\n## written by touchable\n#EXT-X-INDEPENDENT-SEGMENTS\n"
+              "#EXT-X-SESSION-DATA:DATA-ID=\"com.touchable.planes\",VALUE=\"touch.m3u8\"\n"
+              "#EXT-X-SESSION-DATA:DATA-ID=\"com.touchable.planes.low\",VALUE=\"touch-low.m3u8\"\n"
+              "#EXT-X-STREAM-INF:BANDWIDTH=2500000,CODECS=\"avc1.64001f\",RESOLUTION=640x480,"
+              "FRAME-RATE=30.000\ncolour.m3u8\n"
+              "#EXT-X-STREAM-INF:BANDWIDTH=1250000,CODECS=\"avc1.64001e\",RESOLUTION=640x480,"
+              "FRAME-RATE=30.000\ncolour-low.m3u8\n");
+}
+
+TEST(HlsText, NamesCodecs) {
+    constexpr std::array<std::uint8_t, 12> header{0, 0, 0, 1, 0x67, 0x64, 0x00, 0x1f, 0xac, 0, 0, 1};
+    EXPECT_EQ(avc_codec_name(header), "avc1.64001f");
+    EXPECT_FALSE(avc_codec_name(std::span(header).first(7)));
+    EXPECT_FALSE(avc_codec_name({}));
 }
 
 }  // namespace

@@ -548,12 +548,13 @@ TEST_F(HostileFile, RejectsPipesAsScenes) {
     ASSERT_EQ(mkfifo((folder / "pipe.json").c_str(), 0600), 0);
     alarm(30);  // a reader waits for ever for a writer
     const std::pair<std::filesystem::path, std::string> kinds[] = {
-        {folder / "pipe.json", "a pipe, no ordinary file"},
-        {folder.path(), "a folder"},
-        {"/dev/zero", "a device, no ordinary file"}};
+        {folder / "pipe.json", "is a pipe, no ordinary file"},
+        {folder / "absent.json", "does not exist"},
+        {folder.path(), "is a folder"},
+        {"/dev/zero", "is a device, no ordinary file"}};
     for (const auto& [file, kind] : kinds)
         EXPECT_EQ(message(open_clip(folder / "clip.mkv", file)),
-                  file.string() + ": is " + kind + "; expected a scene file (JSON, docs/scene_file.md)");
+                  file.string() + ": " + kind + "; expected a scene file (JSON, docs/scene_file.md)");
     alarm(0);
 }
 
