@@ -151,6 +151,11 @@ void add_notices(PanelFacts& facts, const Notices& notices) {
     facts.message_is_bad = !notices.passing().empty() && notices.is_refusal();
 }
 
+/// Whether a picture at rest would have more samples than one that moves.
+bool can_be_finer(int most_samples, const ClipPicture& surface, const PictureGovernor& governor) {
+    return most_samples > 1 || (surface.graphics().can_stretch() && governor.share() < 1);
+}
+
 /// Hides forces: puts fingers on the surface at the hand's position, without force, trail or dents.
 void hide_forces(std::vector<FingerMark>& marks, const HeightField& field, double finger_radius) {
     for (FingerMark& mark : marks) {
@@ -284,7 +289,7 @@ Result<void> WindowPicture::draw_if_due(const WatchedMoment* moment) {
     const auto since = std::max(last_picture_, core_.time.last_event);
     const bool moves = is_due(moment, now),
                rests = 1000 * Clock::seconds_between(since, now) > after_input_ms,
-               is_fine = !moves && (is_fine_ || (rests && can_be_finer()));
+               is_fine = !moves && (is_fine_ || (rests && can_be_finer(most_samples(), surface_, governor_)));
     if (!moves && is_fine == is_fine_ && !words_differ(moment)) return {};
     is_fine_ = is_fine;
     const auto drawn = draw_what_is_there(moment);
@@ -356,11 +361,6 @@ int WindowPicture::most_samples() const {
     return 1;
 }
 
-/// Whether a picture at rest would have more samples than one that moves.
-bool WindowPicture::can_be_finer() const {
-    return most_samples() > 1 || (surface_.graphics().can_stretch() && governor_.share() < 1);
-}
-
 double WindowPicture::pause_ms() const {
     return std::clamp(redraw_.ms() / share_of_drawing, picture_pause_ms, slowest_pause_ms);
 }
@@ -403,7 +403,7 @@ Result<void> WindowPicture::draw_what_is_there(const WatchedMoment* moment) {
 }
 
 Result<void> WindowPicture::draw_newest() {
-    is_fine_ = can_be_finer();
+    is_fine_ = can_be_finer(most_samples(), surface_, governor_);
     return draw_what_is_there(core_.clip() ? core_.clip()->session().look() : nullptr);
 }
 

@@ -90,7 +90,6 @@ private:
     bool is_due(const WatchedMoment* moment, Clock::time_point now) const;
     bool words_differ(const WatchedMoment* moment);
     int most_samples() const;
-    bool can_be_finer() const;
     double pause_ms() const;
     double frame_ms() const;
     ViewCamera drawn_camera(const ScreenSize& size) const;
