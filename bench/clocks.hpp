@@ -23,8 +23,8 @@ struct ClockCosts {
 /// Measured once, at the first call.
 const ClockCosts& clock_costs();
 
-/// CPU time of one of 1000 dependent square roots, ns: what a tick takes is told as a multiple of it. Call it
-/// between the ticks, so that both have the same clock frequency and the same neighbours.
+/// CPU time of one of 1000 dependent square roots, ns: the unit of ticks' times. Measured between ticks, it
+/// has their clock frequency and their neighbours.
 double root_ns();
 
 /// Sleeps until a time of the monotonic clock.

@@ -14,6 +14,7 @@
 #include <sstream>
 #include <string>
 
+#include "bench/clocks.hpp"
 #include "bench/gpu/frame_ring.hpp"
 #include "bench/gpu/gpu_cases.hpp"
 #include "bench/loop/stability.hpp"
@@ -26,6 +27,7 @@
 #include "bench/report.hpp"
 #include "bench/suite.hpp"
 #include "bench/targets.hpp"
+#include "bench/tick_times.hpp"
 #include "bench/touch/force_spectrum.hpp"
 #include "engine/base/hand_thresholds.hpp"
 #include "engine/base/same_bits.hpp"
@@ -734,6 +736,24 @@ TEST(Report, ShowsNamesAsValues) {
     std::stringstream text;
     text << std::ifstream(folder / "r.json").rdbuf();
     EXPECT_NE(text.str().find(R"("metric":"gpu","value":"llvmpipe")"), std::string::npos) << text.str();
+}
+
+/// Ticks of 2000 dependent square roots each; one in fifty has four times as many.
+class Roots final : public TimedRun {
+public:
+    int ticks() const override { return 1000; }
+    void restart() override {}
+    void tick(int k) override {
+        for (int n = 0; n < (k % 50 == 0 ? 8 : 2); ++n) root_ns();  // times 1000
+    }
+};
+
+TEST(TickTimes, CountSquareRoots) {
+    Roots run;
+    const TickTimes times = time_hot(run, 7);
+    EXPECT_NEAR(times.roots, 0.98 * 2000 + 0.02 * 8000, 300);
+    EXPECT_NEAR(times.roots_p99, 8000, 1200);
+    EXPECT_EQ(times.wall_us.size(), 7000U);
 }
 
 }  // namespace
