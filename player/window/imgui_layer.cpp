@@ -335,8 +335,4 @@ std::uint64_t ImGuiLayer::hash() const {
     return hash.value();
 }
 
-bool ImGuiLayer::holds_pointer() const {
-    return ImGui::IsAnyItemActive();
-}
-
 }  // namespace touchable

@@ -9,7 +9,7 @@ struct ImGuiContext;
 #include <vector>
 
 #include "engine/base/result.hpp"
-#include "player/window/input_event.hpp"
+#include "player/window/window_command.hpp"
 
 namespace touchable {
 
@@ -60,8 +60,6 @@ public:
     void end();
     /// Of the draw data that `end` made: equal ones make the same picture.
     std::uint64_t hash() const;
-    /// Whether a widget of the panel is being pressed or dragged.
-    bool holds_pointer() const;
 
 private:
     ImGuiContext* context_;

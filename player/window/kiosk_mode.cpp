@@ -7,7 +7,8 @@
 #include "engine/base/words.hpp"
 #include "player/draw/overlays.hpp"
 #include "player/window/command_table.hpp"
-#include "player/window/window_core.hpp"
+#include "player/window/window_brush.hpp"
+#include "player/window/window_input.hpp"
 
 namespace touchable {
 namespace {
@@ -74,7 +75,7 @@ Overlay overlay_for_visitors(Overlay now) {
 }  // namespace
 
 Result<void> KioskMode::open_log() {
-    const auto& file = core_.options.kiosk->use_log;
+    const auto& file = window_.options.kiosk->use_log;
     if (!file) return {};
     TRY_ASSIGN(log_, UseLog::open(*file));
     log_->start(std::chrono::system_clock::now());
@@ -84,131 +85,131 @@ Result<void> KioskMode::open_log() {
 /// Letters of all its texts.
 std::string KioskMode::letters() const {
     std::string letters = texts().all();
-    for (const TouchLabel& label : core_.options.kiosk->labels.labels)
+    for (const TouchLabel& label : window_.options.kiosk->labels.labels)
         if (const std::string* const caption = said_in(label.captions, texts().language)) letters += *caption;
     return letters;
 }
 
 /// Warns on the terminal of letters that visitors cannot read.
 void KioskMode::begin() {
-    core_.sound().set_spoken(core_.options.kiosk->label_sounds);
-    if (const std::string& unwritten = core_.picture().layer().unwritten(); !unwritten.empty())
-        core_.tell(
+    window_.sound->set_spoken(window_.options.kiosk->label_sounds);
+    if (const std::string& unwritten = picture_.layer().unwritten(); !unwritten.empty())
+        window_.tell(
             "no typeface of this machine has these letters of the kiosk's texts; visitors see a sign in "
             "their place: " +
             unwritten);
     if (const std::string reversed = right_to_left_letters(letters()); !reversed.empty())
-        core_.tell("the window writes from left to right, and so these letters of the kiosk's texts too: " +
-                   reversed);
+        window_.tell("the window writes from left to right, and so these letters of the kiosk's texts too: " +
+                     reversed);
 }
 
 bool KioskMode::handle(const InputEvent& event) {
     if (!allows(event)) return true;
-    if (core_.clip() && is_a_visit(event)) welcome(event);
+    if (window_.clip && is_a_visit(event)) welcome(event);
     return false;
 }
 
 /// Visitors step only through overlays of what they feel, and see no message about a missing clip.
 bool KioskMode::handle(const WindowCommand& command) {
-    if (!core_.clip() && !row_of(command.verb).has(CommandRow::without_clip)) return true;
+    if (!window_.clip && !row_of(command.verb).has(CommandRow::without_clip)) return true;
     if (command.verb != WindowVerb::overlay || !command.word.empty()) return false;
-    ClipPicture& surface = core_.picture().surface();
+    ClipPicture& surface = picture_.surface();
     surface.set_overlay(overlay_for_visitors(surface.overlay()));
     return true;
 }
 
 void KioskMode::look(const WatchedMoment& moment) {
-    if (!core_.options.hand || moment.felt.fingers.empty()) return;
+    if (!window_.options.hand || moment.felt.fingers.empty()) return;
     const glm::dvec3 goal = moment.felt.fingers[0].goal, way = goal - hand_seen_at_;
-    const double far = core_.clip()->sizes().finger_radius / 2;
+    const double far = window_.clip->sizes().finger_radius / 2;
     if (glm::dot(way, way) < far * far || !(glm::dot(goal, goal) >= 0)) return;
     hand_seen_at_ = goal;
     // After a change of clip or a reset, a resting hand maps to another place of the clip's world.
     constexpr double mapped_s = 0.5;
-    const double now_s = core_.time.now_s();
+    const double now_s = window_.time.now_s();
     if (now_s > restored_s_ + mapped_s) came(now_s);
 }
 
 /// Starts the invitation and the reset after a visit.
 void KioskMode::tick(double now_s) {
     open_again();
-    if (core_.input().holds()) watch_.holds(now_s);
+    if (input_.holds()) watch_.holds(now_s);
     log_visit(watch_.ended(now_s));
     if (watch_.begins_anew(now_s)) end_visit(now_s);
     // A clip of unknown length cannot loop, so it is restarted; a camera does not restart.
-    const OpenedClip& clip = *core_.clip();
+    const OpenedClip& clip = *window_.clip;
     const bool has_ended =
         clip.frames() == 0 && !clip.is_camera() && clip.session().playback().at_end && repeats_clip();
-    if (has_ended && core_.time.now_s() > restored_s_ + 1) restore();
+    if (has_ended && window_.time.now_s() > restored_s_ + 1) restore();
     invite(now_s);
 }
 
 void KioskMode::invite(double now_s) {
     const auto invited = watch_.invites(now_s);
-    core_.sound().silence_fingers(invited.has_value());  // the demonstration is silent
-    if (!invited && is_inviting_) core_.input().leave_picture();
+    window_.sound->silence_fingers(invited.has_value());  // the demonstration is silent
+    if (!invited && is_inviting_) input_.leave_picture();
     is_inviting_ = invited.has_value();
 }
 
 void KioskMode::end_visit(double) {
     restore();
-    if (core_.clips().wanted_list().place() == 0) return;
-    Playlist list = core_.playlist().list();
+    if (clips_.wanted_list().place() == 0) return;
+    Playlist list = clips_.list();
     list.go_to(0);
-    core_.clips().open_instead(std::move(list), 1);
+    clips_.open_instead(std::move(list), 1);
 }
 
 void KioskMode::restore() {
-    restored_s_ = core_.time.now_s();
-    OpenedClip& clip = *core_.clip();
-    core_.input().lift_touches();
-    for (WindowMode* const mode : core_.modes()) mode->begin_anew();
+    restored_s_ = window_.time.now_s();
+    OpenedClip& clip = *window_.clip;
+    input_.lift_touches();
+    for (WindowMode* const mode : window_.modes) mode->begin_anew();
     clip.fingers().set_count(KeptSettings().fingers);
     clip.fingers().lift();
     // Releases buttons still pressed on the surface or the panel.
-    if (!is_inviting_) core_.input().leave_picture();
-    core_.input().release_panel();
+    if (!is_inviting_) input_.leave_picture();
+    input_.release_panel();
     clip.device()->set_force(true);
     if (HandControl* const control = clip.control()) control->begin_anew();
-    core_.picture().surface().set_overlay(Overlay::colour);
-    core_.sound().set_muted(false);
+    picture_.surface().set_overlay(Overlay::colour);
+    window_.sound->set_muted(false);
     if (!clip.is_camera())
-        core_.say(core_.playback().begin_anew(core_.options.session.playback, repeats_clip()));
-    core_.clips().play_next();
+        window_.say(window_.playback->begin_anew(window_.options.session.playback, repeats_clip()));
+    clips_.play_next();
 }
 
 /// Reopens a failed clip, as its disk may be back, or its file complete.
 void KioskMode::open_again() {
-    const OpenedClip& clip = *core_.clip();
+    const OpenedClip& clip = *window_.clip;
     const auto failure = fault_of(clip);
     if (!failure && clip.session().running()) return;
-    if (failure && !core_.is_told(failure->message)) core_.say(failure->message, Tone::fault);
-    const double now_s = core_.time.now_s();
-    if (now_s < tried_again_s_ + core_.options.kiosk->times.reset_s || core_.clips().is_busy()) return;
+    if (failure && !window_.is_told(failure->message)) window_.say(failure->message, Tone::fault);
+    const double now_s = window_.time.now_s();
+    if (now_s < tried_again_s_ + window_.options.kiosk->times.reset_s || clips_.is_busy()) return;
     tried_again_s_ = now_s;
-    core_.clips().open_again();
+    clips_.open_again();
 }
 
 /// Called on any visitor input. The first input of a visit, a press or a touch switches the mouse's stopped
 /// force on again, silently.
 void KioskMode::welcome(const InputEvent& event) {
-    tick(core_.time.now_s());  // time while the machine stood still does not count for the visitor
+    tick(window_.time.now_s());  // time while the machine stood still does not count for the visitor
     const bool has_come = !watch_.is_there();
-    came(core_.time.now_s());
-    tick(core_.time.now_s());  // the demonstrating finger leaves first
+    came(window_.time.now_s());
+    tick(window_.time.now_s());  // the demonstrating finger leaves first
     const bool presses =
         has_come || event.kind == InputEvent::Kind::pressed || event.kind == InputEvent::Kind::touch_began;
-    if (presses && !core_.options.hand) core_.clip()->set_force(true);
+    if (presses && !window_.options.hand) window_.clip->set_force(true);
 }
 
 /// During the invitation, moves a finger over the picture; it really touches, even if forces were stopped. It
 /// stays nearer to the middle where the surface ends. With a haptic device there is no such finger.
 void KioskMode::prepare(const Seen& seen) {
-    if (!is_inviting_ || core_.options.hand) return;
-    OpenedClip& clip = *core_.clip();
+    if (!is_inviting_ || window_.options.hand) return;
+    OpenedClip& clip = *window_.clip;
     clip.set_force(true);
     constexpr double goes_nearer = 0.03;  // a picture, of its path
-    const ShownStroke stroke = stroke_at(watch_.invites(core_.time.now_s()).value_or(0));
+    const ShownStroke stroke = stroke_at(watch_.invites(window_.time.now_s()).value_or(0));
     const glm::dvec2 size(seen.camera.width, seen.camera.height);
     if (!stroke.pressed) {
         const glm::dvec2 there = place_to_show(seen.field, seen.camera);
@@ -229,9 +230,9 @@ void KioskMode::prepare(const Seen& seen) {
 
 /// Announces the label under a resting finger, as a caption and as a spoken sound.
 void KioskMode::look_for_labels(const WatchedMoment& moment) {
-    const TouchLabels& labels = core_.options.kiosk->labels;
-    const OpenedClip& clip = *core_.clip();
-    if (labels.labels.empty() || clip.choice().file != core_.options.session.clip.file)
+    const TouchLabels& labels = window_.options.kiosk->labels;
+    const OpenedClip& clip = *window_.clip;
+    if (labels.labels.empty() || clip.choice().file != window_.options.session.clip.file)
         return resting_.reset();
     constexpr double reach = 0.03;  // of the picture's width
     if (!resting_) resting_.emplace(reach * clip.scene().width);
@@ -242,24 +243,23 @@ void KioskMode::look_for_labels(const WatchedMoment& moment) {
         LabelledFinger& finger = fingers.emplace_back(LabelledFinger{{met.pixel_x, met.pixel_y}, {}});
         if (met.touching && std::isfinite(met.pixel_x) && std::isfinite(met.pixel_y))
             finger.label = labels.at(finger.pixel, moment.held.pair.prev.number,
-                                     core_.brush().brush().segment_name(moment, finger.pixel));
+                                     brush_.segment_name(moment, finger.pixel));
     }
-    if (const auto said = resting_->take(fingers, core_.time.now_s())) core_.sound().say(*said);
+    if (const auto said = resting_->take(fingers, window_.time.now_s())) window_.sound->say(*said);
 }
 
 void KioskMode::draw(PanelFacts& facts, const Seen& seen) {
     look_for_labels(seen.moment);
-    const PlayOptions::Kiosk& kiosk = *core_.options.kiosk;
-    const OpenedClip& clip = *core_.clip();
+    const PlayOptions::Kiosk& kiosk = *window_.options.kiosk;
+    const OpenedClip& clip = *window_.clip;
     KioskFacts& shown =
         facts.kiosk.emplace(KioskFacts{.texts = kiosk.texts,
-                                       .by = core_.options.hand ? TouchedBy::device : kiosk.touched_by,
-                                       .invited_s = watch_.invites(core_.time.now_s()),
+                                       .by = window_.options.hand ? TouchedBy::device : kiosk.touched_by,
+                                       .invited_s = watch_.invites(window_.time.now_s()),
                                        .is_turned = !clip.view().own(),
                                        .has_bar = kiosk.has_bar,
                                        .is_still = clip.is_still()});
-    if (facts.scale)
-        shown.scale = in_kiosk_words(*facts.scale, core_.picture().surface().overlay(), kiosk.texts);
+    if (facts.scale) shown.scale = in_kiosk_words(*facts.scale, picture_.surface().overlay(), kiosk.texts);
     if (resting_ && resting_->shown())
         if (const auto* const caption =
                 said_in(kiosk.labels.labels[*resting_->shown()].captions, kiosk.texts.language))
@@ -275,7 +275,7 @@ void KioskMode::draw(PanelFacts& facts, const Seen& seen) {
 
 void KioskMode::log_visit(const std::optional<KioskWatch::Visit>& visit) {
     if (!log_ || !visit) return;
-    const std::chrono::duration<double> ago(core_.time.now_s() - visit->came_s);
+    const std::chrono::duration<double> ago(window_.time.now_s() - visit->came_s);
     using WallClock = std::chrono::system_clock;
     log_->visit(WallClock::now() - std::chrono::duration_cast<WallClock::duration>(ago), visit->seconds);
 }
@@ -285,7 +285,7 @@ void KioskMode::note_fault(const std::string& fault) {
     constexpr double again_s = 3600;
     constexpr std::size_t most_known = 100;
     if (!log_) return;
-    const double now_s = core_.time.now_s();
+    const double now_s = window_.time.now_s();
     std::erase_if(logged_faults_, [&](const auto& known) { return now_s >= known.second + again_s; });
     if (logged_faults_.size() >= most_known || !logged_faults_.try_emplace(fault, now_s).second) return;
     log_->fault(std::chrono::system_clock::now(), fault);
@@ -299,7 +299,7 @@ void KioskMode::close(const Result<void>& ended) {
     log_->end(std::chrono::system_clock::now());
     const auto written = log_->finish();
     log_.reset();
-    if (!written && core_.is_new_fault(written.error())) core_.tell(written.error().message);
+    if (!written && window_.is_new_fault(written.error())) window_.tell(written.error().message);
 }
 
 }  // namespace touchable

@@ -3,16 +3,34 @@
 #include <map>
 
 #include "player/window/kiosk.hpp"
-#include "player/window/window_core.hpp"
+#include "player/window/window_clips.hpp"
+#include "player/window/window_picture.hpp"
+#include "player/window/window_state.hpp"
 
 namespace touchable {
+
+class WindowBrush;
+class WindowInput;
 
 /// A window that runs unattended (kiosk.hpp): restricts visitors' input, demonstrates touching without
 /// visitors, resets after each visit, announces labels under fingers, reopens its clip after a failure, and
 /// logs its use.
 class KioskMode : public WindowMode {
 public:
-    KioskMode(WindowCore& core, const KioskTimes& times) : WindowMode(core), watch_(times) {}
+    /// The parts of the window that it uses.
+    struct Parts {
+        WindowInput& input;
+        WindowClips& clips;
+        WindowPicture& picture;
+        const WindowBrush& brush;
+    };
+    KioskMode(WindowState& window, const Parts& parts, const KioskTimes& times)
+        : WindowMode(window),
+          input_(parts.input),
+          clips_(parts.clips),
+          picture_(parts.picture),
+          brush_(parts.brush),
+          watch_(times) {}
     /// Opens the usage log, if requested. Fails if the file cannot be one.
     Result<void> open_log();
 
@@ -26,15 +44,15 @@ public:
     void begin() override;
     /// Whether the labels fit their clip.
     Result<void> check(const OpenedClip& clip) const override {
-        if (clip.choice().file != core_.options.session.clip.file) return {};
-        return core_.options.kiosk->labels.fits(clip.scene().width, clip.scene().height, clip.frames());
+        if (clip.choice().file != window_.options.session.clip.file) return {};
+        return window_.options.kiosk->labels.fits(clip.scene().width, clip.scene().height, clip.frames());
     }
-    void begin_clip(bool) override { restored_s_ = core_.time.now_s(); }
+    void begin_clip(bool) override { restored_s_ = window_.time.now_s(); }
     void note_fault(const std::string& fault) override;
     void close(const Result<void>& ended) override;
     bool is_unattended() const override { return true; }
     bool moves_by_itself() const override { return is_inviting_; }
-    bool repeats_clip() const override { return core_.playlist().list().size() < 2; }
+    bool repeats_clip() const override { return clips_.list().size() < 2; }
     bool keeps_view() const override { return watch_.was_visited(); }
     std::string letters() const override;
     std::vector<Error> faults() const override {
@@ -52,11 +70,16 @@ protected:
     /// The haptic device's state as shown to visitors.
     virtual HandState::What state_of(HandState::What what) const { return what; }
 
-    const KioskTexts& texts() const { return core_.options.kiosk->texts; }
+    const KioskTexts& texts() const { return window_.options.kiosk->texts; }
     /// A visitor made an input.
     void came(double now_s) { watch_.came(now_s); }
     /// Resets the clip, its view, fingers, forces and sound.
     void restore();
+
+    WindowInput& input_;
+    WindowClips& clips_;
+    WindowPicture& picture_;
+    const WindowBrush& brush_;
 
 private:
     void welcome(const InputEvent& event);
@@ -77,6 +100,6 @@ private:
 };
 
 /// A kiosk for the study in the options (study_mode.cpp). Fails if its results cannot be written.
-Result<std::unique_ptr<KioskMode>> open_study(WindowCore& core);
+Result<std::unique_ptr<KioskMode>> open_study(WindowState& window, const KioskMode::Parts& parts);
 
 }  // namespace touchable

@@ -109,6 +109,7 @@ struct BrushFacts {
     bool can_undo = false, can_redo = false;
     std::size_t segments = 0;        ///< visible anywhere in the clip
     std::vector<glm::dvec2> line{};  ///< the unfinished input, pixels of the window
+    std::string work{};              ///< in progress, if it takes long
 };
 
 /// The screen of a study's participant, in that participant's language.

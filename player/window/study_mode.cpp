@@ -3,7 +3,6 @@
 #include "player/window/kiosk_mode.hpp"
 #include "player/window/panel_parts.hpp"
 #include "player/window/study.hpp"
-#include "player/window/window_core.hpp"
 
 namespace touchable {
 namespace {
@@ -25,12 +24,12 @@ std::optional<std::size_t> answer_of(const std::string& key, const StudyQuestion
 /// buttons and a haptic device, and gives forces and sound if a screen allows them.
 class StudyMode final : public KioskMode {
 public:
-    StudyMode(WindowCore& core, std::unique_ptr<StudyRun> run)
-        : KioskMode(core, {run->study().idle_s, run->study().idle_s}), run_(std::move(run)) {}
+    StudyMode(WindowState& window, const Parts& parts, std::unique_ptr<StudyRun> run)
+        : KioskMode(window, parts, {run->study().idle_s, run->study().idle_s}), run_(std::move(run)) {}
 
     bool handle(const InputEvent& event) override {
         if (KioskMode::handle(event)) return true;
-        return core_.clip() && event.kind == InputEvent::Kind::key && take_key(event);
+        return window_.clip && event.kind == InputEvent::Kind::key && take_key(event);
     }
     bool handle(const WindowCommand& command) override {
         if (KioskMode::handle(command)) return true;
@@ -42,7 +41,7 @@ public:
                 go_to_next();
                 return true;
             case WindowVerb::open:
-                core_.say("a study shows only its own clips", Tone::refusal);
+                window_.say("a study shows only its own clips", Tone::refusal);
                 return true;
             default:
                 return false;
@@ -50,19 +49,19 @@ public:
     }
     /// Requests the needed clip, polls the device's buttons, advances time.
     void go_on(double now_s) override {
-        if (!core_.time.begun) return;
+        if (!window_.time.begun) return;
         ask_for_clip();
         if (run_->screen() && run_->screen()->is_touch() && !clip_is_there()) run_->wait(now_s);
         take_buttons();
         run_->pass(now_s, by_the_clock());
         if (run_->turn() != std::exchange(turn_, run_->turn())) {
             restore();
-            core_.time.note_event();
+            window_.time.note_event();
         }
         const bool is_page = has_page();
-        core_.sound().set_muted(is_page);
-        core_.sound().silence_fingers(!run_->gives_force());
-        if (HandControl* const control = core_.clip()->control())
+        window_.sound->set_muted(is_page);
+        window_.sound->silence_fingers(!run_->gives_force());
+        if (HandControl* const control = window_.clip->control())
             control->allow_force(run_->gives_force() && !is_page);
     }
     void draw(PanelFacts& facts, const Seen& seen) override {
@@ -70,7 +69,7 @@ public:
         facts.kiosk->invited_s.reset();
         facts.study = page_facts();
     }
-    Result<void> finish() override { return run_->end(core_.time.now_s(), by_the_clock()); }
+    Result<void> finish() override { return run_->end(window_.time.now_s(), by_the_clock()); }
     bool is_at_work() const override { return run_->is_beginning(); }
     bool repeats_clip() const override { return true; }
     bool keeps_view() const override { return false; }
@@ -96,7 +95,7 @@ public:
 private:
     /// Every key belongs to the study.
     bool allows(const InputEvent& event) const override {
-        return (core_.clip() && event.kind == InputEvent::Kind::key) || KioskMode::allows(event);
+        return (window_.clip && event.kind == InputEvent::Kind::key) || KioskMode::allows(event);
     }
     void end_visit(double now_s) override { run_->leave(now_s, by_the_clock()); }
     /// The study's start screen is its invitation.
@@ -110,26 +109,23 @@ private:
         const StudyScreen* const screen = run_->screen();
         return !screen || !screen->is_touch() || !clip_is_there();
     }
-    bool clip_is_there() const {
-        return run_->clip() == core_.playlist().list().place() && !core_.clips().is_busy();
-    }
+    bool clip_is_there() const { return run_->clip() == clips_.list().place() && !clips_.is_busy(); }
     /// Requests the needed clip, unless it is there or being opened.
     void ask_for_clip() {
         constexpr double again_s = 5;  // retry interval for a clip that could not be opened
         if (clip_is_there()) return asked_.reset();
         const std::size_t wanted = run_->clip();
-        const double now_s = core_.time.script_s;
-        if (core_.clips().is_busy() || (asked_ && asked_->clip == wanted && now_s < asked_->at_s + again_s))
-            return;
+        const double now_s = window_.time.script_s;
+        if (clips_.is_busy() || (asked_ && asked_->clip == wanted && now_s < asked_->at_s + again_s)) return;
         asked_ = {wanted, now_s};
-        Playlist list = core_.playlist().list();
+        Playlist list = clips_.list();
         list.go_to(wanted);
-        core_.clips().open_instead(std::move(list), 0);
+        clips_.open_instead(std::move(list), 0);
     }
     /// The first button continues on a page. The second one steps through a question's answers; during a
     /// touch it stops forces, and without forces continues.
     void take_buttons() {
-        HandControl* const control = core_.clip()->control();
+        HandControl* const control = window_.clip->control();
         if (!control) return;
         const bool had_force = std::exchange(had_force_, control->force_is_asked());
         const bool first = control->take_presses(0) > 0, second = control->take_presses(1) > 0;
@@ -137,8 +133,8 @@ private:
         if (second && is_page) run_->choose_by(1);
         if ((first && is_page) || (second && !is_page && !had_force)) go_to_next();
         if (!first && !second) return;
-        came(core_.time.now_s());
-        core_.time.note_event();
+        came(window_.time.now_s());
+        window_.time.note_event();
     }
     /// Whether the study takes the key: all but those with which a participant touches, turns the view, or
     /// stops the force.
@@ -150,19 +146,19 @@ private:
         if (is_page && (event.word == "left" || event.word == "up")) run_->choose_by(-1);
         if (is_page && (event.word == "right" || event.word == "down")) run_->choose_by(1);
         if (!event.repeated && (event.word == "enter" || (is_page && event.word == "space"))) go_to_next();
-        core_.time.note_event();
+        window_.time.note_event();
         if (is_page) return !event.stopped_force;  // the window reports that the force is off
         const KeyBinding* const binding = binding_of(event.word, event.control, event.shift);
         if (!binding) return true;
         // A device's user can always stop its force.
-        if (binding->verb == WindowVerb::force && core_.options.hand)
-            return !core_.clip()->force_is_on() && !run_->gives_force();
+        if (binding->verb == WindowVerb::force && window_.options.hand)
+            return !window_.clip->force_is_on() && !run_->gives_force();
         return !row_of(binding->verb).has(CommandRow::for_participants);
     }
-    void go_to_next() { run_->go_on(core_.time.now_s(), by_the_clock()); }
+    void go_to_next() { run_->go_on(window_.time.now_s(), by_the_clock()); }
     StudyFacts page_facts() const {
         const KioskTexts& texts = this->texts();
-        const double now_s = core_.time.now_s();
+        const double now_s = window_.time.now_s();
         const auto said = [&](const StudyWords& words) {
             const std::string* const found = said_in(words, run_->language());
             return found ? *found : std::string();
@@ -212,8 +208,8 @@ private:
 
 }  // namespace
 
-Result<std::unique_ptr<KioskMode>> open_study(WindowCore& core) {
-    PlayOptions& options = core.options;
+Result<std::unique_ptr<KioskMode>> open_study(WindowState& window, const KioskMode::Parts& parts) {
+    PlayOptions& options = window.options;
     const PlayOptions::Kiosk& kiosk = *options.kiosk;
     const bool by_touch = kiosk.touched_by == TouchedBy::touch_screen;
     TRY_ASSIGN(auto run,
@@ -221,7 +217,7 @@ Result<std::unique_ptr<KioskMode>> open_study(WindowCore& core) {
                               options.hand ? options.hand->name() : (by_touch ? "touch-screen" : "mouse"),
                               std::make_unique<BackgroundWriter>("study", "a study's results")));
     options.meter = run->meter();
-    return std::make_unique<StudyMode>(core, std::move(run));
+    return std::make_unique<StudyMode>(window, parts, std::move(run));
 }
 
 }  // namespace touchable

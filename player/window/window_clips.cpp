@@ -9,7 +9,7 @@
 #include "engine/formats/open_clip.hpp"
 #include "engine/scene/scene.hpp"
 #include "player/run/terminal.hpp"
-#include "player/window/window_core.hpp"
+#include "player/window/window_state.hpp"
 
 namespace touchable {
 namespace {
@@ -38,41 +38,30 @@ std::string title_of(const std::filesystem::path& file) {
     return name.empty() ? file.string() : name;
 }
 
-/// Reports guesses about the clip's camera and unit: with others the surface would have another size.
-void tell_guesses(WindowCore& core) {
-    std::string guessed, doubt;
-    for (const Remark& remark : core.clip()->scene().remarks) {
-        const bool is_doubt = remark.kind == RemarkKind::unit_doubt;
-        if (!remark.is_guess && !is_doubt && remark.hints.empty()) continue;
-        say_on_stderr(core.options.names.remark(remark));
-        if (is_doubt) doubt = remark.what;
-        if (!remark.is_guess) continue;
-        const bool is_unit =
-            std::ranges::find(remark.hints, Setting::depth_unit, &Hint::setting) != remark.hints.end();
-        const std::string_view what = remark.kind == RemarkKind::camera ? "the camera"
-                                      : is_unit                         ? "the unit"
-                                                                        : "";
-        if (guessed.find(what) == std::string::npos)
-            guessed += std::string(guessed.empty() ? "" : " and ") + std::string(what);
-    }
-    if (core.is_unattended() || (doubt.empty() && guessed.empty())) return;
-    core.say((doubt.empty() ? "guessed: " + guessed : doubt) +
-             (core.clip()->is_camera() ? "; the terminal tells how to say it"
-                                       : "; touchable info tells how to say it"));
+/// Puts a clip first among the recent ones, unless it is a camera or a stream.
+void put_first(std::vector<std::string>& recent, const std::filesystem::path& clip) {
+    std::error_code failed;
+    std::filesystem::path path = std::filesystem::absolute(clip, failed).lexically_normal();
+    if (!path.has_filename()) path = path.parent_path();  // a folder's name ended in a slash
+    const std::string file = path.string();
+    if (!std::filesystem::exists(file, failed)) return;
+    std::erase(recent, file);
+    recent.insert(recent.begin(), file);
+    recent.resize(std::min(recent.size(), SettingsFile::most_recent));
 }
 
 /// Reports faults; of very many, only how many more there are.
-void tell_skipped(WindowCore& core, std::span<const Error> skipped) {
+void tell_skipped(WindowState& window, std::span<const Error> skipped) {
     const std::size_t told =
         skipped.size() > Notices::most_faults ? Notices::most_faults - 1 : skipped.size();
-    for (const Error& error : skipped.first(told)) core.say(error.message, Tone::fault);
+    for (const Error& error : skipped.first(told)) window.say(error.message, Tone::fault);
     if (told < skipped.size())
-        core.say(std::to_string(skipped.size() - told) + " more clips cannot be opened", Tone::fault);
+        window.say(std::to_string(skipped.size() - told) + " more clips cannot be opened", Tone::fault);
 }
 
 /// Adds the session's figures to those of earlier clips.
-void count_session(WindowCore& core) {
-    core.figures.sessions = with_counts_of(core.figures.sessions, core.clip()->figures());
+void count_session(WindowState& window) {
+    window.figures.sessions = with_counts_of(window.figures.sessions, window.clip->figures());
 }
 
 }  // namespace
@@ -90,11 +79,7 @@ std::string WindowSettings::in_words() const {
 }
 
 bool WindowClips::waits_for_wish() const {
-    return !core_.clip() && core_.options.session.clip.file.empty();
-}
-
-const Playlist& WindowClips::wanted_list() const {
-    return wanted_list_ ? *wanted_list_ : core_.playlist().list();
+    return !window_.clip && window_.options.session.clip.file.empty();
 }
 
 std::optional<Error> fault_of(const OpenedClip& clip) {
@@ -103,7 +88,7 @@ std::optional<Error> fault_of(const OpenedClip& clip) {
 }
 
 void WindowClips::keep(const KeptSettings& kept) {
-    if (!core_.options.filters_are_stated) settings_.kept = {kept.a, kept.b};
+    if (!window_.options.filters_are_stated) settings_.kept = {kept.a, kept.b};
     recent_ = kept.recent;
 }
 
@@ -111,21 +96,21 @@ void WindowClips::keep(const KeptSettings& kept) {
 void WindowClips::ask_for_first() {
     if (waits_for_wish())
         return choosing_.ask("listing", [recent = recent_] { return list_files("", recent); });
-    PlayOptions& options = core_.options;
+    PlayOptions& options = window_.options;
     const ClipChoice first = options.session.clip;
     options.session.clip.shared_clip.reset();
     std::vector<ClipChoice> clips{options.session.clip};
     clips.insert(clips.end(), options.next_clips.begin(), options.next_clips.end());
     // A mode that chooses the clip does not accept another one.
-    ask_for_clip(Playlist(std::move(clips), core_.is_unattended()),
-                 core_.any(&WindowMode::chooses_clip) ? 0 : 1, first);
+    ask_for_clip(Playlist(std::move(clips), window_.is_unattended()),
+                 window_.any(&WindowMode::chooses_clip) ? 0 : 1, first);
 }
 
 /// Settings that the clip does not support are kept for another clip but not in effect. The relief's are
 /// dropped first.
 Result<WindowClips::Ready> WindowClips::open_clip(ClipChoice choice, const TwoSettings& kept) {
     choice.share_clip();
-    auto opened = OpenedClip::open(core_.options, choice, kept.now(), core_.sound());
+    auto opened = OpenedClip::open(window_.options, choice, kept.now(), *window_.sound);
     if (opened) return Ready{.clip = std::move(*opened), .settings = {kept, kept}};
     const std::string why = opened.error().message;
     TwoSettings tried = kept;
@@ -136,7 +121,7 @@ Result<WindowClips::Ready> WindowClips::open_clip(ClipChoice choice, const TwoSe
         if (all) in_effect.now() = {};
         if (in_effect == tried || stop_requested()) continue;
         tried = in_effect;
-        opened = OpenedClip::open(core_.options, choice, in_effect.now(), core_.sound());
+        opened = OpenedClip::open(window_.options, choice, in_effect.now(), *window_.sound);
         if (!opened) continue;
         return Ready{.clip = std::move(*opened),
                      .settings = {kept, in_effect},
@@ -190,8 +175,8 @@ void WindowClips::ask_for_named(std::vector<std::string> named) {
     begin_asking();
     const std::string words = "opening " + title_of(named.front());
     const auto open = [this, named = std::move(named), kept = settings_.kept,
-                       wraps = core_.is_unattended()]() -> Result<Ready> {
-        const auto files = unless_stopped([named, list = core_.options.clips_of] {
+                       wraps = window_.is_unattended()]() -> Result<Ready> {
+        const auto files = unless_stopped([named, list = window_.options.clips_of] {
             std::vector<std::filesystem::path> all;
             for (const std::string& name : named)
                 for (auto& file : list(name)) all.push_back(std::move(file));
@@ -208,7 +193,7 @@ void WindowClips::ask_for_named(std::vector<std::string> named) {
 }
 
 void WindowClips::ask_for_change(const WindowSettings& wanted) {
-    opening_.ask("changing to " + wanted.in_words(), [clip = core_.clip(), wanted]() -> Result<Ready> {
+    opening_.ask("changing to " + wanted.in_words(), [clip = window_.clip.get(), wanted]() -> Result<Ready> {
         TRY_ASSIGN(auto change, clip->prepare(wanted.in_effect.now(), wanted.painted));
         return Ready{.clip = nullptr, .change = std::move(change), .settings = wanted};
     });
@@ -218,34 +203,28 @@ Result<void> WindowClips::go_on() {
     if (auto made = opening_.take()) TRY(take_made(std::move(*made)));
     if (const auto chosen = choosing_.take()) {
         if (!*chosen)
-            core_.say(chosen->error());
+            window_.say(chosen->error());
         else if (files_ = **chosen; !files_.chosen.empty())
             open_others({files_.chosen});
     }
-    // Finishes the brush's work before its clip goes.
-    if (ready_ &&
-        (ready_->clip ? !core_.brush().brush().is_changing() : core_.clip()->has_come_to(*ready_->change))) {
-        Ready ready = *std::exchange(ready_, std::nullopt);
-        const bool is_named = !core_.clip() && !waits_for_wish();
-        if (const auto taken = take(ready); !taken && is_named)
-            return taken;
-        else
-            core_.say(taken);
-    }
-    if (core_.clip()) go_on_changing();
     return {};
+}
+
+std::optional<WindowClips::Ready> WindowClips::take_ready(bool may_go) {
+    if (!ready_ || !(ready_->clip ? may_go : window_.clip->has_come_to(*ready_->change))) return {};
+    return std::exchange(ready_, std::nullopt);
 }
 
 /// Keeps the first failure of the named clips for the program's end. If none can be opened, the window
 /// closes, or stays empty.
 Result<void> WindowClips::take_made(Result<Ready> made) {
-    const bool is_change = asked_settings_.has_value(), is_named = !core_.clip() && !waits_for_wish();
+    const bool is_change = asked_settings_.has_value(), is_named = !window_.clip && !waits_for_wish();
     if (is_change && !made && wanted_settings_ == asked_settings_) wanted_settings_.reset();  // refused
     asked_settings_.reset();
     if (!made) {
         forget_wish();
         if (is_named) return go_on_without_clip(made.error());
-        is_change ? core_.say(made.error()) : core_.say(made.error().message, Tone::fault);
+        is_change ? window_.say(made.error()) : window_.say(made.error().message, Tone::fault);
         return {};
     }
     std::span<const Error> skipped = made->skipped;
@@ -253,30 +232,30 @@ Result<void> WindowClips::take_made(Result<Ready> made) {
     const bool is_none = !made->clip && !made->change;
     if (is_none) forget_wish();
     if (is_none && is_named) {
-        tell_skipped(core_, skipped.first(skipped.size() - 1));
+        tell_skipped(window_, skipped.first(skipped.size() - 1));
         return go_on_without_clip(skipped.back());
     }
-    tell_skipped(core_, skipped);
+    tell_skipped(window_, skipped);
     if (!is_none) ready_ = std::move(*made);
     return {};
 }
 
 /// None of the named clips can be opened: the window closes, or stays empty.
 Result<void> WindowClips::go_on_without_clip(const Error& why) {
-    PlayOptions& options = core_.options;
+    PlayOptions& options = window_.options;
     if (!options.stays_without_clip || why.kind == ErrorKind::interrupted) return why;
     if (!failure_) failure_ = why;
     std::filesystem::path& file = options.session.clip.file;
-    core_.screen().set_title(title_of(file) + " cannot be opened - touchable");
+    window_.screen->set_title(title_of(file) + " cannot be opened - touchable");
     file.clear();
-    core_.say(why.message, Tone::fault);
+    window_.say(why.message, Tone::fault);
     return {};
 }
 
 void WindowClips::go_on_changing() {
-    const OpenedClip& clip = *core_.clip();
-    const bool was_seen = core_.figures.pictures > changed_at_ || !clip.session().running();
-    if (core_.any(&WindowMode::keeps_session) || !was_seen || is_busy()) return;
+    const OpenedClip& clip = *window_.clip;
+    const bool was_seen = window_.figures.pictures > changed_at_ || !clip.session().running();
+    if (window_.any(&WindowMode::keeps_session) || !was_seen || is_busy()) return;
     if (!wanted_settings_) {
         const auto now = WindowClock::now();
         if (now <= renew_after_ || !clip.is_nearly_full()) return;
@@ -288,140 +267,122 @@ void WindowClips::go_on_changing() {
         (wanted_settings_->painted == clip.painted() || !wanted_settings_->has_materials())) {
         const WindowSettings before = std::exchange(settings_, *wanted_settings_);
         wanted_settings_.reset();
-        if (before.in_effect.in_words() != settings_.in_effect.in_words()) core_.say(settings_.in_words());
+        if (before.in_effect.in_words() != settings_.in_effect.in_words()) window_.say(settings_.in_words());
         return;
     }
     asked_settings_ = wanted_settings_;
     ask_for_change(*wanted_settings_);
 }
 
-Result<void> WindowClips::take(Ready& ready) {
-    changed_at_ = core_.figures.pictures;
+Result<void> WindowClips::change(Ready& ready) {
+    changed_at_ = window_.figures.pictures;
     const bool is_another = settings_.in_effect.in_words() != ready.settings.in_effect.in_words();
     settings_ = ready.settings;
-    if (ready.clip) {
-        TRY(show(ready));
-        if (!ready.remark.empty()) core_.say(std::move(ready.remark), Tone::refusal);
-        return {};
-    }
     if (wanted_settings_ == ready.settings) wanted_settings_.reset();
-    const bool had_failed = core_.clip()->failure().has_value();
-    const Result<void> changed = core_.clip()->take(std::move(*ready.change));
-    core_.hand().lead();
+    const bool had_failed = window_.clip->failure().has_value();
+    TRY(window_.clip->take(std::move(*ready.change)));
     const bool has_failed = !had_failed && note_failure();
-    if (!changed) return changed;
-    core_.picture().forget_session();
-    if (is_another && !has_failed) core_.say(settings_.in_words());
+    if (is_another && !has_failed) window_.say(settings_.in_words());
     return {};
 }
 
-/// Replaces the current clip, if there is one.
-Result<void> WindowClips::show(Ready& ready) {
-    OpenedClip* const before = core_.clip();
+Result<void> WindowClips::replace(Ready& ready, bool goes_on) {
+    changed_at_ = window_.figures.pictures;
+    settings_ = ready.settings;
+    OpenedClip* const before = window_.clip.get();
     OpenedClip& clip = *ready.clip;
-    core_.input().lift_touches();
-    // A visitor's choices hold for all clips.
-    const bool goes_on = before && core_.any(&WindowMode::keeps_view);
     if (goes_on) clip.view().look_as(before->view());
     if (before) {
-        if (auto finished = before->finish(); !finished) core_.say(finished);
+        if (auto finished = before->finish(); !finished) window_.say(finished);
         note_failure();
         clip.fingers().set_count(before->fingers().count());
         // Stopped forces stay stopped for every clip.
         clip.device()->set_force(before->device()->force_is_on());
     } else {
-        clip.fingers().set_count(core_.settings_file().read().fingers);
+        clip.fingers().set_count(window_.settings_file.read().fingers);
     }
     if (auto begun = clip.begin(); !begun) {
         forget_wish();  // the current clip has ended; an unattended window reopens it
         return begun;
     }
     // Unattended, a fault that is over is a row of the log and no exit code.
-    if (before && core_.is_unattended() && ready.skipped.empty()) failure_.reset();
-    if (before) count_session(core_);
-    core_.set_clip(std::move(ready.clip));
-    core_.playlist().set_list(std::move(ready.list));
+    if (before && window_.is_unattended() && ready.skipped.empty()) failure_.reset();
+    if (before) count_session(window_);
+    window_.playback.emplace(
+        clip.scene().rate, clip.frames(), [&clip] { return clip.session().playback(); },
+        [&clip](auto... command) { return clip.session().ask(command...); });
+    window_.clip = std::move(ready.clip);
+    list_ = std::move(ready.list);
     wanted_list_.reset();
-    if (!before)
-        for (const WindowMode* const mode : core_.modes()) TRY(mode->check(clip));
-    clip.begin_sound();
-    core_.notices.leave_clip();
-    core_.picture().begin_clip(goes_on);
     slow_reading_ = {};
     is_told_of_reading_ = false;
-    if (core_.any(&WindowMode::repeats_clip) && !clip.session().playback().loops && clip.seconds() >= 0.1)
-        core_.say(core_.playback().toggle_loop());
-    if (std::exchange(next_is_paused_, std::nullopt).value_or(false)) core_.say(core_.playback().pause(true));
-    core_.input().begin_clip();
-    core_.screen().set_title(clip.name() + " - touchable");
-    for (WindowMode* const mode : core_.modes()) mode->begin_clip(goes_on);
-    tell_guesses(core_);
     if (wanted_settings_) wanted_settings_->painted.reset();
-    std::error_code failed;
-    std::filesystem::path path = std::filesystem::absolute(clip.choice().file, failed).lexically_normal();
-    if (!path.has_filename()) path = path.parent_path();  // a folder's name ended in a slash
-    const std::string file = path.string();
-    if (!std::filesystem::exists(file, failed)) return {};  // a camera or a stream
-    std::erase(recent_, file);
-    recent_.insert(recent_.begin(), file);
-    recent_.resize(std::min(recent_.size(), SettingsFile::most_recent));
+    put_first(recent_, clip.choice().file);
     return {};
+}
+
+void WindowClips::begin_playback() {
+    const OpenedClip& clip = *window_.clip;
+    if (window_.any(&WindowMode::repeats_clip) && !clip.session().playback().loops && clip.seconds() >= 0.1)
+        window_.say(window_.playback->toggle_loop());
+    if (std::exchange(next_is_paused_, std::nullopt).value_or(false))
+        window_.say(window_.playback->pause(true));
 }
 
 /// Whether the clip's session failed: the window reports it, and so does the program at its end.
 bool WindowClips::note_failure() {
-    const auto& failure = core_.clip()->failure();
+    const auto& failure = window_.clip->failure();
     if (!failure) return false;
     if (!failure_) failure_ = failure;
-    core_.say(failure->message, Tone::fault, About::clip);
+    window_.say(failure->message, Tone::fault, About::clip);
     return true;
 }
 
 void WindowClips::open_others(std::vector<std::string> named) {
-    if (core_.options.record)
-        return core_.say("the recording is of this clip; another opens in a window that does not record",
-                         Tone::refusal);
-    core_.notices.clear_passing();
+    if (window_.options.record)
+        return window_.say("the recording is of this clip; another opens in a window that does not record",
+                           Tone::refusal);
+    window_.notices.clear_passing();
     close_files();
     ask_for_named(std::move(named));
 }
 
 void WindowClips::ask_for_file(const std::string& folder) {
-    if (core_.is_unattended()) return;
+    if (window_.is_unattended()) return;
     choosing_.ask("choosing a file", [folder, recent = recent_] {
         return folder.empty() ? chosen_file(recent) : list_files(folder, recent);
     });
 }
 
 void WindowClips::open_instead(Playlist list, int by) {
-    core_.notices.clear_passing();
+    window_.notices.clear_passing();
     ask_for_clip(list, by, list.now());
 }
 
 void WindowClips::open_again() {
-    const Playlist& list = core_.playlist().list();
+    const Playlist& list = list_;
     ask_for_clip(list, 0, list.now());
 }
 
 void WindowClips::play_or_pause() {
-    if (!next_is_paused_) return core_.say(core_.playback().play_or_pause());
-    const PlaybackState there = core_.clip()->session().playback();
+    if (!next_is_paused_) return window_.say(window_.playback->play_or_pause());
+    const PlaybackState there = window_.clip->session().playback();
     // As the button shows: at the end "play", except unattended, where the clip continues by itself.
-    const bool pauses = there.playing && (core_.is_unattended() || !there.at_end);
-    const Result<void> heard = core_.playback().pause(pauses);
+    const bool pauses = there.playing && (window_.is_unattended() || !there.at_end);
+    const Result<void> heard = window_.playback->pause(pauses);
     if (heard) next_is_paused_ = pauses;
-    core_.say(heard);
+    window_.say(heard);
 }
 
 void WindowClips::feel(const WindowCommand& command) {
     WindowSettings wanted = wanted_settings();
     const std::size_t space = command.word.find(' ');
     const SessionSetting* const setting = session_setting(command.word.substr(0, space));
-    if (setting && setting->of == SettingOf::device && !core_.options.hand)
-        return core_.say(setting->name + " applies to a haptic device; none is connected", Tone::refusal);
+    if (setting && setting->of == SettingOf::device && !window_.options.hand)
+        return window_.say(setting->name + " applies to a haptic device; none is connected", Tone::refusal);
     const bool is_of_brush = setting && setting->of == SettingOf::brush;
     if (is_of_brush && !wanted.painted)
-        return core_.say("nothing is painted yet; P picks up the brush", Tone::refusal);
+        return window_.say("nothing is painted yet; P picks up the brush", Tone::refusal);
     const bool to_b = command.word.empty() ? !wanted.in_effect.b_is_on : command.word == "b";
     for (TwoSettings* const settings : {&wanted.kept, &wanted.in_effect}) {
         if (is_of_brush && settings == &wanted.kept) continue;
@@ -430,7 +391,7 @@ void WindowClips::feel(const WindowCommand& command) {
         } else if (auto set =
                        settings->now().set(command.word.substr(0, space), command.word.substr(space + 1));
                    !set) {
-            return core_.say(set.error());
+            return window_.say(set.error());
         }
     }
     wanted_settings_ = wanted;
@@ -463,25 +424,25 @@ void WindowClips::reset() {
 
 /// Reports once per clip that pictures compressed by other programs are slow to read, and the remedy.
 void WindowClips::note_slow_reading() {
-    const OpenedClip& clip = *core_.clip();
+    const OpenedClip& clip = *window_.clip;
     const Scene& scene = clip.scene();
     if (!scene.folder || clip.is_still() || is_told_of_reading_) return;
     const double period_ms = 1000 / scene.rate.per_second();
     slow_reading_.add(clip.figures(), period_ms);
     if (!slow_reading_.is_why()) return;
     is_told_of_reading_ = true;
-    const std::string help = core_.options.names.faster(clip.choice().file.string());
+    const std::string help = window_.options.names.faster(clip.choice().file.string());
     std::string words = "frames come late: reading the pictures of one takes " +
                         short_number(slow_reading_.read_ms(), 3) + " ms, and it is shown for " +
                         short_number(period_ms, 3) + " ms" + (help.empty() ? "" : "; " + help);
-    if (core_.figures.slow_reading.empty()) core_.figures.slow_reading = words;
-    core_.say(std::move(words));
+    if (window_.figures.slow_reading.empty()) window_.figures.slow_reading = words;
+    window_.say(std::move(words));
 }
 
 void WindowClips::note_end() {
-    count_session(core_);
-    if (!failure_) failure_ = core_.clip()->failure();
-    const auto& hand = core_.options.hand;
+    count_session(window_);
+    if (!failure_) failure_ = window_.clip->failure();
+    const auto& hand = window_.options.hand;
     if (!failure_ && hand && (hand->is_gone() || hand->is_looked_for()))
         if (const auto health = hand->health(); !health) failure_ = health.error();
 }

@@ -1,9 +1,9 @@
 #pragma once
 
 // Changes of clips and settings, prepared on a separate thread while the current clip continues. `ask_for_*`
-// requests one; the newest request counts. Once a turn `go_on` takes what is ready: another clip in place of
-// the current one, with its list (show), or a change of it (take). Settings are kept as the user chose them,
-// and in effect as far as the clip supports them.
+// requests one; the newest request counts. What is ready (`take_ready`) is another clip in place of the
+// current one, with its list (`replace`), or a change of it (`change`). Settings are kept as the user chose
+// them, and in effect as far as the clip supports them.
 //
 // Runs on the window's thread. The thread that opens clips uses copies, options that no longer change, and
 // WindowSound.
@@ -17,7 +17,7 @@
 
 namespace touchable {
 
-class WindowCore;
+class WindowState;
 
 /// Settings A and B as kept and as in effect (without those that the clip does not support), and the brush's
 /// painted segments.
@@ -37,7 +37,7 @@ std::optional<Error> fault_of(const OpenedClip& clip);
 
 class WindowClips {
 public:
-    explicit WindowClips(WindowCore& core) : core_(core) {}
+    explicit WindowClips(WindowState& window) : window_(window) {}
 
     // Requests.
     void keep(const KeptSettings& kept);
@@ -78,10 +78,12 @@ public:
         return (waits_for_wish() && !is_opening()) || !files_.folder.empty() ? files_ : FileList();
     }
     const std::vector<std::string>& recent() const { return recent_; }
+    /// With the current clip.
+    const Playlist& list() const { return list_; }
     /// Whether no clip was named yet.
     bool waits_for_wish() const;
     /// The list of the requested clip, or of the current one.
-    const Playlist& wanted_list() const;
+    const Playlist& wanted_list() const { return wanted_list_ ? *wanted_list_ : list_; }
     const WindowSettings& settings() const { return settings_; }
     /// In effect, or requested.
     const WindowSettings& wanted_settings() const { return wanted_settings_ ? *wanted_settings_ : settings_; }
@@ -93,10 +95,30 @@ public:
     double seconds() const { return opening_.seconds(); }             ///< since that began
     const std::optional<Error>& failure() const { return failure_; }  ///< the first of all clips
 
+    /// A prepared result: another clip, or a change of the current one. Neither: none of the clips could be
+    /// opened.
+    struct Ready {
+        std::unique_ptr<OpenedClip> clip{};
+        std::optional<OpenedClip::Change> change{};
+        WindowSettings settings{};     ///< in effect once taken
+        std::string remark{};          ///< a deviation from the request, for the user
+        Playlist list{};               ///< with the clip as the current one
+        std::vector<Error> skipped{};  ///< why clips before it were skipped
+    };
     /// Once a turn. Opens one clip after another: a held key shows each that there is time for, and finally
     /// the last. The current clip continues if another one cannot be opened, or does not support settings.
     /// Fails if the window has to close.
     Result<void> go_on();
+    /// What can be taken now. `may_go`: the current clip may be replaced.
+    std::optional<Ready> take_ready(bool may_go);
+    /// Makes `ready`'s clip the current one, and begins it. `goes_on`: with the view of the one before.
+    Result<void> replace(Ready& ready, bool goes_on);
+    /// Loops or pauses the replacing clip as requested.
+    void begin_playback();
+    /// Changes the current clip to `ready`'s settings.
+    Result<void> change(Ready& ready);
+    /// Once a turn, with a clip: prepares the requested change, or a renewal of the session.
+    void go_on_changing();
     /// Once a turn, with a clip.
     void note_slow_reading();
 
@@ -113,17 +135,6 @@ public:
     void note_end();
 
 private:
-    /// A prepared result: another clip, or a change of the current one. Neither: none of the clips could be
-    /// opened.
-    struct Ready {
-        std::unique_ptr<OpenedClip> clip{};
-        std::optional<OpenedClip::Change> change{};
-        WindowSettings settings{};     // in effect once taken
-        std::string remark{};          // a deviation from the request, for the user
-        Playlist list{};               // with the clip as the current one
-        std::vector<Error> skipped{};  // why clips before it were skipped
-    };
-
     Result<Ready> open_clip(ClipChoice choice, const TwoSettings& kept);
     Result<Ready> open_first(Playlist list, int by, ClipChoice choice, const TwoSettings& kept);
     void begin_asking();
@@ -137,12 +148,10 @@ private:
     }
     Result<void> take_made(Result<Ready> made);
     Result<void> go_on_without_clip(const Error& why);
-    void go_on_changing();
-    Result<void> take(Ready& ready);
-    Result<void> show(Ready& ready);
     bool note_failure();
 
-    WindowCore& core_;
+    WindowState& window_;
+    Playlist list_;
     WindowSettings settings_;
     std::optional<WindowSettings> wanted_settings_;      // requested change
     std::optional<WindowSettings> asked_settings_;       // being prepared by `opening_`

@@ -1,21 +1,21 @@
 #include "player/window/window_hand.hpp"
 
 #include "player/window/command_table.hpp"
-#include "player/window/window_core.hpp"
+#include "player/window/window_state.hpp"
 
 namespace touchable {
 
 void WindowHand::power_off() {
-    const auto& device = core_.options.hand;
+    const auto& device = window_.options.hand;
     if (!device) return;
     device->power_off();
-    if (core_.clip()) core_.clip()->set_force(false);
+    if (window_.clip) window_.clip->set_force(false);
 }
 
 void WindowHand::stop_at_once(InputEvent& event) {
     const KeyBinding* const binding = binding_of(event.word, event.control, event.shift);
     if (!binding || binding->verb != WindowVerb::force || event.repeated) return;
-    const PlayOptions& options = core_.options;
+    const PlayOptions& options = window_.options;
     if (options.study && !options.hand) return;  // a participant's mouse has no such key
     const std::lock_guard lock(mutex_);
     if (control_ && control_->force_is_asked()) {
@@ -29,29 +29,29 @@ void WindowHand::stop_at_once(InputEvent& event) {
 
 void WindowHand::lead() {
     const std::lock_guard lock(mutex_);
-    pointer_ = core_.clip()->device();
-    control_ = core_.clip()->session().setup().options.control;
+    pointer_ = window_.clip->device();
+    control_ = window_.clip->session().setup().options.control;
 }
 
 void WindowHand::look_after() {
-    const PersistentDevice& device = *core_.options.hand;
+    const PersistentDevice& device = *window_.options.hand;
     const bool gone = device.is_gone();
     if (gone == std::exchange(is_gone_, gone) || !gone) return;
-    core_.time.note_event();
+    window_.time.note_event();
     if (const auto health = device.health(); !health) {
-        const std::string fault = core_.options.names.error(health.error());
-        core_.note_fault(fault);
-        core_.tell(fault);
+        const std::string fault = window_.options.names.error(health.error());
+        window_.note_fault(fault);
+        window_.tell(fault);
     }
 }
 
 void WindowHand::turn_force(bool may_turn_on) {
-    OpenedClip& clip = *core_.clip();
+    OpenedClip& clip = *window_.clip;
     const bool on = may_turn_on && !clip.force_is_on();
-    const auto& device = core_.options.hand;
+    const auto& device = window_.options.hand;
     if (!device) {
         clip.set_force(on);
-        return core_.say(clip.force_is_on() ? "force on" : "force off");
+        return window_.say(clip.force_is_on() ? "force on" : "force off");
     }
     // The device comes back without forces, as its user may have left by then.
     if (device->is_gone()) {
@@ -60,18 +60,8 @@ void WindowHand::turn_force(bool may_turn_on) {
     }
     // Forces cannot be requested while the device is away: they would return without warning.
     if (on && !(device->age_s() <= HapticDevice::oldest_s))
-        return core_.say("no forces yet: no position comes from the " + device->name());
+        return window_.say("no forces yet: no position comes from the " + device->name());
     clip.set_force(on);
-}
-
-void WindowHand::change_scale(double times) {
-    const char* const name = "hand-scale";
-    const auto chosen = core_.clips().wanted_settings().in_effect.now().values();
-    const auto found = chosen.find(name);
-    const std::string now = found != chosen.end() ? found->second : core_.clip()->in_effect().at(name);
-    const SettingRange& range = session_setting(name)->range;
-    const double scale = std::clamp(parsed_number(now).value_or(1) * times, range.least, range.most);
-    core_.clips().feel({WindowVerb::feel, 0, name + (" " + std::to_string(scale))});
 }
 
 }  // namespace touchable

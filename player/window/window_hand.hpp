@@ -7,14 +7,14 @@
 
 namespace touchable {
 
-class WindowCore;
+class WindowState;
 
 /// The window's source of forces, a haptic device or the pointer's finger, and the ways to stop them: the
 /// force key at once, on the screen's thread; and the window's end, before anything is waited for. The
 /// window's thread only, except `stop_at_once`.
 class WindowHand {
 public:
-    explicit WindowHand(WindowCore& core) : core_(core) {}
+    explicit WindowHand(WindowState& window) : window_(window) {}
 
     /// Powers the haptic device down permanently, as the window ends. Also withdraws the request for forces,
     /// so that the session's last ticks are recorded as felt.
@@ -31,11 +31,9 @@ public:
     void look_after();
     /// The force key: forces off, or on again if `may_turn_on`.
     void turn_force(bool may_turn_on);
-    /// Changes the scale of finger motion for a haptic device: a setting, in steps.
-    void change_scale(double times);
 
 private:
-    WindowCore& core_;
+    WindowState& window_;
     std::mutex mutex_;
     // The current source of forces, guarded by mutex_; the screen's thread, which ends first, stops it too.
     std::shared_ptr<PointerDevice> pointer_;

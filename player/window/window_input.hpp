@@ -8,7 +8,8 @@
 
 namespace touchable {
 
-class WindowCore;
+class WindowPanel;
+class WindowState;
 
 /// Detects the second of two quick presses at the same place, in contrast to touching presses.
 class DoubleClick {
@@ -36,13 +37,12 @@ private:
 /// mode that uses the left button, or to the fingers over the clip and its view. The window's thread only.
 class WindowInput {
 public:
-    explicit WindowInput(WindowCore& core) : core_(core) {}
+    WindowInput(WindowState& window, WindowPanel& panel) : window_(window), panel_(panel) {}
 
-    /// Takes an event that no mode takes.
-    void take(const InputEvent& event);
-    /// Call once a turn: after a suspension the state of buttons is unknown. Lifts all fingers and buttons
-    /// that were down; the force of a finger that comes down again begins at zero.
-    void lift_after_sleep();
+    /// Takes an event that no mode takes. Returns the command of its key, if any.
+    std::optional<WindowCommand> take(const InputEvent& event);
+    /// Whether the machine was suspended since the last call. The state of buttons is unknown then.
+    bool has_slept();
     /// Lifts all touch screen fingers: the window has lost the focus, or the clip changes.
     void lift_touches();
     /// The pointer leaves the picture: its fingers touch nothing, and no button is held.
@@ -86,7 +86,7 @@ public:
     bool has_dropped() const { return !dropped_.empty(); }
 
 private:
-    void take_key(const InputEvent& event);
+    std::optional<WindowCommand> command_of(const InputEvent& event) const;
     void take_pointer(const InputEvent& event);
     void take_touch(const InputEvent& event);
     void take_pointers(const std::vector<InputEvent>& events);
@@ -94,7 +94,8 @@ private:
     bool clicks_for_fullscreen(const InputEvent& event, bool is_of_panel);
     bool bar_is_wanted() const;
 
-    WindowCore& core_;
+    WindowState& window_;
+    WindowPanel& panel_;
     PointerInput pointer_;
     TouchInput touches_;
     bool was_touched_ = false;  // by a touch screen finger

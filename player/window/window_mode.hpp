@@ -4,15 +4,15 @@
 // visitors, a study in it, the list of clips, the measure, turning the view by dragging, and the brush of
 // materials.
 //
-// WindowCore holds the modes in one list. Input passes through it in order, until one mode takes it, and then
-// to the core: an event (`handle`), a pointer action over the picture (`handle_pointer`), a command
+// WindowState holds the modes in one list. Input passes through it in order, until one mode takes it, and
+// then to the window: an event (`handle`), a pointer action over the picture (`handle_pointer`), a command
 // (`handle`), a request to close the frontmost item (`leave`). In a turn all modes `look` at the clip's
 // moment, `tick` after events, and `go_on` after the panel's commands. For a picture all modes `prepare` it
 // before fingers move, and `draw` what they show beside it. Other parts query the modes through functions
-// with plain defaults, which WindowCore::any calls on all of them. The list, the measure, the view and the
+// with plain defaults, which WindowState::any calls on all of them. The list, the measure, the view and the
 // brush may also be called by name; a kiosk or a study only by these queries.
 //
-// A mode belongs to the window's thread, and to its core, which outlives it. Only `close` and `finish` wait.
+// A mode belongs to the window's thread. Its window outlives it. Only `close` and `finish` wait.
 
 #include <optional>
 #include <string>
@@ -22,7 +22,6 @@
 #include "haptics_cpu/height_field.hpp"
 #include "player/draw/view.hpp"
 #include "player/session/touch_setup.hpp"
-#include "player/window/input_event.hpp"
 #include "player/window/panel_facts.hpp"
 #include "player/window/screen.hpp"
 #include "player/window/window_command.hpp"
@@ -30,7 +29,7 @@
 namespace touchable {
 
 class OpenedClip;
-class WindowCore;
+class WindowState;
 
 /// The effect of a left button pressed over the picture.
 enum class LeftButton {
@@ -41,13 +40,16 @@ enum class LeftButton {
 
 class WindowMode : NonCopyable {
 public:
-    explicit WindowMode(WindowCore& core) : core_(core) {}
+    explicit WindowMode(WindowState& window) : window_(window) {}
     virtual ~WindowMode() = default;
 
     // Input. Returns whether the mode takes it, so that it goes no further.
     virtual bool handle(const InputEvent&) { return false; }
-    /// An event of the pointer, or of a touch that stands for it. `is_of_panel`: the panel uses it.
-    virtual bool handle_pointer(const InputEvent&, bool /*is_of_panel*/) { return false; }
+    /// An event of the pointer, which is `at` that place of the window, or of a touch that stands for it.
+    /// `is_of_panel`: the panel uses it.
+    virtual bool handle_pointer(const InputEvent&, const glm::dvec2& /*at*/, bool /*is_of_panel*/) {
+        return false;
+    }
     virtual bool handle(const WindowCommand&) { return false; }
     /// Closes the mode's frontmost item; returns whether there was one.
     virtual bool leave() { return false; }
@@ -108,7 +110,7 @@ public:
     virtual std::vector<Error> faults() const { return {}; }
 
 protected:
-    WindowCore& core_;
+    WindowState& window_;
 };
 
 }  // namespace touchable

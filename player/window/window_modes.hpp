@@ -1,9 +1,8 @@
 #pragma once
 
 // The modes that every window has, for the left button and keys over the picture: turning the view, the list
-// of clips, the measure, and the brush of materials. As with any mode, WindowCore calls them
-// (window_mode.hpp) on the window's thread; these four may also be called by name, by commands of the table
-// and by parts that need the list or the painted materials.
+// of clips, the measure, and the brush of materials. As with any mode, the window calls them
+// (window_mode.hpp) on its thread; these four may also be called by name, by commands of the table.
 
 #include <cstdio>
 #include <deque>
@@ -17,10 +16,15 @@
 
 namespace touchable {
 
+class ClipPicture;
+class WindowClips;
+class WindowInput;
+class WindowPanel;
+
 /// The clip's viewpoint: keys and dragging turn the view.
 class ViewMode final : public WindowMode {
 public:
-    using WindowMode::WindowMode;
+    ViewMode(WindowState& window, WindowInput& input) : WindowMode(window), input_(input) {}
 
     /// The clip's own view; dragging touches again.
     void go_home();
@@ -43,32 +47,34 @@ public:
     }
 
 private:
+    WindowInput& input_;
     bool is_turning_ = false;
     std::deque<WindowView::State> before_;  // the views before the last gestures, oldest first
     WindowView::State seen_;
     double changed_s_ = 0;
 };
 
-/// The list of clips, and the current place: the user steps through it with keys, and at the end of a clip
-/// that does not repeat the window continues by itself.
+/// The list of clips (WindowClips::list): the user steps through it with keys, and at the end of a clip that
+/// does not repeat the window continues by itself.
 class PlaylistMode final : public WindowMode {
 public:
-    using WindowMode::WindowMode;
+    PlaylistMode(WindowState& window, const WindowPanel& panel, const WindowInput& input, WindowClips& clips)
+        : WindowMode(window), panel_(panel), input_(input), clips_(clips) {}
 
-    const Playlist& list() const { return list_; }
-    void set_list(Playlist list) { list_ = std::move(list); }
     /// Steps forward or back.
     void go(int by);
     /// Goes to the next clip at the clip's end. A very short clip rests first. The clip also stays while it
     /// is touched or painted, or the panel is used, and some seconds after that.
     void go_on(double now_s) override;
     void begin_clip(bool goes_on) override;
-    void draw(PanelFacts& facts, const Seen&) override { facts.clips = list_.size(); }
+    void draw(PanelFacts& facts, const Seen&) override;
 
 private:
     bool is_touched() const;
 
-    Playlist list_;                    // with the current clip
+    const WindowPanel& panel_;
+    const WindowInput& input_;
+    WindowClips& clips_;
     std::optional<double> went_on_s_;  // when it went on by itself, or tried to, at this end
     double shown_s_ = 0;               // when the clip was shown
     std::optional<double> touched_s_;  // when a clip was last touched, painted or measured
@@ -78,13 +84,13 @@ private:
 /// and printed at the end.
 class MeasureMode final : public WindowMode {
 public:
-    using WindowMode::WindowMode;
+    MeasureMode(WindowState& window, const WindowInput& input) : WindowMode(window), input_(input) {}
 
     void take(const WindowCommand& command);
     /// Removes the line and puts the tool away.
     void let_go() { tool_.let_go(); }
 
-    bool handle_pointer(const InputEvent& event, bool is_of_panel) override;
+    bool handle_pointer(const InputEvent& event, const glm::dvec2& at, bool is_of_panel) override;
     bool leave() override;
     void put_away() override { tool_.hold(false); }
     void prepare(const Seen& seen) override;
@@ -101,15 +107,16 @@ public:
     }
 
 private:
+    const WindowInput& input_;
     MeasureTool tool_;
     std::vector<std::string> lines_;  // completed measurements, as text
 };
 
 /// The brush of materials in a window: passes clips, commands and clicks to it, shows its messages, and makes
-/// its materials felt through a change of settings.
+/// its materials seen, and felt through a change of settings.
 class BrushMode final : public WindowMode {
 public:
-    explicit BrushMode(WindowCore& core);
+    BrushMode(WindowState& window, WindowPanel& panel, WindowClips& clips, ClipPicture& surface);
 
     void take(const WindowCommand& command);
     /// The brush, for queries.
@@ -118,10 +125,11 @@ public:
     /// failed.
     Result<void> save();
 
-    bool handle_pointer(const InputEvent& event, bool is_of_panel) override;
+    bool handle_pointer(const InputEvent& event, const glm::dvec2& at, bool is_of_panel) override;
     bool leave() override;
     void put_away() override { leave(); }
     void go_on(double now_s) override;
+    void prepare(const Seen&) override;
     void draw(PanelFacts& facts, const Seen& seen) override;
     void begin_clip(bool goes_on) override;
     bool is_at_work() const override { return brush_.is_at_work(); }
@@ -132,6 +140,9 @@ public:
 private:
     void take_news();
 
+    WindowPanel& panel_;
+    WindowClips& clips_;
+    ClipPicture& surface_;
     WindowBrush brush_;
 };
 

@@ -160,6 +160,10 @@ bool WindowPanel::takes_key(const InputEvent& event) const {
     return has_keys_ && !event.control && std::ranges::find(keys, event.word) != keys.end();
 }
 
+bool WindowPanel::holds_pointer() const {
+    return ImGui::IsAnyItemActive();
+}
+
 void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vector<WindowCommand>& asked) {
     const auto w = static_cast<float>(width), h = static_cast<float>(height);
     const float m = panel_margin * scale_, bar = panel_bar_height * scale_;

@@ -84,7 +84,7 @@ private:
 class WindowPanel {
 public:
     /// `scale` as in ScreenSize.
-    explicit WindowPanel(double scale) : scale_(static_cast<float>(scale)) {}
+    explicit WindowPanel(double scale = 1) : scale_(static_cast<float>(scale)) {}
     void set_scale(double scale) { scale_ = static_cast<float>(scale); }
     bool shown = false, help_shown = false;
     bool has_focus = false;             ///< the panel has the keys
@@ -107,11 +107,13 @@ public:
     /// The same without a clip: messages, and what may be dropped.
     void draw_without_clip(const PanelFacts& facts, int width, int height, std::vector<WindowCommand>& asked);
     /// Whether the last picture had a clickable item there.
-    bool covers(double x, double y) const {
-        return std::ranges::any_of(boxes_, [x, y](const Box& box) { return box.has(x, y); });
+    bool covers(const glm::dvec2& at) const {
+        return std::ranges::any_of(boxes_, [&at](const Box& box) { return box.has(at); });
     }
     /// Whether the bar covers the point when shown.
-    bool is_bar(double x, double y) const { return bar_box_.has(x, y); }
+    bool is_bar(const glm::dvec2& at) const { return bar_box_.has(at); }
+    /// Whether a widget is being pressed or dragged.
+    bool holds_pointer() const;
     /// Width that the panel takes from the picture, pixels: 0 where it lies over it.
     float aside(float width) const;
     /// Once a picture, whether or not the panel is drawn.
@@ -139,9 +141,9 @@ private:
 
     struct Box {
         float x0 = 0, y0 = 0, x1 = 0, y1 = 0;
-        bool has(double x, double y) const {
-            return x >= static_cast<double>(x0) && x < static_cast<double>(x1) &&
-                   y >= static_cast<double>(y0) && y < static_cast<double>(y1);
+        bool has(const glm::dvec2& at) const {
+            return at.x >= static_cast<double>(x0) && at.x < static_cast<double>(x1) &&
+                   at.y >= static_cast<double>(y0) && at.y < static_cast<double>(y1);
         }
     };
     Box note_box();

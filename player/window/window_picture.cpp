@@ -10,7 +10,9 @@
 #include "engine/base/words.hpp"
 #include "player/draw/pictures.hpp"
 #include "player/draw/view.hpp"
-#include "player/window/window_core.hpp"
+#include "player/window/window_clips.hpp"
+#include "player/window/window_input.hpp"
+#include "player/window/window_state.hpp"
 
 namespace touchable {
 namespace {
@@ -180,35 +182,35 @@ double words_scale(const ScreenSize& size, bool from_afar) {
     return std::max(std::min(size.scale * grown, most), size.scale);
 }
 
-std::string relief_words(WindowCore& core) {
-    const auto& in_effect = core.clip()->in_effect();
+std::string relief_words(const WindowState& window) {
+    const auto& in_effect = window.clip->in_effect();
     const auto amount = in_effect.find("relief");
     if (amount == in_effect.end() || amount->second == "0") return {};
-    return core.options.names.relief(core.clip()->choice().file.string(), in_effect);
+    return window.options.names.relief(window.clip->choice().file.string(), in_effect);
 }
 
 Result<void> WindowPicture::open(const KeptSettings& kept) {
-    PlayOptions& options = core_.options;
-    last_picture_ = core_.time.asked_for;
+    PlayOptions& options = window_.options;
+    last_picture_ = window_.time.asked_for;
     is_offline_ = options.is_offline();
-    const double scale = scale_of_words(core_.screen().size());
+    const double scale = scale_of_words(window_.screen->size());
     std::string letters;
-    for (const WindowMode* const mode : core_.modes()) letters += mode->letters();
+    for (const WindowMode* const mode : window_.modes) letters += mode->letters();
     layer_.emplace(scale, letters, options.kiosk ? options.kiosk->texts.language : "");
-    for (WindowMode* const mode : core_.modes()) mode->begin();
+    for (WindowMode* const mode : window_.modes) mode->begin();
     TRY(open_graphics());
-    panel_.emplace(scale);
-    panel_->shown = kept.panel;
+    panel_.set_scale(scale);
+    panel_.shown = kept.panel;
     is_dented_ = options.dent.value_or(kept.dent);
     surface_.set_light(options.light.value_or(kept.light));
-    panel_->hidden = panel_->silent = is_offline_ && !options.film.has_words;
+    panel_.hidden = panel_.silent = is_offline_ && !options.film.has_words;
     if (!options.video) return {};
     const int rate = is_offline_ ? options.film.rate : FilmWriter::usual_rate;
     return assign(film_, WindowFilm::create(*options.video, options.existing, rate, is_offline_));
 }
 
 double WindowPicture::scale_of_words(const ScreenSize& size) const {
-    return core_.options.scale.value_or(words_scale(size, core_.is_unattended()));
+    return window_.options.scale.value_or(words_scale(size, window_.is_unattended()));
 }
 
 /// Adapts text sizes to a changed window size.
@@ -216,13 +218,13 @@ Result<void> WindowPicture::fit_words(const ScreenSize& size) {
     const double scale = scale_of_words(size);
     if (scale == layer_->scale()) return {};
     layer_->set_scale(scale);
-    panel_->set_scale(scale);
+    panel_.set_scale(scale);
     return surface_.graphics().take_letters();
 }
 
 /// A headless window needs no GPU, unless an option names one.
 Result<std::unique_ptr<WindowGraphics>> WindowPicture::make_graphics() {
-    const PlayOptions& options = core_.options;
+    const PlayOptions& options = window_.options;
     if (options.headless && options.painter == "cpu") return make_cpu_graphics();
     // A film's painter is the same on each run: it does not depend on times.
     auto device = options.painter == "auto" && !is_offline_ ? options.gpu->open_measured(measure_painters)
@@ -230,14 +232,14 @@ Result<std::unique_ptr<WindowGraphics>> WindowPicture::make_graphics() {
     const bool is_asked_for = options.painter != "auto" || options.session.builder.names_gpu();
     if (!device && options.headless && (!is_asked_for || lost_at_)) return make_cpu_graphics();
     if (!device) return device.error();
-    TRY(core_.screen().attach(*device));
-    return make_gpu_graphics(std::move(*device), options.painter, core_.screen());
+    TRY(window_.screen->attach(*device));
+    return make_gpu_graphics(std::move(*device), options.painter, *window_.screen);
 }
 
 Result<void> WindowPicture::open_graphics() {
     TRY_ASSIGN(auto graphics, make_graphics());
-    core_.figures.painter = graphics->painter();
-    core_.figures.gpu = graphics->gpu();
+    window_.figures.painter = graphics->painter();
+    window_.figures.gpu = graphics->gpu();
     governor_ = PictureGovernor(graphics->thins_vertices() ? LessOf::vertices : LessOf::pixels);
     surface_.use(std::move(graphics));
     return {};
@@ -246,22 +248,22 @@ Result<void> WindowPicture::open_graphics() {
 /// Reopens graphics after a drawing error, once, if the GPU was lost. Touch continues meanwhile.
 Result<void> WindowPicture::open_graphics_anew(const Error& error) {
     constexpr std::chrono::seconds soon(10);  // a GPU lost again this soon will be lost again
-    TRY(core_.screen().health());
+    TRY(window_.screen->health());
     const auto now = Clock::now();
     if (!surface_.graphics().is_lost() || (lost_at_ && now - *lost_at_ < soon)) return error;
     lost_at_ = now;
     surface_.use(nullptr);
     TRY(open_graphics());
-    const PlayFigures& figures = core_.figures;
-    core_.say(error.message + "; drawn by the " + figures.painter + " painter on " +
-                  (figures.gpu.empty() ? "the CPU" : figures.gpu) + " from now on",
-              Tone::fault);
+    const PlayFigures& figures = window_.figures;
+    window_.say(error.message + "; drawn by the " + figures.painter + " painter on " +
+                    (figures.gpu.empty() ? "the CPU" : figures.gpu) + " from now on",
+                Tone::fault);
     return {};
 }
 
 Result<void> WindowPicture::keep(const std::filesystem::path& name) {
     TRY_ASSIGN(auto image, surface_.graphics().picture());
-    core_.screenshots().give(screenshot(std::move(image), name, core_.options.existing));
+    window_.screenshots.give(screenshot(std::move(image), name, window_.options.existing));
     return {};
 }
 
@@ -274,9 +276,9 @@ void WindowPicture::begin_clip(bool goes_on) {
 Result<void> WindowPicture::draw_if_due(const WatchedMoment* moment) {
     const auto now = Clock::now();
     if (is_offline_) {
-        if (!core_.time.begun || !moment || !film_->is_due(core_.time.now_s())) return {};
-        const ScreenSize size = core_.screen().size();
-        const int samples = core_.options.film.samples;
+        if (!window_.time.begun || !moment || !film_->is_due(window_.time.now_s())) return {};
+        const ScreenSize size = window_.screen->size();
+        const int samples = window_.options.film.samples;
         const auto drawn = within_memory(
             "pictures of " + size_text(samples * size.width, samples * size.height) + " samples",
             [&]() -> Result<void> {
@@ -286,7 +288,7 @@ Result<void> WindowPicture::draw_if_due(const WatchedMoment* moment) {
         return drawn ? drawn : open_graphics_anew(drawn.error());
     }
     if (moment && seen_.is_other_frame(*moment) && frame_came_at_ <= last_picture_) frame_came_at_ = now;
-    const auto since = std::max(last_picture_, core_.time.last_event);
+    const auto since = std::max(last_picture_, window_.time.last_event);
     const bool moves = is_due(moment, now),
                rests = 1000 * Clock::seconds_between(since, now) > after_input_ms,
                is_fine = !moves && (is_fine_ || (rests && can_be_finer(most_samples(), surface_, governor_)));
@@ -297,7 +299,7 @@ Result<void> WindowPicture::draw_if_due(const WatchedMoment* moment) {
 }
 
 Result<void> WindowPicture::add_to_film() {
-    if (!film_ || !core_.time.begun || !film_->wants(core_.time.now_s())) return {};
+    if (!film_ || !window_.time.begun || !film_->wants(window_.time.now_s())) return {};
     TRY_ASSIGN(auto picture, surface_.graphics().picture());
     film_->add(std::move(picture));
     return {};
@@ -308,8 +310,8 @@ Result<void> WindowPicture::add_to_film() {
 bool WindowPicture::is_due(const WatchedMoment* moment, Clock::time_point now) const {
     const double since_ms = 1000 * Clock::seconds_between(last_picture_, now);
     const bool is_soon_after_input =
-        1000 * Clock::seconds_between(core_.time.last_event, now) < after_input_ms;
-    const OpenedClip* const clip = core_.clip();
+        1000 * Clock::seconds_between(window_.time.last_event, now) < after_input_ms;
+    const OpenedClip* const clip = window_.clip.get();
     if (!clip) return is_soon_after_input && since_ms >= picture_pause_ms;
     if (!moment || since_ms < frame_pause_ms) return false;
     if (seen_.is_other_frame(*moment)) return true;
@@ -320,8 +322,8 @@ bool WindowPicture::is_due(const WatchedMoment* moment, Clock::time_point now) c
     const bool plays = playback.playing && !playback.at_end;
     if (plays && left_ms < redraw_.ms() && left_ms > -frame_ms()) return false;
     // Without input a pointer's finger that touches nothing only follows the clip's surface.
-    const bool follows_frames = plays && !core_.options.hand && !touches(*moment);
-    return core_.any(&WindowMode::moves_by_itself) || core_.input().has_events() || is_soon_after_input ||
+    const bool follows_frames = plays && !window_.options.hand && !touches(*moment);
+    return window_.any(&WindowMode::moves_by_itself) || input_.has_events() || is_soon_after_input ||
            (!follows_frames && seen_.differs(*moment, clip->shown(), clip->sizes().finger_radius / 50));
 }
 
@@ -329,20 +331,20 @@ bool WindowPicture::is_due(const WatchedMoment* moment, Clock::time_point now) c
 bool WindowPicture::words_differ(const WatchedMoment* moment) {
     const auto now = Clock::now();
     const double since = Clock::seconds_between(std::max(last_picture_, last_words_), now);
-    const ScreenSize size = core_.screen().size();
+    const ScreenSize size = window_.screen->size();
     if (1000 * since < words_pause_ms || size.width < 1 || size.height < 1) return false;
     if (film_) return true;  // it has no gaps
     last_words_ = now;
-    core_.notices.pass(core_.time.script_s);
+    window_.notices.pass(window_.time.script_s);
     const std::uint64_t before = layer_->hash();
     layer_->begin(size.width, size.height, since, {});
-    if (!core_.clip()) {
-        panel_->draw_without_clip(facts_without_clip(), size.width, size.height, asked_);
+    if (!window_.clip) {
+        panel_.draw_without_clip(facts_without_clip(), size.width, size.height, asked_);
     } else if (moment) {
-        const HeightField field(core_.clip()->scene(), moment->held.pair);
-        PanelFacts facts = facts_of(*moment, field, core_.clip()->view().camera(size.width, size.height));
+        const HeightField field(window_.clip->scene(), moment->held.pair);
+        PanelFacts facts = facts_of(*moment, field, window_.clip->view().camera(size.width, size.height));
         facts.halos = halos_;
-        panel_->draw(facts, size.width, size.height, asked_);
+        panel_.draw(facts, size.width, size.height, asked_);
     }
     layer_->end();
     return layer_->hash() != before;
@@ -351,8 +353,8 @@ bool WindowPicture::words_differ(const WatchedMoment* moment) {
 /// How many samples along a pixel's side there is room for: 1 unless the view is turned, so that more smooth
 /// its edges.
 int WindowPicture::most_samples() const {
-    const OpenedClip* const clip = core_.clip();
-    const ScreenSize size = core_.screen().size();
+    const OpenedClip* const clip = window_.clip.get();
+    const ScreenSize size = window_.screen->size();
     if (!clip || clip->view().own() || !surface_.graphics().can_stretch()) return 1;
     for (const int samples : {4, 2})
         if (samples * std::max(size.width, size.height) <= longest_side &&
@@ -367,7 +369,7 @@ double WindowPicture::pause_ms() const {
 
 /// Duration of a clip's frame at the current speed.
 double WindowPicture::frame_ms() const {
-    const OpenedClip& clip = *core_.clip();
+    const OpenedClip& clip = *window_.clip;
     const auto rate = static_cast<double>(clip.session().playback().rate) / 1000;
     return 1000 / clip.scene().rate.per_second() / std::max(rate, 1e-3);
 }
@@ -375,7 +377,7 @@ double WindowPicture::frame_ms() const {
 /// The camera at the size that there is time to draw.
 ViewCamera WindowPicture::drawn_camera(const ScreenSize& size) const {
     const bool is_quick = surface_.graphics().is_quick() && governor_.share() == 1;
-    const double share = is_offline_                         ? core_.options.film.samples
+    const double share = is_offline_                         ? window_.options.film.samples
                          : is_fine_                          ? most_samples()
                          : is_quick                          ? std::min(most_samples(), 2)
                          : surface_.graphics().can_stretch() ? governor_.share()
@@ -383,12 +385,12 @@ ViewCamera WindowPicture::drawn_camera(const ScreenSize& size) const {
     const auto side = [share](int pixels) {
         return std::max(1, static_cast<int>(std::lround(pixels * share)));
     };
-    return core_.clip()->view().camera(side(size.width), side(size.height));
+    return window_.clip->view().camera(side(size.width), side(size.height));
 }
 
 /// The decimation of vertices: only as fine as there is time for while the clip plays, 1 at rest.
 int WindowPicture::vertex_step(const ViewCamera& camera) {
-    const OpenedClip& clip = *core_.clip();
+    const OpenedClip& clip = *window_.clip;
     const int coarse = SurfaceDrawing::step_for(clip.view().pixels_per_vertex(camera.width, camera.height));
     coarse_saves_ = coarse > 1;
     const PlaybackState playback = clip.session().playback();
@@ -398,60 +400,60 @@ int WindowPicture::vertex_step(const ViewCamera& camera) {
 }
 
 Result<void> WindowPicture::draw_what_is_there(const WatchedMoment* moment) {
-    if (!core_.clip()) return draw_opening();
+    if (!window_.clip) return draw_opening();
     return moment ? draw(*moment) : Result<void>();
 }
 
 Result<void> WindowPicture::draw_newest() {
     is_fine_ = can_be_finer(most_samples(), surface_, governor_);
-    return draw_what_is_there(core_.clip() ? core_.clip()->session().look() : nullptr);
+    return draw_what_is_there(window_.clip ? window_.clip->session().look() : nullptr);
 }
 
 /// Its fingers that touch nothing are then hidden, as they would seem to be behind the bar.
 bool WindowPicture::pointer_is_on_bar() const {
-    const PointerFingers& fingers = core_.clip()->fingers();
+    const PointerFingers& fingers = window_.clip->fingers();
     const auto& at = fingers.pointer();  // includes moves by keys
-    return at && !core_.options.hand && !fingers.is_touched() && !core_.input().holds_pointer() &&
-           is_bar(*at) && panel_covers(*at);
+    return at && !window_.options.hand && !fingers.is_touched() && !input_.holds_pointer() &&
+           panel_.is_bar(*at) && panel_.covers(*at);
 }
 
 void WindowPicture::lead_fingers(const WatchedMoment& moment) {
-    OpenedClip& clip = *core_.clip();
-    const ScreenSize size = core_.screen().size();
+    OpenedClip& clip = *window_.clip;
+    const ScreenSize size = window_.screen->size();
     std::vector<Contact> met;
     for (const WatchedTick::Finger& finger : moment.felt.fingers) met.push_back(finger.contact);
     const HeightField field(clip.scene(), moment.held.pair);
     clip.view().note_middle(field);
-    if (!core_.options.hand) clip.fingers().intend(field, clip.view().camera(size.width, size.height), met);
+    if (!window_.options.hand) clip.fingers().intend(field, clip.view().camera(size.width, size.height), met);
 }
 
 Result<void> WindowPicture::draw(const WatchedMoment& moment) {
-    OpenedClip& clip = *core_.clip();
-    const ScreenSize size = core_.screen().size();
+    OpenedClip& clip = *window_.clip;
+    const ScreenSize size = window_.screen->size();
     const auto begin = Clock::now();
     const double since = Clock::seconds_between(last_picture_, begin);
     const bool is_new = seen_.is_other_frame(moment);
     last_picture_ = begin;
     seen_.remember(moment, clip.shown());
     if (size.width < 1 || size.height < 1) {  // minimised
-        core_.input().take_events();
+        input_.take_events();
         return {};
     }
-    core_.notices.pass(core_.time.script_s);
+    window_.notices.pass(window_.time.script_s);
     TRY(fit_words(size));
 
     const HeightField field(clip.scene(), moment.held.pair);
     double below = 0;
-    for (const WindowMode* const mode : core_.modes()) below += mode->strip_below(size);
-    const double aside = core_.is_unattended() ? 0 : panel_->aside(static_cast<float>(size.width));
+    for (const WindowMode* const mode : window_.modes) below += mode->strip_below(size);
+    const double aside = window_.is_unattended() ? 0 : panel_.aside(static_cast<float>(size.width));
     clip.view().leave_free({aside / size.width, below});
     clip.view().note_middle(field);
     const ViewCamera camera = clip.view().camera(size.width, size.height);
-    if (const auto at = core_.input().take_double_click())
+    if (const auto at = input_.take_double_click())
         if (const auto met = pick(field, camera, at->x, at->y)) clip.view().look_at(met->point);
-    for (WindowMode* const mode : core_.modes()) mode->prepare({moment, field, camera});
+    for (WindowMode* const mode : window_.modes) mode->prepare({moment, field, camera});
     if (!is_offline_) lead_fingers(moment);
-    const bool is_held = core_.options.hand != nullptr;
+    const bool is_held = window_.options.hand != nullptr;
 
     WindowGraphics& graphics = surface_.graphics();
     TRY(graphics.begin());
@@ -461,24 +463,23 @@ Result<void> WindowPicture::draw(const WatchedMoment& moment) {
         clip.trails().marks(felt, clip.shown(), field, is_held ? nearest_of_hand : nearest_of_pointer);
     // A dent would change the values that an overlay's colours show.
     clip.put_on_surface(marks, felt, field, is_dented_ && surface_.overlay() == Overlay::colour);
-    if (core_.any(&WindowMode::hides_forces)) hide_forces(marks, field, clip.sizes().finger_radius);
+    if (window_.any(&WindowMode::hides_forces)) hide_forces(marks, field, clip.sizes().finger_radius);
     if (pointer_is_on_bar())
         for (FingerMark& mark : marks) mark.shown = mark.shown && mark.touching;
     const auto marked = Clock::now();
-    surface_.set_tint(core_.brush().brush().tint());
     const ViewCamera drawn_from = drawn_camera(size);
     TRY(surface_.draw(moment, field, drawn_from, marks, clip.sizes(), size.width, size.height,
                       vertex_step(drawn_from)));
     const auto drawn = Clock::now();
     PanelFacts facts = facts_of(moment, field, camera);
     facts.halos = halos_ = finger_halos(marks, clip.sizes(), field, camera);
-    layer_->begin(size.width, size.height, since, core_.input().take_events());
-    panel_->draw(facts, size.width, size.height, asked_);
+    layer_->begin(size.width, size.height, since, input_.take_events());
+    panel_.draw(facts, size.width, size.height, asked_);
     layer_->end();
     const auto worded = Clock::now();
     TRY(graphics.finish());
     if (is_new) {
-        PlayFigures& figures = core_.figures;
+        PlayFigures& figures = window_.figures;
         figures.surface_ms.add(1000 * Clock::seconds_between(marked, drawn));
         figures.words_ms.add(1000 * Clock::seconds_between(drawn, worded));
         figures.shown_ms.add(1000 * Clock::seconds_between(worded, Clock::now()));
@@ -491,42 +492,40 @@ Result<void> WindowPicture::draw(const WatchedMoment& moment) {
 /// All contents of texts, bars and curves.
 PanelFacts WindowPicture::facts_of(const WatchedMoment& moment, const HeightField& field,
                                    const ViewCamera& camera) {
-    PanelFacts facts = panel_facts(*core_.clip(), surface_, moment, field, camera);
-    facts.settings.b_is_on = core_.clips().settings().in_effect.b_is_on;
-    facts.settings.relief = relief_words(core_);
+    PanelFacts facts = panel_facts(*window_.clip, surface_, moment, field, camera);
+    facts.settings.b_is_on = clips_.settings().in_effect.b_is_on;
+    facts.settings.relief = relief_words(window_);
     facts.is_dented = is_dented_;
     facts.light = surface_.light();
-    facts.has_touch_screen = core_.input().has_touch_screen();
+    facts.has_touch_screen = input_.has_touch_screen();
     if (is_offline_) facts.figures.clear();  // they depend on the machine
-    WindowSound& sound = core_.sound();
+    WindowSound& sound = *window_.sound;
     facts.figures.push_back(sound.state());
-    for (std::string words : {core_.screen().touch_state(), sound.rumble_state()})
+    for (std::string words : {window_.screen->touch_state(), sound.rumble_state()})
         if (!words.empty()) facts.figures.push_back(std::move(words));
     facts.volume = sound.volume();
-    facts.files = core_.clips().files();
-    for (WindowMode* const mode : core_.modes()) mode->draw(facts, {moment, field, camera});
-    if (!core_.is_unattended()) add_message(facts);
+    facts.files = clips_.files();
+    for (WindowMode* const mode : window_.modes) mode->draw(facts, {moment, field, camera});
+    if (!window_.is_unattended()) add_message(facts);
     if (!facts.place.lines.empty()) values_ = listed(facts.place.lines);
     return facts;
 }
 
 void WindowPicture::copy_values() {
-    if (values_.empty()) return core_.say("point at the picture to copy its values", Tone::refusal);
-    core_.screen().set_clipboard(values_);
-    core_.say("copied: " + values_);
+    if (values_.empty()) return window_.say("point at the picture to copy its values", Tone::refusal);
+    window_.screen->set_clipboard(values_);
+    window_.say("copied: " + values_);
 }
 
 /// The last message; else work in progress, a fault, or a hint.
 void WindowPicture::add_message(PanelFacts& facts) const {
-    add_notices(facts, core_.notices);
+    add_notices(facts, window_.notices);
     if (!facts.message.empty()) return;
     constexpr double opening_is_quick_s = 0.2;  // shorter work is not mentioned
-    const WindowClips& clips = core_.clips();
-    facts.message =
-        clips.seconds() > opening_is_quick_s ? clips.words() + " ..." : core_.brush().brush().words();
+    facts.message = clips_.seconds() > opening_is_quick_s ? clips_.words() + " ..." : facts.brush.work;
     if (!facts.message.empty() || !facts.faults.empty()) return;  // no hint beside a fault
-    if (panel_->hidden) return;
-    const OpenedClip& clip = *core_.clip();
+    if (panel_.hidden) return;
+    const OpenedClip& clip = *window_.clip;
     const auto failure = fault_of(clip);
     const std::vector<std::string> remarks = clip.remarks();
     const bool is_gone = facts.at_end && !remarks.empty();  // a camera
@@ -537,9 +536,9 @@ void WindowPicture::add_message(PanelFacts& facts) const {
         facts.message = remarks.back();
     else if (!facts.silence.empty())
         facts.message = facts.silence;
-    else if (core_.time.script_s - core_.time.stirred_s > hint_s)
+    else if (window_.time.script_s - window_.time.stirred_s > hint_s)
         return;
-    else if (!core_.options.hand && !clip.fingers().was_pressed())
+    else if (!window_.options.hand && !clip.fingers().was_pressed())
         facts.message = facts.has_touch_screen             ? first_touch_words
                         : facts.at_end && !clip.is_still() ? end_first_words
                                                            : first_words;
@@ -551,25 +550,25 @@ void WindowPicture::note_picture(const PanelFacts& facts, Clock::time_point begi
     // ImGui sizes a text box one picture later.
     const std::string said = facts.message + (facts.faults.empty() ? "" : facts.faults.front()) +
                              (facts.hand ? facts.hand->state.words + facts.hand->state.remark : "");
-    if (facts.place.lines.size() != place_lines_ || said != shown_message_) core_.time.last_event = begin;
+    if (facts.place.lines.size() != place_lines_ || said != shown_message_) window_.time.last_event = begin;
     place_lines_ = facts.place.lines.size();
     shown_message_ = said;
     const auto end = Clock::now();
     last_draw_ms_ = Clock::seconds_between(begin, end) * 1000;
-    const double solve_us = core_.clip()->session().figures().ticks.solve_us;
-    panel_->remember(facts, last_draw_ms_, is_offline_ ? 0 : solve_us);
-    PlayFigures& figures = core_.figures;
-    if (!core_.time.begun) begin_time(end);
+    const double solve_us = window_.clip->session().figures().ticks.solve_us;
+    panel_.remember(facts, last_draw_ms_, is_offline_ ? 0 : solve_us);
+    PlayFigures& figures = window_.figures;
+    if (!window_.time.begun) begin_time(end);
     ++figures.pictures;
     figures.draw_ms.add(last_draw_ms_);
-    if (const auto first = core_.input().take_first_event())
+    if (const auto first = input_.take_first_event())
         figures.input_to_picture_ms.add(Clock::seconds_between(*first, end) * 1000);
 }
 
 void WindowPicture::begin_time(Clock::time_point at) {
-    core_.figures.first_picture_ms = core_.time.begin(at);
+    window_.figures.first_picture_ms = window_.time.begin(at);
     if (!film_) return;
-    core_.sound().film(
+    window_.sound->film(
         [film = film_.get()](std::int64_t first, std::span<const StereoSample> samples) {
             film->add_sound(first, samples);
         },
@@ -583,27 +582,26 @@ void WindowPicture::note_frame(const WatchedMoment& moment, bool is_new) {
         return;
     }
     redraw_.add_frame();
-    const OpenedClip& clip = *core_.clip();
+    const OpenedClip& clip = *window_.clip;
     const PlaybackState playback = clip.session().playback();
     const std::int64_t due = frames_shown_.due(), in_time = frames_shown_.in_time();
     const TimedFrame& frame = moment.held.pair.prev;
     const std::int64_t lasts_ns = clip.scene().rate.time_ns(frame.number + 1) - frame.time_ns;
     frames_shown_.add(moment.held.pair, playback.moment.time_ns, lasts_ns);
     if (playback.playing)
-        governor_.add(core_.time.now_s(), frames_shown_.due() - due, frames_shown_.in_time() - in_time,
+        governor_.add(window_.time.now_s(), frames_shown_.due() - due, frames_shown_.in_time() - in_time,
                       last_draw_ms_ / frame_ms(), coarse_saves_);
-    double& least = core_.figures.least_detail;
+    double& least = window_.figures.least_detail;
     least = std::min(least, governor_.detail());
 }
 
 PanelFacts WindowPicture::facts_without_clip() const {
     PanelFacts facts;
-    const WindowClips& clips = core_.clips();
-    facts.is_empty = clips.waits_for_wish() && !clips.is_opening();
-    facts.files = clips.files();
-    if (core_.is_unattended()) return facts;
-    add_notices(facts, core_.notices);
-    if (facts.message.empty() && clips.is_opening()) facts.message = clips.words() + " ...";
+    facts.is_empty = clips_.waits_for_wish() && !clips_.is_opening();
+    facts.files = clips_.files();
+    if (window_.is_unattended()) return facts;
+    add_notices(facts, window_.notices);
+    if (facts.message.empty() && clips_.is_opening()) facts.message = clips_.words() + " ...";
     return facts;
 }
 
@@ -613,13 +611,13 @@ PanelFacts WindowPicture::facts_without_clip() const {
 Result<void> WindowPicture::draw_opening() {
     const auto since = Clock::seconds_between(last_picture_, Clock::now());
     last_picture_ = Clock::now();
-    core_.input().take_first_event();
-    const ScreenSize size = core_.screen().size();
+    input_.take_first_event();
+    const ScreenSize size = window_.screen->size();
     if (size.width < 1 || size.height < 1) {  // minimised
-        core_.input().take_events();
+        input_.take_events();
         return {};
     }
-    core_.notices.pass(core_.time.script_s);
+    window_.notices.pass(window_.time.script_s);
     TRY(fit_words(size));
     WindowGraphics& graphics = surface_.graphics();
     TRY(graphics.begin());
@@ -636,15 +634,15 @@ Result<void> WindowPicture::draw_opening() {
     TRY(graphics.draw(camera, {{finger}}, {}, size.width, size.height));
     const PanelFacts facts = facts_without_clip();
     for (int k = 0; k < 2; ++k) {  // ImGui sizes a text box at the second pass
-        layer_->begin(size.width, size.height, k == 0 ? since : 1e-3, core_.input().take_events());
-        panel_->draw_without_clip(facts, size.width, size.height, asked_);
+        layer_->begin(size.width, size.height, k == 0 ? since : 1e-3, input_.take_events());
+        panel_.draw_without_clip(facts, size.width, size.height, asked_);
         layer_->end();
     }
     TRY(graphics.finish());
-    PlayFigures& figures = core_.figures;
-    if (!core_.time.begun && core_.clips().waits_for_wish())
-        figures.first_picture_ms = core_.time.begin(Clock::now());
-    if (core_.time.begun) ++figures.pictures;
+    PlayFigures& figures = window_.figures;
+    if (!window_.time.begun && clips_.waits_for_wish())
+        figures.first_picture_ms = window_.time.begin(Clock::now());
+    if (window_.time.begun) ++figures.pictures;
     return {};
 }
 

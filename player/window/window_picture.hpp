@@ -23,7 +23,9 @@
 namespace touchable {
 
 class OpenedClip;
-class WindowCore;
+class WindowClips;
+class WindowInput;
+class WindowState;
 struct KeptSettings;
 
 /// Scale of text, lines and bars in a window, like ScreenSize::scale: the display's, and more if the window
@@ -34,7 +36,8 @@ double words_scale(const ScreenSize& size, bool from_afar);
 
 class WindowPicture {
 public:
-    explicit WindowPicture(WindowCore& core) : core_(core) {}
+    WindowPicture(WindowState& window, WindowPanel& panel, WindowInput& input, const WindowClips& clips)
+        : window_(window), panel_(panel), input_(input), clips_(clips) {}
 
     /// Opens graphics; needs a screen.
     Result<void> open(const KeptSettings& kept);
@@ -58,12 +61,7 @@ public:
 
     ClipPicture& surface() { return surface_; }
     ImGuiLayer& layer() { return *layer_; }
-    WindowPanel& panel() { return *panel_; }
     const std::unique_ptr<WindowFilm>& film() const { return film_; }  ///< null: no film is made
-    bool panel_covers(const glm::dvec2& at) const { return panel_->covers(at.x, at.y); }
-    bool is_bar(const glm::dvec2& at) const { return panel_->is_bar(at.x, at.y); }
-    /// Whether a widget of the panel is being pressed or dragged.
-    bool holds_pointer() const { return layer_->holds_pointer(); }
 
     /// Whether dents of the surface are drawn.
     bool is_dented() const { return is_dented_; }
@@ -104,10 +102,12 @@ private:
     void note_picture(const PanelFacts& facts, Clock::time_point begin);
     void note_frame(const WatchedMoment& moment, bool is_new);
 
-    WindowCore& core_;
+    WindowState& window_;
+    WindowPanel& panel_;
+    WindowInput& input_;
+    const WindowClips& clips_;
     std::optional<ImGuiLayer> layer_;
     ClipPicture surface_;
-    std::optional<WindowPanel> panel_;
     std::unique_ptr<WindowFilm> film_;
     std::vector<WindowCommand> asked_;
     bool is_dented_ = true;
@@ -128,6 +128,6 @@ private:
 };
 
 /// The command that makes a clip with the felt relief; empty: no relief, or unknown.
-std::string relief_words(WindowCore& core);
+std::string relief_words(const WindowState& window);
 
 }  // namespace touchable
