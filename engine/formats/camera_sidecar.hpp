@@ -87,7 +87,6 @@ struct PicturesOfCamera {
     /// with this stem.
     bool is_whole_folder = false;
     std::string stem{};
-    bool only_named = false;                      ///< only read files named as a camera's
     std::vector<std::filesystem::path> frames{};  ///< depth's pictures, one a frame; empty: not known
     CameraText own{};                             ///< from the pictures' own file; goes first
     std::filesystem::path own_file{};             ///< that file

@@ -13,7 +13,6 @@
 #include "engine/formats/camera_sidecar.hpp"
 #include "engine/formats/depth_photo.hpp"
 #include "engine/formats/depth_values.hpp"
-#include "engine/formats/foreign_files.hpp"
 #include "engine/formats/formats_read.hpp"
 #include "engine/formats/organised_cloud.hpp"
 #include "engine/formats/picture_files.hpp"
