@@ -688,11 +688,6 @@ std::optional<std::pair<int, int>> usual_size(double near_width, int width, int 
 
 }  // namespace
 
-Camera camera_of_fov(double degrees, int width, int height) {
-    const double half = degrees * pi / 360, f = 0.5 * width * cosine(half) / sine(half);
-    return {f, f, 0.5 * (width - 1), 0.5 * (height - 1)};
-}
-
 std::string guessed_field_of_view(double degrees) {
     constexpr double more = 10;  // degrees
     const auto width = [](double whole) { return sine(whole * pi / 360) / cosine(whole * pi / 360); };

@@ -112,7 +112,6 @@ public:
         source_ = {file_.path().filename().string(), "", found->layout, found->values};
         is_lossless_ = video->info().lossless;
         if (camera && !known_.intrinsics && !known_.fov) known_.intrinsics = *camera;
-        constexpr double assumed_near = 0.5, assumed_far = 1.5;  // metres, of hues from red to red
         TRY_ASSIGN(auto guessed,
                    is_hue ? of_hue(*part, camera ? record3d_coding() : hue_coding(assumed_near, assumed_far))
                           : of_grey(picture, *part));
