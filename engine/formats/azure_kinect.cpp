@@ -99,10 +99,8 @@ std::optional<PictureSize> size_of_track(const Demuxer& file, const std::string&
 }
 
 Result<StoredImage> first_depth(VideoFile& video) {
-    TRY_ASSIGN(auto frame, video.next());
-    if (!frame) return input_error(video.where(0) + ": is missing");
     RgbConverter converter;
-    VideoPicture picture(std::move(frame), converter, video.where(0));
+    TRY_ASSIGN(auto picture, picture_at(video, 0, converter));
     TRY_ASSIGN(const auto plane, picture.depth(VideoValues::grey, {0, 0, picture.width(), picture.height()}));
     if (plane.view.bytes_per_sample != 2)
         return input_error(video.where(0) + ": is no depth of 16 bits, as this camera records it");

@@ -55,8 +55,7 @@ Result<std::vector<BagMessage>> messages_of(BagFile& bag, const std::string& top
 }
 
 /// The first message of this type to a topic; nothing if there is none that can be read.
-Result<std::optional<std::string>> first_message(BagFile& bag, const std::string& topic,
-                                                 const RosType& type) {
+Result<std::optional<RosMessage>> first_message(BagFile& bag, const std::string& topic, const RosType& type) {
     TRY_ASSIGN(const auto messages, messages_of(bag, topic, type));
     return bag.read_first(messages);
 }

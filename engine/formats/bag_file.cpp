@@ -7,104 +7,42 @@
 #include <zstd.h>
 
 #include <algorithm>
-#include <cstring>
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/formats/ros_messages.hpp"
 
 namespace touchable {
 namespace {
 
 constexpr std::uint32_t largest_chunk = 128 << 20;  // recorders write chunks of one to ten MiB
-constexpr std::size_t piece_bytes = 64 << 10;
 
-/// Packed bytes of a file, piece by piece.
-class PackedPieces {
-public:
-    PackedPieces(ByteSource& file, std::uint64_t at, std::uint32_t size)
-        : file_(file), at_(at), left_(size) {}
-    /// Empty after the last.
-    Result<std::string_view> next() {
-        const std::size_t count = std::min<std::size_t>(left_, piece_bytes);
-        TRY(file_.read(at_, piece_.data(), count));
-        at_ += count;
-        left_ -= static_cast<std::uint32_t>(count);
-        return std::string_view(piece_.data(), count);
-    }
-
-private:
-    ByteSource& file_;
-    std::uint64_t at_;
-    std::uint32_t left_;
-    std::vector<char> piece_ = std::vector<char>(piece_bytes);
-};
-
-Error not_unpacked(const char* compression) {
-    return input_error(std::string("is damaged: a chunk cannot be unpacked by ") + compression);
+/// Unpacks `from`, which fills `to`; false if it is damaged. Bytes behind the end do not matter.
+bool unpack_bz2(std::string& from, std::string& to) {
+    auto size = static_cast<unsigned>(to.size());
+    return BZ2_bzBuffToBuffDecompress(to.data(), &size, from.data(), static_cast<unsigned>(from.size()), 0,
+                                      0) == BZ_OK &&
+           size == to.size();
 }
 
-Result<void> unpack_bz2(PackedPieces& pieces, std::string& to) {
-    bz_stream stream{};
-    if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) return not_unpacked("bzip2");
-    const std::unique_ptr<bz_stream, int (*)(bz_stream*)> closer(&stream, BZ2_bzDecompressEnd);
-    stream.next_out = to.data();
-    stream.avail_out = static_cast<unsigned>(to.size());
-    for (int state = BZ_OK; state != BZ_STREAM_END;) {
-        TRY_ASSIGN(const auto piece, pieces.next());
-        stream.next_in = const_cast<char*>(piece.data());  // which bzip2 only reads
-        stream.avail_in = static_cast<unsigned>(piece.size());
-        do {
-            const unsigned before = stream.avail_in + stream.avail_out;
-            state = BZ2_bzDecompress(&stream);
-            if (state != BZ_OK && state != BZ_STREAM_END) return not_unpacked("bzip2");
-            if (state == BZ_OK && before == stream.avail_in + stream.avail_out) {
-                if (piece.empty() || stream.avail_in > 0) return not_unpacked("bzip2");
-                break;
-            }
-        } while (state == BZ_OK);
-    }
-    if (stream.avail_out > 0) return not_unpacked("bzip2");
-    return {};
-}
-
-Result<void> unpack_lz4(PackedPieces& pieces, std::string& to) {
+bool unpack_lz4(std::string_view from, std::string& to) {
     LZ4F_dctx* context = nullptr;
-    if (LZ4F_isError(LZ4F_createDecompressionContext(&context, LZ4F_VERSION))) return not_unpacked("LZ4");
+    if (LZ4F_isError(LZ4F_createDecompressionContext(&context, LZ4F_VERSION))) return false;
     const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> closer(
         context, LZ4F_freeDecompressionContext);
     std::size_t filled = 0, wanted = 1;
     while (wanted != 0) {
-        TRY_ASSIGN(const auto piece, pieces.next());
-        if (piece.empty()) return not_unpacked("LZ4");
-        for (std::string_view left = piece; !left.empty() && wanted != 0;) {
-            std::size_t taken = left.size(), given = to.size() - filled;
-            wanted = LZ4F_decompress(context, to.data() + filled, &given, left.data(), &taken, nullptr);
-            if (LZ4F_isError(wanted) || (taken == 0 && given == 0)) return not_unpacked("LZ4");
-            filled += given;
-            left.remove_prefix(taken);
-        }
+        std::size_t taken = from.size(), given = to.size() - filled;
+        wanted = LZ4F_decompress(context, to.data() + filled, &given, from.data(), &taken, nullptr);
+        if (LZ4F_isError(wanted) || (taken == 0 && given == 0)) return false;
+        filled += given;
+        from.remove_prefix(taken);
     }
-    if (filled != to.size()) return not_unpacked("LZ4");
-    return {};
+    return filled == to.size();
 }
 
-/// Unpacks one or several frames; the output's size is fixed, whatever a frame states.
-Result<void> unpack_zstd(PackedPieces& pieces, std::string& to) {
-    const std::unique_ptr<ZSTD_DStream, decltype(&ZSTD_freeDStream)> stream(ZSTD_createDStream(),
-                                                                            ZSTD_freeDStream);
-    if (!stream) return not_unpacked("zstd");
-    ZSTD_outBuffer out{to.data(), to.size(), 0};
-    for (std::size_t wanted = 1;;) {
-        TRY_ASSIGN(const auto piece, pieces.next());
-        if (piece.empty()) return wanted == 0 && out.pos == out.size ? Result<void>{} : not_unpacked("zstd");
-        ZSTD_inBuffer in{piece.data(), piece.size(), 0};
-        while (in.pos < in.size) {
-            const std::size_t before = in.pos + out.pos;
-            wanted = ZSTD_decompressStream(stream.get(), &out, &in);
-            if (ZSTD_isError(wanted) || in.pos + out.pos == before) return not_unpacked("zstd");
-        }
-    }
+/// Of one or several frames.
+bool unpack_zstd(std::string_view from, std::string& to) {
+    return ZSTD_decompress(to.data(), to.size(), from.data(), from.size()) == to.size();
 }
 
 /// An error says what is wrong, but not in which file.
@@ -113,20 +51,23 @@ Result<std::string> unpack(ByteSource& file, const PackedChunk& chunk) {
     if (size > largest_chunk)
         return input_error("has a chunk of " + std::to_string(size >> 20) + " MiB: at most " +
                            std::to_string(largest_chunk >> 20) + " are read");
-    // LZ4 cannot expand a byte to more; for bzip2 and zstd no recording comes near this limit.
-    if (const std::uint32_t most = compression == "lz4" ? 255 : 4096; size / most > packed)
+    // LZ4 cannot expand a byte to more; for bzip2 and zstd no recording comes near this limit. None makes
+    // bytes many more either.
+    constexpr std::uint64_t few = 4096;
+    if (const std::uint32_t most = compression == "lz4" ? 255 : 4096;
+        size / most > packed || packed > few + 2 * std::uint64_t{size})
         return input_error("is damaged: has a chunk of " + std::to_string(size) + " bytes in " +
                            std::to_string(packed));
+    std::string stored(packed, '\0');
+    TRY(file.read(at, stored.data(), stored.size()));
+    if (compression.empty()) return stored;
     std::string bytes(size, '\0');
-    if (compression.empty()) {
-        TRY(file.read(at, bytes.data(), bytes.size()));
+    const bool is_bz2 = compression == "bz2", is_zstd = compression == "zstd";
+    if (is_bz2 ? unpack_bz2(stored, bytes) : is_zstd ? unpack_zstd(stored, bytes) : unpack_lz4(stored, bytes))
         return bytes;
-    }
-    PackedPieces pieces(file, at, packed);
-    TRY(compression == "bz2"    ? unpack_bz2(pieces, bytes)
-        : compression == "zstd" ? unpack_zstd(pieces, bytes)
-                                : unpack_lz4(pieces, bytes));
-    return bytes;
+    return input_error(std::string("is damaged: a chunk cannot be unpacked by ") + (is_bz2    ? "bzip2"
+                                                                                    : is_zstd ? "zstd"
+                                                                                              : "LZ4"));
 }
 
 /// Kinds of records in a recording of ROS 1.
@@ -236,7 +177,7 @@ public:
         return found;
     }
 
-    Result<std::string> read(const BagMessage& message, std::size_t most) override {
+    Result<RosMessage> read(const BagMessage& message, std::size_t most) override {
         Chunk& chunk = chunks_[message.chunk];
         TRY(read_chunk(chunk));
         const bool is_plain = chunk.compression == "none";
@@ -251,7 +192,7 @@ public:
         if (size > largest_message) return too_large(size);
         std::string data(size, '\0');
         TRY(read_bytes(*packed, record.data_at, data.data(), data.size()));
-        return data;
+        return RosMessage{std::move(data)};
     }
 
 private:
@@ -390,14 +331,14 @@ Result<std::unique_ptr<BagFile>> BagFile::open(const SourceFile& file) {
     return opened_as<BagFile>(std::make_unique<RosBag>(file.string()), file);
 }
 
-Result<std::optional<std::string>> BagFile::read_first(std::span<const BagMessage> messages) {
+Result<std::optional<RosMessage>> BagFile::read_first(std::span<const BagMessage> messages) {
     for (const BagMessage& each : messages) {
         auto bytes = read(each);
         if (bytes) return std::optional(std::move(*bytes));
         if (bytes.error().kind == ErrorKind::interrupted || !is_given_up(messages.front()))
             return bytes.error();
     }
-    return std::optional<std::string>();
+    return std::optional<RosMessage>();
 }
 
 std::string BagFile::left_out() const {

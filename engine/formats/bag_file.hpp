@@ -7,6 +7,7 @@
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
+#include "engine/formats/ros_messages.hpp"
 
 namespace touchable {
 
@@ -34,7 +35,7 @@ struct PackedChunk {
     std::uint32_t packed = 0, size = 0;
 };
 
-/// A recording of messages in ROS 1's serialisation; those of ROS 2 are converted to it (ros_messages.hpp).
+/// A recording of messages of ROS 1 or ROS 2.
 class BagFile {
 public:
     virtual ~BagFile() = default;
@@ -46,16 +47,16 @@ public:
     const std::vector<BagConnection>& connections() const { return connections_; }
     /// All messages of these connections, in the order in which they were recorded.
     virtual Result<std::vector<BagMessage>> messages(std::span<const std::uint32_t> connections) = 0;
-    /// A message's first `most` bytes, or all of them, in ROS 1's serialisation.
-    virtual Result<std::string> read(const BagMessage& message,
-                                     std::size_t most = std::numeric_limits<std::size_t>::max()) = 0;
+    /// A message's first `most` bytes, or all of them.
+    virtual Result<RosMessage> read(const BagMessage& message,
+                                    std::size_t most = std::numeric_limits<std::size_t>::max()) = 0;
 
     const std::string& name() const { return name_; }
     /// Whether an earlier read failed on damage in the message's chunk.
     bool is_given_up(const BagMessage& message) const { return why_given_up(message.chunk) != nullptr; }
     /// Reads the first of these messages that can be read. Nothing if there are none, or if the first is
     /// given up and no other can be read.
-    Result<std::optional<std::string>> read_first(std::span<const BagMessage> messages);
+    Result<std::optional<RosMessage>> read_first(std::span<const BagMessage> messages);
     /// For a person: what reads so far found damaged and left out; empty: nothing.
     virtual std::string left_out() const;
 

@@ -191,7 +191,7 @@ std::vector<CameraCandidate> candidates_in(const fs::path& folder, const Sought&
             if (is_small_text(extension) || is_arrays(extension) ||
                 is_any_of(extension, {"", ".bin", ".mat", ".pincam"}))
                 if (named.size() < most_named) named.push_back({file, true, is_own});
-        } else if (!pictures.only_named && (is_small_text(extension) || is_npz) && !is_of_others(name)) {
+        } else if ((is_small_text(extension) || is_npz) && !is_of_others(name)) {
             // For one picture of a folder: a file that is no other picture's may serve all.
             const std::string before_dot = stem.substr(0, stem.rfind('.'));  // robot.info beside robot.mp4
             const bool is_shared = is_npz || (!std::ranges::binary_search(picture_stems, stem) &&
@@ -687,11 +687,6 @@ std::optional<std::pair<int, int>> usual_size(double near_width, int width, int 
 }
 
 }  // namespace
-
-Camera camera_of_fov(double degrees, int width, int height) {
-    const double half = degrees * pi / 360, f = 0.5 * width * cosine(half) / sine(half);
-    return {f, f, 0.5 * (width - 1), 0.5 * (height - 1)};
-}
 
 std::string guessed_field_of_view(double degrees) {
     constexpr double more = 10;  // degrees

@@ -19,9 +19,7 @@
 namespace touchable {
 
 inline constexpr double usual_fov = 60;  ///< degrees; used if nothing states it
-
-/// A camera with square pixels and its axis through the middle; `degrees` from left edge to right edge.
-Camera camera_of_fov(double degrees, int width, int height);
+inline constexpr double assumed_near = 0.5, assumed_far = 1.5;  ///< metres; of depth without a scale
 
 /// The words of a remark on a guessed field of view (RemarkKind::camera): its width, and how much too narrow
 /// all shapes are if the camera sees 10 degrees more. Their depth is right in any case.
@@ -87,7 +85,6 @@ struct PicturesOfCamera {
     /// with this stem.
     bool is_whole_folder = false;
     std::string stem{};
-    bool only_named = false;                      ///< only read files named as a camera's
     std::vector<std::filesystem::path> frames{};  ///< depth's pictures, one a frame; empty: not known
     CameraText own{};                             ///< from the pictures' own file; goes first
     std::filesystem::path own_file{};             ///< that file

@@ -90,7 +90,7 @@ std::optional<ColourVideo> colour_video_beside(const fs::path& depth) {
     for (const auto& [ranked, video] : found) {
         if (stop_requested()) return {};
         if (auto opened = VideoFile::open(video, PlaneRole::colour))
-            return ColourVideo{video.filename().string(), std::move(*opened), true};
+            return ColourVideo{video.filename().string(), std::move(*opened)};
     }
     return {};
 }
@@ -108,7 +108,7 @@ std::optional<ColourVideo> colour_video_in(const fs::path& folder, std::int64_t 
         if (stop_requested()) return {};
         auto opened = VideoFile::open(video, PlaneRole::colour);
         if (!opened || (!is_named && (*opened)->count() != frames)) continue;
-        ColourVideo found{video.filename().string(), std::move(*opened), is_named};
+        ColourVideo found{video.filename().string(), std::move(*opened)};
         for (const fs::path& other : named)
             if (other != video) found.others.push_back(other.filename().string());
         return found;

@@ -256,18 +256,18 @@ public:
         return some;
     }
 
-    Result<std::string> read(const BagMessage& message, std::size_t most) override {
+    Result<RosMessage> read(const BagMessage& message, std::size_t most) override {
         const auto row = static_cast<std::int64_t>(message.offset);
         TRY_ASSIGN(auto size, error_at(name(), database_->find_blob("messages", "data", row)));
         if (size > bytes_->size()) return damaged("a message is longer than the file");
-        if (most <= ros_stamp_bytes) size = std::min<std::uint64_t>(size, cdr_stamp_bytes);
+        size = std::min<std::uint64_t>(size, most);
         if (size > largest_message) return too_large(size);
-        TRY_ASSIGN(const auto data, error_at(name(), database_->read_blob(static_cast<std::size_t>(size))));
+        TRY_ASSIGN(auto data, error_at(name(), database_->read_blob(static_cast<std::size_t>(size))));
         if (data.starts_with("\x28\xb5\x2f\xfd"))
             return input_error(name() +
                                ": its messages are packed by zstd (compression_mode: message), which is not "
                                "read: ros2 bag convert makes a plain recording of it");
-        return ros1_of_cdr(data, types_[message.connection]);
+        return RosMessage{std::move(data), true};
     }
 
     std::string left_out() const override { return left_out_; }
@@ -303,9 +303,8 @@ private:
             [this](sqlite3_stmt& row) -> Result<void> {
                 const auto type = ros2_type(column_text(row, 2));
                 if (!type || column_text(row, 3) != "cdr") return {};
-                const auto id = static_cast<std::uint32_t>(types_.size());
+                const auto id = static_cast<std::uint32_t>(topics_.size());
                 if (!topics_.emplace(sqlite3_column_int64(&row, 0), id).second) return {};
-                types_.push_back(*type);
                 add_connection({id, column_text(row, 1), std::string(type->name), std::string(type->md5)});
                 return {};
             });
@@ -335,7 +334,6 @@ private:
 
     std::unique_ptr<ByteSource> bytes_;
     std::unique_ptr<SqliteBytes> database_;
-    std::vector<RosType> types_;                    // of each connection
     std::map<std::int64_t, std::uint32_t> topics_;  // the topics' connections
     std::vector<BagMessage> found_;                 // `offset`: the row
     std::string left_out_;

@@ -13,8 +13,7 @@ namespace {
 
 using namespace std::string_view_literals;
 
-constexpr double film_diagonal = 43.2666;                  // mm, of 36 x 24
-constexpr double unscaled_near = 0.5, unscaled_far = 1.5;  // metres, of depth without a scale
+constexpr double film_diagonal = 43.2666;  // mm, of 36 x 24
 constexpr std::uint32_t orientation_tag = 0x0112, exif_directory_tag = 0x8769, film_focal_length_tag = 0xa405;
 constexpr std::uint32_t of_16_bits = 3, of_32_bits = 4;  // types of a value
 constexpr std::size_t entry_bytes = 12;
@@ -99,7 +98,7 @@ void find_camera(const DepthPhoto& photo, const SourceDescription& known, Scene&
                                        ", " + doubt});
         scene.camera = scaled_camera(camera, width, height);
     } else if (known.fov) {
-        scene.camera = camera_of_fov(*known.fov, width, height);
+        scene.camera = scaled_camera({.fov_x = *known.fov}, width, height);
     } else if (photo.camera) {
         scene.camera = scaled_camera(*photo.camera, width, height);
     } else if (photo.film_focal_length > 0) {
@@ -114,7 +113,7 @@ void find_camera(const DepthPhoto& photo, const SourceDescription& known, Scene&
                       short_number(photo.film_focal_length) + " mm in terms of 35 mm film",
                   otherwise, RemarkKind::camera);
     } else {
-        scene.camera = camera_of_fov(usual_fov, width, height);
+        scene.camera = scaled_camera({.fov_x = usual_fov}, width, height);
         add_guess(scene, guessed_field_of_view(usual_fov), otherwise, RemarkKind::camera);
     }
 }
@@ -135,11 +134,11 @@ Result<SceneDescription> described_photo(const std::filesystem::path& file, cons
     if (!photo.has_scale) {
         scene.stored.kind = StoredDepth::Kind::relative;
         scene.metres_per_unit = 1;
-        scene.depth.near = unscaled_near;
-        scene.depth.far = unscaled_far;
+        scene.depth.near = assumed_near;
+        scene.depth.far = assumed_far;
         add_guess(scene,
-                  "depth has no scale: its nearest is taken for " + short_number(unscaled_near) +
-                      " m and its farthest for " + short_number(unscaled_far) + " m",
+                  "depth has no scale: its nearest is taken for " + short_number(assumed_near) +
+                      " m and its farthest for " + short_number(assumed_far) + " m",
                   {}, RemarkKind::scale);
     }
     find_camera(photo, known, scene);
@@ -224,16 +223,15 @@ std::optional<XmpEntries> parse_xmp_entries(std::string_view packet) {
     return std::move(lister.entries);
 }
 
-XmpProperties properties_of(const XmpEntries& entries) {
-    XmpProperties properties;
-    for (const XmpEntry& entry : entries)
-        if (entry.value) properties.insert_or_assign(entry.name, *entry.value);
-    return properties;
+const std::string* xmp_value(const XmpEntries& xmp, std::string_view name) {
+    const auto found = std::find_if(xmp.rbegin(), xmp.rend(),
+                                    [&](const XmpEntry& entry) { return entry.value && entry.name == name; });
+    return found == xmp.rend() ? nullptr : &*found->value;
 }
 
-std::optional<double> xmp_number(const XmpProperties& xmp, std::string_view name) {
-    const auto found = xmp.find(name);
-    return found == xmp.end() ? std::nullopt : parsed_number(found->second);
+std::optional<double> xmp_number(const XmpEntries& xmp, std::string_view name) {
+    const std::string* const value = xmp_value(xmp, name);
+    return value ? parsed_number(*value) : std::nullopt;
 }
 
 Opened open_depth_photo(const Candidate& candidate, DepthPhoto photo) {

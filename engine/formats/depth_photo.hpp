@@ -37,10 +37,8 @@ struct ExifFacts {
 /// keep their defaults: none is essential.
 ExifFacts parse_exif(std::string_view tiff);
 
-/// Properties by qualified name, "GDepth:Near"; values as written.
-using XmpProperties = std::map<std::string, std::string, std::less<>>;
-
-/// A property, or the beginning of an element (no value).
+/// A property by its qualified name, "GDepth:Near", its value as written, or the beginning of an element (no
+/// value).
 struct XmpEntry {
     std::string name;
     std::optional<std::string> value;
@@ -52,11 +50,11 @@ using XmpEntries = std::vector<XmpEntry>;
 /// Nothing if the packet is not well-formed.
 std::optional<XmpEntries> parse_xmp_entries(std::string_view packet);
 
-/// The last value of each name.
-XmpProperties properties_of(const XmpEntries& entries);
+/// The last value of a property; null: there is none.
+const std::string* xmp_value(const XmpEntries& xmp, std::string_view name);
 
 /// A property as a number; nothing if it is none, or absent.
-std::optional<double> xmp_number(const XmpProperties& xmp, std::string_view name);
+std::optional<double> xmp_number(const XmpEntries& xmp, std::string_view name);
 /// Whether a number can be a picture's width or height, pixels.
 inline bool is_xmp_side(const std::optional<double>& side) {
     return side && *side >= 1 && *side < 1e6;
@@ -99,19 +97,17 @@ std::optional<std::size_t> jpeg_length(std::string_view file);
 /// What a JPEG's EXIF says (parse_exif).
 ExifFacts read_jpeg_exif(std::string_view jpeg);
 
-/// Reads a JPEG file's XMP: its packet, and the extended packet that it names, joined from its pieces. Empty
-/// if the file has none. Prefixes are kept as written; namespaces are ignored. Messages begin with `where`.
-Result<XmpProperties> read_jpeg_xmp(std::string_view jpeg, const std::string& where);
-/// The same in order, the extended packet first.
-Result<XmpEntries> read_jpeg_xmp_entries(std::string_view jpeg, const std::string& where);
-
+/// Reads a JPEG file's XMP, in order: the extended packet that its packet names, joined from its pieces, and
+/// the packet. Empty if the file has none. Prefixes are kept as written; namespaces are ignored. Messages
+/// begin with `where`.
+Result<XmpEntries> read_jpeg_xmp(std::string_view jpeg, const std::string& where);
 /// The bytes of a Dynamic Depth JPEG's depth map, a picture after its own, found by the directory in its XMP,
 /// which lists the pictures and their lengths. Messages begin with `where`.
 Result<std::string_view> dynamic_depth_map(std::string_view jpeg, const XmpEntries& xmp,
                                            const std::string& where);
 
 /// The camera in Dynamic Depth's XMP, for the picture as stored. Nothing if the XMP has none.
-std::optional<Intrinsics> dynamic_depth_camera(const XmpProperties& xmp);
+std::optional<Intrinsics> dynamic_depth_camera(const XmpEntries& xmp);
 
 // --- HEIC
 

@@ -1,4 +1,4 @@
-#include "engine/formats/foreign_files.hpp"
+#include "engine/formats/formats_read.hpp"
 
 #include <algorithm>
 #include <array>

@@ -428,21 +428,16 @@ private:
     bool is_touched_ = false;
 };
 
-template <class Number>
-void append_word(std::string& bytes, Number number) {
-    const auto word = std::bit_cast<std::uint32_t>(number);
-    for (int k = 0; k < 4; ++k) bytes += static_cast<char>(word >> (8 * k) & 255U);
-}
-
 /// Indices, positions and texture coordinates, in the buffer's order, little-endian.
 std::string bytes_of_mesh(const FallbackMesh& mesh) {
+    static_assert(std::endian::native == std::endian::little, "numbers are written as they are stored");
     std::string bytes;
-    for (const auto& triangle : mesh.triangles)
-        for (const std::uint32_t corner : triangle) append_word(bytes, corner);
-    for (const auto& position : mesh.positions)
-        for (const float number : position) append_word(bytes, number);
-    for (const auto& place : mesh.texture_places)
-        for (const float number : place) append_word(bytes, number);
+    const auto add = [&](const auto& all) {
+        bytes.append(reinterpret_cast<const char*>(all.data()), all.size() * sizeof all[0]);
+    };
+    add(mesh.triangles);
+    add(mesh.positions);
+    add(mesh.texture_places);
     return bytes;
 }
 

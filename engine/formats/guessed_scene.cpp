@@ -12,11 +12,9 @@
 #include "engine/base/words.hpp"
 #include "engine/clip/readers.hpp"
 #include "engine/formats/colour_video.hpp"
-#include "engine/formats/foreign_files.hpp"
 #include "engine/formats/organised_cloud.hpp"
 #include "engine/formats/picture_files.hpp"
 #include "engine/formats/read_pictures.hpp"
-#include "engine/formats/realsense_raw.hpp"
 #include "engine/formats/scene_draft.hpp"
 #include "engine/formats/sidecar_text.hpp"
 #include "engine/picture/image.hpp"
@@ -238,7 +236,7 @@ Result<void> find_scene_camera(const DepthEvidence& evidence, const fs::path& fo
             draft.tell("the principal point that was said, " + short_number(scene.camera.cx) + ", " +
                        short_number(scene.camera.cy) + ", is far beside the picture");
     } else if (known.fov) {
-        scene.camera = camera_of_fov(*known.fov, scene.width, scene.height);
+        scene.camera = scaled_camera({.fov_x = *known.fov}, scene.width, scene.height);
     } else if (const auto& frames = evidence.frames) {
         scene.camera = frames->median;
         draft.tell("the camera is that of " + frames->files + (is_still(frames->files) ? "" : ", the median"),
@@ -249,7 +247,7 @@ Result<void> find_scene_camera(const DepthEvidence& evidence, const fs::path& fo
         take_camera(preset->intrinsics, "the camera of preset " + std::string(preset->name), "", draft);
     } else {
         const double fov = preset && preset->fov > 0 ? preset->fov : usual_fov;
-        scene.camera = camera_of_fov(fov, scene.width, scene.height);
+        scene.camera = scaled_camera({.fov_x = fov}, scene.width, scene.height);
         draft.say(guessed_field_of_view(fov) + not_understood_words(beside),
                   {{Setting::field_of_view}, {Setting::intrinsics}}, RemarkKind::camera);
     }

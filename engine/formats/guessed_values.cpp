@@ -12,8 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double most_of_lengths = 1.05;                 // lower third of a picture over the upper
-constexpr double assumed_near = 0.5, assumed_far = 1.5;  // metres, of depth without a scale
+constexpr double most_of_lengths = 1.05;  // lower third of a picture over the upper
 
 double itself(double value) {
     return value;

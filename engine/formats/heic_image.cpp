@@ -140,16 +140,15 @@ bool take_disparities(DepthPhoto& photo, double least, double most) {
 }
 
 /// The nine numbers of Apple's matrix, column by column: fx 0 0, 0 fy 0, cx cy 1.
-std::optional<Intrinsics> apple_camera(const XmpEntries& entries) {
+std::optional<Intrinsics> apple_camera(const XmpEntries& xmp) {
     std::vector<double> matrix;
     bool inside = false;
-    for (const XmpEntry& entry : entries) {
+    for (const XmpEntry& entry : xmp) {
         if (!entry.value && entry.name.starts_with("depthData:"))
             inside = entry.name == "depthData:IntrinsicMatrix";
         if (inside && entry.name == "rdf:li" && entry.value)
             matrix.push_back(parsed_number(*entry.value).value_or(0));
     }
-    const XmpProperties xmp = properties_of(entries);
     const auto width = xmp_number(xmp, "depthData:IntrinsicMatrixReferenceWidth"),
                height = xmp_number(xmp, "depthData:IntrinsicMatrixReferenceHeight");
     if (matrix.size() != 9 || !(matrix[0] > 0) || !(matrix[4] > 0) || !is_xmp_side(width) ||
@@ -160,19 +159,18 @@ std::optional<Intrinsics> apple_camera(const XmpEntries& entries) {
 }
 
 /// Sets the coding from Apple's metadata; false if they do not tell the depths.
-bool describe_by_apple(const XmpEntries& entries, DepthPhoto& photo) {
-    const XmpProperties xmp = properties_of(entries);
+bool describe_by_apple(const XmpEntries& xmp, DepthPhoto& photo) {
     const auto least = xmp_number(xmp, "apdi:FloatMinValue"), most = xmp_number(xmp, "apdi:FloatMaxValue");
-    const auto type = xmp.find("apdi:AuxiliaryImageType");
-    photo.camera = apple_camera(entries);
-    if (!least || !most || type == xmp.end()) return false;
-    if (type->second == "depth" && *least > 0 && is_range(*least, *most)) {
+    const std::string* const type = xmp_value(xmp, "apdi:AuxiliaryImageType");
+    photo.camera = apple_camera(xmp);
+    if (!least || !most || !type) return false;
+    if (*type == "depth" && *least > 0 && is_range(*least, *most)) {
         set_depths(photo, DepthCodingKind::linear, false, *least, *most);
         return true;
     }
-    if (type->second != "disparity" || !take_disparities(photo, *least, *most)) return false;
-    const auto accuracy = xmp.find("depthData:Accuracy");
-    if (accuracy != xmp.end() && accuracy->second == "relative")
+    if (*type != "disparity" || !take_disparities(photo, *least, *most)) return false;
+    const std::string* const accuracy = xmp_value(xmp, "depthData:Accuracy");
+    if (accuracy && *accuracy == "relative")
         add_remark(photo.remarks, {"its depths are right among each other, says the camera; in metres they "
                                    "may be larger or smaller all together"});
     return true;

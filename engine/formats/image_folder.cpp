@@ -284,9 +284,7 @@ private:
         return colour_video_->nearest(1e-9 * static_cast<double>(pairing_rate_->time_ns(frame)));
     }
     Result<TrackPicture> colour_picture(std::int64_t number) {
-        TRY(colour_video_->seek(number));
-        TRY_ASSIGN(auto frame, colour_video_->next());
-        VideoPicture picture(std::move(frame), colour_converter_, colour_video_->where(number));
+        TRY_ASSIGN(auto picture, picture_at(*colour_video_, number, colour_converter_));
         TRY_ASSIGN(auto rgb, picture.rgb());
         return lent_picture(colour_video_->info(), std::move(rgb));
     }

@@ -143,8 +143,8 @@ bool begins_picture(std::string_view bytes) {
 constexpr const char* in_xmp = "GDepth:";
 constexpr const char* after_picture = "DepthMap:";
 
-bool has_dynamic_depth(const XmpProperties& xmp) {
-    return xmp.contains("DepthMap:Format") || xmp.contains("DepthMap:DepthURI");
+bool has_dynamic_depth(const XmpEntries& xmp) {
+    return xmp_value(xmp, "DepthMap:Format") || xmp_value(xmp, "DepthMap:DepthURI");
 }
 
 /// A picture after the first whose own XMP is that of Apple's disparities or depths, and all that follows it;
@@ -152,10 +152,9 @@ bool has_dynamic_depth(const XmpProperties& xmp) {
 std::string_view apples_map(std::string_view jpeg) {
     while (const auto length = jpeg_length(jpeg)) {
         jpeg.remove_prefix(std::min(jpeg.find("\xff\xd8\xff", *length), jpeg.size()));
-        const auto read = read_jpeg_xmp(jpeg, "");
-        const XmpProperties xmp = read ? *read : XmpProperties();
-        const auto type = xmp.find("apdi:AuxiliaryImageType");
-        if (type != xmp.end() && (type->second == "disparity" || type->second == "depth")) return jpeg;
+        const auto xmp = read_jpeg_xmp(jpeg, "");
+        const std::string* const type = xmp ? xmp_value(*xmp, "apdi:AuxiliaryImageType") : nullptr;
+        if (type && (*type == "disparity" || *type == "depth")) return jpeg;
     }
     return {};
 }
@@ -177,9 +176,8 @@ public:
     JpegDepth(std::string bytes, std::string where) : bytes_(std::move(bytes)), where_(std::move(where)) {}
 
     Result<DepthPhoto> read(bool is_described) {
-        TRY_ASSIGN(entries_, read_jpeg_xmp_entries(bytes_, where_));
-        xmp_ = properties_of(entries_);
-        if (!xmp_.contains("GDepth:Data")) {
+        TRY_ASSIGN(xmp_, read_jpeg_xmp(bytes_, where_));
+        if (!xmp_value(xmp_, "GDepth:Data")) {
             if (has_dynamic_depth(xmp_))
                 prefix_ = after_picture;
             else
@@ -198,8 +196,7 @@ private:
     Error refuse(const std::string& what) const { return input_error(where_ + ": " + what); }
 
     Result<std::string> property(const std::string& name) const {
-        const auto found = xmp_.find(prefix_ + name);
-        if (found != xmp_.end()) return found->second;
+        if (const std::string* const found = xmp_value(xmp_, prefix_ + name)) return *found;
         return refuse("has no " + (prefix_ + name) +
                       " in its XMP: a JPEG needs a depth map (GDepth, Dynamic Depth) to be touched");
     }
@@ -214,7 +211,7 @@ private:
     Result<void> read_depth() {
         std::string bytes(apples_);
         if (prefix_ == after_picture) {
-            TRY_ASSIGN(bytes, dynamic_depth_map(bytes_, entries_, where_));
+            TRY_ASSIGN(bytes, dynamic_depth_map(bytes_, xmp_, where_));
         } else if (bytes.empty()) {
             TRY_ASSIGN(const auto text, property("Data"));
             auto decoded = decode_base64(text);
@@ -240,8 +237,8 @@ private:
     /// far near / (far - (far - near) v): the codings of scenes, code 0 at the near plane.
     Result<void> describe() {
         if (!apples_.empty()) {
-            TRY_ASSIGN(const auto entries, read_jpeg_xmp_entries(apples_, where_));
-            describe_heif_depth(nullptr, entries, photo_);
+            TRY_ASSIGN(const auto xmp, read_jpeg_xmp(apples_, where_));
+            describe_heif_depth(nullptr, xmp, photo_);
             return {};
         }
         TRY_ASSIGN(const auto format, property("Format"));
@@ -302,8 +299,7 @@ private:
     }
 
     std::string bytes_, where_;
-    XmpEntries entries_;
-    XmpProperties xmp_;
+    XmpEntries xmp_;
     const char* prefix_ = in_xmp;
     std::string_view apples_;  // in bytes_; empty: depth is described by xmp_
     DepthPhoto photo_;
@@ -315,7 +311,8 @@ bool has_jpeg_depth(const SourceFile& file) {
     const auto bytes = read_picture_bytes(file);
     if (!bytes) return false;
     const auto xmp = read_jpeg_xmp(*bytes, file.string());
-    return (xmp && (xmp->contains("GDepth:Data") || has_dynamic_depth(*xmp))) || !apples_map(*bytes).empty();
+    return (xmp && (xmp_value(*xmp, "GDepth:Data") || has_dynamic_depth(*xmp))) ||
+           !apples_map(*bytes).empty();
 }
 
 Opened open_jpeg_depth(const Candidate& file) {
@@ -349,12 +346,7 @@ ExifFacts read_jpeg_exif(std::string_view jpeg) {
     return {};
 }
 
-Result<XmpProperties> read_jpeg_xmp(std::string_view jpeg, const std::string& where) {
-    TRY_ASSIGN(const auto entries, read_jpeg_xmp_entries(jpeg, where));
-    return properties_of(entries);
-}
-
-Result<XmpEntries> read_jpeg_xmp_entries(std::string_view jpeg, const std::string& where) {
+Result<XmpEntries> read_jpeg_xmp(std::string_view jpeg, const std::string& where) {
     const auto segments = app1_segments(jpeg);
     if (!segments) return input_error(where + ": is not a whole JPEG: a segment before its picture is cut");
     const auto packet = std::ranges::find_if(
@@ -362,10 +354,9 @@ Result<XmpEntries> read_jpeg_xmp_entries(std::string_view jpeg, const std::strin
     if (packet == segments->end()) return XmpEntries{};
     auto entries = parse_xmp_entries(packet->substr(packet_header.size()));
     if (!entries) return input_error(where + ": its XMP is not well-formed");
-    const XmpProperties properties = properties_of(*entries);
-    const auto guid = properties.find("xmpNote:HasExtendedXMP");
-    if (guid == properties.end()) return std::move(*entries);
-    TRY_ASSIGN(auto text, joined(pieces_of(*segments, guid->second), where));
+    const std::string* const guid = xmp_value(*entries, "xmpNote:HasExtendedXMP");
+    if (!guid) return std::move(*entries);
+    TRY_ASSIGN(auto text, joined(pieces_of(*segments, *guid), where));
     auto extended = parse_xmp_entries(text);
     if (!extended) return input_error(where + ": its extended XMP is not well-formed");
     std::move(entries->begin(), entries->end(), std::back_inserter(*extended));
@@ -375,17 +366,15 @@ Result<XmpEntries> read_jpeg_xmp_entries(std::string_view jpeg, const std::strin
 Result<std::string_view> dynamic_depth_map(std::string_view jpeg, const XmpEntries& xmp,
                                            const std::string& where) {
     const std::vector<Item> items = directory(xmp);
-    const XmpProperties properties = properties_of(xmp);
-    const auto uri = properties.find("DepthMap:DepthURI");
+    const std::string* const uri = xmp_value(xmp, "DepthMap:DepthURI");
     const auto found = std::find_if(items.begin(), items.end(), [&](const Item& item) {
-        return uri != properties.end() && !uri->second.empty() ? item.uri == uri->second
-                                                               : item.semantic.starts_with("Depth");
+        return uri && !uri->empty() ? item.uri == *uri : item.semantic.starts_with("Depth");
     });
     if (found == items.end() || found == items.begin())
         return input_error(where +
                            ": its XMP has a depth map, but its Container:Directory does not say where: an "
                            "item after the first must have the name of DepthMap:DepthURI" +
-                           (uri != properties.end() ? ", " + in_quotes(uri->second) : std::string()));
+                           (uri ? ", " + in_quotes(*uri) : std::string()));
     const std::size_t length = found->length;
     if (length == 0) return input_error(where + ": its depth map has no Item:Length in its XMP");
     // The pictures follow each other; something may stand after the last.
@@ -401,7 +390,7 @@ Result<std::string_view> dynamic_depth_map(std::string_view jpeg, const XmpEntri
                        "program that drops it; must be the camera's own file");
 }
 
-std::optional<Intrinsics> dynamic_depth_camera(const XmpProperties& xmp) {
+std::optional<Intrinsics> dynamic_depth_camera(const XmpEntries& xmp) {
     const auto number = [&](const char* name) {
         return xmp_number(xmp, std::string("ImagingModel:") + name);
     };

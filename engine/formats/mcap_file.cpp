@@ -7,7 +7,6 @@
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/formats/ros_messages.hpp"
 
 namespace touchable {
 namespace {
@@ -29,7 +28,7 @@ public:
     Result<void> open(const SourceFile& file) {
         TRY_ASSIGN(bytes_, bytes_of_file(file));
         TRY(records(*bytes_, outside));
-        const bool tells_channels = !channels_.empty();  // in its summary
+        const bool tells_channels = !is_cdr_.empty();  // in its summary
         for (std::uint32_t number = 0; number < chunks_.size(); ++number) {
             if (stop_requested()) return interrupted_error();
             if (tells_channels && !chunks_[number].indices.empty()) continue;
@@ -60,7 +59,7 @@ public:
         return all;
     }
 
-    Result<std::string> read(const BagMessage& message, std::size_t most) override {
+    Result<RosMessage> read(const BagMessage& message, std::size_t most) override {
         const bool is_loose = message.chunk == outside;
         TRY_ASSIGN(const auto bytes, is_loose || chunks_[message.chunk].compression.empty()
                                          ? Result<ByteSource*>(bytes_.get())
@@ -85,13 +84,11 @@ public:
         if (op != McapOp::message || channel != message.connection || length < message_head ||
             length > end - at - record_head)
             return none();
-        const Channel& of = channels_.at(channel);
-        std::uint64_t size = length - message_head;
-        if (most <= ros_stamp_bytes) size = std::min<std::uint64_t>(size, of.is_cdr ? cdr_stamp_bytes : most);
+        const std::uint64_t size = std::min<std::uint64_t>(length - message_head, most);
         if (size > largest_message) return too_large(size);
         std::string data(static_cast<std::size_t>(size), '\0');
         TRY(read_bytes(*bytes, at + heads, data.data(), data.size()));
-        return of.is_cdr ? ros1_of_cdr(data, of.type) : data;
+        return RosMessage{std::move(data), is_cdr_.at(channel)};
     }
 
 private:
@@ -105,10 +102,6 @@ private:
         std::vector<Index> indices{};
         bool has_wrong_index = false, is_lost = false;
         std::vector<BagMessage> found{};  // if it has no valid index
-    };
-    struct Channel {
-        RosType type{};
-        bool is_cdr = false;
     };
 
     Result<void> read_bytes(ByteSource& from, std::uint64_t at, char* to, std::size_t count) const {
@@ -149,7 +142,7 @@ private:
             const auto channel = fields.number<std::uint16_t>();
             fields.number<std::uint32_t>();
             const auto time = static_cast<std::int64_t>(fields.number<std::uint64_t>());
-            if (!channels_.contains(channel)) return {};  // a channel precedes its messages
+            if (!is_cdr_.contains(channel)) return {};  // a channel precedes its messages
             auto& found = chunk == outside ? loose_ : chunks_[chunk].found;
             found.push_back({time, channel, chunk, at - record_head});
         }
@@ -209,7 +202,7 @@ private:
         const auto type = schemas_.find(schema);
         if (!fields.ok() || type == schemas_.end() || (encoding != "cdr" && encoding != "ros1")) return;
         const RosType& known = type->second;
-        if (channels_.emplace(id, Channel{known, encoding == "cdr"}).second)
+        if (is_cdr_.emplace(id, encoding == "cdr").second)
             add_connection({id, topic, std::string(known.name), std::string(known.md5)});
     }
 
@@ -269,7 +262,7 @@ private:
     std::vector<McapChunk> chunks_;
     std::vector<BagMessage> loose_;  // in no chunk
     std::map<std::uint16_t, RosType> schemas_;
-    std::map<std::uint16_t, Channel> channels_;
+    std::map<std::uint16_t, bool> is_cdr_;  // the messages of each channel; otherwise of ROS 1
 };
 
 }  // namespace

@@ -106,152 +106,108 @@ private:
     std::array<mpeg4::FirstSample, all_roles.size()> samples_{};
 };
 
-struct Still {
-    PlaneRole role;
-    std::uint16_t object = 0;
-    std::string png;
-};
-
 /// Ordinary players show the first track.
 constexpr std::pair<PlaneRole, std::uint16_t> still_order[] = {{PlaneRole::colour, mpeg4::colour_object},
                                                                {PlaneRole::depth, mpeg4::depth_object},
                                                                {PlaneRole::haptic, mpeg4::haptic_object},
                                                                {PlaneRole::height, mpeg4::height_object}};
 
-struct StillMuxerCloser {
-    void operator()(AVFormatContext* muxer) const {
-        std::uint8_t* bytes = nullptr;
-        if (muxer->pb) avio_close_dyn_buf(muxer->pb, &bytes);
-        av_free(bytes);
-        avformat_free_context(muxer);
-    }
-};
-using StillMuxer = std::unique_ptr<AVFormatContext, StillMuxerCloser>;
+/// The description of a picture, which has no time.
+SceneDescription without_rate(SceneDescription described) {
+    described.scene.rate = {1, 1};
+    return described;
+}
 
-class Mp4StillsWriter final : public ClipWriter {
+class Mp4StillsWriter final : public MuxedClipWriter {
 public:
     Mp4StillsWriter(const std::filesystem::path& path, const SceneDescription& described, Existing existing)
-        : described_(described), output_(path, existing) {}
-    Result<void> open() const { return output_.check(); }
+        : MuxedClipWriter(path, without_rate(described), {}, existing, "mp4"), pictures_(described) {}
 
-    Result<void> write(const RawFrame& frame) override {
-        if (!stills_.empty()) return internal_error(output_.target().string() + ": is of one frame");
-        TRY(check_.check(frame, described_.scene));
+private:
+    Result<void> add(const RawFrame& frame) override {
+        if (!roles_.empty()) return internal_error(output_.target().string() + ": is of one frame");
+        std::vector<std::string> pngs;
         for (const auto& [role, object] : still_order) {
             const PlaneView& plane = plane_of(frame, role);
             if (plane.empty()) continue;
-            TRY_ASSIGN(auto png, png_bytes(plane, PngEffort::quick, png_colours(role)));
-            stills_.push_back({role, object, std::move(png)});
+            TRY(assign(pngs.emplace_back(), png_bytes(plane, PngEffort::quick, png_colours(role))));
+            TRY(add_track(role));
+            stream_.objects[object] = static_cast<std::uint32_t>(roles_.size());
         }
+        TRY(make_scene());
+        TRY(write_header());
+        for (std::size_t track = 0; track < pngs.size(); ++track) TRY(add_picture(track, pngs[track]));
         return {};
     }
 
-    Result<std::filesystem::path> complete() override {
-        if (stills_.empty()) return refuse("not written: no frame was given");
-        TRY_ASSIGN(auto file, tracks());
-        TRY_ASSIGN(const auto stream, scene_stream());
-        TRY_ASSIGN(const auto boxes, mpeg4::boxes_in(file));
-        if (boxes.empty() || boxes.back().type != "moov")
-            return internal_error("the movie box is not the MP4 file's last");
-        const mpeg4::BytesView movie = boxes.back().content;
-        constexpr std::size_t head_bytes = 8;
-        const std::size_t at = file.size() - movie.size() - head_bytes;
-        TRY_ASSIGN(const auto end, mpeg4::with_scene_stream(movie, stream, 1, at));
-        std::string text(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(at));
-        text.append(end.begin(), end.end());
-        TRY(output_.write(text));
-        complete_ = true;
-        return output_.path();
-    }
-
-    Result<void> finish() override {
-        if (!complete_) TRY(complete());
-        return output_.commit();
-    }
-
-private:
-    Error refuse(const std::string& what) const {
-        return input_error(output_.target().string() + ": " + what);
-    }
-
-    Result<void> add_track(AVFormatContext& muxer, const Still& still) const {
-        AVStream* const stream = avformat_new_stream(&muxer, nullptr);
+    Result<void> add_track(PlaneRole role) {
+        AVStream* const stream = avformat_new_stream(muxer_.get(), nullptr);
         if (!stream) return memory_error();
         AVCodecParameters& stored = *stream->codecpar;
         stored.codec_type = AVMEDIA_TYPE_VIDEO;
         stored.codec_id = AV_CODEC_ID_PNG;
-        stored.width = described_.scene.width;
-        stored.height = described_.scene.height;
-        stream->id = static_cast<int>(muxer.nb_streams);
+        stored.width = scene_.width;
+        stored.height = scene_.height;
+        roles_.push_back(role);
+        stream->id = static_cast<int>(roles_.size());
         stream->time_base = {1, 1000};
-        av_dict_set(&stream->metadata, "handler_name", std::string(role_name(still.role)).c_str(), 0);
+        av_dict_set(&stream->metadata, "handler_name", std::string(role_name(role)).c_str(), 0);
         return {};
     }
 
     /// Adds a picture that lasts a second, as a still picture has no time.
-    Result<void> add_picture(AVFormatContext& muxer, std::size_t track) const {
-        const std::string& png = stills_[track].png;
+    Result<void> add_picture(std::size_t track, const std::string& png) {
         const PacketPtr packet(av_packet_alloc());
         if (!packet || av_new_packet(packet.get(), static_cast<int>(png.size())) < 0) return memory_error();
         std::memcpy(packet->data, png.data(), png.size());
-        packet->stream_index = static_cast<int>(track);
         packet->pts = packet->dts = 0;
-        packet->duration = av_rescale_q(1, {1, 1}, muxer.streams[track]->time_base);
+        packet->duration = 1;
         packet->flags |= AV_PKT_FLAG_KEY;
-        const int status = av_write_frame(&muxer, packet.get());
-        return status < 0 ? refuse("cannot be written: " + ffmpeg_text(status)) : Result<void>{};
+        return write_picture(*packet, track, {1, 1});
     }
 
-    /// The file without its scene.
-    Result<mpeg4::Bytes> tracks() const {
-        AVFormatContext* made = nullptr;
-        int status = avformat_alloc_output_context2(&made, nullptr, "mp4", nullptr);
-        const StillMuxer muxer(made);
-        if (status >= 0) status = avio_open_dyn_buf(&made->pb);
-        if (status < 0) return internal_error("MP4 muxer: " + ffmpeg_text(status));
-        muxer->flags |= AVFMT_FLAG_BITEXACT;
-        for (const Still& still : stills_) TRY(add_track(*muxer, still));
-        status = avformat_write_header(muxer.get(), nullptr);
-        for (std::size_t track = 0; status >= 0 && track < stills_.size(); ++track)
-            TRY(add_picture(*muxer, track));
-        if (status >= 0) status = av_write_trailer(muxer.get());
-        if (status < 0) return refuse("cannot be written: " + ffmpeg_text(status));
-        std::uint8_t* bytes = nullptr;
-        const int size = avio_close_dyn_buf(std::exchange(muxer->pb, nullptr), &bytes);
-        mpeg4::Bytes all(bytes, bytes + size);
-        av_free(bytes);
-        return all;
-    }
-
-    Result<mpeg4::SceneStream> scene_stream() const {
-        SceneDescription pictures = described_;
-        pictures.scene.stored = {};  // as codes
-        pictures.scene.folder.emplace();
-        for (const Still& still : stills_)
-            pattern_of(*pictures.scene.folder, still.role) = role_name(still.role);
-        mpeg4::ClipNodes nodes = mpeg4::nodes_of_pictures(pictures);
-        mpeg4::SceneStream stream;
-        for (std::size_t track = 0; track < stills_.size(); ++track) {
-            const Still& still = stills_[track];
-            stream.objects[still.object] = static_cast<std::uint32_t>(track + 1);
-            const mpeg4::ClipNodes::Texture texture{{.object = still.object}, false};
-            if (still.role == PlaneRole::depth) nodes.depth = texture;
-            if (still.role == PlaneRole::colour) nodes.colour = texture;
-            if (still.role == PlaneRole::haptic) nodes.haptic = texture;
-            if (still.role == PlaneRole::height) nodes.height = texture;
+    Result<void> make_scene() {
+        Scene& scene = pictures_.scene;
+        scene.stored = {};  // as codes
+        scene.folder.emplace();
+        for (const PlaneRole role : roles_) pattern_of(*scene.folder, role) = role_name(role);
+        mpeg4::ClipNodes nodes = mpeg4::nodes_of_pictures(pictures_);
+        for (const auto& [role, object] : still_order) {
+            if (!stream_.objects.contains(object)) continue;
+            const mpeg4::ClipNodes::Texture texture{{.object = object}, false};
+            if (role == PlaneRole::depth) nodes.depth = texture;
+            if (role == PlaneRole::colour) nodes.colour = texture;
+            if (role == PlaneRole::haptic) nodes.haptic = texture;
+            if (role == PlaneRole::height) nodes.height = texture;
         }
-        const mpeg4::SceneTree tree = mpeg4::scene_of(nodes, pictures.scene.width, pictures.scene.height);
-        stream.config = mpeg4::config_for(tree, pictures.scene.width, pictures.scene.height);
-        TRY_ASSIGN(stream.scene, error_at(output_.target().string() + ": MPEG-4 has no such scene",
-                                          mpeg4::encode_scene(tree, stream.config)));
-        return stream;
+        const mpeg4::SceneTree tree = mpeg4::scene_of(nodes, scene.width, scene.height);
+        stream_.config = mpeg4::config_for(tree, scene.width, scene.height);
+        return error_at(output_.target().string() + ": MPEG-4 has no such scene",
+                        assign(stream_.scene, mpeg4::encode_scene(tree, stream_.config)));
     }
 
-    SceneDescription described_;
-    NewFile output_;
-    FrameCheck check_;
-    std::vector<Still> stills_;  // still k is track k + 1
-    bool complete_ = false;
+    /// FFmpeg cannot write tracks of MPEG-4 Systems: they are added to its movie box, the file's last box.
+    Result<void> amend() override {
+        avio_flush(muxer_->pb);
+        TRY_ASSIGN(const auto bytes, bytes_of_file(SourceFile(output_.path())));
+        TRY_ASSIGN(const auto file,
+                   mpeg4::bytes_at(*bytes, 0, static_cast<std::uint64_t>(avio_tell(muxer_->pb))));
+        TRY_ASSIGN(const auto boxes, mpeg4::boxes_in(file));
+        if (boxes.empty() || boxes.back().type != "moov")
+            return internal_error("the movie box is not the MP4 file's last");
+        constexpr std::size_t head_bytes = 8;
+        const std::size_t at = file.size() - boxes.back().content.size() - head_bytes;
+        TRY_ASSIGN(const auto end, mpeg4::with_scene_stream(boxes.back().content, stream_, 1, at));
+        if (avio_seek(muxer_->pb, static_cast<std::int64_t>(at), SEEK_SET) < 0)
+            return refuse("cannot be written: no way back in it");
+        avio_write(muxer_->pb, end.data(), static_cast<int>(end.size()));
+        avio_flush(muxer_->pb);
+        return check_status(0);
+    }
+
+    SceneDescription pictures_;
+    std::vector<PlaneRole> roles_;  // of each track
+    mpeg4::SceneStream stream_;
 };
 
 }  // namespace
@@ -295,9 +251,7 @@ Opened open_mp4_stills(const Candidate& candidate) {
 
 Result<std::unique_ptr<ClipWriter>> create_mp4_stills(const std::filesystem::path& path,
                                                       const SceneDescription& described, Existing existing) {
-    silence_ffmpeg();
-    TRY(error_at(path.string(), validate(described)));
-    return opened_as<ClipWriter>(std::make_unique<Mp4StillsWriter>(path, described, existing));
+    return opened_as<ClipWriter>(std::make_unique<Mp4StillsWriter>(path, described, existing), std::nullopt);
 }
 
 }  // namespace touchable

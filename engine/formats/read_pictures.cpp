@@ -2,8 +2,8 @@
 #include "engine/picture/image.hpp"
 
 #include "engine/base/try.hpp"
+#include "engine/formats/formats_read.hpp"
 #include "engine/formats/organised_cloud.hpp"
-#include "engine/formats/realsense_raw.hpp"
 #include "engine/formats/value_evidence.hpp"
 
 namespace touchable {

@@ -1,4 +1,4 @@
-#include "engine/formats/realsense_raw.hpp"
+#include "engine/formats/formats_read.hpp"
 #include "engine/formats/picture_files.hpp"
 
 #include <charconv>

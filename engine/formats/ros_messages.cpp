@@ -1,4 +1,4 @@
-// Messages of ROS 1, their conversion from CDR, and the pictures in them.
+// Messages of ROS 1 and ROS 2, and the pictures in them.
 
 #include "engine/formats/ros_messages.hpp"
 
@@ -15,17 +15,35 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "numbers are read as they are stored");
 
+/// In CDR, a number is aligned to its size, counted from behind the four bytes that state the kind of CDR,
+/// and a text ends with a zero.
 class MessageFields : public RosFields {
 public:
-    using RosFields::RosFields;
+    explicit MessageFields(const RosMessage& message) : RosFields(message.bytes), is_cdr_(message.is_cdr) {
+        constexpr std::string_view plain_low_byte_first("\0\1", 2);
+        constexpr std::size_t kind_bytes = 4;
+        ok_ = !is_cdr_ || take(kind_bytes).starts_with(plain_low_byte_first);
+        values_ = left();
+    }
+    template <class Number>
+    Number number() {
+        const std::size_t beyond = (values_ - left()) % sizeof(Number);
+        if (is_cdr_ && beyond > 0) take(sizeof(Number) - beyond);
+        return RosFields::number<Number>();
+    }
     template <std::size_t n>
     std::array<double, n> numbers() {
         std::array<double, n> all{};
         for (double& each : all) each = number<double>();
         return all;
     }
+    std::string_view data() { return take(number<std::uint32_t>()); }
+    std::string_view text() {
+        const std::string_view text = data();
+        return text.substr(0, text.size() - (is_cdr_ && !text.empty() ? 1 : 0));
+    }
     std::int64_t stamp_ns() {
-        number<std::uint32_t>();  // sequence number
+        if (!is_cdr_) number<std::uint32_t>();  // sequence number
         const std::int64_t seconds = number<std::uint32_t>(), rest = number<std::uint32_t>();
         return seconds * 1'000'000'000 + rest;
     }
@@ -33,6 +51,10 @@ public:
         const std::int64_t stamp = stamp_ns();
         return {stamp, text()};
     }
+
+private:
+    bool is_cdr_;
+    std::size_t values_ = 0;  // bytes of all values
 };
 
 template <class Message>
@@ -40,67 +62,6 @@ std::optional<Message> if_whole(const MessageFields& fields, Message message) {
     if (!fields.ok()) return {};
     return message;
 }
-
-/// Copies values one after the other from CDR, in which a number is aligned to its size, counted from behind
-/// the four bytes that state the kind of CDR. Once the bytes run out, nothing more is copied.
-class CdrCopy {
-public:
-    explicit CdrCopy(std::string_view values) : from_(values) {}
-    std::string take() { return std::move(to_); }
-
-    std::uint32_t number() {
-        align(sizeof(std::uint32_t));
-        const std::string_view bytes = next(sizeof(std::uint32_t));
-        to_ += bytes;
-        return value_of(bytes);
-    }
-    void bytes(std::size_t count) { to_ += next(count); }
-    void doubles(std::size_t count) {
-        if (count == 0) return;
-        align(sizeof(double));
-        bytes(count * sizeof(double));
-    }
-    /// Copies a text, which in CDR ends with a zero.
-    void text() {
-        align(sizeof(std::uint32_t));
-        const std::uint32_t length = value_of(next(sizeof(std::uint32_t)));
-        const std::string_view words = next(length);
-        if (is_over_) return;
-        const auto shown = length > 0 ? length - 1 : 0;
-        to_.append(reinterpret_cast<const char*>(&shown), sizeof shown);
-        to_ += words.substr(0, shown);
-    }
-    void header() {
-        to_.append(sizeof(std::uint32_t), '\0');
-        number();
-        number();
-        text();
-    }
-
-private:
-    /// 0 if there are no bytes.
-    static std::uint32_t value_of(std::string_view bytes) {
-        std::uint32_t value = 0;
-        std::memcpy(&value, bytes.data(), bytes.size());
-        return value;
-    }
-    void align(std::size_t size) {
-        const std::size_t beyond = at_ % size;
-        if (beyond > 0) next(size - beyond);
-    }
-    /// The next `count` bytes, or none if there are fewer.
-    std::string_view next(std::size_t count) {
-        is_over_ = is_over_ || count > from_.size() - at_;
-        const std::string_view bytes = from_.substr(at_, is_over_ ? 0 : count);
-        at_ += bytes.size();
-        return bytes;
-    }
-
-    std::string_view from_;
-    std::string to_;
-    std::size_t at_ = 0;
-    bool is_over_ = false;
-};
 
 /// Reads groups of four bits from 32-bit words, low byte first, the highest group of a word first.
 class RvlNibbles {
@@ -262,13 +223,13 @@ void make_floats(StoredImage& picture, float a, float b) {
 
 }  // namespace
 
-std::optional<std::int64_t> ros_stamp(std::string_view begin) {
+std::optional<std::int64_t> ros_stamp(const RosMessage& begin) {
     MessageFields fields(begin);
     const std::int64_t stamp = fields.stamp_ns();
     return if_whole(fields, stamp);
 }
 
-std::optional<RosImage> parse_ros_image(std::string_view message) {
+std::optional<RosImage> parse_ros_image(const RosMessage& message) {
     MessageFields fields(message);
     RosImage image;
     image.header = fields.header();
@@ -277,20 +238,20 @@ std::optional<RosImage> parse_ros_image(std::string_view message) {
     image.encoding = fields.text();
     image.is_big_endian = fields.number<std::uint8_t>() != 0;
     image.step = fields.number<std::uint32_t>();
-    image.data = fields.text();
+    image.data = fields.data();
     return if_whole(fields, image);
 }
 
-std::optional<RosCompressedImage> parse_ros_compressed_image(std::string_view message) {
+std::optional<RosCompressedImage> parse_ros_compressed_image(const RosMessage& message) {
     MessageFields fields(message);
     RosCompressedImage image;
     image.header = fields.header();
     image.format = fields.text();
-    image.data = fields.text();
+    image.data = fields.data();
     return if_whole(fields, image);
 }
 
-std::optional<RosCameraInfo> parse_ros_camera_info(std::string_view message) {
+std::optional<RosCameraInfo> parse_ros_camera_info(const RosMessage& message) {
     MessageFields fields(message);
     RosCameraInfo info;
     info.header = fields.header();
@@ -310,13 +271,13 @@ std::optional<RosCameraInfo> parse_ros_camera_info(std::string_view message) {
     return if_whole(fields, info);
 }
 
-std::optional<float> parse_ros_float(std::string_view message) {
+std::optional<float> parse_ros_float(const RosMessage& message) {
     MessageFields fields(message);
     const auto value = fields.number<float>();
     return if_whole(fields, value);
 }
 
-std::optional<RosTransform> parse_ros_transform(std::string_view message) {
+std::optional<RosTransform> parse_ros_transform(const RosMessage& message) {
     MessageFields fields(message);
     RosTransform transform;
     transform.translation = fields.numbers<3>();
@@ -331,36 +292,6 @@ std::optional<RosType> ros2_type(std::string name) {
     for (const RosType& known : {ros_image, ros_compressed_image, ros_camera_info})
         if (name == known.name) return known;
     return {};
-}
-
-std::string ros1_of_cdr(std::string_view cdr, const RosType& type) {
-    constexpr std::string_view plain_low_byte_first("\0\1", 2);
-    constexpr std::size_t kind_bytes = 4;
-    if (cdr.size() < kind_bytes || !cdr.starts_with(plain_low_byte_first)) return {};
-    CdrCopy copy(cdr.substr(kind_bytes));
-    copy.header();
-    if (type == ros_image) {
-        copy.number();
-        copy.number();
-        copy.text();
-        copy.bytes(1);
-        copy.number();
-        copy.bytes(copy.number());
-    } else if (type == ros_compressed_image) {
-        copy.text();
-        copy.bytes(copy.number());
-    } else if (type == ros_camera_info) {
-        copy.number();
-        copy.number();
-        copy.text();
-        copy.doubles(copy.number());
-        copy.doubles(9 + 9 + 12);
-        for (int part = 0; part < 6; ++part) copy.number();
-        copy.bytes(1);
-    } else {
-        return {};
-    }
-    return copy.take();
 }
 
 std::optional<std::vector<std::uint16_t>> unpack_rvl(std::string_view words, std::size_t pixels) {

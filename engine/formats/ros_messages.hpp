@@ -1,7 +1,7 @@
 #pragma once
 
-// Messages in ROS 1's serialisation, and the conversion of ROS 2's to it. Texts and data refer to the bytes
-// given. Parsers return nothing if there are too few bytes.
+// Messages in the serialisations of ROS 1 and of ROS 2 (CDR). Texts and data refer to the message's bytes.
+// Parsers return nothing if there are too few bytes, or for another CDR than the plain, little-endian one.
 
 #include <array>
 #include <cstddef>
@@ -41,7 +41,7 @@ public:
     std::string_view text() { return take(number<std::uint32_t>()); }
     std::size_t left() const { return left_.size(); }
 
-private:
+protected:
     std::string_view take(std::size_t count) {
         ok_ = ok_ && count <= left_.size();
         if (!ok_) return {};
@@ -50,17 +50,24 @@ private:
         return taken;
     }
 
-    std::string_view left_;
     bool ok_ = true;
+
+private:
+    std::string_view left_;
+};
+
+struct RosMessage {
+    std::string bytes;
+    bool is_cdr = false;
 };
 
 struct RosHeader {
     std::int64_t stamp_ns = 0;
     std::string_view frame;
 };
-/// First bytes of a message with a header that include the header's stamp.
+/// First bytes of a message with a header that include the header's stamp, in either serialisation.
 inline constexpr std::size_t ros_stamp_bytes = 12;
-std::optional<std::int64_t> ros_stamp(std::string_view begin);
+std::optional<std::int64_t> ros_stamp(const RosMessage& begin);
 
 /// sensor_msgs/Image
 struct RosImage {
@@ -71,14 +78,14 @@ struct RosImage {
     std::uint32_t step = 0;  ///< bytes from one row to the next
     std::string_view data;
 };
-std::optional<RosImage> parse_ros_image(std::string_view message);
+std::optional<RosImage> parse_ros_image(const RosMessage& message);
 
 /// sensor_msgs/CompressedImage
 struct RosCompressedImage {
     RosHeader header;
     std::string_view format, data;
 };
-std::optional<RosCompressedImage> parse_ros_compressed_image(std::string_view message);
+std::optional<RosCompressedImage> parse_ros_compressed_image(const RosMessage& message);
 
 /// sensor_msgs/CameraInfo
 struct RosCameraInfo {
@@ -92,27 +99,20 @@ struct RosCameraInfo {
         std::uint32_t x = 0, y = 0, height = 0, width = 0;  ///< 0: all
     } region;
 };
-std::optional<RosCameraInfo> parse_ros_camera_info(std::string_view message);
+std::optional<RosCameraInfo> parse_ros_camera_info(const RosMessage& message);
 
 /// std_msgs/Float32
-std::optional<float> parse_ros_float(std::string_view message);
+std::optional<float> parse_ros_float(const RosMessage& message);
 
 /// geometry_msgs/Transform: a rotation, and then a translation.
 struct RosTransform {
     std::array<double, 3> translation{};
     std::array<double, 4> rotation{};  ///< quaternion x, y, z, w
 };
-std::optional<RosTransform> parse_ros_transform(std::string_view message);
+std::optional<RosTransform> parse_ros_transform(const RosMessage& message);
 
-/// Converts a message of ROS 2 (CDR) to ROS 1's serialisation: sensor_msgs' Image, CompressedImage and
-/// CameraInfo, which differ only in the header's sequence number (set to 0). The result of a message that is
-/// cut short ends there, too. It is empty for another type, and for any encoding but plain little-endian CDR.
-std::string ros1_of_cdr(std::string_view cdr, const RosType& type);
-/// The type that ROS 2 ("sensor_msgs/msg/Image") or ROS 1 calls `name`, if ros1_of_cdr can convert it.
+/// The type that ROS 2 ("sensor_msgs/msg/Image") or ROS 1 calls `name`, if both serialise it alike.
 std::optional<RosType> ros2_type(std::string name);
-/// Bytes of CDR that convert to the first `ros_stamp_bytes`.
-inline constexpr std::size_t cdr_stamp_bytes = 12;
-
 /// What a picture message holds, by its encoding.
 enum class RosPictureKind { none, grey8, depth16, depth_floats, colour };
 RosPictureKind ros_picture_kind(std::string_view encoding);

@@ -318,10 +318,8 @@ private:
         VideoFile& video = *layer.video;
         const std::int64_t number = is_by_number(video) ? frame : video.nearest(seconds);
         if (number == layer.number) return false;
-        TRY(video.seek(number));
-        TRY_ASSIGN(auto picture, video.next());
-        if (!picture) return input_error(video.where(number) + ": is missing");
-        TRY_ASSIGN(layer.plane, VideoPicture(std::move(picture), layer.converter, video.where(number)).rgb());
+        TRY_ASSIGN(auto picture, picture_at(video, number, layer.converter));
+        TRY_ASSIGN(layer.plane, picture.rgb());
         layer.number = number;
         return true;
     }

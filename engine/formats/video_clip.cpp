@@ -112,7 +112,6 @@ public:
         source_ = {file_.path().filename().string(), "", found->layout, found->values};
         is_lossless_ = video->info().lossless;
         if (camera && !known_.intrinsics && !known_.fov) known_.intrinsics = *camera;
-        constexpr double assumed_near = 0.5, assumed_far = 1.5;  // metres, of hues from red to red
         TRY_ASSIGN(auto guessed,
                    is_hue ? of_hue(*part, camera ? record3d_coding() : hue_coding(assumed_near, assumed_far))
                           : of_grey(picture, *part));
@@ -257,10 +256,9 @@ private:
     bool has_colour_track(const VideoFile& depth) const {
         auto other = VideoFile::open(file_, PlaneRole::colour);
         if (!other || (*other)->stream() == depth.stream()) return false;
-        auto frame = (*other)->next();
-        if (!frame || !*frame) return false;
         RgbConverter converter;
-        return VideoPicture(std::move(*frame), converter, (*other)->where(0)).has_colours();
+        const auto first = picture_at(**other, 0, converter);
+        return first && first->has_colours();
     }
 
     Error refuse(const std::string& what) const { return input_error(file_.string() + ": " + what); }
@@ -306,7 +304,7 @@ public:
 
     Result<TrackPicture> picture(PlaneRole role, std::int64_t frame) override {
         if (role == PlaneRole::colour && colour_) {
-            TRY_ASSIGN(auto picture, read(*colour_, picture_number(role, frame), colour_converter_));
+            TRY_ASSIGN(auto picture, picture_at(*colour_, picture_number(role, frame), colour_converter_));
             TRY_ASSIGN(auto rgb, picture.rgb());
             return lent_picture(colour_->info(), std::move(rgb));
         }
@@ -335,18 +333,12 @@ public:
     std::int64_t access_point(std::int64_t frame) const override { return depth_->access_point(frame); }
 
 private:
-    static Result<VideoPicture> read(VideoFile& video, std::int64_t number, RgbConverter& converter) {
-        TRY(video.seek(number));
-        TRY_ASSIGN(auto frame, video.next());
-        return VideoPicture(std::move(frame), converter, video.where(number));
-    }
-
     /// Reads a picture once for both planes that may be in it.
     Result<VideoPicture*> read_depth(std::int64_t frame) {
         if (newest_number_ != frame) {
             newest_number_ = -1;
             newest_.reset();
-            TRY_ASSIGN(auto picture, read(*depth_, frame, depth_converter_));
+            TRY_ASSIGN(auto picture, picture_at(*depth_, frame, depth_converter_));
             newest_.emplace(std::move(picture));
             newest_number_ = frame;
         }

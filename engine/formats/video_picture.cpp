@@ -280,6 +280,13 @@ CodeRange VideoPicture::code_range(VideoValues values) const {
     return limited;
 }
 
+Result<VideoPicture> picture_at(VideoFile& video, std::int64_t number, RgbConverter& converter) {
+    TRY(video.seek(number));
+    TRY_ASSIGN(auto frame, video.next());
+    if (!frame) return input_error(video.where(number) + ": is missing");
+    return VideoPicture(std::move(frame), converter, video.where(number));
+}
+
 std::optional<DepthInVideo> find_depth_in(VideoPicture& picture, std::optional<VideoValues> said) {
     if (!picture.has_colours()) return DepthInVideo{VideoLayout::alone, VideoValues::grey};
     const auto rgb = picture.rgb();

@@ -10,6 +10,8 @@
 
 namespace touchable {
 
+class VideoFile;
+
 /// A part of a picture, in pixels.
 struct PicturePart {
     int x = 0, y = 0, width = 0, height = 0;
@@ -63,6 +65,9 @@ private:
     std::string where_;
     std::optional<Plane> rgb_;
 };
+
+/// The picture of this number.
+Result<VideoPicture> picture_at(VideoFile& video, std::int64_t number, RgbConverter& converter);
 
 /// Depth's part of a video's pictures, and what of a pixel depth is.
 struct DepthInVideo {

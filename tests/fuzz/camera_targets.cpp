@@ -17,7 +17,6 @@
 #include "engine/formats/formats_read.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/formats/pinhole_frames.hpp"
-#include "engine/formats/realsense_raw.hpp"
 #include "engine/formats/ros_messages.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/fuzz/fuzz_target.hpp"

@@ -13,7 +13,6 @@
 #include "engine/formats/camera_sidecar.hpp"
 #include "engine/formats/depth_photo.hpp"
 #include "engine/formats/depth_values.hpp"
-#include "engine/formats/foreign_files.hpp"
 #include "engine/formats/formats_read.hpp"
 #include "engine/formats/organised_cloud.hpp"
 #include "engine/formats/picture_files.hpp"
@@ -360,9 +359,8 @@ bool parse_segments(std::string_view bytes) {
     require(held <= bytes.size(), "segments hold more than their file");
     const auto length = jpeg_length(bytes);
     require(!length || *length <= bytes.size(), "a picture is longer than its file");
-    (void)is_taken(read_jpeg_xmp(bytes, "photo.jpg"));
-    const auto entries = read_jpeg_xmp_entries(bytes, "photo.jpg");
-    if (is_taken(entries)) (void)is_taken(dynamic_depth_map(bytes, *entries, "photo.jpg"));
+    const auto xmp = read_jpeg_xmp(bytes, "photo.jpg");
+    if (is_taken(xmp)) (void)is_taken(dynamic_depth_map(bytes, *xmp, "photo.jpg"));
     return segments && length;
 }
 
@@ -380,7 +378,7 @@ bool parse_exif_facts(std::string_view bytes) {
 
 bool parse_xmp_packet(std::string_view bytes) {
     const auto entries = parse_xmp_entries(bytes);
-    if (entries) (void)dynamic_depth_camera(properties_of(*entries));
+    if (entries) (void)dynamic_depth_camera(*entries);
     (void)decode_base64(bytes);
     require(decode_base64(test::encode_base64(bytes)) == bytes, "bytes in base64 come back others");
     return entries.has_value();

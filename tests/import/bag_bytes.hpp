@@ -75,6 +75,16 @@ struct Ros2Message {
 /// Depth of 16x12, its camera, colour, and what is no picture: three of each, in the order of time.
 std::vector<Ros2Message> ros2_recording();
 
+/// A record of MCAP, and a text in one, as mcap.dev/spec has them.
+std::string mcap_record(int op, const std::string& content);
+std::string mcap_text(const std::string& words);
+struct McapOptions {
+    std::string compression{};  ///< "", "lz4", "zstd"
+    bool has_chunks = true, has_index = true, has_summary = true;
+};
+/// A recording of these messages, three a chunk.
+std::string mcap_file(const std::vector<Ros2Message>& messages, const McapOptions& options = {});
+
 /// Expects a clip of the last `frames` of these: codes, times, colour, and every point
 /// where an unprojection written here has it.
 void expect_ros2_recording(ClipReader& clip, int frames = 3);

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "engine/formats/camera_sidecar.hpp"
 #include "engine/formats/formats_read.hpp"
 #include "engine/formats/sidecar_text.hpp"
@@ -182,7 +184,7 @@ TEST_F(CameraSpellings, GiveTheSameCamera) {
 }
 
 TEST_F(CameraSpellings, ConvertFieldOfView) {
-    const double focal = camera_of_fov(50, across, down).fx;
+    const double focal = 0.5 * across / std::tan(50 * M_PI / 360);
     const std::pair<const char*, const char*> files[] = {
         {"fov.json", R"({"fov_x": 50.0, "fov_y": 38.55})"},
         {"a.json", R"({"fov": 50})"},
@@ -209,7 +211,7 @@ TEST_F(CameraSpellings, ConvertFieldOfView) {
     }
     EXPECT_NE(camera_by("a.json", R"({"fov": 0.0001})").fx, focal);
     const Camera tall = scaled_camera({.fov_y = 50}, across, down);
-    EXPECT_NEAR(tall.fy, camera_of_fov(50, down, across).fx, 1e-9);
+    EXPECT_NEAR(tall.fy, 0.5 * down / std::tan(50 * M_PI / 360), 1e-9);
     EXPECT_EQ(tall.fx, tall.fy);
 }
 
@@ -419,7 +421,7 @@ TEST_F(CameraSpellings, ScaleOrRefuseNamedFile) {
     EXPECT_TRUE(is_refused(guess_by("n.csv"), "is of other pictures"));
     write_in_folder(folder / "else/fov.json", R"({"fov_x": 50})");
     const auto seen = must(guess_by("fov.json"));
-    EXPECT_NEAR(seen.scene.camera.fx, camera_of_fov(50, across, down).fx, 1e-9);
+    EXPECT_NEAR(seen.scene.camera.fx, 0.5 * across / std::tan(50 * M_PI / 360), 1e-9);
 }
 
 TEST_F(CameraSpellings, GiveRateByTimes) {

@@ -504,33 +504,6 @@ TEST_F(Depthkit, TellsOfGreyDepth) {
     EXPECT_FALSE(is_noted(*must(open_clip(folder / "Clip.mov")), told)) << "before the first person comes";
 }
 
-TEST_F(Depthkit, SeeksByIndex) {
-    for (const FrameRate& rate : {FrameRate{24, 1}, FrameRate{30000, 1001}}) {
-        const TemporaryFolder folder;
-        const auto pictures = noise(7);
-        write_depthkit(folder, pictures, metadata, rate);
-        auto clip = must(open_clip(folder / "Clip.mov"));
-        for (const std::int64_t frame : {5, 2, 2, 6, 0, 3}) {
-            EXPECT_EQ(clip->access_point(frame), frame);
-            ASSERT_EQ(message(clip->seek(frame)), "");
-            for (std::int64_t n = frame; n < 7; ++n) {
-                const auto read = must(clip->next());
-                ASSERT_TRUE(read);
-                EXPECT_EQ(read->number, n);
-                PlaneView upper = pictures[static_cast<std::size_t>(n)].view();
-                upper.height = height;
-                EXPECT_TRUE(same_plane(read->colour, upper)) << n;
-                if (frame == 2) break;  // and on from there
-            }
-        }
-        ASSERT_EQ(message(clip->seek(7)), "");
-        const auto end = must(clip->next());
-        EXPECT_FALSE(end);
-        EXPECT_NE(message(clip->seek(8)), "");
-        EXPECT_NE(message(clip->seek(-1)), "");
-    }
-}
-
 TEST_F(Depthkit, GivesWayToSceneFile) {
     write_depthkit(folder, noise(2));
     auto scene = (*open_clip(folder / "Clip.mov"))->scene();

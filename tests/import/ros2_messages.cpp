@@ -1,6 +1,10 @@
 #include "tests/import/bag_bytes.hpp"
 
 #include <gtest/gtest.h>
+#include <lz4frame.h>
+#include <zstd.h>
+
+#include <algorithm>
 
 #include "engine/picture/image.hpp"
 #include "tests/picture/results.hpp"
@@ -80,7 +84,77 @@ std::string ros2_colour(int n, std::int64_t time) {
         .message();
 }
 
+std::string mcap_chunk(const std::string& records, const std::string& compression) {
+    std::string packed = records;
+    if (compression == "zstd") {
+        packed.resize(ZSTD_compressBound(records.size()));
+        packed.resize(ZSTD_compress(packed.data(), packed.size(), records.data(), records.size(), 1));
+    } else if (compression == "lz4") {
+        packed.resize(LZ4F_compressFrameBound(records.size(), nullptr));
+        packed.resize(
+            LZ4F_compressFrame(packed.data(), packed.size(), records.data(), records.size(), nullptr));
+    }
+    std::string content(16, '\0');
+    put(content, static_cast<std::uint64_t>(records.size()));
+    put(content, std::uint32_t{0});
+    content += mcap_text(compression);
+    put(content, static_cast<std::uint64_t>(packed.size()));
+    return mcap_record(6, content + packed);
+}
+
 }  // namespace
+
+std::string mcap_record(int op, const std::string& content) {
+    std::string record(1, static_cast<char>(op));
+    put(record, static_cast<std::uint64_t>(content.size()));
+    return record + content;
+}
+
+std::string mcap_text(const std::string& words) {
+    std::string bytes;
+    put_text(bytes, words);
+    return bytes;
+}
+
+std::string mcap_file(const std::vector<Ros2Message>& messages, const McapOptions& options) {
+    std::map<std::string, std::uint16_t> channels;
+    std::string definitions;
+    for (const Ros2Message& each : messages) {
+        std::uint16_t& channel = channels[each.topic];
+        if (channel != 0) continue;
+        channel = static_cast<std::uint16_t>(channels.size());
+        std::string id;
+        put(id, channel);
+        definitions +=
+            mcap_record(3, id + mcap_text(each.type) + mcap_text("ros2msg") + mcap_text("its definition")) +
+            mcap_record(4, id + id + mcap_text(each.topic) + mcap_text("cdr") + mcap_text(""));
+    }
+    const std::string magic("\x89MCAP0\r\n", 8);
+    std::string bytes = magic + mcap_record(1, mcap_text("ros2") + mcap_text("a test"));
+    if (!options.has_chunks) bytes += definitions;
+    for (std::size_t first = 0; first < messages.size(); first += 3) {
+        std::string records = options.has_chunks ? definitions : "", indices;
+        for (std::size_t k = first; k < std::min(first + 3, messages.size()); ++k) {
+            const auto& [topic, type, time, message] = messages[k];
+            std::string index, content;
+            put(index, channels[topic]);
+            put(index, std::uint32_t{16});
+            put(index, time);
+            put(index, static_cast<std::uint64_t>(records.size()));
+            indices += mcap_record(7, index);
+            put(content, channels[topic]);
+            put(content, std::uint32_t{0});
+            put(content, time);
+            put(content, time);
+            records += mcap_record(5, content + message);
+        }
+        bytes += options.has_chunks ? mcap_chunk(records, options.compression) : records;
+        if (options.has_chunks && options.has_index) bytes += indices;
+    }
+    bytes += mcap_record(15, std::string(4, '\0'));
+    if (options.has_summary) bytes += definitions;
+    return bytes + mcap_record(2, std::string(20, '\0')) + magic;
+}
 
 std::vector<Ros2Message> ros2_recording() {
     std::vector<Ros2Message> all;

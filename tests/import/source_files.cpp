@@ -337,35 +337,8 @@ Made ros1(Writer& w) {
         30, true, 16, 12);
 }
 Made ros2(Writer& w) {
-    const auto record = [](int kind, const std::string& content) {
-        std::string bytes(1, static_cast<char>(kind));
-        put(bytes, static_cast<std::uint64_t>(content.size()));
-        return bytes + content;
-    };
-    const auto text = [](const std::string& words) {
-        std::string bytes;
-        put(bytes, static_cast<std::uint32_t>(words.size()));
-        return bytes + words;
-    };
-    std::string bytes = "\x89MCAP0\r\n" + record(1, text("ros2") + text("a test"));
-    std::map<std::string, std::uint16_t> channels;
-    for (const Ros2Message& message : ros2_recording()) {
-        auto& channel = channels[message.topic];
-        std::string id, content;
-        if (channel == 0) {
-            channel = static_cast<std::uint16_t>(channels.size());
-            put(id, channel);
-            bytes += record(3, id + text(message.type) + text("ros2msg") + text("")) +
-                     record(4, id + id + text(message.topic) + text("cdr") + text(""));
-        }
-        put(content, channel);
-        put(content, std::uint32_t{0});
-        for (int k = 0; k < 2; ++k) put(content, static_cast<std::uint64_t>(message.time_ns));
-        bytes += record(5, content + message.bytes);
-    }
-    bytes += record(15, std::string(4, '\0')) + record(2, std::string(20, '\0')) + "\x89MCAP0\r\n";
     const fs::path file = w / w.name("rosbag2_2023_01_01-12_00_00_0.mcap", "a.mcap");
-    write_bytes(file, bytes);
+    write_bytes(file, mcap_file(ros2_recording(), {.has_chunks = false}));
     return made(
         file,
         [](int n, int x, int y) { return (x + y) % 5 == 0 ? none : 0.001 * (700 + 10 * n + 3 * x + 20 * y); },
