@@ -293,13 +293,10 @@ public:
     };
 
     ScriptedHand(const Settings& settings, std::unique_ptr<HandScript> script, const SurfaceProbe& probe)
-        : settings_(settings),
-          local_relief_(reach + settings.speed * tick_s, settings.workspace.metres_per_scene_unit,
-                        settings.box),
-          script_(std::move(script)) {
-        // From a stop, a mean of n ticks has gone v t^2 / (2 n) in t ticks: `look` in the rest of the n.
-        const double look = reach + settings.speed * tick_s, step = settings.speed * tick_s + 1e-9;
-        pause_ = std::max(0, mean_ticks - static_cast<int>(std::sqrt(2 * mean_ticks * look / step)));
+        : settings_(settings), look_(reach + settings.speed * tick_s), script_(std::move(script)) {
+        // From a stop, a mean of n ticks has gone v t^2 / (2 n) in t ticks: `look_` in the rest of the n.
+        const double step = settings.speed * tick_s + 1e-9;
+        pause_ = std::max(0, mean_ticks - static_cast<int>(std::sqrt(2 * mean_ticks * look_ / step)));
         centre_depth_ = start_depth(probe, script_->pixel(), settings.box, settings.workspace);
         look_at_ground(probe);
         for (int k = 0; k < settings.fingers; ++k) {
@@ -393,10 +390,11 @@ private:
             put_down(finger);
             return {finger.depth, under.has_value()};
         }
-        const LocalRelief local_relief = local_relief_.about(pixel, finger.depth, probe);
-        if (!under || local_relief.kind == LocalRelief::Kind::broken) {
+        const LocalRelief relief = local_relief(probe, pixel, finger.depth, look_,
+                                                settings_.workspace.metres_per_scene_unit, settings_.box);
+        if (!under || relief.kind == LocalRelief::Kind::broken) {
             const double sunk = sinking * tick_s / settings_.workspace.metres_per_scene_unit;
-            finger.ridge = std::min(finger.ridge.value_or(local_relief.highest) + sunk, local_relief.highest);
+            finger.ridge = std::min(finger.ridge.value_or(relief.highest) + sunk, relief.highest);
             finger.lift = Lift::over_broken;
         } else if (finger.lift == Lift::over_broken) {
             finger.lift = Lift::landing;
@@ -404,7 +402,7 @@ private:
         } else if (finger.lift != Lift::none && finger.resting == 0) {
             put_down(finger);
         } else {
-            glide(finger, local_relief);
+            glide(finger, relief);
         }
         return finger.lift == Lift::none ? Stance{finger.depth, true} : Stance{*finger.ridge, false};
     }
@@ -414,13 +412,13 @@ private:
         finger.ridge.reset();
     }
 
-    void glide(Finger& finger, const LocalRelief& local_relief) const {
-        if (local_relief.kind == LocalRelief::Kind::rough && !finger.ridge) {
-            finger.ridge = local_relief.highest;
+    void glide(Finger& finger, const LocalRelief& relief) const {
+        if (relief.kind == LocalRelief::Kind::rough && !finger.ridge) {
+            finger.ridge = relief.highest;
             finger.glided = 0;
         }
         if (!finger.ridge) return;
-        finger.ridge = std::min(*finger.ridge, local_relief.highest);
+        finger.ridge = std::min(*finger.ridge, relief.highest);
         if (finger.lift != Lift::none || finger.glided <= settings_.glide) return;
         finger.lift = Lift::over_rough;
         finger.resting = hop_ticks;
@@ -462,7 +460,7 @@ private:
     }
 
     Settings settings_;
-    LocalReliefSearch local_relief_;
+    double look_;  // how far it looks for relief, device metres
     std::unique_ptr<HandScript> script_;
     Ground ground_{};
     int pause_;            // ticks that a wish rests at a wall's corner, so that its goal does not cut it
@@ -472,7 +470,7 @@ private:
     bool waits_ = false;      // the script waits for a finger that lags behind its target
 };
 
-using Key = HandOptions::Key;
+using Key = KeyedValues::Key;
 constexpr double millimetre = 0.001;
 
 namespace hand_keys {
@@ -503,7 +501,7 @@ constexpr struct Script {
                {"press", hand_keys::press},
                {"poke", hand_keys::poke}};
 
-std::unique_ptr<HandScript> make_script(std::string_view name, const HandOptions& given, int fingers,
+std::unique_ptr<HandScript> make_script(std::string_view name, const KeyedValues& given, int fingers,
                                         const HandArea& box, const SurfaceProbe& probe) {
     using namespace hand_keys;
     const auto metres = [&](const Key& key) { return given.number(key.name) * millimetre; };
@@ -529,7 +527,7 @@ Result<std::unique_ptr<Hand>> make_scripted_hand(const std::string& name, std::s
                                                  std::string_view options, int fingers,
                                                  const Workspace& workspace, const SurfaceProbe& probe) {
     using namespace hand_keys;
-    TRY_ASSIGN(const auto given, HandOptions::parse("hand '" + name + "'", options, keys));
+    TRY_ASSIGN(const auto given, KeyedValues::parse("hand '" + name + "'", options, keys));
     const bool presses = name == "press";
     if (!presses && given.number(max_speed.name) < given.number(speed.name))
         return usage_error("hand '" + name + "': max_speed=" + exact_number(given.number(max_speed.name)) +
@@ -544,25 +542,6 @@ Result<std::unique_ptr<Hand>> make_scripted_hand(const std::string& name, std::s
                                           given.number(max_speed.name),
                                           presses ? 0 : given.number(glide.name) * millimetre};
     return std::make_unique<ScriptedHand>(settings, make_script(name, given, fingers, box, probe), probe);
-}
-
-// ---- Option texts
-
-/// Allowed values of a key, in words: "0.001 to 2 m/s".
-std::string key_takes(const Key& key) {
-    if (key.kind == Key::Kind::words) return std::string(key.unit);
-    std::string text = key.kind == Key::Kind::whole ? "a whole number, " : "";
-    text += exact_number(key.least) + " to " + exact_number(key.greatest);
-    if (!key.unit.empty()) text.append(" ").append(key.unit);
-    return text;
-}
-
-std::string list_keys(std::span<const Key> keys) {
-    return listed(keys, [](const Key& key) { return std::string(key.name) + " (" + key_takes(key) + ")"; });
-}
-
-Error option_refusal(std::string_view of, const std::string& what) {
-    return usage_error(std::string(of).append(": ").append(what));
 }
 
 }  // namespace
@@ -580,57 +559,12 @@ Result<std::unique_ptr<Hand>> make_hand(const std::string& description, int fing
     if (fingers < 1 || fingers > most_fingers)
         return usage_error("a hand has 1 to " + std::to_string(most_fingers) + " fingers, not " +
                            std::to_string(fingers));
-    const auto [name, rest] = HandOptions::name_and_pairs(description);
+    const auto [name, rest] = KeyedValues::name_and_pairs(description);
     if (name == "csv") return make_recorded_hand(rest, fingers, workspace, probe);
     const Script* const script = named_in(scripts, name, &Script::name);
     if (script == nullptr)
         return usage_error("unknown hand '" + printable(name) + "'; must be one of " + listed(hand_words()));
     return make_scripted_hand(std::string(name), script->keys, rest, fingers, workspace, probe);
-}
-
-Result<HandOptions> HandOptions::parse(std::string_view of, std::string_view text,
-                                       std::span<const Key> keys) {
-    HandOptions options;
-    options.keys_ = keys;
-    while (!text.empty()) {
-        const std::size_t comma = text.find(',');
-        TRY_ASSIGN(auto next, options.entry(of, text.substr(0, comma)));
-        options.entries_.push_back(std::move(next));
-        if (comma == std::string_view::npos) break;
-        text.remove_prefix(comma + 1);
-        if (text.empty()) return option_refusal(of, "nothing follows the last comma; expected key=value");
-    }
-    return options;
-}
-
-Result<HandOptions::Entry> HandOptions::entry(std::string_view of, std::string_view item) const {
-    const std::size_t equals = item.find('=');
-    if (equals == std::string_view::npos)
-        return option_refusal(
-            of, std::string("'").append(item).append("' is not key=value; keys are ") + list_keys(keys_));
-    const std::string name(item.substr(0, equals));
-    const std::string value(item.substr(equals + 1));
-    const auto key = std::ranges::find(keys_, name, &Key::name);
-    if (key == keys_.end())
-        return option_refusal(of, "unknown key '" + name + "'; keys are " + list_keys(keys_));
-    if (given(name)) return option_refusal(of, name + " is given twice; give it once");
-    if (key->kind == Key::Kind::words) {
-        if (value.empty()) return option_refusal(of, name + " is empty; it takes " + key_takes(*key));
-        return Entry{&*key, 0, value};
-    }
-    const auto number = parsed_as<double>(value);
-    const bool inside = number && *number >= key->least && *number <= key->greatest;  // NaN is outside
-    if (!inside || (key->kind == Key::Kind::whole && std::floor(*number) != *number))
-        return option_refusal(of,
-                              name + "=" + value + " is not allowed; " + name + " takes " + key_takes(*key));
-    return Entry{&*key, *number, {}};
-}
-
-double HandOptions::number(std::string_view name) const {
-    if (const Entry* entry = find(name)) return entry->number;
-    const auto key = std::ranges::find(keys_, name, &Key::name);
-    assert(key != keys_.end());
-    return key->standard;
 }
 
 }  // namespace touchable

@@ -9,10 +9,9 @@
 //   TRY_ASSIGN(auto hand, make_hand("press:depth=3", 1, workspace, probe));
 //   every tick: hand->goals_at(tick, probe, goals)
 //
-// `GoalWatch` reports how recorded goals fit the surface. `HandOptions` reads key=value pairs, also for
-// devices and cameras; `CsvTable` reads the tables of motions, logs and forces.
+// `GoalWatch` reports how recorded goals fit the surface.
 //
-// Threads: a hand, a watch and a table are used by one thread. The thread that ticks calls HandControl's
+// Threads: a hand and a watch are used by one thread. The thread that ticks calls HandControl's
 // `come_back`, `to_goals` and `to_device`, which neither wait nor allocate; functions for any thread are
 // marked.
 
@@ -21,11 +20,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/mat3x3.hpp>
-#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <span>
-#include <string_view>
 
 #include "engine/base/result.hpp"
 #include "haptics_cpu/touch_step.hpp"
@@ -96,122 +93,6 @@ private:
     double metres_per_scene_unit_;
     std::optional<double> deepest_;
     std::int64_t goals_ = 0, outside_ = 0, far_below_ = 0;
-};
-
-/// The key=value pairs of a description, checked against the keys that are understood.
-class HandOptions {
-public:
-    /// One key that a hand, a device or a camera understands. Numbers have a range and a default; words
-    /// (names of columns) do not.
-    struct Key {
-        enum class Kind { number, whole, words };
-        std::string_view name;
-        std::string_view unit;
-        double least = 0;
-        double greatest = 0;
-        double standard = 0;
-        Kind kind = Kind::number;
-    };
-
-    /// `text` is "key=value,key=value" or empty; `keys` must outlive the options. Refuses (ErrorKind::usage)
-    /// an unknown key, a key given twice, a value that is no number or out of range; names the legal ones and
-    /// their owner `of`, such as "hand 'wander'".
-    static Result<HandOptions> parse(std::string_view of, std::string_view text, std::span<const Key> keys);
-
-    /// Splits "NAME[:key=value,...]" at its first ':'.
-    static std::pair<std::string_view, std::string_view> name_and_pairs(std::string_view description) {
-        const std::size_t colon = std::min(description.find(':'), description.size());
-        return {description.substr(0, colon), description.substr(std::min(colon + 1, description.size()))};
-    }
-    /// Splits "FILE[:key=value,...]"; FILE may contain ':': the pairs begin after the last ':' that has a '='
-    /// behind it.
-    static std::pair<std::string_view, std::string_view> file_and_pairs(std::string_view description) {
-        const std::size_t equals = description.rfind('=');
-        const std::size_t colon = equals == description.npos ? equals : description.rfind(':', equals);
-        if (colon == description.npos) return {description, {}};
-        return {description.substr(0, colon), description.substr(colon + 1)};
-    }
-
-    bool given(std::string_view name) const { return find(name) != nullptr; }
-    double number(std::string_view name) const;  ///< as given, or the key's default
-    /// As given, or empty.
-    std::string words(std::string_view name) const {
-        const Entry* entry = find(name);
-        return entry ? entry->words : std::string();
-    }
-
-private:
-    struct Entry {
-        const Key* key;
-        double number;
-        std::string words;
-    };
-    Result<Entry> entry(std::string_view of, std::string_view item) const;
-    const Entry* find(std::string_view name) const {
-        const auto at = std::ranges::find_if(entries_, [&](const Entry& e) { return e.key->name == name; });
-        return at == entries_.end() ? nullptr : &*at;
-    }
-
-    std::span<const Key> keys_;
-    std::vector<Entry> entries_;
-};
-
-/// A table of numbers in text, with or without a header, its fields separated by commas, semicolons, tabs or
-/// blanks. Every row has the same number of fields; a field may stand in double quotes; columns that are not
-/// read may hold anything; blank lines at the end do not count.
-class CsvTable {
-public:
-    /// Refuses (ErrorKind::input, with file and line) a file that cannot be read, exceeds 256 MiB or ten
-    /// million rows, is no text, or has rows of different lengths or no row of data. The first line is a
-    /// header if one of its fields is not a number.
-    static Result<CsvTable> read(const std::string& file);
-
-    CsvTable(CsvTable&&) = default;
-    CsvTable& operator=(CsvTable&&) = default;
-
-    std::size_t rows() const { return lines_.size() - (has_header_ ? 1 : 0); }
-    std::size_t columns() const { return first_.size(); }
-    /// Whether the header has this column.
-    bool names(std::string_view column) const {
-        for (const std::string_view name : first_) {
-            if (has_header_ && name == column) return true;
-        }
-        return false;
-    }
-    /// Index of a column by its name in the header or its number, from 1. Refuses others, listing the legal
-    /// ones.
-    Result<std::size_t> column(std::string_view name_or_number) const;
-    /// All values of a column, in order. Refuses (file, line, column) a value that is not a finite number.
-    /// `may_be_empty`: an empty field is NaN.
-    Result<std::vector<double>> numbers(std::size_t column, bool may_be_empty = false) const;
-    /// "FILE: line N" of row `row`, for messages.
-    std::string place(std::size_t row) const {
-        return file_ + ": line " + std::to_string(row + (has_header_ ? 2 : 1));
-    }
-    const std::string& file() const { return file_; }
-
-private:
-    CsvTable() = default;
-    Result<void> find_lines();
-    Result<void> check_fields();
-    std::size_t fields_by(char separator);
-    void choose_separator();
-    std::string_view line(std::size_t number) const {
-        std::string_view line(*text_);
-        line.remove_prefix(lines_[number]);
-        line = line.substr(0, line.find('\n'));
-        if (line.ends_with('\r')) line.remove_suffix(1);
-        return line;
-    }
-    /// Splits a line into `fields`, replacing them. Error: what is wrong with the line.
-    Result<void> split(std::string_view line, std::vector<std::string_view>& fields) const;
-
-    std::string file_;
-    std::shared_ptr<const std::string> text_;  // its address survives a move
-    std::vector<std::uint32_t> lines_;         // start of each line
-    std::vector<std::string_view> first_;      // fields of the first line
-    char separator_ = ',';                     // a blank: any number of blanks and tabs
-    bool has_header_ = false;
 };
 
 /// Mapping of device positions to the scene.

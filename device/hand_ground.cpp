@@ -1,5 +1,6 @@
 // The surface under a hand: its nearest point, its relief, and goals that do not fit it.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "device/hand_parts.hpp"
@@ -10,54 +11,47 @@ namespace touchable {
 namespace {
 
 // Limits of smooth, rough and broken ground.
-constexpr int relief_rings = 4;
+constexpr int relief_rings = 4, relief_directions = 12;
 constexpr double least_cliff = 0.006;  // device metres: a lower step up is rough ground, however steep
 // Rise per length, as the camera sees it: 65 degrees. Usual friction (0.4) holds a proxy at a wall of 68.
 constexpr double steepest = 2.14;
 
-/// Finds the nearest surface among the pixels at Chebyshev distance `radius` from the start, in the box.
-class RingSearch {
-public:
-    RingSearch(const SurfaceProbe& probe, const glm::dvec2& from, const HandArea& box)
-        : probe_(probe), from_(from), box_(box) {}
-
-    std::optional<SurfacePoint> ring(int radius) {
-        best_.reset();
-        const double r = radius;
-        // Rows above and below, then the columns between them, clipped to the box.
-        const double x0 = std::max(-r, std::ceil(box_.least.x - from_.x));
-        const double x1 = std::min(r, std::floor(box_.greatest.x - from_.x));
-        for (double x = x0; x <= x1; ++x) {
-            look({x, -r});
-            if (radius > 0) look({x, r});
-        }
-        const double y0 = std::max(-r + 1, std::ceil(box_.least.y - from_.y));
-        const double y1 = std::min(r - 1, std::floor(box_.greatest.y - from_.y));
-        for (double y = y0; y <= y1; ++y) {
-            look({-r, y});
-            look({r, y});
-        }
-        return best_;
+/// In all directions, x right, y down.
+const auto unit_vectors = [] {
+    std::array<glm::dvec2, relief_directions> all;
+    for (int k = 0; k < relief_directions; ++k) {
+        const double angle = 2 * pi * k / relief_directions;
+        all[static_cast<std::size_t>(k)] = {cosine(angle), -sine(angle)};
     }
+    return all;
+}();
 
-private:
-    void look(const glm::dvec2& step) {
+/// The nearest surface among the pixels at Chebyshev distance `r` from the start, in the box.
+std::optional<SurfacePoint> surface_on_ring(const SurfaceProbe& probe, const glm::dvec2& from,
+                                            const HandArea& box, double r) {
+    std::optional<SurfacePoint> best;
+    double best_distance2 = 0;
+    const auto look = [&](const glm::dvec2& step) {
         const double distance2 = step.x * step.x + step.y * step.y;
-        if (best_ && distance2 >= best_distance2_) return;
-        const glm::dvec2 pixel = from_ + step;
-        if (!box_.contains(pixel)) return;
-        if (const std::optional<double> depth = probe_.depth_under(pixel.x, pixel.y)) {
-            best_ = SurfacePoint{pixel, *depth};
-            best_distance2_ = distance2;
+        if (best && distance2 >= best_distance2) return;
+        const glm::dvec2 pixel = from + step;
+        if (!box.contains(pixel)) return;
+        if (const std::optional<double> depth = probe.depth_under(pixel.x, pixel.y)) {
+            best = SurfacePoint{pixel, *depth};
+            best_distance2 = distance2;
         }
-    }
-
-    const SurfaceProbe& probe_;
-    glm::dvec2 from_;
-    HandArea box_;
-    std::optional<SurfacePoint> best_;
-    double best_distance2_ = 0;
-};
+    };
+    // Rows above and below, then the columns between them, clipped to the box.
+    const double x0 = std::max(-r, std::ceil(box.least.x - from.x));
+    const double x1 = std::min(r, std::floor(box.greatest.x - from.x));
+    for (double x = x0; x <= x1; ++x)
+        for (const double y : {-r, r}) look({x, y});
+    const double y0 = std::max(-r + 1, std::ceil(box.least.y - from.y));
+    const double y1 = std::min(r - 1, std::floor(box.greatest.y - from.y));
+    for (double y = y0; y <= y1; ++y)
+        for (const double x : {-r, r}) look({x, y});
+    return best;
+}
 
 }  // namespace
 
@@ -68,11 +62,9 @@ HandArea middle_of(const SurfaceProbe& probe, double fraction) {
 
 std::optional<SurfacePoint> nearest_surface(const SurfaceProbe& probe, const glm::dvec2& pixel,
                                             const HandArea& box) {
-    RingSearch search(probe, pixel, box);
     const int rings = std::max(probe.width(), probe.height());
-    for (int radius = 0; radius <= rings; ++radius) {
-        if (const std::optional<SurfacePoint> found = search.ring(radius)) return found;
-    }
+    for (int radius = 0; radius <= rings; ++radius)
+        if (const auto found = surface_on_ring(probe, pixel, box, radius)) return found;
     return std::nullopt;
 }
 
@@ -86,17 +78,18 @@ double start_depth(const SurfaceProbe& probe, const glm::dvec2& pixel, const Han
     return found ? found->depth : device_depth(workspace);
 }
 
-LocalRelief LocalReliefSearch::about(const glm::dvec2& pixel, double depth, const SurfaceProbe& probe) const {
-    const glm::dvec2 size = pixel_size(probe, pixel, depth, metres_per_scene_unit_);
+LocalRelief local_relief(const SurfaceProbe& probe, const glm::dvec2& pixel, double depth, double reach,
+                         double metres_per_scene_unit, const HandArea& box) {
+    const glm::dvec2 size = pixel_size(probe, pixel, depth, metres_per_scene_unit);
     bool broken = false, rough = false;
     double highest = depth;
     for (int ring = 1; ring <= relief_rings; ++ring) {
-        const double radius = reach_ * ring / relief_rings;
-        for (std::size_t k = 0; k < directions; ++k) {
-            const glm::dvec2 place = pixel + radius * directions_[k] / size;
-            if (!box_.contains(place)) continue;
+        const double radius = reach * ring / relief_rings;
+        for (const glm::dvec2& direction : unit_vectors) {
+            const glm::dvec2 place = pixel + radius * direction / size;
+            if (!box.contains(place)) continue;
             const std::optional<double> there = probe.depth_under(place.x, place.y);
-            const double rise = there ? (depth - *there) * metres_per_scene_unit_ : 0;  // towards the camera
+            const double rise = there ? (depth - *there) * metres_per_scene_unit : 0;  // towards the camera
             broken = broken || !there || std::fabs(rise) > std::max(least_cliff, steepest * radius);
             rough = rough || rise > steepest * radius;
             highest = std::min(highest, there.value_or(depth));
@@ -119,15 +112,9 @@ glm::dvec2 pixel_size(const SurfaceProbe& probe, const glm::dvec2& pixel, double
 void GoalWatch::look(const SurfaceProbe& probe, std::span<glm::dvec3> goals) {
     for (glm::dvec3& goal : goals) {
         ++goals_;
+        const glm::dvec3 seen = goal.z < 0 ? probe.project(goal) : glm::dvec3(-1);
         // Written so that NaN is outside.
-        if (!(goal.z < 0)) {
-            ++outside_;
-            continue;
-        }
-        const glm::dvec3 seen = probe.project(goal);
-        const bool inside =
-            seen.x >= 0 && seen.x <= probe.width() - 1 && seen.y >= 0 && seen.y <= probe.height() - 1;
-        if (!inside) {
+        if (!middle_of(probe, 1).contains(glm::dvec2(seen))) {
             ++outside_;
             continue;
         }

@@ -2,7 +2,6 @@
 
 // Parts of hands: their view of the surface under them, and recorded motions.
 
-#include <array>
 #include <glm/mat3x3.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -61,29 +60,11 @@ struct LocalRelief {
     double highest;  ///< least planar depth within reach, scene units
 };
 
-/// Examines the ground around a finger, so that the finger can be lifted over a step before it gets there.
-class LocalReliefSearch {
-public:
-    /// Looks `reach` device metres, > 0, to every side, and only at pixels of `box`, which no finger leaves.
-    LocalReliefSearch(double reach, double metres_per_scene_unit, const HandArea& box)
-        : reach_(reach), metres_per_scene_unit_(metres_per_scene_unit), box_(box) {
-        for (int k = 0; k < directions; ++k) {
-            const double angle = 2 * pi * k / directions;
-            directions_[static_cast<std::size_t>(k)] = {cosine(angle), -sine(angle)};
-        }
-    }
-
-    /// Relief at `pixel` of the box, where the finger assumes the surface at planar depth `depth`.
-    LocalRelief about(const glm::dvec2& pixel, double depth, const SurfaceProbe& probe) const;
-
-private:
-    static constexpr int directions = 12;
-
-    std::array<glm::dvec2, directions> directions_;  // unit length, x right, y down
-    double reach_;
-    double metres_per_scene_unit_;
-    HandArea box_;
-};
+/// Relief at `pixel` of the box, where a finger assumes the surface at planar depth `depth`, so that it can
+/// be lifted over a step before it gets there. Looks `reach` device metres, > 0, to every side, and only at
+/// pixels of `box`, which no finger leaves.
+LocalRelief local_relief(const SurfaceProbe& probe, const glm::dvec2& pixel, double depth, double reach,
+                         double metres_per_scene_unit, const HandArea& box);
 
 /// Device metres that one pixel spans at `depth`, across and down.
 glm::dvec2 pixel_size(const SurfaceProbe& probe, const glm::dvec2& pixel, double depth,

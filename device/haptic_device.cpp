@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "device/force_gate.h"
-#include "device/hand.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
@@ -117,7 +117,7 @@ constexpr double tick_of_handles_s = 0.001, pointer_reading_s = 0.001;  // perio
 constexpr double pointer_arrival = 0.004;  // device metres along the view; a nearer finger has arrived
 
 constexpr HandleDynamics standard_handle;
-constexpr std::array<HandOptions::Key, 8> simulated_keys{{
+constexpr std::array<KeyedValues::Key, 8> simulated_keys{{
     {"mass", "kg", 0.05, 10, standard_handle.mass},
     {"damping", "N s/m", 0, 50, standard_handle.damping},
     {"friction", "N", 0, 5, standard_handle.friction},
@@ -204,10 +204,10 @@ void SimulatedDevice::pass_tick() {
 }
 
 Result<std::unique_ptr<SimulatedDevice>> make_simulated_device(const std::string& description, int fingers) {
-    const auto [name, pairs] = HandOptions::name_and_pairs(description);
+    const auto [name, pairs] = KeyedValues::name_and_pairs(description);
     if (name != "simulated")
         return usage_error("unknown device '" + std::string(name) + "'; the one there is is simulated");
-    TRY_ASSIGN(const auto given, HandOptions::parse("device 'simulated'", pairs, simulated_keys));
+    TRY_ASSIGN(const auto given, KeyedValues::parse("device 'simulated'", pairs, simulated_keys));
     HandleDynamics handle;
     handle.mass = given.number("mass");
     handle.damping = given.number("damping");
@@ -223,28 +223,9 @@ Result<std::unique_ptr<SimulatedDevice>> make_simulated_device(const std::string
 
 // ---- PointerDevice
 
-struct PointerDevice::Meant {
-    std::optional<glm::dvec3> place;   // nothing: no goal
-    glm::dvec3 along{0.0};             // unit, away from the eye, or zero
-    std::optional<glm::dvec3> from{};  // start if it was away; nothing: the refuge
-};
-
-struct PointerDevice::Intents {
-    std::array<Meant, most_fingers> meant{};                // window thread only
-    NewestValue<std::array<Meant, most_fingers>> newest{};  // from the window to the haptic thread
-};
-
-struct PointerDevice::Led {
-    LedPoint point;
-    LedPoint quick;          // as quick along the view as across; `point` stays within `leash` of it
-    bool comes = true;       // it was away, and has not reached its goal yet
-    bool has_begun = false;  // from Meant::from, since it was away
-};
-
 PointerDevice::PointerDevice(int fingers, const glm::dvec3& refuge, const PointerSettings& settings)
     : settings_(settings),
       refuge_(refuge),
-      intents_(std::make_unique<Intents>()),
       led_(static_cast<std::size_t>(fingers),
            Led{LedPoint({settings.across_s, settings.along_s}, pointer_reading_s),
                LedPoint({settings.across_s, settings.across_s}, pointer_reading_s)}) {
@@ -252,12 +233,6 @@ PointerDevice::PointerDevice(int fingers, const glm::dvec3& refuge, const Pointe
     assert(settings.max_speed > 0 && settings.approach_speed > 0 && settings.limits.max_force > 0 &&
            settings.limits.max_stiffness > 0);
     retreat();
-}
-
-PointerDevice::~PointerDevice() = default;
-
-int PointerDevice::fingers() const {
-    return static_cast<int>(led_.size());
 }
 
 void PointerDevice::retreat() {
@@ -303,7 +278,7 @@ bool PointerDevice::read_positions(std::span<glm::dvec3> device_metres) {
     if (opening != seen_opening_ || force != seen_force_) retreat();
     seen_opening_ = opening;
     seen_force_ = force;
-    const auto& meant = intents_->newest.read();
+    const auto& meant = newest_.read();
     for (std::size_t finger = 0; finger < led_.size(); ++finger) {
         if (is_on(force)) lead(meant[finger], led_[finger]);
         device_metres[finger] = led_[finger].point.place();
@@ -324,28 +299,28 @@ bool PointerDevice::write_forces(std::span<const glm::dvec3> newtons) {
 
 void PointerDevice::intend(std::span<const glm::dvec3> places, const glm::dvec3& eye) {
     assert(places.size() <= led_.size());
-    for (std::size_t finger = 0; finger < intents_->meant.size(); ++finger) {
+    for (std::size_t finger = 0; finger < meant_.size(); ++finger) {
         if (finger >= places.size())
-            intents_->meant[finger].place.reset();
+            meant_[finger].place.reset();
         else if (is_near(places[finger]))
-            intents_->meant[finger] = {places[finger], direction_between(eye, places[finger])};
+            meant_[finger] = {places[finger], direction_between(eye, places[finger])};
     }
-    intents_->newest.write(intents_->meant);
+    newest_.write(meant_);
 }
 
 void PointerDevice::intend(std::size_t finger, const glm::dvec3& place, const glm::dvec3& from,
                            const glm::dvec3& eye) {
     assert(finger < led_.size());
     if (!is_near(place)) return;
-    intents_->meant[finger] = {place, direction_between(eye, place),
-                               is_near(from) ? std::optional(from) : std::nullopt};
-    intents_->newest.write(intents_->meant);
+    meant_[finger] = {place, direction_between(eye, place),
+                      is_near(from) ? std::optional(from) : std::nullopt};
+    newest_.write(meant_);
 }
 
 void PointerDevice::withdraw(std::size_t finger) {
     assert(finger < led_.size());
-    intents_->meant[finger].place.reset();
-    intents_->newest.write(intents_->meant);
+    meant_[finger].place.reset();
+    newest_.write(meant_);
 }
 
 }  // namespace touchable

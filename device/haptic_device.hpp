@@ -26,12 +26,6 @@
 
 namespace touchable {
 
-/// ns of a clock that goes on while the machine is suspended (CLOCK_BOOTTIME), so that positions from before
-/// that are old afterwards. Never backward, even if the time of day is set.
-inline std::int64_t steady_ns() {
-    return boot_ns();
-}
-
 /// The newest value that one thread wrote, for one other thread to read. Neither locks, waits or retries, and
 /// a value is never read half-written: of three slots one is the writer's, one the reader's, and each swaps
 /// its own for the one in between.
@@ -236,7 +230,6 @@ public:
 
     /// 1 to 10 fingers, all away; force is on. `refuge`: device metres.
     PointerDevice(int fingers, const glm::dvec3& refuge, const PointerSettings& settings = {});
-    ~PointerDevice() override;
 
     /// Sets where the clip's camera is, before `open`, if that was unknown at construction.
     void set_refuge(const glm::dvec3& device_metres) { refuge_ = device_metres; }
@@ -246,7 +239,7 @@ public:
 
     std::string name() const override { return "pointer"; }
     DeviceLimits limits() const override { return settings_.limits; }
-    int fingers() const override;
+    int fingers() const override { return static_cast<int>(led_.size()); }
     Result<void> open() override {
         if (stays_open_ && works()) return {};
         fault_.store(nullptr, std::memory_order_relaxed);
@@ -286,9 +279,19 @@ public:
     bool force_is_on() const { return is_on(force_.load(std::memory_order_acquire)); }
 
 private:
-    struct Meant;    // a finger's goal from the window
-    struct Intents;  // goals of all fingers, from the window's thread to the haptic one
-    struct Led;      // one finger on its way
+    /// A finger's goal from the window.
+    struct Meant {
+        std::optional<glm::dvec3> place{};  // nothing: no goal
+        glm::dvec3 along{0.0};              // unit, away from the eye, or zero
+        std::optional<glm::dvec3> from{};   // start if it was away; nothing: the refuge
+    };
+    /// One finger on its way.
+    struct Led {
+        LedPoint point;
+        LedPoint quick;          // as quick along the view as across; `point` stays within `leash` of it
+        bool comes = true;       // it was away, and has not reached its goal yet
+        bool has_begun = false;  // from Meant::from, since it was away
+    };
     static constexpr bool is_on(std::uint32_t force) { return force % 2 == 1; }
     bool works() const {
         return opening_.load(std::memory_order_acquire) != 0 && !fault_.load(std::memory_order_relaxed);
@@ -305,7 +308,8 @@ private:
     std::atomic<std::uint32_t> force_{1};
     std::atomic<const char*> fault_{nullptr};
     std::uint32_t openings_ = 0;
-    const std::unique_ptr<Intents> intents_;
+    std::array<Meant, most_fingers> meant_{};                // window thread only
+    NewestValue<std::array<Meant, most_fingers>> newest_{};  // from the window to the haptic thread
     // Haptic thread only.
     std::vector<Led> led_;
     std::uint32_t seen_opening_ = 0, seen_force_ = 1;

@@ -12,7 +12,9 @@
 
 #include "device/hand_parts.hpp"
 #include "device/point_motion.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
@@ -115,23 +117,17 @@ std::vector<glm::dvec3> resample(const std::vector<double>& times, const std::ve
     return positions;
 }
 
-glm::dvec3 extents(const std::vector<glm::dvec3>& positions, glm::dvec3& centre) {
+/// Lays a motion in space flat before the person. Returns its larger in-plane extent.
+double lay_flat(std::vector<glm::dvec3>& positions) {
+    const glm::dmat3 rotation = principal_rotation(positions);
+    for (glm::dvec3& p : positions) p = rotation * p;
     glm::dvec3 least = positions.front(), greatest = positions.front();
     for (const glm::dvec3& p : positions) {
         least = glm::min(least, p);
         greatest = glm::max(greatest, p);
     }
-    centre = 0.5 * (least + greatest);
-    return greatest - least;
-}
-
-/// Lays a motion in space flat before the person. Returns its larger in-plane extent.
-double lay_flat(std::vector<glm::dvec3>& positions) {
-    const glm::dmat3 rotation = principal_rotation(positions);
-    for (glm::dvec3& p : positions) p = rotation * p;
-    glm::dvec3 centre;
-    const glm::dvec3 size = extents(positions, centre);
-    for (glm::dvec3& p : positions) p -= centre;
+    for (glm::dvec3& p : positions) p -= 0.5 * (least + greatest);
+    const glm::dvec3 size = greatest - least;
     return std::max(size.x, size.y);
 }
 
@@ -144,62 +140,46 @@ glm::dvec3 pushed_in(glm::dvec3 goal, double push, double nearest_z) {
     return goal;
 }
 
-/// Finds how far a motion has to be pushed in so that a given share of its goals lies under the surface.
-class ContactSearch {
-public:
-    ContactSearch(const std::vector<glm::dvec3>& positions, const std::vector<glm::dvec3>& offsets,
-                  double nearest_z, const SurfaceProbe& probe)
-        : nearest_z_(nearest_z), probe_(probe) {
-        // A long recording is sampled at some 20 000 evenly spaced ticks.
-        const std::size_t stride = positions.size() / 20000 + 1;
-        for (std::size_t tick = 0; tick < positions.size(); tick += stride) {
-            for (const glm::dvec3& offset : offsets) goals_.push_back(positions[tick] + offset);
-        }
-    }
-
-    /// Scene units along -Z, by bisection from steps of `step`; 0 if no push reaches the wanted share.
-    double push_for(double wanted, double step) const {
-        double above = 0;
-        double under = 0;
-        double stride = step;
-        for (int doubling = 0; doubling < 24 && share_under(under) < wanted; ++doubling, stride *= 2) {
-            above = under;
-            under += stride;
-        }
-        if (share_under(under) < wanted) return 0;
-        for (int doubling = 0; doubling < 24 && share_under(above) >= wanted; ++doubling, stride *= 2) {
-            under = above;
-            above -= stride;
-        }
-        while (under - above > step * 1e-6) {
-            const double middle = 0.5 * (above + under);
-            (share_under(middle) < wanted ? above : under) = middle;
-        }
-        const bool closer_above = wanted - share_under(above) < share_under(under) - wanted;
-        return closer_above ? above : under;
-    }
-
-private:
-    /// Share of the goals over a surface that lie under it.
-    double share_under(double push) const {
-        std::size_t over = 0;
-        std::size_t under = 0;
-        for (const glm::dvec3& goal : goals_) {
-            const glm::dvec3 seen = probe_.project(pushed_in(goal, push, nearest_z_));
-            const std::optional<double> surface = probe_.depth_under(seen.x, seen.y);
+/// How far a motion has to be pushed in so that the share `wanted` of its goals lies under the surface: scene
+/// units along -Z, by bisection from steps of `step`; 0 if no push reaches that share.
+double push_for(double wanted, double step, const std::vector<glm::dvec3>& positions,
+                const std::vector<glm::dvec3>& offsets, double nearest_z, const SurfaceProbe& probe) {
+    // A long recording is sampled at some 20 000 evenly spaced ticks.
+    const std::size_t every = positions.size() / 20000 + 1;
+    std::vector<glm::dvec3> goals;
+    for (std::size_t tick = 0; tick < positions.size(); tick += every)
+        for (const glm::dvec3& offset : offsets) goals.push_back(positions[tick] + offset);
+    // Share of the goals over a surface that lie under it.
+    const auto share_under = [&](double push) {
+        std::size_t over = 0, under = 0;
+        for (const glm::dvec3& goal : goals) {
+            const glm::dvec3 seen = probe.project(pushed_in(goal, push, nearest_z));
+            const std::optional<double> surface = probe.depth_under(seen.x, seen.y);
             if (!surface) continue;
             ++over;
             if (seen.z > *surface) ++under;
         }
         return over > 0 ? static_cast<double>(under) / static_cast<double>(over) : 0.0;
+    };
+    double above = 0, under = 0, stride = step;
+    for (int doubling = 0; doubling < 24 && share_under(under) < wanted; ++doubling, stride *= 2) {
+        above = under;
+        under += stride;
     }
+    if (share_under(under) < wanted) return 0;
+    for (int doubling = 0; doubling < 24 && share_under(above) >= wanted; ++doubling, stride *= 2) {
+        under = above;
+        above -= stride;
+    }
+    while (under - above > step * 1e-6) {
+        const double middle = 0.5 * (above + under);
+        (share_under(middle) < wanted ? above : under) = middle;
+    }
+    const bool closer_above = wanted - share_under(above) < share_under(under) - wanted;
+    return closer_above ? above : under;
+}
 
-    double nearest_z_;
-    const SurfaceProbe& probe_;
-    std::vector<glm::dvec3> goals_;
-};
-
-using Key = HandOptions::Key;
+using Key = KeyedValues::Key;
 
 constexpr std::array recorded_hand_keys{
     Key{.name = "columns", .unit = "one column, or three joined by '+'", .kind = Key::Kind::words},
@@ -217,24 +197,17 @@ Error csv_hand_refusal(const std::string& what) {
     return usage_error("hand 'csv': " + what);
 }
 
-std::vector<std::string> split_at_plus(const std::string& text) {
-    std::vector<std::string> parts(1);
-    for (const char c : text) {
-        if (c == '+') {
-            parts.emplace_back();
-        } else {
-            parts.back() += c;
-        }
-    }
-    return parts;
-}
-
-Result<MotionSettings> motion_settings(const HandOptions& given) {
+Result<MotionSettings> motion_settings(const KeyedValues& given) {
     if (!given.given("columns"))
         return csv_hand_refusal(
             "columns is missing; give columns=NAME (a motion in) or columns=X+Y+Z (a position)");
     MotionSettings settings;
-    settings.columns = split_at_plus(given.words("columns"));
+    settings.columns.resize(1);
+    for (const char c : given.words("columns"))
+        if (c == '+')
+            settings.columns.emplace_back();
+        else
+            settings.columns.back() += c;
     const bool position = settings.columns.size() == 3;
     if (!position && settings.columns.size() != 1)
         return csv_hand_refusal("columns takes one column or three, joined by '+'");
@@ -304,8 +277,7 @@ void place_motion(std::vector<glm::dvec3>& motion, const std::vector<glm::dvec3>
 
     for (glm::dvec3& p : motion) p = anchor + p * units_per_metre;
     const double nearest_z = -nearest_share * depth;
-    const ContactSearch search(motion, offsets, nearest_z, probe);
-    const double push = search.push_for(contact, 0.001 * units_per_metre);
+    const double push = push_for(contact, 0.001 * units_per_metre, motion, offsets, nearest_z, probe);
     for (glm::dvec3& p : motion) p = pushed_in(p, push, nearest_z);
 }
 
@@ -360,10 +332,10 @@ Result<std::vector<glm::dvec3>> read_motion(const std::string& file, const Motio
 
 Result<std::unique_ptr<Hand>> make_recorded_hand(std::string_view description, int fingers,
                                                  const Workspace& workspace, const SurfaceProbe& probe) {
-    const auto [name, options] = HandOptions::file_and_pairs(description);
+    const auto [name, options] = KeyedValues::file_and_pairs(description);
     const std::string file(name);
     if (file.empty()) return csv_hand_refusal("no file; expected csv:FILE:columns=NAME[,key=value,...]");
-    TRY_ASSIGN(const auto given, HandOptions::parse("hand 'csv'", options, recorded_hand_keys));
+    TRY_ASSIGN(const auto given, KeyedValues::parse("hand 'csv'", options, recorded_hand_keys));
     TRY_ASSIGN(const auto settings, motion_settings(given));
     TRY_ASSIGN(auto motion, read_motion(file, settings));
 

@@ -1,5 +1,6 @@
 // Known hardware, and which of it is connected: read from /sys, /proc and /dev without opening a device.
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -84,15 +85,10 @@ namespace fs = std::filesystem;
 
 /// Whether a line such as "  0: 0100007F:2711 00000000:0000 0A ..." of /proc/net/tcp listens at `port`.
 bool line_listens(const std::string& line, std::uint16_t port) {
-    constexpr const char* listening = "0A";
-    std::istringstream words(line);
-    std::string slot, here, there, state;
-    if (!(words >> slot >> here >> there >> state) || state != listening) return false;
-    const std::size_t colon = here.rfind(':');
-    if (colon == std::string::npos) return false;
-    unsigned number = 0;
-    std::from_chars(here.data() + colon + 1, here.data() + here.size(), number, 16);
-    return number == port;
+    constexpr unsigned listening = 0x0A;
+    unsigned number = 0, state = 0;
+    const int read = std::sscanf(line.c_str(), "%*s %*[^:]:%x %*s %x", &number, &state);
+    return read == 2 && state == listening && number == port;
 }
 
 // ---- What is connected

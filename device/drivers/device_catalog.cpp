@@ -9,7 +9,6 @@
 #include "device/drivers/recorded_device.hpp"
 #include "device/drivers/spacemouse_device.hpp"
 #include "device/drivers/woodenhaptics_device.hpp"
-#include "device/hand.hpp"
 #include "engine/base/words.hpp"
 
 namespace touchable {
@@ -34,7 +33,7 @@ Error also_unplugged(Error error, std::string_view name) {
     if (error.kind != ErrorKind::input || !is_hardware) return error;
     const auto connected = connected_devices();
     const bool is_there = std::ranges::any_of(connected, [&](const ConnectedDevice& each) {
-        return HandOptions::name_and_pairs(each.driven).first == name;
+        return KeyedValues::name_and_pairs(each.driven).first == name;
     });
     if (!is_there) error.message += "; and no " + std::string(name) + " is connected";
     return error;
@@ -46,7 +45,7 @@ Error unknown_device(const std::string& name) {
                            {{Setting::device}});
     std::vector<std::string> words;
     for (const std::string& each : device_words())
-        words.emplace_back(HandOptions::name_and_pairs(each).first);
+        words.emplace_back(KeyedValues::name_and_pairs(each).first);
     const std::string nearest = nearest_word(name, words);
     return usage_error("unknown device '" + printable(name) + "'" +
                        (nearest.empty() ? "; there are " : "; did you mean " + nearest + "? There are ") +
@@ -100,7 +99,7 @@ std::vector<std::string> device_words() {
 
 Result<std::unique_ptr<HapticDevice>> make_device(const std::string& description,
                                                   const DrivenSettings& driven) {
-    const auto [name, pairs] = HandOptions::name_and_pairs(description);
+    const auto [name, pairs] = KeyedValues::name_and_pairs(description);
     const auto kind = std::ranges::find(kinds_of_devices, name, &DeviceKind::name);
     if (kind == std::end(kinds_of_devices)) return unknown_device(std::string(name));
     auto driver = kind->make_driver(pairs);

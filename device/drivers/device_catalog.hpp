@@ -87,23 +87,8 @@ inline constexpr const char* udev_rules_command =
 
 /// Times at which positions were received and forces sent: written by a device's thread (DrivenSettings),
 /// which never waits for a reader, and read by another thread.
-class DriveTimes {
-public:
-    explicit DriveTimes(std::size_t room) : received_(room), sent_(room) {}
-
-    void received(std::int64_t time_ns) { received_.add(time_ns); }
-    void sent(std::int64_t time_ns) { sent_.add(time_ns); }
-
-    /// Times in [from_ns, to_ns), in order, as far back as there was room.
-    std::vector<std::int64_t> received_within(std::int64_t from_ns, std::int64_t to_ns) const {
-        return received_.within(from_ns, to_ns);
-    }
-    std::vector<std::int64_t> sent_within(std::int64_t from_ns, std::int64_t to_ns) const {
-        return sent_.within(from_ns, to_ns);
-    }
-
-private:
-    /// The newest times. Entries overwritten during a read are newer than `to_ns` (now at most): left out.
+struct DriveTimes {
+    /// The newest times.
     class Ring {
     public:
         explicit Ring(std::size_t room) : times_(room) {}
@@ -112,13 +97,17 @@ private:
             times_[count % times_.size()].store(time_ns, std::memory_order_relaxed);
             count_.store(count + 1, std::memory_order_release);
         }
+        /// Times in [from_ns, to_ns), in order, as far back as there was room. Entries overwritten during a
+        /// read are newer than `to_ns` (now at most): left out.
         std::vector<std::int64_t> within(std::int64_t from_ns, std::int64_t to_ns) const;
 
     private:
         std::vector<std::atomic<std::int64_t>> times_;
         std::atomic<std::size_t> count_{0};
     };
-    Ring received_, sent_;
+
+    explicit DriveTimes(std::size_t room) : received(room), sent(room) {}
+    Ring received, sent;
 };
 
 /// Pace and clock of a thread that reads a device as the haptic thread does.

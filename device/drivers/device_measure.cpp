@@ -188,7 +188,7 @@ Result<WatchFigures> watch_device(HapticDevice& device, const DriveTimes& times,
         if (!pace.next_tick()) return interrupted_error();
     }
     const std::int64_t end = pace.now_ns();
-    const auto received = times.received_within(begin, end), sent = times.sent_within(begin, end);
+    const auto received = times.received.within(begin, end), sent = times.sent.within(begin, end);
     WatchFigures figures;
     figures.seconds = static_cast<double>(end - begin) * 1e-9;
     figures.readings = ticks;

@@ -47,7 +47,6 @@ DrivenDevice::DrivenDevice(std::unique_ptr<DeviceDriver> driver, DrivenSettings 
       limits_(driver_->limits()),
       capabilities_(driver_->capabilities()),
       age_s_(std::numeric_limits<double>::infinity()) {
-    if (!settings_.clock) settings_.clock = steady_ns;
     assert(fingers_ >= 1 && fingers_ <= static_cast<int>(DeviceSample::most_fingers));
 }
 

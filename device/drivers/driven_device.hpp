@@ -28,7 +28,7 @@ struct DrivenSettings {
     /// Unpowers the device if this process is gone or stands still. If set but not working, the device exerts
     /// no force. Null: no other process unpowers the device.
     std::shared_ptr<SafetyWatchdog> watchdog{};
-    DriverClock clock{};  ///< nothing: steady_ns
+    DriverClock clock = boot_ns;  ///< positions from before a suspension are old after it
     /// Called by the device's thread with the moment (ns) at which a position was received, and at which a
     /// force was sent; they may not wait.
     std::function<void(std::int64_t)> on_received{}, on_sent{};

@@ -5,9 +5,9 @@
 #include <glm/matrix.hpp>
 
 #include "device/drivers/known_devices.hpp"
-#include "device/hand.hpp"
 #include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
@@ -139,8 +139,8 @@ constexpr std::array<std::int16_t, 3> no_motors{};
 // ---- Keys
 
 constexpr DeviceLimits falcon_limits{8, 1000};
-constexpr std::array<HandOptions::Key, 3> falcon_keys{{
-    {"firmware", "a file", 0, 0, 0, HandOptions::Key::Kind::words},
+constexpr std::array<KeyedValues::Key, 3> falcon_keys{{
+    {"firmware", "a file", 0, 0, 0, KeyedValues::Key::Kind::words},
     {"force", "N", 0.1, 10, falcon_limits.max_force},
     {"stiffness", "N/mm", 0.01, 10, falcon_limits.max_stiffness / 1000},
 }};
@@ -387,7 +387,7 @@ std::string FalconDriver::prompt() const {
 // ---- Keys
 
 Result<FalconSettings> read_falcon_settings(std::string_view keys) {
-    TRY_ASSIGN(const auto given, HandOptions::parse("device 'falcon'", keys, falcon_keys));
+    TRY_ASSIGN(const auto given, KeyedValues::parse("device 'falcon'", keys, falcon_keys));
     FalconSettings settings;
     settings.limits = {given.number("force"), given.number("stiffness") * 1000};
     if (given.given("firmware"))

@@ -72,7 +72,7 @@ class FtdiTransport final : public Transport {
 public:
     static constexpr std::size_t state_bytes = 2;
 
-    explicit FtdiTransport(std::unique_ptr<UsbPort> port, DriverClock clock = steady_ns)
+    explicit FtdiTransport(std::unique_ptr<UsbPort> port, DriverClock clock = boot_ns)
         : port_(std::move(port)), clock_(std::move(clock)) {}
 
     Result<void> command(const FtdiCommand& command) { return port_->command(command); }
@@ -206,7 +206,7 @@ public:
     static constexpr double silent_s = 0.25;  ///< without an answer, it then counts as gone
     static constexpr int homed_reports = 8;   ///< consecutive reports before homing counts
 
-    FalconDriver(FalconSettings settings, FalconPlug plug, DriverClock clock = steady_ns)
+    FalconDriver(FalconSettings settings, FalconPlug plug, DriverClock clock = boot_ns)
         : settings_(std::move(settings)), plug_(std::move(plug)), clock_(std::move(clock)) {}
     ~FalconDriver() override { disconnect(); }
 

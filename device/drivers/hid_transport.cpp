@@ -19,12 +19,8 @@ namespace {
 
 /// Parses BUS:VENDOR:PRODUCT, all hexadecimal.
 bool take_ids(std::string_view text, HidNode& node) {
-    const std::size_t first = text.find(':');
-    const std::size_t second = first == std::string_view::npos ? first : text.find(':', first + 1);
-    if (second == std::string_view::npos) return false;
-    const auto bus = hexadecimal_id(text.substr(0, first));
-    const auto vendor = hexadecimal_id(text.substr(first + 1, second - first - 1));
-    const auto product = hexadecimal_id(text.substr(second + 1));
+    const auto bus = hexadecimal_id(cut_part(text, ':')), vendor = hexadecimal_id(cut_part(text, ':')),
+               product = hexadecimal_id(text);
     if (!bus || !vendor || !product) return false;
     node.bus = *bus;
     node.vendor = *vendor;
@@ -66,8 +62,8 @@ Error hid_not_opened(const std::string& node, int failure) {
 // ---- Nodes
 
 std::int16_t report_word(std::span<const std::byte> report, std::size_t at) {
-    const auto low = std::to_integer<unsigned>(report[at]), high = std::to_integer<unsigned>(report[at + 1]);
-    return static_cast<std::int16_t>(static_cast<std::uint16_t>(low | high << 8));
+    return static_cast<std::int16_t>(
+        number_in_bytes({reinterpret_cast<const char*>(&report[at]), sizeof(std::int16_t)}, false));
 }
 
 std::optional<std::uint16_t> hexadecimal_id(std::string_view text) {
@@ -79,9 +75,7 @@ std::optional<HidNode> read_hid_uevent(std::string_view text) {
     HidNode node;
     bool known = false;
     while (!text.empty()) {
-        const std::size_t end = text.find('\n');
-        const std::string_view line = text.substr(0, end);
-        text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+        const std::string_view line = cut_line(text);
         if (line.starts_with(id)) known = take_ids(line.substr(id.size()), node);
         if (line.starts_with(name)) node.name = line.substr(name.size());
     }
@@ -102,7 +96,7 @@ std::vector<HidNode> hid_nodes(const ConnectedSystem& system) {
 
 // ---- The transport
 
-Result<std::unique_ptr<HidTransport>> HidTransport::open(const std::string& node) {
+Result<std::unique_ptr<ReportTransport>> HidTransport::open(const std::string& node) {
     Descriptor spare(::open(node.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC));
     if (spare.get() < 0) return hid_not_opened(node, errno);
     // hidapi 0.13 frees memory that it does not own if a node is no HID device.
@@ -110,7 +104,7 @@ Result<std::unique_ptr<HidTransport>> HidTransport::open(const std::string& node
         return device_error(node + ": is no HID device; must be a node such as /dev/hidraw0");
     const std::lock_guard lock(hid_opening);
     if (hid_device* const device = hid_open_path(node.c_str()))
-        return std::unique_ptr<HidTransport>(new HidTransport(node, device, std::move(spare)));
+        return std::unique_ptr<ReportTransport>(new HidTransport(node, device, std::move(spare)));
     return device_error(node + ": hidapi cannot use it (" + in_plain_letters(hid_error(nullptr)) + ")");
 }
 
@@ -140,16 +134,10 @@ Result<std::size_t> HidTransport::receive(std::span<std::byte> room, std::chrono
 Result<std::unique_ptr<ReportTransport>> open_hid(const std::string& node,
                                                   bool (*is_one)(std::uint16_t vendor, std::uint16_t product),
                                                   const Error& none) {
-    std::string at = node;
-    if (at.empty()) {
-        const auto nodes = hid_nodes(ConnectedSystem());
-        const auto found = std::ranges::find_if(
-            nodes, [&](const HidNode& each) { return is_one(each.vendor, each.product); });
-        if (found == nodes.end()) return none;
-        at = found->node;
-    }
-    TRY_ASSIGN(auto opened, HidTransport::open(at));
-    return opened;
+    if (!node.empty()) return HidTransport::open(node);
+    for (const HidNode& each : hid_nodes(ConnectedSystem()))
+        if (is_one(each.vendor, each.product)) return HidTransport::open(each.node);
+    return none;
 }
 
 }  // namespace touchable

@@ -55,7 +55,7 @@ std::vector<HidNode> hid_nodes(const ConnectedSystem& system);
 class HidTransport final : public ReportTransport {
 public:
     /// Opens "/dev/hidrawN". Error (device): missing, not permitted (and what permits it), or not HID.
-    static Result<std::unique_ptr<HidTransport>> open(const std::string& node);
+    static Result<std::unique_ptr<ReportTransport>> open(const std::string& node);
     ~HidTransport() override;
 
     Result<void> send(std::span<const std::byte> report) override;

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "device/hand.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 
@@ -115,10 +114,10 @@ constexpr std::uint32_t last_mask = 0x746f7563;  // any value works: a mask hide
 
 const Inverse3Choice standard_arm;
 constexpr std::string_view of_inverse3 = "device 'inverse3'";
-const std::array<HandOptions::Key, 8> inverse3_keys{{
-    {"id", "what the service calls the arm, such as 049D", 0, 0, 0, HandOptions::Key::Kind::words},
-    {"port", "", 1, 65535, 10001, HandOptions::Key::Kind::whole},
-    {"service", "the version of the service, such as 3.4", 0, 0, 0, HandOptions::Key::Kind::words},
+const std::array<KeyedValues::Key, 8> inverse3_keys{{
+    {"id", "what the service calls the arm, such as 049D", 0, 0, 0, KeyedValues::Key::Kind::words},
+    {"port", "", 1, 65535, 10001, KeyedValues::Key::Kind::whole},
+    {"service", "the version of the service, such as 3.4", 0, 0, 0, KeyedValues::Key::Kind::words},
     {"right", "m", -1, 1, standard_arm.centre.x},
     {"up", "m", -1, 1, standard_arm.centre.y},
     {"towards", "m", -1, 1, standard_arm.centre.z},
@@ -398,7 +397,7 @@ std::optional<ZeroForcePacket> Inverse3Driver::zero_force_packet() const {
 // ---- Keys
 
 Result<Inverse3Choice> read_inverse3_choice(std::string_view keys) {
-    TRY_ASSIGN(const auto given, HandOptions::parse(of_inverse3, keys, inverse3_keys));
+    TRY_ASSIGN(const auto given, KeyedValues::parse(of_inverse3, keys, inverse3_keys));
     Inverse3Choice choice;
     choice.id = given.words("id");
     choice.port = static_cast<std::uint16_t>(given.number("port"));

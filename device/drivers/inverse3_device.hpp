@@ -125,8 +125,7 @@ public:
     static constexpr std::chrono::milliseconds longest_answer{500};
     static constexpr int most_nonsense = 50;  ///< consecutive unreadable messages
 
-    Inverse3Driver(Inverse3Choice choice, std::unique_ptr<HaplyService> service,
-                   DriverClock clock = steady_ns)
+    Inverse3Driver(Inverse3Choice choice, std::unique_ptr<HaplyService> service, DriverClock clock = boot_ns)
         : choice_(std::move(choice)),
           service_(std::move(service)),
           clock_(std::move(clock)),

@@ -9,7 +9,6 @@
 #include <cerrno>
 #include <iterator>
 
-#include "device/hand.hpp"
 #include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -36,35 +35,17 @@ std::uint32_t packet_crc(std::span<const std::byte> bytes) {
         crc32(0, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uInt>(bytes.size())));
 }
 
-class PacketWriter {
-public:
-    explicit PacketWriter(std::vector<std::byte>& out) : out_(out) {}
-    template <class Word>
-    void put(Word word) {
-        static_assert(std::is_unsigned_v<Word>);
-        for (std::size_t byte = 0; byte < sizeof word; ++byte)
-            out_.push_back(static_cast<std::byte>(word >> (8 * byte) & 0xff));
-    }
-    void put(double number) { put(std::bit_cast<std::uint64_t>(number)); }
+void put_number(std::vector<std::byte>& out, std::unsigned_integral auto number) {
+    for (std::size_t byte = 0; byte < sizeof number; ++byte)
+        out.push_back(static_cast<std::byte>(number >> (8 * byte) & 0xff));
+}
 
-private:
-    std::vector<std::byte>& out_;
-};
-
-class PacketReader {
-public:
-    explicit PacketReader(std::span<const std::byte> in) : in_(in) {}
-    template <class Word>
-    Word take() {
-        const auto* const bytes = reinterpret_cast<const char*>(&in_[std::exchange(at_, at_ + sizeof(Word))]);
-        return static_cast<Word>(number_in_bytes({bytes, sizeof(Word)}, false));
-    }
-    double number() { return std::bit_cast<double>(take<std::uint64_t>()); }
-
-private:
-    std::span<const std::byte> in_;
-    std::size_t at_ = 0;
-};
+template <class Number>
+Number take_number(std::span<const std::byte>& in) {
+    const auto* const bytes = reinterpret_cast<const char*>(in.data());
+    in = in.subspan(sizeof(Number));
+    return static_cast<Number>(number_in_bytes({bytes, sizeof(Number)}, false));
+}
 
 Result<void> check_packet(std::span<const std::byte> bytes) {
     if (bytes.size() < packet_bytes(1) ||
@@ -79,8 +60,8 @@ Result<void> check_packet(std::span<const std::byte> bytes) {
     if (fingers < 1 || fingers > NetworkPacket::most_fingers || bytes.size() != packet_bytes(fingers))
         return input_error("a packet of " + std::to_string(bytes.size()) + " bytes says it has " +
                            std::to_string(fingers) + " fingers; must be 1 to 10, and 28 + 24 bytes for each");
-    PacketReader crc(bytes.last(crc_bytes));
-    if (crc.take<std::uint32_t>() != packet_crc(bytes.first(bytes.size() - crc_bytes)))
+    auto crc = bytes.last(crc_bytes);
+    if (take_number<std::uint32_t>(crc) != packet_crc(bytes.first(bytes.size() - crc_bytes)))
         return input_error(
             "a packet's CRC-32 does not fit its bytes; it was damaged on the way, or it is not the CRC of "
             "all bytes before it");
@@ -106,12 +87,12 @@ bool is_newer(std::uint32_t sequence, std::uint32_t than) {
 // ---- Keys
 
 const NetworkSettings standard_hand;
-const std::array<HandOptions::Key, 6> network_keys{{
-    {"listen", "an address in figures, such as 0.0.0.0", 0, 0, 0, HandOptions::Key::Kind::words},
-    {"from", "an address in figures, such as 192.168.1.7", 0, 0, 0, HandOptions::Key::Kind::words},
-    {"port", "", 1, 65535, static_cast<double>(standard_hand.port), HandOptions::Key::Kind::whole},
+const std::array<KeyedValues::Key, 6> network_keys{{
+    {"listen", "an address in figures, such as 0.0.0.0", 0, 0, 0, KeyedValues::Key::Kind::words},
+    {"from", "an address in figures, such as 192.168.1.7", 0, 0, 0, KeyedValues::Key::Kind::words},
+    {"port", "", 1, 65535, static_cast<double>(standard_hand.port), KeyedValues::Key::Kind::whole},
     {"fingers", "", 1, NetworkPacket::most_fingers, static_cast<double>(standard_hand.fingers),
-     HandOptions::Key::Kind::whole},
+     KeyedValues::Key::Kind::whole},
     {"force", "N", 0.1, 1000, standard_hand.limits.max_force},
     {"stiffness", "N/mm", 0.01, 1000, standard_hand.limits.max_stiffness / 1000},
 }};
@@ -124,40 +105,38 @@ std::vector<std::byte> encode(const NetworkPacket& packet) {
     assert(packet.fingers >= 1 && packet.fingers <= static_cast<int>(NetworkPacket::most_fingers));
     std::vector<std::byte> bytes(packet_magic.begin(), packet_magic.end());
     bytes.reserve(NetworkPacket::most_bytes);
-    PacketWriter out(bytes);
-    out.put(NetworkPacket::version);
-    out.put(static_cast<std::uint8_t>(packet.kind));
-    out.put(static_cast<std::uint8_t>(packet.fingers));
-    out.put(
-        static_cast<std::uint8_t>((packet.last ? last_flag : 0) | (packet.stands_still ? still_flag : 0)));
-    out.put(packet.sequence);
-    out.put(packet.buttons);
-    out.put(packet.time_ns);
-    for (int finger = 0; finger < packet.fingers; ++finger)
-        for (int axis = 0; axis < 3; ++axis) out.put(packet.vectors[static_cast<std::size_t>(finger)][axis]);
-    out.put(packet_crc(bytes));
+    const int flags = (packet.last ? last_flag : 0) | (packet.stands_still ? still_flag : 0);
+    for (const int byte : {int{NetworkPacket::version}, static_cast<int>(packet.kind), packet.fingers, flags})
+        bytes.push_back(static_cast<std::byte>(byte));
+    put_number(bytes, packet.sequence);
+    put_number(bytes, packet.buttons);
+    put_number(bytes, packet.time_ns);
+    for (std::size_t finger = 0; finger < static_cast<std::size_t>(packet.fingers); ++finger)
+        for (int axis = 0; axis < 3; ++axis)
+            put_number(bytes, std::bit_cast<std::uint64_t>(packet.vectors[finger][axis]));
+    put_number(bytes, packet_crc(bytes));
     return bytes;
 }
 
 Result<NetworkPacket> decode_network_packet(std::span<const std::byte> bytes) {
     TRY(check_packet(bytes));
-    PacketReader in(bytes.subspan(packet_magic.size() + 1));
+    auto in = bytes.subspan(packet_magic.size() + 1);
     NetworkPacket packet;
-    const auto kind = in.take<std::uint8_t>();
+    const auto kind = take_number<std::uint8_t>(in);
     if (kind != 1 && kind != 2)
         return input_error("a packet is of kind " + std::to_string(kind) +
                            "; must be 1 (places) or 2 (forces)");
     packet.kind = static_cast<NetworkPacket::Kind>(kind);
-    packet.fingers = in.take<std::uint8_t>();
-    const auto flags = in.take<std::uint8_t>();
+    packet.fingers = take_number<std::uint8_t>(in);
+    const auto flags = take_number<std::uint8_t>(in);
     packet.last = (flags & last_flag) != 0;
     packet.stands_still = (flags & still_flag) != 0;
-    packet.sequence = in.take<std::uint32_t>();
-    packet.buttons = in.take<std::uint32_t>();
-    packet.time_ns = in.take<std::uint64_t>();
-    for (int finger = 0; finger < packet.fingers; ++finger)
+    packet.sequence = take_number<std::uint32_t>(in);
+    packet.buttons = take_number<std::uint32_t>(in);
+    packet.time_ns = take_number<std::uint64_t>(in);
+    for (std::size_t finger = 0; finger < static_cast<std::size_t>(packet.fingers); ++finger)
         for (int axis = 0; axis < 3; ++axis)
-            packet.vectors[static_cast<std::size_t>(finger)][axis] = in.number();
+            packet.vectors[finger][axis] = std::bit_cast<double>(take_number<std::uint64_t>(in));
     return packet;
 }
 
@@ -396,7 +375,7 @@ std::string NetworkDriver::why_no_position() const {
 // ---- Keys
 
 Result<NetworkSettings> read_network_settings(std::string_view keys) {
-    TRY_ASSIGN(const auto given, HandOptions::parse("device 'network'", keys, network_keys));
+    TRY_ASSIGN(const auto given, KeyedValues::parse("device 'network'", keys, network_keys));
     NetworkSettings settings;
     if (given.given("listen")) settings.listen = given.words("listen");
     if (given.given("from")) settings.from = given.words("from");

@@ -136,7 +136,7 @@ public:
 
     explicit NetworkDriver(const NetworkSettings& settings,
                            std::unique_ptr<DatagramSocket> socket = std::make_unique<UdpSocket>(),
-                           DriverClock clock = steady_ns)
+                           DriverClock clock = boot_ns)
         : settings_(settings),
           socket_(std::move(socket)),
           clock_(std::move(clock)),

@@ -2,8 +2,9 @@
 
 #include <cmath>
 
-#include "device/hand.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
@@ -81,7 +82,7 @@ public:
     }
 };
 
-constexpr std::array<HandOptions::Key, 2> recorded_keys{{
+constexpr std::array<KeyedValues::Key, 2> recorded_keys{{
     {"force", "N", 0.1, 1000, 10},
     {"stiffness", "N/mm", 0.01, 1000, 3},
 }};
@@ -139,11 +140,11 @@ Result<bool> ReplayDriver::receive(DeviceSample& sample, std::chrono::microsecon
 
 Result<std::unique_ptr<ReplayDriver>> read_recorded_device(std::string_view text,
                                                            std::unique_ptr<ReplayClock> clock) {
-    const auto [name, pairs] = HandOptions::file_and_pairs(text);
+    const auto [name, pairs] = KeyedValues::file_and_pairs(text);
     const std::string file(name);
     if (file.empty())
         return usage_error("device 'recorded': no file is given; must be recorded:FILE with a device's log");
-    TRY_ASSIGN(const auto given, HandOptions::parse("device 'recorded'", pairs, recorded_keys));
+    TRY_ASSIGN(const auto given, KeyedValues::parse("device 'recorded'", pairs, recorded_keys));
     TRY_ASSIGN(auto log, DeviceLog::read(file));
     const DeviceLimits limits{given.number("force"), given.number("stiffness") * 1000};
     return std::make_unique<ReplayDriver>(file, std::move(log), limits, std::move(clock));

@@ -2,8 +2,8 @@
 
 #include <iterator>
 
-#include "device/hand.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
@@ -19,8 +19,8 @@ Error report_too_short(std::span<const std::byte> bytes, std::size_t right) {
 }
 
 constexpr SpaceMousePace standard_pace;
-constexpr std::array<HandOptions::Key, 3> spacemouse_keys{{
-    {"node", "a node such as /dev/hidraw0", 0, 0, 0, HandOptions::Key::Kind::words},
+constexpr std::array<KeyedValues::Key, 3> spacemouse_keys{{
+    {"node", "a node such as /dev/hidraw0", 0, 0, 0, KeyedValues::Key::Kind::words},
     {"speed", "m/s", 0.001, 1, standard_pace.speed},
     {"reach", "m", 0.01, 1, standard_pace.reach},
 }};
@@ -83,7 +83,7 @@ Result<bool> SpaceMouseDriver::receive(DeviceSample& sample, std::chrono::micros
 }
 
 Result<SpaceMouseSettings> read_spacemouse_settings(std::string_view keys) {
-    TRY_ASSIGN(const auto given, HandOptions::parse("device 'spacemouse'", keys, spacemouse_keys));
+    TRY_ASSIGN(const auto given, KeyedValues::parse("device 'spacemouse'", keys, spacemouse_keys));
     return SpaceMouseSettings{given.words("node"), {given.number("speed"), given.number("reach")}};
 }
 

@@ -80,7 +80,7 @@ private:
 /// without reports the finger stays where it is, for as long as the node can be read.
 class SpaceMouseDriver final : public DeviceDriver {
 public:
-    SpaceMouseDriver(const SpaceMousePace& pace, OpenReports open, DriverClock clock = steady_ns)
+    SpaceMouseDriver(const SpaceMousePace& pace, OpenReports open, DriverClock clock = boot_ns)
         : pace_(pace), open_(std::move(open)), clock_(std::move(clock)) {}
 
     std::string name() const override { return "SpaceMouse (exerts no force)"; }

@@ -4,10 +4,10 @@
 #include <cstdlib>
 #include <glm/matrix.hpp>
 
-#include "device/hand.hpp"
 #include "engine/base/files.hpp"
 #include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "engine/scene/checked_json.hpp"
 
 namespace touchable {
@@ -116,11 +116,11 @@ constexpr std::int64_t waking_ns = 500'000'000;
 
 // ---- Keys
 
-constexpr std::array<HandOptions::Key, 3> wooden_keys{{
+constexpr std::array<KeyedValues::Key, 3> wooden_keys{{
     {"file", "its parameter file, such as examples/woodenhaptics.json", 0, 0, 0,
-     HandOptions::Key::Kind::words},
-    {"node", "a node such as /dev/hidraw0", 0, 0, 0, HandOptions::Key::Kind::words},
-    {"homed", "(1: it was homed since it got its power)", 0, 1, 0, HandOptions::Key::Kind::whole},
+     KeyedValues::Key::Kind::words},
+    {"node", "a node such as /dev/hidraw0", 0, 0, 0, KeyedValues::Key::Kind::words},
+    {"homed", "(1: it was homed since it got its power)", 0, 1, 0, KeyedValues::Key::Kind::whole},
 }};
 
 }  // namespace
@@ -295,7 +295,7 @@ bool is_woodenhaptics(std::uint16_t vendor, std::uint16_t product) {
 }
 
 Result<WoodenSettings> read_wooden_settings(std::string_view keys) {
-    TRY_ASSIGN(const auto given, HandOptions::parse("device 'woodenhaptics'", keys, wooden_keys));
+    TRY_ASSIGN(const auto given, KeyedValues::parse("device 'woodenhaptics'", keys, wooden_keys));
     if (!given.given("file"))
         return usage_error(
             "device 'woodenhaptics': no file is named that says how it is built; use "

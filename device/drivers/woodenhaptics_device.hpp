@@ -104,7 +104,7 @@ public:
 
     /// `is_homed`: for a build with a button, it was pressed since the board's power-up.
     WoodenHapticsDriver(const WoodenParameters& build, bool is_homed, OpenReports open,
-                        DriverClock clock = steady_ns)
+                        DriverClock clock = boot_ns)
         : build_(build), is_homed_(is_homed), open_(std::move(open)), clock_(std::move(clock)) {}
     ~WoodenHapticsDriver() override { disconnect(); }
 

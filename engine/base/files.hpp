@@ -8,7 +8,7 @@
 // plays it. ByteSource is what a parser reads from: a file, or bytes in memory. read_given_file reads a whole
 // small file. Writing: NewFile has no name until `commit`, so a file appears whole or not at all, however the
 // program ends; it replaces only an ordinary file, and only if Existing says so. ScratchFolder is a temporary
-// folder.
+// folder. CsvTable reads the tables of motions, logs and forces.
 //
 // Errors are lines for a person: the file's name, what is wrong, what would be right. Reads end with
 // ErrorKind::interrupted once the program is asked to stop.
@@ -17,14 +17,17 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 #include "engine/base/result.hpp"
 
@@ -239,5 +242,57 @@ std::filesystem::path hidden_name(const std::filesystem::path& folder);
 int move_to_free_name(const std::filesystem::path& from, const std::filesystem::path& to);
 /// Flushes the names in `folder` to the disk, as far as its file system can.
 void sync_folder(const std::filesystem::path& folder);
+
+/// A table of numbers in text, with or without a header, its fields separated by commas, semicolons, tabs or
+/// blanks. Every row has the same number of fields; a field may stand in double quotes; columns that are not
+/// read may hold anything; blank lines at the end do not count.
+class CsvTable {
+public:
+    /// Refuses (ErrorKind::input, with file and line) a file that cannot be read, exceeds 256 MiB or ten
+    /// million rows, is no text, or has rows of different lengths or no row of data. The first line is a
+    /// header if one of its fields is not a number.
+    static Result<CsvTable> read(const std::string& file);
+
+    std::size_t rows() const { return lines_.size() - (has_header_ ? 1 : 0); }
+    std::size_t columns() const { return first_.size(); }
+    /// Whether the header has this column.
+    bool names(std::string_view column) const {
+        return has_header_ && std::ranges::find(first_, column) != first_.end();
+    }
+    /// Index of a column by its name in the header or its number, from 1. Refuses others, listing the legal
+    /// ones.
+    Result<std::size_t> column(std::string_view name_or_number) const;
+    /// All values of a column, in order. Refuses (file, line, column) a value that is not a finite number.
+    /// `may_be_empty`: an empty field is NaN.
+    Result<std::vector<double>> numbers(std::size_t column, bool may_be_empty = false) const;
+    /// "FILE: line N" of row `row`, for messages.
+    std::string place(std::size_t row) const {
+        return file_ + ": line " + std::to_string(row + (has_header_ ? 2 : 1));
+    }
+    const std::string& file() const { return file_; }
+
+private:
+    CsvTable() = default;
+    Result<void> find_lines();
+    Result<void> check_fields();
+    std::size_t fields_by(char separator);
+    void choose_separator();
+    std::string_view line(std::size_t number) const {
+        std::string_view line(*text_);
+        line.remove_prefix(lines_[number]);
+        line = line.substr(0, line.find('\n'));
+        if (line.ends_with('\r')) line.remove_suffix(1);
+        return line;
+    }
+    /// Splits a line into `fields`, replacing them. Error: what is wrong with the line.
+    Result<void> split(std::string_view line, std::vector<std::string_view>& fields) const;
+
+    std::string file_;
+    std::shared_ptr<const std::string> text_;  // its address stays, copied or moved
+    std::vector<std::uint32_t> lines_;         // start of each line
+    std::vector<std::string_view> first_;      // fields of the first line
+    char separator_ = ',';                     // a blank: any number of blanks and tabs
+    bool has_header_ = false;
+};
 
 }  // namespace touchable

@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/try.hpp"
+
 namespace touchable {
 namespace {
 
@@ -69,6 +71,24 @@ std::size_t letters_between(std::string_view a, std::string_view b) {
         }
     }
     return row.back();
+}
+
+/// Allowed values of a key, in words: "0.001 to 2 m/s".
+std::string key_takes(const KeyedValues::Key& key) {
+    if (key.kind == KeyedValues::Key::Kind::words) return std::string(key.unit);
+    std::string text = key.kind == KeyedValues::Key::Kind::whole ? "a whole number, " : "";
+    text += exact_number(key.least) + " to " + exact_number(key.greatest);
+    if (!key.unit.empty()) text.append(" ").append(key.unit);
+    return text;
+}
+
+std::string list_keys(std::span<const KeyedValues::Key> keys) {
+    const auto in_words = [](const auto& key) { return std::string(key.name) + " (" + key_takes(key) + ")"; };
+    return listed(keys, in_words);
+}
+
+Error option_refusal(std::string_view of, const std::string& what) {
+    return usage_error(std::string(of).append(": ").append(what));
 }
 
 }  // namespace
@@ -202,6 +222,46 @@ std::string nearest_word(std::string_view typed, std::span<const std::string> wo
             nearest = word;
         }
     return nearest;
+}
+
+Result<KeyedValues> KeyedValues::parse(std::string_view of, std::string_view text,
+                                       std::span<const Key> keys) {
+    KeyedValues values;
+    values.keys_ = keys;
+    const bool has_end = !text.ends_with(',');
+    while (!text.empty()) {
+        TRY_ASSIGN(auto next, values.entry(of, cut_part(text, ',')));
+        values.entries_.push_back(std::move(next));
+    }
+    if (!has_end) return option_refusal(of, "nothing follows the last comma; expected key=value");
+    return values;
+}
+
+Result<KeyedValues::Entry> KeyedValues::entry(std::string_view of, std::string_view item) const {
+    const std::size_t equals = item.find('=');
+    if (equals == std::string_view::npos)
+        return option_refusal(
+            of, std::string("'").append(item).append("' is not key=value; keys are ") + list_keys(keys_));
+    const std::string name(item.substr(0, equals));
+    const std::string value(item.substr(equals + 1));
+    const Key* const key = named_in(keys_, name, &Key::name);
+    if (!key) return option_refusal(of, "unknown key '" + name + "'; keys are " + list_keys(keys_));
+    if (given(name)) return option_refusal(of, name + " is given twice; give it once");
+    if (key->kind == Key::Kind::words) {
+        if (value.empty()) return option_refusal(of, name + " is empty; it takes " + key_takes(*key));
+        return Entry{key, 0, value};
+    }
+    const auto number = parsed_as<double>(value);
+    const bool inside = number && *number >= key->least && *number <= key->greatest;  // NaN is outside
+    if (!inside || (key->kind == Key::Kind::whole && std::floor(*number) != *number))
+        return option_refusal(of,
+                              name + "=" + value + " is not allowed; " + name + " takes " + key_takes(*key));
+    return Entry{key, *number, {}};
+}
+
+double KeyedValues::number(std::string_view name) const {
+    const Entry* const entry = find(name);
+    return entry ? entry->number : named_in(keys_, name, &Key::name)->standard;
 }
 
 }  // namespace touchable

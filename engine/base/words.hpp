@@ -9,9 +9,9 @@
 // cut_part and cut_line take it apart. printable, in_quotes and shell_word make text from outside safe to
 // show: on one line, without control characters, and, except shell_word, cut if it is too long. nearest_word
 // finds the word that a mistyped one may have meant; listed joins several names, and named_in finds what has
-// one.
+// one. KeyedValues reads the key=value pairs of a description.
 //
-// Threads: any; pure functions, independent of the locale.
+// Threads: any; pure functions, independent of the locale. One thread uses a KeyedValues.
 
 #include <algorithm>
 #include <array>
@@ -23,6 +23,10 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
+
+#include "engine/base/result.hpp"
 
 namespace touchable {
 
@@ -132,5 +136,62 @@ std::string listed(const All& all, Name name = {}, std::string_view between = ",
 /// The word that a person who typed `typed` may have meant: the fewest letters inserted, left out or changed
 /// (Levenshtein's distance), at most three and about a third of those typed. Empty: none.
 std::string nearest_word(std::string_view typed, std::span<const std::string> words);
+
+/// The key=value pairs of a description, as of a hand, a device or a camera, checked against the keys that it
+/// understands.
+class KeyedValues {
+public:
+    /// One key that is understood. Numbers have a range and a default; words (names of columns) do not.
+    struct Key {
+        enum class Kind { number, whole, words };
+        std::string_view name;
+        std::string_view unit;
+        double least = 0;
+        double greatest = 0;
+        double standard = 0;
+        Kind kind = Kind::number;
+    };
+
+    /// `text` is "key=value,key=value" or empty; `keys` must outlive the options. Refuses (ErrorKind::usage)
+    /// an unknown key, a key given twice, a value that is no number or out of range; names the legal ones and
+    /// their owner `of`, such as "hand 'wander'".
+    static Result<KeyedValues> parse(std::string_view of, std::string_view text, std::span<const Key> keys);
+
+    /// Splits "NAME[:key=value,...]" at its first ':'.
+    static std::pair<std::string_view, std::string_view> name_and_pairs(std::string_view description) {
+        const std::string_view name = cut_part(description, ':');
+        return {name, description};
+    }
+    /// Splits "FILE[:key=value,...]"; FILE may contain ':': the pairs begin after the last ':' that has a '='
+    /// behind it.
+    static std::pair<std::string_view, std::string_view> file_and_pairs(std::string_view description) {
+        const std::size_t equals = description.rfind('=');
+        const std::size_t colon = equals == description.npos ? equals : description.rfind(':', equals);
+        if (colon == description.npos) return {description, {}};
+        return {description.substr(0, colon), description.substr(colon + 1)};
+    }
+
+    bool given(std::string_view name) const { return find(name) != nullptr; }
+    double number(std::string_view name) const;  ///< as given, or the key's default
+    /// As given, or empty.
+    std::string words(std::string_view name) const {
+        const Entry* entry = find(name);
+        return entry ? entry->words : std::string();
+    }
+
+private:
+    struct Entry {
+        const Key* key;
+        double number;
+        std::string words;
+    };
+    Result<Entry> entry(std::string_view of, std::string_view item) const;
+    const Entry* find(std::string_view name) const {
+        return named_in(entries_, name, [](const Entry& entry) { return entry.key->name; });
+    }
+
+    std::span<const Key> keys_;
+    std::vector<Entry> entries_;
+};
 
 }  // namespace touchable

@@ -335,9 +335,10 @@ public:
 
     /// Level of the packet that `peek` returned.
     bool is_low() const { return is_low_; }
-    std::int64_t changes() const { return changes_; }
-    /// Duration of the stream that was fetched of a level.
-    std::int64_t fetched_ns(bool of_low) const { return fetched_ns_[of_low ? 1 : 0]; }
+    /// How long each level is in what was fetched.
+    StreamFigures::Levels levels() const {
+        return {in_seconds(fetched_ns_[0]), in_seconds(fetched_ns_[1]), changes_, is_low_};
+    }
 
     // Called by the rendition that is being read:
     /// Called before a segment is fetched, while the rendition is being read: true ends the rendition there,
@@ -433,11 +434,7 @@ public:
     }
 
     std::optional<StreamFigures::Levels> levels() const override {
-        if (!reading_) return std::nullopt;
-        const auto seconds = [this](bool of_low) {
-            return static_cast<double>(touch_->fetched_ns(of_low)) * 1e-9;
-        };
-        return StreamFigures::Levels{seconds(false), seconds(true), touch_->changes(), touch_->is_low()};
+        return reading_ ? std::optional(touch_->levels()) : std::nullopt;
     }
 
     const std::vector<std::string>& remarks() const override { return remarks_; }

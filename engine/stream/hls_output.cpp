@@ -77,13 +77,9 @@ public:
     }
 
     const std::filesystem::path& path() const { return path_; }
-    /// "touch-3f2a91bc-init.mp4".
-    std::string header_name(std::string_view rendition) const {
-        return std::string(rendition) + "-" + run_ + "-init.mp4";
-    }
-    /// "touch-3f2a91bc-12.m4s".
-    std::string segment_name(std::string_view rendition, std::int64_t number) const {
-        return std::string(rendition) + "-" + run_ + "-" + std::to_string(number) + ".m4s";
+    /// "touch-3f2a91bc-init.mp4", "touch-3f2a91bc-12.m4s": `end` is what follows the run.
+    std::string file_name(const std::string& rendition, const std::string& end) const {
+        return rendition + "-" + run_ + "-" + end;
     }
     /// Number of the first segment: it continues the previous run, for that run's viewers.
     std::int64_t first_segment() const { return first_segment_; }
@@ -292,7 +288,8 @@ public:
                              ", and players of HLS have AAC");
         return {};
     }
-    Result<void> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns) override {
+    Result<Block> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
+                      bool is_key) override {
         if (renditions_.empty()) {
             TRY(begin(frame));
         } else {
@@ -311,7 +308,7 @@ public:
         }
         ++frames_;
         newest_ns_ = time_ns;
-        return {};
+        return Block{label.frame, is_key, {}};
     }
     Result<void> finish() override {
         if (renditions_.empty())
@@ -362,7 +359,7 @@ private:
         Rendition rendition{std::move(output)};
         rendition.media.target_s = target_s();
         rendition.media.first = number_;
-        rendition.media.header = folder_.header_name(form.name());
+        rendition.media.header = folder_.file_name(form.name(), "init.mp4");
         rendition.media.is_whole = !is_live();
         TRY(folder_.put(rendition.media.header, text_of_bytes(header)));
         renditions_.push_back(std::move(rendition));
@@ -394,7 +391,7 @@ private:
         TRY_ASSIGN(const auto bytes, rendition.output.take());
         const HlsRenditionForm& form = rendition.output.form();
         HlsSegment segment = like;
-        segment.name = folder_.segment_name(form.name(), number_);
+        segment.name = folder_.file_name(form.name(), std::to_string(number_) + ".m4s");
         TRY(folder_.put(segment.name, text_of_bytes(bytes)));
         bytes_of(form, figures_) += std::ssize(bytes);
         const std::int64_t bits = std::ssize(bytes) * 8;
@@ -469,20 +466,6 @@ private:
     std::int64_t frames_ = 0;                       // in the segment
 };
 
-class HlsChannel final : public StreamMuxer {
-public:
-    explicit HlsChannel(HlsWriter& writer) : writer_(writer) {}
-    std::span<const std::uint8_t> header() const override { return {}; }
-    Result<Block> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns,
-                      bool is_key) override {
-        TRY(writer_.add(frame, label, time_ns));
-        return Block{label.frame, is_key, {}};
-    }
-
-private:
-    HlsWriter& writer_;
-};
-
 }  // namespace
 
 Result<std::unique_ptr<HlsWriter>> HlsWriter::open(const HlsWriter::Settings& settings,
@@ -495,10 +478,6 @@ Result<std::unique_ptr<HlsWriter>> HlsWriter::open(const HlsWriter::Settings& se
     TRY_ASSIGN(auto folder, HlsFolder::open(settings.folder, settings.window_ns == 0));
     return opened_as<HlsWriter>(std::make_unique<FolderWriter>(settings, described, std::move(folder)),
                                 sound);
-}
-
-std::unique_ptr<StreamMuxer> make_hls_channel(HlsWriter& writer) {
-    return std::make_unique<HlsChannel>(writer);
 }
 
 }  // namespace touchable

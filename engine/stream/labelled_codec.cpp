@@ -230,10 +230,7 @@ Result<std::vector<LabelledPicture>> LabelledDecoder::end() {
 }
 
 void LabelledDecoder::restart() {
-    for (auto& halves : halves_) {
-        faults_.halved += static_cast<std::int64_t>(halves.size());
-        halves.clear();
-    }
+    for (auto& halves : halves_) halves.clear();
     for (Track& track : tracks_) {
         track.decoder->flush();
         track.has_begun = track.is_broken = false;
@@ -244,7 +241,6 @@ void LabelledDecoder::restart() {
 Result<void> LabelledDecoder::send(Track& track, const AVPacket* packet, Pictures& pictures) {
     const auto failed = [&](int status) -> Result<void> {
         if (status == AVERROR(ENOMEM)) return memory_error();
-        ++faults_.undecodable;
         track.is_broken = true;
         return {};
     };
@@ -260,23 +256,21 @@ Result<void> LabelledDecoder::send(Track& track, const AVPacket* packet, Picture
 }
 
 Result<void> LabelledDecoder::take(Track& track, FramePtr frame, Pictures& pictures) {
-    const auto left_out = [&track](std::int64_t& cause) -> Result<void> {
-        ++cause;
+    SaidOf said = messages_in(*frame);
+    const bool is_corrupt = frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0;
+    if (is_corrupt || !said.picture || !said.is_one) {
         track.is_broken = true;
         return {};
-    };
-    SaidOf said = messages_in(*frame);
-    if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0)
-        return left_out(faults_.undecodable);
-    if (!said.picture || !said.is_one) return left_out(faults_.unlabelled);
+    }
     const PictureMessage message = said.picture->picture.value();
     LabelledPicture picture{message.role, message.label, is_key_frame(*frame), {}, std::move(said.scene)};
-    if (!follows(track, message, picture.is_key)) {
-        ++faults_.undecodable;
+    if (!follows(track, message, picture.is_key)) return {};
+    auto plane = plane_in(track, std::move(frame), *said.picture);
+    if (!plane) {
+        ++damaged_;
+        track.is_broken = true;
         return {};
     }
-    auto plane = plane_in(track, std::move(frame), *said.picture);
-    if (!plane) return left_out(faults_.damaged);
     picture.plane = std::move(*plane);
     if (message.part == PlanePart::whole)
         pictures.push_back(std::move(picture));
@@ -303,10 +297,7 @@ void LabelledDecoder::join(const PictureMessage& message, LabelledPicture pictur
     const auto found = std::ranges::find(halves, other, &Half::message);
     if (found == halves.end()) {
         halves.push_back({message, std::move(picture)});
-        if (halves.size() > most_halves) {
-            halves.pop_front();
-            ++faults_.halved;
-        }
+        if (halves.size() > most_halves) halves.pop_front();
         return;
     }
     Half half = std::move(*found);
@@ -315,7 +306,7 @@ void LabelledDecoder::join(const PictureMessage& message, LabelledPicture pictur
     const LabelledPicture& low = message.part == PlanePart::high ? half.picture : picture;
     auto plane = joined_plane(high.plane.view, low.plane.view, message.bits);
     if (!plane) {
-        ++faults_.damaged;
+        ++damaged_;
         return;
     }
     high.plane = std::move(*plane);

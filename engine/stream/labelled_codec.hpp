@@ -95,17 +95,9 @@ struct LabelledPicture {
     std::shared_ptr<const std::string> scene;  ///< JSON that came with it; null: none
 };
 
-/// Pictures that were left out, by cause.
-struct PictureFaults {
-    std::int64_t undecodable = 0;  ///< also larger than stated, or depending on a missing one
-    std::int64_t unlabelled = 0;   ///< not labelled by us, or with a damaged message
-    std::int64_t damaged = 0;      ///< with samples other than were sent
-    std::int64_t halved = 0;       ///< the other half never came
-    std::int64_t all() const { return undecodable + unlabelled + damaged + halved; }
-};
-
-/// Decodes the tracks of a LabelledEncoder, from any container and in any order of tracks. Damaged pictures
-/// are counted and never returned. Used by one thread.
+/// Decodes the tracks of a LabelledEncoder, from any container and in any order of tracks. Pictures that are
+/// damaged, not labelled, larger than stated, or depend on a missing one, are never returned, nor is a half
+/// without its other half. Used by one thread.
 class LabelledDecoder {
 public:
     /// Larger pictures are not decoded.
@@ -123,7 +115,8 @@ public:
 
     /// Colour comes without samples from here on.
     void leave_out_colour() { leaves_out_colour_ = true; }
-    const PictureFaults& faults() const { return faults_; }
+    /// Number of pictures that were left out because they have other samples than were sent.
+    std::int64_t damaged() const { return damaged_; }
 
 private:
     struct Track {
@@ -157,7 +150,7 @@ private:
     std::deque<Track> tracks_;
     std::array<std::deque<Half>, all_roles.size()> halves_;
     bool leaves_out_colour_ = false;
-    PictureFaults faults_;
+    std::int64_t damaged_ = 0;
 };
 
 }  // namespace touchable

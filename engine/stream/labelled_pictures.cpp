@@ -141,14 +141,14 @@ private:
     Result<bool> read(Came& came) {
         if (has_ended_) return false;
         TRY_ASSIGN(const auto packet, packets_->next());
-        const std::int64_t damaged = decoder_.faults().damaged;
+        const std::int64_t damaged = decoder_.damaged();
         // Damaged colour does not make a frameset torn.
         const auto take_all = [&](Result<std::vector<LabelledPicture>> pictures) -> Result<void> {
             if (!pictures) return pictures.error();
             if (packet && !pictures->empty() && pictures->front().role == PlaneRole::colour)
                 colour_streams_.insert(packet->track);
             if (!packet || !colour_streams_.contains(packet->track))
-                came.torn += decoder_.faults().damaged - damaged;
+                came.torn += decoder_.damaged() - damaged;
             return take(std::move(*pictures), packet ? packet->step : 1, came);
         };
         if (!packet) {

@@ -4,7 +4,7 @@
 //
 //   StreamSender --frames--> StreamMuxer --blocks--> StreamRing --> StreamServer: TCP and HTTP
 //                                                               --> SrtOutput
-//                            make_hls_channel --> HlsWriter: a folder for web servers (HLS)
+//                   HlsWriter: a folder for web servers (HLS)
 //
 // A StreamSender reads the clip, waits for each frame's time, and passes it to a muxer for each form of the
 // stream: Matroska for our own programs, MPEG-TS for stock tools, HLS. So each form is encoded once, however
@@ -90,8 +90,9 @@ inline constexpr std::string_view hls_master_name = "master.m3u8";
 /// frames, and a master playlist in which ordinary players find the colour alone. The low level has both once
 /// more: colour of half the bit rate, and the planes of every second frameset of a segment. Pictures are
 /// labelled (LabelledEncoder). Each file appears whole; a segment is deleted some time after the last
-/// playlist that names it. Used by one thread.
-class HlsWriter {
+/// playlist that names it. As a StreamMuxer, its blocks have no bytes, and decoding begins where its segments
+/// do.
+class HlsWriter : public StreamMuxer {
 public:
     struct Settings {
         std::filesystem::path folder;
@@ -111,25 +112,19 @@ public:
         std::int64_t playlist_bytes = 0;
     };
 
-    virtual ~HlsWriter() = default;
     /// Refused: a folder with other files, a scene that no clip can have, a length that is out of range
     /// (ErrorKind::usage). Sound that is not AAC is left out with a note.
     static Result<std::unique_ptr<HlsWriter>> open(const Settings& settings,
                                                    const SceneDescription& described,
                                                    const std::optional<SoundPart>& sound = {});
 
-    /// Adds the next frame, shown `time_ns` after the stream's beginning; planes like those of the first one.
-    virtual Result<void> add(const RawFrame& frame, const PictureLabel& label, std::int64_t time_ns) = 0;
+    std::span<const std::uint8_t> header() const final { return {}; }
     /// Writes the last segment, and the end of the playlists.
     virtual Result<void> finish() = 0;
     /// Remarks for people, available after the first frame was added.
     virtual const std::vector<std::string>& notes() const = 0;
     virtual const Figures& figures() const = 0;
 };
-
-/// A form of a stream whose framesets go into an HlsWriter's folder: its blocks have no bytes, and decoding
-/// begins where the writer's segments do. The writer outlives it; the writer's owner calls `finish`.
-std::unique_ptr<StreamMuxer> make_hls_channel(HlsWriter& writer);
 
 // --- Listeners and what they are sent
 
@@ -405,7 +400,7 @@ public:
 
     /// A form in which a stream is sent, and where its framesets go.
     struct Channel {
-        std::unique_ptr<StreamMuxer> muxer;
+        std::shared_ptr<StreamMuxer> muxer;
         StreamRing& ring;
     };
 

@@ -163,7 +163,7 @@ struct MeasuredDevice {
 };
 
 Result<MeasuredDevice> take_device(const std::string& words) {
-    if (HandOptions::name_and_pairs(words).first == "simulated")
+    if (KeyedValues::name_and_pairs(words).first == "simulated")
         return usage_error("--device simulated is computed, so there is nothing to measure");
     ignore_stop_keys();
     TRY_ASSIGN(auto watchdog, SafetyWatchdog::start());
@@ -171,8 +171,8 @@ Result<MeasuredDevice> take_device(const std::string& words) {
     DrivenSettings driven;
     driven.watchdog = watchdog;
     driven.as_thread_begins = [] { become_fifo(); };
-    driven.on_received = [times = measured.times](std::int64_t moment) { times->received(moment); };
-    driven.on_sent = [times = measured.times](std::int64_t moment) { times->sent(moment); };
+    driven.on_received = [times = measured.times](std::int64_t moment) { times->received.add(moment); };
+    driven.on_sent = [times = measured.times](std::int64_t moment) { times->sent.add(moment); };
     TRY_ASSIGN(measured.device, make_device(words, driven));
     TRY(measured.device->open());
     return measured;
@@ -200,7 +200,7 @@ Result<void> wait_for_position(HapticDevice& device, int seconds) {
 class RealPace {
 public:
     TickPace pace() {
-        return {[this] { return next(); }, steady_ns};
+        return {[this] { return next(); }, boot_ns};
     }
     std::int64_t late() const { return late_; }
 
@@ -316,7 +316,7 @@ DeviceReport describe(const HapticDevice& device, const std::string& words) {
     report.fingers = device.fingers();
     report.limits = device.limits();
     report.capabilities = device.capabilities();
-    const auto word_of = [](const std::string& driven) { return HandOptions::name_and_pairs(driven).first; };
+    const auto word_of = [](const std::string& driven) { return KeyedValues::name_and_pairs(driven).first; };
     for (ConnectedDevice& each : connected_devices())
         if (word_of(each.driven) == word_of(words)) report.connected.push_back(std::move(each));
     return report;

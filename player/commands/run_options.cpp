@@ -41,7 +41,7 @@ bool is_rigid(const glm::dmat4& m) {
 }
 
 bool is_simulated(const std::string& device) {
-    return HandOptions::name_and_pairs(device).first == "simulated";
+    return KeyedValues::name_and_pairs(device).first == "simulated";
 }
 
 /// Makes all devices and joins them into one.

@@ -290,7 +290,7 @@ private:
         std::vector<StreamSender::Channel> channels;
         for (auto* const form : {&matroska_, &mpegts_, &page_})
             if (*form) channels.push_back({std::move((*form)->muxer), (*form)->ring});
-        if (hls_) channels.push_back({make_hls_channel(*hls_), nobody_});
+        if (hls_) channels.push_back({hls_, nobody_});
         const bool is_paced = !hls_ || options_.hls->window_ns > 0 || !options_.urls.empty();
         const StreamSender::Settings settings{options_.loop, options_.longest_ns, is_paced};
         sender_ = std::make_unique<StreamSender>(std::move(clip_), std::move(channels), settings, time_);
@@ -441,7 +441,7 @@ private:
     StreamAudience audience_{say_served};
     std::optional<ServedForm> matroska_, mpegts_, page_;
     std::unique_ptr<ScratchFolder> packed_;  // clip.json, and a clip's packets
-    std::unique_ptr<HlsWriter> hls_;
+    std::shared_ptr<HlsWriter> hls_;
     StreamRing nobody_;  // empty ring for the segments written to a folder
     std::unique_ptr<StreamServer> server_;
     std::vector<std::unique_ptr<SrtOutput>> outputs_;

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "device/hand.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/hand_thresholds.hpp"
 #include "engine/base/try.hpp"
 

@@ -203,7 +203,7 @@ Result<RecordedPart> read_part(RecordingBytes& bytes, const PartHead& head, cons
     return part;
 }
 
-constexpr std::array keys{HandOptions::Key{"depth", "mm", 0, 50}};
+constexpr std::array keys{KeyedValues::Key{"depth", "mm", 0, 50}};
 
 double scale_of(const RecordedPart& part) {
     const auto& facts = part.facts;
@@ -436,12 +436,12 @@ Result<std::optional<std::int64_t>> RecordingFile::end_with(std::size_t part, st
 
 Result<std::unique_ptr<RepeatingHand>> RepeatingHand::read(const std::string& hand) {
     const auto [name, pairs] =
-        HandOptions::file_and_pairs(std::string_view(hand).substr(std::string_view("rec:").size()));
+        KeyedValues::file_and_pairs(std::string_view(hand).substr(std::string_view("rec:").size()));
     std::string file(name);
     if (file.empty())
         return usage_error("hand 'rec': no file; must be rec:FILE, a recording of a run",
                            {{Setting::hand}, {Setting::record}});
-    TRY_ASSIGN(const auto given, HandOptions::parse("hand 'rec'", pairs, keys));
+    TRY_ASSIGN(const auto given, KeyedValues::parse("hand 'rec'", pairs, keys));
     TRY_ASSIGN(auto recording, read_recording(file));
     const double metres = scale_of(recording.front());
     for (const RecordedPart& part : recording) {

@@ -1,7 +1,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "device/hand.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -19,16 +18,16 @@ constexpr std::string_view replay_kind = "replay:", plugged_kind = "v4l2:", pipe
                            tcp_kind = "tcp://", stream_kind = "stream:";
 
 constexpr std::array plugged_keys{
-    HandOptions::Key{.name = "size", .unit = "", .kind = HandOptions::Key::Kind::words},
-    HandOptions::Key{.name = "fps", .unit = "frames/s", .least = 0.1, .greatest = 1000, .standard = 30},
-    HandOptions::Key{.name = "colour", .unit = "", .kind = HandOptions::Key::Kind::words}};
+    KeyedValues::Key{.name = "size", .unit = "", .kind = KeyedValues::Key::Kind::words},
+    KeyedValues::Key{.name = "fps", .unit = "frames/s", .least = 0.1, .greatest = 1000, .standard = 30},
+    KeyedValues::Key{.name = "colour", .unit = "", .kind = KeyedValues::Key::Kind::words}};
 
 constexpr std::array replay_keys{
-    HandOptions::Key{.name = "fps", .unit = "frames/s", .least = 0.1, .greatest = 1000, .standard = 30},
-    HandOptions::Key{.name = "jitter", .unit = "ms", .least = 0, .greatest = 1000, .standard = 0},
-    HandOptions::Key{.name = "drop", .unit = "of the frames", .least = 0, .greatest = 0.99, .standard = 0},
-    HandOptions::Key{.name = "stall", .unit = "s", .least = 0, .greatest = 1e6, .standard = 0},
-    HandOptions::Key{.name = "resume", .unit = "s", .least = 0, .greatest = 1e6, .standard = 0}};
+    KeyedValues::Key{.name = "fps", .unit = "frames/s", .least = 0.1, .greatest = 1000, .standard = 30},
+    KeyedValues::Key{.name = "jitter", .unit = "ms", .least = 0, .greatest = 1000, .standard = 0},
+    KeyedValues::Key{.name = "drop", .unit = "of the frames", .least = 0, .greatest = 0.99, .standard = 0},
+    KeyedValues::Key{.name = "stall", .unit = "s", .least = 0, .greatest = 1e6, .standard = 0},
+    KeyedValues::Key{.name = "resume", .unit = "s", .least = 0, .greatest = 1e6, .standard = 0}};
 
 /// Rounded to thousandths, so that cameras' 29.97 stays exact.
 FrameRate rate_of(double per_second) {
@@ -63,7 +62,7 @@ Result<ClipChoice::LiveCamera> read_plugged(const std::string& words) {
         return usage_error(
             "camera 'v4l2' needs a node, such as v4l2:/dev/video0; touchable cameras lists those that are "
             "there");
-    TRY_ASSIGN(const auto given, HandOptions::parse("camera 'v4l2'", keys, plugged_keys));
+    TRY_ASSIGN(const auto given, KeyedValues::parse("camera 'v4l2'", keys, plugged_keys));
     V4l2Choice choice{node};
     if (given.given("size") && !read_size(given.words("size"), choice))
         return usage_error("camera 'v4l2': size=" + printable(given.words("size")) +
@@ -97,7 +96,7 @@ Result<ClipChoice::LiveCamera> read_replay(const std::string& words) {
     const auto [recording, keys] = parts_of(words, replay_kind);
     if (recording.empty())
         return usage_error("camera 'replay' needs a recording: replay:PATH, with a clip or folder of images");
-    TRY_ASSIGN(const auto given, HandOptions::parse("camera 'replay'", keys, replay_keys));
+    TRY_ASSIGN(const auto given, KeyedValues::parse("camera 'replay'", keys, replay_keys));
     ClipChoice::LiveCamera camera{{}, typed_path(recording), {}};
     CameraDelivery& delivery = camera.delivery;
     if (given.given("fps")) delivery.rate = rate_of(given.number("fps"));

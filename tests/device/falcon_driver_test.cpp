@@ -228,7 +228,7 @@ protected:
         if (in_vain) settings.patience = {milliseconds(2), milliseconds(5), milliseconds(2)};
         return settings;
     }
-    std::unique_ptr<FalconDriver> driver_for(const std::string& image = {}, DriverClock clock = steady_ns) {
+    std::unique_ptr<FalconDriver> driver_for(const std::string& image = {}, DriverClock clock = boot_ns) {
         return std::make_unique<FalconDriver>(
             settings(image),
             [falcon = falcon]() -> Result<std::unique_ptr<UsbPort>> {

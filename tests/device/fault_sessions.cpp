@@ -247,10 +247,10 @@ private:
         if (time_.now_ns() < sleeps_until_ns_) return;
         const glm::dvec3 newtons = one_in(8) ? glm::dvec3(0) : glm::dvec3(one_in(2) ? 1 : 30, 2, -1);
         glm::dvec3 place(0);
-        const std::int64_t began = steady_ns();
+        const std::int64_t began = boot_ns();
         const bool reads = driven_->read_positions(std::span(&place, 1));
         const bool writes = driven_->write_forces(std::span(&newtons, 1));
-        longest_call_ns_ = std::max(longest_call_ns_, steady_ns() - began);
+        longest_call_ns_ = std::max(longest_call_ns_, boot_ns() - began);
         if (!reads || !writes) return say("the haptic thread's calls fail");
         if (newtons != glm::dvec3(0)) asked_ns_ = time_.now_ns();
         if (std::isnan(place.x))

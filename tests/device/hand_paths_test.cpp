@@ -325,7 +325,7 @@ LocalRelief in_the_middle(double reach, const std::function<std::optional<double
         const auto here = rise((x - 320) * mm_per_pixel);
         return here ? std::optional(800 - *here) : std::nullopt;
     });
-    return LocalReliefSearch(reach, 0.001, middle_of(probe, 1)).about({320, 240}, 800, probe);
+    return local_relief(probe, {320, 240}, 800, reach, 0.001, middle_of(probe, 1));
 }
 
 /// A quarter of a millimetre from the finger.
@@ -393,8 +393,8 @@ TEST(LocalRelief, SeesBumpInEachDirection) {
             const bool is_centre = x == 320 && y == 240;
             return !is_centre && std::cos(off) > std::cos(pi / directions) ? 799 : 800;
         });
-        const LocalReliefSearch search(usual_reach, 0.001, middle_of(probe, 1));
-        EXPECT_EQ(search.about({320, 240}, 800, probe).kind, Kind::rough) << k;
+        const auto relief = local_relief(probe, {320, 240}, 800, usual_reach, 0.001, middle_of(probe, 1));
+        EXPECT_EQ(relief.kind, Kind::rough) << k;
     }
 }
 
@@ -409,8 +409,8 @@ TEST(LocalRelief, LowStepIsSmooth) {
 
 TEST(LocalRelief, IgnoresGroundOutsideArea) {
     const FakeProbe probe = camera_view([](double x, double) { return x > 320 ? 400.0 : 800.0; });
-    const LocalReliefSearch search(usual_reach, 0.001, {{0, 0}, {320, 479}});
-    EXPECT_EQ(search.about({320, 240}, 800, probe).kind, Kind::smooth);
+    const HandArea left{{0, 0}, {320, 479}};
+    EXPECT_EQ(local_relief(probe, {320, 240}, 800, usual_reach, 0.001, left).kind, Kind::smooth);
 }
 
 constexpr double tick = 0.001;  // s

@@ -12,6 +12,8 @@
 
 #include "device/hand.hpp"
 #include "device/hand_parts.hpp"
+#include "engine/base/files.hpp"
+#include "engine/base/words.hpp"
 #include "tests/device/fake_driver.hpp"
 #include "tests/device/hand_path.hpp"
 #include "tests/limits.hpp"
@@ -781,20 +783,20 @@ TEST(ScriptedHand, HasNoEnd) {
 }
 
 constexpr std::array keys{
-    HandOptions::Key{"speed", "m/s", 0.001, 2, 0.1},
-    HandOptions::Key{"seed", "", 0, 0x1p53, 1, HandOptions::Key::Kind::whole},
-    HandOptions::Key{.name = "columns", .unit = "names joined by '+'", .kind = HandOptions::Key::Kind::words},
+    KeyedValues::Key{"speed", "m/s", 0.001, 2, 0.1},
+    KeyedValues::Key{"seed", "", 0, 0x1p53, 1, KeyedValues::Key::Kind::whole},
+    KeyedValues::Key{.name = "columns", .unit = "names joined by '+'", .kind = KeyedValues::Key::Kind::words},
 };
 
 std::string hand_refusal(const std::string& text) {
-    const Result<HandOptions> options = HandOptions::parse("hand 'test'", text, keys);
+    const Result<KeyedValues> options = KeyedValues::parse("hand 'test'", text, keys);
     if (options) return {};
     EXPECT_EQ(options.error().kind, ErrorKind::usage);
     return options.error().message;
 }
 
-TEST(HandOptions, ReadsValuesOrDefaults) {
-    const Result<HandOptions> options = HandOptions::parse("hand 'test'", "columns=a+b,seed=7", keys);
+TEST(KeyedValues, ReadsValuesOrDefaults) {
+    const Result<KeyedValues> options = KeyedValues::parse("hand 'test'", "columns=a+b,seed=7", keys);
     ASSERT_TRUE(options);
     EXPECT_EQ(options->number("seed"), 7);
     EXPECT_EQ(options->number("speed"), 0.1);
@@ -803,14 +805,14 @@ TEST(HandOptions, ReadsValuesOrDefaults) {
     EXPECT_FALSE(options->given("speed"));
 }
 
-TEST(HandOptions, RefusalNamesLegalKeys) {
+TEST(KeyedValues, RefusalNamesLegalKeys) {
     EXPECT_EQ(hand_refusal("sped=1"),
               "hand 'test': unknown key 'sped'; keys are speed (0.001 to 2 m/s), seed (a whole number, 0 to "
               "9007199254740992), columns (names joined by '+')");
     EXPECT_EQ(hand_refusal("speed=3"), "hand 'test': speed=3 is not allowed; speed takes 0.001 to 2 m/s");
 }
 
-TEST(HandOptions, RejectsInvalidValues) {
+TEST(KeyedValues, RejectsInvalidValues) {
     for (const std::string text :
          {"speed=", "speed=abc", "speed=0.1x", "speed=nan", "speed=inf", "speed=-1", "speed=0", "speed= 1",
           "seed=1.5", "seed=-1", "seed=1e300", "columns=", "speed", "=1", ",", "speed=1,", "speed=1,,seed=1",

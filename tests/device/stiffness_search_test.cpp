@@ -242,8 +242,8 @@ protected:
     DriveTimes times{10'000};
     DrivenDevice device{std::make_unique<FakeDriver>(hardware),
                         {.clock = [this] { return now; },
-                         .on_received = [this](std::int64_t moment) { times.received(moment); },
-                         .on_sent = [this](std::int64_t moment) { times.sent(moment); },
+                         .on_received = [this](std::int64_t moment) { times.received.add(moment); },
+                         .on_sent = [this](std::int64_t moment) { times.sent.add(moment); },
                          .own_thread = false}};
 };
 
@@ -369,11 +369,11 @@ TEST(Rest, DetectsMovingHand) {
 
 TEST(DriveTimes, KeepNewestWithinRange) {
     DriveTimes times(4);
-    for (std::int64_t moment = 1; moment <= 6; ++moment) times.received(moment * 10);
-    times.sent(35);
-    EXPECT_EQ(times.received_within(0, 1000), (std::vector<std::int64_t>{30, 40, 50, 60}));
-    EXPECT_EQ(times.received_within(40, 60), (std::vector<std::int64_t>{40, 50}));
-    EXPECT_EQ(times.sent_within(0, 1000), (std::vector<std::int64_t>{35}));
+    for (std::int64_t moment = 1; moment <= 6; ++moment) times.received.add(moment * 10);
+    times.sent.add(35);
+    EXPECT_EQ(times.received.within(0, 1000), (std::vector<std::int64_t>{30, 40, 50, 60}));
+    EXPECT_EQ(times.received.within(40, 60), (std::vector<std::int64_t>{40, 50}));
+    EXPECT_EQ(times.sent.within(0, 1000), (std::vector<std::int64_t>{35}));
 }
 
 }  // namespace

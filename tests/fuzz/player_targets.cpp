@@ -12,6 +12,7 @@
 #include "device/hand.hpp"
 #include "device/hand_parts.hpp"
 #include "engine/authoring/materials.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/same_bits.hpp"
 #include "engine/base/words.hpp"
 #include "player/commands/clip_options.hpp"

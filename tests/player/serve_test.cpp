@@ -229,7 +229,7 @@ int frames_of_depth(const std::filesystem::path& master, const Scene& scene, int
             ++depths;
         }
     }
-    EXPECT_EQ(decoder.faults().all(), 0);
+    EXPECT_EQ(decoder.damaged(), 0);
     return depths;
 }
 

@@ -32,7 +32,7 @@ struct WebStream {
         for (; count > 0; --count) {
             const auto n = static_cast<std::int64_t>(frames.size());
             frames.push_back(test_frame(scene, n, planes));
-            EXPECT_EQ(message(writer->add(frames.back(), sent_label(n), scene.rate.time_ns(n))), "");
+            EXPECT_EQ(message(writer->add(frames.back(), sent_label(n), scene.rate.time_ns(n), true)), "");
         }
     }
     void finish() { EXPECT_EQ(message(writer->finish()), ""); }
@@ -581,23 +581,15 @@ TEST(HlsText, CountsFromZeroWithoutPlaylist) {
     EXPECT_EQ(next_segment_of("#EXTM3U\n#EXT-X-MEDIA-SEQUENCE:99999999999999999999\n"), 0);
 }
 
-TEST(HlsText, MasterNamesColourAndTouch) {
-    EXPECT_EQ(master_text({"colour.m3u8", 2'500'000, "avc1.64001f,mp4a.40.2", 640, 480, 30000.0 / 1001}),
-              "#EXTM3U\n#EXT-X-VERSION:7\n## written by touchable\n#EXT-X-INDEPENDENT-SEGMENTS\n"
-              "#EXT-X-SESSION-DATA:DATA-ID=\"com.touchable.planes\",VALUE=\"touch.m3u8\"\n"
-              "#EXT-X-STREAM-INF:BANDWIDTH=2500000,CODECS=\"avc1.64001f,mp4a.40.2\",RESOLUTION=640x480,"
-              "FRAME-RATE=29.970\ncolour.m3u8\n");
-}
-
-TEST(HlsText, MasterNamesTheLowLevel) {
-    const HlsShown full{"colour.m3u8", 2'500'000, "avc1.64001f", 640, 480, 30},
+TEST(HlsText, MasterNamesBothLevels) {
+    const HlsShown full{"colour.m3u8", 2'500'000, "avc1.64001f,mp4a.40.2", 640, 480, 30000.0 / 1001},
         low{"colour-low.m3u8", 1'250'000, "avc1.64001e", 640, 480, 30};
     EXPECT_EQ(master_text(full, low),
               "#EXTM3U\n#EXT-X-VERSION:7\n## written by touchable\n#EXT-X-INDEPENDENT-SEGMENTS\n"
               "#EXT-X-SESSION-DATA:DATA-ID=\"com.touchable.planes\",VALUE=\"touch.m3u8\"\n"
               "#EXT-X-SESSION-DATA:DATA-ID=\"com.touchable.planes.low\",VALUE=\"touch-low.m3u8\"\n"
-              "#EXT-X-STREAM-INF:BANDWIDTH=2500000,CODECS=\"avc1.64001f\",RESOLUTION=640x480,"
-              "FRAME-RATE=30.000\ncolour.m3u8\n"
+              "#EXT-X-STREAM-INF:BANDWIDTH=2500000,CODECS=\"avc1.64001f,mp4a.40.2\",RESOLUTION=640x480,"
+              "FRAME-RATE=29.970\ncolour.m3u8\n"
               "#EXT-X-STREAM-INF:BANDWIDTH=1250000,CODECS=\"avc1.64001e\",RESOLUTION=640x480,"
               "FRAME-RATE=30.000\ncolour-low.m3u8\n");
 }

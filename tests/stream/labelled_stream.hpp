@@ -149,7 +149,7 @@ inline StreamOfFrames make_transport_stream(const Scene& scene, int frames, cons
 /// What FFmpeg's demuxer and our decoder make of bytes that have labels of `sent_label`.
 struct DemuxedPictures {
     Came came;
-    PictureFaults faults;
+    std::int64_t damaged = 0;
     int tracks = 0, sounds = 0;
 };
 
@@ -168,7 +168,7 @@ inline DemuxedPictures demuxed(const std::string& bytes, const char* format,
         take_pictures(must(decoder.add(tracks[stream.index], *packet)), frames, all.came);
     }
     take_pictures(must(decoder.end()), frames, all.came);
-    all.faults = decoder.faults();
+    all.damaged = decoder.damaged();
     all.tracks = static_cast<int>(tracks.size());
     return all;
 }

@@ -344,7 +344,7 @@ TEST(MpegtsStream, DemuxesByFfmpegExactly) {
     const auto all = demuxed(stream.bytes(0), "mpegts", stream.frames);
     EXPECT_EQ(all.tracks, 4);
     EXPECT_EQ(all.came.size(), 3U * 11U);
-    EXPECT_EQ(all.faults.all(), 0);
+    EXPECT_EQ(all.damaged, 0);
 }
 
 TEST(MpegtsStream, BeginsAtAnyKeyBlock) {
@@ -352,7 +352,7 @@ TEST(MpegtsStream, BeginsAtAnyKeyBlock) {
     const auto all = demuxed(stream.bytes(keys_apart), "mpegts", stream.frames);
     EXPECT_EQ(all.came.size(), 3U * 6U);
     for (const auto& [which, count] : all.came) EXPECT_GE(which.second, keys_apart);
-    EXPECT_EQ(all.faults.all(), 0);
+    EXPECT_EQ(all.damaged, 0);
 }
 
 /// Packets are lost as by UDP: planes that come are those that were sent.

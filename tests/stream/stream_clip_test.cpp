@@ -214,12 +214,6 @@ TEST(StreamClip, BoundsWaitForSilentSender) {
         const auto clip = open(sender.url(), milliseconds(300));
         EXPECT_TRUE(is_refused(clip, "sent no whole frameset in time"));
     }
-    const LoopbackSender stalls([&](const LoopbackSender::Listener& to, int) {
-        (void)to.send(sent.header + sent.blocks[0]);
-        (void)to.wait(milliseconds(100'000));
-    });
-    const auto clip = must(open(stalls.url(), milliseconds(300)));
-    EXPECT_TRUE(is_refused(read_all(*clip), "frame 1: "));
 }
 
 TEST(StreamClip, StopsWaitingOnRequest) {
@@ -337,21 +331,6 @@ TEST(HttpFile, FailsAtOnceAfterFailure) {
     EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(20))
         << "39 waits are as many seconds";
     EXPECT_EQ(server.connections(), 1);
-}
-
-TEST(HttpFile, OpensInTimeOrFails) {
-    const DrippingServer server(std::string(4 << 20, 'x'), 1 << 20);
-    StreamSource::Patience patience;
-    patience.opening = milliseconds(3'000);
-    patience.frameset = std::chrono::hours(1);
-    const auto opened = must(open_http(server.url(), patience));
-    auto file = opened.file->open("a clip");
-    char byte = 0;
-    EXPECT_NE(message(file->read(2 << 20, &byte, 1)), "");
-    const auto why = opened.end_opening();
-    ASSERT_TRUE(why);
-    EXPECT_EQ(why->message,
-              "comes too slowly: its clip was not open within 3 s; save it first, and open it here");
 }
 
 TEST(StreamClip, FailsAtOnceAfterFailure) {
@@ -553,24 +532,6 @@ TEST(LiveStream, EndsWithItsPipe) {
     ::close(ends[0]);
 }
 
-TEST(LiveStream, NamesSenderOfGarbage) {
-    const LoopbackSender sender(std::string("nothing of use"));
-    const auto clip = open_live_stream(live_choice(sender.url()));
-    ASSERT_FALSE(clip);
-    EXPECT_TRUE(message(clip).starts_with(sender.url() + ": ")) << message(clip);
-}
-
-/// Framesets of a sender on this machine are shown when they come.
-TEST(LiveStream, AddsLittleDelayOnLoopback) {
-    const auto stream = long_stream();
-    const LoopbackSender sender(paced(stream));
-    const auto clip = must(open_live_stream(live_choice(sender.url())));
-    ASSERT_EQ(message(clip->begin(Clock::now())), "");
-    for (int n = 0; n < 100; ++n) ASSERT_EQ(message(clip->next()), "");
-    EXPECT_LE(clip->stream_figures()->delay_ms, 200);
-    RecordProperty("delay_us", static_cast<int>(1000 * clip->stream_figures()->delay_ms));
-}
-
 // MPEG-TS, received: as a clip, as a live source, over TCP, SRT and UDP.
 
 /// Sends to a port of this machine, a packet of MPEG-TS at a time, until it has all or is not heard: by SRT
@@ -739,21 +700,6 @@ TEST(TransportClip, ReadsMatroskaBySrt) {
     for (std::size_t n = 0; n < frames.size(); ++n) EXPECT_TRUE(is_as_sent(frames[n], sent->frames[n])) << n;
     // SRT does not tell a sender that was killed from one that ended.
     EXPECT_TRUE(clip->remarks().back().ends_with("so the clip ends there")) << clip->remarks().back();
-}
-
-TEST(TransportClip, PlaysLive) {
-    const auto sent = std::make_shared<const StreamOfFrames>(
-        make_transport_stream(small_scene(64, 48, 16), 300, {true, true, false, false}));
-    const LoopbackSender sender([&](const LoopbackSender::Listener& to, int) {
-        for (const std::string& block : sent->blocks)
-            if (!to.send(block) || !to.wait(std::chrono::milliseconds(4))) return;
-    });
-    const auto clip = must(open_live_stream(source_of(sender.url())));
-    ASSERT_EQ(message(clip->begin(std::chrono::steady_clock::now())), "");
-    for (int n = 0; n < 10; ++n) {
-        const RawFrame frame = next_of(*clip);
-    }
-    EXPECT_EQ(clip->stream_figures()->torn, 0);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "device/hand.hpp"
+#include "engine/base/files.hpp"
 #include "tests/window/scripted_window.hpp"
 
 namespace touchable::test {

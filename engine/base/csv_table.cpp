@@ -1,18 +1,17 @@
-#include "device/hand.hpp"
+#include "engine/base/files.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 
 namespace touchable {
 namespace {
 
-constexpr std::size_t largest_file = std::size_t{256} << 20;
-constexpr std::size_t most_rows = 10'000'000;  // an hour at 2.7 kHz
+constexpr std::size_t largest_csv = std::size_t{256} << 20;
+constexpr std::size_t most_csv_rows = 10'000'000;  // an hour at 2.7 kHz
 
 /// Any number, infinities and NaN included; nothing for other text.
 std::optional<double> parse_number(std::string_view text) {
@@ -20,7 +19,7 @@ std::optional<double> parse_number(std::string_view text) {
     return parsed_as<double>(text);
 }
 
-bool is_text(std::string_view line) {
+bool is_csv_text(std::string_view line) {
     return std::ranges::all_of(line, [](unsigned char c) { return c >= 0x20 || c == '\t'; });
 }
 
@@ -34,7 +33,7 @@ const char* separator_name(char separator) {
 }  // namespace
 
 Result<CsvTable> CsvTable::read(const std::string& file) {
-    TRY_ASSIGN(auto text, read_given_file(file, file, "a CSV file", largest_file));
+    TRY_ASSIGN(auto text, read_given_file(file, file, "a CSV file", largest_csv));
     CsvTable table;
     table.file_ = file;
     table.text_ = std::make_shared<const std::string>(std::move(text));
@@ -51,8 +50,8 @@ Result<void> CsvTable::find_lines() {
         lines_.push_back(static_cast<std::uint32_t>(at));
         if (line(lines_.size() - 1).find_first_not_of(" \t") != std::string_view::npos)
             filled = lines_.size();
-        if (filled > most_rows + 1)
-            return input_error(file_ + ": has more than " + std::to_string(most_rows) +
+        if (filled > most_csv_rows + 1)
+            return input_error(file_ + ": has more than " + std::to_string(most_csv_rows) +
                                " rows; give a recorded motion of at most an hour");
         at = std::min(text.find('\n', at), text.size() - 1) + 1;
     }
@@ -89,7 +88,7 @@ Result<void> CsvTable::check_fields() {
     std::vector<std::string_view> fields;
     for (std::size_t number = 0; number < lines_.size(); ++number) {
         const std::string where = file_ + ": line " + std::to_string(number + 1);
-        if (!is_text(line(number)))
+        if (!is_csv_text(line(number)))
             return input_error(where + " holds bytes that are no text; give a comma-separated table");
         if (const Result<void> done = split(line(number), fields); !done)
             return input_error(where + done.error().message);
