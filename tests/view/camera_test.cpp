@@ -12,7 +12,6 @@
 #include "engine/gpu/surface_kernels.hpp"
 #include "engine/gpu/vulkan_builder.hpp"
 #include "player/draw/drawn_surface.hpp"
-#include "player/draw/gpu_painting.hpp"
 #include "player/draw/view.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/view/shown.hpp"
