@@ -52,16 +52,14 @@ struct FillPass {
     uint groups_x, groups_y, groups_z;
 };
 
-/// Specialisation constants of those kernels, in order.
-struct StripConstants {
-    uint group_size;
-    uint sample_bytes;     // of a stored value: 1 or 2
-    uint may_be_invalid;   // 0 if every stored value is a valid code
-    uint may_be_excluded;  // 0 if ValidCodes excludes nothing
-    uint ragged;           // 0 if the width is a multiple of 8 and the height of 2
-    uint to_finer;         // 1: codes are for filters that need finer ones: working codes, or no_finer_code
-    uint looked_up;        // 1: working codes are those of a table
-};
+// Specialisation constants of those kernels, in order:
+//   group_size
+//   sample_bytes     of a stored value: 1 or 2
+//   may_be_invalid   0 if every stored value is a valid code
+//   may_be_excluded  0 if ValidCodes excludes nothing
+//   ragged           0 if the width is a multiple of 8 and the height of 2
+//   to_finer         1: codes are for filters that need finer ones: working codes, or no_finer_code
+//   looked_up        1: working codes are those of a table
 
 /// A length by depth in codes; see engine/scene/scene.hpp.
 struct CurvePush {
@@ -81,11 +79,8 @@ struct BlockPush {
     ValidCodes valid;
 };
 
-/// Its specialisation constants, in order; as those of strips.
-struct BlockConstants {
-    uint side;  // of the median's window; 1: codes are only decoded
-    uint sample_bytes, may_be_invalid, may_be_excluded, to_finer, looked_up;
-};
+// Its specialisation constants, in order: side (of the median's window; 1: codes are only decoded); then, as
+// those of strips, sample_bytes, may_be_invalid, may_be_excluded, to_finer, looked_up.
 
 /// Push constants of pack_rows.
 struct PackRowsPush {

@@ -24,7 +24,7 @@ constexpr HapticProperties without_friction{600, 0, 0};
 glm::dvec3 hand_at(double t) {
     const double angle = 2 * std::numbers::pi * t;
     const double x = hand_x + hand_circle * std::cos(angle), y = hand_y + hand_circle * std::sin(angle);
-    return {x, y, relief_z(Relief::moving, x, y, t) - hand_under};
+    return {x, y, surface_at(Relief::moving, x, y, t).z - hand_under};
 }
 
 /// A still pair of one frame, at its exposure.

@@ -137,10 +137,8 @@ public:
         });
     }
     /// The steps for a picture in a file: the surface, then painted and composed with one sample per pixel.
-    Result<void> make_surface(SurfacePainter& painter) {
-        auto surface = painter.surface_of(*field_, pair(), frames_.first.colour, Lighting::full);
-        if (!surface) return surface.error();
-        surface_ = std::move(*surface);
+    Result<void> make_surface() {
+        surface_ = surface_of(*field_, pair(), frames_.first.colour, Lighting::full);
         return {};
     }
     Result<void> put_together(SurfacePainter& painter) {
@@ -229,7 +227,7 @@ Result<void> measure_pictures(Result<TwoFrames> frames, int rounds,
     const auto painter = make_raster_painter(device);
     if (!painter) return painter.error();
     std::vector<Racer> racers{
-        {"file_surface", [&] { return gallery.make_surface(**painter); }},
+        {"file_surface", [&] { return gallery.make_surface(); }},
         {"file_paint", [&] { return gallery.put_together(**painter); }},
     };
     std::vector<std::unique_ptr<SurfaceDrawing>> drawings;
@@ -246,7 +244,7 @@ Result<void> measure_pictures(Result<TwoFrames> frames, int rounds,
     }
     for (const auto& drawing : drawings) {
         for (const auto& done :
-             {gallery.show(*drawing), gallery.draw(*drawing, true), gallery.make_surface(**painter),
+             {gallery.show(*drawing), gallery.draw(*drawing, true), gallery.make_surface(),
               gallery.put_together(**painter), gallery.compare(std::string(drawing->painter()))})
             if (!done) return done;
     }
@@ -272,7 +270,7 @@ Result<void> measure_pictures_of(SurfaceBuilder& builder, Gallery& gallery, cons
         SurfaceDrawing& drawing = *drawings.emplace_back(std::move(*made));
         TRY(gallery.show(drawing));
         TRY(gallery.draw(drawing, true));
-        TRY(gallery.make_surface(*painter));
+        TRY(gallery.make_surface());
         TRY(gallery.put_together(*painter));
         TRY(gallery.compare(by));
         const std::string what = by + ("_" + name);

@@ -110,12 +110,11 @@ Result<void> measure_drawing(const SurfaceCase& c, const Picture& picture, Surfa
     SurfaceFrame frame;
     if (auto built = builder.build(picture.raw, frame); !built) return built;
     const HeightField field(picture.scene, still(frame));
-    const auto surface = (*painter)->surface_of(field, still(frame), {}, Lighting::full);
-    if (!surface) return surface.error();
+    const ViewSurface surface = surface_of(field, still(frame), {}, Lighting::full);
     const ViewCamera camera = own_view(picture.scene, c.width, c.height, picture.scene.depth.near / 2);
-    const auto twin = make_cpu_painter()->paint(*surface, camera);
+    const auto twin = make_cpu_painter()->paint(surface, camera);
     if (!twin) return twin.error();
-    Result<PicturePlanes> drawn = (*painter)->paint(*surface, camera);
+    Result<PicturePlanes> drawn = (*painter)->paint(surface, camera);
     if (!drawn) return drawn.error();
     std::size_t covered = 0, different = 0;
     for (std::size_t k = 0; k < twin->z.size(); ++k) {
@@ -126,7 +125,7 @@ Result<void> measure_drawing(const SurfaceCase& c, const Picture& picture, Surfa
         return wrong(c, std::to_string(different) + " pixels of " + std::to_string(covered) +
                             " are not drawn as by the cpu painter");
     const auto times = least_times(frames, [&]() -> Result<void> {
-        drawn = (*painter)->paint(*surface, camera);
+        drawn = (*painter)->paint(surface, camera);
         if (!drawn) return drawn.error();
         return {};
     });

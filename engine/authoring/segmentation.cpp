@@ -312,8 +312,9 @@ private:
     std::vector<std::uint32_t> place_of_;
 };
 
-struct Segmenter::State {
-    State(const Scene& scene, int threads)
+/// What is known from frame to frame.
+struct Segmenter {
+    Segmenter(const Scene& scene, int threads)
         : bands(threads > 0 ? threads
                             : threads_for(long{scene.width} * scene.height, segmented_pixels_per_thread)),
           reader(scene),
@@ -425,6 +426,18 @@ struct Segmenter::State {
         }
     }
 
+    const Segmentation& next(const RawFrame& frame, bool follows) {
+        std::swap(now, before);
+        reader.read(frame, now, bands);
+        find_known(follows);
+        if (!follows) superpixels.forget();
+        superpixels.divide(now, known, bands);
+        find_regions();
+        label(follows);
+        figures.find(frame, out, bands);
+        return out;
+    }
+
     RowBands bands;
     FeatureReader reader;
     PixelFeatures now, before;
@@ -439,20 +452,15 @@ struct Segmenter::State {
     Segmentation out;
 };
 
-Segmenter::Segmenter(const Scene& scene, int threads) : state_(std::make_unique<State>(scene, threads)) {}
-Segmenter::~Segmenter() = default;
+SegmentFrames follow_segments(const Scene& scene, int threads) {
+    return [segmenter = std::make_shared<Segmenter>(scene, threads)](const RawFrame& frame,
+                                                                     bool follows) -> const Segmentation& {
+        return segmenter->next(frame, follows);
+    };
+}
 
-const Segmentation& Segmenter::next(const RawFrame& frame, bool follows) {
-    State& state = *state_;
-    std::swap(state.now, state.before);
-    state.reader.read(frame, state.now, state.bands);
-    state.find_known(follows);
-    if (!follows) state.superpixels.forget();
-    state.superpixels.divide(state.now, state.known, state.bands);
-    state.find_regions();
-    state.label(follows);
-    state.figures.find(frame, state.out, state.bands);
-    return state.out;
+SegmentFrames begin_segments(const Scene& scene) {
+    return follow_segments(scene);
 }
 
 }  // namespace touchable

@@ -3,8 +3,7 @@
 // The surfaces of a recording, told apart by colour and depth and followed through time.
 //
 // A frame is divided into superpixels by its PixelFeatures, similar ones are merged to regions, small regions
-// are cleaned away, and labels are kept from frame to frame (regions.hpp). A Segmenter does this with one
-// call per frame, in order. It is used by one thread; the same frames give the same labels on every machine.
+// are cleaned away, and labels are kept from frame to frame (regions.hpp).
 
 #include "engine/authoring/segments.hpp"
 #include "engine/base/threads.hpp"
@@ -52,21 +51,8 @@ private:
     std::vector<std::int32_t> shares_;
 };
 
-/// Follows segments through a clip. Feed it frames in order.
-class Segmenter {
-public:
-    /// `threads`: 0: as many as pay; the result is the same with any number.
-    explicit Segmenter(const Scene& scene, int threads = 0);
-    ~Segmenter();
-
-    /// Returns the frame's segments, valid until the next call. `follows`: it comes right after the last one
-    /// (else segments are matched by place and colour as far as possible). Integers throughout: the same
-    /// frames have the same labels on every machine.
-    const Segmentation& next(const RawFrame& frame, bool follows);
-
-private:
-    struct State;
-    std::unique_ptr<State> state_;
-};
+/// Follows segments through a clip, whose frames are given in order. `threads`: 0: as many as pay. Integers
+/// throughout: the same frames have the same labels on every machine, with any number of threads.
+SegmentFrames follow_segments(const Scene& scene, int threads = 0);
 
 }  // namespace touchable

@@ -314,13 +314,6 @@ Result<SegmentStore> SegmentStore::with_cut(const SegmentCut& cut) const {
     return made;
 }
 
-SegmentFrames begin_segments(const Scene& scene) {
-    auto segmenter = std::make_shared<Segmenter>(scene);
-    return [segmenter](const RawFrame& frame, bool follows) -> const Segmentation& {
-        return segmenter->next(frame, follows);
-    };
-}
-
 Result<LabelNames> find_named_segments(Prefetch& ahead, const SegmentNames& names,
                                        const std::optional<SegmentMap>& map, const BeginSegments& begin) {
     const Scene& scene = ahead.clip().scene();

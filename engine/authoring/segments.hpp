@@ -199,7 +199,7 @@ using SegmentFrames = std::function<const Segmentation&(const RawFrame& frame, b
 /// Begins a clip of that scene.
 using BeginSegments = std::function<SegmentFrames(const Scene& scene)>;
 
-/// Finds segments by a Segmenter.
+/// Finds segments by colour and depth (segmentation.hpp).
 SegmentFrames begin_segments(const Scene& scene);
 
 /// A picture that numbers the segments of a clip's first frame: `index` of NamedSegment, a byte each.

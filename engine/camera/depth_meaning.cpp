@@ -1,5 +1,5 @@
 // What a camera's depth means: by what is known of it and its first pictures, or by a scene file.
-#include "engine/camera/depth_meaning.hpp"
+#include "engine/camera/v4l2_camera.hpp"
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"

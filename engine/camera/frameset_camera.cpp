@@ -15,7 +15,7 @@
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/camera/depth_meaning.hpp"
+#include "engine/camera/v4l2_camera.hpp"
 #include "engine/clip/readers.hpp"
 #include "engine/stream/stream_url.hpp"
 

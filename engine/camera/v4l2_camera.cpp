@@ -8,7 +8,6 @@
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/camera/depth_meaning.hpp"
 #include "engine/clip/readers.hpp"
 
 namespace touchable {

@@ -1,16 +1,17 @@
 #pragma once
 
 // A camera of V4L2 as a live clip: open_v4l2_camera opens the node of depth that a V4l2Choice names, and the
-// one of colour beside it.
+// one of colour beside it. meaning_of_depth finds what depth means, of cameras of any kind.
 //
 // A reader is used by one thread.
 
 #include <filesystem>
 #include <memory>
+#include <span>
 
 #include "engine/base/result.hpp"
 #include "engine/camera/v4l2_stream.hpp"
-#include "engine/clip/clip.hpp"
+#include "engine/clip/readers.hpp"
 #include "engine/formats/source_description.hpp"
 #include "engine/picture/decoding.hpp"
 
@@ -40,5 +41,13 @@ struct V4l2Choice {
 Result<std::unique_ptr<ClipReader>> open_v4l2_camera(
     const V4l2Choice& choice, const SourceDescription& known = {},
     const std::optional<std::filesystem::path>& scene_file = {});
+
+/// Finds what a camera's depth means, all but the rate; remarks of the scene tell what was assumed. By a
+/// scene file, whose size must be that of the pictures; or like guess_camera by `known` and the first
+/// frames' depth, of 16 bits in host order, with Z16 in millimetres unless `known` states another unit. An
+/// unstated far plane is set well behind what they show. Errors begin with the node, or the file.
+Result<LiveReader::Meaning> meaning_of_depth(const NodeFacts& facts, std::uint32_t format,
+                                             std::span<const RawFrame> first, const SourceDescription& known,
+                                             const std::optional<std::filesystem::path>& scene_file);
 
 }  // namespace touchable

@@ -61,11 +61,13 @@ RawFrame view_of(std::shared_ptr<const AnalyticScene::Planes> planes, const Scen
 /// The three height fields: Z = -1000 + 1000 b(X/1000, Y/1000, t) in scene units (millimetres).
 enum class Relief { bumps, rough, moving };
 
-/// Surface over a world position: Z (scene units) and its first and second derivatives by X and Y (per unit).
+/// Height at a world position over `base`, which `lift` raises with time; scene units; and its first and
+/// second derivatives by X and Y (per unit).
 struct ReliefPoint {
     double z, zx, zy, zxx, zxy, zyy;
 };
-ReliefPoint relief_at(Relief relief, double x, double y, double t);
+ReliefPoint relief_at(Relief relief, double x, double y, double base);
+double lift(Relief relief, double t);
 
 /// The ground at one place of the procedural planet.
 struct Ground {

@@ -384,7 +384,7 @@ private:
     /// Brightness of a slope against level ground, with all relief as high as it is felt.
     double relief_light(const View& view, const Sight& sight) const {
         const auto height = [&](const glm::dvec3& place) {
-            return ground_->relief * ground_->look.mean(place, sight.width, MappedGround::elevation);
+            return ground_->relief * ground_->look.mean(place, sight.width)[MappedGround::elevation];
         };
         const auto [across, down] = tangents(sight.place);
         const double reach = sight.width;

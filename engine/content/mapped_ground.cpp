@@ -343,7 +343,7 @@ double largest_over(const DisplacedSphere& shape, const CubePyramid<5>& look, in
                 const glm::dvec3 direction = grid.direction(row / cells, i, row % cells);
                 double& most = largest[static_cast<std::size_t>(row)];
                 most = std::max(
-                    most, relief * look.mean(direction, 0, MappedGround::elevation) - shape.rise(direction));
+                    most, relief * look.mean(direction, 0)[MappedGround::elevation] - shape.rise(direction));
             }
     });
     return *std::ranges::max_element(largest);

@@ -162,14 +162,6 @@ public:
         }
         return values;
     }
-    /// The same for one channel.
-    double mean(const glm::dvec3& direction, double width, std::size_t channel) const {
-        const Detail detail = detail_of(width);
-        const double fine = between(levels_[detail.finer], direction, channel);
-        if (detail.coarser_share == 0) return fine;
-        const double coarse = between(levels_[detail.finer + 1], direction, channel);
-        return fine + detail.coarser_share * (coarse - fine);
-    }
 
 private:
     static constexpr int most_levels = 5;
@@ -210,12 +202,6 @@ private:
             }) / unit;
         return values;
     }
-    static double between(const Level& level, const glm::dvec3& direction, std::size_t channel) {
-        return level.grid.between(level.grid.place(direction), [&](std::size_t n) {
-            return static_cast<double>(level.points[n][channel]);
-        }) / unit;
-    }
-
     /// Weights 1 2 1, across and down.
     static Values mean_around(const Level& finer, const glm::dvec3& at, double step) {
         const auto [across, down] = tangents(at);

@@ -26,28 +26,8 @@ const Waves& waves_of(Relief relief) {
     return relief == Relief::rough ? rough : bumps;
 }
 
-double lift(Relief relief, double t) {
-    return relief == Relief::moving ? 20 * sine(2 * pi * 0.5 * t) : 0;
-}
-
 double angle(const Wave& wave, double x, double y) {
     return 2 * pi * (wave.kx * x + wave.ky * y) / wave.period + wave.phase;
-}
-
-/// Height over the plane at 1000 and its slopes; Newton's method for a pixel needs no more.
-struct Slope {
-    double b, bx, by;
-};
-Slope slope_at(const Waves& waves, double x, double y) {
-    Slope sum{0, 0, 0};
-    for (const Wave& wave : waves) {
-        const double phi = angle(wave, x, y), k = 2 * pi / wave.period;
-        const double slope = wave.amplitude * k * cosine(phi);
-        sum.b += wave.amplitude * sine(phi);
-        sum.bx += slope * wave.kx;
-        sum.by += slope * wave.ky;
-    }
-    return sum;
 }
 
 class HeightFieldScene final : public AnalyticScene {
@@ -57,13 +37,12 @@ public:
     /// d = 1000 - b(d u, d v): the left side less the right grows with d as long as |slope| |(u, v)| < 1, so
     /// there is one root and Newton finds it.
     double depth(double x, double y, double t) const override {
-        const Waves& waves = waves_of(relief_);
         const double u = scene().camera.u(x), v = scene().camera.v(y),
                      base = tabletop_distance - lift(relief_, t);
         double d = base;
         for (int round = 0; round < 32; ++round) {
-            const Slope s = slope_at(waves, d * u, d * v);
-            const double step = (d - base + s.b) / (1 + u * s.bx + v * s.by);
+            const ReliefPoint at = relief_at(relief_, d * u, d * v, 0);
+            const double step = (d - base + at.z) / (1 + u * at.zx + v * at.zy);
             d -= step;
             if (std::fabs(step) <= 1e-12) break;
         }
@@ -191,8 +170,12 @@ private:
 
 }  // namespace
 
-ReliefPoint relief_at(Relief relief, double x, double y, double t) {
-    ReliefPoint sum{lift(relief, t) - tabletop_distance, 0, 0, 0, 0, 0};
+double lift(Relief relief, double t) {
+    return relief == Relief::moving ? 20 * sine(2 * pi * 0.5 * t) : 0;
+}
+
+ReliefPoint relief_at(Relief relief, double x, double y, double base) {
+    ReliefPoint sum{base, 0, 0, 0, 0, 0};
     for (const Wave& wave : waves_of(relief)) {
         const double phi = angle(wave, x, y), k = 2 * pi / wave.period, s = sine(phi);
         const double slope = wave.amplitude * k * cosine(phi), bend = -wave.amplitude * k * k * s;

@@ -32,23 +32,14 @@ std::string range_text(std::size_t offset, std::size_t bytes, const GpuBuffer& b
            "' (" + std::to_string(buffer.size()) + " bytes)";
 }
 
-/// Refuses a binding of a storage buffer that is invalid, or beyond the device's limits.
-Result<void> check_storage(const GpuBinding& binding, std::size_t bytes, const GpuFacts::Limits& limits) {
-    if (bytes == 0 || !is_within(binding.offset, bytes, binding.buffer.size()))
-        return internal_error(range_text(binding.offset, bytes, binding.buffer) + " are not there");
-    if (binding.offset % limits.min_storage_buffer_alignment != 0)
-        return internal_error("starts at " + std::to_string(binding.offset) + ", no multiple of " +
-                              std::to_string(limits.min_storage_buffer_alignment));
-    if (bytes > limits.max_storage_buffer_range)
-        return gpu_error(range_text(binding.offset, bytes, binding.buffer) + ", at most " +
+/// Refuses a binding beyond the device's limits.
+Result<void> check_binding(GpuBindingKind kind, const GpuBinding& binding, const GpuFacts::Limits& limits) {
+    const GpuBuffer& buffer = binding.buffer;
+    if (kind != GpuBindingKind::storage_buffer && !binding.texels())
+        return gpu_error("buffer '" + buffer.name() + "' has more texels than a view may");
+    if (kind == GpuBindingKind::storage_buffer && buffer.size() > limits.max_storage_buffer_range)
+        return gpu_error(range_text(0, buffer.size(), buffer) + ", at most " +
                          std::to_string(limits.max_storage_buffer_range) + " in one binding");
-    return {};
-}
-
-Result<void> check_texels(const GpuBinding& binding) {
-    if (binding.offset != 0 || binding.bytes) return internal_error("texels are a whole buffer");
-    if (!binding.texels())
-        return gpu_error("buffer '" + binding.buffer.name() + "' has more texels than a view may");
     return {};
 }
 
@@ -56,14 +47,14 @@ Result<void> check_texels(const GpuBinding& binding) {
 struct Descriptors {
     static constexpr std::size_t most = 32;  // what every device with push descriptors takes
 
-    void add(GpuBindingKind kind, const GpuBinding& binding, std::size_t bytes) {
+    void add(GpuBindingKind kind, const GpuBinding& binding) {
         VkWriteDescriptorSet& write = writes[count];
         write = vulkan_struct<VkWriteDescriptorSet>(VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET);
         write.dstBinding = count;
         write.descriptorCount = 1;
         write.descriptorType = descriptor_type(kind);
         if (kind == GpuBindingKind::storage_buffer) {
-            buffers[count] = {binding.buffer.handle(), binding.offset, bytes};
+            buffers[count] = {binding.buffer.handle(), 0, binding.buffer.size()};
             write.pBufferInfo = &buffers[count];
         } else {
             texels[count] = binding.texels();
@@ -127,14 +118,9 @@ bool GpuCommands::bind(const GpuProgram& program, std::span<const std::byte> pus
         const std::string which = kernel + "binding " + std::to_string(descriptors.count) + ": ";
         if (!binding.buffer) return fault(which + "there is no buffer"), false;
         const GpuBindingKind kind = layout.bindings[descriptors.count];
-        const std::size_t size = binding.buffer.size();
-        const std::size_t rest = binding.offset < size ? size - binding.offset : 0;
-        const std::size_t bytes = binding.bytes.value_or(rest);
-        const auto checked = kind == GpuBindingKind::storage_buffer
-                                 ? check_storage(binding, bytes, device_->facts().limits)
-                                 : check_texels(binding);
+        const auto checked = check_binding(kind, binding, device_->facts().limits);
         if (!checked) return fault(which + checked.error().message, checked.error().kind), false;
-        descriptors.add(kind, binding, bytes);
+        descriptors.add(kind, binding);
         keep(binding.buffer.keep_alive());
     }
     keep(program.keep_alive());

@@ -103,7 +103,6 @@ std::optional<std::uint32_t> choose_memory_type(const VkPhysicalDeviceMemoryProp
 enum class GpuBindingKind {
     storage_buffer,
     uniform_texels,  ///< usamplerBuffer / utextureBuffer, rgba32ui
-    storage_texels,  ///< uimageBuffer, rgba32ui
 };
 
 /// A kernel's interface as C++ knows it, from its shaders/name.h.
@@ -146,12 +145,9 @@ private:
     std::shared_ptr<const State> state_;
 };
 
-/// One binding of a dispatch: a buffer, or for storage buffers a part of one. Offsets are multiples of
-/// limits.min_storage_buffer_alignment; texels are always the whole buffer.
+/// One binding of a dispatch: a whole buffer.
 struct GpuBinding {
     GpuBinding(const GpuBuffer& whole) : buffer(whole) {}
-    GpuBinding(const GpuBuffer& part_of, std::size_t offset_bytes, std::optional<std::size_t> size_bytes)
-        : buffer(part_of), offset(offset_bytes), bytes(size_bytes) {}
 
     /// Texels of one uint32 each, not four.
     static GpuBinding words(const GpuBuffer& whole) {
@@ -161,8 +157,6 @@ struct GpuBinding {
     }
 
     const GpuBuffer& buffer;  ///< outlives the call it is handed to
-    std::size_t offset = 0;
-    std::optional<std::size_t> bytes;  ///< none: to the end
     bool is_words = false;
 
     VkBufferView texels() const { return is_words ? buffer.words() : buffer.texels(); }

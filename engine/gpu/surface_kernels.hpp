@@ -2,11 +2,9 @@
 
 // The kernels of the surface, and its Vulkan builder with a choice of plan (tests, benchmarks).
 
-#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -17,9 +15,21 @@
 
 namespace touchable {
 
-/// Kernels that march along strips (shaders/strip.h). The first three turn stored values into codes, validity
-/// and parts of bounds, which are final if no filter follows.
-enum class StripKernel { decode, median3, median5, fill_holes };
+/// The kernels of shaders/. The first four march along strips (shaders/strip.h); three of these turn stored
+/// values into codes, validity and parts of bounds, which are final if no filter follows.
+enum class SurfaceKernel {
+    decode,
+    median3,
+    median5,
+    fill_holes,
+    block,
+    terraces,
+    flying_pixels,
+    temporal,
+    tile_bounds,
+    hue_codes,
+    pack_rows
+};
 
 /// How rows are shared among lanes, and planes between GPU and CPU. Every plan gives the same bits.
 struct SurfacePlan {
@@ -48,30 +58,12 @@ public:
     explicit SurfaceKernels(std::shared_ptr<GpuDevice> device) : device_(std::move(device)) {}
     const std::shared_ptr<GpuDevice>& device() const { return device_; }
 
-    Result<GpuProgram> strip(StripKernel kernel, const StripConstants& constants);
-    Result<GpuProgram> block(const BlockConstants& constants);
-    /// One pass of terrace removal, its taps `step` pixels away; `has_levels`: gates differ from code to
-    /// code.
-    Result<GpuProgram> terraces(std::uint32_t group_size, int step, bool is_last, bool has_levels);
-    /// `sample_bytes`: of a stored value, 1 or 2.
-    Result<GpuProgram> flying_pixels(std::uint32_t sample_bytes);
-    Result<GpuProgram> temporal();
-    Result<GpuProgram> tile_bounds();
-    Result<GpuProgram> hue_codes();
-    Result<GpuProgram> pack_rows();
+    /// `constants`: the kernel's specialisation constants 0, 1, ...
+    Result<GpuProgram> program(SurfaceKernel kernel, std::vector<std::uint32_t> constants = {});
 
 private:
-    using Constants = std::array<std::uint32_t, 7>;
-
-    Result<GpuProgram> made(GpuProgram& kept, const char* name, std::span<const std::uint32_t> spirv,
-                            GpuLayout layout, std::span<const std::uint32_t> constants = {});
-
     std::shared_ptr<GpuDevice> device_;
-    std::map<std::pair<StripKernel, Constants>, GpuProgram> strips_;
-    std::map<std::array<std::uint32_t, 6>, GpuProgram> blocks_;
-    std::map<std::array<std::uint32_t, 4>, GpuProgram> terraces_;
-    GpuProgram flying_pixels_[2];
-    GpuProgram temporal_, tile_bounds_, hue_codes_, pack_rows_;
+    std::map<std::pair<SurfaceKernel, std::vector<std::uint32_t>>, GpuProgram> programs_;
 };
 
 /// The builder of make_vulkan_builder (vulkan_builder.hpp), and what its stages took.

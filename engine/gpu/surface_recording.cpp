@@ -22,18 +22,29 @@ static_assert(no_hue_code == no_hue);
 static_assert(no_finer_code > 2 * terrace_range);
 static_assert(most_ramp_steps == widest_ramp && most_ramp_steps == flying_reach);
 
-constexpr GpuBindingKind buffer = GpuBindingKind::storage_buffer, texels = GpuBindingKind::uniform_texels;
-
-struct KernelSource {
+/// A kernel, how many buffers of texels and then of other content it is bound to, and its workgroup's size;
+/// 0: the first specialisation constant.
+struct KernelForm {
     const char* name;
     std::span<const std::uint32_t> spirv;
+    std::uint32_t push_bytes;
+    std::size_t texels, buffers;
+    std::uint32_t group_x, group_y = 1;
 };
-
-/// By StripKernel.
-const KernelSource strip_kernels[] = {{"decode", decode_spv},
-                                      {"median3", median3_spv},
-                                      {"median5", median5_spv},
-                                      {"fill_holes", fill_holes_spv}};
+/// By SurfaceKernel.
+const KernelForm forms[] = {
+    {"decode", decode_spv, sizeof(StripPush), 1, 4, 0},
+    {"median3", median3_spv, sizeof(StripPush), 1, 4, 0},
+    {"median5", median5_spv, sizeof(StripPush), 1, 4, 0},
+    {"fill_holes", fill_holes_spv, sizeof(StripPush), 1, 2, 0},
+    {"block", block_spv, sizeof(BlockPush), 0, 5, block_lanes_x, block_lanes_y},
+    {"terraces", terraces_spv, sizeof(TerracesPush), 2, 1, 0},
+    {"flying_pixels", flying_pixels_spv, sizeof(FlyingPixelsPush), 1, 1, flying_pixels_group},
+    {"temporal", temporal_spv, sizeof(TemporalPush), 2, 2, temporal_group},
+    {"tile_bounds", tile_bounds_spv, sizeof(TileBoundsPush), 2, 2, tile_bounds_group},
+    {"hue_codes", hue_codes_spv, sizeof(HueCodesPush), 0, 2, hue_codes_group},
+    {"pack_rows", pack_rows_spv, sizeof(PackRowsPush), 0, 2, pack_rows_group},
+};
 
 static_assert(sizeof(TileBounds) == 8 && offsetof(TileBounds, least) == 0 &&
               offsetof(TileBounds, greatest) == 2 && offsetof(TileBounds, any_invalid) == 4);
@@ -79,62 +90,16 @@ ValidCodes valid_codes_of(const DepthCoding& coding) {
     return codes;
 }
 
-/// Makes a program at its first use.
-Result<GpuProgram> SurfaceKernels::made(GpuProgram& kept, const char* name,
-                                        std::span<const std::uint32_t> spirv, GpuLayout layout,
-                                        std::span<const std::uint32_t> constants) {
-    if (kept) return kept;
-    auto program = GpuProgram::create(*device_, name, spirv, std::move(layout), constants);
-    if (program) kept = *program;
+Result<GpuProgram> SurfaceKernels::program(SurfaceKernel kernel, std::vector<std::uint32_t> constants) {
+    GpuProgram& program = programs_[{kernel, constants}];
+    if (program) return program;
+    const KernelForm& form = forms[static_cast<std::size_t>(kernel)];
+    GpuLayout layout{form.push_bytes,
+                     std::vector(form.texels, GpuBindingKind::uniform_texels),
+                     {form.group_x > 0 ? form.group_x : constants.front(), form.group_y, 1}};
+    layout.bindings.resize(form.texels + form.buffers, GpuBindingKind::storage_buffer);
+    TRY_ASSIGN(program, GpuProgram::create(*device_, form.name, form.spirv, std::move(layout), constants));
     return program;
-}
-
-Result<GpuProgram> SurfaceKernels::strip(StripKernel kernel, const StripConstants& c) {
-    const auto constants = std::bit_cast<Constants>(c);
-    GpuLayout layout{sizeof(StripPush), {texels, buffer}, {c.group_size, 1, 1}};
-    layout.bindings.insert(layout.bindings.end(), kernel == StripKernel::fill_holes ? 1 : 3, buffer);
-    const KernelSource& source = strip_kernels[static_cast<std::size_t>(kernel)];
-    return made(strips_[{kernel, constants}], source.name, source.spirv, std::move(layout), constants);
-}
-
-Result<GpuProgram> SurfaceKernels::block(const BlockConstants& c) {
-    const auto constants = std::bit_cast<std::array<std::uint32_t, 6>>(c);
-    return made(blocks_[constants], "block", block_spv,
-                {sizeof(BlockPush), std::vector(5, buffer), {block_lanes_x, block_lanes_y, 1}}, constants);
-}
-
-Result<GpuProgram> SurfaceKernels::terraces(std::uint32_t group_size, int step, bool is_last,
-                                            bool has_levels) {
-    const std::array<std::uint32_t, 4> constants{group_size, static_cast<std::uint32_t>(step),
-                                                 is_last ? 1U : 0U, has_levels ? 1U : 0U};
-    return made(terraces_[constants], "terraces", terraces_spv,
-                {sizeof(TerracesPush), {texels, texels, buffer}, {group_size, 1, 1}}, constants);
-}
-
-Result<GpuProgram> SurfaceKernels::flying_pixels(std::uint32_t sample_bytes) {
-    const std::array<std::uint32_t, 1> constants{sample_bytes};
-    return made(flying_pixels_[sample_bytes - 1], "flying_pixels", flying_pixels_spv,
-                {sizeof(FlyingPixelsPush), {texels, buffer}, {flying_pixels_group, 1, 1}}, constants);
-}
-
-Result<GpuProgram> SurfaceKernels::temporal() {
-    return made(temporal_, "temporal", temporal_spv,
-                {sizeof(TemporalPush), {texels, texels, buffer, buffer}, {temporal_group, 1, 1}});
-}
-
-Result<GpuProgram> SurfaceKernels::tile_bounds() {
-    return made(tile_bounds_, "tile_bounds", tile_bounds_spv,
-                {sizeof(TileBoundsPush), {texels, texels, buffer, buffer}, {tile_bounds_group, 1, 1}});
-}
-
-Result<GpuProgram> SurfaceKernels::hue_codes() {
-    return made(hue_codes_, "hue_codes", hue_codes_spv,
-                {sizeof(HueCodesPush), {buffer, buffer}, {hue_codes_group, 1, 1}});
-}
-
-Result<GpuProgram> SurfaceKernels::pack_rows() {
-    return made(pack_rows_, "pack_rows", pack_rows_spv,
-                {sizeof(PackRowsPush), {buffer, buffer}, {pack_rows_group, 1, 1}});
 }
 
 SurfaceRecording::SurfaceRecording(const Scene& scene, std::shared_ptr<SurfaceKernels> kernels,
@@ -247,12 +212,12 @@ StripPush SurfaceRecording::push_for(const StoredRows& rows) const {
     return push;
 }
 
-Result<GpuProgram> SurfaceRecording::program_for(StripKernel kernel, const StoredRows& rows,
+Result<GpuProgram> SurfaceRecording::program_for(SurfaceKernel kernel, const StoredRows& rows,
                                                  const WorkingCodes* working) {
-    return kernels_->strip(kernel, {plan_.group_size, rows.sample_bytes, rows.may_be_invalid() ? 1U : 0U,
-                                    rows.valid.excluded[0] != no_such_code ? 1U : 0U,
-                                    width_ % 8 != 0 || height_ % 2 != 0 ? 1U : 0U, working ? 1U : 0U,
-                                    working && working->table ? 1U : 0U});
+    return kernels_->program(kernel, {plan_.group_size, rows.sample_bytes, rows.may_be_invalid() ? 1U : 0U,
+                                      rows.valid.excluded[0] != no_such_code ? 1U : 0U,
+                                      width_ % 8 != 0 || height_ % 2 != 0 ? 1U : 0U, working ? 1U : 0U,
+                                      working && working->table ? 1U : 0U});
 }
 
 /// Records the kernel that makes codes, validity and bounds or parts of them. With `working` it makes working
@@ -260,17 +225,19 @@ Result<GpuProgram> SurfaceRecording::program_for(StripKernel kernel, const Store
 Result<void> SurfaceRecording::record_codes(Frame& frame, const WorkingCodes* working, const GpuBuffer& to) {
     TRY(plan_.blocks ? record_block(frame, working, to) : record_strips(frame, working, to));
     frame.commands.barrier(GpuStage::compute, GpuStage::compute);
-    frame.commands.mark(frame.kernel == StripKernel::decode ? "decode" : "median");
+    frame.commands.mark(frame.kernel == SurfaceKernel::decode ? "decode" : "median");
     return {};
 }
 
 Result<void> SurfaceRecording::record_block(Frame& frame, const WorkingCodes* working, const GpuBuffer& to) {
     const StoredRows& rows = frame.rows;
-    constexpr std::uint32_t sides[] = {1, 3, 5};  // by StripKernel
-    TRY_ASSIGN(const auto program, kernels_->block({sides[static_cast<std::size_t>(frame.kernel)],
-                                                    rows.sample_bytes, rows.may_be_invalid() ? 1U : 0U,
-                                                    rows.valid.excluded[0] != no_such_code ? 1U : 0U,
-                                                    working ? 1U : 0U, working && working->table ? 1U : 0U}));
+    constexpr std::uint32_t sides[] = {1, 3, 5};  // by SurfaceKernel
+    TRY_ASSIGN(
+        const auto program,
+        kernels_->program(SurfaceKernel::block,
+                          {sides[static_cast<std::size_t>(frame.kernel)], rows.sample_bytes,
+                           rows.may_be_invalid() ? 1U : 0U, rows.valid.excluded[0] != no_such_code ? 1U : 0U,
+                           working ? 1U : 0U, working && working->table ? 1U : 0U}));
     const BlockPush push{width_,
                          height_,
                          rows.pitch,
@@ -303,19 +270,19 @@ Result<void> SurfaceRecording::record_finer(const WorkingCodes& working, Frame& 
     if (std::exchange(frame.is_finer, true)) return {};
     TRY(record_codes(frame, has_room_above() ? &working : nullptr, finer_));
     frame.rows = {finer_, 2, pitch_, finer_codes};
-    frame.kernel = StripKernel::decode;
+    frame.kernel = SurfaceKernel::decode;
     return {};
 }
 
 Result<void> SurfaceRecording::record(const FilterPlan::MedianWindow& window, Frame& frame) {
-    frame.kernel = window.side == 3 ? StripKernel::median3 : StripKernel::median5;
+    frame.kernel = window.side == 3 ? SurfaceKernel::median3 : SurfaceKernel::median5;
     return {};
 }
 
 /// The filter's input and output change places from frame to frame.
 Result<void> SurfaceRecording::record(const TemporalFilter& filter, Frame& frame) {
     TRY(record_finer(filter.working, frame));
-    TRY_ASSIGN(const auto program, kernels_->temporal());
+    TRY_ASSIGN(const auto program, kernels_->program(SurfaceKernel::temporal));
     ValidCodes valid = finer_codes;
     if (!has_room_above()) {
         valid.valid_min = valid_.valid_min;
@@ -351,7 +318,9 @@ Result<void> SurfaceRecording::record(const TerraceFilter& filter, Frame& frame)
     for (int pass = 0; pass < filter.passes(); ++pass) {
         const bool is_last = pass + 1 == filter.passes();
         TRY_ASSIGN(const auto program,
-                   kernels_->terraces(plan_.group_size, filter.tap_of(pass), is_last, !filter.is_even()));
+                   kernels_->program(SurfaceKernel::terraces,
+                                     {plan_.group_size, static_cast<std::uint32_t>(filter.tap_of(pass)),
+                                      is_last ? 1U : 0U, filter.is_even() ? 0U : 1U}));
         const GpuBuffer& to = between_[pass % 2];
         frame.commands.dispatch(program, push, {from, first, to},
                                 {groups_for(height_ * segments_, plan_.group_size)});
@@ -364,7 +333,7 @@ Result<void> SurfaceRecording::record(const TerraceFilter& filter, Frame& frame)
 }
 
 Result<void> SurfaceRecording::record_hue(Frame& frame) {
-    TRY_ASSIGN(auto program, kernels_->hue_codes());
+    TRY_ASSIGN(auto program, kernels_->program(SurfaceKernel::hue_codes));
     const HueCodesPush push{width_, height_, frame.rows.pitch * 4, pitch_,
                             static_cast<std::uint32_t>(scene_.depth.least_sum)};
     frame.commands.dispatch(program, push, {frame.rows.buffer, between_[0]},
@@ -377,7 +346,7 @@ Result<void> SurfaceRecording::record_hue(Frame& frame) {
 
 Result<void> SurfaceRecording::record(const FlyingPixels& filter, Frame& frame) {
     StoredRows& rows = frame.rows;
-    TRY_ASSIGN(const auto program, kernels_->flying_pixels(rows.sample_bytes));
+    TRY_ASSIGN(const auto program, kernels_->program(SurfaceKernel::flying_pixels, {rows.sample_bytes}));
     const GpuBuffer& to = between_[rows.buffer.handle() == between_[0].handle() ? 1 : 0];
     const FlyingPixelsPush push{width_, height_, rows.pitch, pitch_, pushed(filter.gate), rows.valid};
     frame.commands.dispatch(program, push, {rows.buffer, to},
@@ -398,7 +367,7 @@ Result<void> SurfaceRecording::record(const FilterPlan::HoleFilling& filling, Fr
     commands.barrier(GpuStage::transfer, GpuStage::compute);
     for (int pass = 0; pass < filling.passes; ++pass) {
         const GpuBuffer& to = between_[rows.buffer.handle() == between_[0].handle() ? 1 : 0];
-        TRY_ASSIGN(const auto program, program_for(StripKernel::fill_holes, rows));
+        TRY_ASSIGN(const auto program, program_for(SurfaceKernel::fill_holes, rows));
         StripPush push = push_for(rows);
         push.pass = static_cast<std::uint32_t>(pass);
         if (pass < 2)
@@ -415,7 +384,7 @@ Result<void> SurfaceRecording::record(const FilterPlan::HoleFilling& filling, Fr
 }
 
 Result<void> SurfaceRecording::record_packing(const Frame& frame) {
-    TRY_ASSIGN(const auto program, kernels_->pack_rows());
+    TRY_ASSIGN(const auto program, kernels_->program(SurfaceKernel::pack_rows));
     const PackRowsPush push{width_, width_ * height_, 4 * pitch_};
     frame.commands.dispatch(program, push, {frame.planes.codes.gpu, packed_},
                             {groups_for(groups_for(push.count, 2), pack_rows_group)});
@@ -424,7 +393,7 @@ Result<void> SurfaceRecording::record_packing(const Frame& frame) {
 
 Result<void> SurfaceRecording::record_bounds(const Frame& frame) {
     const VulkanPlanes& planes = frame.planes;
-    TRY_ASSIGN(auto program, kernels_->tile_bounds());
+    TRY_ASSIGN(auto program, kernels_->program(SurfaceKernel::tile_bounds));
     const TileBoundsPush push{width_,
                               height_,
                               pitch_,

@@ -107,13 +107,13 @@ private:
         const bool begins;
         const VulkanPlanes& planes;
         StoredRows rows;                           // what the next stage reads
-        StripKernel kernel = StripKernel::decode;  // that is to make codes; a median waits for it
+        SurfaceKernel kernel = SurfaceKernel::decode;  // that is to make codes; a median waits for it
         bool is_finer = false;                     // the rows are working codes
     };
 
     StripPush push_for(const StoredRows& rows) const;
     /// `working`: of codes for filters that need finer ones; null: the codes are final.
-    Result<GpuProgram> program_for(StripKernel kernel, const StoredRows& rows,
+    Result<GpuProgram> program_for(SurfaceKernel kernel, const StoredRows& rows,
                                    const WorkingCodes* working = nullptr);
     Result<void> record_hue(Frame& frame);
     Result<void> record(const FlyingPixels& filter, Frame& frame);

@@ -342,16 +342,6 @@ void StoredPlane::record_reading_in(GpuCommands& commands) {
     commands.mark("read in");
 }
 
-Result<VulkanPlanes::Plane> VulkanPlanes::Plane::create(const GpuDevice& device, const std::string& name,
-                                                        std::size_t bytes,
-                                                        std::optional<std::size_t> copied_bytes) {
-    TRY_ASSIGN(auto gpu,
-               GpuBuffer::create(device, name, bytes, copied_bytes ? GpuMemory::device : GpuMemory::shared));
-    if (!copied_bytes) return Plane{gpu, gpu};
-    TRY_ASSIGN(auto host, GpuBuffer::create(device, name + " read back", *copied_bytes, GpuMemory::readback));
-    return Plane{gpu, host};
-}
-
 Result<VulkanPlanes> VulkanPlanes::create(const GpuDevice& device, int width, int height,
                                           const SurfacePlan& plan) {
     VulkanPlanes made{device.vulkan(), width, height, plan.packs_rows(width)};
@@ -359,15 +349,18 @@ Result<VulkanPlanes> VulkanPlanes::create(const GpuDevice& device, int width, in
     const std::size_t codes_bytes = rows * ((columns + 7) / 8) * 16;
     const struct {
         Plane& plane;
-        const char* name;
-        std::size_t bytes, copied_bytes;
-    } planes[] = {{made.codes, "codes", codes_bytes, made.packed ? 2 * rows * columns : codes_bytes},
-                  {made.validity, "validity", rows * ((columns + 31) / 32) * sizeof(std::uint32_t), 0},
-                  {made.tiles, "tiles", TileGrid::of(width, height).count() * sizeof(TileBounds), 0}};
-    for (const auto& each : planes) {
-        const std::size_t copied = each.copied_bytes > 0 ? each.copied_bytes : each.bytes;
-        TRY_ASSIGN(each.plane, Plane::create(device, each.name, each.bytes,
-                                             plan.copies ? std::optional(copied) : std::nullopt));
+        std::string name;
+        std::size_t bytes;
+    } planes[] = {{made.codes, "codes", codes_bytes},
+                  {made.validity, "validity", rows * ((columns + 31) / 32) * sizeof(std::uint32_t)},
+                  {made.tiles, "tiles", TileGrid::of(width, height).count() * sizeof(TileBounds)}};
+    for (const auto& [plane, name, bytes] : planes) {
+        TRY_ASSIGN(plane.gpu, GpuBuffer::create(device, name, bytes,
+                                                plan.copies ? GpuMemory::device : GpuMemory::shared));
+        plane.host = plane.gpu;
+        if (!plan.copies) continue;
+        const std::size_t copied = made.packed && &plane == &made.codes ? 2 * rows * columns : bytes;
+        TRY_ASSIGN(plane.host, GpuBuffer::create(device, name + " read back", copied, GpuMemory::readback));
     }
     return made;
 }

@@ -30,8 +30,6 @@ struct VulkanPlanes {
     struct Plane {
         GpuBuffer gpu, host;
 
-        static Result<Plane> create(const GpuDevice& device, const std::string& name, std::size_t bytes,
-                                    std::optional<std::size_t> copied_bytes);
         bool is_copied() const { return gpu.handle() != host.handle(); }
     };
 

@@ -3,7 +3,6 @@
 
 #include "engine/surface/flying_pixels.hpp"
 #include "engine/surface/median.hpp"
-#include "engine/surface/temporal_filter.hpp"
 #include "engine/surface/terrace_filter.hpp"
 
 namespace touchable {
@@ -72,9 +71,7 @@ struct FilterStack {
         assert(lines);
         bands = std::make_unique<MedianFilter>(std::move(lines), window.side, unit);
     }
-    void add(const TemporalFilter& filter) {
-        bands = std::make_unique<TemporalSmoother>(take_bands(), filter, unit);
-    }
+    void add(const TemporalFilter& filter) { bands = make_temporal_smoother(take_bands(), filter, unit); }
     void add(const TerraceFilter& filter) {
         bands = std::make_unique<TerraceRemover>(take_bands(), filter, unit);
     }

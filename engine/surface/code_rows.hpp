@@ -182,6 +182,10 @@ private:
     std::vector<CodeLine> line_;  // one per thread
 };
 
+/// Averages noise from frame to frame.
+std::unique_ptr<BandSource> make_temporal_smoother(std::unique_ptr<BandSource> before,
+                                                   const TemporalFilter& filter, VectorUnit unit);
+
 /// A plan's filters on the CPU, one on top of the other: from stored values to codes and validity, of a whole
 /// picture or of a part.
 std::unique_ptr<BandSource> make_code_filters(const FilterPlan& plan, VectorUnit unit);

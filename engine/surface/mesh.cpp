@@ -57,7 +57,6 @@ public:
     void put(std::uint8_t value) { put_bytes(value, 1); }
     void put(std::uint32_t value) { put_bytes(value, 4); }
     void put(float value) { put_bytes(std::bit_cast<std::uint32_t>(value), 4); }
-    void put(double value) { put_bytes(std::bit_cast<std::uint64_t>(value), 8); }
     void flush() {
         stream_.write(bytes_.data(), static_cast<std::streamsize>(bytes_.size()));
         bytes_.clear();
@@ -75,12 +74,11 @@ private:
     std::string bytes_;
 };
 
-std::string header(const Mesh& mesh, bool coloured, PlyCoordinates coordinates) {
-    const std::string type = coordinates == PlyCoordinates::double_precision ? "double" : "float";
+std::string header(const Mesh& mesh, bool coloured) {
     std::string text = "ply\nformat binary_little_endian 1.0\n";
     text += "comment scene units; X right, Y up, camera at the origin looking along -Z\n";
     text += "element vertex " + std::to_string(mesh.positions.size()) + "\n";
-    for (const char* axis : {"x", "y", "z"}) text += "property " + type + " " + axis + "\n";
+    for (const char* axis : {"x", "y", "z"}) text += std::string("property float ") + axis + "\n";
     if (coloured)
         for (const char* channel : {"red", "green", "blue"})
             text += std::string("property uchar ") + channel + "\n";
@@ -88,15 +86,10 @@ std::string header(const Mesh& mesh, bool coloured, PlyCoordinates coordinates) 
     return text + "property list uchar int vertex_indices\nend_header\n";
 }
 
-void write_body(std::ofstream& stream, const Mesh& mesh, const PlaneView& colour,
-                PlyCoordinates coordinates) {
+void write_body(std::ofstream& stream, const Mesh& mesh, const PlaneView& colour) {
     LittleEndianWriter out(stream);
     for (std::size_t n = 0; n < mesh.positions.size(); ++n) {
-        for (int axis = 0; axis < 3; ++axis)
-            if (coordinates == PlyCoordinates::double_precision)
-                out.put(mesh.positions[n][axis]);
-            else
-                out.put(static_cast<float>(mesh.positions[n][axis]));
+        for (int axis = 0; axis < 3; ++axis) out.put(static_cast<float>(mesh.positions[n][axis]));
         if (colour.empty()) continue;
         const int pixel = static_cast<int>(mesh.pixels[n]);
         for (int channel = 0; channel < 3; ++channel)
@@ -125,7 +118,7 @@ Mesh make_mesh(const SurfaceFrame& frame, const Scene& scene) {
     return mesh;
 }
 
-Result<void> write_ply(NewFile& file, const Mesh& mesh, const PlaneView& colour, PlyCoordinates coordinates) {
+Result<void> write_ply(NewFile& file, const Mesh& mesh, const PlaneView& colour) {
     if (!colour.empty() && (colour.width != mesh.width || colour.height != mesh.height ||
                             colour.channels != 3 || colour.bytes_per_sample != 1))
         return input_error(file.target().string() +
@@ -135,8 +128,8 @@ Result<void> write_ply(NewFile& file, const Mesh& mesh, const PlaneView& colour,
     TRY(file.check());
     std::ofstream stream(file.path(), std::ios::binary | std::ios::trunc);
     if (stream) {
-        stream << header(mesh, !colour.empty(), coordinates);
-        write_body(stream, mesh, colour, coordinates);
+        stream << header(mesh, !colour.empty());
+        write_body(stream, mesh, colour);
         stream.close();
     }
     if (!stream)

@@ -158,11 +158,9 @@ struct Mesh {
 /// From a frame of any builder; `scene` is the one it was built for.
 Mesh make_mesh(const SurfaceFrame& frame, const Scene& scene);
 
-enum class PlyCoordinates { single_precision, double_precision };
 /// Binary little-endian PLY: x, y, z in scene units, red, green, blue if there is a colour plane (3 channels
 /// of 8 bits, of the mesh's picture), and triangles. The caller commits `file`.
-Result<void> write_ply(NewFile& file, const Mesh& mesh, const PlaneView& colour = {},
-                       PlyCoordinates coordinates = PlyCoordinates::single_precision);
+Result<void> write_ply(NewFile& file, const Mesh& mesh, const PlaneView& colour = {});
 
 /// A frame's valid depths, row by row, scene units; the far plane if none is valid. Only some pixels, evenly
 /// spread, of a frame larger than 4096x4096. A lazy frame is built as a whole for this. Incomplete after a

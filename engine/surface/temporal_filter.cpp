@@ -1,5 +1,10 @@
 // Noise averaged from frame to frame, vectorised.
-#include "engine/surface/temporal_filter.hpp"
+#include <optional>
+#include <vector>
+
+#include "engine/base/vectors.hpp"
+#include "engine/scene/filter_codes.hpp"
+#include "engine/surface/code_rows.hpp"
 
 namespace touchable {
 namespace {
@@ -35,6 +40,14 @@ template <class Lanes>
     return Lanes{} - lesser<Lanes>(set, Lanes{} + std::uint16_t{1});
 }
 
+/// The remembered state of a row: finer codes, in whole words of 32 of them, and bits for each, in words:
+/// whether it is known, and for how many frames it has only been held (low and high bit).
+struct TemporalRow {
+    std::uint16_t* codes;
+    std::uint32_t *known, *held_low, *held_high;
+};
+
+/// Smooths one row, `width` codes and their validity. The remembered row becomes the same.
 struct RowSmoothing {
     const TemporalFilter& filter;
     int width;
@@ -117,35 +130,53 @@ struct RowSmoothing {
     }
 };
 
-/// Smooths one row, `width` codes and their validity: codes become as many times finer, and 0 if invalid. The
-/// remembered row becomes the same.
-void smooth_row(VectorUnit unit, const TemporalFilter& filter, int width, std::uint16_t* codes,
-                std::uint32_t* validity, const TemporalRow& remembered) {
-    run_vectors(unit, RowSmoothing{filter, width, codes, validity, remembered});
-}
+/// Averages noise from frame to frame (docs/conventions.md). Depends on the frame before: it has to get all
+/// of them, in order.
+class TemporalSmoother final : public BandSource {
+public:
+    TemporalSmoother(std::unique_ptr<BandSource> before, const TemporalFilter& filter, VectorUnit unit)
+        : before_(std::move(before)), filter_(filter), unit_(unit) {}
+
+    /// Forgets the remembered frame, unless it is an earlier one of the same epoch.
+    void begin(const RawFrame& raw, RowBands& bands) override {
+        before_->begin(raw, bands);
+        words_ = static_cast<std::size_t>((raw.depth.width + strip_pixels - 1) / strip_pixels);
+        const std::size_t words = words_ * static_cast<std::size_t>(raw.depth.height);
+        codes_.resize(words * strip_pixels);
+        for (auto* bits : {&known_, &held_low_, &held_high_}) {
+            bits->resize(words);
+            if (!last_ || !last_->is_before(raw)) std::fill(bits->begin(), bits->end(), 0U);
+        }
+        last_.emplace(raw);
+    }
+
+    /// Makes codes as many times finer and smooth, 0 if invalid, and more of them valid.
+    void make(const RowBand& band, SurfaceFrame& out) override {
+        before_->make(band, out);
+        for (int y = band.first; y < band.last; ++y) {
+            const std::size_t word = words_ * static_cast<std::size_t>(y);
+            const TemporalRow remembered{codes_.data() + word * strip_pixels, known_.data() + word,
+                                         held_low_.data() + word, held_high_.data() + word};
+            run_vectors(unit_, RowSmoothing{filter_, out.width, out.codes.data() + out.index(0, y),
+                                            out.validity_row(y), remembered});
+        }
+    }
+
+private:
+    const std::unique_ptr<BandSource> before_;
+    const TemporalFilter filter_;
+    const VectorUnit unit_;
+    std::size_t words_ = 0;  // per row
+    std::vector<std::uint16_t> codes_;
+    std::vector<std::uint32_t> known_, held_low_, held_high_;
+    std::optional<RawFrame::Place> last_;
+};
 
 }  // namespace
 
-void TemporalSmoother::begin(const RawFrame& raw, RowBands& bands) {
-    before_->begin(raw, bands);
-    words_ = static_cast<std::size_t>((raw.depth.width + strip_pixels - 1) / strip_pixels);
-    const std::size_t words = words_ * static_cast<std::size_t>(raw.depth.height);
-    codes_.resize(words * strip_pixels);
-    for (auto* bits : {&known_, &held_low_, &held_high_}) {
-        bits->resize(words);
-        if (!last_ || !last_->is_before(raw)) std::fill(bits->begin(), bits->end(), 0U);
-    }
-    last_.emplace(raw);
-}
-
-void TemporalSmoother::make(const RowBand& band, SurfaceFrame& out) {
-    before_->make(band, out);
-    for (int y = band.first; y < band.last; ++y) {
-        const std::size_t word = words_ * static_cast<std::size_t>(y);
-        smooth_row(unit_, filter_, out.width, out.codes.data() + out.index(0, y), out.validity_row(y),
-                   {codes_.data() + word * strip_pixels, known_.data() + word, held_low_.data() + word,
-                    held_high_.data() + word});
-    }
+std::unique_ptr<BandSource> make_temporal_smoother(std::unique_ptr<BandSource> before,
+                                                   const TemporalFilter& filter, VectorUnit unit) {
+    return std::make_unique<TemporalSmoother>(std::move(before), filter, unit);
 }
 
 }  // namespace touchable

@@ -317,8 +317,8 @@ Result<Image> PictureOrder::draw(const HeightField& field, const FramePair& pair
     Overlays overlays;
     const Overlays::Picture* const overlay =
         show == Overlay::colour ? nullptr : &overlays.paint(show, field, pair);
-    TRY_ASSIGN(auto surface, painter->surface_of(field, pair, overlay ? overlay->view() : colour,
-                                                 overlay ? light_of(show) : light));
+    const ViewSurface surface =
+        surface_of(field, pair, overlay ? overlay->view() : colour, overlay ? light_of(show) : light);
     const Viewpoint::Subject subject = subject_of(field);
     TRY_ASSIGN(auto image, make_picture(settings, field.scene(), surface, subject, fingers,
                                         mark_sizes(field.scene(), subject.middle), *painter));

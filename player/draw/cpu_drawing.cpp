@@ -83,11 +83,10 @@ void CpuSurface::show(const HeightField& field, const FramePair& pair, const Pla
 void CpuSurface::make(const HeightField& field, const FramePair& pair, const PlaneView& colour,
                       Lighting lighting, int step) {
     lattices_.q_of(field, pair, q_);
-    colours_.resize(q_.size());
-    lattices_.light(field, q_.data(), field.width(), colour, lighting, colours_.data(), cut_ratio(step));
+    lattices_.light(field, q_, colour, lighting, colours_, cut_ratio(step));
     focal_length_ = static_cast<float>(field.scene().camera.fx);
-    lattice_ = {q_.data(), colours_.data(), field.width(), field.height(), field.width(), step,
-                fills_gaps(colour, lighting)};
+    lattice_ = {
+        q_.data(), colours_.data(), field.width(), field.height(), step, fills_gaps(colour, lighting)};
 }
 
 void CpuSurface::paint(const ViewCamera& camera, std::span<PackedColour> colours,
@@ -104,15 +103,15 @@ void CpuSurface::paint(const ViewCamera& camera, std::span<PackedColour> colours
         return;
     }
     const ViewCamera seen = decimated(camera, lattice_.step);
-    if (OwnViewPicture::draws(seen)) return own_view_.draw(lattice_, seen, background_, seen.width, colours, z);
+    if (OwnViewPicture::draws(seen)) return own_view_.draw(lattice_, seen, background_, colours, z);
     const bool is_own = is_own_view(seen);
     if (is_own) edges_.clear();
     if (!is_own && !edges_are_found_)
-        edges_.find(edge_lattice(lattice_.q, lattice_.width, lattice_.height, lattice_.pitch, lattice_.step,
+        edges_.find(edge_lattice(lattice_.q, lattice_.width, lattice_.height, lattice_.width, lattice_.step,
                                  focal_length_));
     edges_are_found_ = !is_own;
-    turned_view_.draw(lattice_, edges_, seen, background_, seen.width, colours, z);
-    if (!is_own) silhouettes_.smooth(colours, z, seen.width, seen.height, seen.width);
+    turned_view_.draw(lattice_, edges_, seen, background_, colours, z);
+    if (!is_own) silhouettes_.smooth(colours, z, seen.width, seen.height);
 }
 
 void double_picture(std::span<const PackedColour> from, int width, int height, std::span<PackedColour> to) {

@@ -24,8 +24,8 @@ namespace {
 struct LightTerms {
     Camera camera;
     float farthest = 1;        ///< an upper bound of depth, scene units
-    const float* q = nullptr;  ///< rows of `pitch`
-    int width = 0, height = 0, pitch = 0;
+    const float* q = nullptr;
+    int width = 0, height = 0;
     PlaneView colour;    ///< RGB of 8 bits, of that size; or empty for clay
     float strength = 1;  ///< of the light on them
     UsualQ usual{};    ///< clay's coolest and warmest q
@@ -221,7 +221,7 @@ struct FrameRow {
 void copy_colours(const LightTerms& terms, int first, int end, PackedColour* colours) {
     for (int y = first; y < end; ++y) {
         const std::uint8_t* rgb = terms.colour.row(y);
-        PackedColour* const to = colours + static_cast<std::ptrdiff_t>(y) * terms.pitch;
+        PackedColour* const to = colours + static_cast<std::ptrdiff_t>(y) * terms.width;
         for (int x = 0; x < terms.width; ++x, rgb += 3) to[x] = pack_colour(rgb[0], rgb[1], rgb[2]);
     }
 }
@@ -310,36 +310,22 @@ void halve_validity(const SurfaceFrame& from, const RowBand& band, SurfaceFrame&
     }
 }
 
-}  // namespace
-
-/// Lights rows of vertices with the CPU's vectors and the arithmetic of shaders/light.h: the twin of
-/// `lit_colours`, to 2 of 255. A row's bits do not depend on the other rows or on the vectors.
-class CpuLattices::LightRows {
-public:
-    /// Colours of the vertices of rows [first, end), in rows of `terms.pitch`; `colours` points to row 0.
-    void light(const LightTerms& terms, int first, int end, VectorUnit unit, PackedColour* colours);
-
-private:
+/// Colours of the vertices of rows [first, end), with the CPU's vectors and the arithmetic of
+/// shaders/light.h: the twin of `lit_colours`, to 2 of 255. A row's bits do not depend on the other rows or
+/// on the vectors. `colours` points to row 0.
+void light_rows(const LightTerms& terms, int first, int end, VectorUnit unit, std::vector<float>& scratch,
+                PackedColour* colours) {
+    const int width = terms.width, height = terms.height;
+    const std::size_t stride = static_cast<std::size_t>(width) + 2 * margin;
+    scratch.assign(3 * (5 + sides) * stride, 0.0F);
     /// A vector at each vertex or cell of a row, padded with zeros at both ends.
     struct Row {
         float *x, *y, *z;
     };
-    Row row(int n);
-
-    std::vector<float> floats_;
-    std::size_t stride_ = 0;
-};
-
-CpuLattices::LightRows::Row CpuLattices::LightRows::row(int n) {
-    float* const first = floats_.data() + 3 * static_cast<std::size_t>(n) * stride_ + margin;
-    return {first, first + stride_, first + 2 * stride_};
-}
-
-void CpuLattices::LightRows::light(const LightTerms& terms, int first, int end, VectorUnit unit,
-                                   PackedColour* colours) {
-    const int width = terms.width, height = terms.height;
-    stride_ = static_cast<std::size_t>(width) + 2 * margin;
-    floats_.assign(3 * (5 + sides) * stride_, 0.0F);
+    const auto row = [&](int n) -> Row {
+        float* const at = scratch.data() + 3 * static_cast<std::size_t>(n) * stride + margin;
+        return {at, at + stride, at + 2 * stride};
+    };
     const Row right = row(0), left = row(1), above = row(2), at_vertices = row(3), sum = row(4);
     const Camera& camera = terms.camera;
     const Lens lens{static_cast<float>(camera.fx),
@@ -348,7 +334,7 @@ void CpuLattices::LightRows::light(const LightTerms& terms, int first, int end, 
                     static_cast<float>(camera.cy),
                     terms.farthest,
                     terms.cut_ratio};
-    const auto q_row = [&](int y) { return terms.q + static_cast<std::ptrdiff_t>(y) * terms.pitch; };
+    const auto q_row = [&](int y) { return terms.q + static_cast<std::ptrdiff_t>(y) * width; };
     const auto along = [&](int y) { return row(5 + (y + sides) % sides); };
 
     const auto coordinates = [](const Row& from) { return std::array<float*, 3>{from.x, from.y, from.z}; };
@@ -379,7 +365,7 @@ void CpuLattices::LightRows::light(const LightTerms& terms, int first, int end, 
                             coordinates(newest)[n], width, coordinates(sum)[n]);
             }
             light_of_normals(sum.x, sum.y, sum.z, width);
-            PackedColour* const to = colours + static_cast<std::ptrdiff_t>(done) * terms.pitch;
+            PackedColour* const to = colours + static_cast<std::ptrdiff_t>(done) * width;
             if (terms.colour.empty())
                 shade_clay(q_row(done), terms.usual, sum.x, width, to);
             else
@@ -389,18 +375,15 @@ void CpuLattices::LightRows::light(const LightTerms& terms, int first, int end, 
     run_vectors(unit, rows);
 }
 
+}  // namespace
+
 int CpuLattices::usual_threads() {
     constexpr unsigned most = 4;  // more threads are limited by memory
     return static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, most));
 }
 
 CpuLattices::CpuLattices(int threads, VectorUnit vectors)
-    : unit_(vectors),
-      bands_(threads),
-      scratch_(static_cast<std::size_t>(threads)),
-      light_rows_(static_cast<std::size_t>(threads)) {}
-
-CpuLattices::~CpuLattices() = default;
+    : unit_(vectors), bands_(threads), scratch_(static_cast<std::size_t>(threads)) {}
 
 void CpuLattices::q_of(const HeightField& field, const FramePair& pair, std::vector<float>& q) {
     if (!SurfaceUnproject::has_codes(field, pair)) {
@@ -408,10 +391,6 @@ void CpuLattices::q_of(const HeightField& field, const FramePair& pair, std::vec
         return;
     }
     q.resize(pixel_count(field.width(), field.height()));
-    q_of(field, pair, q.data(), field.width());
-}
-
-void CpuLattices::q_of(const HeightField& field, const FramePair& pair, float* q, int pitch) {
     const UnprojectTerms terms = unproject_terms(field, pair);
     const UnprojectPush& push = terms.push;
     const bool is_pair = terms.constants.is_pair != 0, is_range = terms.constants.is_range != 0;
@@ -437,9 +416,8 @@ void CpuLattices::q_of(const HeightField& field, const FramePair& pair, float* q
                     mix_rows(push, width, next_depths, next_valid, depths, valid);
                 }
                 const float v = (static_cast<float>(y) - push.cy) * push.per_fy;
-                float* const row = q + static_cast<std::ptrdiff_t>(y) * pitch;
-                q_of_row(depths, valid, u2_.data(), v * v, is_range, width, row);
-                std::fill(row + width, row + pitch, 0.0F);
+                q_of_row(depths, valid, u2_.data(), v * v, is_range, width,
+                         q.data() + static_cast<std::ptrdiff_t>(y) * width);
             }
         };
         run_vectors(unit_, rows);
@@ -473,36 +451,35 @@ ViewSurface::Tiles CpuLattices::tiles_of(int width, int height, const std::vecto
     return tiles;
 }
 
-void CpuLattices::light(const HeightField& field, const float* q, int pitch, const PlaneView& colour,
-                        Lighting lighting, PackedColour* colours, float cut_ratio) {
+void CpuLattices::light(const HeightField& field, const std::vector<float>& q, const PlaneView& colour,
+                        Lighting lighting, std::vector<PackedColour>& colours, float cut_ratio) {
     const Scene& scene = field.scene();
     LightTerms terms{scene.camera,
                      static_cast<float>(scene.depth.far),
-                     q,
+                     q.data(),
                      field.width(),
                      field.height(),
-                     pitch,
                      colour,
                      light_strength(lighting)};
     terms.cut_ratio = cut_ratio;
     if (colour.empty())
-        terms.usual = usual_q(terms.width, terms.height, [q, pitch](int x, int y) {
-            return q[static_cast<std::ptrdiff_t>(y) * pitch + x];
-        });
+        terms.usual = usual_q(terms.width, terms.height,
+                              [&](int x, int y) { return q[pixel_place(x, y, terms.width)]; });
+    colours.resize(q.size());
     const bool is_lit = colour.empty() || terms.strength > 0;
     bands_.for_each_band(terms.height, TileGrid::cells, [&](const RowBand& band) {
         if (is_lit)
-            light_rows_[static_cast<std::size_t>(band.thread)].light(terms, band.first, band.last, unit_,
-                                                                     colours);
+            light_rows(terms, band.first, band.last, unit_, scratch_[static_cast<std::size_t>(band.thread)],
+                       colours.data());
         else
-            copy_colours(terms, band.first, band.last, colours);
+            copy_colours(terms, band.first, band.last, colours.data());
     });
 }
 
-ViewSurface CpuLattices::surface_of(const HeightField& field, const FramePair& pair, const PlaneView& colour,
-                                    Lighting lighting) {
+ViewSurface surface_of(const HeightField& field, const FramePair& pair, const PlaneView& colour,
+                       Lighting lighting) {
     std::vector<float> q;
-    q_of(field, pair, q);
+    CpuLattices(CpuLattices::usual_threads()).q_of(field, pair, q);
     return make_view_surface(field, std::move(q), colour, lighting);
 }
 

@@ -27,34 +27,24 @@ public:
     /// One per core, up to the number that pays.
     static int usual_threads();
     explicit CpuLattices(int threads, VectorUnit vectors = usable_vector_units().front());
-    ~CpuLattices();
 
     /// The twin of `touchable::q_of`, which it calls if the frames have no codes
     /// (SurfaceUnproject::has_codes): the same pixels are 0, the others agree as SurfaceUnproject's do.
     /// `field` was made from `pair`.
     void q_of(const HeightField& field, const FramePair& pair, std::vector<float>& q);
-    /// The same for frames with codes, in rows of `pitch` floats, 0 beyond the width.
-    void q_of(const HeightField& field, const FramePair& pair, float* q, int pitch);
     /// The non-empty tiles of a lattice with these q.
     ViewSurface::Tiles tiles_of(int width, int height, const std::vector<float>& q);
 
     /// Colours of the vertices of `field` from their q, with the arithmetic of shaders/light.h: the twin of
-    /// `lit_colours`, to 2 of 255. Both in rows of `pitch`. `colour`: RGB of 8 bits, of the field's size, or
-    /// empty for clay, which is always lit.
-    void light(const HeightField& field, const float* q, int pitch, const PlaneView& colour,
-               Lighting lighting, PackedColour* colours, float cut_ratio = CUT_RULE_RATIO);
-
-    /// `make_view_surface`, with this class's q.
-    ViewSurface surface_of(const HeightField& field, const FramePair& pair, const PlaneView& colour,
-                           Lighting lighting);
+    /// `lit_colours`, to 2 of 255. `colour`: RGB of 8 bits, of the field's size, or empty for clay, which is
+    /// always lit.
+    void light(const HeightField& field, const std::vector<float>& q, const PlaneView& colour,
+               Lighting lighting, std::vector<PackedColour>& colours, float cut_ratio = CUT_RULE_RATIO);
 
 private:
-    class LightRows;
-
     const VectorUnit unit_;
     RowBands bands_;
     std::vector<std::vector<float>> scratch_;  // by thread
-    std::vector<LightRows> light_rows_;        // by thread
     std::vector<float> u2_;                    // of the columns' rays, squared
     std::vector<std::uint8_t> classes_;        // of each tile
 };
@@ -139,20 +129,20 @@ private:
     std::vector<std::uint8_t> half_colours_[2];  // alternating, each halved from the other
 };
 
-/// A lattice in the CPU's memory: rows of `pitch` vertices.
+/// A lattice in the CPU's memory, row by row.
 struct MappedLattice {
     const float* q;
     const PackedColour* colours;
-    int width, height, pitch;
+    int width, height;
     int step = 1;  ///< of the clip's pixels, from vertex to vertex (Decimation)
     bool fills_gaps = false;  ///< ViewSurface's
 
     // The interface that shaders/gap_fill.h needs from a lattice.
     friend float gap_q(const MappedLattice& lattice, const glm::ivec2& at) {
-        return lattice.q[std::ptrdiff_t{at.y} * lattice.pitch + at.x];
+        return lattice.q[pixel_place(at.x, at.y, lattice.width)];
     }
     friend glm::vec3 gap_colour(const MappedLattice& lattice, const glm::ivec2& at) {
-        const PackedColour c = lattice.colours[std::ptrdiff_t{at.y} * lattice.pitch + at.x];
+        const PackedColour c = lattice.colours[pixel_place(at.x, at.y, lattice.width)];
         return {c & 255U, c >> 8 & 255U, c >> 16 & 255U};
     }
 };
@@ -164,11 +154,10 @@ public:
     explicit LatticeRaster(int threads, VectorUnit vectors = usable_vector_units().front());
     ~LatticeRaster();
 
-    /// Writes colours and z (0: empty) of the camera's pixels, rows of `pitch`. `edges` are those of
-    /// `lattice`; `background`: a colour per row.
+    /// Writes colours and z (0: empty) of the camera's pixels. `edges` are those of `lattice`; `background`:
+    /// a colour per row.
     void draw(MappedLattice lattice, const SurfaceEdges& edges, const ViewCamera& camera,
-              std::span<const PackedColour> background, int pitch, std::span<PackedColour> colours,
-              std::span<float> z);
+              std::span<const PackedColour> background, std::span<PackedColour> colours, std::span<float> z);
 
 private:
     class Band;
@@ -185,8 +174,7 @@ private:
 class Silhouettes {
 public:
     explicit Silhouettes(VectorUnit vectors = usable_vector_units().front()) : unit_(vectors) {}
-    /// Both in rows of `pitch`.
-    void smooth(std::span<PackedColour> colours, std::span<const float> z, int width, int height, int pitch);
+    void smooth(std::span<PackedColour> colours, std::span<const float> z, int width, int height);
 
 private:
     /// Strides, and numbers of places: across silhouettes, and along them.
@@ -210,11 +198,9 @@ public:
     /// Whether a camera is the clip's own, with cells no larger than `raster` draws (RASTER_LARGE_CELL).
     static bool draws(const ViewCamera& camera);
 
-    /// Writes colours and z (0: empty) of the camera's pixels, rows of `pitch`. `background`: a colour per
-    /// row.
+    /// Writes colours and z (0: empty) of the camera's pixels. `background`: a colour per row.
     void draw(const MappedLattice& lattice, const ViewCamera& camera,
-              std::span<const PackedColour> background, int pitch, std::span<PackedColour> colours,
-              std::span<float> z);
+              std::span<const PackedColour> background, std::span<PackedColour> colours, std::span<float> z);
 
 private:
     /// For each pixel along one side of the picture: its cell, and the position in the cell, 0 to 1.

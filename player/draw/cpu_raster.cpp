@@ -214,7 +214,7 @@ public:
         using F = Floats<n>;
         using I = Ints<n>;
         const auto count = static_cast<std::size_t>(lattice_.width);
-        const std::ptrdiff_t start = std::ptrdiff_t{y} * lattice_.pitch;
+        const std::ptrdiff_t start = std::ptrdiff_t{y} * lattice_.width;
         row.resize((count + n) / n * n + n);
         std::memcpy(row.q.data(), lattice_.q + start, count * sizeof(float));
         for (std::size_t i = 0; fills_holes_ && i < count; ++i) row.q[i] = std::max(row.q[i], HOLE_Q);
@@ -401,7 +401,7 @@ struct LatticeRaster::Rows {
 class LatticeRaster::Band {
 public:
     Band(const MappedLattice& lattice, const SurfaceEdges& edges, const ViewCamera& camera,
-         const RowBand& band, int pitch, std::uint64_t* pixels)
+         const RowBand& band, std::uint64_t* pixels)
         : lattice_(lattice),
           edges_(edges),
           projection_(lattice, edges, camera),
@@ -410,7 +410,6 @@ public:
           first_(band.first),
           last_(band.last - 1),
           height_(camera.height),
-          pitch_(pitch),
           is_turned_(!is_own_view(camera)),
           cut_ratio_(is_turned_ ? cut_ratio(lattice.step) : std::numeric_limits<float>::max()),
           pixels_(pixels) {}
@@ -542,7 +541,7 @@ private:
             corner->y = (corner->y - first_y * VIEW_SUBPIXELS - half_pixel) & is_drawn;
         }
         // Lanes without a cell point into this band, away from other threads' pixels.
-        const I start = is_drawn ? first_y * pitch_ + first_x : I{} + first_ * pitch_;
+        const I start = is_drawn ? first_y * width_ + first_x : I{} + first_ * width_;
         const I is_small = is_drawn & (beyond_x < most_pixels) & (beyond_y < most_pixels);
         if (const I others = is_drawn & ~is_small; or_of(others) != 0)
             for (int k = 0; k < n; ++k)
@@ -621,7 +620,7 @@ private:
             }
             right_line.go_down(right);
             left_line.go_down(left);
-            line_start += (beyond_y > line) & pitch_;
+            line_start += (beyond_y > line) & width_;
         }
     }
 
@@ -664,7 +663,7 @@ private:
         const auto plot = [&](int px, int py, float z, const glm::vec3& colour) {
             const glm::uvec3 byte(colour + 0.5F);
             if (z > 0.0F)
-                keep_nearest(pixels_[static_cast<std::ptrdiff_t>(py) * pitch_ + px],
+                keep_nearest(pixels_[static_cast<std::ptrdiff_t>(py) * width_ + px],
                              std::bit_cast<std::uint32_t>(z * scale_of_z),
                              pack_colour(byte.r, byte.g, byte.b));
         };
@@ -675,7 +674,7 @@ private:
     const SurfaceEdges& edges_;
     const RowProjection projection_;
     const ViewRows view_;
-    const int width_, first_, last_, height_, pitch_;
+    const int width_, first_, last_, height_;
     const bool is_turned_;
     const float cut_ratio_;  // in the clip's own view only holes are cut
     std::uint64_t* const pixels_;
@@ -687,19 +686,17 @@ LatticeRaster::LatticeRaster(int threads, VectorUnit vectors)
 LatticeRaster::~LatticeRaster() = default;
 
 void LatticeRaster::draw(MappedLattice lattice, const SurfaceEdges& edges, const ViewCamera& camera,
-                         std::span<const PackedColour> background, int pitch, std::span<PackedColour> colours,
+                         std::span<const PackedColour> background, std::span<PackedColour> colours,
                          std::span<float> z) {
     if (!is_own_view(camera)) lattice.q = edges.eroded_q();
-    pixels_.resize(static_cast<std::size_t>(pitch) * static_cast<std::size_t>(camera.height));
-    const auto row_of = [pitch](int y) {
-        return static_cast<std::size_t>(y) * static_cast<std::size_t>(pitch);
-    };
+    pixels_.resize(pixel_count(camera.width, camera.height));
+    const auto row_of = [&](int y) { return pixel_place(0, y, camera.width); };
     // One band per thread: threads write different rows, and each passes through the lattice once.
     const int rows_each = (camera.height + bands_.threads() - 1) / bands_.threads();
     bands_.for_each_band(camera.height, rows_each, [&](const RowBand& band) {
         std::fill(pixels_.begin() + static_cast<std::ptrdiff_t>(row_of(band.first)),
                   pixels_.begin() + static_cast<std::ptrdiff_t>(row_of(band.last)), std::uint64_t{0});
-        Band(lattice, edges, camera, band, pitch, pixels_.data())
+        Band(lattice, edges, camera, band, pixels_.data())
             .draw(unit_, rows_[static_cast<std::size_t>(band.thread)]);
         for (int y = band.first; y < band.last; ++y) {
             const std::uint64_t* from = pixels_.data() + row_of(y);
@@ -746,7 +743,7 @@ bool OwnViewPicture::draws(const ViewCamera& camera) {
 }
 
 void OwnViewPicture::read_corners(const MappedLattice& lattice, int row, Corners& corners) const {
-    const std::size_t start = static_cast<std::size_t>(row) * static_cast<std::size_t>(lattice.pitch);
+    const std::size_t start = pixel_place(0, row, lattice.width);
     const PackedColour* colours = lattice.colours + start;
     const float* q = lattice.q + start;
     for (auto* each : {&corners.left, &corners.right}) each->resize(columns_.cells.size());
@@ -761,8 +758,8 @@ void OwnViewPicture::read_corners(const MappedLattice& lattice, int row, Corners
 }
 
 void OwnViewPicture::draw(const MappedLattice& lattice, const ViewCamera& camera,
-                          std::span<const PackedColour> background, int pitch,
-                          std::span<PackedColour> colours, std::span<float> z) {
+                          std::span<const PackedColour> background, std::span<PackedColour> colours,
+                          std::span<float> z) {
     const ViewRows view = rows_of(camera);
     const auto width = static_cast<float>(camera.width), height = static_cast<float>(camera.height);
     find_places(
@@ -775,8 +772,8 @@ void OwnViewPicture::draw(const MappedLattice& lattice, const ViewCamera& camera
     const int first = columns_.first, end = columns_.end;
     int read = -1;  // the lattice row in upper_; lower_ holds the next
     for (int y = 0; y < camera.height; ++y) {
-        PackedColour* const to = colours.data() + static_cast<std::ptrdiff_t>(y) * pitch;
-        float* const to_z = z.data() + static_cast<std::ptrdiff_t>(y) * pitch;
+        PackedColour* const to = colours.data() + pixel_place(0, y, camera.width);
+        float* const to_z = z.data() + pixel_place(0, y, camera.width);
         const PackedColour empty = background[static_cast<std::size_t>(y)];
         const bool is_there = y >= rows_.first && y < rows_.end;
         const int left = is_there ? first : camera.width, right = is_there ? end : camera.width;

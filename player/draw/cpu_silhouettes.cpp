@@ -34,32 +34,32 @@ PackedColour mixed(PackedColour colour, PackedColour other, int share) {
 
 }  // namespace
 
-void Silhouettes::smooth(std::span<PackedColour> colours, std::span<const float> z, int width, int height,
-                         int pitch) {
-    sides_.assign(pixel_count(pitch, height), none);
+void Silhouettes::smooth(std::span<PackedColour> colours, std::span<const float> z, int width, int height) {
+    sides_.assign(pixel_count(width, height), none);
     const auto rows = [&](auto) __attribute__((always_inline)) {
         for (int y = 0; y < height; ++y) {
-            const float* const row = z.data() + static_cast<std::ptrdiff_t>(y) * pitch;
-            std::uint8_t* const to = sides_.data() + static_cast<std::ptrdiff_t>(y) * pitch;
+            const float* const row = z.data() + static_cast<std::ptrdiff_t>(y) * width;
+            std::uint8_t* const to = sides_.data() + static_cast<std::ptrdiff_t>(y) * width;
             for (int x = 0; x + 1 < width; ++x) to[x] = side_of(row[x], row[x + 1]);
         }
     };
     run_vectors(unit_, rows);
-    smooth_steps({1, width - 1, pitch, height}, colours);
+    smooth_steps({1, width - 1, width, height}, colours);
     const auto columns = [&](auto) __attribute__((always_inline)) {
         for (int y = 0; y < height; ++y) {
-            const float* const row = z.data() + static_cast<std::ptrdiff_t>(y) * pitch;
-            std::uint8_t* const to = sides_.data() + static_cast<std::ptrdiff_t>(y) * pitch;
-            for (int x = 0; x < width && y + 1 < height; ++x) to[x] = side_of(row[x], row[x + pitch]);
+            const float* const row = z.data() + static_cast<std::ptrdiff_t>(y) * width;
+            std::uint8_t* const to = sides_.data() + static_cast<std::ptrdiff_t>(y) * width;
+            for (int x = 0; x < width && y + 1 < height; ++x) to[x] = side_of(row[x], row[x + width]);
             if (y + 1 == height) std::fill(to, to + width, static_cast<std::uint8_t>(none));
         }
     };
     run_vectors(unit_, columns);
-    smooth_steps({pitch, height - 1, 1, width}, colours);
+    smooth_steps({width, height - 1, 1, width}, colours);
 }
 
 void Silhouettes::smooth_steps(const Steps& steps, std::span<PackedColour> colours) const {
-    const auto& [across, most_across, along, most_along] = steps;
+    const int across = steps.across, most_across = steps.most_across, along = steps.along,
+              most_along = steps.most_along;
     constexpr int longest = 128;  // pixels; of longer steps the ends are smoothed
     const auto count = static_cast<std::ptrdiff_t>(sides_.size());
     const std::uint8_t* const sides = sides_.data();

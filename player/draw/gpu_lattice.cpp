@@ -39,7 +39,6 @@ static_assert(offsetof(TileListsHeader, mixed_vertices) - offsetof(TileListsHead
               sizeof(TileListsHeader) - offsetof(TileListsHeader, mixed_vertices) ==
                   sizeof(VkDrawIndirectCommand));
 
-constexpr std::size_t header_words = sizeof(TileListsHeader) / 4;
 constexpr GpuBindingKind storage_kind = GpuBindingKind::storage_buffer,
                          texel_kind = GpuBindingKind::uniform_texels;
 
@@ -85,6 +84,13 @@ std::size_t parts_of(int count, int size) {
     return static_cast<std::size_t>((count + size - 1) / size);
 }
 
+void set_size(int width, int height, float focal_length, GpuLattice& lattice) {
+    lattice.width = width;
+    lattice.height = height;
+    lattice.pitch = SurfaceUnproject::pitch(width);
+    lattice.focal_length = focal_length;
+}
+
 /// Copies rows of 4 bytes a vertex into rows of `pitch` vertices.
 template <class T>
 void put_rows(const std::vector<T>& values, const GpuLattice& lattice, const GpuBuffer& buffer) {
@@ -97,18 +103,6 @@ void put_rows(const std::vector<T>& values, const GpuLattice& lattice, const Gpu
 bool is_same_content(const PlaneView& a, const PlaneView& b) {
     return a.content != 0 && a.content == b.content && a.data == b.data && a.stride == b.stride &&
            same_form(a, b);
-}
-
-std::vector<float> q_from(const GpuLattice& lattice, const GpuBuffer& seen) {
-    const PlaneView rows{seen.mapped<std::uint8_t>().data(),
-                         std::ptrdiff_t{4} * lattice.pitch,
-                         lattice.width,
-                         lattice.height,
-                         4,
-                         1};
-    std::vector<float> q(pixel_count(lattice.width, lattice.height));
-    rows.copy_rows(reinterpret_cast<std::uint8_t*>(q.data()), rows.row_bytes());
-    return q;
 }
 
 /// Writes q of a field without codes, in rows of the lattice's pitch, into a mapped buffer of that size.
@@ -258,26 +252,10 @@ Result<void> SurfaceUnproject::record(GpuCommands& commands, const HeightField& 
     return {};
 }
 
-ViewSurface::Tiles read_tiles(const GpuBuffer& buffer) {
-    const TileListsHeader& header = buffer.mapped<TileListsHeader>()[0];
-    const auto list = buffer.mapped<std::uint32_t>().subspan(header_words);
-    const auto whole = list.first(header.whole_tiles);
-    const auto mixed = list.subspan(header.whole_tiles, header.mixed_tiles);
-    return {{whole.begin(), whole.end()}, {mixed.begin(), mixed.end()}};
-}
-
 Result<void> GpuLattices::check_size(const char* name, std::size_t bytes) const {
     if (bytes <= device_->facts().limits.max_storage_buffer_range) return {};
     return gpu_error(std::string(name) + ": " + std::to_string(bytes) +
                      " bytes are more than a kernel may read on " + device_->facts().name);
-}
-
-void GpuLattices::set_size(int width, int height, float focal_length, GpuLattice& lattice) const {
-    lattice.vulkan = device_->vulkan();
-    lattice.width = width;
-    lattice.height = height;
-    lattice.pitch = SurfaceUnproject::pitch(width);
-    lattice.focal_length = focal_length;
 }
 
 Result<void> GpuLattices::reserve(GpuBuffer& buffer, const char* name, std::size_t bytes, GpuMemory memory) {
@@ -315,7 +293,7 @@ Result<void> GpuLattices::record(GpuCommands& commands, const HeightField& field
 }
 
 std::size_t GpuLattices::tile_list_bytes(int width, int height) {
-    return 4 * (header_words + TileGrid::of(width, height).count());
+    return sizeof(TileListsHeader) + 4 * TileGrid::of(width, height).count();
 }
 
 Result<void> GpuLattices::make_programs() {
@@ -387,36 +365,7 @@ Result<void> GpuLattices::record_view(GpuCommands& commands, bool is_turned, Gpu
     return {};
 }
 
-/// Makes a lattice; returns its q, for the CPU to read.
-Result<GpuBuffer> GpuLattices::read_back(const HeightField& field, const FramePair& pair,
-                                         GpuLattice& lattice) {
-    TRY_ASSIGN(auto commands, GpuCommands::begin(device_, "lattice"));
-    TRY(record(commands, field, pair, lattice));
-    GpuBuffer seen = lattice.q;
-    if (!device_->facts().unified_memory) {
-        TRY_ASSIGN(
-            seen, GpuBuffer::create(*device_, "lattice q read back", lattice.q.bytes(), GpuMemory::readback));
-        commands.barrier(GpuStage::compute, GpuStage::transfer);
-        commands.copy(lattice.q, 0, seen, 0, seen.bytes());
-    }
-    TRY_ASSIGN(const auto submission, std::move(commands).submit());
-    TRY(submission.wait_for_picture());
-    return seen;
-}
-
-Result<ViewSurface> GpuLattices::surface_of(const HeightField& field, const FramePair& pair,
-                                            const PlaneView& colour, Lighting lighting) {
-    if (!SurfaceUnproject::has_codes(field, pair))
-        return CpuLattices(CpuLattices::usual_threads()).surface_of(field, pair, colour, lighting);
-    auto lattice = std::make_shared<GpuLattice>();
-    TRY_ASSIGN(const auto seen, read_back(field, pair, *lattice));
-    ViewSurface surface = make_view_surface(field, q_from(*lattice, seen), colour, lighting);
-    surface.on_gpu = std::move(lattice);
-    return surface;
-}
-
 Result<GpuLattice> GpuLattices::lattice_of(const ViewSurface& surface) {
-    const bool is_here = surface.on_gpu && surface.on_gpu->vulkan == device_->vulkan();
     GpuLattice lattice = uploaded_;
     set_size(surface.width, surface.height, surface.focal_length, lattice);
     lattice.fills_gaps = surface.fills_gaps;
@@ -425,12 +374,9 @@ Result<GpuLattice> GpuLattices::lattice_of(const ViewSurface& surface) {
                                                                                          // same size
     TRY(reserve(lattice.colours, "lattice colours", bytes, memory));
     put_rows(surface.colours, lattice, lattice.colours);
-    if (!is_here) {
-        TRY(reserve(lattice.q, "lattice q", bytes, memory));
-        put_rows(surface.q, lattice, lattice.q);
-    }
+    TRY(reserve(lattice.q, "lattice q", bytes, memory));
+    put_rows(surface.q, lattice, lattice.q);
     uploaded_ = lattice;
-    if (is_here) lattice.q = surface.on_gpu->q;
     return lattice;
 }
 

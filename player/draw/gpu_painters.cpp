@@ -52,10 +52,6 @@ public:
     explicit GpuPainter(std::shared_ptr<GpuDevice> device) : device_(std::move(device)), lattices_(device_) {}
 
     std::string gpu_name() const final { return device_->facts().name; }
-    Result<ViewSurface> surface_of(const HeightField& field, const FramePair& pair, const PlaneView& colour,
-                                   Lighting lighting) final {
-        return lattices_.surface_of(field, pair, colour, lighting);
-    }
 
 protected:
     std::shared_ptr<GpuDevice> device_;

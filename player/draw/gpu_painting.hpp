@@ -29,7 +29,6 @@ namespace touchable {
 
 /// A lattice in GPU memory, as the GPU painters read it.
 struct GpuLattice {
-    std::shared_ptr<VulkanDevice> vulkan;  ///< the memory's device
     int width = 0, height = 0;
     int pitch = 0;            ///< vertices from one row of q and colours to the next
     float focal_length = 0;   ///< of the lattice's camera, vertices
@@ -116,9 +115,6 @@ private:
     bool makes_pairs_ = false;
 };
 
-/// Reads the tile lists that kernels and indirect commands use (shaders/tile_lists.h) from mapped memory.
-ViewSurface::Tiles read_tiles(const GpuBuffer& buffer);
-
 /// Makes lattices on a device: from codes by kernels, or from the CPU's data.
 class GpuLattices {
 public:
@@ -140,13 +136,8 @@ public:
     Result<void> record_view(GpuCommands& commands, bool is_turned, GpuLattice& lattice);
     static std::size_t tile_list_bytes(int width, int height);
 
-    /// `make_view_surface`, with q from `record`, which also stays on the GPU; if the frames have no
-    /// codes, CpuLattices::surface_of.
-    Result<ViewSurface> surface_of(const HeightField& field, const FramePair& pair, const PlaneView& colour,
-                                   Lighting lighting);
-
-    /// A surface for this device's painters: uploads only colours if q is there already. Reuses the
-    /// same buffers: the caller must have waited for the commands that read the last one.
+    /// A surface for this device's painters. Reuses the same buffers: the caller must have waited for the
+    /// commands that read the last one.
     Result<GpuLattice> lattice_of(const ViewSurface& surface);
 
     /// Provides a buffer for a lattice's colours, unless it has a large enough one.
@@ -158,9 +149,7 @@ private:
     Result<void> record_q(GpuCommands& commands, const HeightField& field, const FramePair& pair,
                           const GpuLattice& lattice);
     Result<void> check_size(const char* name, std::size_t bytes) const;
-    void set_size(int width, int height, float focal_length, GpuLattice& lattice) const;
     Result<void> reserve(GpuBuffer& buffer, const char* name, std::size_t bytes, GpuMemory memory);
-    Result<GpuBuffer> read_back(const HeightField& field, const FramePair& pair, GpuLattice& lattice);
 
     std::shared_ptr<GpuDevice> device_;
     SurfaceUnproject unproject_;

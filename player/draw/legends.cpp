@@ -1,4 +1,4 @@
-#include "player/draw/legends.hpp"
+#include "player/draw/light_picture.hpp"
 
 #include <cairo.h>
 

@@ -2,18 +2,23 @@
 
 // A picture being composed in linear light: the painted surface on its background, the shapes of fingers, and
 // their dents. make_picture and CpuDrawing draw them with plain code; the GPU draws the same shapes
-// (gpu_painting.hpp).
+// (gpu_painting.hpp). And text panels in a corner of a finished one: the legend of fingers, and the marks of
+// a scale.
 
 #include <cstddef>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "engine/base/result.hpp"
 #include "engine/picture/image.hpp"
 #include "player/draw/drawn_surface.hpp"
 #include "player/draw/finger_marks.hpp"
+#include "player/draw/overlays.hpp"
 #include "player/draw/view.hpp"
 #include "shaders/dents.h"
 
@@ -141,5 +146,31 @@ std::optional<DentedPlace> dented(std::span<const SurfaceDent> dents, const glm:
 
 /// Draws dents into a picture of the surface alone: the plain twin of DentDrawing and DentPatches.
 void draw_dents(std::span<const SurfaceDent> dents, const ViewCamera& camera, LightPicture& picture);
+
+/// Contents of a legend of fingers.
+struct Legend {
+    std::size_t fingers = 0;
+    double pixels_per_newton = 1;  ///< length of an arrow across the line of sight, at the scene's middle
+};
+
+/// The force of the legend's arrow, N: the largest of 1, 2 and 5 times powers of ten whose arrow is at most
+/// `pixels` long.
+double scale_newtons(double pixels_per_newton, double pixels);
+
+/// Draws a panel into the lower left of `image` (RGB, 8 bits): the meaning of ball, bubble, arrow and thread,
+/// an arrow's length for a force, and the fingers' colours by number. Draws nothing below 480x270 pixels,
+/// where it would hide the scene.
+Result<void> draw_legend(const Legend& legend, Image& image);
+
+/// A labelled value of a scale.
+struct ScaleMark {
+    double value;
+    std::string text;
+};
+
+/// Round values within a range (1, 2 or 5 times a power of ten apart), as many as `fits` accepts. Never
+/// empty: if not even two fit, the round value nearest to the middle.
+std::vector<ScaleMark> scale_marks(const Overlays::Range& range,
+                                   const std::function<bool(const std::vector<ScaleMark>&)>& fits);
 
 }  // namespace touchable

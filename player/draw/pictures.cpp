@@ -8,7 +8,6 @@
 #include "player/draw/cpu_painting.hpp"
 #include "player/draw/drawn_surface.hpp"
 #include "player/draw/gpu_painting.hpp"
-#include "player/draw/legends.hpp"
 #include "player/draw/light_picture.hpp"
 
 // Composes single pictures in linear light (make_picture); makes painters by name.
@@ -62,11 +61,6 @@ class CpuPainter final : public SurfacePainter {
 public:
     std::string_view name() const override { return "cpu"; }
 
-    Result<ViewSurface> surface_of(const HeightField& field, const FramePair& pair, const PlaneView& colour,
-                                   Lighting lighting) override {
-        return lattices_.surface_of(field, pair, colour, lighting);
-    }
-
     Result<PicturePlanes> paint(const ViewSurface& surface, const ViewCamera& camera) override {
         const auto width = static_cast<std::size_t>(camera.width),
                    height = static_cast<std::size_t>(camera.height);
@@ -76,15 +70,13 @@ public:
         if (!is_own_view(camera))
             edges_.find(edge_lattice(surface.q.data(), surface.width, surface.height, surface.width, 1,
                                      surface.focal_length));
-        raster_.draw({surface.q.data(), surface.colours.data(), surface.width, surface.height, surface.width,
-                      1, surface.fills_gaps},
-                     edges_, camera, std::vector<PackedColour>(height), camera.width, planes.colours,
-                     planes.z);
+        raster_.draw(
+            {surface.q.data(), surface.colours.data(), surface.width, surface.height, 1, surface.fills_gaps},
+            edges_, camera, std::vector<PackedColour>(height), planes.colours, planes.z);
         return planes;
     }
 
 private:
-    CpuLattices lattices_{CpuLattices::usual_threads()};
     SurfaceEdges edges_{CpuLattices::usual_threads()};  // of what is painted
     LatticeRaster raster_{CpuLattices::usual_threads()};
 };

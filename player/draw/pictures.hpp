@@ -2,10 +2,10 @@
 
 // Pictures of a surface and of the fingers on it: the module's main interface.
 //
-// For a single picture, make a painter, let it make the surface, and compose the picture:
+// For a single picture, make a painter and the surface, and compose the picture:
 //
 //     TRY_ASSIGN(const auto painter, make_painter("auto", open_gpu));
-//     TRY_ASSIGN(const auto surface, painter->surface_of(field, pair, colour, Lighting::off));
+//     const ViewSurface surface = surface_of(field, pair, colour, Lighting::off);
 //     TRY_ASSIGN(auto image,
 //                make_picture({viewpoint}, scene, surface, subject_of(field), {}, {}, *painter));
 //
@@ -40,7 +40,6 @@ class GpuCommands;
 class GpuDevice;
 struct GpuFacts;
 class GpuImage;
-struct GpuLattice;
 struct PicturePlanes;
 
 /// What a painter draws: the lattice at one moment, with a colour at every vertex.
@@ -58,10 +57,13 @@ struct ViewSurface {
     bool fills_gaps = false;            ///< with these colours, and holes (shaders/gap_fill.h)
     std::vector<float> q;               ///< 1 / planar depth, height subtracted; 0: invalid. Row-major
     std::vector<PackedColour> colours;  ///< row-major
-    std::shared_ptr<const GpuLattice> on_gpu;  ///< q in GPU memory, if it was made there
 
     std::size_t index(int x, int y) const { return pixel_place(x, y, width); }
 };
+
+/// The surface of `field`, which was made from `pair`, by the CPU.
+ViewSurface surface_of(const HeightField& field, const FramePair& pair, const PlaneView& colour,
+                       Lighting lighting);
 
 /// Draws the triangles of a surface that shaders/cut_rule.h keeps, at full resolution, both sides, nearest
 /// first. Painters differ only in the hardware used: pixels agree except for rounding of z.
@@ -77,10 +79,6 @@ public:
     virtual std::string_view name() const = 0;
     /// The GPU that draws; empty for the CPU.
     virtual std::string gpu_name() const { return {}; }
-    /// `make_view_surface` of `field`, which was made from `pair`, on this painter's hardware: q agrees to
-    /// 1e-6.
-    virtual Result<ViewSurface> surface_of(const HeightField& field, const FramePair& pair,
-                                           const PlaneView& colour, Lighting lighting) = 0;
     virtual Result<PicturePlanes> paint(const ViewSurface& surface, const ViewCamera& camera) = 0;
 };
 

@@ -79,9 +79,9 @@ inline void exact_frame(const AnalyticScene& content, std::int64_t n, SurfaceFra
     out.vertices = std::make_unique<ExactVertices>(out.width, out.height, std::move(depths));
 }
 
-/// Z of a height field's surface.
-inline double relief_z(Relief relief, double x, double y, double t) {
-    return relief_at(relief, x, y, t).z;
+/// A height field's surface: Z, and its derivatives.
+inline ReliefPoint surface_at(Relief relief, double x, double y, double t) {
+    return relief_at(relief, x, y, lift(relief, t) - tabletop_distance);
 }
 
 /// The closest points of a scene's surface, in closed form or by descent.
@@ -298,14 +298,14 @@ inline ExactSurface::Truth ExactSurface::closest_on_relief(Relief relief, const 
         return 0.5 * (dx * dx + dy * dy + dz * dz);
     };
     double x = start.x, y = start.y;
-    ReliefPoint s = relief_at(relief, x, y, t);
+    ReliefPoint s = surface_at(relief, x, y, t);
     double value = half_square(x, y, s.z);
     for (int round = 0; round < 20000; ++round) {
         Step step = descent_step(s, x - goal.x, y - goal.y, s.z - goal.z);
         double length = std::sqrt(step.x * step.x + step.y * step.y);
         bool taken = false;
         for (int halving = 0; halving < 40 && !taken; ++halving) {
-            const ReliefPoint next = relief_at(relief, x + step.x, y + step.y, t);
+            const ReliefPoint next = surface_at(relief, x + step.x, y + step.y, t);
             const double next_value = half_square(x + step.x, y + step.y, next.z);
             // The last, quadratic steps lower the distance by less than its own rounding.
             taken = next_value < value || length < 1e-6;
@@ -348,7 +348,7 @@ inline ReliefStroke::Goal ReliefStroke::next() {
     const double t = static_cast<double>(tick_) * goal_paths::tick_seconds, entry = 0.25, above = 50;
     double under = 3.5 + 1.5 * sine(2 * pi * 0.9 * t);
     if (t < entry) under = -above + (under + above) * (t / entry);
-    const Goal goal{{x_, y_, relief_z(relief_, x_, y_, t) - under}, under};
+    const Goal goal{{x_, y_, surface_at(relief_, x_, y_, t).z - under}, under};
     advance();
     return goal;
 }

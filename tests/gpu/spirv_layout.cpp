@@ -218,8 +218,8 @@ private:
         if (type && type->op == op_type_sampled_image) type = type_of(type->words[0]);
         if (storage != uniform_constant || !type || type->op != op_type_image) return {};
         // Of an image: sampled type, dimension, depth, arrayed, multisampled, sampled (2: storage), format.
-        if (type->words[1] != image_dim_buffer) return {};
-        return type->words[5] == 2 ? GpuBindingKind::storage_texels : GpuBindingKind::uniform_texels;
+        if (type->words[1] != image_dim_buffer || type->words[5] == 2) return {};
+        return GpuBindingKind::uniform_texels;
     }
 
     /// `stride` is a matrix's; a depth keeps a broken module from going round for ever.
@@ -287,15 +287,7 @@ private:
 
 std::string_view kind_name(std::optional<GpuBindingKind> kind) {
     if (!kind) return "of a kind this engine does not bind";
-    switch (*kind) {
-        case GpuBindingKind::storage_buffer:
-            return "a storage buffer";
-        case GpuBindingKind::uniform_texels:
-            return "uniform texels";
-        case GpuBindingKind::storage_texels:
-            return "storage texels";
-    }
-    return "";
+    return *kind == GpuBindingKind::storage_buffer ? "a storage buffer" : "uniform texels";
 }
 
 std::string text(const std::array<std::uint32_t, 3>& size) {

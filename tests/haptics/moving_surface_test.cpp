@@ -114,7 +114,7 @@ TEST_P(MovingRelief, KeepsContactAndFollowsSurface) {
         ASSERT_FALSE(contact.jumped) << "tick " << tick << ": smooth motion is not sudden";
         // A frame that is held is the surface of its own moment.
         const double t = held ? static_cast<double>(rig.pair.prev.time_ns) / 1e9 : tick * 0.001;
-        if (relief_z(Relief::moving, goal.x, goal.y, t) - goal.z < 0.5) continue;
+        if (surface_at(Relief::moving, goal.x, goal.y, t).z - goal.z < 0.5) continue;
         ++under_ticks;
         ASSERT_TRUE(contact.touching) << "tick " << tick;
         ASSERT_LT(reference::excess_over_minimum({rig.scene(), rig.pair}, rig.finger().proxy, goal), 1e-9L)

@@ -9,13 +9,31 @@
 #include <random>
 #include <vector>
 
-#include "engine/authoring/quality_estimators.hpp"
+#include "engine/authoring/recorded_clip.hpp"
 #include "tests/clip/clip_fixture.hpp"
+#include "tests/must.hpp"
 
 namespace touchable::test {
 namespace {
 
 constexpr int width = 640, height = 480;
+
+class FramesOf : public OwnClip {
+public:
+    FramesOf(const Scene& scene, std::vector<RawFrame> frames) : OwnClip(scene), frames_(std::move(frames)) {}
+    Result<std::optional<RawFrame>> next() override {
+        if (number_ == std::ssize(frames_)) return std::optional<RawFrame>();
+        return std::optional(frames_[static_cast<std::size_t>(number_++)]);
+    }
+
+private:
+    const std::vector<RawFrame> frames_;
+};
+
+ClipQuality quality_of(const Scene& scene, std::vector<RawFrame> frames) {
+    FramesOf clip(scene, std::move(frames));
+    return must(measure_quality(clip, scene, [](std::int64_t) {}));
+}
 
 /// Boxes before a wall. Their colour is moved, and smaller or larger than they are.
 class ColourEdgeFit : public ::testing::Test {
@@ -49,12 +67,10 @@ protected:
         scene.depth.invalid_codes[0] = invalid;
         scene.depth.invalid_code_count = 1;
         derive_valid_range(scene.depth);
-        ColourEdges edges(scene);
-        where.assign(depth_.size(), 0);
-        edges.add(frame, &where);
-        const auto found = edges.fit();
-        EXPECT_TRUE(found);
-        return found.value_or(ClipQuality::ColourFit{});
+        const ClipQuality found = quality_of(scene, {frame});
+        where = found.where.colour_edges;
+        EXPECT_TRUE(found.colour);
+        return found.colour.value_or(ClipQuality::ColourFit{});
     }
     /// Of colour that is shifted alone.
     void expect_fit(int right, int below) {
@@ -120,13 +136,9 @@ TEST_F(ColourEdgeFit, IsEmptyWithoutEdges) {
     RawFrame frame;
     frame.depth = {depth.data(), width, width, height, 1, 1};
     frame.colour = {colour.data(), 3 * width, width, height, 1, 3};
-    ColourEdges edges(small_scene(width, height));
-    edges.add(frame);
-    EXPECT_FALSE(edges.fit());
-    // Neither does a picture of one pixel.
-    frame.depth.width = frame.depth.height = frame.colour.width = frame.colour.height = 1;
-    edges.add(frame);
-    EXPECT_FALSE(edges.fit());
+    RawFrame pixel = frame;
+    pixel.depth.width = pixel.depth.height = pixel.colour.width = pixel.colour.height = 1;
+    EXPECT_FALSE(quality_of(small_scene(width, height), {frame, pixel}).colour);
 }
 
 // How frames follow each other.
@@ -148,9 +160,9 @@ RawFrame frame_at(std::int64_t number, std::int64_t ms, int depth, int colour = 
 ClipQuality::FrameTimes times_of(
     int frames, const std::function<int(int)>& depth,
     const std::function<int(int)>& colour = [](int) { return 0; }) {
-    FrameTimesEstimator estimator;
-    for (int k = 0; k < frames; ++k) estimator.add(frame_at(k, 33 * k, depth(k), colour(k)));
-    return estimator.times();
+    std::vector<RawFrame> all;
+    for (int k = 0; k < frames; ++k) all.push_back(frame_at(k, 33 * k, depth(k), colour(k)));
+    return quality_of(small_scene(1, 1), all).times;
 }
 
 TEST(FrameTimes, HaveNoFaultWhenEven) {
@@ -179,13 +191,13 @@ TEST(FrameTimes, LongStillnessIsNotRepetition) {
 }
 
 TEST(FrameTimes, CountGapsAndJumps) {
-    FrameTimesEstimator estimator;
+    std::vector<RawFrame> frames;
     std::int64_t ms = 0;
     for (int k = 0; k < 20; ++k) {
         ms += k == 5 ? 132 : k == 9 ? 0 : k == 12 ? 66 : 33;
-        estimator.add(frame_at(k, ms, k));
+        frames.push_back(frame_at(k, ms, k));
     }
-    const ClipQuality::FrameTimes times = estimator.times();
+    const ClipQuality::FrameTimes times = quality_of(small_scene(1, 1), frames).times;
     EXPECT_EQ(times.missing, 3 + 1);
     EXPECT_EQ(times.jumps, 1);
     EXPECT_EQ(times.longest_ms, 132);
@@ -193,10 +205,8 @@ TEST(FrameTimes, CountGapsAndJumps) {
 }
 
 TEST(FrameTimes, AreZeroForOneFrame) {
-    FrameTimesEstimator estimator;
-    EXPECT_EQ(estimator.times().frames, 0);
-    estimator.add(frame_at(0, 0, 1));
-    EXPECT_EQ(estimator.times().usual_ms, 0);
+    EXPECT_EQ(quality_of(small_scene(1, 1), {}).times.frames, 0);
+    EXPECT_EQ(quality_of(small_scene(1, 1), {frame_at(0, 0, 1)}).times.usual_ms, 0);
 }
 
 // What haptic pictures need of a device.
@@ -215,9 +225,9 @@ protected:
         RawFrame frame;
         frame.depth = {depth.data(), columns, columns, rows, 1, 1};
         frame.haptic = {haptic.data(), 3 * columns, columns, rows, 1, 3};
-        HapticValuesEstimator estimator(scene);
-        estimator.add(frame, &where);
-        return estimator.values();
+        const ClipQuality found = quality_of(scene, {frame});
+        where = found.where.haptic;
+        return found.haptic.value();
     }
     static std::int64_t marked(const std::vector<std::uint8_t>& marks) {
         return std::count(marks.begin(), marks.end(), 1);
@@ -259,28 +269,33 @@ TEST_F(HapticPictureValues, CodecNoiseIsMixed) {
 std::optional<double> pumping_of(int frames, const std::function<double(int)>& scale,
                                  const std::function<int(int)>& brightness = {}) {
     constexpr int width = 64, height = 48;
-    DepthCoding coding;
+    Scene scene = small_scene(width, height);
+    DepthCoding& coding = scene.depth = {};
     coding.kind = DepthCodingKind::metric;
     coding.scale = 0.1;
     coding.far = 6000;
     coding.code_max = 65535;
     derive_valid_range(coding);
-    PumpingEstimator estimator(coding);
-    std::vector<std::uint16_t> codes(width * height);
+    struct Planes {
+        std::vector<std::uint16_t> codes;
+        std::vector<std::uint8_t> colour;
+    };
+    std::vector<RawFrame> all;
     for (int k = 0; k < frames; ++k) {
+        const auto planes = std::make_shared<Planes>();
         for (int pixel = 0; pixel < width * height; ++pixel)
-            codes[static_cast<std::size_t>(pixel)] = coding.code(scale(k) * (1000 + pixel % width));
+            planes->codes.push_back(coding.code(scale(k) * (1000 + pixel % width)));
         RawFrame frame;
         frame.number = k;
-        frame.depth = {reinterpret_cast<const std::uint8_t*>(codes.data()), 2 * width, width, height, 2, 1};
-        std::vector<std::uint8_t> colour;
+        frame.depth = plane_of_codes(planes->codes.data(), width, height);
         if (brightness) {
-            colour.assign(3 * width * height, static_cast<std::uint8_t>(brightness(k)));
-            frame.colour = {colour.data(), 3 * width, width, height, 1, 3};
+            planes->colour.assign(3 * width * height, static_cast<std::uint8_t>(brightness(k)));
+            frame.colour = packed_plane(planes->colour.data(), width, height, 1, 3);
         }
-        estimator.add(frame);
+        frame.storage = planes;
+        all.push_back(frame);
     }
-    return estimator.share();
+    return quality_of(scene, all).pumping;
 }
 
 TEST(Pumping, MeasuresRandomScales) {

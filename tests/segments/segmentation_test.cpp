@@ -282,9 +282,9 @@ TEST(Segmenter, FindsThingsOnATable) {
     std::size_t most_segments = 0;
     for (int seed = 0; seed < scenes; ++seed) {
         const GeneratedTable table = random_table(static_cast<std::uint64_t>(seed));
-        Segmenter segmenter(table.scene());
+        const SegmentFrames segmenter = follow_segments(table.scene());
         const GeneratedFrame frame = generate(table, 0);
-        const Segmentation& found = segmenter.next(frame.raw(), false);
+        const Segmentation& found = segmenter(frame.raw(), false);
         const double iou = mean_iou(frame.truth, found.labels);
         std::printf("scene %d: mean IoU %.3f, %zu segments\n", seed, iou, found.segments.size());
         sum += iou;
@@ -302,12 +302,12 @@ TEST(Segmenter, FindsThingsAtAnySize) {
     for (const auto& [width, height] : {std::pair{640, 480}, {1920, 1080}}) {
         if (short_sweeps && width > 640) continue;
         const GeneratedTable table = random_table(3, width, height);
-        Segmenter segmenter(table.scene());
+        const SegmentFrames segmenter = follow_segments(table.scene());
         const GeneratedFrame first = generate(table, 0), second = generate(table, 1);
-        double iou = mean_iou(first.truth, segmenter.next(first.raw(0), false).labels);
+        double iou = mean_iou(first.truth, segmenter(first.raw(0), false).labels);
         const auto wall = std::chrono::steady_clock::now();
         const std::clock_t cpu = std::clock();
-        iou = std::min(iou, mean_iou(second.truth, segmenter.next(second.raw(1), true).labels));
+        iou = std::min(iou, mean_iou(second.truth, segmenter(second.raw(1), true).labels));
         const double all_ms = 1000.0 * static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC;
         const double ms =
             std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - wall).count();
@@ -322,14 +322,14 @@ struct Changes {
     double mean = 0, most = 0;
 };
 Changes changes_of(const GeneratedTable& table, int frames, int from) {
-    Segmenter segmenter(table.scene());
+    const SegmentFrames segmenter = follow_segments(table.scene());
     GeneratedFrame before;
     std::vector<std::uint16_t> labels;
     Changes changes;
     std::set<std::uint16_t> all;
     for (int n = 0; n < frames; ++n) {
         GeneratedFrame now = generate(table, n);
-        const Segmentation& found = segmenter.next(now.raw(n), n > 0);
+        const Segmentation& found = segmenter(now.raw(n), n > 0);
         for (const Segment& segment : found.segments) all.insert(segment.label);
         if (n >= from) {
             double seen = 0, changed = 0;
@@ -380,11 +380,11 @@ public:
         for (const int n : {0, 1, 2, 3, 9, 10}) frames_.push_back(generate(table_, n));
     }
     std::uint64_t hash(int threads) const {
-        Segmenter segmenter(table_.scene(), threads);
+        const SegmentFrames segmenter = follow_segments(table_.scene(), threads);
         ByteHash hash;
         for (std::size_t n = 0; n < frames_.size(); ++n) {
             const bool follows = n != 0 && n != 4;
-            const Segmentation& found = segmenter.next(frames_[n].raw(), follows);
+            const Segmentation& found = segmenter(frames_[n].raw(), follows);
             hash.add(found.labels.data(), 2 * found.labels.size());
             for (const Segment& segment : found.segments) {
                 const std::array<std::int32_t, 8> figures{
@@ -416,22 +416,22 @@ void expect_mostly_equal(const std::vector<std::uint16_t>& before, const std::ve
 /// After a cut things that are where they were, and look as they did, have the labels that they had.
 TEST(Segmenter, RecognisesThingsAfterCut) {
     GeneratedTable table = random_table(3), other = random_table(4);
-    Segmenter segmenter(table.scene());
+    const SegmentFrames segmenter = follow_segments(table.scene());
     const GeneratedFrame frame = generate(table, 0), later = generate(table, 1), cut = generate(other, 0);
-    const std::vector<std::uint16_t> before = segmenter.next(frame.raw(), false).labels;
-    segmenter.next(cut.raw(), false);
-    const std::vector<std::uint16_t>& after = segmenter.next(later.raw(), false).labels;
+    const std::vector<std::uint16_t> before = segmenter(frame.raw(), false).labels;
+    segmenter(cut.raw(), false);
+    const std::vector<std::uint16_t>& after = segmenter(later.raw(), false).labels;
     expect_mostly_equal(before, after);
 }
 
 /// Curtains are drawn: things look different, but are where they were.
 TEST(Segmenter, KeepsLabelsWhenLightChanges) {
     const GeneratedTable table = random_table(3);
-    Segmenter segmenter(table.scene());
+    const SegmentFrames segmenter = follow_segments(table.scene());
     GeneratedFrame frame = generate(table, 0);
-    const std::vector<std::uint16_t> before = segmenter.next(frame.raw(0), false).labels;
+    const std::vector<std::uint16_t> before = segmenter(frame.raw(0), false).labels;
     for (std::uint8_t& sample : frame.colour) sample = static_cast<std::uint8_t>(sample / 2);
-    const std::vector<std::uint16_t>& after = segmenter.next(frame.raw(1), true).labels;
+    const std::vector<std::uint16_t>& after = segmenter(frame.raw(1), true).labels;
     expect_mostly_equal(before, after);
 }
 
@@ -485,42 +485,42 @@ protected:
 
 TEST_F(SegmentedPictures, MayBeTiny) {
     for (const auto& [width, height] : {std::pair{1, 1}, {2, 2}, {1, 50}, {50, 1}, {5, 3}}) {
-        Segmenter segmenter(scene_of(width, height));
+        const SegmentFrames segmenter = follow_segments(scene_of(width, height));
         RawFrame frame = depth_of(width, height, [](int, int) { return 1000; });
         for (int n = 0; n < 3; ++n) {
-            const Segmentation& found = segmenter.next(frame, n > 0);
+            const Segmentation& found = segmenter(frame, n > 0);
             check(found);
             EXPECT_EQ(found.labels, std::vector<std::uint16_t>(depth_.size(), 1)) << width << "x" << height;
         }
         frame = depth_of(width, height, [](int, int) { return 0; });
-        EXPECT_TRUE(segmenter.next(frame, true).segments.empty());
+        EXPECT_TRUE(segmenter(frame, true).segments.empty());
     }
 }
 
 TEST_F(SegmentedPictures, HaveNoSegmentsInHoles) {
-    Segmenter segmenter(scene_of(64, 48));
+    const SegmentFrames segmenter = follow_segments(scene_of(64, 48));
     RawFrame frame = depth_of(64, 48, [](int, int) { return 0; });
     paint(frame, 64, 48, [](int x, int) { return x; });
     for (int n = 0; n < 2; ++n) {
-        const Segmentation& found = segmenter.next(frame, n > 0);
+        const Segmentation& found = segmenter(frame, n > 0);
         EXPECT_TRUE(found.segments.empty());
         EXPECT_EQ(*std::max_element(found.labels.begin(), found.labels.end()), 0);
     }
     // And where surfaces come and go again, they have the label that they had.
     const auto surface = [](int x, int) { return x < 32 ? 1000 : 2000; };
     RawFrame seen = depth_of(64, 48, surface);
-    const std::vector<std::uint16_t> labels = segmenter.next(seen, true).labels;
-    segmenter.next(depth_of(64, 48, [](int, int) { return 0; }), true);
-    EXPECT_EQ(segmenter.next(depth_of(64, 48, surface), true).labels, labels);
+    const std::vector<std::uint16_t> labels = segmenter(seen, true).labels;
+    segmenter(depth_of(64, 48, [](int, int) { return 0; }), true);
+    EXPECT_EQ(segmenter(depth_of(64, 48, surface), true).labels, labels);
 }
 
 TEST_F(SegmentedPictures, SplitAtDepthSteps) {
     for (const bool with_colour : {false, true}) {
-        Segmenter segmenter(scene_of(160, 120));
+        const SegmentFrames segmenter = follow_segments(scene_of(160, 120));
         const auto is_near = [](int x, int y) { return x > 50 && x < 110 && y > 30 && y < 90; };
         RawFrame frame = depth_of(160, 120, [&](int x, int y) { return is_near(x, y) ? 1000 : 1200; });
         if (with_colour) paint(frame, 160, 120, [](int, int) { return 90; });  // one colour
-        const Segmentation& found = segmenter.next(frame, false);
+        const Segmentation& found = segmenter(frame, false);
         check(found);
         ASSERT_EQ(found.segments.size(), 2U);
         int wrong = 0;
@@ -538,22 +538,22 @@ TEST_F(SegmentedPictures, SplitAtDepthSteps) {
 
 /// Neither the slope of a slanted floor nor a gap in it is a step.
 TEST_F(SegmentedPictures, JoinFloorAcrossGap) {
-    Segmenter segmenter(scene_of(160, 120));
+    const SegmentFrames segmenter = follow_segments(scene_of(160, 120));
     const RawFrame frame = depth_of(160, 120, [](int x, int y) {
         const double down = 0.2 + y / 120.0;  // of a floor depth is 1 over it
         return x == 80 || x == 81 ? 0 : static_cast<int>(1000 / down);
     });
-    const Segmentation& found = segmenter.next(frame, false);
+    const Segmentation& found = segmenter(frame, false);
     check(found);
     EXPECT_EQ(found.segments.size(), 1U);
 }
 
 TEST_F(SegmentedPictures, ScaleLargerColour) {
     const auto found_with = [&](int times) {
-        Segmenter segmenter(scene_of(160, 120));
+        const SegmentFrames segmenter = follow_segments(scene_of(160, 120));
         RawFrame frame = depth_of(160, 120, [](int, int) { return 1000; });
         paint(frame, 160 * times, 120 * times, [&](int x, int) { return x < 80 * times ? 40 : 220; });
-        const Segmentation& found = segmenter.next(frame, false);
+        const Segmentation& found = segmenter(frame, false);
         check(found);
         return found;
     };
@@ -578,8 +578,8 @@ TEST_F(SegmentedPictures, ReadAnyDepthCoding) {
                 const double ray = semantics == DepthSemantics::range ? scene.camera.ray_length(x, y) : 1.0;
                 return scene.depth.code((x < 80 ? 60 : 70) * ray);
             });
-            Segmenter segmenter(scene);
-            const Segmentation& found = segmenter.next(frame, false);
+            const SegmentFrames segmenter = follow_segments(scene);
+            const Segmentation& found = segmenter(frame, false);
             EXPECT_EQ(found.segments.size(), 2U);
             EXPECT_NE(found.labels[79], found.labels[80]);
         }
@@ -587,10 +587,10 @@ TEST_F(SegmentedPictures, ReadAnyDepthCoding) {
 
 TEST_F(SegmentedPictures, MeasureTexture) {
     const auto contrast_of = [&](auto&& grey) {
-        Segmenter segmenter(scene_of(160, 120));
+        const SegmentFrames segmenter = follow_segments(scene_of(160, 120));
         RawFrame frame = depth_of(160, 120, [](int, int) { return 1000; });
         paint(frame, 160, 120, grey);
-        const Segmentation& found = segmenter.next(frame, false);
+        const Segmentation& found = segmenter(frame, false);
         EXPECT_EQ(found.segments.size(), 1U);
         return found.segments[0].contrast;
     };
@@ -614,8 +614,8 @@ TEST_F(SegmentedPictures, IgnoreEightBitSteps) {
         derive_valid_range(scene.depth);
         GeneratedFrame frame = generate(table, 0);
         for (std::uint16_t& code : frame.depth) code = scene.depth.code(code * 0.001);
-        Segmenter segmenter(scene);
-        const Segmentation& found = segmenter.next(frame.raw(), false);
+        const SegmentFrames segmenter = follow_segments(scene);
+        const Segmentation& found = segmenter(frame.raw(), false);
         check(found);
         std::printf("8 bits, scene %d: %zu segments, mean IoU %.3f\n", static_cast<int>(seed),
                     found.segments.size(), mean_iou(frame.truth, found.labels));

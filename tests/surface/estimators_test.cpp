@@ -107,13 +107,6 @@ TEST(DepthEstimator, MeasuresNothingWithoutFrames) {
     EXPECT_FALSE(DepthEstimator(millimetres()).measured());
 }
 
-TEST(DepthEstimator, ExcludesFarPlaneFromMedian) {
-    std::vector<std::uint16_t> codes(width * height, 6000);
-    EXPECT_EQ(measured_of(millimetres(), codes).median, 6000);
-    for (std::size_t k = 0; k < 300; ++k) codes[k] = static_cast<std::uint16_t>(1000 + k);
-    EXPECT_EQ(measured_of(millimetres(), codes).median, 1149);
-}
-
 /// Measures a clip's frames: all, or as many as are enough.
 std::optional<MeasuredDepth> measured_clip(ClipReader& clip, bool all = false) {
     DepthEstimator estimator(clip.scene());
@@ -571,19 +564,6 @@ TEST(FilterChoice, EnablesAllForNoisyCamera) {
     EXPECT_TRUE(filter.temporal);
     EXPECT_EQ(filter.temporal_noise.constant, 1.4 * measured->noise.constant);
     EXPECT_NEAR(measured->noise_at_median(), 4, 0.5);
-}
-
-TEST(FilterChoice, KeepsStatedSettings) {
-    const auto measured = measured_of([](int x, int y, int n, SplitMix64& random) {
-        return (x * 7 + y * 13 + n) % 211 == 0 ? 0 : 500 + 0.5 * x + 4 * noise(random);
-    });
-    ASSERT_GT(measured->tiny_holes, MeasuredDepth::some_tiny_holes);
-    Scene scene = camera_scene();
-    scene.filter.median = 3;
-    choose_filters(measured, {.terraces = true}, scene);
-    EXPECT_EQ(scene.filter.median, 3);
-    EXPECT_EQ(scene.filter.fill_holes, 0);
-    EXPECT_FALSE(scene.filter.temporal);
 }
 
 // A table before a wall; where they meet every other pixel saw some of both.

@@ -125,10 +125,9 @@ TEST(Mesh, EqualsLazyFramesMesh) {
 }
 
 /// A PLY file with its name.
-Result<void> write_mesh(const std::filesystem::path& name, const Mesh& mesh, const PlaneView& colour = {},
-                        PlyCoordinates coordinates = PlyCoordinates::single_precision) {
+Result<void> write_mesh(const std::filesystem::path& name, const Mesh& mesh, const PlaneView& colour = {}) {
     NewFile file(name);
-    auto written = write_ply(file, mesh, colour, coordinates);
+    auto written = write_ply(file, mesh, colour);
     return written ? file.commit() : written;
 }
 
@@ -171,11 +170,10 @@ T take(const std::string& bytes, std::size_t& position) {
     return value;
 }
 
-template <class T>
-void expect_file(const std::string& bytes, bool coloured, const std::string& type) {
+void expect_file(const std::string& bytes, bool coloured) {
     std::string header = "ply\nformat binary_little_endian 1.0\n";
     header += "comment scene units; X right, Y up, camera at the origin looking along -Z\nelement vertex 3\n";
-    for (const char* axis : {"x", "y", "z"}) header += "property " + type + " " + axis + "\n";
+    for (const char* axis : {"x", "y", "z"}) header += std::string("property float ") + axis + "\n";
     if (coloured) header += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
     header += "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
     ASSERT_EQ(bytes.substr(0, header.size()), header);
@@ -183,7 +181,7 @@ void expect_file(const std::string& bytes, bool coloured, const std::string& typ
     const Mesh mesh = small_mesh();
     for (std::size_t n = 0; n < 3; ++n) {
         for (int axis = 0; axis < 3; ++axis)
-            EXPECT_EQ(take<T>(bytes, position), static_cast<T>(mesh.positions[n][axis]));
+            EXPECT_EQ(take<float>(bytes, position), static_cast<float>(mesh.positions[n][axis]));
         if (!coloured) continue;
         for (std::size_t channel = 0; channel < 3; ++channel)
             EXPECT_EQ(take<std::uint8_t>(bytes, position), colours[3 * n + channel]);
@@ -195,19 +193,14 @@ void expect_file(const std::string& bytes, bool coloured, const std::string& typ
 
 TEST_F(MeshFile, HoldsFloatsAndColours) {
     ASSERT_TRUE(write_mesh(folder_ / "mesh.ply", small_mesh(), colour));
-    expect_file<float>(content("mesh.ply"), true, "float");
+    expect_file(content("mesh.ply"), true);
     EXPECT_EQ(files(), std::vector<std::string>{"mesh.ply"});
-}
-
-TEST_F(MeshFile, HoldsExactDoubles) {
-    ASSERT_TRUE(write_mesh(folder_ / "mesh.ply", small_mesh(), {}, PlyCoordinates::double_precision));
-    expect_file<double>(content("mesh.ply"), false, "double");
 }
 
 TEST_F(MeshFile, ReplacesOlderFile) {
     std::ofstream(folder_ / "mesh.ply") << "old";
     ASSERT_TRUE(write_mesh(folder_ / "mesh.ply", small_mesh()));
-    expect_file<float>(content("mesh.ply"), false, "float");
+    expect_file(content("mesh.ply"), false);
     EXPECT_EQ(files(), std::vector<std::string>{"mesh.ply"});
 }
 

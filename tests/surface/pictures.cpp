@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cstring>
 
+#include "engine/surface/surface_builder.hpp"
+#include "tests/must.hpp"
+
 namespace touchable::test {
 namespace {
 
@@ -236,6 +239,12 @@ std::string first_difference(const SurfaceFrame& expected, const SurfaceFrame& a
             return "expected bounds " + tile_text(expected.tiles[n]) + ", got " + tile_text(actual.tiles[n]) +
                    " in tile" + at(static_cast<int>(n) % grid.tiles_x, static_cast<int>(n) / grid.tiles_x);
     return {};
+}
+
+std::string reference_difference(const Scene& scene, const RawFrame& raw, const SurfaceFrame& actual) {
+    SurfaceFrame reference;
+    must(make_reference_builder(scene)->build(raw, reference));
+    return first_difference(reference, actual);
 }
 
 std::string first_vertex_difference(const SurfaceFrame& expected, const VertexSource& actual) {

@@ -87,6 +87,9 @@ double normal(Uniform&& uniform) {
 /// The first difference of two frames, bit for bit, or nothing.
 std::string first_difference(const SurfaceFrame& expected, const SurfaceFrame& actual);
 
+/// The first difference from what the reference builder makes of a frame, or nothing.
+std::string reference_difference(const Scene& scene, const RawFrame& raw, const SurfaceFrame& actual);
+
 /// The first vertex that differs from an expected frame's codes, or nothing.
 std::string first_vertex_difference(const SurfaceFrame& expected, const VertexSource& actual);
 

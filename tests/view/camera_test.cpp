@@ -12,7 +12,6 @@
 #include "engine/gpu/surface_kernels.hpp"
 #include "engine/gpu/vulkan_builder.hpp"
 #include "player/draw/drawn_surface.hpp"
-#include "player/draw/gpu_painting.hpp"
 #include "player/draw/view.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/view/shown.hpp"
@@ -481,10 +480,7 @@ protected:
     void compare(const Scene& scene, const SurfaceFrame& prev, const SurfaceFrame& next, double blend) {
         const FramePair pair{{0, 0, &prev}, {1, 1'000'000, &next}, blend};
         const HeightField field(scene, pair);
-        const ViewSurface surface = must(lattices->surface_of(field, pair, {}, Lighting::full));
-        const std::vector<float> twin = q_of(field), &made = surface.q;
-        ASSERT_TRUE(surface.on_gpu);
-        expect_close(field, prev, twin, made);
+        expect_close(field, prev, q_of(field), q_by_kernel(gpu, *lattices, field, pair));
     }
 
     std::optional<GpuLattices> lattices;
@@ -534,9 +530,7 @@ TEST_F(Unproject, UsesVerticesWithoutCodes) {
     FramePair pair;
     pair.prev = pair.next = {0, 0, &lazy};
     const HeightField field(globe->scene, pair);
-    const ViewSurface surface = must(lattices->surface_of(field, pair, {}, Lighting::full));
-    EXPECT_FALSE(surface.on_gpu);
-    EXPECT_EQ(surface.q, q_of(globe->field()));
+    EXPECT_EQ(q_by_kernel(gpu, *lattices, field, pair), q_of(globe->field()));
 }
 
 TEST_F(Unproject, ReadsVulkanFramesInPlace) {
@@ -552,10 +546,10 @@ TEST_F(Unproject, ReadsVulkanFramesInPlace) {
         // The CPU's copy of them does not count.
         const FramePair pair{{0, 0, &prev}, {1, 1, &next}, 0.4};
         const HeightField field(globe->scene, pair);
-        const std::vector<float> q = must(lattices->surface_of(field, pair, {}, Lighting::full)).q;
+        const std::vector<float> q = q_by_kernel(gpu, *lattices, field, pair);
         prev.codes.assign(prev.codes.size(), 0);
         prev.validity.assign(prev.validity.size(), 0);
-        EXPECT_EQ(must(lattices->surface_of(field, pair, {}, Lighting::full)).q, q);
+        EXPECT_EQ(q_by_kernel(gpu, *lattices, field, pair), q);
     }
 }
 
@@ -565,10 +559,12 @@ TEST_F(Unproject, RejectsTooLargeFrame) {
     must(make_cpu_builder(globe->scene)->build(globe->raw_prev, frame));
     const FramePair still{{0, 0, &frame}, {0, 0, &frame}, 0};
     gpu->vulkan()->facts.limits.max_texel_buffer_elements = 96 / 8 * 64 - 1;
-    const auto surface = lattices->surface_of(HeightField(globe->scene, still), still, {}, Lighting::full);
-    ASSERT_FALSE(surface);
-    EXPECT_EQ(surface.error().kind, ErrorKind::gpu);
-    EXPECT_NE(surface.error().message.find("kernel unproject"), std::string::npos) << surface.error().message;
+    auto commands = must(GpuCommands::begin(gpu, "lattice"));
+    GpuLattice lattice;
+    must(lattices->record(commands, HeightField(globe->scene, still), still, lattice));
+    const auto submission = std::move(commands).submit();
+    EXPECT_EQ(submission.error().kind, ErrorKind::gpu);
+    expect_error(submission, "kernel unproject");
 }
 
 TEST_F(Unproject, UploadsFramesOfOtherDevice) {

@@ -405,7 +405,7 @@ TEST(Silhouettes, ApproachReference) {
         std::vector<PackedColour> first;
         for (const VectorUnit unit : usable_vector_units()) {
             PicturePlanes smooth = hard;
-            Silhouettes(unit).smooth(smooth.colours, smooth.z, 480, 300, 480);
+            Silhouettes(unit).smooth(smooth.colours, smooth.z, 480, 300);
             if (first.empty()) first = smooth.colours;
             EXPECT_EQ(smooth.colours, first);
         }
@@ -432,7 +432,7 @@ TEST(Silhouettes, SmoothBothEndsOfLongSteps) {
                 planes.z.push_back(is_near ? 0.5F : 0.1F);
                 planes.colours.push_back(is_near ? pack_colour(255, 255, 255) : pack_colour(0, 0, 0));
             }
-        Silhouettes().smooth(planes.colours, planes.z, planes.width, planes.height, planes.width);
+        Silhouettes().smooth(planes.colours, planes.z, planes.width, planes.height);
         const auto white = [&](int y) {  // in a row, pixels
             double sum = 0;
             for (int x = 0; x < 4; ++x) sum += (planes.colours[planes.index(x, y)] & 255U) / 255.0;
@@ -692,9 +692,10 @@ protected:
             auto& depths = all.emplace_back();
             for (const float each : q) depths.push_back(1 / static_cast<double>(each));
         };
+        GpuLattices lattices(gpu);
         of_q(q_of(field));
-        of_q(CpuLattices(1).surface_of(field, pair, {}, Lighting::full).q);
-        of_q(must(GpuLattices(gpu).surface_of(field, pair, {}, Lighting::full)).q);
+        of_q(surface_of(field, pair, {}, Lighting::full).q);
+        of_q(q_by_kernel(gpu, lattices, field, pair));
         std::vector<double> values, rows;
         ScalarRows reads;
         reads.begin(Scalar::depth, field, pair);

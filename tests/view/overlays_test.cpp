@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "player/draw/finger_marks.hpp"
-#include "player/draw/legends.hpp"
+#include "player/draw/light_picture.hpp"
 #include "player/draw/overlay_rows.hpp"
 #include "player/draw/overlays.hpp"
 #include "player/draw/view.hpp"

@@ -325,37 +325,13 @@ TEST_F(Painters, ReuseForOtherSurfaces) {
     }
 }
 
-TEST_F(Painters, DrawGpuSurfacesAlike) {
-    const auto shown = shown_scene("globe", 203, 133);
-    const auto raster = must(make_raster_painter(gpu)), mesh = must(make_mesh_painter(gpu));
-    for (const double blend : {0.0, 0.35}) {
-        const HeightField field = shown->field(blend);
-        const ViewCamera camera = view_of(*shown, field, "orbit:az=25,el=10", 300, 200);
-        const auto cpu = make_cpu_painter();
-        const ViewSurface made =
-            must(cpu->surface_of(field, shown->pair(blend), shown->raw_prev.colour, Lighting::full));
-        const PicturePlanes expected = must(cpu->paint(made, camera));
-        for (SurfacePainter* painter : {raster.get(), mesh.get()}) {
-            ViewSurface surface =
-                must(painter->surface_of(field, shown->pair(blend), shown->raw_prev.colour, Lighting::full));
-            ASSERT_TRUE(surface.on_gpu) << painter->name();
-            const float subpixels = painter == mesh.get() ? 2 : 0;
-            expect_alike(must(cpu->paint(surface, camera)), must(painter->paint(surface, camera)), subpixels,
-                         "its own surface");
-            // q may differ by a rounding, and so may edges; from the GPU alone, for all it needs is there.
-            surface.q.clear();
-            expect_alike(expected, must(painter->paint(surface, camera)), subpixels, "without the CPU's");
-        }
-    }
-}
-
 TEST_F(Painters, KeepSurfacesApart) {
     const auto globe = shown_scene("globe", 96, 64), step = shown_scene("step", 96, 64);
     const auto painter = must(make_raster_painter(gpu));
     const ViewCamera camera = own_view(globe->scene, 96, 64, 1);
-    const ViewSurface first = must(painter->surface_of(globe->field(), globe->pair(), {}, Lighting::full));
+    const ViewSurface first = surface_of(globe->field(), globe->pair(), {}, Lighting::full);
     const PicturePlanes before = must(painter->paint(first, camera));
-    const ViewSurface second = must(painter->surface_of(step->field(), step->pair(), {}, Lighting::full));
+    const ViewSurface second = surface_of(step->field(), step->pair(), {}, Lighting::full);
     EXPECT_NE(must(painter->paint(second, camera)).z, before.z);
     EXPECT_EQ(must(painter->paint(first, camera)).z, before.z);
 }
@@ -380,41 +356,29 @@ TEST_F(Painters, ReportTooLargeAndLost) {
 
 // A surface that the CPU draws for a window, from the clip's own view and from any other.
 
-/// Lattices are a device's.
-class LatticePicture : public GpuTest {};
-
-MappedLattice mapped(const GpuLattice& lattice) {
-    return {lattice.q.mapped<float>().data(),
-            lattice.colours.mapped<PackedColour>().data(),
-            lattice.width,
-            lattice.height,
-            lattice.pitch,
-            1,
-            lattice.fills_gaps};
+MappedLattice mapped(const ViewSurface& surface) {
+    return {surface.q.data(), surface.colours.data(), surface.width, surface.height, 1, surface.fills_gaps};
 }
 
-/// A picture of 301x200 in rows of 304, and the background behind it.
-struct PaddedPicture {
-    static std::size_t at(int x, int y) {
-        return static_cast<std::size_t>(y) * 304 + static_cast<std::size_t>(x);
-    }
-    std::vector<PackedColour> colours = std::vector<PackedColour>(304 * 200);
-    std::vector<float> z = std::vector<float>(304 * 200, 9);
-};
 const std::vector<PackedColour> background(200, 7);
+PicturePlanes blank_picture() {
+    return {301, 200, std::vector<float>(301 * 200, 9), std::vector<PackedColour>(301 * 200)};
+}
+PicturePlanes own_picture(const ViewSurface& surface, const ViewCamera& camera, VectorUnit unit) {
+    PicturePlanes picture = blank_picture();
+    OwnViewPicture(unit).draw(mapped(surface), camera, background, picture.colours, picture.z);
+    return picture;
+}
 
-TEST_F(LatticePicture, OwnViewAgreesForVectors) {
+TEST(OwnViewPicture, AgreesForVectors) {
     const auto shown = shown_scene("globe", 203, 133);
     const HeightField field = shown->field();
     const ViewCamera camera = view_of(*shown, field, "own", 301, 200);
     ASSERT_TRUE(OwnViewPicture::draws(camera));
-    GpuLattices lattices(gpu);
-    const GpuLattice lattice = must(lattices.lattice_of(make_view_surface(field, shown->raw_prev.colour)));
-    PaddedPicture first;
-    OwnViewPicture().draw(mapped(lattice), camera, background, 304, first.colours, first.z);
+    const ViewSurface surface = make_view_surface(field, shown->raw_prev.colour);
+    const PicturePlanes first = own_picture(surface, camera, usable_vector_units().front());
     for (const VectorUnit unit : usable_vector_units()) {
-        PaddedPicture picture;
-        OwnViewPicture(unit).draw(mapped(lattice), camera, background, 304, picture.colours, picture.z);
+        const PicturePlanes picture = own_picture(surface, camera, unit);
         EXPECT_EQ(picture.colours, first.colours);
         EXPECT_EQ(picture.z, first.z);
     }
@@ -422,70 +386,64 @@ TEST_F(LatticePicture, OwnViewAgreesForVectors) {
     EXPECT_GT(std::ranges::count_if(first.z, [](float z) { return z > 0; }), 10'000);
 }
 
-TEST_F(LatticePicture, OwnViewMatchesPlainPicture) {
+TEST(OwnViewPicture, MatchesPlainPicture) {
     for (const char* scene : {"globe", "cliffs", "noise"}) {
         const auto shown = shown_scene(scene, 203, 133);
         const ViewSurface surface = make_view_surface(shown->field(), shown->raw_prev.colour);
-        GpuLattices lattices(gpu);
-        const GpuLattice lattice = must(lattices.lattice_of(surface));
         const ViewCamera camera = own_view(shown->scene, 301, 200, 1);
         ASSERT_TRUE(OwnViewPicture::draws(camera));
-        const PicturePlanes expected = plain_picture(surface, camera);
-        PaddedPicture picture;
-        OwnViewPicture().draw(mapped(lattice), camera, background, 304, picture.colours, picture.z);
+        const PicturePlanes expected = plain_picture(surface, camera),
+                            picture = own_picture(surface, camera, usable_vector_units().front());
         std::size_t drawn = 0, others = 0;
-        for (int y = 0; y < 200; ++y)
-            for (int x = 0; x < 301; ++x) {
-                const std::size_t at = PaddedPicture::at(x, y), pixel = expected.index(x, y);
-                const float z = picture.z[at], wanted = expected.z[pixel];
-                drawn += z > 0;
-                others += (z > 0) != (wanted > 0);
-                if (!(z > 0) || !(wanted > 0)) continue;
-                others += std::fabs(z - wanted) > 1e-4F * z;
-                others += colour_distance(picture.colours[at], expected.colours[pixel]) > 1;
-            }
+        for (std::size_t at = 0; at < picture.z.size(); ++at) {
+            const float z = picture.z[at], wanted = expected.z[at];
+            drawn += z > 0;
+            others += (z > 0) != (wanted > 0);
+            if (!(z > 0) || !(wanted > 0)) continue;
+            others += std::fabs(z - wanted) > 1e-4F * z;
+            others += colour_distance(picture.colours[at], expected.colours[at]) > 1;
+        }
         EXPECT_EQ(others, 0U) << scene;
         EXPECT_GT(drawn, 10'000U) << scene;
     }
 }
 
+/// A surface's picture from a turned view, or the clip's own.
+PicturePlanes raster_picture(LatticeRaster& raster, const ViewSurface& surface, const ViewCamera& camera) {
+    SurfaceEdges edges(1);
+    if (!is_own_view(camera))
+        edges.find(edge_lattice(surface.q.data(), surface.width, surface.height, surface.width, 1,
+                                surface.focal_length));
+    PicturePlanes picture = blank_picture();
+    raster.draw(mapped(surface), edges, camera, background, picture.colours, picture.z);
+    return picture;
+}
+
 /// From the side, from behind, from so near that cells are large and reach before the eye.
-TEST_F(LatticePicture, AnyViewMatchesPlainPicture) {
+TEST(LatticeRaster, MatchesPlainPictureFromAnyView) {
     for (const char* scene : {"globe", "cliffs", "noise", "rows without surface"}) {
         const bool has_gap = std::string_view(scene) == "rows without surface";
         const auto shown = shown_scene(has_gap ? "globe" : scene, 203, 133);
         const HeightField field = shown->field();
         ViewSurface surface = make_view_surface(field, ManyColours(203, 133).view());
         if (has_gap) std::fill(surface.q.begin() + 40 * 203, surface.q.begin() + 60 * 203, 0.0F);
-        GpuLattices lattices(gpu);
-        const GpuLattice lattice = must(lattices.lattice_of(surface));
         for (const char* words :
              {"own", "orbit:az=7,el=3", "orbit:az=70,el=5", "orbit:az=-60,el=30,zoom=2", "orbit:az=180,el=0",
               "orbit:az=25,el=10,zoom=8", "orbit:az=80,el=0,zoom=20"}) {
             const ViewCamera camera = view_of(*shown, field, words, 301, 200);
-            const PicturePlanes expected = plain_picture(surface, camera);
-            SurfaceEdges edges(1);
-            if (!is_own_view(camera))
-                edges.find(edge_lattice(lattice.q.mapped<float>().data(), lattice.width, lattice.height,
-                                        lattice.pitch, 1, lattice.focal_length));
+            PicturePlanes expected = plain_picture(surface, camera);
+            EXPECT_GT(std::ranges::count_if(expected.z, [](float z) { return z > 0; }), 50)
+                << scene << ", " << words;
+            for (std::size_t at = 0; at < expected.z.size(); ++at)
+                if (!(expected.z[at] > 0)) expected.colours[at] = 7;
             std::vector<std::pair<int, VectorUnit>> ways{{2, usable_vector_units().front()}};
             for (const VectorUnit unit : usable_vector_units()) ways.emplace_back(1, unit);
             for (const auto& [threads, unit] : ways) {
-                PaddedPicture picture;
-                LatticeRaster(threads, unit)
-                    .draw(mapped(lattice), edges, camera, background, 304, picture.colours, picture.z);
-                std::size_t others = 0;
-                for (int y = 0; y < 200; ++y)
-                    for (int x = 0; x < 301; ++x) {
-                        const std::size_t at = PaddedPicture::at(x, y), pixel = expected.index(x, y);
-                        const bool is_empty = !(expected.z[pixel] > 0);
-                        others += picture.z[at] != expected.z[pixel] ||
-                                  picture.colours[at] != (is_empty ? 7U : expected.colours[pixel]);
-                    }
-                EXPECT_EQ(others, 0U) << scene << ", " << words << ", by " << threads;
+                LatticeRaster raster(threads, unit);
+                const PicturePlanes picture = raster_picture(raster, surface, camera);
+                EXPECT_TRUE(picture.z == expected.z && picture.colours == expected.colours)
+                    << scene << ", " << words << ", by " << threads;
             }
-            EXPECT_GT(std::count_if(expected.z.begin(), expected.z.end(), [](float z) { return z > 0; }), 50)
-                << scene << ", " << words;
         }
     }
 }
@@ -496,31 +454,24 @@ TEST(LatticeRaster, DrawsBackgroundWithoutVertices) {
     const ViewCamera camera = view_of(*shown, shown->field(), "orbit:az=70,el=5", 20, 10);
     std::vector<PackedColour> colours(20 * 10);
     std::vector<float> z(colours.size(), 9);
-    LatticeRaster(1).draw({nullptr, nullptr, 0, 0, 0}, SurfaceEdges(1), camera, background, 20, colours, z);
+    LatticeRaster(1).draw({nullptr, nullptr, 0, 0}, SurfaceEdges(1), camera, background, colours, z);
     EXPECT_EQ(std::ranges::count(colours, PackedColour{7}), 200);
     EXPECT_EQ(std::ranges::count(z, 0.0F), 200);
 }
 
 /// What a wider lattice left beyond the width of the next is not drawn.
-TEST_F(LatticePicture, ForgetsWiderLattice) {
-    GpuLattices lattices(gpu);
+TEST(LatticeRaster, ForgetsWiderLattice) {
     const auto wide = shown_scene("globe", 230, 133), narrow = shown_scene("globe", 203, 133);
     const auto draw = [&](LatticeRaster& raster, const Shown& shown) {
         const HeightField field = shown.field();
-        const ViewCamera camera = view_of(shown, field, "orbit:az=30,el=5,zoom=0.5", 301, 200);
-        const GpuLattice lattice = must(lattices.lattice_of(make_view_surface(field, shown.raw_prev.colour)));
-        SurfaceEdges edges(1);
-        edges.find(edge_lattice(lattice.q.mapped<float>().data(), lattice.width, lattice.height,
-                                lattice.pitch, 1, lattice.focal_length));
-        PaddedPicture picture;
-        raster.draw(mapped(lattice), edges, camera, background, 304, picture.colours, picture.z);
-        return picture;
+        return raster_picture(raster, make_view_surface(field, shown.raw_prev.colour),
+                              view_of(shown, field, "orbit:az=30,el=5,zoom=0.5", 301, 200));
     };
     for (const VectorUnit unit : usable_vector_units()) {
         LatticeRaster fresh(1, unit), used(1, unit);
-        const PaddedPicture wanted = draw(fresh, *narrow);
+        const PicturePlanes wanted = draw(fresh, *narrow);
         draw(used, *wide);
-        const PaddedPicture is = draw(used, *narrow);
+        const PicturePlanes is = draw(used, *narrow);
         EXPECT_EQ(is.z, wanted.z);
         EXPECT_EQ(is.colours, wanted.colours);
     }
@@ -545,65 +496,21 @@ void compare_q(const Codes& codes, double blend) {
     expect_close(field, codes.prev, q_of(field), first);
 }
 
-/// Light of the same q against `lit_colours`, and the same bits with any vectors and threads.
-void compare_light(const HeightField& field, const FramePair& pair, const PlaneView& colour) {
-    ViewSurface surface;
-    surface.width = field.width();
-    surface.height = field.height();
-    CpuLattices(1).q_of(field, pair, surface.q);
-    const int pitch = surface.width + 5;
-    std::vector<float> q(static_cast<std::size_t>(pitch * surface.height), NAN);
-    CpuLattices(2).q_of(field, pair, q.data(), pitch);
-    for (int y = 0; y < surface.height; ++y)
-        for (int x = 0; x < pitch; ++x)
-            ASSERT_EQ(q[static_cast<std::size_t>(y * pitch + x)],
-                      x < surface.width ? surface.q[surface.index(x, y)] : 0.0F);
-    const std::vector<PackedColour> twin = lit_colours(field.scene().camera, surface, colour, Lighting::full);
-    std::vector<PackedColour> first;
-    for (const VectorUnit unit : usable_vector_units())
-        for (const int threads : {1, 3}) {
-            std::vector<PackedColour> lit(q.size(), 7);
-            CpuLattices(threads, unit).light(field, q.data(), pitch, colour, Lighting::full, lit.data());
-            if (first.empty()) first = lit;
-            ASSERT_EQ(lit, first) << threads << " threads";
-        }
-    int worst = 0;
-    for (int y = 0; y < surface.height; ++y)
-        for (int x = 0; x < pitch; ++x) {
-            const PackedColour lit = first[static_cast<std::size_t>(y * pitch + x)];
-            if (x >= surface.width) {
-                ASSERT_EQ(lit, 7U) << "beyond the width";
-                continue;
-            }
-            const PackedColour wanted = twin[surface.index(x, y)];
-            ASSERT_EQ(lit >> 24, 255U);
-            worst = std::max(worst, colour_distance(lit, wanted));
-        }
-    EXPECT_LE(worst, 2) << surface.width << "x" << surface.height;
-}
-
+/// The same bits with any vectors and threads.
 TEST(CpuLattices, LightMatchesTwin) {
-    for (const char* name : {"globe", "step", "noise"}) {
-        SCOPED_TRACE(name);
-        const auto shown = shown_scene(name, 171, 133);
-        const ManyColours colours(171, 133);
-        for (const double blend : {0.0, 0.4}) {
-            compare_light(shown->field(blend), shown->pair(blend), colours.view());
-            compare_light(shown->field(blend), shown->pair(blend), {});
-        }
-    }
-}
-
-TEST(CpuLattices, LightMatchesForAnySize) {
-    const int sizes[][2] = {{1, 1}, {1, 9}, {9, 1}, {2, 2}, {3, 2}, {7, 65}, {33, 17}, {24, 130}, {90, 70}};
-    for (const auto& [width, height] : sizes)
-        for (const bool heights : {false, true}) {
-            const Codes codes(coding_of(DepthCodingKind::inverse, DepthSemantics::range, true), width, height,
-                              heights);
-            const FramePair pair = codes.pair(0.3);
-            const ManyColours colours(width, height);
-            compare_light(HeightField(codes.scene, pair), pair, colours.view());
-        }
+    for_every_light([](const HeightField& field, const FramePair& pair, const PlaneView& colour) {
+        std::vector<float> q;
+        CpuLattices(1).q_of(field, pair, q);
+        std::vector<PackedColour> first;
+        for (const VectorUnit unit : usable_vector_units())
+            for (const int threads : {1, 3}) {
+                std::vector<PackedColour> lit;
+                CpuLattices(threads, unit).light(field, q, colour, Lighting::full, lit);
+                if (first.empty()) first = lit;
+                ASSERT_EQ(lit, first) << threads << " threads";
+            }
+        expect_lit(field, q, colour, first);
+    });
 }
 
 TEST(CpuLattices, KeepPlainColours) {
@@ -612,8 +519,9 @@ TEST(CpuLattices, KeepPlainColours) {
     std::vector<float> q;
     CpuLattices lattices(2);
     lattices.q_of(shown->field(), shown->pair(), q);
-    std::vector<PackedColour> plain(q.size());
-    lattices.light(shown->field(), q.data(), 67, colours.view(), Lighting::values, plain.data());
+    std::vector<PackedColour> plain;
+    lattices.light(shown->field(), q, colours.view(), Lighting::values, plain);
+    ASSERT_EQ(plain.size(), q.size());
     for (std::size_t k = 0; k < plain.size(); ++k) ASSERT_EQ(plain[k], colours.at(k));
 }
 
@@ -651,9 +559,8 @@ TEST(CpuLattices, UseVerticesWithoutCodes) {
     ASSERT_TRUE(make_lazy_builder(globe->scene)->build(globe->raw_prev, lazy));
     FramePair pair;
     pair.prev = pair.next = {0, 0, &lazy};
-    const ViewSurface surface =
-        CpuLattices(1).surface_of(HeightField(globe->scene, pair), pair, {}, Lighting::full);
-    EXPECT_EQ(surface.q, q_of(HeightField(globe->scene, pair)));
+    const HeightField field(globe->scene, pair);
+    EXPECT_EQ(surface_of(field, pair, {}, Lighting::full).q, q_of(field));
 }
 
 class TileListsOnGpu : public GpuTest {
@@ -679,7 +586,11 @@ protected:
         auto commands = must(GpuCommands::begin(gpu, "tile lists"));
         must(lattices.record_view(commands, false, lattice));
         must(must(std::move(commands).submit()).wait());
-        const ViewSurface::Tiles tiles = read_tiles(lattice.tiles);
+        const TileListsHeader& header = lattice.tiles.mapped<TileListsHeader>()[0];
+        const auto list = lattice.tiles.mapped<std::uint32_t>().subspan(sizeof(header) / 4);
+        const auto whole = list.first(header.whole_tiles),
+                   mixed = list.subspan(header.whole_tiles, header.mixed_tiles);
+        const ViewSurface::Tiles tiles{{whole.begin(), whole.end()}, {mixed.begin(), mixed.end()}};
         EXPECT_EQ(tiles, classify_tiles(width, height, q)) << width << "x" << height;
         return tiles;
     }

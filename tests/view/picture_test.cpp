@@ -212,7 +212,8 @@ TEST(FingerMarks, ArrowIsBrighterThanFinger) {
 }
 
 TEST(DoubledPicture, MatchesExactLinearFilter) {
-    for (const auto& [width, height] : {std::pair{1, 1}, {2, 3}, {37, 5}, {160, 4}}) {
+    for (const auto& size : {std::pair{1, 1}, {2, 3}, {37, 5}, {160, 4}}) {
+        const int width = size.first, height = size.second;
         std::vector<PackedColour> from(pixel_count(width, height)), to(4 * from.size());
         std::uint32_t state = 1;
         for (PackedColour& pixel : from) pixel = state = state * 1664525U + 1013904223U;
@@ -257,18 +258,6 @@ protected:
         GpuTest::TearDown();
     }
 
-    /// Rows of 4 bytes a vertex, without what lies beyond the width.
-    template <class T>
-    static std::vector<T> rows_in(const GpuLattice& lattice, const GpuBuffer& buffer) {
-        std::vector<T> values;
-        for (int y = 0; y < lattice.height; ++y) {
-            const auto row = buffer.mapped<T>().subspan(static_cast<std::size_t>(y * lattice.pitch),
-                                                        static_cast<std::size_t>(lattice.width));
-            values.insert(values.end(), row.begin(), row.end());
-        }
-        return values;
-    }
-
     struct Lit {
         std::vector<float> q;
         std::vector<PackedColour> colours;
@@ -279,66 +268,20 @@ protected:
         must(lattices->record(commands, field, pair, lattice));
         must(lattices->reserve_colours(lattice));
         must(kernel->record(commands, field, lattice, colour, lighting));
-        commands.barrier(GpuStage::compute, GpuStage::transfer);
-        const auto back = [&](const GpuBuffer& buffer) {
-            auto made = must(GpuBuffer::create(*gpu, "back", buffer.bytes(), GpuMemory::readback));
-            commands.copy(buffer, 0, made, 0, buffer.bytes());
-            return made;
-        };
-        const GpuBuffer q = back(lattice.q), colours = back(lattice.colours);
         must(must(std::move(commands).submit()).wait());
-        return {rows_in<float>(lattice, q), rows_in<PackedColour>(lattice, colours)};
-    }
-
-    /// Against `lit_colours` of the same q.
-    void compare(const HeightField& field, const FramePair& pair, const PlaneView& colour) {
-        Lit lit = light(field, pair, colour, Lighting::full);
-        ViewSurface surface;
-        surface.width = field.width();
-        surface.height = field.height();
-        surface.q = std::move(lit.q);
-        const std::vector<PackedColour> twin =
-            lit_colours(field.scene().camera, surface, colour, Lighting::full);
-        int worst = 0;
-        for (std::size_t k = 0; k < twin.size(); ++k) {
-            ASSERT_EQ(lit.colours[k] >> 24, 255U) << "vertex " << k;
-            worst = std::max(worst, colour_distance(lit.colours[k], twin[k]));
-        }
-        EXPECT_LE(worst, 2) << field.width() << "x" << field.height();
+        return {rows_in<float>(gpu, lattice, lattice.q),
+                rows_in<PackedColour>(gpu, lattice, lattice.colours)};
     }
 
     std::optional<GpuLattices> lattices;
     std::optional<SurfaceLighting> kernel;
 };
 
-TEST_F(SurfaceLight, MatchesTwinOnScenes) {
-    for (const char* name : {"globe", "step", "noise"}) {
-        SCOPED_TRACE(name);
-        const auto shown = shown_scene(name, 171, 133);
-        const ManyColours colours(171, 133);
-        for (const double blend : {0.0, 0.4}) {
-            compare(shown->field(blend), shown->pair(blend), colours.view());
-            compare(shown->field(blend), shown->pair(blend), {});
-        }
-    }
-}
-
-TEST_F(SurfaceLight, MatchesTwinWithSparseTriangles) {
-    const Codes codes(coding_of(DepthCodingKind::inverse, DepthSemantics::range, true), 90, 70, true);
-    const FramePair pair = codes.pair(0.3);
-    const ManyColours colours(90, 70);
-    compare(HeightField(codes.scene, pair), pair, colours.view());
-}
-
-TEST_F(SurfaceLight, MatchesTwinForAnySize) {
-    const int sizes[][2] = {{1, 1}, {1, 9}, {9, 1}, {3, 2}, {7, 65}, {8, 64}, {33, 17}, {24, 130}};
-    for (const auto& [width, height] : sizes) {
-        const Codes codes(coding_of(DepthCodingKind::linear, DepthSemantics::planar, true), width, height,
-                          false);
-        const FramePair pair = codes.pair(0);
-        const ManyColours colours(width, height);
-        compare(HeightField(codes.scene, pair), pair, colours.view());
-    }
+TEST_F(SurfaceLight, MatchesTwin) {
+    for_every_light([&](const HeightField& field, const FramePair& pair, const PlaneView& colour) {
+        const Lit lit = light(field, pair, colour, Lighting::full);
+        expect_lit(field, lit.q, colour, lit.colours);
+    });
 }
 
 TEST_F(SurfaceLight, KeepsPlainColours) {
@@ -354,7 +297,8 @@ TEST_F(SurfaceLight, LightsFramesWithoutCodes) {
     depths[1000] = NAN;
     shown->prev.vertices = std::make_unique<ExactVertices>(96, 64, depths);
     shown->prev.codes.clear();
-    compare(shown->field(), shown->pair(), {});
+    const Lit lit = light(shown->field(), shown->pair(), {}, Lighting::full);
+    expect_lit(shown->field(), lit.q, {}, lit.colours);
 }
 
 TEST_F(SurfaceLight, RejectsColoursOfAnotherSize) {

@@ -59,7 +59,7 @@ private:
             if (!is_gap) return;
             scale_of_z = GAP_Z;
             const MappedLattice lattice{edges_.eroded_q(), surface_.colours.data(), surface_.width,
-                                        surface_.height, surface_.width};
+                                        surface_.height};
             const glm::vec3 colour =
                 gap_fill(lattice, {at[0][0], at[0][1]}, {surface_.width, surface_.height});
             for (FillCorner& corner : corners) corner.value = colour;

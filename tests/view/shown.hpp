@@ -22,8 +22,10 @@
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/height_field.hpp"
 #include "player/draw/drawn_surface.hpp"
+#include "player/draw/gpu_painting.hpp"
 #include "player/draw/view.hpp"
 #include "shaders/cut_rule.h"
+#include "tests/must.hpp"
 #include "tests/real_data.hpp"
 #include "tests/stand_ins.hpp"
 #include "tests/temporary_files.hpp"
@@ -229,6 +231,33 @@ inline ViewSurface::Tiles classify_tiles(int width, int height, const std::vecto
     return tiles;
 }
 
+/// Rows of 4 bytes a vertex, without what lies beyond the width; a GPU may have memory of its own.
+template <class T>
+std::vector<T> rows_in(const std::shared_ptr<GpuDevice>& gpu, const GpuLattice& lattice,
+                       const GpuBuffer& buffer) {
+    const auto back = must(GpuBuffer::create(*gpu, "back", buffer.bytes(), GpuMemory::readback));
+    auto commands = must(GpuCommands::begin(gpu, "back"));
+    commands.barrier(GpuStage::compute, GpuStage::transfer);
+    commands.copy(buffer, 0, back, 0, back.bytes());
+    must(must(std::move(commands).submit()).wait());
+    std::vector<T> values;
+    for (int y = 0; y < lattice.height; ++y) {
+        const auto row = back.template mapped<T>().subspan(static_cast<std::size_t>(y * lattice.pitch),
+                                                           static_cast<std::size_t>(lattice.width));
+        values.insert(values.end(), row.begin(), row.end());
+    }
+    return values;
+}
+
+inline std::vector<float> q_by_kernel(const std::shared_ptr<GpuDevice>& gpu, GpuLattices& lattices,
+                                      const HeightField& field, const FramePair& pair) {
+    GpuLattice lattice;
+    auto commands = must(GpuCommands::begin(gpu, "lattice"));
+    must(lattices.record(commands, field, pair, lattice));
+    must(must(std::move(commands).submit()).wait());
+    return rows_in<float>(gpu, lattice, lattice.q);
+}
+
 /// With q_of(field), and classify_tiles of that.
 inline ViewSurface make_view_surface(const HeightField& field, const PlaneView& colour,
                                      Lighting lighting = Lighting::full) {
@@ -248,6 +277,45 @@ struct ManyColours {
     int width, height;
     std::vector<std::uint8_t> bytes;
 };
+
+/// `look(field, pair, colour)` for surfaces and pictures whose vertices are to be lit.
+template <class Look>
+void for_every_light(const Look& look) {
+    for (const char* name : {"globe", "step", "noise"}) {
+        SCOPED_TRACE(name);
+        const auto shown = shown_scene(name, 171, 133);
+        const ManyColours colours(171, 133);
+        for (const double blend : {0.0, 0.4})
+            for (const PlaneView& colour : {colours.view(), PlaneView{}})
+                look(shown->field(blend), shown->pair(blend), colour);
+    }
+    const int sizes[][2] = {{1, 1},  {1, 9},  {9, 1},   {2, 2},    {3, 2},
+                            {7, 65}, {8, 64}, {33, 17}, {24, 130}, {90, 70}};
+    for (const auto& [width, height] : sizes)
+        for (const bool heights : {false, true}) {
+            const Codes codes(coding_of(DepthCodingKind::inverse, DepthSemantics::range, true), width, height,
+                              heights);
+            const FramePair pair = codes.pair(0.3);
+            const ManyColours colours(width, height);
+            look(HeightField(codes.scene, pair), pair, colours.view());
+        }
+}
+
+/// Light of the vertices' q against `lit_colours`.
+inline void expect_lit(const HeightField& field, std::vector<float> q, const PlaneView& colour,
+                       const std::vector<PackedColour>& lit) {
+    ViewSurface surface;
+    surface.width = field.width();
+    surface.height = field.height();
+    surface.q = std::move(q);
+    const std::vector<PackedColour> twin = lit_colours(field.scene().camera, surface, colour, Lighting::full);
+    int worst = 0;
+    for (std::size_t k = 0; k < twin.size(); ++k) {
+        ASSERT_EQ(lit[k] >> 24, 255U) << "vertex " << k;
+        worst = std::max(worst, colour_distance(lit[k], twin[k]));
+    }
+    EXPECT_LE(worst, 2) << surface.width << "x" << surface.height;
+}
 
 /// What painters draw, one triangle after the other, pixel by pixel: the definition that they are held
 /// against.
