@@ -3,7 +3,6 @@
 #include "bench/clocks.hpp"
 #include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"
-#include "player/session/run_record.hpp"
 
 namespace touchable {
 

@@ -5,7 +5,6 @@
 
 #include "bench/clocks.hpp"
 #include "player/run/touch_session.hpp"
-#include "player/session/run_record.hpp"
 #include "player/session/touch_setup.hpp"
 
 namespace touchable {

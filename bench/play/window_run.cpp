@@ -6,7 +6,6 @@
 
 #include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"
-#include "player/session/run_record.hpp"
 #include "player/window/play_window.hpp"
 
 namespace touchable {

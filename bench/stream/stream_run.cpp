@@ -14,7 +14,6 @@
 #include "bench/stream/felt_stream.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/clip_choice.hpp"
-#include "player/session/run_record.hpp"
 #include "player/session/touch_setup.hpp"
 #include "tests/stream/served_clip.hpp"
 #include "tests/unused_port.hpp"

@@ -1,4 +1,4 @@
-#include "player/audio/rumble.hpp"
+#include "player/audio/window_sound.hpp"
 
 #include "engine/base/threads.hpp"
 

@@ -1,4 +1,4 @@
-#include "player/audio/rumble.hpp"
+#include "player/audio/window_sound.hpp"
 
 #ifdef TOUCHABLE_HAS_SDL2
 

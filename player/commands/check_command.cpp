@@ -17,6 +17,7 @@
 #include "engine/gpu/vulkan_builder.hpp"
 #include "player/commands/machine_check.hpp"
 #include "player/commands/option_types.hpp"
+#include "player/run/terminal.hpp"
 #include "player/run/touch_session.hpp"
 
 namespace touchable {

@@ -1,4 +1,4 @@
-#include "player/commands/clip_facts.hpp"
+#include "player/commands/reports.hpp"
 
 #include "engine/base/hand_thresholds.hpp"
 #include "engine/base/same_bits.hpp"

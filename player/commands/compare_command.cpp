@@ -9,7 +9,7 @@
 #include "engine/base/words.hpp"
 #include "player/commands/option_types.hpp"
 #include "player/run/run_files.hpp"
-#include "player/run/touch_session.hpp"
+#include "player/run/terminal.hpp"
 
 namespace touchable {
 

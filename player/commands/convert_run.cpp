@@ -19,7 +19,6 @@
 #include "player/commands/option_types.hpp"
 #include "player/run/terminal.hpp"
 #include "player/run/touch_session.hpp"
-#include "player/session/touch_setup.hpp"
 
 namespace touchable {
 
@@ -279,6 +278,68 @@ std::string report_of_conversion(const ConvertOptions& options, const Converted&
     return text;
 }
 
+/// One finger's goals and forces.
+struct Stroke {
+    ForceTable forces;
+    double metres_per_scene_unit = 0;
+};
+
+constexpr const char* wandering = "wander:seed=1";
+constexpr std::int64_t standard_stroke_ticks = 3000;  // milliseconds
+
+/// Repeats one finger's recorded goals.
+class GoalsAgain final : public Hand {
+public:
+    explicit GoalsAgain(const ForceTable& before) : before_(before) {}
+    int fingers() const override { return 1; }
+    void goals_at(std::int64_t tick, const SurfaceProbe&, std::span<glm::dvec3> goals) override {
+        goals[0] = before_.at(static_cast<std::size_t>(tick), 0).goal;
+    }
+
+private:
+    const ForceTable& before_;
+};
+
+class ForcesInHand final : public TouchSink {
+public:
+    Result<void> consume(const TouchTick& tick) override {
+        table.samples.push_back({tick.goals[0], tick.forces[0].force, tick.contacts[0].touching});
+        return {};
+    }
+    ForceTable table{1, {}};
+};
+
+/// The stroke of a finger that wanders over a clip, always along the same path; or a repeat of `before`'s
+/// goals at its scale. The clip has the filters it states, or those chosen from its first frames.
+Result<Stroke> stroke(std::unique_ptr<ClipReader> reader, const Stroke* before = nullptr) {
+    reader->leave_out_colour();
+    Scene scene = reader->scene();
+    TRY(settle_filters(reader, reader->unstated_filters(), scene));
+    auto builder = make_cpu_builder(scene);
+    SurfaceFeed feed(std::move(reader), std::move(builder), scene);
+    feed.leave_out_hash();
+    TRY_ASSIGN(const auto first, feed.pair_at(0));
+    Workspace workspace = clip_workspace(scene, *first.prev.frame);
+    if (before) workspace.metres_per_scene_unit = before->metres_per_scene_unit;
+
+    std::unique_ptr<Hand> hand;
+    if (before) {
+        hand = std::make_unique<GoalsAgain>(before->forces);
+    } else {
+        const HeightField field(scene, first);
+        TRY_ASSIGN(hand, make_hand(wandering, 1, workspace, FieldProbe(field)));
+    }
+    TouchSessionSettings settings;
+    settings.ticks = standard_stroke_ticks;
+    settings.touch.metres_per_scene_unit = workspace.metres_per_scene_unit;
+    TRY_ASSIGN(const auto solver, TouchSolver::create(scene, settings.touch));
+    ForcesInHand forces;
+    Progress progress("tick", standard_stroke_ticks);
+    std::array<TouchSink*, 2> sinks{&forces, &progress};
+    TRY(TouchSession(scene, feed, *hand, solver, settings).run(sinks));
+    return Stroke{std::move(forces.table), workspace.metres_per_scene_unit};
+}
+
 class Conversion {
 public:
     explicit Conversion(const ConvertOptions& options) : options_(options) {}
@@ -522,8 +583,7 @@ private:
 
     Result<void> write() {
         progress_.emplace("converting frame", source_->frame_count().value_or(0));
-        if (is_resized() || is_recoded())
-            TRY(assign(stroke_, standard_stroke(std::make_unique<Source>(*this))));
+        if (is_resized() || is_recoded()) TRY(assign(stroke_, stroke(std::make_unique<Source>(*this))));
         while (true) {
             TRY_ASSIGN(const auto frame, next());
             if (!frame) break;
@@ -556,7 +616,8 @@ private:
         };
         if (!lost(PlaneRole::depth) && !lost(PlaneRole::haptic) && !lost(PlaneRole::height)) return {};
         TRY(reader->rewind());
-        TRY_ASSIGN(done_.forces, compare_by_stroke(*stroke_, std::move(reader)));
+        TRY_ASSIGN(const auto repeated, stroke(std::move(reader), &*stroke_));
+        TRY_ASSIGN(done_.forces, compare_forces(stroke_->forces, repeated.forces));
         return {};
     }
 

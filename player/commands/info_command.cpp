@@ -15,10 +15,10 @@
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/scene/filter_codes.hpp"
 #include "engine/surface/depth_estimator.hpp"
-#include "player/commands/clip_facts.hpp"
 #include "player/commands/clip_options.hpp"
 #include "player/commands/option_types.hpp"
-#include "player/run/touch_session.hpp"
+#include "player/commands/reports.hpp"
+#include "player/run/terminal.hpp"
 #include "player/session/clip_choice.hpp"
 
 namespace touchable {

@@ -16,7 +16,7 @@
 #include "engine/base/words.hpp"
 #include "engine/gpu/gpu_device.hpp"
 #include "player/commands/option_types.hpp"
-#include "player/session/run_record.hpp"
+#include "player/session/touch_setup.hpp"
 
 namespace touchable {
 

@@ -1,12 +1,16 @@
-#include "player/commands/make_command.hpp"
-
 #include <future>
 #include <iostream>
 #include <tuple>
 
+#include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "engine/clip/clip.hpp"
+#include "engine/content/globe_maps.hpp"
+#include "engine/content/scenes.hpp"
+#include "engine/picture/image.hpp"
 #include "player/commands/commands.hpp"
+#include "player/commands/option_types.hpp"
 #include "player/run/terminal.hpp"
 #include "player/run/touch_session.hpp"
 
@@ -14,6 +18,29 @@ namespace touchable {
 
 namespace {
 
+/// Files and options of a globe made from maps.
+struct GlobeMapFiles {
+    std::filesystem::path colour, elevation, mask, haptic;
+    std::optional<double> sea_level{}, relief_percent{}, smoothing_degrees{};
+
+    bool any() const { return !colour.empty() || !elevation.empty() || !mask.empty(); }
+    /// The files that are read, with their options.
+    std::vector<NamedFile> files() const {
+        std::vector<NamedFile> named;
+        const std::pair<const char*, const std::filesystem::path&> all[] = {
+            {"--colour", colour}, {"--elevation", elevation}, {"--mask", mask}, {"--haptic", haptic}};
+        for (const auto& [name, path] : all)
+            if (!path.empty()) named.push_back({name, path});
+        return named;
+    }
+};
+
+/// Maps with the pictures that hold their samples.
+struct ReadGlobeMaps {
+    StoredImage colour{}, elevation{}, mask{}, haptic{};
+    GlobeMaps maps;
+    std::string remark;  ///< one line about the sea level found
+};
 /// Options of a generated clip.
 struct MakeOptions {
     std::string scene;                   ///< one of scene_names()
@@ -71,6 +98,35 @@ std::string shore_in_words(const GlobeMaps::Shore& shore, bool told, bool has_ma
            (shore.bright_is_land ? "bright" : "dark") +
            formatted(" in the mask; the two agree on %.1f %% of the globe", 100 * shore.agreement) +
            (told ? "" : " (--sea-level VALUE says otherwise)");
+}
+
+Result<std::unique_ptr<const ReadGlobeMaps>> read_globe_maps(const GlobeMapFiles& files) {
+    auto read = std::make_unique<ReadGlobeMaps>();
+    GlobeMaps& maps = read->maps;
+    for (const auto& [file, kind, picture, map] :
+         {std::tuple{&files.colour, MapKind::as_stored, &read->colour, &maps.colour},
+          {&files.elevation, MapKind::grey, &read->elevation, &maps.elevation},
+          {&files.mask, MapKind::grey, &read->mask, &maps.mask},
+          {&files.haptic, MapKind::as_stored, &read->haptic, &maps.haptic}}) {
+        TRY_ASSIGN(*map, read_map(*file, kind, *picture));
+    }
+    std::optional<double> sea_level = files.sea_level;
+    if (files.mask.empty() && !maps.elevation.empty() && maps.elevation.channels == 1) {
+        if (!sea_level) sea_level = least_of(maps.elevation);
+        read->mask = mask_of(maps.elevation, *sea_level);
+        maps.mask = map_of(read->mask);
+        const auto& mask = read->mask.image.samples;
+        if (std::ranges::find(mask, mask.front() ^ 255) == mask.end())
+            return input_error(files.sea_level
+                                   ? "--sea-level leaves only land, or only sea, in the elevation map"
+                                   : "the elevation map is level everywhere");
+    }
+    if (files.relief_percent) maps.relief = *files.relief_percent / 100;
+    if (files.smoothing_degrees) maps.smoothing_degrees = *files.smoothing_degrees;
+    TRY(check_globe_maps(maps));
+    TRY_ASSIGN(maps.shore, find_shore(maps.elevation, maps.mask, sea_level));
+    read->remark = shore_in_words(maps.shore, files.sea_level.has_value(), !files.mask.empty());
+    return std::unique_ptr<const ReadGlobeMaps>(std::move(read));
 }
 
 Result<void> write_frames(const AnalyticScene& source, std::int64_t frames, ClipWriter& writer) {
@@ -248,44 +304,6 @@ Result<void> run_make(const MakeOptions& options) {
 }
 
 }  // namespace
-
-std::vector<NamedFile> GlobeMapFiles::files() const {
-    std::vector<NamedFile> named;
-    const std::pair<const char*, const std::filesystem::path*> all[] = {
-        {"--colour", &colour}, {"--elevation", &elevation}, {"--mask", &mask}, {"--haptic", &haptic}};
-    for (const auto& [name, path] : all)
-        if (!path->empty()) named.push_back({name, *path});
-    return named;
-}
-
-Result<std::unique_ptr<const ReadGlobeMaps>> read_globe_maps(const GlobeMapFiles& files) {
-    auto read = std::make_unique<ReadGlobeMaps>();
-    GlobeMaps& maps = read->maps;
-    for (const auto& [file, kind, picture, map] :
-         {std::tuple{&files.colour, MapKind::as_stored, &read->colour, &maps.colour},
-          {&files.elevation, MapKind::grey, &read->elevation, &maps.elevation},
-          {&files.mask, MapKind::grey, &read->mask, &maps.mask},
-          {&files.haptic, MapKind::as_stored, &read->haptic, &maps.haptic}}) {
-        TRY_ASSIGN(*map, read_map(*file, kind, *picture));
-    }
-    std::optional<double> sea_level = files.sea_level;
-    if (files.mask.empty() && !maps.elevation.empty() && maps.elevation.channels == 1) {
-        if (!sea_level) sea_level = least_of(maps.elevation);
-        read->mask = mask_of(maps.elevation, *sea_level);
-        maps.mask = map_of(read->mask);
-        const auto& mask = read->mask.image.samples;
-        if (std::ranges::find(mask, mask.front() ^ 255) == mask.end())
-            return input_error(files.sea_level
-                                   ? "--sea-level leaves only land, or only sea, in the elevation map"
-                                   : "the elevation map is level everywhere");
-    }
-    if (files.relief_percent) maps.relief = *files.relief_percent / 100;
-    if (files.smoothing_degrees) maps.smoothing_degrees = *files.smoothing_degrees;
-    TRY(check_globe_maps(maps));
-    TRY_ASSIGN(maps.shore, find_shore(maps.elevation, maps.mask, sea_level));
-    read->remark = shore_in_words(maps.shore, files.sea_level.has_value(), !files.mask.empty());
-    return std::unique_ptr<const ReadGlobeMaps>(std::move(read));
-}
 
 void add_make_command(CLI::App& app, Command& command) {
     auto* make = app.add_subcommand("make", "make a clip of a generated scene, such as a globe");

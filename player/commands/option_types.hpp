@@ -51,6 +51,11 @@ inline void set_work(CLI::App& sub, std::function<Result<void>()>& command,
     sub.callback([&command, work = std::move(work)] { command = work; });
 }
 
+/// "frames of 720x480 pixels": the main use of memory.
+inline std::string frames_in_words(const Scene& scene) {
+    return "frames of " + size_text(scene.width, scene.height) + " pixels";
+}
+
 /// Type of an option whose value is or may be one of these words: "NAME:{a,b}". Help and completion take the
 /// words from it. With NAME "WORD" no other value is allowed.
 template <class Words>

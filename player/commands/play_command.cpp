@@ -20,7 +20,6 @@
 #include "player/commands/option_types.hpp"
 #include "player/commands/run_options.hpp"
 #include "player/run/terminal.hpp"
-#include "player/session/run_record.hpp"
 #include "player/window/play_window.hpp"
 
 namespace touchable {

@@ -3,6 +3,7 @@
 // Options of commands that compute a surface, touch it or draw it: the builder, devices held by the user,
 // playback, and a picture. For each group an add_* function adds the options to a subcommand, and a struct
 // holds the typed values until a second function turns them into settings or refuses them (ErrorKind::usage).
+// TouchOptions are all of `touch`.
 // Main thread only.
 
 #include <CLI/CLI.hpp>
@@ -106,5 +107,25 @@ private:
 /// it; a painter requested by name but unavailable is refused.
 Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options, Existing existing,
                                                   const BuilderChoice& choice, RunGpu& gpu);
+
+/// Options of a run and its outputs.
+struct TouchOptions {
+    /// With `replay` only the builder and the clip are used; an empty clip: the recorded one.
+    SessionOptions session;
+    HeldDeviceWords held;
+    std::optional<std::filesystem::path> json, forces, record, replay, device_log;
+    std::optional<std::filesystem::path> play;  ///< already read into `session.playback`
+    Existing existing = Existing::keep;         ///< treatment of existing output files
+    bool verbose = false;                       ///< print the whole table
+    bool strict = false;                        ///< warnings are an error of kind check
+    PictureOptions picture;
+    std::optional<std::int64_t> picture_tick;  ///< nothing: 60 % of the run
+};
+
+/// Touches a clip at 1 kHz, in virtual time or (live) on the wall clock, prints a table and writes the
+/// requested files. With `replay`, repeats a recording: the first different force is an error of kind check
+/// that names tick and finger. A live run ended by the user is complete and returns an error that states its
+/// length.
+Result<void> run_touch(const TouchOptions& options);
 
 }  // namespace touchable

@@ -17,6 +17,7 @@
 #include "player/commands/clip_options.hpp"
 #include "player/commands/commands.hpp"
 #include "player/commands/option_types.hpp"
+#include "player/commands/reports.hpp"
 #include "player/run/run_files.hpp"
 #include "player/run/terminal.hpp"
 #include "player/session/clip_choice.hpp"

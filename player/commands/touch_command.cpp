@@ -1,5 +1,3 @@
-#include "player/commands/touch_command.hpp"
-
 #include <termios.h>
 #include <CLI/CLI.hpp>
 #include <array>
@@ -13,7 +11,9 @@
 #include "player/commands/clip_options.hpp"
 #include "player/commands/commands.hpp"
 #include "player/commands/option_types.hpp"
+#include "player/commands/reports.hpp"
 #include "player/commands/run_options.hpp"
+#include "player/run/run_files.hpp"
 #include "player/run/terminal.hpp"
 
 namespace touchable {
@@ -509,7 +509,7 @@ Result<void> run_part(const TouchOptions& options, const RecordedPart* part, Tou
     told.reports.push_back(
         make_report(s, part ? figures : told.all, live ? &ran : nullptr, outputs.painter()));
     if (!part) return {};
-    told.replayed.push_back(check->outcome(figures.force_hash(), s));
+    told.replayed.push_back(check->outcome(figures.force_hash(), has_other_frames(*part, s)));
     told.all.end_part();
     told.ticks += ticks_of(*part);
     return {};

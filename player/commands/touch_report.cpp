@@ -1,5 +1,3 @@
-#include "player/commands/touch_command.hpp"
-
 #include <algorithm>
 #include <cstdint>
 #include <nlohmann/json.hpp>
@@ -8,11 +6,9 @@
 #include "engine/base/words.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/stream/stream_url.hpp"
-#include "player/commands/clip_facts.hpp"
 #include "player/commands/machine_check.hpp"
 #include "player/commands/option_types.hpp"
-#include "player/run/touch_session.hpp"
-#include "player/session/touch_setup.hpp"
+#include "player/commands/reports.hpp"
 
 namespace touchable {
 
@@ -281,6 +277,13 @@ std::string verdict_words(const Json& report) {
 }
 
 }  // namespace
+
+Json to_json(const StreamFigures::Link& link) {
+    return {{"rtt_ms", link.rtt_ms},
+            {"datagrams", link.datagrams},
+            {"lost", link.lost},
+            {"sent_again", link.sent_again}};
+}
 
 Json make_report(const TouchSetup& setup, const TouchFigures& figures, const LiveFacts* live,
                  const SurfacePainter* painter) {

@@ -56,16 +56,12 @@ Result<void> begin_source(const HapticLoop& loop, SurfaceFeed& feed, FeedThreads
 }  // namespace
 
 LiveSession::LiveSession(const Scene& scene, SurfaceFeed& feed, HapticPort& port, const TouchSolver& solver,
-                         const TouchSessionSettings& settings)
-    : LiveSession(scene, feed, port, solver, settings, std::make_shared<PlaybackLog>(settings.playback)) {}
-
-LiveSession::LiveSession(const Scene& scene, SurfaceFeed& feed, HapticPort& port, const TouchSolver& solver,
                          const TouchSessionSettings& settings, std::shared_ptr<PlaybackLog> log)
     : scene_(scene),
       feed_(feed),
       port_(port),
       settings_(settings),
-      log_(std::move(log)),
+      log_(log ? std::move(log) : std::make_shared<PlaybackLog>(settings.playback)),
       step_(solver, settings.guard, settings.fingers),
       clock_(scene.rate, log_) {
     board_.set(clock_.state_at(0));

@@ -5,12 +5,14 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/base/result.hpp"
@@ -43,11 +45,9 @@ struct PlaybackCommand {
 /// memory allocated at the start; neither thread waits for the other.
 class PlaybackLog {
 public:
-    /// A complete log: all commands, ordered by tick.
-    explicit PlaybackLog(std::vector<PlaybackCommand> commands) : PlaybackLog(std::move(commands), 0) {}
-    /// With room for `more` commands. The ticks of `commands` must not exceed the first tick passed to
-    /// `take`.
-    PlaybackLog(std::vector<PlaybackCommand> commands, std::size_t more);
+    /// `commands`: ordered by tick. `more`: room for others; the ticks of `commands` must then not exceed the
+    /// first tick passed to `take`.
+    explicit PlaybackLog(std::vector<PlaybackCommand> commands, std::size_t more = 0);
 
     /// Whether commands may come.
     bool is_open() const { return is_open_; }
@@ -88,6 +88,18 @@ Result<void> validate(const std::vector<PlaybackCommand>& commands);
 
 /// What is wrong with a command that follows one at `tick_before`; nothing: valid.
 std::optional<std::string> fault_after(std::int64_t tick_before, const PlaybackCommand& command);
+
+/// Reads commands to the clip's clock, one per line: "SECONDS play", "pause", "rate X", "seek SECONDS",
+/// "step", "loop SECONDS SECONDS" or "unloop", in the order of their times (docs/touch.md). Empty lines and
+/// text after '#' are ignored. Anything else is refused (ErrorKind::input) with `name` and the line.
+Result<std::vector<PlaybackCommand>> parse_playback(std::string_view text, const std::string& name);
+/// As parse_playback, from a file.
+Result<std::vector<PlaybackCommand>> read_playback(const std::filesystem::path& file);
+
+/// The commands as parse_playback's lines, joined by ", ".
+std::string in_words(const std::vector<PlaybackCommand>& commands);
+/// The settings that may have given these commands.
+Hints settings_of(const std::vector<PlaybackCommand>& commands);
 
 /// State of a clip's clock at a tick.
 struct PlaybackState {

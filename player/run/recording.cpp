@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 
 #include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
@@ -221,6 +222,21 @@ RecordedPart in_one(Recording recording) {
         }
     }
     return all;
+}
+
+bool same_bits(const glm::dvec3& a, const glm::dvec3& b) {
+    return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+std::string to_text(const glm::dvec3& force, std::uint32_t guard) {
+    return formatted("(%.17g, %.17g, %.17g) N with guard %u", force.x, force.y, force.z, guard);
+}
+
+std::string in_words(std::uint64_t epoch, std::int64_t prev, std::int64_t next, double blend) {
+    std::string words = formatted("between frames %lld and %lld at %.17g", static_cast<long long>(prev),
+                                  static_cast<long long>(next), blend);
+    if (epoch > 0) words += " of epoch " + std::to_string(epoch);
+    return words;
 }
 
 }  // namespace
@@ -464,6 +480,60 @@ void RepeatingHand::goals_at(std::int64_t tick, const SurfaceProbe& probe, std::
     while (at_ + 1 < ticks.size() && ticks[at_ + 1].time_ns <= tick * tick_ns) ++at_;
     std::copy(ticks[at_].goals.begin(), ticks[at_].goals.end(), goals.begin());
     watch_.look(probe, goals);
+}
+
+Result<void> ReplayCheck::consume(const TouchTick& tick) {
+    if (difference_) return {};
+    const RecordedPart::Tick& recorded = recording_.ticks[next_++];
+    const std::string where = "tick " + std::to_string(tick.tick);
+    if (recorded.frame_prev != tick.pair.prev.number || recorded.frame_next != tick.pair.next.number ||
+        recorded.blend != tick.blend || recorded.epoch != tick.pair.epoch) {
+        difference_ = where + ": " +
+                      in_words(tick.pair.epoch, tick.pair.prev.number, tick.pair.next.number, tick.blend) +
+                      ", recorded " +
+                      in_words(recorded.epoch, recorded.frame_prev, recorded.frame_next, recorded.blend);
+        return {};
+    }
+    for (std::size_t k = 0; k < tick.forces.size(); ++k) {
+        if (same_bits(recorded.forces[k], tick.forces[k].force) &&
+            recorded.guards[k] == tick.forces[k].reasons)
+            continue;
+        difference_ = where + ", finger " + std::to_string(k + 1) + ": force " +
+                      to_text(tick.forces[k].force, tick.forces[k].reasons) + ", recorded " +
+                      to_text(recorded.forces[k], recorded.guards[k]);
+        return {};
+    }
+    return {};
+}
+
+ReplayCheck::Outcome ReplayCheck::outcome(const std::string& force_hash, bool has_other_frames) const {
+    Outcome part{recording_.rules(), difference_, has_other_frames};
+    const auto hash = recording_.facts.at("force_hash").get<std::string>();
+    if (!part.difference && hash != force_hash)
+        part.difference = "force_hash " + force_hash + ", recorded " + hash;
+    return part;
+}
+
+Result<std::string> judge_replay(std::span<const ReplayCheck::Outcome> parts, const std::string& force_hash) {
+    bool others = false;
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+        const ReplayCheck::Outcome& part = parts[k];
+        if (part.rules != force_rules)
+            return input_error("replay is not comparable: made under rules " + std::to_string(part.rules) +
+                               " of force, this program has rules " + std::to_string(force_rules) +
+                               "; what was asked for is written, with its forces");
+        others = others || part.has_other_frames;
+        const std::string where = parts.size() > 1 ? "part " + std::to_string(k + 1) + ", " : "";
+        if (part.difference)
+            return Error{ErrorKind::check,
+                         "replay differs first at " + where + *part.difference +
+                             (part.has_other_frames ? "; the clip's frames are not the recorded ones" : "")};
+    }
+    const std::string all = parts.size() > 1 ? " in all " + std::to_string(parts.size()) + " parts" : "";
+    return "replay: every force is as recorded, to the bit" + all + " (" + force_hash + ")\n" +
+           (others ? "note: the clip's frames are not the recorded ones; they differ where no finger "
+                     "felt it\n"
+                   : "");
 }
 
 }  // namespace touchable

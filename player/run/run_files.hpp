@@ -8,8 +8,9 @@
 // RecordingFile, which keeps a header (format version, rules of force, scene, settings) and for each tick its
 // goals, frames and forces. `read_recording` reads recordings of this format or an older one, also those that
 // were ended early; a newer format is refused by name. RepeatingHand repeats a recording's goals over another
-// surface. `read_force_table` and `compare_forces` are for tables of forces. docs/forces.md has the columns,
-// docs/touch.md the format.
+// surface; a ReplayCheck compares each tick of a replay with the recorded one, and judge_replay tells the
+// first difference. `read_force_table` and `compare_forces` are for tables of forces. docs/forces.md has the
+// columns, docs/touch.md the format.
 //
 // Errors name the file, its line and the valid values. Files read are untrusted: every count and length is
 // checked before memory is allocated for it.
@@ -350,6 +351,35 @@ private:
     GoalWatch watch_;
     std::size_t at_ = 0;  // the recorded tick whose goals were returned last
 };
+
+/// Compares each tick with the recorded one, bit for bit, and remembers the first difference.
+class ReplayCheck final : public TouchSink {
+public:
+    /// Result of a part's replay.
+    struct Outcome {
+        int rules = 0;  ///< version of the force rules of the recording
+        std::optional<std::string>
+            difference;                 ///< first difference: tick, finger, both values; nothing: none
+        bool has_other_frames = false;  ///< the clip's frames differ from the recorded ones
+    };
+
+    /// `recording`: its header was checked (read_recorded_facts).
+    explicit ReplayCheck(const RecordedPart& recording) : recording_(recording) {}
+    Result<void> consume(const TouchTick& tick) override;
+    /// After the last tick. `force_hash`: of the part's ticks. `has_other_frames`: Outcome's.
+    Outcome outcome(const std::string& force_hash, bool has_other_frames) const;
+
+private:
+    const RecordedPart& recording_;
+    std::size_t next_ = 0;  // index of the next tick in the recording
+    std::optional<std::string> difference_;
+};
+
+/// Judges a replay. Error of kind input if the recording was made under other rules of force, so that nothing
+/// can be compared; of kind check if something differs, naming the first difference, its part, and whether
+/// the clip's frames differ from the recorded ones. Else the message: a clip may have changed where no finger
+/// went. `force_hash`: of all parts.
+Result<std::string> judge_replay(std::span<const ReplayCheck::Outcome> parts, const std::string& force_hash);
 
 // ---- Tables of forces
 

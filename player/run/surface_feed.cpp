@@ -6,44 +6,41 @@
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
+#include "player/run/terminal.hpp"
 
 namespace touchable {
 namespace {
 
 constexpr int columns = 32, rows = 24;
-constexpr std::size_t most_found = 4096;
+constexpr std::size_t most_cuts = 4096;
 /// A pixel has changed if its code differs by more than `another` times the range of both frames' codes; a
 /// frame is a cut if more than cut_share of its pixels have changed.
 constexpr double another = 1.0 / 12, cut_share = 0.4;
 
-// A bin holds doubles with the same exponent and the same 7 leading mantissa bits; bit patterns of positive
-// doubles are ordered like their values.
-constexpr int bits_in_bin = 52 - 7;
-constexpr double shortest = 0x1p-10, longest = 0x1p40;  // if in microseconds: a nanosecond, twelve days
-
-constexpr std::uint64_t bin_of_all(double time) {
-    return std::bit_cast<std::uint64_t>(time) >> bits_in_bin;
-}
-constexpr std::uint64_t first_bin = bin_of_all(shortest);
-constexpr std::size_t bins = bin_of_all(longest) - first_bin + 1;
-
-std::size_t bin_of(double time) {
-    if (!(time >= shortest)) return 0;  // in the first bin
-    return time < longest ? bin_of_all(time) - first_bin : bins - 1;
-}
-
-/// The middle of a bin.
-double middle_of(std::size_t bin) {
-    const auto end = [](std::uint64_t of) { return std::bit_cast<double>(of << bits_in_bin); };
-    return (end(first_bin + bin) + end(first_bin + bin + 1)) / 2;
+/// Whether much of a picture has changed; -1: invalid.
+bool is_cut(const std::vector<int>& before, const std::vector<int>& now) {
+    int least = std::numeric_limits<int>::max(), greatest = 0;
+    for (const auto* codes : {&before, &now})
+        for (const int code : *codes)
+            if (code >= 0) {
+                least = std::min(least, code);
+                greatest = std::max(greatest, code);
+            }
+    const double far_away = another * std::max(0, greatest - least);  // no valid code: 0
+    int others = 0;
+    for (std::size_t k = 0; k < now.size(); ++k) {
+        const bool same_state = (now[k] < 0) == (before[k] < 0);
+        others += !same_state || std::abs(now[k] - before[k]) > far_away;
+    }
+    return others > cut_share * columns * rows;
 }
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-bool has(const std::vector<DroppedFrames>& dropped, std::uint64_t epoch, std::int64_t number) {
-    return std::ranges::any_of(dropped, [&](const DroppedFrames& frames) {
+bool has(const std::vector<FrameRun>& dropped, std::uint64_t epoch, std::int64_t number) {
+    return std::ranges::any_of(dropped, [&](const FrameRun& frames) {
         return frames.epoch == epoch && number >= frames.first && number < frames.first + frames.count;
     });
 }
@@ -62,76 +59,73 @@ bool leads_elsewhere(PlaybackVerb verb) {
 
 }  // namespace
 
-void PlanesHash::add(const RawFrame& frame) {
+void add_planes(const RawFrame& frame, ByteHash& hash) {
     for (const PlaneView* plane : {&frame.depth, &frame.haptic, &frame.height})
         for (int y = 0; !plane->empty() && y < plane->height; ++y)
-            hash_.add(plane->row(y), plane->row_bytes());
+            hash.add(plane->row(y), plane->row_bytes());
 }
 
-void SceneCuts::look(const RawFrame& frame, const DepthCoding& coding) {
-    std::swap(codes_, before_);
-    codes_.clear();
-    int least = std::numeric_limits<int>::max(), greatest = 0;
-    for (int row = 0; row < rows; ++row)
-        for (int column = 0; column < columns; ++column) {
-            const std::uint16_t code =
-                stored_code(frame.depth, coding, (2 * column + 1) * frame.depth.width / (2 * columns),
-                            (2 * row + 1) * frame.depth.height / (2 * rows));
-            codes_.push_back(coding.is_valid(code) ? int{code} : -1);
-        }
-    const bool follows = frame.epoch == epoch_ && frame.number > number_ && frame.number <= number_ + 2;
-    epoch_ = frame.epoch;
-    number_ = frame.number;
-    if (!follows || before_.size() != codes_.size() || found_.size() == most_found) return;
-    for (const auto* codes : {&codes_, &before_})
-        for (const int code : *codes)
-            if (code >= 0) {
-                least = std::min(least, code);
-                greatest = std::max(greatest, code);
-            }
-    const double far_away = another * std::max(0, greatest - least);  // no valid code: 0
-    int others = 0;
-    for (std::size_t k = 0; k < codes_.size(); ++k) {
-        const bool same_state = (codes_[k] < 0) == (before_[k] < 0);
-        others += !same_state || std::abs(codes_[k] - before_[k]) > far_away;
+/// What only an eye needs, passed from the builder thread: the timeline's frames as stored, and cuts.
+class SurfaceFeed::Watched {
+public:
+    /// Before the frame is published, so that no frame is seen without its planes.
+    void keep(const RawFrame& raw) {
+        if (!raw.storage) return;
+        const std::lock_guard lock(mutex_);
+        if (!frames_.empty() && frames_.back().epoch == raw.epoch && frames_.back().number == raw.number)
+            return;
+        frames_.push_back({raw.epoch, raw.number, {raw.colour, raw.depth, raw.storage}});
+        // `storage` keeps the samples unchanged.
+        frames_.back().planes.colour.content = new_content_number();
+        if (frames_.size() > most) frames_.pop_front();
     }
-    if (others > cut_share * columns * rows) found_.insert(frame.number);
-}
+    std::optional<HeldPlanes> find(std::uint64_t epoch, std::int64_t number) {
+        const std::lock_guard lock(mutex_);
+        const auto found = std::ranges::find_if(
+            frames_, [&](const Frame& frame) { return frame.epoch == epoch && frame.number == number; });
+        if (found == frames_.end()) return std::nullopt;
+        frames_.erase(frames_.begin(), found);
+        return frames_.front().planes;
+    }
+    /// Samples some 800 pixels and compares with the last frame looked at, if that is one or two frames
+    /// earlier in the same epoch.
+    void look(const RawFrame& frame, const DepthCoding& coding) {
+        std::vector<int> codes;
+        for (int row = 0; row < rows; ++row)
+            for (int column = 0; column < columns; ++column) {
+                const std::uint16_t code =
+                    stored_code(frame.depth, coding, (2 * column + 1) * frame.depth.width / (2 * columns),
+                                (2 * row + 1) * frame.depth.height / (2 * rows));
+                codes.push_back(coding.is_valid(code) ? int{code} : -1);
+            }
+        const bool follows = frame.epoch == epoch_ && frame.number > number_ && frame.number <= number_ + 2;
+        epoch_ = frame.epoch;
+        number_ = frame.number;
+        std::swap(codes, codes_);
+        if (!follows || codes.empty() || !is_cut(codes, codes_)) return;
+        const std::lock_guard lock(mutex_);
+        if (cuts_.size() < most_cuts) cuts_.insert(frame.number);
+    }
+    std::set<std::int64_t> cuts() const {
+        const std::lock_guard lock(mutex_);
+        return cuts_;
+    }
 
-nlohmann::ordered_json to_json(const Spread& s) {
-    return {{"mean", s.mean}, {"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}, {"max", s.max}};
-}
-
-nlohmann::ordered_json to_json(const StreamFigures::Link& link) {
-    return {{"rtt_ms", link.rtt_ms},
-            {"datagrams", link.datagrams},
-            {"lost", link.lost},
-            {"sent_again", link.sent_again}};
-}
-
-TimeSpread::TimeSpread() : times_(bins) {}
-
-void TimeSpread::add(double time) {
-    ++times_[bin_of(time)];
-    least_ = count_ == 0 ? time : std::min(least_, time);
-    most_ = count_ == 0 ? time : std::max(most_, time);
-    sum_ += time;
-    ++count_;
-}
-
-double TimeSpread::quantile(double share) const {
-    const auto rank = std::min(static_cast<std::int64_t>(share * static_cast<double>(count_)), count_ - 1);
-    std::int64_t up_to = 0;
-    for (std::size_t bin = 0; bin < bins; ++bin)
-        if ((up_to += times_[bin]) > rank)
-            return bin + 1 == bins ? most_ : std::clamp(middle_of(bin), least_, most_);
-    return most_;
-}
-
-Spread TimeSpread::spread() const {
-    if (count_ == 0) return {};
-    return {sum_ / static_cast<double>(count_), quantile(0.5), quantile(0.99), quantile(0.999), most_};
-}
+private:
+    static constexpr std::size_t most = 32;  // more than the entries of a timeline with an eye
+    struct Frame {
+        std::uint64_t epoch;
+        std::int64_t number;
+        HeldPlanes planes;
+    };
+    mutable std::mutex mutex_;
+    std::deque<Frame> frames_;  // guarded by mutex_, like cuts_
+    std::set<std::int64_t> cuts_;
+    // Builder thread: the last frame looked at.
+    std::uint64_t epoch_ = 0;
+    std::int64_t number_ = -1;
+    std::vector<int> codes_;
+};
 
 SurfaceFeed::SurfaceFeed(std::unique_ptr<ClipReader> reader, std::unique_ptr<SurfaceBuilder> builder,
                          const Scene& scene, int warm_up_frames, SurfaceTimeline::Eye eye)
@@ -141,10 +135,12 @@ SurfaceFeed::SurfaceFeed(std::unique_ptr<ClipReader> reader, std::unique_ptr<Sur
       stored_(scene.depth),
       warm_up_frames_(warm_up_frames),
       settles_(FilterPlan(scene).remembers()),
-      eye_(eye),
-      timeline_(eye == SurfaceTimeline::Eye::none ? 4 : 6, eye) {
+      timeline_(eye == SurfaceTimeline::Eye::none ? 4 : 6, eye),
+      watched_(eye == SurfaceTimeline::Eye::none ? nullptr : std::make_unique<Watched>()) {
     figures_.builder = builder_->name();
 }
+
+SurfaceFeed::~SurfaceFeed() = default;
 
 Result<void> SurfaceFeed::read_from(std::uint64_t epoch, std::int64_t start_ns) {
     return go_back(
@@ -153,7 +149,7 @@ Result<void> SurfaceFeed::read_from(std::uint64_t epoch, std::int64_t start_ns) 
 
 Result<void> SurfaceFeed::go_back(const ReadPlace& place) {
     place_ = place;
-    const auto never_was = [&place](const DroppedFrames& frames) {
+    const auto never_was = [&place](const FrameRun& frames) {
         return frames.epoch > place.epoch ||
                (frames.epoch == place.epoch && frames.first >= place.next_number);
     };
@@ -181,7 +177,7 @@ bool SurfaceFeed::has_dropped(std::uint64_t epoch, std::int64_t number) const {
 
 std::int64_t SurfaceFeed::dropped_frames() const {
     std::int64_t all = dropped_long_ago_;
-    for (const DroppedFrames& frames : dropped_) all += frames.count;
+    for (const FrameRun& frames : dropped_) all += frames.count;
     return all;
 }
 
@@ -209,9 +205,9 @@ Result<std::optional<FedFrame>> SurfaceFeed::read_next() {
 /// When the run is not recorded, only a count is kept, except for the epochs that reading may go back to.
 void SurfaceFeed::note_dropped(std::int64_t frames) {
     constexpr std::uint64_t epochs_ahead = 16;  // more than can be read before the hand reaches the first
-    dropped_.push_back({place_.epoch, place_.next_number, frames});
+    dropped_.push_back({place_.next_number, frames, place_.epoch});
     if (hashed_) return;
-    std::erase_if(dropped_, [this](const DroppedFrames& old) {
+    std::erase_if(dropped_, [this](const FrameRun& old) {
         if (old.epoch + epochs_ahead >= place_.epoch) return false;
         dropped_long_ago_ += old.count;
         return true;
@@ -220,7 +216,7 @@ void SurfaceFeed::note_dropped(std::int64_t frames) {
 
 void SurfaceFeed::note_built(const RawFrame& raw) {
     if (!hashed_) return;
-    hash_.add(raw);
+    add_planes(raw, hash_);
     if (built_.empty() || built_.back().first + built_.back().count != raw.number)
         built_.push_back({raw.number, 0});
     ++built_.back().count;
@@ -247,7 +243,7 @@ Result<bool> SurfaceFeed::publish(const FedFrame& frame, bool unchanged, std::op
     const RawFrame& raw = frame.raw;
     const auto start = std::chrono::steady_clock::now();
     if (raw.epoch != timeline_.epoch()) timeline_.begin_epoch(raw.epoch);
-    if (frame.shown && eye_ != SurfaceTimeline::Eye::none) stored_planes_.put(raw);
+    if (frame.shown && watched_) watched_->keep(raw);
     const auto done =
         unchanged ? timeline_.republish(raw.number, raw.time_ns) : build(frame, began_ms.has_value());
     if (!done || !*done) return done;
@@ -258,10 +254,9 @@ Result<bool> SurfaceFeed::publish(const FedFrame& frame, bool unchanged, std::op
     any_valid_ = any_valid_ || has_valid_pixel(raw.depth, stored_);
     newest_number_ = raw.number;
     ++frames_;
-    unchanged_frames_ += unchanged;
     skipped_frames_ += unchanged ? 1 : 1 - builder_->built_share();
+    if (watched_) watched_->look(raw, stored_);
     const std::lock_guard lock(figures_mutex_);
-    if (eye_ != SurfaceTimeline::Eye::none) cuts_.look(raw, stored_);
     figures_.builder = builder_->name();
     figures_.frames = frames_;
     figures_.build_ms = took_ms;
@@ -281,8 +276,11 @@ Result<bool> SurfaceFeed::build(const FedFrame& frame, bool begun) {
 }
 
 std::set<std::int64_t> SurfaceFeed::cuts() const {
-    const std::lock_guard lock(figures_mutex_);
-    return cuts_.found();
+    return watched_ ? watched_->cuts() : std::set<std::int64_t>();
+}
+
+std::optional<HeldPlanes> SurfaceFeed::stored_planes(std::uint64_t epoch, std::int64_t number) {
+    return watched_ ? watched_->find(epoch, number) : std::nullopt;
 }
 
 FeedFigures SurfaceFeed::figures() const {
@@ -365,8 +363,8 @@ Result<FramePair> SurfaceFeed::pair_at(const MediaMoment& moment) {
     return pair;
 }
 
-Result<FramePair> SurfaceFeed::pair_of(std::uint64_t epoch, std::int64_t start_ns, std::int64_t prev,
-                                       std::int64_t next, double blend) {
+Result<FramePair> SurfaceFeed::pair_of(std::int64_t prev, std::int64_t next, double blend,
+                                       std::uint64_t epoch, std::int64_t start_ns) {
     const std::int64_t time_ns = reader_->taken_at(prev).value_or(rate_.time_ns(prev));
     auto pair = pair_at(MediaMoment{epoch, time_ns, start_ns});
     if (!pair) return pair;
@@ -380,7 +378,8 @@ Result<FramePair> SurfaceFeed::pair_of(std::uint64_t epoch, std::int64_t start_n
 
 FeedThreads::FeedThreads(SurfaceFeed& feed, IsLate is_late, PlaybackClock ahead, Now now)
     : feed_(feed),
-      out_of_memory_(too_large(frames_in_words(feed.reader().scene()))),
+      out_of_memory_(no_memory_for(
+          "frames of " + size_text(feed.reader().scene().width, feed.reader().scene().height) + " pixels")),
       is_late_(std::move(is_late)),
       now_(std::move(now)),
       commands_may_come_(ahead.log().is_open()),

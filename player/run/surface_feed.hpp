@@ -1,11 +1,13 @@
 #pragma once
 
+// A clip's frames on their way to the hand: read, built and published to a timeline. A SurfaceFeed does so in
+// virtual time, on the thread of the run; FeedThreads runs it live. For an eye the feed also keeps stored
+// planes and finds cuts.
+
 #include <chrono>
 #include <deque>
 #include <functional>
 #include <mutex>
-#include <new>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "engine/base/result.hpp"
@@ -17,88 +19,20 @@
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/surface/surface_builder.hpp"
+#include "player/run/figures.hpp"
 #include "player/run/playback.hpp"
 
 namespace touchable {
 
-/// "frames of 720x480 pixels": the main use of memory.
-inline std::string frames_in_words(const Scene& scene) {
-    return "frames of " + size_text(scene.width, scene.height) + " pixels";
-}
-
-inline Error too_large(const std::string& what) {
-    return input_error("memory does not suffice for " + what);
-}
-
-/// Does the work; if memory does not suffice, the error names `what`. It is read only then, so the work may
-/// update it as it learns of sizes.
-template <class Work>
-Result<void> within_memory(const std::string& what, Work&& work) {
-    try {
-        return work();
-    } catch (const std::bad_alloc&) {
-        return too_large(what);
-    }
-}
-
-/// XXH64 over the stored samples of frames' touch planes (depth, haptic, height), row by row: the part of a
+/// Hashes the stored samples of a frame's touch planes (depth, haptic, height), row by row: the part of a
 /// clip on which forces depend.
-class PlanesHash {
-public:
-    void add(const RawFrame& frame);
-    std::string hex() const { return hash_.hex(); }  ///< 16 digits
-
-private:
-    ByteHash hash_;
-};
+void add_planes(const RawFrame& frame, ByteHash& hash);
 
 /// Consecutive frames of a clip.
 struct FrameRun {
     std::int64_t first = 0, count = 0;
+    std::uint64_t epoch = 0;  ///< in which they were dropped
     bool operator==(const FrameRun&) const = default;
-};
-
-/// Finds a clip's cuts from its depth, frame by frame: a cut is a frame whose depth differs from the previous
-/// frame's in much of the picture. For display only; touch has its own measure of sudden changes.
-class SceneCuts {
-public:
-    /// Samples some 800 pixels and compares with the last frame looked at, if that is one or two frames
-    /// earlier in the same epoch.
-    void look(const RawFrame& frame, const DepthCoding& coding);
-    /// The cuts' frame numbers, at most 4096.
-    const std::set<std::int64_t>& found() const { return found_; }
-
-private:
-    std::uint64_t epoch_ = 0;
-    std::int64_t number_ = -1;
-    std::vector<int> codes_, before_;  // -1: invalid
-    std::set<std::int64_t> found_;
-};
-
-/// Spread of a measured quantity.
-struct Spread {
-    double mean = 0, p50 = 0, p99 = 0, p999 = 0, max = 0;
-};
-nlohmann::ordered_json to_json(const Spread& spread);
-nlohmann::ordered_json to_json(const StreamFigures::Link& link);
-
-/// Spread of any number of times in constant memory: a histogram whose bins grow with the time, 128 per power
-/// of 2. Mean and max are exact, the quantiles within half a percent (below 1/1024 of the times' unit: within
-/// 1/1024).
-class TimeSpread {
-public:
-    TimeSpread();
-    /// `time`: any unit, 0 or more.
-    void add(double time);
-    /// In the same unit; all 0 if empty.
-    Spread spread() const;
-
-private:
-    double quantile(double share) const;
-
-    std::vector<std::int64_t> times_;  // count per bin
-    std::int64_t count_ = 0;
-    double sum_ = 0, least_ = 0, most_ = 0;
 };
 
 /// A frame's stored planes and their owner.
@@ -106,51 +40,6 @@ struct HeldPlanes {
     PlaneView colour;  ///< empty: no colour
     PlaneView depth;
     std::shared_ptr<const void> storage;
-};
-
-/// Stored planes of the timeline's frames, passed from the builder thread to the drawing thread. Not used by
-/// touch.
-class WatchedPlanes {
-public:
-    /// Builder thread: before the frame is published, so that no frame is seen without its planes.
-    void put(const RawFrame& raw) {
-        if (!raw.storage) return;
-        const std::lock_guard lock(mutex_);
-        if (!frames_.empty() && frames_.back().epoch == raw.epoch && frames_.back().number == raw.number)
-            return;
-        frames_.push_back({raw.epoch, raw.number, {raw.colour, raw.depth, raw.storage}});
-        // `storage` keeps the samples unchanged.
-        frames_.back().planes.colour.content = new_content_number();
-        if (frames_.size() > most) frames_.pop_front();
-    }
-    /// Drawing thread: this frame's planes, if kept. Frees earlier frames' planes, which are no longer
-    /// needed.
-    std::optional<HeldPlanes> find(std::uint64_t epoch, std::int64_t number) {
-        const std::lock_guard lock(mutex_);
-        for (std::size_t k = 0; k < frames_.size(); ++k) {
-            if (frames_[k].epoch != epoch || frames_[k].number != number) continue;
-            frames_.erase(frames_.begin(), frames_.begin() + static_cast<std::ptrdiff_t>(k));
-            return frames_.front().planes;
-        }
-        return std::nullopt;
-    }
-
-private:
-    static constexpr std::size_t most = 32;  // more than the entries of a timeline with an eye
-    struct Frame {
-        std::uint64_t epoch;
-        std::int64_t number;
-        HeldPlanes planes;
-    };
-    std::mutex mutex_;
-    std::deque<Frame> frames_;
-};
-
-/// Consecutive dropped frames of an epoch.
-struct DroppedFrames {
-    std::uint64_t epoch = 0;
-    std::int64_t first = 0, count = 0;
-    bool operator==(const DroppedFrames&) const = default;
 };
 
 /// A frame as it was read.
@@ -175,6 +64,7 @@ public:
     SurfaceFeed(std::unique_ptr<ClipReader> reader, std::unique_ptr<SurfaceBuilder> builder,
                 const Scene& scene, int warm_up_frames = temporal_warm_up_frames,
                 SurfaceTimeline::Eye eye = SurfaceTimeline::Eye::none);
+    ~SurfaceFeed();
 
     /// Reads and builds until a frame later than the moment is published or the clip has ended, then returns
     /// the pair around the moment. Moments must not decrease (for an epoch already left, the current pair
@@ -189,12 +79,8 @@ public:
 
     /// The pair of these frames (equal or neighbours) at a blend: the pair of a recorded live tick, whatever
     /// its time.
-    Result<FramePair> pair_of(std::uint64_t epoch, std::int64_t start_ns, std::int64_t prev,
-                              std::int64_t next, double blend);
-    /// The same in epoch 0.
-    Result<FramePair> pair_of(std::int64_t prev, std::int64_t next, double blend) {
-        return pair_of(0, 0, prev, next, blend);
-    }
+    Result<FramePair> pair_of(std::int64_t prev, std::int64_t next, double blend, std::uint64_t epoch = 0,
+                              std::int64_t start_ns = 0);
 
     // The steps, each for its own thread (FeedThreads).
     /// Reads this epoch from now on: from the frame at its start (at most the clip's last), with a temporal
@@ -208,7 +94,7 @@ public:
     /// which decoding can begin. (A live source does so itself.) Reading thread.
     Result<void> catch_up(const MediaMoment& now);
     /// For a replay: frames to leave out, as its recording did.
-    void leave_out(std::vector<DroppedFrames> frames) { left_out_ = std::move(frames); }
+    void leave_out(std::vector<FrameRun> frames) { left_out_ = std::move(frames); }
     /// Decodes the next frame; nothing after the last.
     Result<std::optional<FedFrame>> read_next();
     /// Builds and publishes the frame. Without a temporal filter, a frame whose touch planes are unchanged
@@ -219,11 +105,14 @@ public:
         if (epoch == timeline_.epoch()) timeline_.end_epoch();
     }
     SurfaceTimeline& timeline() { return timeline_; }
-    /// Filled only with an eye.
-    WatchedPlanes& stored_planes() { return stored_planes_; }
+    /// The eye's thread: a published frame's stored planes, if kept. Frees earlier frames' planes, which are
+    /// no longer needed.
+    std::optional<HeldPlanes> stored_planes(std::uint64_t epoch, std::int64_t number);
     /// Any thread, at any time.
     FeedFigures figures() const;
-    /// Any thread: the cuts (SceneCuts); empty without an eye.
+    /// Any thread: the first frames after a cut, a frame whose depth differs from the previous frame's in
+    /// much of the picture; at most 4096. For display only: touch has its own measure of sudden changes.
+    /// Empty without an eye.
     std::set<std::int64_t> cuts() const;
     /// For a live source: sets time 0 of the run, before the reading thread starts.
     Result<void> begin(std::chrono::steady_clock::time_point zero) { return reader_->begin(zero); }
@@ -231,8 +120,6 @@ public:
     const ClipReader& reader() const { return *reader_; }
     std::string_view builder_name() const { return builder_->name(); }
     std::int64_t frames() const { return frames_; }  ///< published so far
-    /// Published frames that republished the previous one.
-    std::int64_t unchanged_frames() const { return unchanged_frames_; }
     /// Share of all published tiles that was not built, 0 to 1: unchanged since an earlier frame, or not
     /// touched (lazy).
     double skipped_share() const { return frames_ > 0 ? skipped_frames_ / static_cast<double>(frames_) : 1; }
@@ -245,7 +132,7 @@ public:
     /// The frames built, in order, which `planes_hash` covers; empty without a hash.
     const std::vector<FrameRun>& built() const { return built_; }
     /// The frames dropped, in order; without a hash only the newer ones.
-    const std::vector<DroppedFrames>& dropped() const { return dropped_; }
+    const std::vector<FrameRun>& dropped() const { return dropped_; }
     bool has_dropped(std::uint64_t epoch, std::int64_t number) const;
     std::int64_t dropped_frames() const;
     /// Milliseconds per frame read or built since `forget_times`. If frames are built in parallel, the time
@@ -258,6 +145,7 @@ public:
     void leave_out_hash() { hashed_ = false; }
 
 private:
+    class Watched;
     /// A frame that the builder has begun, or that equals the previous one.
     struct FrameAhead {
         FedFrame fed;
@@ -281,23 +169,21 @@ private:
     DepthCoding stored_;
     int warm_up_frames_;
     bool settles_;  // a temporal filter makes another surface even of the same frame
-    SurfaceTimeline::Eye eye_;
     SurfaceTimeline timeline_;
-    WatchedPlanes stored_planes_;
+    std::unique_ptr<Watched> watched_;  // for an eye; null: none
     mutable std::mutex figures_mutex_;
     FeedFigures figures_;  // guarded by figures_mutex_
-    SceneCuts cuts_;       // guarded by figures_mutex_
     // Reading thread.
     ReadPlace place_;
-    std::vector<DroppedFrames> dropped_, left_out_;
+    std::vector<FrameRun> dropped_, left_out_;
     std::int64_t dropped_long_ago_ = 0;  // frames no longer in `dropped_`
     // Builder thread.
-    PlanesHash hash_;
+    ByteHash hash_;
     bool hashed_ = true;
     std::vector<FrameRun> built_;
     std::optional<RawFrame> newest_;   // newest frame built
     std::int64_t newest_number_ = -1;  // newest frame published
-    std::int64_t frames_ = 0, unchanged_frames_ = 0;
+    std::int64_t frames_ = 0;
     double skipped_frames_ = 0;  // with fractions of frames
     bool any_valid_ = false, ended_ = false;
     // In virtual time: the prefetched frames.

@@ -1,7 +1,7 @@
 #pragma once
 
-// The terminal: Ctrl-C, standard output that may be closed, text from outside, progress, and a status line of
-// a live run.
+// A program and its person: Ctrl-C, standard output that may be closed, text from outside, memory that does
+// not suffice, progress, and a status line of a live run.
 //
 // catch_interrupts turns SIGINT, SIGTERM and SIGHUP into a stop request (engine/base/threads.hpp); another
 // signal later than `same_wish` ends the program. Progress, of any work or of a run whose ticks it takes, and
@@ -11,6 +11,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <new>
 
 #include "device/hand.hpp"
 #include "engine/base/result.hpp"
@@ -44,6 +45,21 @@ void say_on_stderr(std::string_view words);
 /// Flushes std::cout. Error (ErrorKind::input): it cannot be written; a reader that has closed the pipe (`|
 /// head`) is no error.
 Result<void> flush_standard_output();
+
+/// Memory does not suffice for `what`.
+inline Error no_memory_for(const std::string& what) {
+    return input_error("memory does not suffice for " + what);
+}
+
+/// Does the work; if memory does not suffice, the error names `what`. It is read only then, so the work may
+/// update it as it learns of sizes.
+Result<void> within_memory(const std::string& what, auto&& work) {
+    try {
+        return work();
+    } catch (const std::bad_alloc&) {
+        return no_memory_for(what);
+    }
+}
 
 /// One line on stderr that is redrawn in place; silent if stderr is no terminal, or one
 /// that cannot redraw (TERM=dumb).

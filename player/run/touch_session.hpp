@@ -5,8 +5,8 @@
 //
 // A SurfaceFeed reads frames of a clip, builds them and publishes them to a SurfaceTimeline; a PlaybackClock
 // (playback.hpp) maps ticks to moments of the clip; a TouchSession takes a goal for each finger, solves the
-// tick and passes it to TouchSinks (files, figures, recordings). clip_workspace places a device over a clip.
-// The same inputs give the same forces to the bit, whatever the machine.
+// tick and passes it to TouchSinks (files, TouchFigures, recordings). clip_workspace places a device over a
+// clip. The same inputs give the same forces to the bit, whatever the machine.
 //
 // A LiveSession is the same run in real time, on threads of its own (docs/architecture.md, Threads). The
 // haptic thread, which reads goals from a HapticPort (`make_port`), waits for no other thread; it queues its
@@ -34,6 +34,7 @@
 #include "haptics_cpu/haptic_loop.hpp"
 #include "haptics_cpu/height_field.hpp"
 #include "haptics_cpu/touch_step.hpp"
+#include "player/run/figures.hpp"
 #include "player/run/playback.hpp"
 #include "player/run/surface_feed.hpp"
 
@@ -66,13 +67,6 @@ public:
 
 private:
     const HeightField& field_;
-};
-
-/// Receives every tick: figures, a file of forces, a recording, a comparison.
-class TouchSink {
-public:
-    virtual ~TouchSink() = default;
-    virtual Result<void> consume(const TouchTick& tick) = 0;
 };
 
 /// A run without a stated length lasts at least this long; after the clip's end its surface stands still.
@@ -174,12 +168,10 @@ class LiveSession {
 public:
     /// All references must outlive the session; `feed` has published its first frame. `port` supplies goals
     /// and takes forces. The session lasts `settings.ticks`, otherwise as long as the clip, at least 3 s.
+    /// `log`: replaces the settings' commands; with an open one, to which commands may come, the session does
+    /// not end by itself.
     LiveSession(const Scene& scene, SurfaceFeed& feed, HapticPort& port, const TouchSolver& solver,
-                const TouchSessionSettings& settings);
-    /// The same with `log` in place of the settings' commands. With an open log, to which commands may come,
-    /// the session does not end by itself.
-    LiveSession(const Scene& scene, SurfaceFeed& feed, HapticPort& port, const TouchSolver& solver,
-                const TouchSessionSettings& settings, std::shared_ptr<PlaybackLog> log);
+                const TouchSessionSettings& settings, std::shared_ptr<PlaybackLog> log = nullptr);
 
     /// Runs to the end, until a stop request (the usual end), or until the device, a sink or the clip fails;
     /// with an open log the hand outlasts the clip. Ticks until then count: an error is returned only if no

@@ -1,11 +1,11 @@
+#include "player/session/builder_choice.hpp"
+
 #include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/gpu/vulkan_builder.hpp"
 #include "engine/scene/filter_codes.hpp"
-#include "engine/surface/surface_builder.hpp"
 #include "player/run/terminal.hpp"
-#include "player/session/touch_setup.hpp"
 
 namespace touchable {
 
@@ -29,6 +29,21 @@ constexpr double decode_ns = 0.20, median3_ns = 0.38, median5_ns = 0.57, terrace
 /// Opening a GPU costs about as much CPU time as one second at a fifth of a core: worth it from there on; if
 /// it is open to draw, from a hundredth.
 constexpr double gpu_from_ms = 200, open_gpu_from_ms = 10;
+
+/// CPU time, all threads, ms per second of the clip, of frames by the CPU builder, without hole filling,
+/// which depends on the holes.
+double whole_frames_ms_per_second(const BuilderChoice::Load& load) {
+    const Scene& scene = load.scene;
+    const int median = scene.filter.median;
+    const auto terraces = terrace_filter(scene);
+    const double ns = (median == 5   ? median5_ns
+                       : median == 3 ? median3_ns
+                                     : decode_ns) +
+                      (terraces ? terraces_ns * terraces->passes() : 0) +
+                      (scene.filter.temporal ? temporal_ns : 0);
+    const double pixels = static_cast<double>(scene.width) * scene.height;
+    return scene.rate.per_second() * (pixels * ns * 1e-6 + frame_us * 1e-3);
+}
 
 }  // namespace
 
@@ -83,19 +98,6 @@ Result<std::unique_ptr<SurfaceBuilder>> make_builder(const BuilderChoice& choice
     if (vulkan || !choice.gpu_fallback || vulkan.error().kind != ErrorKind::gpu) return vulkan;
     warn(vulkan.error().message + "; the cpu builder does its work");
     return make_cpu_builder(scene);
-}
-
-double whole_frames_ms_per_second(const BuilderChoice::Load& load) {
-    const Scene& scene = load.scene;
-    const int median = scene.filter.median;
-    const auto terraces = terrace_filter(scene);
-    const double ns = (median == 5   ? median5_ns
-                       : median == 3 ? median3_ns
-                                     : decode_ns) +
-                      (terraces ? terraces_ns * terraces->passes() : 0) +
-                      (scene.filter.temporal ? temporal_ns : 0);
-    const double pixels = static_cast<double>(scene.width) * scene.height;
-    return scene.rate.per_second() * (pixels * ns * 1e-6 + frame_us * 1e-3);
 }
 
 bool is_fast_builder(const GpuFacts& facts) {

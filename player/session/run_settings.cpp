@@ -1,4 +1,3 @@
-// The table of a run's settings.
 #include "engine/base/words.hpp"
 #include "player/session/touch_setup.hpp"
 

@@ -1,3 +1,5 @@
+#include "player/session/watched_session.hpp"
+
 #include <array>
 #include <cmath>
 #include <new>
@@ -6,7 +8,7 @@
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "player/run/run_files.hpp"
-#include "player/session/touch_setup.hpp"
+#include "player/run/terminal.hpp"
 
 namespace touchable {
 
@@ -76,7 +78,7 @@ Result<void> caught(auto&& work) {
     try {
         return work();
     } catch (const std::bad_alloc&) {
-        return too_large("the session's ticks");
+        return no_memory_for("the session's ticks");
     } catch (const std::exception& fault) {
         return internal_error(std::string("while the session ran: ") + fault.what());
     }
@@ -228,7 +230,7 @@ const WatchedMoment* WatchedSession::look() {
     const SurfaceTimeline::HeldPair* held = setup_->feed->timeline().look();
     if (!held) return nullptr;
     seen_.held = *held;
-    seen_.stored = setup_->feed->stored_planes().find(held->pair.epoch, held->pair.nearer().number);
+    seen_.stored = setup_->feed->stored_planes(held->pair.epoch, held->pair.nearer().number);
     ticks_->copy_newest(seen_.felt);
     return &seen_;
 }

@@ -17,7 +17,7 @@
 #include "player/draw/finger_marks.hpp"
 #include "player/draw/overlays.hpp"
 #include "player/draw/pictures.hpp"
-#include "player/session/touch_setup.hpp"
+#include "player/session/watched_session.hpp"
 #include "player/window/screen.hpp"
 
 namespace touchable {

@@ -3,7 +3,6 @@
 #include <glm/geometric.hpp>
 
 #include "engine/base/try.hpp"
-#include "player/session/run_record.hpp"
 #include "player/window/window_clock.hpp"
 
 namespace touchable {

@@ -16,7 +16,7 @@
 #include "player/audio/window_sound.hpp"
 #include "player/draw/finger_marks.hpp"
 #include "player/run/run_files.hpp"
-#include "player/session/touch_setup.hpp"
+#include "player/session/watched_session.hpp"
 #include "player/window/play_window.hpp"
 #include "player/window/pointer.hpp"
 #include "player/window/session_settings.hpp"

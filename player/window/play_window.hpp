@@ -31,7 +31,7 @@
 #include "engine/scene/scene.hpp"
 #include "player/audio/window_sound.hpp"
 #include "player/draw/overlays.hpp"
-#include "player/session/touch_setup.hpp"
+#include "player/session/watched_session.hpp"
 #include "player/window/kiosk.hpp"
 #include "player/window/persistent_device.hpp"
 #include "player/window/screen.hpp"

@@ -10,6 +10,7 @@
 #include "engine/base/words.hpp"
 #include "player/draw/pictures.hpp"
 #include "player/draw/view.hpp"
+#include "player/run/terminal.hpp"
 #include "player/window/window_clips.hpp"
 #include "player/window/window_input.hpp"
 #include "player/window/window_state.hpp"

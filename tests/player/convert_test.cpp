@@ -20,7 +20,6 @@
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
 #include "player/commands/commands.hpp"
-#include "player/session/run_record.hpp"
 #include "player/session/touch_setup.hpp"
 #include "tests/import/foreign_video.hpp"
 #include "tests/limits.hpp"

@@ -24,7 +24,6 @@
 #include "engine/surface/surface_builder.hpp"
 #include "player/commands/run_options.hpp"
 #include "player/run/touch_session.hpp"
-#include "player/session/run_record.hpp"
 #include "player/session/touch_setup.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/must.hpp"

@@ -14,7 +14,7 @@
 #include "engine/gpu/gpu_device.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/scene.hpp"
-#include "player/commands/clip_facts.hpp"
+#include "player/commands/reports.hpp"
 #include "tests/limits.hpp"
 #include "tests/must.hpp"
 #include "tests/player/program.hpp"

@@ -13,7 +13,7 @@
 
 #include "engine/base/threads.hpp"
 #include "engine/clip/readers.hpp"
-#include "player/commands/touch_command.hpp"
+#include "player/commands/run_options.hpp"
 #include "player/session/clip_choice.hpp"
 #include "player/window/opened_clip.hpp"
 #include "tests/camera/fake_video.hpp"

@@ -16,7 +16,6 @@
 #include "engine/clip/clip_file.hpp"
 #include "engine/surface/depth_estimator.hpp"
 #include "player/run/playback.hpp"
-#include "player/run/surface_feed.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/clip_choice.hpp"
 #include "player/session/touch_setup.hpp"

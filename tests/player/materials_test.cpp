@@ -6,11 +6,11 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <set>
 
 #include "engine/base/same_bits.hpp"
 #include "engine/formats/open_clip.hpp"
 #include "engine/picture/image.hpp"
-#include "player/commands/make_command.hpp"
 #include "tests/limits.hpp"
 #include "tests/must.hpp"
 #include "tests/player/program.hpp"
@@ -426,17 +426,21 @@ TEST(GlobeMaps, KeepHapticMapCodes) {
 
 TEST(GlobeMaps, ScaleWhiteByBitDepth) {
     const MapsInAFolder maps;
-    GlobeMapFiles files;
-    files.elevation = maps / "elevation.png";
-    files.mask = maps / "mask.png";
-    for (const auto& [largest, bytes] : {std::pair{15, 1}, {255, 1}, {1023, 2}, {65535, 2}}) {
-        files.colour = maps / "colour.pgm";
-        std::ofstream(files.colour, std::ios::binary)
-            << "P5 64 32 " << largest << "\n"
-            << std::string(static_cast<std::size_t>(64 * 32 * bytes), '\0');
-        const auto read = must(read_globe_maps(files));
-        EXPECT_EQ(read->maps.colour.largest, largest);
+    std::vector<std::string> words = maps.words({"--exact-colour", "--overwrite"});
+    *(std::ranges::find(words, "--colour") + 1) = maps / "white.pgm";
+    std::set<int> lit;
+    for (const auto& [largest, white] :
+         {std::pair<int, std::string>{15, "\x0f"}, {255, "\xff"}, {1023, "\x03\xff"}, {65535, "\xff\xff"}}) {
+        std::ofstream file(maps / "white.pgm", std::ios::binary);
+        file << "P5 64 32 " << largest << "\n";
+        for (int pixel = 0; pixel < 64 * 32; ++pixel) file << white;
+        file.close();
+        succeed(words);
+        auto reader = must(open_clip(maps / "out.mkv"));
+        lit.insert(reader->next()->value().colour.sample(48, 31));
     }
+    EXPECT_EQ(lit.size(), 1U);
+    EXPECT_GT(*lit.begin(), 200);
 }
 
 /// One line, the right exit code, and nothing is left behind.

@@ -18,7 +18,6 @@
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/touch_step.hpp"
 #include "player/run/run_files.hpp"
-#include "player/run/surface_feed.hpp"
 #include "tests/clip/clip_fixture.hpp"
 #include "tests/limits.hpp"
 #include "tests/must.hpp"
@@ -564,7 +563,6 @@ TEST(UnchangedFrames, AreNotBuiltAgain) {
         before = pair.prev.frame;
     }
     EXPECT_EQ(feed.frames(), 8);
-    EXPECT_EQ(feed.unchanged_frames(), 3);
     EXPECT_EQ(feed.end_ns(), scene.rate.time_ns(8));
 }
 
@@ -584,7 +582,6 @@ TEST(UnchangedFrames, AreRebuiltByTemporalFilter) {
         EXPECT_EQ(pair.prev.frame->codes[0], 126 * 100 + expected[n]) << n;
     }
     EXPECT_EQ(built, 6);
-    EXPECT_EQ(feed.unchanged_frames(), 0);
 }
 
 // More of them than the timeline has entries, with a hand that does not move on.
@@ -666,7 +663,7 @@ TEST(FramesAhead, GiveSamePairsEveryEpoch) {
     for (std::int64_t n = 0; n < 3; ++n) compare({3, time(n), 0});
     EXPECT_EQ(most, 3U);
     EXPECT_EQ(ahead.frames(), plain.frames());
-    EXPECT_EQ(ahead.unchanged_frames(), plain.unchanged_frames());
+    EXPECT_EQ(ahead.skipped_share(), plain.skipped_share());
     EXPECT_EQ(ahead.built(), plain.built());
     EXPECT_EQ(ahead.planes_hash(), plain.planes_hash());
 }
@@ -691,25 +688,103 @@ TEST(FramesAhead, DelayErrorUntilItsFrame) {
     expect_error(feed.pair_at(rate.time_ns(4)), "the disk is out");
 }
 
+// What a feed keeps for an eye.
+
 /// The memory of one frame's planes may be another's later.
-TEST(WatchedPlanes, NumberColoursOfEachFrame) {
-    const auto planes = std::make_shared<PlannedPlanes>();
-    WatchedPlanes watched;
-    std::vector<std::uint64_t> contents;
-    for (std::int64_t n = 0; n < 2; ++n) {
+class OneMemory final : public OwnClip {
+public:
+    OneMemory() : OwnClip(planned_scene(), 60) {}
+    Result<std::optional<RawFrame>> next() override {
         RawFrame raw;
-        raw.number = n;
-        raw.colour = {planes->colour.data(), std::ptrdiff_t{3} * width, width, height, 1, 3};
-        raw.storage = planes;
-        for (int again = 0; again < 2; ++again) {
-            watched.put(raw);
-            contents.push_back(watched.find(0, n)->colour.content);
-        }
+        raw.number = number_;
+        raw.time_ns = scene_.rate.time_ns(number_++);
+        raw.depth = {planes_->depth.data(), width, width, height, 1, 1};
+        raw.colour = {planes_->colour.data(), 3 * width, width, height, 1, 3};
+        raw.storage = planes_;
+        return std::optional(std::move(raw));
     }
-    EXPECT_NE(contents[0], 0U);
-    EXPECT_EQ(contents[1], contents[0]);
-    EXPECT_NE(contents[2], contents[0]);
-    EXPECT_EQ(contents[3], contents[2]);
+
+private:
+    std::shared_ptr<PlannedPlanes> planes_ = std::make_shared<PlannedPlanes>();
+};
+
+TEST(WatchedFeed, NumbersColoursOfEachFrame) {
+    SurfaceFeed feed(std::make_unique<OneMemory>(), make_reference_builder(planned_scene()), planned_scene(),
+                     temporal_warm_up_frames, SurfaceTimeline::Eye::one);
+    auto frame = feed.read_next();
+    while (must(feed.publish(**frame))) frame = feed.read_next();  // until there is no room
+    const RawFrame& last = (*frame)->raw;
+    const auto content = [&feed](std::int64_t number) {
+        return feed.stored_planes(0, number)->colour.content;
+    };
+    const auto before = content(last.number - 1), now = content(last.number);
+    EXPECT_NE(before, 0U);
+    EXPECT_NE(now, before);
+    EXPECT_FALSE(feed.stored_planes(0, last.number - 1)) << "not needed any longer";
+    FramePair pair;
+    ASSERT_TRUE(feed.timeline().pair_at(last.time_ns, pair));
+    EXPECT_TRUE(must(feed.publish(**frame)));
+    EXPECT_EQ(content(last.number), now);
+}
+
+/// A slope from 100 to 1100 codes with a plateau of `code` over `share` of its columns.
+struct Slope {
+    std::int64_t number;
+    int code;
+    double share;
+};
+
+class Slopes final : public OwnClip {
+public:
+    explicit Slopes(std::vector<Slope> slopes) : OwnClip(planned_scene()), slopes_(std::move(slopes)) {
+        scene_.depth.code_max = scene_.depth.valid_max = 65535;
+        scene_.depth_bits = 16;
+    }
+    Result<void> seek(std::int64_t frame) override {
+        number_ = std::ranges::find(slopes_, frame, &Slope::number) - slopes_.begin();
+        return {};
+    }
+    Result<std::optional<RawFrame>> next() override {
+        if (number_ == std::ssize(slopes_)) return std::optional<RawFrame>();
+        const auto& [number, code, share] = slopes_[static_cast<std::size_t>(number_++)];
+        const auto codes = std::make_shared<std::vector<std::uint16_t>>();
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x)
+                codes->push_back(
+                    static_cast<std::uint16_t>(x < share * width ? code : 100 + 1000 * y / height));
+        RawFrame raw;
+        raw.number = number;
+        raw.time_ns = scene_.rate.time_ns(number);
+        raw.depth = plane_of_codes(codes->data(), width, height);
+        raw.storage = codes;
+        return std::optional(std::move(raw));
+    }
+
+private:
+    const std::vector<Slope> slopes_;
+};
+
+TEST(WatchedFeed, FindsSuddenChangesOfDepth) {
+    auto clip = std::make_unique<Slopes>(std::vector<Slope>{{0, 0, 0},
+                                                            {1, 600, 0.3},  // a person comes
+                                                            {2, 640, 0.5},  // nearer, and moves
+                                                            {3, 640, 0.5},
+                                                            {4, 1100, 1},
+                                                            {5, 1100, 1},
+                                                            {6, 100, 1},
+                                                            {40, 1100, 1},
+                                                            {41, 0, 0}});
+    const Scene scene = clip->scene();
+    SurfaceFeed feed(std::move(clip), make_reference_builder(scene), scene, temporal_warm_up_frames,
+                     SurfaceTimeline::Eye::one);
+    const auto cuts_at = [&](std::uint64_t epoch, std::int64_t frame, std::int64_t start) {
+        must(feed.pair_at({epoch, scene.rate.time_ns(frame), scene.rate.time_ns(start)}));
+        return feed.cuts();
+    };
+    EXPECT_EQ(cuts_at(0, 2, 0), std::set<std::int64_t>{});
+    EXPECT_EQ(cuts_at(0, 4, 0), std::set<std::int64_t>{4});
+    EXPECT_EQ(cuts_at(1, 6, 6), std::set<std::int64_t>{4}) << "a seek, and frames that are left out";
+    EXPECT_EQ(cuts_at(1, 40, 6), (std::set<std::int64_t>{4, 41}));
 }
 
 TEST(UnchangedFrames, AppearInReport) {

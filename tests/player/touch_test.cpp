@@ -13,9 +13,8 @@
 #include <vector>
 
 #include "engine/base/same_bits.hpp"
-#include "player/commands/touch_command.hpp"
+#include "player/commands/reports.hpp"
 #include "player/run/run_files.hpp"
-#include "player/session/run_record.hpp"
 #include "player/session/touch_setup.hpp"
 #include "tests/must.hpp"
 #include "tests/player/program.hpp"

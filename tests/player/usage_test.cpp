@@ -50,12 +50,6 @@ TEST(Usage, HelpAndVersionSucceed) {
     EXPECT_TRUE(version.out.starts_with("touchable ")) << version.out;
     EXPECT_EQ(run_touchable({"--version"}).out, version.out);
     EXPECT_EQ(run_touchable({"help"}).out, run_touchable({}).out);
-    for (const char* command :
-         {"make", "play", "touch", "info", "export", "convert", "compare", "plot", "check"}) {
-        const Outcome run = succeed({command, "-h"});
-        EXPECT_PRED2(says, run.out, command);
-        EXPECT_EQ(run_touchable({"help", command}).out, run.out);
-    }
 }
 
 TEST(Usage, WholeNumbersAreDecimal) {
@@ -258,11 +252,6 @@ TEST(Usage, FormatsDescribesEverySource) {
     EXPECT_EQ(near.code, 2);
     EXPECT_EQ(near.err, "touchable: formats: no source is called \"tun\"; did you mean tum?\n");
     expect_failure({"formats", "nothing like it"}, 2, "touchable formats lists them");
-}
-
-TEST(Usage, NamesMissingFile) {
-    expect_failure({"info", "no-such-clip.mkv"}, 3, "no-such-clip.mkv");
-    expect_failure({"export", "no-such-clip.mkv", "--frame", "0", "--out", "never"}, 3, "no-such-clip.mkv");
 }
 
 /// Whether text has nothing that a terminal acts on: control characters, overrides of direction, other bytes
@@ -791,7 +780,7 @@ TEST(Help, IsShort) {
          {"play", "touch", "export", "convert", "info", "make", "serve", "init-scene", "relief", "materials"})
         EXPECT_EQ(table().examples.at(command).size(), 2U) << command;
     for (const auto& [command, options] : table().options) {
-        const auto lines = lines_of({command, "--help"});
+        const auto lines = lines_of({command, "-h"});
         EXPECT_LE(lines.size(), 25U) << command;
         for (const std::string& line : lines) EXPECT_LE(line.size(), 80U) << command << ": " << line;
         EXPECT_EQ(lines, lines_of({"help", command}));

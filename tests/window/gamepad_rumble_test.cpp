@@ -15,7 +15,7 @@
 #include <thread>
 #include <vector>
 
-#include "player/audio/rumble.hpp"
+#include "player/audio/window_sound.hpp"
 
 #ifdef TOUCHABLE_HAS_SDL
 static bool closed_in_time = true;

@@ -1,7 +1,6 @@
-#include "player/session/run_record.hpp"
+#include "player/session/touch_setup.hpp"
 
 #include <cmath>
-#include <cstring>
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -80,7 +79,7 @@ Json recorded_facts(const TouchSetup& setup, const std::string& force_hash) {
     facts["frames"] = frames;
     if (built != std::vector<FrameRun>{{0, frames}})
         for (const FrameRun& run : built) facts["built"].push_back({run.first, run.count});
-    for (const DroppedFrames& run : setup.feed->dropped())
+    for (const FrameRun& run : setup.feed->dropped())
         facts["dropped"].push_back({run.epoch, run.first, run.count});
     facts["planes_hash"] = setup.feed->planes_hash();
     facts["force_hash"] = force_hash;
@@ -168,13 +167,13 @@ std::optional<std::vector<FrameRun>> read_built_frames(const Node& facts) {
     return runs;
 }
 
-std::vector<DroppedFrames> read_dropped_frames(const Node& facts) {
-    std::vector<DroppedFrames> dropped;
+std::vector<FrameRun> read_dropped_frames(const Node& facts) {
+    std::vector<FrameRun> dropped;
     if (!facts.has("dropped")) return dropped;
     constexpr const char* right = "triples of an epoch, a frame's number and a count";
     for (const auto& [epoch, first, count] : rows_of<3>(facts["dropped"], right)) {
         if (count < 1 || first > most_frames || count > most_frames) facts["dropped"].refuse(right);
-        dropped.push_back({static_cast<std::uint64_t>(epoch), first, count});
+        dropped.push_back({first, count, static_cast<std::uint64_t>(epoch)});
     }
     return dropped;
 }
@@ -257,26 +256,27 @@ std::string read_facts(const Node& facts, TouchSetup& setup) {
     return facts["scene"].json();
 }
 
-bool same_bits(const glm::dvec3& a, const glm::dvec3& b) {
-    return std::memcmp(&a, &b, sizeof a) == 0;
-}
-
-std::string to_text(const glm::dvec3& force, std::uint32_t guard) {
-    return formatted("(%.17g, %.17g, %.17g) N with guard %u", force.x, force.y, force.z, guard);
-}
-
 /// The hash of these frames, in this order; an error if the clip lacks one.
 Result<std::string> planes_hash_of(ClipReader& clip, const std::vector<FrameRun>& runs) {
-    PlanesHash hash;
+    ByteHash hash;
     for (const FrameRun& run : runs) {
         TRY(clip.seek(run.first));
         for (std::int64_t k = 0; k < run.count; ++k) {
             TRY_ASSIGN(const auto frame, clip.next());
             if (!frame) return input_error("the clip has no frame " + std::to_string(run.first + k));
-            hash.add(*frame);
+            add_planes(*frame, hash);
         }
     }
     return hash.hex();
+}
+
+}  // namespace
+
+Result<SceneDescription> read_recorded_facts(const Json& facts, const std::string& name, TouchSetup& setup) {
+    const checked_json::Json json(facts);
+    TRY_ASSIGN(const auto scene, checked_json::checked(name + ": invalid recording header",
+                                                       [&] { return read_facts(Node(json, ""), setup); }));
+    return parse_scene(scene, name);
 }
 
 /// A live session prefetches as many frames as its builder manages, its replay fewer, so the recording states
@@ -290,76 +290,6 @@ bool has_other_frames(const RecordedPart& recording, const TouchSetup& setup) {
     if (!reader) return true;
     const auto found = planes_hash_of(**reader, *built);
     return !found || *found != recorded;
-}
-
-std::string in_words(std::uint64_t epoch, std::int64_t prev, std::int64_t next, double blend) {
-    std::string words = formatted("between frames %lld and %lld at %.17g", static_cast<long long>(prev),
-                                  static_cast<long long>(next), blend);
-    if (epoch > 0) words += " of epoch " + std::to_string(epoch);
-    return words;
-}
-
-}  // namespace
-
-Result<SceneDescription> read_recorded_facts(const Json& facts, const std::string& name, TouchSetup& setup) {
-    const checked_json::Json json(facts);
-    TRY_ASSIGN(const auto scene, checked_json::checked(name + ": invalid recording header",
-                                                       [&] { return read_facts(Node(json, ""), setup); }));
-    return parse_scene(scene, name);
-}
-
-Result<void> ReplayCheck::consume(const TouchTick& tick) {
-    if (difference_) return {};
-    const RecordedPart::Tick& recorded = recording_.ticks[next_++];
-    const std::string where = "tick " + std::to_string(tick.tick);
-    if (recorded.frame_prev != tick.pair.prev.number || recorded.frame_next != tick.pair.next.number ||
-        recorded.blend != tick.blend || recorded.epoch != tick.pair.epoch) {
-        difference_ = where + ": " +
-                      in_words(tick.pair.epoch, tick.pair.prev.number, tick.pair.next.number, tick.blend) +
-                      ", recorded " +
-                      in_words(recorded.epoch, recorded.frame_prev, recorded.frame_next, recorded.blend);
-        return {};
-    }
-    for (std::size_t k = 0; k < tick.forces.size(); ++k) {
-        if (same_bits(recorded.forces[k], tick.forces[k].force) &&
-            recorded.guards[k] == tick.forces[k].reasons)
-            continue;
-        difference_ = where + ", finger " + std::to_string(k + 1) + ": force " +
-                      to_text(tick.forces[k].force, tick.forces[k].reasons) + ", recorded " +
-                      to_text(recorded.forces[k], recorded.guards[k]);
-        return {};
-    }
-    return {};
-}
-
-ReplayCheck::Outcome ReplayCheck::outcome(const std::string& force_hash, const TouchSetup& setup) const {
-    Outcome part{recording_.rules(), difference_, has_other_frames(recording_, setup)};
-    const auto hash = recording_.facts.at("force_hash").get<std::string>();
-    if (!part.difference && hash != force_hash)
-        part.difference = "force_hash " + force_hash + ", recorded " + hash;
-    return part;
-}
-
-Result<std::string> judge_replay(std::span<const ReplayCheck::Outcome> parts, const std::string& force_hash) {
-    bool others = false;
-    for (std::size_t k = 0; k < parts.size(); ++k) {
-        const ReplayCheck::Outcome& part = parts[k];
-        if (part.rules != force_rules)
-            return input_error("replay is not comparable: made under rules " + std::to_string(part.rules) +
-                               " of force, this program has rules " + std::to_string(force_rules) +
-                               "; what was asked for is written, with its forces");
-        others = others || part.has_other_frames;
-        const std::string where = parts.size() > 1 ? "part " + std::to_string(k + 1) + ", " : "";
-        if (part.difference)
-            return Error{ErrorKind::check,
-                         "replay differs first at " + where + *part.difference +
-                             (part.has_other_frames ? "; the clip's frames are not the recorded ones" : "")};
-    }
-    const std::string all = parts.size() > 1 ? " in all " + std::to_string(parts.size()) + " parts" : "";
-    return "replay: every force is as recorded, to the bit" + all + " (" + force_hash + ")\n" +
-           (others ? "note: the clip's frames are not the recorded ones; they differ where no finger "
-                     "felt it\n"
-                   : "");
 }
 
 }  // namespace touchable

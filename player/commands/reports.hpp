@@ -1,13 +1,20 @@
 #pragma once
 
+// What `info` tells of a clip, and `touch` of a run: facts and findings, as words and as JSON.
+
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "engine/authoring/recorded_clip.hpp"
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"
 #include "engine/scene/scene.hpp"
+#include "player/draw/pictures.hpp"
+#include "player/run/touch_session.hpp"
 #include "player/session/clip_choice.hpp"
+#include "player/session/touch_setup.hpp"
 
 namespace touchable {
 
@@ -81,5 +88,21 @@ void add_verified(const Verified& verified, nlohmann::ordered_json& json);
 /// The next step for a user who wants to touch the clip, in one line: "good to touch: touchable play CLIP",
 /// or the one change that would help most. `findings`: verify_clip's; nullptr: not run.
 std::string verdict_on(const ClipFacts& facts, const std::vector<Finding>* findings);
+
+/// Report of a run (docs/forces.md). `live`: facts of a live session, nullptr in virtual time; `painter`: the
+/// picture's, or nullptr. Names are part of the interface: add to them, do not rename.
+nlohmann::ordered_json make_report(const TouchSetup& setup, const TouchFigures& figures,
+                                   const LiveFacts* live, const SurfacePainter* painter);
+/// Report of a replay of several parts: the figures of `all`, and each part's report in "parts".
+nlohmann::ordered_json join_reports(const std::vector<nlohmann::ordered_json>& parts,
+                                    const TouchFigures& all);
+/// The same as a text table; several parts follow each other.
+std::string report_to_text(const nlohmann::ordered_json& report);
+/// Short report: warnings, what was touched, the force, whether the run is sound, and where the figures are.
+/// `files`: the files written; nothing: none requested.
+std::string report_in_short(const nlohmann::ordered_json& report,
+                            const std::optional<std::vector<std::string>>& files);
+
+nlohmann::ordered_json to_json(const StreamFigures::Link& link);
 
 }  // namespace touchable

@@ -1,6 +1,6 @@
-#include "player/session/run_record.hpp"
+#include "player/run/figures.hpp"
 
-#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -9,6 +9,28 @@
 namespace touchable {
 
 namespace {
+
+// A bin holds doubles with the same exponent and the same 7 leading mantissa bits; bit patterns of positive
+// doubles are ordered like their values.
+constexpr int bits_in_bin = 52 - 7;
+constexpr double shortest = 0x1p-10, longest = 0x1p40;  // if in microseconds: a nanosecond, twelve days
+
+constexpr std::uint64_t bin_of_all(double time) {
+    return std::bit_cast<std::uint64_t>(time) >> bits_in_bin;
+}
+constexpr std::uint64_t first_bin = bin_of_all(shortest);
+constexpr std::size_t bins = bin_of_all(longest) - first_bin + 1;
+
+std::size_t bin_of(double time) {
+    if (!(time >= shortest)) return 0;  // in the first bin
+    return time < longest ? bin_of_all(time) - first_bin : bins - 1;
+}
+
+/// The middle of a bin.
+double middle_of(std::size_t bin) {
+    const auto end = [](std::uint64_t of) { return std::bit_cast<double>(of << bits_in_bin); };
+    return (end(first_bin + bin) + end(first_bin + bin + 1)) / 2;
+}
 
 double share(double part, std::int64_t whole) {
     return whole ? part / static_cast<double>(whole) : 0.0;
@@ -19,6 +41,34 @@ bool is_finite(const glm::dvec3& v) {
 }
 
 }  // namespace
+
+nlohmann::ordered_json to_json(const Spread& s) {
+    return {{"mean", s.mean}, {"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}, {"max", s.max}};
+}
+
+TimeSpread::TimeSpread() : times_(bins) {}
+
+void TimeSpread::add(double time) {
+    ++times_[bin_of(time)];
+    least_ = count_ == 0 ? time : std::min(least_, time);
+    most_ = count_ == 0 ? time : std::max(most_, time);
+    sum_ += time;
+    ++count_;
+}
+
+double TimeSpread::quantile(double share) const {
+    const auto rank = std::min(static_cast<std::int64_t>(share * static_cast<double>(count_)), count_ - 1);
+    std::int64_t up_to = 0;
+    for (std::size_t bin = 0; bin < bins; ++bin)
+        if ((up_to += times_[bin]) > rank)
+            return bin + 1 == bins ? most_ : std::clamp(middle_of(bin), least_, most_);
+    return most_;
+}
+
+Spread TimeSpread::spread() const {
+    if (count_ == 0) return {};
+    return {sum_ / static_cast<double>(count_), quantile(0.5), quantile(0.99), quantile(0.999), most_};
+}
 
 /// The force held until now (old share_) did the tick's work; its spring energy is scaled by the new share.
 void TouchFigures::SentEnergy::update(const EnergyFigures& guarded, double share) {

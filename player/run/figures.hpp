@@ -1,31 +1,53 @@
 #pragma once
 
-// Records of a run: the figures of its report, the header of its recording, and whether a replay's forces
-// match to the bit.
-//
-// TouchFigures is a sink of ticks: it makes the report of `touch` (docs/forces.md) and of a window's end.
-// recorded_facts makes the header of a run's recording, read_recorded_facts fills in a setup from it. A
-// ReplayCheck compares each tick's forces with the recorded ones and keeps the first difference; judge_replay
-// reports it: the same, different from which tick and finger on, or not comparable.
-//
-// Threads: all of it belongs to the one that consumes a session's ticks.
+// Figures of a run. A TouchSink receives every tick; TouchFigures is the one that counts and sums them, for
+// the report of `touch` (docs/forces.md) and of a window's end. TimeSpread keeps how measured times are
+// spread.
 
+#include <algorithm>
 #include <array>
-#include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <span>
+#include <vector>
 
 #include "engine/base/result.hpp"
-#include "engine/scene/scene.hpp"
 #include "haptics_cpu/touch_step.hpp"
-#include "player/run/run_files.hpp"
-#include "player/run/touch_session.hpp"
-#include "player/session/touch_setup.hpp"
 
 namespace touchable {
+
+/// Receives every tick: figures, a file of forces, a recording, a comparison.
+class TouchSink {
+public:
+    virtual ~TouchSink() = default;
+    virtual Result<void> consume(const TouchTick& tick) = 0;
+};
+
+/// Spread of a measured quantity.
+struct Spread {
+    double mean = 0, p50 = 0, p99 = 0, p999 = 0, max = 0;
+};
+nlohmann::ordered_json to_json(const Spread& spread);
+
+/// Spread of any number of times in constant memory: a histogram whose bins grow with the time, 128 per power
+/// of 2. Mean and max are exact, the quantiles within half a percent (below 1/1024 of the times' unit: within
+/// 1/1024).
+class TimeSpread {
+public:
+    TimeSpread();
+    /// `time`: any unit, 0 or more.
+    void add(double time);
+    /// In the same unit; all 0 if empty.
+    Spread spread() const;
+
+private:
+    double quantile(double share) const;
+
+    std::vector<std::int64_t> times_;  // count per bin
+    std::int64_t count_ = 0;
+    double sum_ = 0, least_ = 0, most_ = 0;
+};
 
 /// Counts and sums of a run, of the forces as sent to the hand, in constant memory. The hash alone covers the
 /// guard's forces, which a replay reproduces. Times are wall time on this machine; everything else repeats to
@@ -101,43 +123,5 @@ private:
     std::array<std::int64_t, late_below_us.size() + 1> late_ticks_{};  // the last: all later ticks
     ForceHash hash_;
 };
-
-/// The recording's header of a run that has ended (docs/touch.md).
-nlohmann::ordered_json recorded_facts(const TouchSetup& setup, const std::string& force_hash);
-
-/// Fills in the setup's plain values from a recording header (opens nothing) and returns the scene that was
-/// touched. A member that is missing, of another kind or out of range is an error of kind input that begins
-/// with `name`.
-Result<SceneDescription> read_recorded_facts(const nlohmann::ordered_json& facts, const std::string& name,
-                                             TouchSetup& setup);
-
-/// Compares each tick with the recorded one, bit for bit, and remembers the first difference.
-class ReplayCheck final : public TouchSink {
-public:
-    /// Result of a part's replay.
-    struct Outcome {
-        int rules = 0;  ///< version of the force rules of the recording
-        std::optional<std::string>
-            difference;                 ///< first difference: tick, finger, both values; nothing: none
-        bool has_other_frames = false;  ///< the clip's frames differ from the recorded ones
-    };
-
-    /// `recording`: its header was read (read_recorded_facts).
-    explicit ReplayCheck(const RecordedPart& recording) : recording_(recording) {}
-    Result<void> consume(const TouchTick& tick) override;
-    /// After the last tick. `force_hash`: of the part's ticks. `setup`: of that recording.
-    Outcome outcome(const std::string& force_hash, const TouchSetup& setup) const;
-
-private:
-    const RecordedPart& recording_;
-    std::size_t next_ = 0;  // index of the next tick in the recording
-    std::optional<std::string> difference_;
-};
-
-/// Judges a replay. Error of kind input if the recording was made under other rules of force, so that nothing
-/// can be compared; of kind check if something differs, naming the first difference, its part, and whether
-/// the clip's frames differ from the recorded ones. Else the message: a clip may have changed where no finger
-/// went. `force_hash`: of all parts.
-Result<std::string> judge_replay(std::span<const ReplayCheck::Outcome> parts, const std::string& force_hash);
 
 }  // namespace touchable
