@@ -9,8 +9,8 @@
 // A file appears whole or not at all: until `finish` it has a hidden name, and a writer that is destroyed
 // before leaves nothing behind. What is stored keeps every value of depth, haptic and height; ClipStorage
 // says how hard the encoder tries and whether colour is exact. Readers give back what was written, and
-// refuse, with the frame's number, what was damaged since. The containers' metadata is in tracks.hpp, for
-// modules that write similar files.
+// refuse, with the frame's number, what was damaged since. The containers' metadata is in containers.hpp,
+// for modules that write similar files.
 //
 // Threads: one at a time uses a reader or a writer; a reader decodes large pictures on threads of its own.
 

@@ -16,7 +16,7 @@
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"
 #include "engine/clip/clip_file.hpp"
-#include "engine/clip/rank_samples.hpp"
+#include "engine/picture/image.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 

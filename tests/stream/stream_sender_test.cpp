@@ -5,7 +5,7 @@
 #include <numeric>
 #include <thread>
 
-#include "engine/clip/tracks.hpp"
+#include "engine/clip/containers.hpp"
 #include "engine/stream/listeners.hpp"
 #include "engine/stream/sending.hpp"
 #include "engine/stream/stream_url.hpp"
