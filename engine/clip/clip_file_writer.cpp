@@ -159,11 +159,15 @@ bool is_mp4_name(const fs::path& path) {
     return small_letters(path.extension().string()) == ".mp4";
 }
 
-Result<std::unique_ptr<ClipWriter>> create_named_clip(const std::filesystem::path& path,
-                                                      const SceneDescription& described,
-                                                      const ClipStorage& storage, Existing existing,
-                                                      const std::optional<SoundPart>& sound) {
-    return (is_mp4_name(path) ? create_mp4_clip : create_clip)(path, described, storage, existing, sound);
+Result<std::unique_ptr<ClipWriter>> create_clip(const fs::path& path, const SceneDescription& described,
+                                                const ClipStorage& storage, Existing existing,
+                                                const std::optional<SoundPart>& sound) {
+    const bool is_mp4 = is_mp4_name(path);
+    if (storage.fragmented && !is_mp4)
+        return usage_error(path.string() +
+                           ": only MP4 is written in fragments: must be a name that ends in .mp4");
+    return opened_as<ClipWriter>((is_mp4 ? mp4_writer : matroska_writer)(path, described, storage, existing),
+                                 sound);
 }
 
 HiddenFolder::HiddenFolder(const fs::path& beside) : path_(hidden_name(beside)) {

@@ -270,5 +270,12 @@ private:
     bool over_ = false;                  // complete, or failed
     bool complete_ = false;
 };
+/// Those of create_clip, still to be opened.
+std::unique_ptr<MuxedClipWriter> matroska_writer(const std::filesystem::path& path,
+                                                 const SceneDescription& described,
+                                                 const ClipStorage& storage, Existing existing);
+std::unique_ptr<MuxedClipWriter> mp4_writer(const std::filesystem::path& path,
+                                            const SceneDescription& described, const ClipStorage& storage,
+                                            Existing existing);
 
 }  // namespace touchable

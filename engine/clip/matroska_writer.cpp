@@ -341,13 +341,10 @@ private:
 
 }  // namespace
 
-Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& path,
-                                                const SceneDescription& described, const ClipStorage& storage,
-                                                Existing existing, const std::optional<SoundPart>& sound) {
-    if (storage.fragmented)
-        return usage_error(path.string() +
-                           ": only MP4 is written in fragments: must be a name that ends in .mp4");
-    return opened_as<ClipWriter>(std::make_unique<MatroskaWriter>(path, described, storage, existing), sound);
+std::unique_ptr<MuxedClipWriter> matroska_writer(const std::filesystem::path& path,
+                                                 const SceneDescription& described,
+                                                 const ClipStorage& storage, Existing existing) {
+    return std::make_unique<MatroskaWriter>(path, described, storage, existing);
 }
 
 }  // namespace touchable

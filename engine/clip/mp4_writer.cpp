@@ -169,11 +169,10 @@ private:
 
 }  // namespace
 
-Result<std::unique_ptr<ClipWriter>> create_mp4_clip(const std::filesystem::path& path,
-                                                    const SceneDescription& described,
-                                                    const ClipStorage& storage, Existing existing,
-                                                    const std::optional<SoundPart>& sound) {
-    return opened_as<ClipWriter>(std::make_unique<Mp4Writer>(path, described, storage, existing), sound);
+std::unique_ptr<MuxedClipWriter> mp4_writer(const std::filesystem::path& path,
+                                            const SceneDescription& described, const ClipStorage& storage,
+                                            Existing existing) {
+    return std::make_unique<Mp4Writer>(path, described, storage, existing);
 }
 
 }  // namespace touchable
