@@ -324,7 +324,7 @@ Result<std::unique_ptr<ClipWriter>> create_writer(const fs::path& path, const Sc
     ClipStorage storage;
     storage.archive = settings.small != 0 ? Archive::small : Archive::fast;
     storage.exact_colour = settings.exact_colour != 0;
-    return create_named_clip(path, described, storage, existing);
+    return create_clip(path, described, storage, existing);
 }
 
 /// Writes the next frame, numbered by the writer, at the scene's rate.

@@ -16,7 +16,7 @@
 #include "device/haptic_device.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/clip/rank_samples.hpp"
+#include "engine/picture/image.hpp"
 #include "engine/scene/plane_memory.hpp"
 #include "engine/surface/depth_estimator.hpp"
 #include "engine/surface/surface_builder.hpp"

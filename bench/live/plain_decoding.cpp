@@ -6,7 +6,7 @@
 #include <string>
 
 #include "bench/clocks.hpp"
-#include "engine/clip/tracks.hpp"
+#include "engine/clip/containers.hpp"
 #include "engine/picture/ffmpeg.hpp"
 
 namespace touchable {
@@ -67,7 +67,7 @@ int decode_own_track(const TrackPackets& track) {
 
 /// `threads`: 0: FFmpeg's choice, frame threads if the codec supports them.
 int decode_track(const TrackPackets& track, int threads) {
-    if (rank_zstd_version(*track.stream->codecpar)) return decode_own_track(track);
+    if (track.stream->codecpar->codec_id == AV_CODEC_ID_NONE) return decode_own_track(track);
     const AVCodec* codec = avcodec_find_decoder(track.stream->codecpar->codec_id);
     const CodecPtr decoder(codec ? avcodec_alloc_context3(codec) : nullptr);
     const FramePtr frame(av_frame_alloc());

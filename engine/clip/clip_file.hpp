@@ -2,15 +2,15 @@
 
 // Clips in files of our own formats, Matroska and MP4, and films of a window: opened and written.
 //
-//     TRY_ASSIGN(auto writer, create_named_clip("out.mkv", scene));  // by the name's end: Matroska or MP4
+//     TRY_ASSIGN(auto writer, create_clip("out.mkv", scene));  // by the name's end: Matroska or MP4
 //     for (...) TRY(writer->write(frame));
 //     TRY(writer->finish());                                          // only now the file has its name
 //
 // A file appears whole or not at all: until `finish` it has a hidden name, and a writer that is destroyed
 // before leaves nothing behind. What is stored keeps every value of depth, haptic and height; ClipStorage
 // says how hard the encoder tries and whether colour is exact. Readers give back what was written, and
-// refuse, with the frame's number, what was damaged since. The containers' metadata is in tracks.hpp, for
-// modules that write similar files.
+// refuse, with the frame's number, what was damaged since. The containers' metadata is in containers.hpp,
+// for modules that write similar files.
 //
 // Threads: one at a time uses a reader or a writer; a reader decodes large pictures on threads of its own.
 
@@ -77,33 +77,25 @@ struct ClipStorage {
 /// Refuses a scene that no clip of ours can have, whatever its container. Errors name the file to be written.
 Result<void> check_storable(const std::filesystem::path& path, const SceneDescription& described);
 
-/// A touchable clip: Matroska, one track per plane tagged with its role, the scene attached as JSON; filters
-/// may stay unstated there. A size that no clip can hold makes the first `write` fail with kind usage.
+/// Whether a clip of this name is to be MP4: .mp4, in any case of letters.
+bool is_mp4_name(const std::filesystem::path& path);
+
+/// A touchable clip in MP4, if `path` is a name of it, or in Matroska. A size that no clip can hold makes the
+/// first `write` fail with kind usage.
+///
+/// Matroska: one track per plane tagged with its role, the scene attached as JSON; filters may stay unstated
+/// there.
+///
+/// MP4, as the paper sends it: a track of H.264 for each plane, and an MPEG-4 scene that says what they are.
+/// Colour is the track that ordinary players show; the others are marked as auxiliary to it. Depth and height
+/// of more than 8 bits have their low bits in separate tracks, which the scene does not name. `storage`: its
+/// archive sets the encoder's effort; a fragmented file has tags and track names instead of the scene, and is
+/// readable up to the last half second written.
 Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& path,
                                                 const SceneDescription& described,
                                                 const ClipStorage& storage = {},
                                                 Existing existing = Existing::replace,
                                                 const std::optional<SoundPart>& sound = {});
-
-/// A touchable clip as the paper sends it: MP4 with a track of H.264 for each plane, and an MPEG-4 scene that
-/// says what they are. Colour is the track that ordinary players show; the others are marked as auxiliary to
-/// it. Depth and height of more than 8 bits have their low bits in separate tracks, which the scene does not
-/// name. `storage`: its archive sets the encoder's effort; a fragmented file has tags and track names instead
-/// of the scene, and is readable up to the last half second written. Otherwise as create_clip.
-Result<std::unique_ptr<ClipWriter>> create_mp4_clip(const std::filesystem::path& path,
-                                                    const SceneDescription& described,
-                                                    const ClipStorage& storage = {},
-                                                    Existing existing = Existing::replace,
-                                                    const std::optional<SoundPart>& sound = {});
-
-/// Whether a clip of this name is to be MP4: .mp4, in any case of letters.
-bool is_mp4_name(const std::filesystem::path& path);
-/// create_mp4_clip or create_clip, by its name.
-Result<std::unique_ptr<ClipWriter>> create_named_clip(const std::filesystem::path& path,
-                                                      const SceneDescription& described,
-                                                      const ClipStorage& storage = {},
-                                                      Existing existing = Existing::replace,
-                                                      const std::optional<SoundPart>& sound = {});
 
 /// Bits of the largest height code; MP4 has those below the high 8 in a separate track.
 constexpr int height_bits(const HeightCoding& height) {

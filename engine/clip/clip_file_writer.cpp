@@ -17,24 +17,6 @@ constexpr AVRational millisecond{1, 1000};
 
 }  // namespace
 
-Result<std::unique_ptr<ReadAlong>> ReadAlong::open(const TrackEncoder& encoder, PlaneRole role) {
-    const MuxedClipWriter::Muxer container(avformat_alloc_context());
-    AVStream* const stream = container ? avformat_new_stream(container.get(), nullptr) : nullptr;
-    if (!stream) return memory_error();
-    TRY(encoder.describe(*stream->codecpar));
-    TRY_ASSIGN(auto decoder, TrackDecoder::open(*stream, role, "what is written"));
-    return std::unique_ptr<ReadAlong>(new ReadAlong(std::move(decoder)));
-}
-
-/// The encoder has no delay, so each packet decodes to a picture at once.
-Result<void> ReadAlong::add(const AVPacket& packet) {
-    TRY(decoder_.send(&packet));
-    TRY_ASSIGN(auto picture, decoder_.receive());
-    if (!picture) return internal_error(decoder_.where() + ": is not decoded before the next one");
-    newest_ = std::move(picture->plane);
-    return {};
-}
-
 Result<void> MuxedClipWriter::keep(Result<void> result) {
     over_ = over_ || !result;
     return result;
@@ -106,6 +88,34 @@ std::int64_t MuxedClipWriter::time_ms(std::int64_t frame) const {
     return (scene_.rate.time_ns(frame) + ns_per_ms / 2) / ns_per_ms;
 }
 
+AVRational MuxedClipWriter::tick() const {
+    if (scene_.rate.own_times) return {1, 1'000'000};
+    return {static_cast<int>(scene_.rate.den), static_cast<int>(scene_.rate.num)};
+}
+
+std::int64_t MuxedClipWriter::tick_of(std::int64_t frame) const {
+    return scene_.rate.own_times ? scene_.rate.time_ns(frame) / 1000 : frame;
+}
+
+Result<void> MuxedClipWriter::read_along(const TrackEncoder& colour, TrackCoding coding) {
+    if (!storage_.gives_colour || coding != TrackCoding::h264_visual) return {};
+    const Muxer container(avformat_alloc_context());
+    AVStream* const stream = container ? avformat_new_stream(container.get(), nullptr) : nullptr;
+    if (!stream) return memory_error();
+    TRY(colour.describe(*stream->codecpar));
+    return assign(along_, TrackDecoder::open(*stream, PlaneRole::colour, "what is written"));
+}
+
+/// The encoder has no delay, so each packet decodes to a picture at once.
+Result<void> MuxedClipWriter::read_again(const AVPacket& colour) {
+    if (!along_) return {};
+    TRY(along_->send(&colour));
+    TRY_ASSIGN(auto picture, along_->receive());
+    if (!picture) return internal_error(along_->where() + ": is not decoded before the next one");
+    colour_ = std::move(picture->plane);
+    return {};
+}
+
 Result<void> MuxedClipWriter::write_frame(const RawFrame& frame) {
     if (over_) return internal_error("a frame is given to a clip that is finished, or has failed");
     TRY(check_.check(frame, scene_));
@@ -145,19 +155,19 @@ Result<void> check_storable(const std::filesystem::path& path, const SceneDescri
                        " frames/s; a clip has at most " + std::to_string(clip_tags::fastest_rate));
 }
 
-bool has_ending(const fs::path& name, std::string_view ending) {
-    return small_letters(name.extension().string()) == ending;
-}
-
 bool is_mp4_name(const fs::path& path) {
-    return has_ending(path, ".mp4");
+    return small_letters(path.extension().string()) == ".mp4";
 }
 
-Result<std::unique_ptr<ClipWriter>> create_named_clip(const std::filesystem::path& path,
-                                                      const SceneDescription& described,
-                                                      const ClipStorage& storage, Existing existing,
-                                                      const std::optional<SoundPart>& sound) {
-    return (is_mp4_name(path) ? create_mp4_clip : create_clip)(path, described, storage, existing, sound);
+Result<std::unique_ptr<ClipWriter>> create_clip(const fs::path& path, const SceneDescription& described,
+                                                const ClipStorage& storage, Existing existing,
+                                                const std::optional<SoundPart>& sound) {
+    const bool is_mp4 = is_mp4_name(path);
+    if (storage.fragmented && !is_mp4)
+        return usage_error(path.string() +
+                           ": only MP4 is written in fragments: must be a name that ends in .mp4");
+    return opened_as<ClipWriter>((is_mp4 ? mp4_writer : matroska_writer)(path, described, storage, existing),
+                                 sound);
 }
 
 HiddenFolder::HiddenFolder(const fs::path& beside) : path_(hidden_name(beside)) {

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "engine/base/try.hpp"
+#include "engine/base/words.hpp"
 #include "engine/clip/containers.hpp"
 #include "engine/clip/track_codecs.hpp"
 #include "engine/picture/ffmpeg.hpp"
@@ -321,7 +322,7 @@ std::optional<std::filesystem::path> numbered_picture(const std::filesystem::pat
     const std::string name = pattern.filename().string();
     const std::size_t begin = name.find('%'), end = name.find_first_not_of("0123456789", begin + 1);
     if (begin == std::string::npos || end == std::string::npos || name[end] != 'd' || end > begin + 3 ||
-        name.find('%', end) != std::string::npos || !has_ending(pattern, ".png"))
+        name.find('%', end) != std::string::npos || small_letters(pattern.extension().string()) != ".png")
         return std::nullopt;
     const std::string width = name.substr(begin + 1, end - begin - 1), digits = std::to_string(number);
     const std::size_t wide = width.empty() ? 0 : std::stoul(width);
@@ -337,7 +338,7 @@ Result<std::unique_ptr<FilmWriter>> FilmWriter::create(const std::filesystem::pa
     }
     silence_ffmpeg();
     const bool is_mp4 = is_mp4_name(file);
-    if (!is_mp4 && !has_ending(file, ".mkv"))
+    if (!is_mp4 && small_letters(file.extension().string()) != ".mkv")
         return usage_error(file.string() +
                            " is no name of a film; must end in .mp4 or .mkv, or be like shot-%04d.png");
     return opened_as<FilmWriter>(std::make_unique<FfmpegFilm>(file, existing, pictures_per_second),

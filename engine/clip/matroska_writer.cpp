@@ -55,14 +55,12 @@ public:
                 return opened.error();
         // FFV1 supports sizes that are too large for H.264.
         if (track.codings_.empty()) TRY(open({TrackCoding::ffv1}));
-        if (storage.gives_colour && track.coding() == TrackCoding::h264_visual)
-            TRY(assign(track.reader_, ReadAlong::open(track.encoder(), role)));
         return track;
     }
 
     PlaneRole role() const { return role_; }
-    /// Adds the next frame's plane.
-    Result<void> add(const PlaneView& plane) {
+    /// Adds the next frame's plane; returns its packet, null if it is as before.
+    Result<const AVPacket*> add(const PlaneView& plane) {
         const bool access = frames_ % clip_tags::access_interval == 0;
         if (frames_ == clip_tags::access_interval) decide();
         const bool same = stays(plane);
@@ -72,17 +70,13 @@ public:
                 continue;
             }
             TRY_ASSIGN(auto packet, coding.encoder->encode(plane, access));
-            if (reader_) TRY(reader_->add(*packet));
             coding.bytes += packet->size;
             coding.pictures.push_back({std::move(packet), frames_});
         }
         ++frames_;
-        return {};
+        return same && !access ? nullptr : codings_.front().pictures.back().packet.get();
     }
 
-    /// The last plane as readers will get it, if the coding is lossy and ClipStorage::gives_colour is set;
-    /// empty otherwise.
-    PlaneView as_read() const { return reader_ ? reader_->picture() : PlaneView{}; }
     /// Ends the track: no more frames.
     void end() {
         ended_ = true;
@@ -145,7 +139,6 @@ private:
     std::vector<std::uint8_t> newest_;  // samples of the picture before
     std::int64_t frames_ = 0;
     bool ended_ = false;
-    std::unique_ptr<ReadAlong> reader_;  // null: not requested
 };
 
 /// Copies tracks of a Matroska clip into a clip of the same frames: nothing is decoded or encoded, and lossy
@@ -220,16 +213,14 @@ public:
     MatroskaWriter(const std::filesystem::path& path, const SceneDescription& described,
                    const ClipStorage& storage, Existing existing)
         : MuxedClipWriter(path, described, storage, existing, "matroska") {}
-    PlaneView stored_colour() const override {
-        for (const TrackWriter& track : tracks_)
-            if (track.role() == PlaneRole::colour) return track.as_read();
-        return {};
-    }
 
 private:
     Result<void> add(const RawFrame& frame) override {
         if (tracks_.empty()) TRY(open_tracks(frame));
-        for (TrackWriter& track : tracks_) TRY(track.add(plane_of(frame, track.role())));
+        for (TrackWriter& track : tracks_) {
+            TRY_ASSIGN(const AVPacket* const packet, track.add(plane_of(frame, track.role())));
+            if (packet && track.role() == PlaneRole::colour) TRY(read_again(*packet));
+        }
         return write_complete();
     }
 
@@ -251,6 +242,7 @@ private:
         for (const auto& [role, plane] : planes_of(first)) {
             if (copy_ && copy_->has(role)) continue;
             TRY_ASSIGN(auto track, TrackWriter::open(role, plane, scene_, storage_));
+            TRY(read_along(track.encoder(), track.coding()));
             tracks_.push_back(std::move(track));
         }
         return {};
@@ -349,13 +341,10 @@ private:
 
 }  // namespace
 
-Result<std::unique_ptr<ClipWriter>> create_clip(const std::filesystem::path& path,
-                                                const SceneDescription& described, const ClipStorage& storage,
-                                                Existing existing, const std::optional<SoundPart>& sound) {
-    if (storage.fragmented)
-        return usage_error(path.string() +
-                           ": only MP4 is written in fragments: must be a name that ends in .mp4");
-    return opened_as<ClipWriter>(std::make_unique<MatroskaWriter>(path, described, storage, existing), sound);
+std::unique_ptr<MuxedClipWriter> matroska_writer(const std::filesystem::path& path,
+                                                 const SceneDescription& described,
+                                                 const ClipStorage& storage, Existing existing) {
+    return std::make_unique<MatroskaWriter>(path, described, storage, existing);
 }
 
 }  // namespace touchable

@@ -101,7 +101,7 @@ public:
     /// A file by another program has the rate of its depth track.
     Result<FrameRate> rate(const Demuxer& file) override {
         if (file.tag(clip_tags::version_tag))
-            return shortened(tagged_rate(file, file.tag(mp4_times_tag)), file);
+            return shortened(tagged_rate(file, file.tag(clip_tags::mp4_times_tag)), file);
         TRY_ASSIGN(const auto depth, stream_of(file, PlaneRole::depth));
         if (!depth) return refuse_scene();
         const AVRational said = file.container().streams[*depth]->avg_frame_rate;
@@ -117,14 +117,14 @@ public:
         if (!scene_.fault.empty()) return refuse_scene();
         const auto& scene = scene_.scene;
         const std::string in_scene = file_ + ": its MPEG-4 scene";
-        if (const auto json = file.tag(mp4_scene_tag)) {
+        if (const auto json = file.tag(clip_tags::mp4_scene_tag)) {
             auto described = described_by(*json, recorded);
             if (!described || !scene) return described;
             TRY_ASSIGN(const auto is_other,
                        error_at(in_scene, mpeg4::take_nodes(scene->nodes, described->scene)));
             if (!is_other) return described;
             notes_.emplace_back("its MPEG-4 scene says another camera, other planes or ranges than its tag " +
-                                std::string(mp4_scene_tag) + ": the scene stands");
+                                std::string(clip_tags::mp4_scene_tag) + ": the scene stands");
             TRY(error_at(in_scene, validate(*described)));
             return described;
         }
@@ -139,7 +139,7 @@ public:
             if (const auto low = low_stream_of(file, role); low && *low)
                 notes_.push_back("the low bits of " + std::string(role_name(role)) + ", in its track " +
                                  std::string(role_name(role)) + low_track_suffix + ", are left out: no tag " +
-                                 mp4_scene_tag + " says what they are");
+                                 clip_tags::mp4_scene_tag + " says what they are");
         return described;
     }
 
@@ -173,7 +173,9 @@ public:
         return tracks;
     }
 
-    std::optional<std::string> poses(const Demuxer& file) override { return file.tag(mp4_poses_tag); }
+    std::optional<std::string> poses(const Demuxer& file) override {
+        return file.tag(clip_tags::mp4_poses_tag);
+    }
     bool has_whole_index() const override { return true; }
     Result<std::optional<WholePart>> whole_part(const Demuxer& file) override {
         if (!fragments_) return std::optional<WholePart>();
@@ -231,7 +233,7 @@ private:
     /// Bits per sample in the track with the low bits: as the file's tag says, even if another scene replaces
     /// it.
     Result<int> low_bits(const Demuxer& file, PlaneRole role, const Scene& scene) const {
-        const auto json = file.tag(mp4_scene_tag);
+        const auto json = file.tag(clip_tags::mp4_scene_tag);
         if (role != PlaneRole::depth && role != PlaneRole::height) return 0;
         TRY_ASSIGN(const auto tagged, json ? parse_scene(*json, file_ + ": " + words_.scene)
                                            : Result<SceneDescription>(SceneDescription(scene)));

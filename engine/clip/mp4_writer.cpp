@@ -23,7 +23,6 @@ public:
     Mp4Writer(const std::filesystem::path& path, const SceneDescription& described,
               const ClipStorage& storage, Existing existing)
         : MuxedClipWriter(path, described, storage, existing, "mp4") {}
-    PlaneView stored_colour() const override { return reader_ ? reader_->picture() : PlaneView{}; }
 
 private:
     Result<void> add(const RawFrame& frame) override {
@@ -52,12 +51,11 @@ private:
         if (!stream) return refuse("out of memory");
         TRY(track.encoder->describe(*stream->codecpar));
         stream->id = static_cast<int>(tracks_.size()) + 1;
-        stream->time_base = time_base_of(scene_.rate);
+        stream->time_base = tick();
         stream->avg_frame_rate = {static_cast<int>(scene_.rate.num), static_cast<int>(scene_.rate.den)};
         av_dict_set(&stream->metadata, "handler_name", track.name().c_str(), 0);
         stream->disposition = tracks_.empty() ? AV_DISPOSITION_DEFAULT : 0;
-        if (is_seen && storage_.gives_colour)
-            TRY(assign(reader_, ReadAlong::open(*track.encoder, track.role)));
+        TRY(read_along(*track.encoder, coding));
         tracks_.push_back(std::move(track));
         return {};
     }
@@ -102,11 +100,11 @@ private:
     Result<void> tag_scene() {
         add_clip_tags(*muxer_, scene_.rate, storage_.fragmented ? clip_format_version : mp4_format_version);
         AVDictionary*& tags = muxer_->metadata;
-        av_dict_set(&tags, mp4_scene_tag, scene_to_json(said_of_clip(described_)).c_str(), 0);
+        av_dict_set(&tags, clip_tags::mp4_scene_tag, scene_to_json(said_of_clip(described_)).c_str(), 0);
         if (scene_.rate.own_times)
-            av_dict_set(&tags, mp4_times_tag, frame_times_text(scene_.rate).c_str(), 0);
+            av_dict_set(&tags, clip_tags::mp4_times_tag, frame_times_text(scene_.rate).c_str(), 0);
         if (scene_.path)
-            av_dict_set(&tags, mp4_poses_tag,
+            av_dict_set(&tags, clip_tags::mp4_poses_tag,
                         timed_poses_text(*scene_.path, scene_.rate, scene_.metres_per_unit).c_str(), 0);
         const int wanted = 3 + (scene_.rate.own_times ? 1 : 0) + (scene_.path ? 1 : 0);
         return av_dict_count(tags) < wanted ? refuse("out of memory") : Result<void>{};
@@ -124,10 +122,10 @@ private:
     Result<void> encode(std::size_t track, const PlaneView& plane) {
         const std::int64_t frame = check_.frames() - 1;
         TRY_ASSIGN(auto packet, tracks_[track].encoder->encode(plane, frame == access_point_));
-        if (reader_ && tracks_[track].role == PlaneRole::colour) TRY(reader_->add(*packet));
-        packet->pts = packet->dts = tick_of(scene_.rate, frame);
-        packet->duration = tick_of(scene_.rate, frame + 1) - tick_of(scene_.rate, frame);
-        return write_picture(*packet, track, time_base_of(scene_.rate));
+        if (tracks_[track].role == PlaneRole::colour) TRY(read_again(*packet));
+        packet->pts = packet->dts = tick_of(frame);
+        packet->duration = tick_of(frame + 1) - tick_of(frame);
+        return write_picture(*packet, track, tick());
     }
 
     /// FFmpeg cannot write tracks of MPEG-4 Systems: they are added to its movie box, the file's last box.
@@ -167,16 +165,14 @@ private:
     std::vector<PartTrack> tracks_;  // track k is stream k, and has number k + 1
     std::int64_t access_point_ = 0;  // the newest frame that decoding can begin with
     mpeg4::SceneStream scene_stream_;
-    std::unique_ptr<ReadAlong> reader_;  // of colour as stored; null: not requested
 };
 
 }  // namespace
 
-Result<std::unique_ptr<ClipWriter>> create_mp4_clip(const std::filesystem::path& path,
-                                                    const SceneDescription& described,
-                                                    const ClipStorage& storage, Existing existing,
-                                                    const std::optional<SoundPart>& sound) {
-    return opened_as<ClipWriter>(std::make_unique<Mp4Writer>(path, described, storage, existing), sound);
+std::unique_ptr<MuxedClipWriter> mp4_writer(const std::filesystem::path& path,
+                                            const SceneDescription& described, const ClipStorage& storage,
+                                            Existing existing) {
+    return std::make_unique<Mp4Writer>(path, described, storage, existing);
 }
 
 }  // namespace touchable

@@ -6,6 +6,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "engine/mpeg4/boxes.hpp"
 
 extern "C" {
 #include <libavutil/imgutils.h>
@@ -40,8 +41,8 @@ constexpr std::array own_codecs{
 };
 
 const OwnCodec* own_codec(const AVCodecParameters& stored) {
-    const auto* const found = std::ranges::find(own_codecs, stored.codec_tag, &OwnCodec::tag);
-    return stored.codec_id == AV_CODEC_ID_NONE && found != own_codecs.end() ? found : nullptr;
+    return stored.codec_id == AV_CODEC_ID_NONE ? named_in(own_codecs, stored.codec_tag, &OwnCodec::tag)
+                                               : nullptr;
 }
 
 Error encoder_error(const std::string& what) {
@@ -209,15 +210,12 @@ std::optional<std::string> lossy_note(PlaneRole role, const std::string& codec) 
            "every value)";
 }
 
-bool is_read(const AVCodecParameters& stored) {
-    return own_codec(stored) ||
-           std::ranges::find(read_codecs, stored.codec_id, &ReadCodec::id) != read_codecs.end();
-}
-
-std::string codecs_that_are_read() {
+Result<void> check_is_read(const AVCodecParameters& stored, const std::string& where) {
+    if (own_codec(stored) || named_in(read_codecs, stored.codec_id, &ReadCodec::id)) return {};
     std::string names;
     for (const ReadCodec& codec : read_codecs) names += std::string(avcodec_get_name(codec.id)) + ", ";
-    return names + own_codecs[0].name + ", " + own_codecs[1].name;
+    return input_error(where + ": has codec " + codec_name(stored) + ": must be one of " + names +
+                       own_codecs[0].name + ", " + own_codecs[1].name);
 }
 
 Result<CodecPtr> open_encoder(TrackCoding coding, AVPixelFormat format, int width, int height,
@@ -283,13 +281,14 @@ bool is_coded_without_loss(const AVCodecParameters& stored) {
     return stored.codec_id == AV_CODEC_ID_HEVC && is_lossless_hevc(parameters);
 }
 
-std::size_t RankZstdEncoder::compressed(std::span<const std::uint8_t> from, std::span<std::uint8_t> to,
-                                        int level) {
-    if (!context_) context_.reset(ZSTD_createCCtx());
-    if (!context_) return 0;
-    const std::size_t size =
-        ZSTD_compressCCtx(context_.get(), to.data(), to.size(), from.data(), from.size(), level);
-    return ZSTD_isError(size) ? 0 : size;
+RankEncoder::Compress zstd_at(int level) {
+    const std::shared_ptr<ZSTD_CCtx> context(ZSTD_createCCtx(), ZSTD_freeCCtx);
+    return [context, level](std::span<const std::uint8_t> from, std::span<std::uint8_t> to) -> std::size_t {
+        const std::size_t size =
+            context ? ZSTD_compressCCtx(context.get(), to.data(), to.size(), from.data(), from.size(), level)
+                    : 0;
+        return ZSTD_isError(size) ? 0 : size;
+    };
 }
 
 bool RankZstdDecoder::promises(std::span<const std::uint8_t> packet, std::size_t samples) const {

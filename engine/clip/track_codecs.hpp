@@ -9,18 +9,17 @@
 #include <span>
 
 #include "engine/base/result.hpp"
-#include "engine/clip/rank_samples.hpp"
 #include "engine/clip/tracks.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/scene/frames.hpp"
 
 namespace touchable {
 
-/// Whether tracks of this codec are read. FFmpeg knows hundreds, most of them seldom used, and seldom tested
-/// for security.
-bool is_read(const AVCodecParameters& stored);
-/// The codecs that are read: "ffv1, png, ...".
-std::string codecs_that_are_read();
+/// The version of our own codec (docs/codecs.md), 1 or 2, in a track; nullopt for another codec.
+std::optional<int> rank_zstd_version(const AVCodecParameters& stored);
+/// Refuses tracks of a codec that is not read. FFmpeg knows hundreds, most of them seldom used, and seldom
+/// tested for security.
+Result<void> check_is_read(const AVCodecParameters& stored, const std::string& where);
 
 /// Whether the coding is lossy, good enough to look at.
 constexpr bool is_visual(TrackCoding coding) {
@@ -46,19 +45,9 @@ bool is_coded_without_loss(const AVCodecParameters& stored);
 /// The FourCC of our own codec in containers: FFmpeg has no number for it.
 inline constexpr std::uint32_t rank_zstd_tag = MKTAG('T', '3', 'D', '2');
 
-/// The coding of rank_samples.hpp, its content compressed by zstd, in one frame that states its size. A packet
-/// of the first version is the frame of mode 0, with no head before it.
-class RankZstdEncoder : public RankEncoder {
-public:
-    static constexpr int quick = 1, thrifty = 19;
-    explicit RankZstdEncoder(int level = quick)
-        : RankEncoder([this, level](auto from, auto to) { return compressed(from, to, level); }) {}
-
-private:
-    std::size_t compressed(std::span<const std::uint8_t> from, std::span<std::uint8_t> to, int level);
-
-    std::unique_ptr<ZSTD_CCtx, ReleasedBy<ZSTD_freeCCtx>> context_;
-};
+/// Compresses a RankEncoder's content by zstd, in one frame that states its size. A packet of the codec's
+/// first version is the frame of mode 0, with no head before it.
+RankEncoder::Compress zstd_at(int level);
 
 class RankZstdDecoder {
 public:

@@ -161,9 +161,7 @@ Result<TrackDecoder> TrackDecoder::open(const AVStream& stream, PlaneRole role, 
     track.info_.role = role_name(role);
     track.info_.codec = codec_name(*stream.codecpar);
     const std::string where = file + ": track " + track.info_.role;
-    if (!is_read(*stream.codecpar))
-        return input_error(where + ": has codec " + track.info_.codec + ": must be one of " +
-                           codecs_that_are_read());
+    TRY(check_is_read(*stream.codecpar, where));
     TRY_ASSIGN(track.decoder_, PacketDecoder::open(stream, where, PacketDecoder::largest_picture, tracks));
     track.codec_ = stream.codecpar->codec_id;
     // Versions 0 and 1 have neither a header of their own nor checksums.

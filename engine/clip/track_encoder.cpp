@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "engine/base/try.hpp"
+#include "engine/clip/clip_file.hpp"
 #include "engine/clip/track_codecs.hpp"
 
 namespace touchable {
@@ -135,7 +136,7 @@ private:
 class RankZstdTrack final : public TrackEncoder {
 public:
     RankZstdTrack(PlaneRole role, const PlaneView& first, int level)
-        : role_(role), width_(first.width), height_(first.height), encoder_(level) {}
+        : role_(role), width_(first.width), height_(first.height), encoder_(zstd_at(level)) {}
     Result<void> describe(AVCodecParameters& stored) const override {
         stored.codec_type = AVMEDIA_TYPE_VIDEO;
         stored.codec_id = AV_CODEC_ID_NONE;
@@ -160,7 +161,7 @@ public:
 private:
     const PlaneRole role_;
     const int width_, height_;
-    RankZstdEncoder encoder_;
+    RankEncoder encoder_;
 };
 
 }  // namespace
@@ -168,9 +169,7 @@ private:
 Result<std::unique_ptr<TrackEncoder>> TrackEncoder::open(PlaneRole role, TrackCoding coding,
                                                          const PlaneView& first, const Scene& scene) {
     if (coding == TrackCoding::rank_zstd || coding == TrackCoding::rank_zstd_thrifty)
-        return std::make_unique<RankZstdTrack>(
-            role, first,
-            coding == TrackCoding::rank_zstd ? RankZstdEncoder::quick : RankZstdEncoder::thrifty);
+        return std::make_unique<RankZstdTrack>(role, first, coding == TrackCoding::rank_zstd ? 1 : 19);
     return opened_as<TrackEncoder>(std::make_unique<FfmpegEncoder>(role), coding, first, scene);
 }
 

@@ -16,7 +16,7 @@
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"
 #include "engine/clip/clip_file.hpp"
-#include "engine/clip/rank_samples.hpp"
+#include "engine/picture/image.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 
@@ -50,7 +50,7 @@ std::vector<std::filesystem::path> described_still_files(const std::filesystem::
 Result<std::unique_ptr<ClipWriter>> create_mp4_stills(const std::filesystem::path& path,
                                                       const SceneDescription& described, Existing existing);
 
-/// A touchable clip as a glTF scene (docs/codecs.md): NAME.gltf; its planes in NAME.mp4 (create_mp4_clip), or
+/// A touchable clip as a glTF scene (docs/codecs.md): NAME.gltf; its planes in NAME.mp4 (create_clip), or
 /// as PNG if `is_still` (one frame); a mesh (NAME.bin) and a poster, which programs without video support
 /// show. `storage` and `sound` apply to the video.
 Result<std::unique_ptr<ClipWriter>> create_gltf_clip(const std::filesystem::path& path,

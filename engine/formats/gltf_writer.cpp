@@ -470,8 +470,8 @@ public:
         if (hidden_.failure())
             return input_error(place_.string() + ": cannot be written: " + hidden_.failure().message());
         if (is_still_) return check_storable(place_, described_);
-        return assign(video_, as_named(create_mp4_clip(hidden_.path() / name(".mp4"), described_, storage,
-                                                       Existing::keep, sound)));
+        return assign(video_, as_named(create_clip(hidden_.path() / name(".mp4"), described_, storage,
+                                                   Existing::keep, sound)));
     }
 
     Result<void> write(const RawFrame& frame) override {

@@ -11,7 +11,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/clip/tracks.hpp"
+#include "engine/clip/containers.hpp"
 #include "engine/formats/camera_sidecar.hpp"
 #include "engine/formats/formats_written.hpp"
 #include "engine/formats/picture_files.hpp"
@@ -200,7 +200,7 @@ private:
         if (!picture) return memory_error();
         picture->color_range = AVCOL_RANGE_JPEG;
         frame.depth.copy_rows(picture->data[0], static_cast<std::size_t>(picture->linesize[0]));
-        picture->pts = tick_of(scene_.rate, frame.number);
+        picture->pts = tick_of(frame.number);
         return send(picture.get());
     }
 
@@ -219,7 +219,7 @@ private:
         encoder_->height = scene_.height;
         encoder_->pix_fmt = AV_PIX_FMT_GRAY12;
         encoder_->color_range = AVCOL_RANGE_JPEG;
-        encoder_->time_base = time_base_of(scene_.rate);
+        encoder_->time_base = tick();
         encoder_->framerate = {static_cast<int>(scene_.rate.num), static_cast<int>(scene_.rate.den)};
         encoder_->flags |= AV_CODEC_FLAG_BITEXACT | AV_CODEC_FLAG_GLOBAL_HEADER;
         AVDictionary* options = nullptr;
@@ -232,7 +232,7 @@ private:
         if (avcodec_parameters_from_context(stream->codecpar, encoder_.get()) < 0) return memory_error();
         stream->codecpar->codec_tag = MKTAG('h', 'v', 'c', '1');
         stream->id = 1;
-        stream->time_base = time_base_of(scene_.rate);
+        stream->time_base = tick();
         stream->avg_frame_rate = encoder_->framerate;
         return write_header();
     }
@@ -245,7 +245,7 @@ private:
             status = avcodec_receive_packet(encoder_.get(), packet.get());
             if (status == AVERROR(EAGAIN) || status == AVERROR_EOF) return {};
             if (status < 0) break;
-            TRY(write_picture(*packet, 0, time_base_of(scene_.rate)));
+            TRY(write_picture(*packet, 0, tick()));
         }
         return failed(ffmpeg_text(status));
     }

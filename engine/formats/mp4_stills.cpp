@@ -10,7 +10,7 @@
 #include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
 #include "engine/clip/clip.hpp"
-#include "engine/clip/tracks.hpp"
+#include "engine/clip/containers.hpp"
 #include "engine/formats/formats_written.hpp"
 #include "engine/formats/stored_clip.hpp"
 #include "engine/mpeg4/boxes.hpp"

@@ -23,7 +23,7 @@
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/clip/clip_file.hpp"
-#include "engine/clip/tracks.hpp"
+#include "engine/clip/containers.hpp"
 #include "engine/formats/bag_file.hpp"
 #include "engine/formats/colour_video.hpp"
 #include "engine/formats/depth_photo.hpp"

@@ -1,4 +1,4 @@
-// Clips packed for pages in browsers (docs/web.md): samples as rank_samples.hpp codes them, under deflate, which a
+// Clips packed for pages in browsers (docs/web.md): samples as RankEncoder codes them, under deflate, which a
 // browser inflates by itself; a picture is stored once, however many frames show it.
 #include <zlib.h>
 

@@ -8,7 +8,7 @@
 #include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/clip/tracks.hpp"
+#include "engine/clip/containers.hpp"
 #include "engine/formats/camera_sidecar.hpp"
 #include "engine/formats/colour_video.hpp"
 #include "engine/formats/picture_files.hpp"

@@ -562,10 +562,6 @@ bool is_exr(std::string_view begin) {
     return begin.starts_with("\x76\x2f\x31\x01");
 }
 
-Result<StoredImage> decode_exr(std::string_view bytes, const std::string& where) {
-    return decode_exr(bytes, where, {});
-}
-
 Result<StoredImage> decode_exr(std::string_view bytes, const std::string& where,
                                const BesideDepth::Wanted& wanted, const std::string& channel) {
     ExrFile file(bytes, where);

@@ -7,11 +7,15 @@
 // PPM, PFM, NumPy) as it is stored: a StoredImage is integers as the file has them, or floats, and says how
 // it was stored, so that depth is never squeezed through a conversion. decode_* do the same for bytes of one
 // kind in memory. An ImageStack reads the pictures of a NumPy file (.npy, .npz), HDF5 or TIFF one by one.
-// write_png and png_bytes write PNG, lossless. Pictures of videos are in decoding.hpp.
+// write_png and png_bytes write PNG, lossless. A RankEncoder makes packets of our own codec, which rank_head
+// and take_rank_plane read. Pictures of videos are in decoding.hpp.
 //
 // Claims of a file (sizes, expansion) are checked before memory is taken for them. Errors begin with `where`
 // or the file's name (ErrorKind::input); a stop is obeyed within milliseconds.
 // Threads: any may call functions; one uses an ImageStack.
+
+#include <functional>
+#include <span>
 
 #include "engine/base/files.hpp"
 #include "engine/base/result.hpp"
@@ -144,12 +148,11 @@ bool is_exr(std::string_view begin);
 /// Decodes depth: channel Z or depth of the first part that has one, else Y or R, or the only one
 /// (ExrLayers). R stands for all three colours if they are the same. Pixels outside the data window are NaN,
 /// or 0 for integers.
-Result<StoredImage> decode_exr(std::string_view bytes, const std::string& where);
-/// The same with the pictures wanted beside it, if the file has them (StoredImage::beside), in one pass.
-/// `channel`: the name of depth's channel or layer; empty: found by all names. A file without it is refused
-/// with its list of names.
+/// `wanted`: pictures beside it that are decoded, too, if the file has them (StoredImage::beside). `channel`:
+/// the name of depth's channel or layer; empty: found by all names. A file without it is refused with its
+/// list of names.
 Result<StoredImage> decode_exr(std::string_view bytes, const std::string& where,
-                               const BesideDepth::Wanted& wanted, const std::string& channel = {});
+                               const BesideDepth::Wanted& wanted = {}, const std::string& channel = {});
 /// Whether a channel is called Z, or is in a pass of depth, as renderers name them.
 bool is_exr_depth_of_renderer(const std::string& channel);
 /// Whether a channel is in a pass of depth as Unreal names them, which is in centimetres.
@@ -241,6 +244,70 @@ bool has_named_arrays(const SourceFile& file);
 /// The pages of a TIFF stored like its first one (if that is in colour: like the first of more than 8 bits in
 /// grey). Null for a single page.
 Result<std::shared_ptr<ImageStack>> open_tiff_stack(const SourceFile& file);
+
+// A lossless coding of grey pictures of two bytes a sample, each on its own, before it is compressed
+// (docs/codecs.md, A packet of our own codec): by zstd in clips, by deflate in packed ones (docs/web.md),
+// which browsers inflate. A packet has a head, its mode and how many distinct values the picture has, and
+// then the compressed content: what the values are, and a code of each sample, or of its rank among them. A
+// camera that measures in millimetres has few distinct values in a picture, fewer with distance; so do values
+// stretched to more bits.
+
+/// The modes, by their numbers.
+enum class RankMode : std::uint8_t { samples_by_gradient, ranks_by_left, ranks_by_gradient };
+
+/// What stands in a packet before its compressed content.
+struct RankHead {
+    RankMode mode = RankMode::samples_by_gradient;
+    std::size_t distinct = 0;  ///< distinct values; 0: the mode has none
+    std::size_t bytes = 0;     ///< of this head
+
+    /// Bytes of the content of a picture with so many samples.
+    std::size_t content(std::size_t samples) const { return 2 * (distinct + samples); }
+};
+/// The head of a packet of a picture with so many samples; nullopt: it cannot be one.
+std::optional<RankHead> rank_head(std::span<const std::uint8_t> packet, std::size_t samples);
+
+/// Turns content, of the size that its head states, into rows of `width` samples, `stride` samples apart.
+/// False if it holds no such picture (any bytes are safe); the samples are then undefined.
+bool take_rank_content(const RankHead& head, std::span<const std::uint8_t> content, int width, int height,
+                       std::uint16_t* samples, std::ptrdiff_t stride);
+
+/// The same into the samples of a plane of this form, row by row; channels, whose pictures content has one
+/// below the other, become interleaved.
+bool take_rank_plane(const RankHead& head, std::span<const std::uint8_t> content, const PlaneView& form,
+                     std::vector<std::uint8_t>& samples);
+
+/// Makes packets. One thread uses it.
+class RankEncoder : NonCopyable {
+public:
+    /// Compresses `from` into `to`, which has room, and returns its size; 0: memory ran out.
+    using Compress =
+        std::function<std::size_t(std::span<const std::uint8_t> from, std::span<std::uint8_t> to)>;
+    explicit RankEncoder(Compress compress) : compress_(std::move(compress)) {}
+
+    /// The packet of a picture, valid until the next call; empty if memory runs out. With `choose` every mode
+    /// is tried and the smallest packet taken, one of ranks, which takes longer to decode, only if it saves a
+    /// 64th. Otherwise the last choice stands, unless packets have grown by a 16th since.
+    std::span<const std::uint8_t> encode(const PlaneView& plane, bool choose);
+
+private:
+    struct Packet {
+        std::vector<std::uint8_t> memory;
+        std::size_t size = 0;
+    };
+    void take_samples(const PlaneView& plane);
+    void find_ranks();
+    bool pack(RankMode mode);
+
+    const Compress compress_;
+    int width_ = 0;
+    std::vector<std::uint16_t> samples_, distinct_, ranks_;
+    std::vector<std::uint16_t> rank_of_;  // by sample
+    std::vector<std::uint8_t> bytes_;     // to be compressed
+    Packet newest_, chosen_;
+    std::optional<RankMode> mode_;  // chosen when packets had `size_then_` bytes
+    std::size_t size_then_ = 0;
+};
 
 /// Whether a file is a Git LFS pointer, a small text in place of a large file that was not fetched, by its
 /// first 64 bytes.

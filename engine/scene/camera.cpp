@@ -238,10 +238,8 @@ Result<std::vector<CameraPath::TimedPose>> parse_timed_poses(std::string_view te
                                                              double metres_per_unit) {
     std::vector<CameraPath::TimedPose> poses;
     for (int number = 1; !text.empty(); ++number) {
-        const auto end = text.find('\n');
-        std::string_view line = text.substr(0, end);
-        line = line.substr(0, line.find('#'));
-        text = end == std::string_view::npos ? std::string_view() : text.substr(end + 1);
+        std::string_view whole = cut_line(text);
+        const std::string_view line = cut_part(whole, '#');
         const auto numbers = numbers_of_line(line, 8);
         if (numbers && numbers->empty()) continue;
         const auto refuse = [&](const std::string& what) {

@@ -13,7 +13,7 @@
 
 #include "engine/base/result.hpp"
 #include "engine/clip/clip.hpp"
-#include "engine/clip/tracks.hpp"
+#include "engine/clip/containers.hpp"
 #include "engine/picture/decoding.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/scene/frames.hpp"

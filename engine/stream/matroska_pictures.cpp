@@ -10,7 +10,7 @@
 
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "engine/clip/tracks.hpp"
+#include "engine/clip/containers.hpp"
 #include "engine/picture/ffmpeg.hpp"
 #include "engine/stream/stream_pictures.hpp"
 

@@ -28,7 +28,7 @@
 
 #include "engine/base/threads.hpp"
 #include "engine/clip/clip.hpp"
-#include "engine/clip/tracks.hpp"
+#include "engine/clip/containers.hpp"
 #include "engine/picture/sound.hpp"
 #include "engine/stream/stream_url.hpp"
 

@@ -6,7 +6,7 @@
 #include "engine/base/try.hpp"
 #include "engine/clip/clip.hpp"
 #include "engine/clip/clip_file.hpp"
-#include "engine/clip/tracks.hpp"
+#include "engine/clip/containers.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/stream/labelled_codec.hpp"
 #include "engine/stream/memory_muxer.hpp"

@@ -507,7 +507,7 @@ private:
             if (options_.form == ClipForm::gltf)
                 return create_gltf_clip(options_.out, described, is_of_one_frame(), storage,
                                         options_.existing, sound);
-            return create_named_clip(options_.out, described, storage, options_.existing, sound);
+            return create_clip(options_.out, described, storage, options_.existing, sound);
         }());
         return {};
     }

@@ -291,7 +291,7 @@ Result<void> run_make(const MakeOptions& options) {
     const AnalyticScene& source = *scene;
     SceneDescription described(source.scene());
     described.unstated.filters = all_unstated;  // to be chosen from its frames
-    TRY_ASSIGN(auto writer, create_named_clip(options.out, described, options.storage, options.existing));
+    TRY_ASSIGN(auto writer, create_clip(options.out, described, options.storage, options.existing));
     TRY(write_frames(source, options.frames, *writer));
     TRY(writer->finish());
 

@@ -144,9 +144,11 @@ inline Result<void> write_all(Result<std::unique_ptr<ClipWriter>> writer,
     return (*writer)->finish();
 }
 
-inline Result<void> write_clip(const std::filesystem::path& file, const Scene& scene, int frames,
-                               const Planes& planes, const ClipStorage& storage = exact_clip) {
-    return write_all(create_clip(file, scene, storage), test_frames(scene, frames, planes));
+inline Result<void> write_clip(const std::filesystem::path& file, const SceneDescription& described,
+                               int frames, const Planes& planes, const ClipStorage& storage = exact_clip,
+                               const std::optional<SoundPart>& sound = {}) {
+    return write_all(create_clip(file, described, storage, Existing::replace, sound),
+                     test_frames(described.scene, frames, planes));
 }
 
 inline bool same_plane(const PlaneView& a, const PlaneView& b) {
@@ -300,6 +302,13 @@ inline void expect_clip(const std::filesystem::path& file, const Scene& scene,
     reader.reset();  // the frames' storage keeps their planes
     EXPECT_TRUE(same_frames(read, frames))
         << scene.width << 'x' << scene.height << ", " << scene.depth_bits << " bits";
+}
+
+/// A clip of test frames has them once it is written.
+inline void expect_round_trip(const std::filesystem::path& file, const Scene& scene, int frames,
+                              const Planes& planes, const ClipStorage& storage = exact_clip) {
+    ASSERT_EQ(message(write_clip(file, scene, frames, planes, storage)), "");
+    expect_clip(file, scene, test_frames(scene, frames, planes));
 }
 
 /// A seek leads to `from`: that frame comes, then the next.

@@ -217,7 +217,7 @@ struct CodedPicture {
 };
 
 /// A picture's packet is decoded to the picture, whatever was encoded and decoded before.
-void require_round_trip(RankZstdEncoder& encoder, RankZstdDecoder& decoder, const CodedPicture& picture,
+void require_round_trip(RankEncoder& encoder, RankZstdDecoder& decoder, const CodedPicture& picture,
                         bool choose) {
     const auto* const data = reinterpret_cast<const std::uint8_t*>(picture.samples.data());
     const auto packet = encoder.encode(
@@ -245,7 +245,7 @@ bool parse_packet(std::string_view bytes, Version version) {
     const bool is_decoded = picture.is_decoded(decoder, packet);
     if (is_decoded)
         require(decoder.promises(packet, picture.samples.size()), "a packet held what it did not promise");
-    RankZstdEncoder encoder;
+    RankEncoder encoder(zstd_at(1));
     require_round_trip(encoder, second, picture, true);
     if (!rest.empty()) {
         const std::size_t size = 2 * picture.samples.size();

@@ -220,7 +220,7 @@ TEST_F(FramePoses, SurviveEveryKindOfClip) {
         const auto to = output / name;
         auto writer =
             must(to.extension() == ".mkv"   ? create_clip(to, reader->described(), exact_clip)
-                 : to.extension() == ".mp4" ? create_mp4_clip(to, reader->described(), {})
+                 : to.extension() == ".mp4" ? create_clip(to, reader->described())
                                             : create_image_folder(to, reader->described(), Existing::keep));
         const auto frames = must(read_all(*reader));
         for (const RawFrame& frame : frames) ASSERT_EQ(message(writer->write(frame)), "");

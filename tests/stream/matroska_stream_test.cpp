@@ -1,4 +1,4 @@
-#include "engine/clip/tracks.hpp"
+#include "engine/clip/containers.hpp"
 #include "engine/stream/stream_pictures.hpp"
 #include "tests/limits.hpp"
 #include "tests/stream/labelled_stream.hpp"

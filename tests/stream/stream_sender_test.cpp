@@ -4,7 +4,7 @@
 #include <map>
 #include <thread>
 
-#include "engine/clip/tracks.hpp"
+#include "engine/clip/containers.hpp"
 #include "engine/stream/sending.hpp"
 #include "engine/stream/stream_url.hpp"
 #include "tests/clip/clip_fixture.hpp"

@@ -205,7 +205,7 @@ TEST(ReservedOutput, KeepsClipOnFullDisk) {
         int written = 0;
         {
             const FullDisk full(room);
-            const auto clip = must(create_named_clip(folder / name, scene, storage));
+            const auto clip = must(create_clip(folder / name, scene, storage));
             while (!clip->is_full()) {
                 ASSERT_EQ(message(clip->write(test_frame(scene, written, {}))), "") << written;
                 ASSERT_LT(++written, 1000) << "the disk is larger than it is";

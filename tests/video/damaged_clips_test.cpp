@@ -105,10 +105,7 @@ TEST(ClipDamage, NamesTruncationAtEveryPercentage) {
          {std::pair{"a.mkv", exact_clip}, {"a.mp4", exact_clip}, {"b.mp4", in_fragments}})
         for (const Planes& planes : {Planes{}, Planes{true, true, false, false}}) {
             const std::string file = folder / name;
-            ASSERT_EQ(message(write_all(
-                          create_named_clip(file, small_scene(64, 48, 16), storage, Existing::replace),
-                          test_frames(small_scene(64, 48, 16), 12, planes))),
-                      "");
+            ASSERT_EQ(message(write_clip(file, small_scene(64, 48, 16), 12, planes, storage)), "");
             const std::string bytes = read_bytes(file);
             const bool is_mkv = file.ends_with("mkv");
             int refused = 0;
@@ -579,7 +576,7 @@ TEST_F(HostileFile, IsQuotedShortly) {
 /// A clip as bytes, and a place for damaged copies.
 struct Mp4Subject {
     Mp4Subject() {
-        EXPECT_EQ(message(write_mp4(folder / "whole.mp4", scene, frames, planes)), "");
+        EXPECT_EQ(message(write_clip(folder / "whole.mp4", scene, frames, planes)), "");
         bytes = read_bytes(folder / "whole.mp4");
     }
     /// Nothing where it opened and was read to its end; otherwise the error, of one line.

@@ -1,5 +1,7 @@
 #include "tests/video/mp4_boxes.hpp"
 
+#include <gtest/gtest.h>
+
 namespace touchable::test {
 
 std::uint64_t number_in(const std::string& file, std::size_t at, int bytes) {
@@ -103,13 +105,6 @@ std::string word(std::size_t value) {
     std::string bytes;
     for (const int shift : {24, 16, 8, 0}) bytes += static_cast<char>(value >> shift);
     return bytes;
-}
-
-Result<void> write_mp4(const std::filesystem::path& file, const SceneDescription& described, int frames,
-                       const Planes& planes, const ClipStorage& storage,
-                       const std::optional<SoundPart>& sound) {
-    return write_all(create_mp4_clip(file, described, storage, Existing::replace, sound),
-                     test_frames(described.scene, frames, planes));
 }
 
 }  // namespace touchable::test

@@ -2,14 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include "engine/clip/clip_file.hpp"
-#include "tests/clip/clip_fixture.hpp"
 
 namespace touchable::test {
 
@@ -42,10 +37,5 @@ std::string without_in_movie(const std::string& file, const std::vector<std::str
 
 /// Four bytes, the highest first.
 std::string word(std::size_t value);
-
-/// A clip of test frames.
-Result<void> write_mp4(const std::filesystem::path& file, const SceneDescription& described, int frames,
-                       const Planes& planes, const ClipStorage& storage = exact_clip,
-                       const std::optional<SoundPart>& sound = {});
 
 }  // namespace touchable::test

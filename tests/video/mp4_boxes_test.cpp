@@ -20,7 +20,7 @@ constexpr int foreign_frames = 4;
 class Mp4File : public ::testing::Test {
 protected:
     void SetUp() override {
-        ASSERT_EQ(message(write_mp4(path, scene, foreign_frames, all_planes)), "");
+        ASSERT_EQ(message(write_clip(path, scene, foreign_frames, all_planes)), "");
         file = read_bytes(path);
     }
     TemporaryFolder folder;
@@ -373,13 +373,12 @@ const ClipStorage in_fragments{.archive = Archive::fast, .exact_colour = true, .
 
 Result<void> write_fragments(const fs::path& file, const SceneDescription& described, int frames,
                              const Planes& planes = all_planes) {
-    return write_mp4(file, described, frames, planes, in_fragments);
+    return write_clip(file, described, frames, planes, in_fragments);
 }
 
 void expect_fragments(const fs::path& file, const Scene& scene, int frames,
                       const Planes& planes = all_planes) {
-    ASSERT_EQ(message(write_fragments(file, scene, frames, planes)), "");
-    expect_clip(file, scene, test_frames(scene, frames, planes));
+    expect_round_trip(file, scene, frames, planes, in_fragments);
     EXPECT_TRUE(!planes.haptic || must(open_clip(file))->notes().empty());
 }
 
@@ -501,7 +500,7 @@ TEST_F(Mp4Fragments, AreReproducibleAndMp4Only) {
     for (const char* name : {"a.mp4", "b.mp4"})
         ASSERT_EQ(message(write_fragments(folder / name, scene, 17)), "");
     EXPECT_EQ(read_bytes(folder / "a.mp4"), read_bytes(folder / "b.mp4"));
-    EXPECT_TRUE(is_refused(create_named_clip(folder / "clip.mkv", scene, in_fragments),
+    EXPECT_TRUE(is_refused(create_clip(folder / "clip.mkv", scene, in_fragments),
                            "only MP4 is written in fragments"));
 }
 
@@ -509,7 +508,7 @@ TEST_F(Mp4Fragments, KeepSoundInStep) {
     write_sounding_film(folder / "film.mp4", tone(20, 3.0));
     const Scene scene = small_scene(16, 12, 12);
     const SoundPart part{folder / "film.mp4", 0, 2'000'000'000};
-    ASSERT_EQ(message(write_mp4(folder / "clip.mp4", scene, 60, {}, in_fragments, part)), "");
+    ASSERT_EQ(message(write_clip(folder / "clip.mp4", scene, 60, {}, in_fragments, part)), "");
     expect_clip(folder / "clip.mp4", scene, test_frames(scene, 60, {}));
     const auto track = must(SoundTrack::open(folder / "clip.mp4"));
     const auto source = must(SoundTrack::open(folder / "film.mp4"));

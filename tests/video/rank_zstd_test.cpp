@@ -89,7 +89,7 @@ Parts plain_parts(const PlaneView& plane, RankMode mode) {
 
 /// A plane's packet, by an encoder that saw no other.
 Samples packet_of(const PlaneView& plane) {
-    RankZstdEncoder encoder;
+    RankEncoder encoder(zstd_at(1));
     const auto packet = encoder.encode(plane, true);
     return {packet.begin(), packet.end()};
 }
@@ -249,7 +249,7 @@ TEST(RankZstd, KeepsModeUntilPacketsGrow) {
     constexpr int width = 300, height = 200;
     const Wide few = samples_of(pictures[1], width, height), slope = samples_of(pictures[0], width, height),
                noise = samples_of(pictures[4], width, height);
-    RankZstdEncoder encoder;
+    RankEncoder encoder(zstd_at(1));
     const auto mode_of = [&](const Wide& samples, bool choose) {
         return static_cast<RankMode>(encoder.encode(view_of(samples, width, height), choose)[0]);
     };

@@ -1,8 +1,8 @@
-#include "engine/clip/rank_samples.hpp"
-
 #include <algorithm>
 #include <cstring>
 #include <utility>
+
+#include "engine/picture/image.hpp"
 
 namespace touchable {
 namespace {
@@ -30,7 +30,7 @@ struct SplitBytes {
     }
 };
 
-struct StoredBytes {
+struct SplitNumbers {
     const std::uint8_t *low, *high;
     std::uint32_t operator[](std::size_t at) const {
         return low[at] | static_cast<std::uint32_t>(high[at]) << 8;
@@ -47,7 +47,7 @@ void put_distinct(const std::vector<std::uint16_t>& values, SplitBytes to) {
 }
 
 /// False if a value exceeds the largest sample. Values cannot be out of order.
-bool take_distinct(StoredBytes from, std::size_t count, std::uint16_t* values) {
+bool take_distinct(SplitNumbers from, std::size_t count, std::uint16_t* values) {
     std::uint32_t next = 0;
     for (std::size_t n = 0; n < count; ++n, ++next) {
         next += from[n];
@@ -72,7 +72,7 @@ void put_codes(const std::vector<std::uint16_t>& values, int width, bool by_left
     }
 }
 
-void take_codes(StoredBytes from, int width, int height, bool by_left, std::uint16_t* values,
+void take_codes(SplitNumbers from, int width, int height, bool by_left, std::uint16_t* values,
                 std::ptrdiff_t stride) {
     const auto row = static_cast<std::size_t>(width);
     const std::vector<std::uint16_t> nothing(row);
@@ -117,7 +117,8 @@ bool take_rank_content(const RankHead& head, std::span<const std::uint8_t> conte
     if (content.size() != head.content(count)) return false;
     std::vector<std::uint16_t> distinct(head.distinct);
     const std::uint8_t *const dictionary = content.data(), *const codes = dictionary + 2 * head.distinct;
-    if (!take_distinct({dictionary, dictionary + head.distinct}, head.distinct, distinct.data())) return false;
+    if (!take_distinct({dictionary, dictionary + head.distinct}, head.distinct, distinct.data()))
+        return false;
     take_codes({codes, codes + count}, width, height, head.mode == ranks_by_left, samples, stride);
     return head.mode == samples_by_gradient || look_up(distinct, width, height, samples, stride);
 }
