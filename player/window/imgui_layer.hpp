@@ -9,7 +9,7 @@ struct ImGuiContext;
 #include <vector>
 
 #include "engine/base/result.hpp"
-#include "player/window/window_command.hpp"
+#include "player/window/input_event.hpp"
 
 namespace touchable {
 

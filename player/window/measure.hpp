@@ -15,7 +15,7 @@
 #include "engine/scene/scene.hpp"
 #include "haptics_cpu/height_field.hpp"
 #include "player/draw/view.hpp"
-#include "player/window/window_command.hpp"
+#include "player/window/input_event.hpp"
 
 namespace touchable {
 

@@ -30,8 +30,8 @@
 #include "haptics_cpu/height_field.hpp"
 #include "haptics_cpu/touch_step.hpp"
 #include "player/draw/view.hpp"
+#include "player/window/input_event.hpp"
 #include "player/window/window_clock.hpp"
-#include "player/window/window_command.hpp"
 
 namespace touchable {
 

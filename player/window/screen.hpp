@@ -8,7 +8,7 @@
 #include "engine/gpu/gpu_commands.hpp"
 #include "engine/gpu/gpu_device.hpp"
 #include "player/draw/gpu_image.hpp"
-#include "player/window/window_command.hpp"
+#include "player/window/input_event.hpp"
 
 namespace touchable {
 

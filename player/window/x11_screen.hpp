@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "engine/base/result.hpp"
-#include "player/window/window_command.hpp"
+#include "player/window/input_event.hpp"
 
 namespace touchable {
 
