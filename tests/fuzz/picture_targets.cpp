@@ -67,6 +67,10 @@ bool parse_png(std::string_view bytes) {
     return is_picture(decode_coded_image(bytes, "picture"));
 }
 
+bool parse_exr(std::string_view bytes) {
+    return is_picture(decode_exr(bytes, "picture"));
+}
+
 const Registered netpbm_target{
     {.name = "netpbm", .parse = parse_picture<decode_netpbm>, .cuts_are_refused = true}};
 const Registered pfm_target{{.name = "pfm", .parse = parse_picture<decode_pfm>, .cuts_are_refused = true}};
@@ -74,9 +78,9 @@ const Registered npy_target{{.name = "npy", .parse = parse_picture<decode_npy>, 
 const Registered npz_target{{.name = "npz", .parse = parse_picture<decode_npz>, .cuts_are_refused = true}};
 const Registered tiff_target{
     {.name = "tiff", .parse = parse_picture<decode_tiff>, .cuts_are_refused = true, .needless_bytes = 4}};
-const Registered exr_target{{.name = "exr", .parse = parse_picture<decode_exr>, .cuts_are_refused = true}};
+const Registered exr_target{{.name = "exr", .parse = parse_exr, .cuts_are_refused = true}};
 /// Tiles stand in any order, and what is cut off may be one that is not needed.
-const Registered exr_tiled_target{{.name = "exr_tiled", .parse = parse_picture<decode_exr>}};
+const Registered exr_tiled_target{{.name = "exr_tiled", .parse = parse_exr}};
 /// All of a rendering together, and each by itself.
 bool parse_exr_layers(std::string_view bytes) {
     const auto whole = decode_exr(bytes, "picture", {true, true});

@@ -428,7 +428,7 @@ TEST_P(LargePicture, EndsWhenStopped) {
     const std::map<std::string, Result<StoredImage> (*)(std::string_view, const std::string&)> decoders{
         {".png", decode_coded_image},
         {".tif", decode_tiff},
-        {".exr", decode_exr},
+        {".exr", [](std::string_view coded, const std::string& where) { return decode_exr(coded, where); }},
         {".npy", decode_npy},
         {".npz", decode_npz}};
     const auto decoder = decoders.find(GetParam());
