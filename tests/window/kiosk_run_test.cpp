@@ -318,6 +318,32 @@ TEST_F(KioskDay, LeavesNothingAndLeaksNothing) {
     EXPECT_EQ(faults, 0) << file_contents(folder_ / "use.csv");
 }
 
+/// A visitor who comes before the clip.
+TEST_F(KioskDay, SaysNothingBeforeItsClip) {
+    class EarlyScreen final : public WrappedScreen {
+    public:
+        using WrappedScreen::WrappedScreen;
+        std::vector<InputEvent> poll(std::chrono::milliseconds longest) override {
+            using Kind = InputEvent::Kind;
+            if (std::exchange(has_come_, true)) return WrappedScreen::poll(longest);
+            return {{.kind = Kind::key, .word = "space"},
+                    {.kind = Kind::key, .word = "q"},
+                    {.kind = Kind::key, .word = "escape"},
+                    {.kind = Kind::close}};
+        }
+
+    private:
+        bool has_come_ = false;
+    };
+    options_.make_screen = [](const ScreenOptions& wanted) { return std::make_unique<EarlyScreen>(wanted); };
+    options_.seconds = 0.3;
+    testing::internal::CaptureStderr();
+    const auto played = play_in_window(options_);
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+    ASSERT_TRUE(played) << played.error().message;
+    EXPECT_GE(played->seconds, 0.3) << "it was closed";
+}
+
 TEST_F(KioskDay, IsReadyAfterRestlessVisitors) {
     const Image first = seen_after(Visitors(0));
     // All of them in the long run of the tests. The 13th leaves with a button held on a button.

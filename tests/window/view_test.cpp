@@ -7,9 +7,7 @@
 
 #include "engine/content/scenes.hpp"
 #include "player/window/clip_picture.hpp"
-#include "player/window/kiosk_mode.hpp"
 #include "player/window/pointer.hpp"
-#include "player/window/window_core.hpp"
 
 namespace touchable::test {
 namespace {
@@ -309,69 +307,6 @@ TEST(FramesShown, CountsFramesInTime) {
     shown.forget();
     shown.add(at(2, 7), 500, 10);
     EXPECT_EQ(shown.due(), 5);
-}
-
-// A window's modes without a window: which of them takes what comes, and what the core asks them.
-
-TEST(WindowCore, RefusesCommandsWithoutClip) {
-    WindowCore core{PlayOptions{}};
-    core.take(WindowCommand{WindowVerb::play_pause});
-    EXPECT_EQ(core.state.notices.passing(), "there is no clip yet: drop one on the window");
-    EXPECT_TRUE(core.state.notices.is_refusal());
-    EXPECT_FALSE(core.state.quits());
-    core.take(WindowCommand{WindowVerb::quit});
-    EXPECT_TRUE(core.state.quits());
-}
-
-TEST(WindowCore, IdleModesTakeNothing) {
-    WindowCore core{PlayOptions{}};
-    EXPECT_EQ(core.state.modes.size(), 4U);
-    for (const auto question :
-         {&WindowMode::is_unattended, &WindowMode::is_at_work, &WindowMode::moves_by_itself,
-          &WindowMode::repeats_clip, &WindowMode::keeps_view, &WindowMode::chooses_clip,
-          &WindowMode::keeps_session, &WindowMode::hides_forces})
-        EXPECT_FALSE(core.state.any(question));
-    EXPECT_FALSE(core.state.any_button(LeftButton::is_a_tool) ||
-                 core.state.any_button(LeftButton::turns_view));
-    for (WindowMode* const mode : core.state.modes) {
-        EXPECT_FALSE(mode->handle(InputEvent{.kind = InputEvent::Kind::pressed, .word = "left"}));
-        EXPECT_FALSE(mode->leave());
-    }
-}
-
-TEST(WindowState, ReportsFileFaultOnce) {
-    WindowState window{PlayOptions{}};
-    EXPECT_TRUE(window.is_new_fault(input_error("the disk is full")));
-    EXPECT_FALSE(window.is_new_fault(input_error("the disk is full")));
-}
-
-class KioskModeTest : public ::testing::Test {
-protected:
-    static PlayOptions options() {
-        PlayOptions options;
-        options.kiosk.emplace();
-        return options;
-    }
-
-    WindowCore core{options()};
-    KioskMode kiosk{core.state, {core.input, core.clips, core.picture, core.brush.brush()}, {}};
-};
-
-TEST_F(KioskModeTest, BlocksForbiddenInput) {
-    using Kind = InputEvent::Kind;
-    EXPECT_TRUE(kiosk.handle(InputEvent{.kind = Kind::close}));
-    EXPECT_TRUE(kiosk.handle(InputEvent{.kind = Kind::dropped, .word = "clip.mkv"}));
-    EXPECT_TRUE(kiosk.handle(InputEvent{.kind = Kind::key, .word = "q"}));
-    EXPECT_FALSE(kiosk.handle(InputEvent{.kind = Kind::key, .word = "space"}));
-    EXPECT_FALSE(kiosk.handle(InputEvent{.kind = Kind::moved, .x = 1, .y = 1}));
-}
-
-TEST_F(KioskModeTest, SaysNothingWithoutClip) {
-    EXPECT_TRUE(kiosk.handle(WindowCommand{WindowVerb::play_pause}));
-    EXPECT_FALSE(kiosk.handle(WindowCommand{WindowVerb::mute})) << "which needs no clip";
-    EXPECT_EQ(core.state.notices.passing(), "");
-    EXPECT_TRUE(kiosk.is_unattended() && kiosk.repeats_clip());
-    EXPECT_FALSE(kiosk.moves_by_itself() || kiosk.keeps_view() || kiosk.chooses_clip());
 }
 
 }  // namespace

@@ -101,6 +101,7 @@ TEST(WindowFiles, FullDiskKeepsFilm) {
     const std::size_t in_the_end = played.err.find(full + "; it is kept up to there\n");
     EXPECT_LT(at_once, in_the_end) << played.err;
     EXPECT_NE(in_the_end, std::string::npos) << played.err;
+    EXPECT_EQ(played.err.find("warning: " + full, at_once + full.size()), std::string::npos) << "told twice";
     EXPECT_GE(seen_in_film(film).size(), 2U) << "pictures that were complete";
     expect_recorded(record);
 }
@@ -686,6 +687,8 @@ TEST(EmptyWindow, TakesKeysAndTouches) {
     };
     const std::string at = "160 25";  // of the box that tells what went wrong
     EXPECT_FALSE(stays("0.3 key escape\n"));
+    EXPECT_TRUE(contains(played_by({}, "0.2 play-pause\n", "0.4").outcome.err,
+                         "there is no clip yet: drop one on the window"));
     EXPECT_TRUE(stays("0.3 drop nowhere.mkv\n0.6 key escape\n")) << "Escape reads the fault before it closes";
     EXPECT_FALSE(stays("0.2 drop nowhere.mkv\n0.6 touch 1 " + at + "\n0.7 touch-end 1\n0.85 key escape\n"))
         << "a finger does not read it";
