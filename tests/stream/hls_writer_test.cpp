@@ -1,4 +1,6 @@
+#include <atomic>
 #include <sstream>
+#include <thread>
 
 #include "engine/clip/readers.hpp"
 #include "engine/stream/hls.hpp"
@@ -422,6 +424,25 @@ TEST(SegmentedClip, PlaysLiveToItsEnd) {
     EXPECT_GE(std::chrono::steady_clock::now() - begun, std::chrono::milliseconds(1'200))
         << "they are as far apart as they were taken";
     EXPECT_TRUE(has_words(clip->remarks().front(), "has come to its end"));
+}
+
+/// The rest of a long stream waits at its server.
+TEST(SegmentedClip, LiveFetchesWhatItHasRoomFor) {
+    const SegmentedStream sent(300, {true, true, false, false});
+    std::atomic<int> fetched{0};
+    const WebServer server([answer = sent.answer(), &fetched](const std::string& path) {
+        fetched += path.find(".m3u8") == std::string::npos;
+        return answer(path);
+    });
+    const auto clip = must(open_live_stream(source_of(server.url("/master.m3u8"))));
+    ASSERT_EQ(message(clip->next()), "");
+    for (int before = -1; before != fetched;) {
+        before = fetched;
+        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    }
+    const auto files = std::distance(std::filesystem::recursive_directory_iterator(sent.folder / "web"), {});
+    EXPECT_GT(fetched, 0);
+    EXPECT_LT(fetched, files * 3 / 4) << files;
 }
 
 TEST(SegmentPace, KeepsIntervalsOfFrames) {
