@@ -5,6 +5,7 @@
 
 #include "player/window/pointer.hpp"
 #include "player/window/window_clock.hpp"
+#include "player/window/window_command.hpp"
 
 namespace touchable {
 
