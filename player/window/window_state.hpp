@@ -57,7 +57,7 @@ public:
     PlayFigures figures;
     SettingsFile settings_file;          ///< with the settings kept by the previous window
     std::unique_ptr<Screen> screen;      ///< set while the window opens
-    std::unique_ptr<WindowSound> sound;  ///< likewise
+    std::unique_ptr<WindowSound> sound;  ///< set while the window opens
     BackgroundWriter screenshots{"screenshots", "pictures of the window", most_screenshots};
     /// The current clip; null before the first clip opens, never afterwards.
     std::unique_ptr<OpenedClip> clip;
