@@ -63,6 +63,32 @@ Result<void> MuxedClipWriter::write_header(AVDictionary* options) {
     return check_status(status);
 }
 
+Result<void> MuxedClipWriter::set_scene(const mpeg4::ClipNodes& nodes,
+                                        std::map<std::uint16_t, std::uint32_t> objects) {
+    const mpeg4::SceneTree tree = mpeg4::scene_of(nodes, scene_.width, scene_.height);
+    mpeg4_scene_ = {mpeg4::config_for(tree, scene_.width, scene_.height), {}, std::move(objects)};
+    return assign(mpeg4_scene_->scene, error_at(output_.target().string() + ": MPEG-4 has no such scene",
+                                                mpeg4::encode_scene(tree, mpeg4_scene_->config)));
+}
+
+/// FFmpeg cannot write tracks of MPEG-4 Systems: they are added to its movie box, the file's last box.
+Result<void> MuxedClipWriter::add_scene() {
+    if (!mpeg4_scene_) return {};
+    avio_flush(muxer_->pb);
+    const std::string target = output_.target().string();
+    TRY_ASSIGN(const auto file, error_at(target, bytes_of_file(SourceFile(output_.path()))));
+    const auto end = static_cast<std::uint64_t>(avio_tell(muxer_->pb));
+    TRY_ASSIGN(const auto box, error_at(target, mpeg4::first_box(*file, "moov", 0, end)));
+    if (!box || box->end != end) return internal_error("the movie box is not the MP4 file's last");
+    TRY_ASSIGN(const auto movie, error_at(target, mpeg4::bytes_at(*file, box->content, end - box->content)));
+    TRY_ASSIGN(const auto made, mpeg4::with_scene_stream(movie, *mpeg4_scene_, 1, box->at));
+    if (avio_seek(muxer_->pb, static_cast<std::int64_t>(box->at), SEEK_SET) < 0)
+        return refuse("cannot be written: no way back in it");
+    avio_write(muxer_->pb, made.data(), static_cast<int>(made.size()));
+    avio_flush(muxer_->pb);
+    return check_status(0);
+}
+
 Result<void> MuxedClipWriter::write_packet(AVPacket& packet, int stream, AVRational tick) {
     packet.stream_index = stream;
     av_packet_rescale_ts(&packet, tick, muxer_->streams[stream]->time_base);
@@ -128,7 +154,7 @@ Result<void> MuxedClipWriter::end() {
     TRY(add_rest());
     TRY(write_sound(time_ms(check_.frames())));
     TRY(check_status(av_write_trailer(muxer_.get())));
-    TRY(amend());
+    TRY(add_scene());
     const int status = room_.close();
     if (status < 0) return refuse("cannot be written: " + ffmpeg_text(status));
     over_ = complete_ = true;

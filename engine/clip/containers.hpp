@@ -222,8 +222,6 @@ protected:
     virtual Result<void> add(const RawFrame& frame) = 0;
     /// Writes what was held back, after the last frame.
     virtual Result<void> add_rest() { return {}; }
-    /// Adds to a file that FFmpeg has ended.
-    virtual Result<void> amend() { return {}; }
 
     Error refuse(const std::string& what) const {
         return input_error(output_.target().string() + ": " + what);
@@ -235,6 +233,8 @@ protected:
     Result<void> write_header(AVDictionary* options = nullptr);
     /// Writes sound up to this time into that stream.
     Result<void> write_sound(std::int64_t until_ms);
+    /// Gives the MP4 file this scene; `objects`: the track of each object that it names.
+    Result<void> set_scene(const mpeg4::ClipNodes& nodes, std::map<std::uint16_t, std::uint32_t> objects);
     /// Writes a packet of a picture, its times in `tick`.
     Result<void> write_picture(AVPacket& packet, std::size_t stream, AVRational tick);
     /// When a frame is shown, to the nearest millisecond.
@@ -260,9 +260,11 @@ private:
     Result<void> keep(Result<void> result);
     Result<void> write_frame(const RawFrame& frame);
     Result<void> end();
+    Result<void> add_scene();
     Result<void> write_packet(AVPacket& packet, int stream, AVRational tick);
 
     const char* format_;
+    std::optional<mpeg4::SceneStream> mpeg4_scene_;
     std::unique_ptr<StoredSound> sound_;  // null: none
     int sound_stream_ = 0;
     std::optional<TrackDecoder> along_;  // of colour as stored; nullopt: not requested

@@ -1,7 +1,6 @@
 // Clips in MP4: a track of H.264 for each plane, and the MPEG-4 scene, or fragments with tags alone.
 #include <array>
 
-#include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
 #include "engine/clip/containers.hpp"
 #include "engine/mpeg4/boxes.hpp"
@@ -33,11 +32,10 @@ private:
         return {};
     }
 
-    Result<void> amend() override { return storage_.fragmented ? Result<void>() : add_scene(); }
     /// The scene does not name tracks of low bits, which come last.
     Result<void> open_tracks(const RawFrame& first) {
         for (PartTrack& track : part_tracks(first, scene_)) TRY(open_track(std::move(track), first));
-        if (!storage_.fragmented) TRY(make_scene_stream());
+        if (!storage_.fragmented) TRY(make_scene());
         return begin_file();
     }
 
@@ -128,43 +126,21 @@ private:
         return write_picture(*packet, track, tick());
     }
 
-    /// FFmpeg cannot write tracks of MPEG-4 Systems: they are added to its movie box, the file's last box.
-    Result<void> add_scene() {
-        avio_flush(muxer_->pb);
-        const std::string target = output_.target().string();
-        TRY_ASSIGN(const auto file, error_at(target, bytes_of_file(SourceFile(output_.path()))));
-        const auto end = static_cast<std::uint64_t>(avio_tell(muxer_->pb));
-        TRY_ASSIGN(const auto box, error_at(target, mpeg4::first_box(*file, "moov", 0, end)));
-        if (!box || box->end != end) return internal_error("the movie box is not the MP4 file's last");
-        TRY_ASSIGN(const auto movie,
-                   error_at(target, mpeg4::bytes_at(*file, box->content, end - box->content)));
-        TRY_ASSIGN(const auto made, mpeg4::with_scene_stream(movie, scene_stream_, 1, box->at));
-        if (avio_seek(muxer_->pb, static_cast<std::int64_t>(box->at), SEEK_SET) < 0)
-            return refuse("cannot be written: no way back in it");
-        avio_write(muxer_->pb, made.data(), static_cast<int>(made.size()));
-        avio_flush(muxer_->pb);
-        return check_status(0);
-    }
-
     /// Each plane's texture is a track.
-    Result<void> make_scene_stream() {
+    Result<void> make_scene() {
         const auto has = [&](PlaneRole role) { return check_.bytes_per_sample(role) > 0; };
         const mpeg4::ClipNodes nodes = mpeg4::nodes_from(
             scene_, {has(PlaneRole::colour), has(PlaneRole::haptic), has(PlaneRole::height)});
-        mpeg4::SceneStream& stream = scene_stream_;
+        std::map<std::uint16_t, std::uint32_t> tracks;
         for (std::size_t k = 0; k < tracks_.size(); ++k)
             if (tracks_[k].part != PlanePart::low)
-                stream.objects[objects[static_cast<std::size_t>(tracks_[k].role)]] =
+                tracks[objects[static_cast<std::size_t>(tracks_[k].role)]] =
                     static_cast<std::uint32_t>(k + 1);
-        const mpeg4::SceneTree tree = mpeg4::scene_of(nodes, scene_.width, scene_.height);
-        stream.config = mpeg4::config_for(tree, scene_.width, scene_.height);
-        return assign(stream.scene, error_at(output_.target().string() + ": MPEG-4 has no such scene",
-                                             mpeg4::encode_scene(tree, stream.config)));
+        return set_scene(nodes, std::move(tracks));
     }
 
     std::vector<PartTrack> tracks_;  // track k is stream k, and has number k + 1
     std::int64_t access_point_ = 0;  // the newest frame that decoding can begin with
-    mpeg4::SceneStream scene_stream_;
 };
 
 }  // namespace

@@ -132,7 +132,7 @@ private:
             if (plane.empty()) continue;
             TRY(assign(pngs.emplace_back(), png_bytes(plane, PngEffort::quick, png_colours(role))));
             TRY(add_track(role));
-            stream_.objects[object] = static_cast<std::uint32_t>(roles_.size());
+            objects_[object] = static_cast<std::uint32_t>(roles_.size());
         }
         TRY(make_scene());
         TRY(write_header());
@@ -173,41 +173,19 @@ private:
         for (const PlaneRole role : roles_) pattern_of(*scene.folder, role) = role_name(role);
         mpeg4::ClipNodes nodes = mpeg4::nodes_of_pictures(pictures_);
         for (const auto& [role, object] : still_order) {
-            if (!stream_.objects.contains(object)) continue;
+            if (!objects_.contains(object)) continue;
             const mpeg4::ClipNodes::Texture texture{{.object = object}, false};
             if (role == PlaneRole::depth) nodes.depth = texture;
             if (role == PlaneRole::colour) nodes.colour = texture;
             if (role == PlaneRole::haptic) nodes.haptic = texture;
             if (role == PlaneRole::height) nodes.height = texture;
         }
-        const mpeg4::SceneTree tree = mpeg4::scene_of(nodes, scene.width, scene.height);
-        stream_.config = mpeg4::config_for(tree, scene.width, scene.height);
-        return error_at(output_.target().string() + ": MPEG-4 has no such scene",
-                        assign(stream_.scene, mpeg4::encode_scene(tree, stream_.config)));
-    }
-
-    /// FFmpeg cannot write tracks of MPEG-4 Systems: they are added to its movie box, the file's last box.
-    Result<void> amend() override {
-        avio_flush(muxer_->pb);
-        TRY_ASSIGN(const auto bytes, bytes_of_file(SourceFile(output_.path())));
-        TRY_ASSIGN(const auto file,
-                   mpeg4::bytes_at(*bytes, 0, static_cast<std::uint64_t>(avio_tell(muxer_->pb))));
-        TRY_ASSIGN(const auto boxes, mpeg4::boxes_in(file));
-        if (boxes.empty() || boxes.back().type != "moov")
-            return internal_error("the movie box is not the MP4 file's last");
-        constexpr std::size_t head_bytes = 8;
-        const std::size_t at = file.size() - boxes.back().content.size() - head_bytes;
-        TRY_ASSIGN(const auto end, mpeg4::with_scene_stream(boxes.back().content, stream_, 1, at));
-        if (avio_seek(muxer_->pb, static_cast<std::int64_t>(at), SEEK_SET) < 0)
-            return refuse("cannot be written: no way back in it");
-        avio_write(muxer_->pb, end.data(), static_cast<int>(end.size()));
-        avio_flush(muxer_->pb);
-        return check_status(0);
+        return set_scene(nodes, std::move(objects_));
     }
 
     SceneDescription pictures_;
     std::vector<PlaneRole> roles_;  // of each track
-    mpeg4::SceneStream stream_;
+    std::map<std::uint16_t, std::uint32_t> objects_;  // the track of each
 };
 
 }  // namespace
