@@ -159,7 +159,8 @@ private:
         const AVStream& stream = *packet->stream;
         const int number = packet->track;
         if (!tracks_.contains(number)) {
-            if (stream.codecpar->codec_id == AV_CODEC_ID_NONE) return true;  // not known yet
+            // Before MPEG-TS has sent its tables, FFmpeg guesses a track's codec.
+            if (stream.codecpar->codec_id != AV_CODEC_ID_H264) return true;
             auto track = decoder_.add_track(stream, name_);
             if (!track && track.error().kind == ErrorKind::internal) return track.error();
             tracks_[number] = track ? std::optional(*track) : std::nullopt;

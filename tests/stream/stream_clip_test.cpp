@@ -439,6 +439,30 @@ TEST(LiveStream, GivesFramesAsTheyCome) {
     EXPECT_LE(figures->delay_ms, 200);
 }
 
+/// A client that comes in between keys, to a sender that does not care for it, as UDP's: the picture that it
+/// shows first is that of the next key, and nothing was damaged.
+TEST(LiveStream, LateClientBeginsAtKey) {
+    constexpr std::size_t keys_apart = 5;
+    // MPEG-TS sends its tables now and then; of it more has to be there before it opens.
+    const Scene scene = small_scene(64, 48, 16);
+    for (const auto& sent :
+         {make_stream(scene, 14, all_planes), make_transport_stream(scene, 100, all_planes)})
+        for (std::size_t from = 1; from <= 2 * keys_apart; ++from) {
+            const LoopbackSender sender([&](const LoopbackSender::Listener& to, int) {
+                (void)to.send(sent.bytes(from));
+                to.stay();
+            });
+            const auto clip = must(open_live_stream(live_choice(sender.url())));
+            const std::size_t key = (from + keys_apart - 1) / keys_apart * keys_apart;
+            for (std::size_t n = 0; n < 3; ++n) {
+                const RawFrame frame = next_of(*clip);
+                EXPECT_EQ(frame.number, static_cast<std::int64_t>(n)) << from;
+                EXPECT_TRUE(is_as_sent(frame, sent.frames[key + n])) << from << ": " << n;
+            }
+            EXPECT_EQ(clip->stream_figures()->torn, 0) << from;
+        }
+}
+
 TEST(LiveStream, ReconnectsToRestartedSender) {
     const auto stream = long_stream();
     auto sender = std::make_unique<LoopbackSender>(paced(stream));
