@@ -101,7 +101,10 @@ private:
     Result<void> make_buffers();
     Result<void> make_table();
 
-    /// A frame whose stages are recorded one after the other.
+    /// A frame whose stages are recorded one after the other. A stage reads `rows`, whose `valid` says what
+    /// marks invalid codes: stored ones up to a median, which is recorded with the first stage that needs
+    /// codes (record_codes); from then on no_finer_code or, without has_room_above, 0. It writes into a
+    /// buffer other than theirs, one of `between_` unless it remembers.
     struct Frame {
         GpuCommands& commands;
         const bool begins;

@@ -522,8 +522,9 @@ struct SettingRange {
 };
 
 /// A row of the table of filter settings. The table is the one place that knows a member of FilterSettings by
-/// name: scene files, `--filters`, the filters' own options, window, scripts, kept settings and reports read
-/// it. A setting is a member of FilterSettings, one of FilterSet if it can be left open, and a row.
+/// name, beside the words for what was chosen (chosen_filters.cpp): scene files, `--filters`, the filters'
+/// own options, window, scripts, kept settings and reports read it. A setting is a member of FilterSettings,
+/// one of FilterSet if it can be left open, and a row.
 struct FilterSetting {
     /// Access to the member: a length has both terms, another value only the first, as in
     /// `SettingRange::value_of`.
@@ -541,7 +542,7 @@ struct FilterSetting {
     bool (*opens)(const FilterSettings&, const FilterSet&) = nullptr;
     const char* what = "";  ///< explanation for a new user; empty: it has no option of its own
     /// Its form in `--filters`, "holes[=PASSES]", and the value that its name alone stands for there; empty:
-    /// it has no place there, or needs a value.
+    /// it has no place there, or needs a value. What has a place there can be left open.
     const char *in_list = "", *usual = "";
     DepthLength FilterSettings::*length = nullptr;  ///< a length that also switches it on; zero: not stated
 
