@@ -277,7 +277,8 @@ TEST(PlayerControls, KeysStepThroughFolder) {
 
 TEST(PlayerControls, UndoesViewByGesture) {
     const TemporaryFolder folder;
-    const auto played = run_scripted({clip(still)},
+    // A film's time is virtual: changes go on as one gesture for 0.6 s.
+    const auto played = run_scripted({clip(still), "--video", "film.mkv", "--fps", "20"},
                                      "0.1 turn 10\n0.3 turn 15\n0.4 turn -5\n0.8 screenshot turned.png\n"
                                      "1.2 nearer 1.6\n1.9 home\n2.1 screenshot home.png\n"
                                      "2.2 key u\n2.4 screenshot near.png\n"
