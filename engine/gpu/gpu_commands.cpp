@@ -253,7 +253,6 @@ Result<std::unique_ptr<GpuRecording>> GpuRecording::create(std::shared_ptr<Vulka
 
     auto buffer = vulkan_struct<VkCommandBufferAllocateInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO);
     buffer.commandPool = made->pool;
-    buffer.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
     buffer.commandBufferCount = 1;
     TRY(gpu.checked("vkAllocateCommandBuffers",
                     vkAllocateCommandBuffers(gpu.device, &buffer, &made->commands)));

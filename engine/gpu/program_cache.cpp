@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/base/files.hpp"
+#include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"
 #include "engine/gpu/gpu_device.hpp"
 #include "shaders/block.spv.h"
@@ -33,15 +34,16 @@ struct Head {
 };
 static_assert(sizeof(Head) == 72 + sizeof(GpuFacts::Measured));
 
-/// FNV-1a of words of 8 bytes: against damage, not against attacks.
-std::uint64_t hash_of(const void* from, std::size_t bytes, std::uint64_t hash = 14695981039346656037U) {
-    const auto* const first = static_cast<const char*>(from);
-    for (std::size_t k = 0; k < bytes; k += 8) {
-        std::uint64_t word = 0;
-        std::memcpy(&word, first + k, std::min<std::size_t>(8, bytes - k));
-        hash = (hash ^ word) * 1099511628211U;
-    }
-    return hash;
+/// Against damage, not against attacks.
+std::uint64_t hash_of(std::string_view bytes, std::string_view more = {}) {
+    ByteHash hash;
+    hash.add(bytes.data(), bytes.size());
+    hash.add(more.data(), more.size());
+    return hash.value();
+}
+
+std::string_view bytes_of(const auto& object) {
+    return {reinterpret_cast<const char*>(&object), sizeof(object)};
 }
 
 Head head_of(const VulkanDevice& gpu, std::string_view data) {
@@ -51,12 +53,12 @@ Head head_of(const VulkanDevice& gpu, std::string_view data) {
     head.vendor = properties.vendorID;
     head.device = properties.deviceID;
     head.driver_version = properties.driverVersion;
-    head.kernel = static_cast<std::uint32_t>(hash_of(block_spv, sizeof(block_spv)));
+    head.kernel = static_cast<std::uint32_t>(hash_of(bytes_of(block_spv)));
     std::copy_n(properties.pipelineCacheUUID, VK_UUID_SIZE, head.cache_uuid);
     head.threads = std::thread::hardware_concurrency();
     head.measured = gpu.facts.measured;
     head.bytes = data.size();
-    head.hash = hash_of(data.data(), data.size(), hash_of(&head.measured, sizeof(head.measured)));
+    head.hash = hash_of(bytes_of(head.measured), data);
     return head;
 }
 
@@ -67,7 +69,7 @@ std::filesystem::path file_name(const VulkanDevice& gpu) {
     const std::string& driver = gpu.facts.driver;
     char name[48];
     std::snprintf(name, sizeof(name), "gpu-%04x-%04x-%08x.programs", properties.vendorID, properties.deviceID,
-                  static_cast<unsigned>(hash_of(driver.data(), driver.size())));
+                  static_cast<unsigned>(hash_of(driver)));
     return name;
 }
 

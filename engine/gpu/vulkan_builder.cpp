@@ -246,7 +246,7 @@ Result<void> race(const std::shared_ptr<GpuDevice>& device, const SurfacePlan& p
                make_vulkan_builder(scene, std::make_shared<SurfaceKernels>(device), plan));
     Slots made;
     TRY_ASSIGN(const double took, least_ms(*builder, frames, 2, 6, made));
-    if (same_frames(made[0], right[0]) && same_frames(made[1], right[1])) measured.vulkan_ms = took;
+    if (std::ranges::equal(made, right, same_frames)) measured.vulkan_ms = took;
     return {};
 }
 

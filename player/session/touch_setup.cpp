@@ -114,7 +114,8 @@ Result<void> repeat_hand(TouchSetup& setup) {
 Result<void> check_playback(const TouchSetup& setup) {
     const auto& playback = setup.options.playback;
     const auto frames = setup.feed->reader().frame_count();
-    const std::int64_t end_ns = frames ? setup.scene.rate.time_ns(*frames) : latest_moment_ns + 1;
+    const std::int64_t end_ns =
+        frames ? setup.scene.rate.time_ns(*frames) : std::numeric_limits<std::int64_t>::max();
     std::vector<PlaybackCommand> beyond;
     for (const PlaybackCommand& command : playback)
         if ((command.verb == PlaybackVerb::seek || command.verb == PlaybackVerb::loop) &&
