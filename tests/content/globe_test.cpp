@@ -183,6 +183,16 @@ TEST(Shore, IsFoundForEitherPolarity) {
     }
 }
 
+// In the far north land and sea are equally high: no level is between them.
+TEST(Shore, LiesBetweenHeights) {
+    const MadeMap mask =
+        made_map(360, 1, 1, [](double longitude, double, int) { return longitude < 0 ? 255.0 : 0; });
+    const MadeMap elevation = made_map(360, 1, 2, [](double longitude, double latitude, int) {
+        return latitude > 1.2 ? 200.0 : longitude < 0 ? 300.0 : 100.0;
+    });
+    EXPECT_EQ(must(find_shore(elevation.map(), mask.map(), {})).sea_level, 100);
+}
+
 TEST(Shore, IsFoundInNumbers) {
     const MadeWorld fine(720), coarse(90);
     EXPECT_GT(find_shore(fine.maps.elevation, coarse.maps.mask, {})->agreement, 0.97);

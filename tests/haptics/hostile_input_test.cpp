@@ -271,6 +271,8 @@ TEST(GuardSettings, InvalidGiveNoForce) {
     refuse("ramp", [](GuardSettings& s) { s.ramp_out_ticks = -1; });
     for (const double rise : {nan, 0.0, -1.0})
         refuse("rise", [=](GuardSettings& s) { s.rise.per_tick = rise; });
+    for (const std::int64_t age : {std::int64_t{-1}, std::int64_t{3'600'000'000'001}})
+        refuse("stale", [=](GuardSettings& s) { s.stale_after_ns = age; });
     for (const double b : {nan, inf, -1.0}) {
         refuse("damping", [=](GuardSettings& s) { s.damping = b; });
         refuse("damping", [=](GuardSettings& s) { s.passivity = b; });

@@ -111,6 +111,7 @@ TEST(LiveCameraWords, ParseOrNameTheFault) {
              {"v4l2:", "needs a node, such as v4l2:/dev/video0"},
              {"v4l2:a,size=3", "size=3 is not allowed; must be WIDTHxHEIGHT"},
              {"v4l2:a,size=0x4", "size=0x4 is not allowed"},
+             {"v4l2:a,size=16385x4", "size=16385x4 is not allowed"},
              {"v4l2:a,fps=0", "fps takes 0.1 to 1000 frames/s"},
              {"v4l2:a,jitter=2", "unknown key 'jitter'"},
              {"pipe:  ", "needs a command that writes framesets"},

@@ -463,6 +463,14 @@ void expect_pure(const std::vector<PlaybackCommand>& commands, Random& random) {
     }
 }
 
+// 4e18 ns after the clip's begin; nanoseconds of later ticks would not fit in 64 bits.
+TEST(PlaybackClock, StandsStillAtEndOfTime) {
+    PlaybackClock clock = clock_of({{0, PlaybackVerb::seek, latest_moment_ns, 0}});
+    const MediaMoment end = clock.at(std::numeric_limits<std::int64_t>::max() / 2);
+    EXPECT_EQ(end.time_ns / 1'000'000, 4'000'000'000'000);
+    EXPECT_EQ(clock.at(std::numeric_limits<std::int64_t>::max() / 2 + 1), end);
+}
+
 TEST(PlaybackClock, PredictsEpochsFromTick) {
     Random random(41);
     for (int run = 0; run < 100; ++run) {

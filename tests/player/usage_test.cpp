@@ -528,6 +528,18 @@ TEST(PlaneLoss, MeasuresLargestAndMeanSquare) {
     EXPECT_EQ(losses[0].disappeared, 0);
     add_loss(a, c, scene, losses);
     EXPECT_EQ(losses[0].disappeared, 1);
+
+    // A pixel 3 right of the middle with f = 4: depth along the axis is 4/5 of that along the ray.
+    scene.camera = {4, 4, 0, 0};
+    scene.depth.semantics = DepthSemantics::range;
+    Scene planar = scene;
+    planar.depth.semantics = DepthSemantics::planar;
+    const std::vector<std::uint8_t> ray{0, 0, 0, 50}, axis{0, 0, 0, 41};
+    a.depth = row_of(ray);
+    b.depth = row_of(axis);
+    PlaneLosses turned{};
+    add_recoded_loss(a, scene, b, planar, turned);
+    EXPECT_NEAR(turned[0].largest_metres, (41 - 50 * 0.8) * 2 * 0.01, 1e-12);
 }
 
 TEST(PlaneLoss, ComparesSmallerPictureByPixel) {
@@ -830,7 +842,10 @@ TEST(Help, AllListsEveryOptionOnce) {
                 EXPECT_EQ(line.find(noise), std::string::npos) << command << ": " << line;
         }
     }
-    EXPECT_GT(table().options.at("play").size(), 50U);
+    const auto& play = table().options.at("play");
+    EXPECT_GT(play.size(), 50U);
+    EXPECT_EQ(std::ranges::find(play, "--screenshot", &Option::names)->topic, "Files");
+    EXPECT_PRED2(says, run_touchable({"play", "--help-all"}).out, "after so many seconds\n");
     EXPECT_GT(table().options.at("touch").size(), 50U);
 }
 

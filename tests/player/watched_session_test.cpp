@@ -202,6 +202,20 @@ void ask_anything(WatchedSession& session, Random& random) {
     EXPECT_TRUE(asked) << asked.error().message;
 }
 
+/// A camera at (1, 2, 3) m of a robot's frame that looks along its x axis; up is z.
+TEST_F(SessionPlayback, WorldFromCameraPlacesRobotsHand) {
+    SessionOptions wanted = options();
+    wanted.control = std::make_shared<HandControl>(1, HandMapping{});
+    wanted.world_from_camera = glm::dmat4(0, -1, 0, 0, 0, 0, -1, 0, 1, 0, 0, 0, 1, 2, 3, 1);
+    const auto setup = must(setup_from_options(wanted));
+    const HandMapping& mapping = wanted.control->mapping();
+    EXPECT_EQ(mapping.workspace.metres_per_scene_unit, setup->scene.metres_per_unit);
+    // 2 m before the camera, 0.1 m to the right, 0.2 m down.
+    const glm::dvec3 seen = mapping.turn * glm::dvec3(3, 1.9, 2.8) + mapping.offset;
+    EXPECT_LT(glm::distance(seen, {0.1, -0.2, -2}), 1e-12);
+    EXPECT_EQ(mapping.workspace.to_scene(seen), seen / setup->scene.metres_per_unit);
+}
+
 TEST_F(SessionPlayback, ReplaysRandomCommands) {
     std::vector<std::vector<std::uint8_t>> colours, depths;
     auto reader = open_clip(clip).value();

@@ -147,6 +147,14 @@ TEST(Film, IsRemovedWithoutAnyPicture) {
     EXPECT_FALSE(std::filesystem::exists(folder / "film.mkv"));
 }
 
+TEST(Film, NumbersPicturesByPattern) {
+    EXPECT_EQ(numbered_picture("a/shot-%03d.png", 7), "a/shot-007.png");
+    EXPECT_EQ(numbered_picture("%d.PNG", 1234), "1234.PNG");
+    for (const char* none :
+         {"d.png", "shot.png", "shot-%.png", "shot-%d-%d.png", "shot-%0123d.png", "%d.jpg"})
+        EXPECT_EQ(numbered_picture(none, 7), std::nullopt) << none;
+}
+
 TEST(Film, RejectsInvalidOutputs) {
     const TemporaryFolder folder;
     EXPECT_EQ(FilmWriter::create(folder / "film.avi", Existing::keep).error().kind, ErrorKind::usage);

@@ -250,6 +250,20 @@ TEST_F(WindowFingerMarks, ForceIsCommandedForce) {
     EXPECT_EQ(marks[0].force, glm::dvec3(1, -2, 3));
 }
 
+TEST_F(WindowFingerMarks, FingerNearCameraIsHidden) {
+    const HeightField field = shown_->field();
+    const FieldProbe probe(field);
+    const double depth = probe.depth_under(90, 20).value();
+    WatchedTick tick;
+    tick.fingers.resize(2);
+    for (std::size_t k = 0; k < 2; ++k)
+        tick.fingers[k].goal = tick.fingers[k].contact.goal =
+            probe.unproject(90, 20, (k == 0 ? 0.45 : 0.55) * depth);
+    const auto marks = FingerTrails().marks(tick, 2, field);
+    EXPECT_FALSE(marks[0].shown);
+    EXPECT_TRUE(marks[1].shown);
+}
+
 TEST(FingerHalos, LabelsNeverOverlap) {
     std::vector<LabelBox> taken{{{90, 90}, {110, 110}}, {{115, 90}, {135, 110}}};  // two rings
     const glm::dvec2 size(40, 16);
@@ -266,7 +280,7 @@ TEST(FingerHalos, LabelsNeverOverlap) {
 }
 
 /// Within their box, which begins at (50, 50) with a soft edge.
-TEST(CurvesPanel, ShowsLateTicksAtOnce) {
+TEST(CurvesPanel, ShowsLateTicksAndLostFramesAtOnce) {
     ImGuiLayer layer(1);
     CurvesPanel curves;
     PanelFacts facts;
@@ -287,10 +301,12 @@ TEST(CurvesPanel, ShowsLateTicksAtOnce) {
     };
     drawn();
     const int without = drawn();
-    ++facts.late_ticks;
-    EXPECT_GT(drawn(), without);
-    for (std::size_t k = 1; k < Curve::most; ++k) EXPECT_GT(drawn(), without) << k;
-    EXPECT_EQ(drawn(), without);
+    for (std::int64_t* const count : {&facts.late_ticks, &facts.dropped_frames}) {
+        ++*count;
+        EXPECT_GT(drawn(), without);
+        for (std::size_t k = 1; k < Curve::most; ++k) EXPECT_GT(drawn(), without) << k;
+        EXPECT_EQ(drawn(), without);
+    }
 }
 
 TEST(PlaybackBar, LiveSourceHasNoPlayButton) {

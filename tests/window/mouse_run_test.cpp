@@ -378,7 +378,10 @@ private:
 /// What a window of a globe's still has copied by this script.
 std::string copied_by(const std::string& script) {
     std::string copied;
+    const TemporaryFolder folder;
     PlayOptions options = headless_by_cpu(clip(still));
+    options.video = folder / "film.mkv";  // so that its time is virtual
+    options.film = {.rate = 20, .samples = 1, .has_words = true};
     options.make_screen = [&copied](const ScreenOptions& wanted) {
         return std::make_unique<ClipboardScreen>(wanted, copied);
     };

@@ -316,8 +316,8 @@ TEST(FilmedSound, FillsSkippedTicks) {
 }
 
 /// What a file holds, up to where it is silent, of a finger that touches in ticks 200 to 899, by that force,
-/// and in each slips so far: scene units.
-Sound saved_sound(double slip, const GuardedForce& felt) {
+/// and in each, which stands for `ticks`, slips so far: scene units.
+Sound saved_sound(double slip, const GuardedForce& felt, int ticks = 1) {
     const TemporaryFolder folder;
     auto sound = WindowSound::create(false, folder / "heard.wav", Existing::keep);
     EXPECT_TRUE(sound);
@@ -327,6 +327,7 @@ Sound saved_sound(double slip, const GuardedForce& felt) {
     contact.touching = true;
     contact.goal.z = -0.1;
     contact.carried_stiffness = 1000;
+    contact.ticks = ticks;
     for (int n = 200; n < 900; ++n) {
         contact.carried = std::exchange(contact.proxy, contact.proxy + glm::dvec3(slip, 0, 0));
         TouchTick tick;
@@ -360,6 +361,7 @@ TEST(TouchListener, FrictionDoesNotPress) {
     const double free = end_of(saved_sound(0.05, {{0, 0, 1}}));
     EXPECT_GT(end_of(saved_sound(0.05, {{0, 0, 4}})), 1.3 * free);
     EXPECT_NEAR(end_of(saved_sound(0.05, {{-4, 0, 1}})), free, 0.02 * free);
+    EXPECT_NEAR(end_of(saved_sound(0.2, {{0, 0, 1}}, 4)), free, 0.02 * free) << "three ticks were missed";
 }
 
 }  // namespace
