@@ -61,9 +61,9 @@ Result<void> measure_window(const WindowRun& run, LiveClips& clips, Figures& fig
     const double seconds = run.clip.frames / 30.0;
     TRY(run_window(run, file, warm_up_s));
     if (run.use == WindowRun::Use::paused) {
-        constexpr double until_rest_s = 3;
+        constexpr double until_rest_s = 3, at_rest_s = 10;
         TRY_ASSIGN(const PlayFigures before, run_window(run, file, until_rest_s));
-        TRY_ASSIGN(const PlayFigures after, run_window(run, file, until_rest_s + seconds));
+        TRY_ASSIGN(const PlayFigures after, run_window(run, file, until_rest_s + at_rest_s));
         const double more = after.seconds - before.seconds;
         figures.push_back(
             {"pictures_per_s", static_cast<double>(after.pictures - before.pictures) / more, ""});

@@ -165,7 +165,7 @@ void PictureGovernor::add(double now_s, std::int64_t due, std::int64_t in_time, 
     drawing_ += drawing;
     ++pictures_;
     // Lateness can be judged before all frames are due; savings cannot.
-    const bool is_lowest = level_ + 1 == levels_.size(), is_judged = before_ > 0 && is_lowest;
+    const bool is_lowest = level_ + 1 == std::size(levels), is_judged = before_ > 0 && is_lowest;
     if (due_ < few && (is_judged || static_cast<double>(due_ - in_time_) <= (1 - tolerated) * few)) return;
     const double drawing_each = drawing_ / static_cast<double>(pictures_);
     const bool is_late =
@@ -182,11 +182,11 @@ void PictureGovernor::add(double now_s, std::int64_t due, std::int64_t in_time, 
         }
         std::size_t level = level_;
         double expected = drawing_each;
-        do expected /= levels_[level++].dearer;
-        while (expected > 1 && level + 1 < levels_.size());
+        do expected /= levels[level++].dearer;
+        while (expected > 1 && level + 1 < std::size(levels));
         go_to(level, now_s);
     } else if (!is_late && level_ > least && now_s - changed_s_ >= wait_s_) {
-        if (drawing_each * levels_[level_ - 1].dearer < room) go_to(level_ - 1, now_s);
+        if (drawing_each * levels[level_ - 1].dearer < room) go_to(level_ - 1, now_s);
     }
 }
 
@@ -197,7 +197,7 @@ void PictureGovernor::judge(double drawing_each, bool is_late, double now_s) {
     const bool saves = drawing_each <= worth * before_;
     if (!saves && is_late && ++judged_ < judgements) return;
     before_ = 0;
-    if (saves) return;
+    if (saves || !is_late) return;
     go_to(from_, now_s);
     not_before_s_ = now_s + most_s;
 }

@@ -42,8 +42,6 @@ public:
     /// Whether that GPU or its surface is lost: these graphics can draw no more.
     virtual bool is_lost() const { return false; }
     virtual bool can_stretch() const { return false; }
-    /// Whether `show` uses its step.
-    virtual bool thins_vertices() const { return false; }
     /// Whether a GPU draws, for which four samples a pixel are few.
     virtual bool is_quick() const { return false; }
 
@@ -164,26 +162,16 @@ private:
     std::vector<WatchedTick::Finger> fingers_;
 };
 
-/// What is reduced first when pictures come late. If the CPU draws (SurfaceDrawing::thins_vertices), the
-/// surface's vertices cost the most, and stretching costs half of what a smaller picture saves.
-enum class LessOf { vertices, pixels };
-
 /// Chooses the surface's level of detail so that pictures come in time: all vertices, or no more than the
-/// window's pixels resolve (`coarse`); then still fewer vertices, or a smaller, stretched picture. It begins
-/// coarse, goes down at once, to where drawing should take less than a frame's duration, and up slowly; a
-/// reduction that saves too little is reverted, once it has been judged (`judge`).
+/// window's pixels resolve (`coarse`); then a smaller, stretched picture. It begins coarse, goes down at
+/// once, to where drawing should take less than a frame's duration, and up slowly; a reduction with which
+/// pictures still come late, and which saves too little, is reverted, once it has been judged (`judge`).
 class PictureGovernor {
 public:
-    explicit PictureGovernor(LessOf less = LessOf::pixels)
-        : levels_(less == LessOf::pixels ? std::span<const Level>(by_pixels) : by_vertices) {}
-
     /// Share of the shown width and height.
-    double share() const { return levels_[level_].share; }
-    bool coarse() const { return levels_[level_].coarse; }
-    /// Decimation, as a factor on that of `coarse`.
-    int step() const { return levels_[level_].step; }
-    /// Share of the width in pixels, or in vertices a pixel apart: 0 to 1.
-    double detail() const { return share() / step(); }
+    double share() const { return levels[level_].share; }
+    /// The decimation of vertices over what the window's pixels resolve; 0: there is none.
+    int coarse() const { return levels[level_].coarse; }
 
     /// Call after a picture at `now_s`, with the frames due since the previous picture, those shown in time,
     /// and drawing's share of a frame's duration. `coarse_saves`: there are more vertices than the window
@@ -193,14 +181,11 @@ public:
 private:
     struct Level {
         double share;
-        bool coarse;
-        int step;
-        double dearer;  ///< drawing time relative to the next one
+        int coarse;
+        double dearer;  ///< drawing time relative to the next one, between the CPU's and a GPU's
     };
-    static constexpr Level by_pixels[] = {
-        {1, false, 1, 3}, {1, true, 1, 1.78}, {0.75, true, 1, 2.25}, {0.5, true, 1, 1}};
-    static constexpr Level by_vertices[] = {
-        {1, false, 1, 3}, {1, true, 1, 1.5}, {1, true, 2, 1.5}, {0.5, true, 2, 1.4}, {0.25, true, 2, 1}};
+    static constexpr Level levels[] = {{1, 0, 3},     {1, 1, 1.5},    {0.75, 1, 2},
+                                       {0.5, 1, 1.5}, {0.25, 1, 1.1}, {0.25, 2, 1}};
     static constexpr std::int64_t few = 15;   // frames judged together
     static constexpr double tolerated = 0.9;  // share of them in time
     static constexpr double cause = 0.5;      // of a frame's duration: faster drawing delays nothing
@@ -212,7 +197,6 @@ private:
     void go_to(std::size_t level, double now_s);
     void judge(double drawing_each, bool is_late, double now_s);
 
-    std::span<const Level> levels_;
     std::size_t level_ = 1;
     std::int64_t due_ = 0, in_time_ = 0, pictures_ = 0;
     double drawing_ = 0;  // sum over those pictures

@@ -211,8 +211,9 @@ public:
     std::string gpu() const override { return device_->facts().name; }
     bool is_lost() const override { return device_->lost(); }
     bool can_stretch() const override { return true; }
-    bool thins_vertices() const override { return drawing_->thins_vertices(); }
-    bool is_quick() const override { return !thins_vertices() && device_->facts().kind != GpuKind::software; }
+    bool is_quick() const override {
+        return !drawing_->thins_vertices() && device_->facts().kind != GpuKind::software;
+    }
 
     Result<void> take_letters() override {
         imgui_.reset();  // only one may exist
@@ -228,7 +229,8 @@ public:
 
     Result<void> show(const HeightField& field, const FramePair& pair, const PlaneView& colour,
                       Lighting lighting, int step) override {
-        if (thins_vertices()) return drawing_->show(*commands_, field, pair, colour, lighting, step);
+        if (drawing_->thins_vertices())
+            return drawing_->show(*commands_, field, pair, colour, lighting, step);
         TRY_ASSIGN(auto commands, GpuCommands::begin(device_, "surface", GpuTiming::none));
         TRY(drawing_->show(commands, field, pair, colour, lighting, step));
         return std::move(commands).run();
@@ -240,7 +242,7 @@ public:
         const auto is_drawn_at = [&](int times) {
             return times * camera.width == width && times * camera.height == height;
         };
-        if (is_drawn_at(1) || (thins_vertices() && (is_drawn_at(2) || is_drawn_at(4))))
+        if (is_drawn_at(1) || (drawing_->thins_vertices() && (is_drawn_at(2) || is_drawn_at(4))))
             return drawing_->draw(*commands_, camera, fingers, sizes, canvas_);
         TRY(reserve(small_, "small picture", camera.width, camera.height));
         TRY(drawing_->draw(*commands_, camera, fingers, sizes, small_));

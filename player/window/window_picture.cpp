@@ -241,7 +241,7 @@ Result<void> WindowPicture::open_graphics() {
     TRY_ASSIGN(auto graphics, make_graphics());
     window_.figures.painter = graphics->painter();
     window_.figures.gpu = graphics->gpu();
-    governor_ = PictureGovernor(graphics->thins_vertices() ? LessOf::vertices : LessOf::pixels);
+    governor_ = {};
     surface_.use(std::move(graphics));
     return {};
 }
@@ -395,9 +395,8 @@ int WindowPicture::vertex_step(const ViewCamera& camera) {
     const int coarse = SurfaceDrawing::step_for(clip.view().pixels_per_vertex(camera.width, camera.height));
     coarse_saves_ = coarse > 1;
     const PlaybackState playback = clip.session().playback();
-    return !is_offline_ && governor_.coarse() && playback.playing && !playback.at_end
-               ? coarse * governor_.step()
-               : 1;
+    const bool plays = playback.playing && !playback.at_end;
+    return !is_offline_ && plays ? std::max(1, coarse * governor_.coarse()) : 1;
 }
 
 Result<void> WindowPicture::draw_what_is_there(const WatchedMoment* moment) {
@@ -593,7 +592,7 @@ void WindowPicture::note_frame(const WatchedMoment& moment, bool is_new) {
         governor_.add(window_.time.now_s(), frames_shown_.due() - due, frames_shown_.in_time() - in_time,
                       last_draw_ms_ / frame_ms(), coarse_saves_);
     double& least = window_.figures.least_detail;
-    least = std::min(least, governor_.detail());
+    least = std::min(least, governor_.share());
 }
 
 PanelFacts WindowPicture::facts_without_clip() const {

@@ -197,24 +197,11 @@ TEST_F(PictureGovernorTest, SkipsUselessStep) {
     EXPECT_EQ(governor.share(), 0.5);
 }
 
-TEST_F(PictureGovernorTest, DropsVerticesBeforePixels) {
-    governor = PictureGovernor(LessOf::vertices);
-    const auto play_for = [&](double seconds, double coarse, double coarser) {
-        for (const double end = now + seconds; now < end; now += 1.0 / 30)
-            add(now, governor.step() == 1 ? coarse : coarser);
-    };
-    EXPECT_EQ(governor.detail(), 1);
-    play_for(2, 1.2, 0.7);
-    EXPECT_EQ(governor.step(), 2);
-    EXPECT_EQ(governor.share(), 1);
-    EXPECT_EQ(governor.detail(), 0.5);
-    play_for(60, 1.2, 0.7);
-    EXPECT_EQ(governor.step(), 2) << "more vertices have no room";
-    play_for(20, 0.7, 0.5);
-    EXPECT_EQ(governor.step(), 1);
-    EXPECT_TRUE(governor.coarse());
-    for (const double end = now + 5; now < end; now += 1.0 / 30) add(now, governor.share() < 1 ? 0.7 : 1.3);
-    EXPECT_EQ(governor.share(), 0.5) << "fewer vertices do not suffice";
+// A picture that takes most of a frame comes in time by luck of its phase.
+TEST_F(PictureGovernorTest, KeepsWhatComesInTime) {
+    for (int k = 0; k < 30; ++k)
+        governor.add(k / 30.0, 1, governor.share() < 1 ? 1 : 0, governor.share() < 1 ? 0.88 : 0.9, true);
+    EXPECT_EQ(governor.share(), 0.75);
 }
 
 TEST_F(PictureGovernorTest, HeedsEveryTenthLatePicture) {
@@ -229,31 +216,29 @@ TEST_F(PictureGovernorTest, HeedsEveryTenthLatePicture) {
 }
 
 TEST_F(PictureGovernorTest, DropsFastForLatePictures) {
-    governor = PictureGovernor(LessOf::vertices);
     for (int k = 0; k < 2; ++k) add(k / 30.0, 1.5);
-    EXPECT_EQ(governor.step(), 2);
+    EXPECT_EQ(governor.share(), 0.75);
     PictureGovernor smaller;
     for (int k = 0; k < 4; ++k) smaller.add(k / 30.0, 1, 0, 1.5, true);
     EXPECT_EQ(smaller.share(), 0.5);
     for (int k = 4; k < 19; ++k) smaller.add(k / 30.0, 1, 0, k < 8 ? 2 : 0.9, true);
-    EXPECT_EQ(smaller.share(), 0.5) << "not judged by its first pictures";
+    EXPECT_LE(smaller.share(), 0.5) << "not judged by its first pictures";
 }
 
 TEST_F(PictureGovernorTest, GoesToWhatFits) {
     for (const auto& [drawing, share] : {std::pair{3.5, 0.25}, {2.2, 0.5}}) {
-        governor = PictureGovernor(LessOf::vertices);
+        governor = {};
         for (int k = 0; k < 2; ++k) add(k / 30.0, drawing);
         EXPECT_EQ(governor.share(), share) << "in one step";
     }
 }
 
 TEST_F(PictureGovernorTest, IgnoresWarmUpPictures) {
-    governor = PictureGovernor(LessOf::vertices);
     // A clip that has just opened fills its memory beside them.
     for (int k = 0; k < 300; ++k) {
-        add(k / 30.0, governor.step() == 1 ? 1.1 : k < 20 ? 1.05 : 0.7);
+        add(k / 30.0, governor.share() == 1 ? 1.1 : k < 20 ? 1.05 : 0.7);
         if (k > 2) {
-            ASSERT_EQ(governor.step(), 2) << k;
+            ASSERT_LT(governor.share(), 1) << k;
         }
     }
 }
