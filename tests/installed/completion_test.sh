@@ -40,7 +40,7 @@ expect 'info init-scene' help in
 expect 'all camera clip facts files filters help' help info ''
 expect 'globe grain' make g
 expect '--json' touch --js
-expect '--fill-from-motion --fill-holes --filters --fingers --force-on --forces --fov' touch --f
+expect '--far --fill-from-motion --fill-holes --filters --fingers --force-on --forces --fov' touch --f
 expect '' touch --nothing
 expect 'clip.mkv' touch --scene cl
 expect 'motion.csv' touch --forces = mo
