@@ -376,8 +376,8 @@ const Format* probe(const Candidate& candidate) {
 }
 
 /// The error for a camera, unit or preset that is given for a file with its own scene.
-Error refused_description(const std::string& name, bool has_scene) {
-    if (!has_scene)
+Error refused_description(const std::string& name, bool is_in_it) {
+    if (!is_in_it)
         return usage_error(name +
                                ": has a scene of its own; a camera, a unit and a preset are for pictures "
                                "alone: leave them out",
