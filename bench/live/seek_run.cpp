@@ -3,6 +3,7 @@
 #include "bench/clocks.hpp"
 #include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"
+#include "engine/formats/open_clip.hpp"
 
 namespace touchable {
 

@@ -79,13 +79,13 @@ void WindowView::look_at(const glm::dvec3& place) {
 void WindowView::note_middle(const HeightField& field) {
     if (!now_.own && !now_.thing.empty()) return;  // a view as another clip's begins turned
     constexpr int columns = 48, rows = 36;
-    struct Place {
+    struct Sample {
         glm::dvec3 at;
         double depth = 0;  // planar; 0: none
         bool is_found = false;
     };
-    std::array<Place, columns * rows> places;
-    const Place* start = nullptr;
+    std::array<Sample, columns * rows> places;
+    const Sample* start = nullptr;
     double least = 0;
     for (int k = 0; k < columns * rows; ++k) {
         const int x = (2 * (k % columns) + 1) * scene_.width / (2 * columns),
@@ -107,14 +107,14 @@ void WindowView::note_middle(const HeightField& field) {
     now_.thing.clear();
     places[static_cast<std::size_t>(found[0])].is_found = true;
     for (std::size_t n = 0; n < found.size(); ++n) {
-        const Place& from = places[static_cast<std::size_t>(found[n])];
+        const Sample& from = places[static_cast<std::size_t>(found[n])];
         now_.thing.push_back(from.at);
         depths.push_back(from.depth);
         for (const int by : {-1, 1, -columns, columns}) {
             const int k = found[n] + by;
             if (k < 0 || k >= columns * rows || (std::abs(by) == 1 && k / columns != found[n] / columns))
                 continue;
-            Place& to = places[static_cast<std::size_t>(k)];
+            Sample& to = places[static_cast<std::size_t>(k)];
             const bool is_near = std::max(from.depth, to.depth) < most_apart * std::min(from.depth, to.depth);
             if (!is_near || std::exchange(to.is_found, true)) continue;
             found.push_back(k);
