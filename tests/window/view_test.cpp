@@ -222,7 +222,7 @@ TEST_F(PictureGovernorTest, DropsFastForLatePictures) {
     for (int k = 0; k < 4; ++k) smaller.add(k / 30.0, 1, 0, 1.5, true);
     EXPECT_EQ(smaller.share(), 0.5);
     for (int k = 4; k < 19; ++k) smaller.add(k / 30.0, 1, 0, k < 8 ? 2 : 0.9, true);
-    EXPECT_LE(smaller.share(), 0.5) << "not judged by its first pictures";
+    EXPECT_EQ(smaller.share(), 0.25) << "not judged by its first pictures";
 }
 
 TEST_F(PictureGovernorTest, GoesToWhatFits) {
