@@ -20,12 +20,12 @@ public:
     }
     /// 0 <= result < n; the bias of the remainder does not matter to a test.
     int below(int n) { return static_cast<int>(next() % static_cast<std::uint64_t>(n)); }
-    double within(double low, double high) {
-        return low + (high - low) * (static_cast<double>(below(1 << 30)) / (1 << 30));
+    double within(double least, double most) {
+        return least + (most - least) * (static_cast<double>(below(1 << 30)) / (1 << 30));
     }
     /// The same with all 53 bits of the mantissa at random.
-    double between(double low, double high) {
-        return low + (high - low) * (static_cast<double>(next() >> 11) * 0x1p-53);
+    double between(double least, double most) {
+        return least + (most - least) * (static_cast<double>(next() >> 11) * 0x1p-53);
     }
 
 private:

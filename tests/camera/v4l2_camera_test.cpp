@@ -554,12 +554,12 @@ TEST(CameraList, DescribesEachNode) {
               "log in again\n");
     const auto json = nlohmann::json::parse(cameras_in_json(video), nullptr, false);
     ASSERT_EQ(json["cameras"].size(), 4U) << json;
-    const auto &depth_node = json["cameras"][0], &metadata_node = json["cameras"][1],
-               &colour_node = json["cameras"][2], &closed_node = json["cameras"][3];
-    EXPECT_EQ(depth_node["formats"], nlohmann::json::parse(R"([{"code": "Z16", "is_depth": true,
+    const auto &of_depth = json["cameras"][0], &metadata_node = json["cameras"][1],
+               &of_colour = json["cameras"][2], &closed_node = json["cameras"][3];
+    EXPECT_EQ(of_depth["formats"], nlohmann::json::parse(R"([{"code": "Z16", "is_depth": true,
                   "modes": ["640x480 at 60, 30 frames/s", "848x480 at 30 frames/s"]}])"));
     EXPECT_TRUE(metadata_node["formats"].is_array() && metadata_node["formats"].empty()) << metadata_node;
-    EXPECT_EQ(colour_node["formats"][1],
+    EXPECT_EQ(of_colour["formats"][1],
               nlohmann::json::parse(R"({"code": "MJPG", "is_depth": false, "modes": []})"));
     EXPECT_TRUE(has_words(closed_node["why_not"].get<std::string>(), "may not be opened")) << closed_node;
     EXPECT_EQ(video.misuse(), std::vector<std::string>());
@@ -656,8 +656,8 @@ TEST(SharedCamera, ContinuesAcrossRuns) {
 
 TEST(RealNode, Streams) {
     const auto video = system_video();
-    for (const std::string& node : video->nodes()) {
-        const auto facts = look_at_node(*video, node);
+    for (const std::string& path : video->nodes()) {
+        const auto facts = look_at_node(*video, path);
         if (!facts || facts->driver != "vivid" || facts->formats.empty()) continue;
         for (const NodeFormat& format : facts->formats) {
             if (!is_depth_format(format.code) && !is_colour_format(format.code)) continue;

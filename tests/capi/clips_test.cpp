@@ -512,8 +512,8 @@ private:
         static constexpr const char* names[] = {"hill.mkv", "out.mkv", "out.mp4", "out", "out.xyz", ""};
         touch_writer_settings settings = replacing();
         spoil(settings.struct_size, settings.overwrite);
-        const std::int64_t times[] = {spoilt(std::int64_t{0}), spoilt(std::int64_t{40'000'000})};
-        if (rarely()) settings.times_ns = times;
+        const std::int64_t instants[] = {spoilt(std::int64_t{0}), spoilt(std::int64_t{40'000'000})};
+        if (rarely()) settings.times_ns = instants;
         if (rarely()) settings.times = upto(3);
         const std::string path = folder_ / names[upto(std::size(names))];
         touch_writer writer{};

@@ -90,8 +90,8 @@ inline PlaneView test_plane(Samples& memory, int width, int height, int bytes, i
                 noisy ? numbers.below(largest + 1) : (x + y + static_cast<int>(seed)) % (largest + 1);
             std::uint8_t* at = memory.data() + stride * y + x * bytes;
             if (bytes == 1) *at = static_cast<std::uint8_t>(value);
-            const auto wide = static_cast<std::uint16_t>(value);
-            if (bytes == 2) std::memcpy(at, &wide, 2);
+            const auto word = static_cast<std::uint16_t>(value);
+            if (bytes == 2) std::memcpy(at, &word, 2);
         }
     return {memory.data(), stride, width, height, bytes, channels};
 }

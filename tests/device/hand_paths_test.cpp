@@ -576,8 +576,8 @@ TEST(Workspace, RoundTripKeepsPosition) {
 /// Goals about a plane at 800 mm; a millimetre of the scene is one of the device.
 class WatchedGoals : public ::testing::Test {
 protected:
-    void look(int times, const glm::dvec3& goal) {
-        for (int time = 0; time < times; ++time) {
+    void look(int often, const glm::dvec3& goal) {
+        for (int time = 0; time < often; ++time) {
             glm::dvec3 looked_at = goal;
             watch.look(probe, std::span(&looked_at, 1));
             EXPECT_TRUE(looked_at == goal || goal != goal) << "it stays";

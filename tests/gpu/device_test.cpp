@@ -248,21 +248,21 @@ VkPhysicalDeviceMemoryProperties memory(std::initializer_list<VkMemoryPropertyFl
 
 // As a discrete GPU has them: host, device, device, host cached, a window of device memory.
 const auto discrete = memory({0, local, local, seen, seen | cached, local | seen});
-constexpr std::uint32_t all = ~0U;
+constexpr std::uint32_t any_type = ~0U;
 
 TEST(MemoryType, DependsOnUseIfDiscrete) {
-    EXPECT_EQ(choose_memory_type(discrete, all, GpuMemory::device), 1U);
-    EXPECT_EQ(choose_memory_type(discrete, all, GpuMemory::upload), 3U);
-    EXPECT_EQ(choose_memory_type(discrete, all, GpuMemory::shared), 4U);
-    EXPECT_EQ(choose_memory_type(discrete, all, GpuMemory::readback), 4U);
+    EXPECT_EQ(choose_memory_type(discrete, any_type, GpuMemory::device), 1U);
+    EXPECT_EQ(choose_memory_type(discrete, any_type, GpuMemory::upload), 3U);
+    EXPECT_EQ(choose_memory_type(discrete, any_type, GpuMemory::shared), 4U);
+    EXPECT_EQ(choose_memory_type(discrete, any_type, GpuMemory::readback), 4U);
 }
 
 TEST(MemoryType, IsOneIfUnified) {
     const auto unified = memory({local | seen | cached});
     for (const GpuMemory use : {GpuMemory::device, GpuMemory::upload, GpuMemory::shared, GpuMemory::readback})
-        EXPECT_EQ(choose_memory_type(unified, all, use), 0U);
+        EXPECT_EQ(choose_memory_type(unified, any_type, use), 0U);
     const auto integrated = memory({local, seen, seen | cached, local | seen | cached});
-    EXPECT_EQ(choose_memory_type(integrated, all, GpuMemory::shared), 3U);
+    EXPECT_EQ(choose_memory_type(integrated, any_type, GpuMemory::shared), 3U);
 }
 
 TEST(MemoryType, IsAllowedAndOrdinary) {
@@ -271,7 +271,7 @@ TEST(MemoryType, IsAllowedAndOrdinary) {
     EXPECT_FALSE(choose_memory_type(discrete, 1U << 1U, GpuMemory::upload));
     EXPECT_FALSE(choose_memory_type(discrete, 0, GpuMemory::device));
     const auto strange = memory({local | VK_MEMORY_PROPERTY_PROTECTED_BIT, local});
-    EXPECT_EQ(choose_memory_type(strange, all, GpuMemory::device), 1U);
+    EXPECT_EQ(choose_memory_type(strange, any_type, GpuMemory::device), 1U);
 }
 
 GpuFacts gpu(const char* name, GpuKind kind, std::vector<std::string> missing = {}) {

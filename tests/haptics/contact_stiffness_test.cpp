@@ -524,8 +524,9 @@ protected:
 
 TEST_F(HoleWall, IsSoftBehindHole) {
     const auto path = path_along({{2, 3.3, -50}, {2, 3.3, -101}, {-30, 3.3, -101}, {-30, 3.3, -180}}, 0.1);
-    const CliffAndHole soft(hole_k / 1000), hard(std::nullopt);
-    const PathResult felt = run_path(path, without_ramp(), soft), was = run_path(path, without_ramp(), hard);
+    const CliffAndHole softer(hole_k / 1000), hard(std::nullopt);
+    const PathResult felt = run_path(path, without_ramp(), softer),
+                     was = run_path(path, without_ramp(), hard);
     int caught = 0;
     for (std::size_t k = 0; k < path.size(); ++k) {
         const Contact& contact = felt.contacts[k];
@@ -545,18 +546,18 @@ TEST_F(HoleWall, IsSoftBehindHole) {
 
 TEST_F(HoleWall, LimitsRiseLeavingHole) {
     const CliffAndHole field(hole_k / 1000);
-    for (const double depth : {30.0, 5.0}) {
+    for (const double deep : {30.0, 5.0}) {
         auto path = along(3.3, -3.6);
-        for (dvec3& goal : path) goal.x = std::max(goal.x, -depth);
+        for (dvec3& goal : path) goal.x = std::max(goal.x, -deep);
         const PathResult result = run_path(path, without_ramp(), field);
         const std::size_t at_wall = 1000;
-        EXPECT_NEAR(stretch(result.contacts[at_wall]), depth / 1000, 5e-4);
+        EXPECT_NEAR(stretch(result.contacts[at_wall]), deep / 1000, 5e-4);
         EXPECT_NEAR(newtons(result.forces[at_wall]), hole_k * stretch(result.contacts[at_wall]), 1e-9);
         double fastest = 0;
         for (std::size_t k = at_wall; k < path.size(); ++k)
             fastest = std::max(fastest, length(result.forces[k].force - result.forces[k - 10].force));
-        EXPECT_LE(fastest, 0.5) << depth;
-        EXPECT_GT(fastest, 0.3) << depth;
+        EXPECT_LE(fastest, 0.5) << deep;
+        EXPECT_GT(fastest, 0.3) << deep;
         EXPECT_GT(result.ticks_with(guard_rise), 50);
         // In the end it is the wall that it always was.
         const double whole = scene_k * stretch(result.contacts.back());

@@ -372,11 +372,11 @@ protected:
         wall.prev.haptic.assign(3 * 81, 0);
     }
     /// By column, static and dynamic, 0 to 255.
-    void paint(int column, int mu_s, int mu_d) {
+    void paint(int column, int static_level, int dynamic_level) {
         for (int y = 0; y < 9; ++y) {
             std::uint8_t* p = &wall.prev.haptic[3 * wall.prev.index(column, y)];
-            p[1] = static_cast<std::uint8_t>(mu_s);
-            p[2] = static_cast<std::uint8_t>(mu_d);
+            p[1] = static_cast<std::uint8_t>(static_level);
+            p[2] = static_cast<std::uint8_t>(dynamic_level);
         }
     }
     /// Column 4 is at x = 0.

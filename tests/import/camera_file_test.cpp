@@ -352,11 +352,11 @@ TEST_F(CameraSpellings, TakeScaleFromNamedFile) {
 TEST_F(CameraSpellings, AreFoundInNeighbouringFolders) {
     const std::string camera = R"({"fx": 100, "fy": 104, "cx": 67.5, "cy": 43, "width": 128, "height": 96})";
     for (const char* where : {"cameras/0001.json", "poses/frame_0001.json", "intrinsic/a.json"}) {
-        const TemporaryFolder folder;
-        write_depth(folder.path());
-        write_in_folder(folder / where, camera);
-        write_in_folder((folder / where).parent_path() / "frame_2.json", camera);
-        for (const auto& opened : {folder.path(), folder / "depth"}) {
+        const TemporaryFolder fresh;
+        write_depth(fresh.path());
+        write_in_folder(fresh / where, camera);
+        write_in_folder((fresh / where).parent_path() / "frame_2.json", camera);
+        for (const auto& opened : {fresh.path(), fresh / "depth"}) {
             EXPECT_EQ(guessed(opened).camera.fx, 50) << where << ' ' << opened;
             EXPECT_EQ(guessed(opened).camera.cx, 33.5) << where;
         }
@@ -373,10 +373,10 @@ TEST_F(CameraSpellings, AreFoundInCameraFolders) {
                                       {"K", matrix},
                                       {"rtabmap_calib", matrix},
                                       {"matterport_camera_intrinsics", bare}}) {
-        const TemporaryFolder folder;
-        write_depth(folder.path());
-        for (const char* name : {"0001.txt", "0002.txt"}) write_in_folder(folder / where / name, text);
-        EXPECT_EQ(guessed(folder.path()).camera.fx, 50) << where;
+        const TemporaryFolder fresh;
+        write_depth(fresh.path());
+        for (const char* name : {"0001.txt", "0002.txt"}) write_in_folder(fresh / where / name, text);
+        EXPECT_EQ(guessed(fresh.path()).camera.fx, 50) << where;
     }
 }
 
@@ -384,11 +384,11 @@ TEST_F(CameraSpellings, AreFoundInFoldersAbove) {
     const std::string camera =
         R"({"camera": {"fx": 50, "fy": 52, "cx": 33.5, "cy": 21.25, "scale": 6553.5}})";
     for (const char* name : {"cam_params.json", "camK.json", "meta.json", "dataset.yaml"}) {
-        const TemporaryFolder folder;
-        write_depth(folder.path(), "set/room0/results/depth0001.png", "set/room0/results/depth0002.png");
-        write_in_folder(folder / "set" / name, camera);
+        const TemporaryFolder fresh;
+        write_depth(fresh.path(), "set/room0/results/depth0001.png", "set/room0/results/depth0002.png");
+        write_in_folder(fresh / "set" / name, camera);
         for (const char* opened : {"set/room0", "set/room0/results"}) {
-            const Scene scene = guessed(folder / opened);
+            const Scene scene = guessed(fresh / opened);
             EXPECT_EQ(scene.camera.fx, 50) << name;
             EXPECT_NEAR(scene.depth.scale, 1 / 6553.5, 1e-12) << name;
         }

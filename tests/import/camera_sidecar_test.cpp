@@ -595,14 +595,14 @@ using FrameCameras = FolderTest;
 TEST_F(FrameCameras, MatchPlainTwin) {
     for (const bool is_range : {false, true})
         for (const Bent lens : {Bent{}, Bent{-0.2L, 0.05L}}) {
-            const TemporaryFolder folder;
+            const TemporaryFolder fresh;
             const DepthAt depth = is_range ? range_at : planar_at;
-            write_plane(folder, lens, depth);
+            write_plane(fresh, lens, depth);
             std::string camera = camera_json(of_clip);
             if (lens.k1 != 0) camera.insert(camera.size() - 1, R"(, "distortion": [-0.2, 0.05, 0, 0])");
-            write_bytes(folder / "scene.json",
+            write_bytes(fresh / "scene.json",
                         scene_json(camera, is_range ? "range" : "planar", with_cameras));
-            auto reader = must(open_clip(folder.path()));
+            auto reader = must(open_clip(fresh.path()));
             EXPECT_EQ(reader->scene().camera, (Camera{80, 81, 46.5, 36.25}));
             const auto frames = must(read_all(*reader));
             ASSERT_EQ(frames.size(), 3U);
@@ -617,12 +617,12 @@ TEST_F(FrameCameras, MatchPlainTwin) {
 /// As far off the plane as half a stored pixel across and down is.
 TEST_F(FrameCameras, KeepSurfaceWithinHalfPixel) {
     for (const bool is_range : {false, true}) {
-        const TemporaryFolder folder;
+        const TemporaryFolder fresh;
         const DepthAt depth = is_range ? range_at : planar_at;
-        write_plane(folder, {}, depth);
-        write_bytes(folder / "scene.json",
+        write_plane(fresh, {}, depth);
+        write_bytes(fresh / "scene.json",
                     scene_json(camera_json(of_clip), is_range ? "range" : "planar", with_cameras));
-        const auto frames = must(read_clip(folder.path()));
+        const auto frames = must(read_clip(fresh.path()));
         const auto u_of = [](const Lens4& camera, long double x) { return (x - camera.cx) / camera.fx; };
         const auto v_of = [](const Lens4& camera, long double y) { return (y - camera.cy) / camera.fy; };
         long double worst = 0, worst_unmoved = 0;

@@ -367,11 +367,11 @@ TEST_F(GuessedVideo, FindsColourVideoByName) {
     for (const auto& [depth, colour] : {std::pair{"walk_depth.mkv", "walk.mov"},
                                         {"walk_vis.mkv", "walk_src.mov"},
                                         {"depth.mkv", "rgb.mov"}}) {
-        const TemporaryFolder folder;
-        write_grey(folder / depth);
-        write_bytes(folder / "walk_rgb.mov", "no video");
-        write_rgb(folder / colour, 32, 16, [](int x, int y) { return Rgb{7 * x, 9 * y, 40}; });
-        auto clip = must(open_clip(folder / depth));
+        const TemporaryFolder fresh;
+        write_grey(fresh / depth);
+        write_bytes(fresh / "walk_rgb.mov", "no video");
+        write_rgb(fresh / colour, 32, 16, [](int x, int y) { return Rgb{7 * x, 9 * y, 40}; });
+        auto clip = must(open_clip(fresh / depth));
         EXPECT_TRUE(is_noted(*clip, std::string("colour is ") + colour)) << depth;
         const auto frames = must(read_all(*clip));
         EXPECT_EQ(frames.front().colour.sample(3, 2, 0), 21);

@@ -55,7 +55,7 @@ const FolderSource all_source{
 using ImageFolder = FolderTest;
 
 TEST_F(ImageFolder, KeepsEveryPlane) {
-    const TemporaryFolder folder, elsewhere;
+    const TemporaryFolder elsewhere;
     FolderSource source = all_source;
     source.first = 7;  // frames are numbered from 0 all the same
     const Scene scene = folder_scene(source);
@@ -174,11 +174,11 @@ TEST_F(ImageFolder, NotesOrRefusesGaps) {
 
 TEST_F(ImageFolder, NamesMissingPlanes) {
     for (const char* role : {"colour", "haptic", "height"}) {
-        const TemporaryFolder folder;
-        write_folder(folder, folder_scene(all_source), 3, {true, true, true});
+        const TemporaryFolder fresh;
+        write_folder(fresh, folder_scene(all_source), 3, {true, true, true});
         const std::string name = std::string(role) + "_001.png";
-        std::filesystem::remove(folder / name);
-        EXPECT_TRUE(has_words(refusal(folder), name + " (" + role + ", frame 1): is missing"));
+        std::filesystem::remove(fresh / name);
+        EXPECT_TRUE(has_words(refusal(fresh), name + " (" + role + ", frame 1): is missing"));
     }
     const TemporaryFolder empty;
     write_bytes(empty / "scene.json", scene_to_json(folder_scene(depth_only_source)));

@@ -62,15 +62,15 @@ TEST_F(FoundFiles, FindNumberOfFrames) {
          "depth_20240501_*.png",
          {0, 1, 2, 3}}};
     for (const auto& row : rows) {
-        const TemporaryFolder folder;
-        for (const std::string& name : row.files) write_bytes(folder / name, "");
-        write_bytes(folder / "note_of_the_day.png", "");
-        const auto groups = picture_groups(folder.path());
+        const TemporaryFolder fresh;
+        for (const std::string& name : row.files) write_bytes(fresh / name, "");
+        write_bytes(fresh / "note_of_the_day.png", "");
+        const auto groups = picture_groups(fresh.path());
         ASSERT_EQ(groups.size(), 2U) << row.pattern;
         EXPECT_EQ(groups.front().pattern, row.pattern);
         EXPECT_EQ(groups.front().count, row.files.size());
         EXPECT_EQ(groups.front().first.filename(), *std::ranges::min_element(row.files));
-        const PictureFiles found = found_in(folder, row.pattern);
+        const PictureFiles found = found_in(fresh, row.pattern);
         EXPECT_EQ(names(found), row.files);
         EXPECT_EQ(found.keys, row.keys) << row.pattern;
     }
@@ -83,9 +83,9 @@ TEST_F(FoundFiles, KeepCamerasAndTakesApart) {
         {"stream0_0000.png", "stream0_0001.png", "stream1_0000.png", "stream1_0001.png"},
         {"take1_01.png", "take1_02.png", "take1_03.png", "take2_04.png", "take2_05.png", "take2_06.png"}};
     for (const Names& row : rows) {
-        const TemporaryFolder folder;
-        for (const std::string& name : row) write_bytes(folder / name, "");
-        for (const PictureGroup& group : picture_groups(folder.path()))
+        const TemporaryFolder fresh;
+        for (const std::string& name : row) write_bytes(fresh / name, "");
+        for (const PictureGroup& group : picture_groups(fresh.path()))
             EXPECT_LT(group.count, row.size()) << group.pattern;
     }
 }
@@ -228,10 +228,9 @@ TEST_F(FoundFiles, NameMissingRanges) {
                 {{0, 5, 10, 15, 20}, ""},
                 {{33, 67, 100, 133, 167, 200}, ""}};
     for (const auto& row : rows) {
-        const TemporaryFolder folder;
-        for (const int number : row.numbers)
-            write_bytes(folder / ("d" + std::to_string(number) + ".png"), "");
-        EXPECT_EQ(found_in(folder, "d*.png").remark, row.remark) << row.numbers.back();
+        const TemporaryFolder fresh;
+        for (const int number : row.numbers) write_bytes(fresh / ("d" + std::to_string(number) + ".png"), "");
+        EXPECT_EQ(found_in(fresh, "d*.png").remark, row.remark) << row.numbers.back();
     }
     for (const char* name : {"d0.png", "d6.png", "d7.png", "d8.png"}) write_bytes(folder / name, "");
     FolderSource source{.depth = "d*.png", .colour = "", .haptic = "", .height = ""};

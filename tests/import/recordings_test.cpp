@@ -451,10 +451,10 @@ TEST_F(LeRobot, TakesOtherNumbersAndWords) {
          R"("observation.images.wrist_depth": {"dtype": "video", "video_info": {"video.is_depth_map": true,
             "video.depth_min": 0.3, "video.depth_max": 5, "video.shift": 2}})"}};
     for (const Case& each : cases) {
-        const TemporaryFolder folder;
-        write_robot_depth(folder / robot_depth, each.by);
-        write_robot_info(folder.path(), each.features);
-        auto clip = must(open_clip(folder / robot_depth));
+        const TemporaryFolder fresh;
+        write_robot_depth(fresh / robot_depth, each.by);
+        write_robot_info(fresh.path(), each.features);
+        auto clip = must(open_clip(fresh / robot_depth));
         EXPECT_EQ(clip->scene().depth.kind == DepthCodingKind::log, each.by.is_log);
         EXPECT_TRUE(is_noted(*clip, "depth is LeRobot's, as info.json says"));
         EXPECT_FALSE(is_noted(*clip, "changes values"));

@@ -412,16 +412,16 @@ TEST_F(NpzRow, FindsDepthByExclusion) {
     const struct {
         Arrays others;
         const char* depth;
-    } rows[] = {{{{"K", matrix}}, "pred_depth"},
-                {{{"K", matrix}}, "Depth"},
-                {{{"K", matrix}}, "z"},
-                {{{"cam_c2w", npy_bytes("4, 4", std::vector<float>(16, 1))}}, "distance"},
-                {{{"depth_conf", picture}, {"world_points", colour}}, "range"},
-                {{{"normals", colour}, {"rgb", picture}, {"valid", picture}}, "data"},
-                {{{"extrinsics", matrix}, {"image", picture}}, "depth_image"},
-                {{{"z", picture}, {"left", picture}}, "metric_depth"},
-                {{{"depth_mm", picture}, {"pred_depth", picture}}, "depth"}};
-    for (const auto& row : rows) {
+    } cases[] = {{{{"K", matrix}}, "pred_depth"},
+                 {{{"K", matrix}}, "Depth"},
+                 {{{"K", matrix}}, "z"},
+                 {{{"cam_c2w", npy_bytes("4, 4", std::vector<float>(16, 1))}}, "distance"},
+                 {{{"depth_conf", picture}, {"world_points", colour}}, "range"},
+                 {{{"normals", colour}, {"rgb", picture}, {"valid", picture}}, "data"},
+                 {{{"extrinsics", matrix}, {"image", picture}}, "depth_image"},
+                 {{{"z", picture}, {"left", picture}}, "metric_depth"},
+                 {{{"depth_mm", picture}, {"pred_depth", picture}}, "depth"}};
+    for (const auto& row : cases) {
         auto arrays = row.others;
         arrays.emplace_back(row.depth, picture_of(2));
         const auto stack = open(arrays);

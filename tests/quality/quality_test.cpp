@@ -268,8 +268,8 @@ TEST_F(HapticPictureValues, CodecNoiseIsMixed) {
 /// Of a slope whose depth is `scale(k)` times itself in frame k, under an even colour where one is given.
 std::optional<double> pumping_of(int frames, const std::function<double(int)>& scale,
                                  const std::function<int(int)>& brightness = {}) {
-    constexpr int width = 64, height = 48;
-    Scene scene = small_scene(width, height);
+    constexpr int wide = 64, high = 48;
+    Scene scene = small_scene(wide, high);
     DepthCoding& coding = scene.depth = {};
     coding.kind = DepthCodingKind::metric;
     coding.scale = 0.1;
@@ -283,14 +283,14 @@ std::optional<double> pumping_of(int frames, const std::function<double(int)>& s
     std::vector<RawFrame> all;
     for (int k = 0; k < frames; ++k) {
         const auto planes = std::make_shared<Planes>();
-        for (int pixel = 0; pixel < width * height; ++pixel)
-            planes->codes.push_back(coding.code(scale(k) * (1000 + pixel % width)));
+        for (int pixel = 0; pixel < wide * high; ++pixel)
+            planes->codes.push_back(coding.code(scale(k) * (1000 + pixel % wide)));
         RawFrame frame;
         frame.number = k;
-        frame.depth = plane_of_codes(planes->codes.data(), width, height);
+        frame.depth = plane_of_codes(planes->codes.data(), wide, high);
         if (brightness) {
-            planes->colour.assign(3 * width * height, static_cast<std::uint8_t>(brightness(k)));
-            frame.colour = packed_plane(planes->colour.data(), width, height, 1, 3);
+            planes->colour.assign(3 * wide * high, static_cast<std::uint8_t>(brightness(k)));
+            frame.colour = packed_plane(planes->colour.data(), wide, high, 1, 3);
         }
         frame.storage = planes;
         all.push_back(frame);

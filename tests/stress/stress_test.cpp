@@ -24,7 +24,7 @@ void PrintTo(const Suite& suite, std::ostream* out) {
 namespace {
 
 constexpr std::uint64_t seeds = 8;
-constexpr std::int64_t ticks = 1500;
+constexpr std::int64_t ticks_each = 1500;
 
 class Stress : public testing::TestWithParam<Suite> {};
 
@@ -32,10 +32,10 @@ TEST_P(Stress, InvariantsHoldAndRunsRepeat) {
     const Suite& suite = GetParam();
     Coverage coverage;
     for (std::uint64_t seed = 0; seed < seeds; ++seed) {
-        const Watched watched = watch(*suite.run(seed), {ticks, 1, 16});
+        const Watched watched = watch(*suite.run(seed), {ticks_each, 1, 16});
         for (const std::string& violation : watched.violations)
             ADD_FAILURE() << "--suite " << suite.name << " --seed " << seed << ": " << violation;
-        EXPECT_EQ(watch(*suite.run(seed), {ticks, 0, 0}).force_hash, watched.force_hash)
+        EXPECT_EQ(watch(*suite.run(seed), {ticks_each, 0, 0}).force_hash, watched.force_hash)
             << "S6, seed " << seed;
         coverage.add(watched.coverage);
     }

@@ -364,12 +364,12 @@ TEST(ChangedHue, EqualsWholeBuild) {
 }
 
 // Rows are whole texels, so that a software Vulkan reads planes where they lie.
-const Scene scene = depth_scene(72, 45, 16, Marking::zero, {3, 1});
+const Scene stored_scene = depth_scene(72, 45, 16, Marking::zero, {3, 1});
 
 RawFrame stored(std::int64_t number) {
     Random random(static_cast<std::uint64_t>(number) + 1);
-    const auto plane = std::make_shared<StoredPlane>(
-        store_plane(scene.width, scene.height, fill_picture(scene, Fill::blob, random), {}));
+    const auto plane = std::make_shared<StoredPlane>(store_plane(
+        stored_scene.width, stored_scene.height, fill_picture(stored_scene, Fill::blob, random), {}));
     RawFrame raw = plane->frame();
     raw.number = number;
     raw.storage = plane;
@@ -379,7 +379,7 @@ RawFrame stored(std::int64_t number) {
 /// Builds frame `number` into `slot`, and fails the test where it is not as the reference's.
 void expect_built(SurfaceBuilder& builder, std::int64_t number, SurfaceFrame& slot) {
     must(builder.build(stored(number), slot));
-    EXPECT_EQ(reference_difference(scene, stored(number), slot), "") << number;
+    EXPECT_EQ(reference_difference(stored_scene, stored(number), slot), "") << number;
     EXPECT_EQ(first_vertex_difference(slot, *slot.vertices), "") << number;
 }
 
@@ -387,7 +387,7 @@ class FallbackBuilder : public testing::Test {
 protected:
     /// With the CPU builder as second.
     void use(std::unique_ptr<SurfaceBuilder> first) {
-        builder = make_fallback_builder(std::move(first), make_cpu_builder(scene),
+        builder = make_fallback_builder(std::move(first), make_cpu_builder(stored_scene),
                                         [this](const std::string& line) { told.push_back(line); });
     }
     void expect_told_of_frame_4() const {
@@ -400,11 +400,11 @@ protected:
 };
 
 void expect_reference(std::int64_t number, const SurfaceFrame& slot) {
-    EXPECT_EQ(reference_difference(scene, stored(number), slot), "") << number;
+    EXPECT_EQ(reference_difference(stored_scene, stored(number), slot), "") << number;
 }
 
 TEST_F(FallbackBuilder, SwitchesAtFailedFrame) {
-    use(std::make_unique<FailingBuilder>(scene, 3, Error{ErrorKind::gpu, "the cable is out"}));
+    use(std::make_unique<FailingBuilder>(stored_scene, 3, Error{ErrorKind::gpu, "the cable is out"}));
     SurfaceFrame slots[2];
     for (std::int64_t number = 0; number < 8; ++number) {
         EXPECT_EQ(builder->name(), number <= 3 ? "failing" : "cpu");
@@ -414,7 +414,7 @@ TEST_F(FallbackBuilder, SwitchesAtFailedFrame) {
 }
 
 TEST_F(FallbackBuilder, PassesOnOtherErrors) {
-    use(std::make_unique<FailingBuilder>(scene, 0, Error{ErrorKind::input, "no such plane"}));
+    use(std::make_unique<FailingBuilder>(stored_scene, 0, Error{ErrorKind::input, "no such plane"}));
     SurfaceFrame slot;
     const auto built = builder->build(stored(0), slot);
     ASSERT_FALSE(built);
@@ -425,7 +425,7 @@ TEST_F(FallbackBuilder, PassesOnOtherErrors) {
 
 TEST_F(FallbackBuilder, SurvivesLostGpu) {
     const auto device = must(GpuDevice::open());  // of its own, to be lost
-    use(must(make_vulkan_builder(scene, device)));
+    use(must(make_vulkan_builder(stored_scene, device)));
     SurfaceFrame slots[3];
     for (std::int64_t number = 0; number < 9; ++number) {
         if (number == 4) device->lose();
@@ -441,7 +441,7 @@ TEST_F(FallbackBuilder, SurvivesLostGpu) {
 /// Three are in flight when the GPU is lost, and none is.
 TEST_F(FallbackBuilder, RebuildsFramesInFlight) {
     const auto device = must(GpuDevice::open());
-    use(must(make_vulkan_builder(scene, std::make_shared<SurfaceKernels>(device), all_plans[2])));
+    use(must(make_vulkan_builder(stored_scene, std::make_shared<SurfaceKernels>(device), all_plans[2])));
     EXPECT_EQ(builder->frames_in_flight(), 3);
     SurfaceFrame slot;
     std::int64_t begun = 0;
@@ -458,7 +458,7 @@ TEST_F(FallbackBuilder, RebuildsFramesInFlight) {
 
 TEST_F(FallbackBuilder, SurvivesHungGpu) {
     auto device = must(GpuDevice::open());
-    use(must(make_vulkan_builder(scene, device)));
+    use(must(make_vulkan_builder(stored_scene, device)));
     SurfaceFrame slots[3];
     for (std::int64_t number = 0; number < 3; ++number) expect_built(*builder, number, slots[number]);
     Blockade blockade(*device);

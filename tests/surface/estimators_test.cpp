@@ -23,10 +23,10 @@
 namespace touchable::test {
 namespace {
 
-constexpr int width = 320, height = 240;
+constexpr int wide = 320, high = 240;
 
 Scene millimetres(double far = 6000) {
-    return metric_scene(width, height, {262, 262, 159.5, 119.5}, far);
+    return metric_scene(wide, high, {262, 262, 159.5, 119.5}, far);
 }
 
 /// Measures one picture.
@@ -41,8 +41,8 @@ template <class Store>
 DepthLength levels_of(Store store) {
     SplitMix64 random(7);
     std::vector<std::uint16_t> codes;
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) {
+    for (int y = 0; y < high; ++y)
+        for (int x = 0; x < wide; ++x) {
             const double hill = std::hypot(x - 200.0, y - 90.0) / 60;
             const double noise = static_cast<double>(random.next() >> 40) * 0x1p-24 - 0.5;
             const double depth = 1500 + 3 * x + y - 300 * std::exp(-hill * hill) + 2 * noise;
@@ -93,13 +93,13 @@ TEST(DepthEstimator, FindsNoIrregularLevels) {
 // Codes of each column, of which no two are neighbours; but no terraces.
 TEST(DepthEstimator, TakesSlopeForNoStaircase) {
     std::vector<std::uint16_t> codes;
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) codes.push_back(rounded(1 / (1e-3 - 2.5e-6 * x)));
+    for (int y = 0; y < high; ++y)
+        for (int x = 0; x < wide; ++x) codes.push_back(rounded(1 / (1e-3 - 2.5e-6 * x)));
     EXPECT_EQ(measured_of(millimetres(), codes).levels, DepthLength{});
 }
 
 TEST(DepthEstimator, CountsLargestCode) {
-    const std::vector<std::uint16_t> codes(width * height, 65535);
+    const std::vector<std::uint16_t> codes(wide * high, 65535);
     EXPECT_EQ(measured_of(millimetres(65535), codes).median, 65535);
 }
 

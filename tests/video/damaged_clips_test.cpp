@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include "engine/picture/image.hpp"
+#include "tests/clip/clip_fixture.hpp"
 #include "tests/limits.hpp"
 #include "tests/picture/picture_bytes.hpp"
 #include "tests/sweep.hpp"

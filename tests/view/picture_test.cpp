@@ -14,6 +14,7 @@
 
 #include "engine/base/same_bits.hpp"
 #include "haptics_cpu/touch_solver.hpp"
+#include "player/draw/cpu_painting.hpp"
 #include "player/draw/drawn_surface.hpp"
 #include "player/draw/finger_marks.hpp"
 #include "player/draw/gpu_painting.hpp"
