@@ -5,6 +5,7 @@
 #include "engine/mpeg4/boxes.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/picture/ffmpeg.hpp"
+#include "tests/clip/clip_fixture.hpp"
 #include "tests/import/foreign_video.hpp"
 #include "tests/limits.hpp"
 #include "tests/sweep.hpp"

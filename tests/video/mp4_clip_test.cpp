@@ -6,6 +6,7 @@
 #include "engine/mpeg4/boxes.hpp"
 #include "engine/mpeg4/clip_scene.hpp"
 #include "engine/picture/ffmpeg.hpp"
+#include "tests/clip/clip_fixture.hpp"
 #include "tests/limits.hpp"
 #include "tests/video/mp4_boxes.hpp"
 #include "tests/video/remuxed_clip.hpp"
