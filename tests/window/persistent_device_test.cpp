@@ -344,7 +344,8 @@ protected:
         options.existing = Existing::replace;
         if (script.find("open ") != std::string::npos) options.record.reset();
         if (is_kiosk_) {
-            options.kiosk.emplace().use_log = log_;
+            options.kiosk = PlayOptions::Kiosk();
+            options.kiosk->use_log = log_;
             options.record.reset();
         }
         options.script = inputs_of(script);

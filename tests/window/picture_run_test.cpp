@@ -470,7 +470,7 @@ TEST(UiScale, FollowsGrowingWindowUnlessStated) {
 // gives way. By the figures of docs/play.md, on pictures of the window, whose plane is seen from the
 // front: there the force's arrow is a point.
 
-constexpr int width = 1280, height = 720, middle_x = 640, middle_y = 360;
+constexpr int middle_x = 640, middle_y = 360;
 /// Of a finger, pixels: 2 % of the 1080 pixels that the plane is wide there; on this plane 4 mm of the hand.
 constexpr double radius = 21.6;
 

@@ -856,7 +856,8 @@ TEST_F(NextClip, PlaysUnlessPaused) {
 
 TEST_F(NextClip, PlaysForNextKioskVisitor) {
     std::swap(first_, second_);
-    kiosk_.emplace().times = {.invite_s = 20, .reset_s = 0.8};
+    kiosk_ = PlayOptions::Kiosk();
+    kiosk_->times = {.invite_s = 20, .reset_s = 0.8};
     const Seen playing = seen("0.2 next\n0.3 next\n0.5 key space\n");
     EXPECT_GT(differences(playing.first, playing.later, middle), 500);
 }
