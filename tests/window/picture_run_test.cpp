@@ -589,8 +589,8 @@ TEST(FrontView, RingCoversArrow) {
     }
     const double ring = (right - left) / 2.0, middle = (right + left) / 2.0;
     ASSERT_NEAR(ring, 1.1 * radius, 3);
-    const double beyond = middle + ring + 8;
-    EXPECT_GT(channel_at(turned, beyond, 0, 2) - channel_at(turned, beyond, 0, 0), 100) << "no arrow";
+    const double outside = middle + ring + 8;
+    EXPECT_GT(channel_at(turned, outside, 0, 2) - channel_at(turned, outside, 0, 0), 100) << "no arrow";
     for (int degrees = 0; degrees < 360; degrees += 5) {
         const double angle = degrees * std::numbers::pi / 180;
         int most = 0;
