@@ -14,7 +14,6 @@
 
 #include "engine/base/same_bits.hpp"
 #include "haptics_cpu/touch_solver.hpp"
-#include "player/draw/cpu_painting.hpp"
 #include "player/draw/drawn_surface.hpp"
 #include "player/draw/finger_marks.hpp"
 #include "player/draw/gpu_painting.hpp"
@@ -209,28 +208,6 @@ TEST(FingerMarks, ArrowIsBrighterThanFinger) {
             EXPECT_NEAR(most(solid), 1, 1e-6) << k;
             EXPECT_GT(most(solid), most(shapes.solids.front())) << k;
         }
-    }
-}
-
-TEST(DoubledPicture, MatchesExactLinearFilter) {
-    for (const auto& size : {std::pair{1, 1}, {2, 3}, {37, 5}, {160, 4}}) {
-        const int width = size.first, height = size.second;
-        std::vector<PackedColour> from(pixel_count(width, height)), to(4 * from.size());
-        std::uint32_t state = 1;
-        for (PackedColour& pixel : from) pixel = state = state * 1664525U + 1013904223U;
-        double_picture(from, width, height, to);
-        for (int y = 0; y < 2 * height; ++y)
-            for (int x = 0; x < 2 * width; ++x)
-                for (const int shift : {0, 8, 16, 24}) {
-                    const auto sample = [&](int right, int down) {
-                        const int column = std::clamp(x / 2 + right * (x % 2 * 2 - 1), 0, width - 1),
-                                  row = std::clamp(y / 2 + down * (y % 2 * 2 - 1), 0, height - 1);
-                        return from[static_cast<std::size_t>(row * width + column)] >> shift & 255U;
-                    };
-                    ASSERT_EQ(to[static_cast<std::size_t>(y * 2 * width + x)] >> shift & 255U,
-                              (9 * sample(0, 0) + 3 * (sample(1, 0) + sample(0, 1)) + sample(1, 1) + 8) / 16)
-                        << width << ": " << x << ", " << y;
-                }
     }
 }
 
