@@ -98,7 +98,7 @@ void ClipSound::open(const std::filesystem::path& file) {
     {
         const std::lock_guard lock(mutex_);
         file_ = file;
-        is_new_ = true;
+        ++asked_;
         has_track_ = false;
         fault_.clear();
         blocks_.clear();
@@ -119,7 +119,7 @@ bool ClipSound::read(std::int64_t first, std::span<StereoSample> to) {
         constexpr std::chrono::milliseconds pause(20);
         wanted_ = wanted;
         news_.notify_all();
-        while ((is_new_ || missing()) && !stop_requested()) news_.wait_for(lock, pause);
+        while ((is_new() || missing()) && !stop_requested()) news_.wait_for(lock, pause);
     }
     if (!has_track_) return false;
     bool is_there = true;
@@ -151,12 +151,13 @@ std::optional<std::int64_t> ClipSound::missing() {
 }
 
 void ClipSound::take_file(std::unique_lock<std::mutex>& lock, std::unique_ptr<SoundTrack>& track) {
-    is_new_ = false;
     const std::filesystem::path file = file_;
+    const std::uint64_t asked = asked_;
     lock.unlock();
     auto opened = SoundTrack::open(file);
     lock.lock();
-    if (is_new_) return;  // another file meanwhile
+    if (asked_ != asked) return;  // another file meanwhile
+    opened_ = asked;
     track = opened ? std::move(*opened) : nullptr;
     if (!opened) fault_ = opened.error().message;
     has_track_ = track != nullptr;
@@ -170,9 +171,9 @@ void ClipSound::run() {
     std::unique_lock lock(mutex_);
     while (true) {
         std::optional<std::int64_t> number;
-        news_.wait(lock, [&] { return stopping_ || is_new_ || (number = missing()).has_value(); });
+        news_.wait(lock, [&] { return stopping_ || is_new() || (number = missing()).has_value(); });
         if (stopping_) return;
-        if (is_new_) {
+        if (is_new()) {
             take_file(lock, track);
             next = 0;
             continue;
@@ -183,7 +184,7 @@ void ClipSound::run() {
         next = *number + 1;
         lock.lock();
         // A block that is no longer wanted would replace an audible one.
-        if (is_new_ || *number < wanted_ || *number > last_wanted()) continue;
+        if (is_new() || *number < wanted_ || *number > last_wanted()) continue;
         Block& to = place_of(*number);
         to.number = *number;
         to.samples = samples;

@@ -72,6 +72,7 @@ private:
     Block& place_of(std::int64_t number) {
         return blocks_[static_cast<std::size_t>(number) % blocks_.size()];
     }
+    bool is_new() const { return asked_ != opened_; }
     std::optional<std::int64_t> missing();
     /// The last block to decode ahead. Waiting: no more than a read needs, as it would depend on the time.
     std::int64_t last_wanted() const { return wanted_ + (waits_ ? 1 : ahead); }
@@ -82,7 +83,8 @@ private:
     std::condition_variable news_;
     // Guarded by `mutex_`.
     std::filesystem::path file_;
-    bool is_new_ = false, stopping_ = false, has_track_ = false;
+    std::uint64_t asked_ = 0, opened_ = 0;  // files, counted
+    bool stopping_ = false, has_track_ = false;
     std::int64_t wanted_ = 0;  // block
     std::vector<Block> blocks_;
     std::string fault_;

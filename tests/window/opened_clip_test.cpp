@@ -495,6 +495,19 @@ TEST_F(ClipHeard, DecodesAfterAnySeek) {
         ASSERT_NEAR(heard[k].left, sound_[372'960 + k].left, 1e-4) << k;
 }
 
+/// However far its thread has come with opening the file.
+TEST_F(ClipHeard, OfflineReadWaitsForFile) {
+    for (int go = 0; go < 200; ++go) {
+        ClipSound sound;
+        sound.wait_for_decoding();
+        sound.open(folder_ / "1.mkv");
+        std::this_thread::sleep_for(std::chrono::microseconds(10 * go));
+        std::vector<StereoSample> samples(480);
+        ASSERT_TRUE(sound.read(0, samples)) << go;
+        EXPECT_NEAR(samples[100].left, sound_[100].left, 1e-4);
+    }
+}
+
 TEST(ClipSound, ReportsDamagedTrack) {
     const TemporaryFolder folder;
     const std::filesystem::path file = folder / "film.mkv";
