@@ -178,7 +178,7 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
     if (is_stopped && !facts.kiosk && !help_shown) draw_stop(w, h);
     if (hidden && !facts.kiosk && !menu_at && facts.files.rows.empty()) {
         draw_fault(facts, w, h, asked);
-        return draw_message(facts, w);
+        return draw_message(facts, w, h);
     }
     const bool has_page = facts.study && facts.study->is_page;
     if (!help_shown && !has_page) draw_state(facts, w);  // the help shows the state
@@ -197,7 +197,7 @@ void WindowPanel::draw(const PanelFacts& facts, int width, int height, std::vect
         ImGui::End();
     }
     draw_fault(facts, w, h, asked);
-    if (!help_shown || facts.message_is_bad) draw_message(facts, w);
+    if (!help_shown || facts.message_is_bad) draw_message(facts, w, h);
     if (draw_page(facts, m, w, h, asked)) return;  // it needs the room
     draw_force(facts, h, scale_);
     draw_place(facts, w, h, scale_);
@@ -260,7 +260,7 @@ void WindowPanel::draw_without_clip(const PanelFacts& facts, int width, int heig
             asked.push_back({WindowVerb::choose});
     }
     draw_fault(facts, w, h, asked);
-    draw_message(facts, w);
+    draw_message(facts, w, h);
     draw_page(facts, top, w, h, asked);
 }
 
@@ -331,16 +331,20 @@ void WindowPanel::draw_fault(const PanelFacts& facts, float width, float height,
     ImGui::End();
 }
 
-/// Draws a message above the middle of the panel's free space.
-void WindowPanel::draw_message(const PanelFacts& facts, float width) {
+/// Draws a message above the middle of the panel's free space; not on the bar, but where a long fault is.
+void WindowPanel::draw_message(const PanelFacts& facts, float width, float height) {
     if (facts.message.empty()) return;
     const Free free = free_of(facts, width);
     // Sets the size, as ImGui's own is that of the previous text.
     const ImVec2 padding = ImGui::GetStyle().WindowPadding;
     const ImVec2 words = ImGui::CalcTextSize(facts.message.c_str(), nullptr, false, free.wrap - padding.x);
-    ImGui::SetNextWindowSize(ImVec2(words.x + 2 * padding.x, words.y + 2 * padding.y));
-    begin_box("message",
-              {.x = free.middle, .y = free.top, .pivot_x = 0.5F, .flags = ImGuiWindowFlags_NoInputs});
+    const ImVec2 size(words.x + 2 * padding.x, words.y + 2 * padding.y);
+    const float lowest = height - (2 * panel_margin + panel_bar_height) * scale_ - size.y;
+    ImGui::SetNextWindowSize(size);
+    begin_box("message", {.x = free.middle,
+                          .y = std::min(free.top, std::max(lowest, panel_margin * scale_)),
+                          .pivot_x = 0.5F,
+                          .flags = ImGuiWindowFlags_NoInputs});
     ImGui::PushTextWrapPos(free.wrap);
     ImGui::TextColored(facts.message_is_bad ? bad_words : ImGui::GetStyle().Colors[ImGuiCol_Text], "%s",
                        facts.message.c_str());

@@ -127,7 +127,7 @@ private:
     void draw_kiosk(const PanelFacts& facts, float width, float height, std::vector<WindowCommand>& asked);
     void draw_turn_back(const std::string& words, float width, std::vector<WindowCommand>& asked);
     void draw_state(const PanelFacts& facts, float width);
-    void draw_message(const PanelFacts& facts, float width);
+    void draw_message(const PanelFacts& facts, float width, float height);
     void draw_fault(const PanelFacts& facts, float width, float height, std::vector<WindowCommand>& asked);
     /// The place of the next words above the picture, between the forces and the panel: the middle of its
     /// upper edge, the width there, and the width at which messages wrap.

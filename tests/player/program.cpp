@@ -10,6 +10,7 @@
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
@@ -159,6 +160,14 @@ Outcome run(const Words& arguments, const Hooks& hooks) {
     outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
     outcome.peak_mebibytes = static_cast<double>(used.ru_maxrss) / 1024;
     return outcome;
+}
+
+/// Of all its threads.
+std::chrono::nanoseconds cpu_time_of(pid_t child) {
+    clockid_t clock{};
+    timespec time{};
+    if (clock_getcpuclockid(child, &clock) != 0 || clock_gettime(clock, &time) != 0) return {};
+    return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
 }
 
 /// Waits until it does what `is_enough` looks for, or has ended.
@@ -312,7 +321,9 @@ Outcome run_in_folder_halting(const Words& arguments, const fs::path& folder, co
             kill(child, SIGSTOP);
             std::this_thread::sleep_for(std::chrono::milliseconds(400));
             kill(child, SIGCONT);
-            std::this_thread::sleep_for(goes_on);
+            const auto used = cpu_time_of(child);
+            for (int ms = 0; ms < 1000 && cpu_time_of(child) - used < goes_on; ++ms)
+                std::this_thread::sleep_for(std::chrono::milliseconds(1));
             return false;
         });
     };

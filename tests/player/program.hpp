@@ -56,7 +56,7 @@ Outcome run_in_folder_until(const Words& arguments, const std::filesystem::path&
                             const std::function<bool()>& is_enough);
 
 /// Starts it there and, once `file` is there, stops it for 400 ms after each 10 ms (60 where it is
-/// sanitized) that it runs: a machine that is busy with others.
+/// sanitized) that it computes, or a second that it waits: a machine that is busy with others.
 Outcome run_in_folder_halting(const Words& arguments, const std::filesystem::path& folder,
                               const std::filesystem::path& file);
 
