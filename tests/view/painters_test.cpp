@@ -156,6 +156,7 @@ struct Step {
                 surface.colours.push_back(is_near ? pack_colour(red, 240, 30) : pack_colour(red, 20, 210));
             }
         surface.q[1] = 0;
+        surface.focal_length = 50;
         scene.camera = {50.0, 50.0, side / 2.0, side / 2.0};
     }
     /// The clip's picture between its pixels, by the triangle there.
@@ -202,21 +203,22 @@ TEST_F(Painters, KeepColoursAcrossDepthSteps) {
 }
 
 /// A flat surface along -Z of one colour.
-ViewSurface flat(int width, int height, float depth) {
+ViewSurface flat(int width, int height, float depth, float focal_length) {
     ViewSurface surface;
     surface.width = width;
     surface.height = height;
+    surface.focal_length = focal_length;
     const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     surface.q.assign(pixels, 1 / depth);
     surface.colours.assign(pixels, pack_colour(10, 200, 90));
     return surface;
 }
 
-Scene scene_of(const ViewSurface& surface, double focal) {
+Scene scene_of(const ViewSurface& surface) {
     Scene scene;
     scene.width = surface.width;
     scene.height = surface.height;
-    scene.camera = {focal, focal, surface.width / 2.0, surface.height / 2.0};
+    scene.camera = {surface.focal_length, surface.focal_length, surface.width / 2.0, surface.height / 2.0};
     return scene;
 }
 
@@ -233,8 +235,8 @@ bool meets(const ViewSurface& surface, const Scene& scene, const ViewCamera& cam
 }
 
 TEST_F(Painters, KeepCellsCrossingNearPlane) {
-    const ViewSurface surface = flat(64, 64, 100);
-    const Scene scene = scene_of(surface, 32);
+    const ViewSurface surface = flat(64, 64, 100, 32);
+    const Scene scene = scene_of(surface);
     for (const double azimuth : {0.0, 88.0, -89.0}) {
         const Viewpoint grazing{false, azimuth, azimuth == 0.0 ? 89.0 : 0.0, 1, 120.0};
         const ViewCamera camera = make_view(grazing, scene, {0, 0, -100}, 300, 200);
@@ -258,8 +260,8 @@ TEST_F(Painters, KeepCellsCrossingNearPlane) {
 }
 
 TEST_F(Painters, DrawCellFillingPicture) {
-    const ViewSurface surface = flat(2, 2, 100);
-    const Scene scene = scene_of(surface, 4);
+    const ViewSurface surface = flat(2, 2, 100, 4);
+    const Scene scene = scene_of(surface);
     compare(surface, own_view(scene, 900, 700, 1), "own");
     compare(surface, orbit(scene, 30, 20, 900, 700, 3), "orbit");
     const PicturePlanes planes =
@@ -269,8 +271,8 @@ TEST_F(Painters, DrawCellFillingPicture) {
 
 TEST_F(Painters, SharedEdgesLeaveNoGaps) {
     // Where every pixel of a flat surface is drawn, no pixel is missed; from anywhere.
-    const ViewSurface surface = flat(40, 40, 100);
-    const Scene scene = scene_of(surface, 20);
+    const ViewSurface surface = flat(40, 40, 100, 20);
+    const Scene scene = scene_of(surface);
     for (const double azimuth : {0.0, 7.0, 33.0}) {
         const ViewCamera camera = orbit(scene, azimuth, 11, 333, 222, 1.3);
         const PicturePlanes planes = must(make_cpu_painter()->paint(surface, camera));
@@ -281,8 +283,8 @@ TEST_F(Painters, SharedEdgesLeaveNoGaps) {
 }
 
 TEST_F(Painters, DrawNothingForEmptySurface) {
-    ViewSurface surface = flat(40, 40, 100);
-    const Scene scene = scene_of(surface, 20);
+    ViewSurface surface = flat(40, 40, 100, 20);
+    const Scene scene = scene_of(surface);
     const ViewCamera camera = own_view(scene, 60, 60, 1);
     surface.q.assign(surface.q.size(), 0.0F);
     for (const auto& painter : all_painters())
@@ -290,8 +292,8 @@ TEST_F(Painters, DrawNothingForEmptySurface) {
 }
 
 TEST_F(Painters, DrawPicturesOfAnySize) {
-    const ViewSurface surface = flat(96, 64, 100);
-    const Scene scene = scene_of(surface, 50);
+    const ViewSurface surface = flat(96, 64, 100, 50);
+    const Scene scene = scene_of(surface);
     const int sizes[][2] = {{1, 1}, {2, 2}, {1, 700}, {700, 1}, {17, 33}};
     for (const auto& [width, height] : sizes)
         compare(surface, orbit(scene, 20, 10, width, height),
@@ -301,8 +303,8 @@ TEST_F(Painters, DrawPicturesOfAnySize) {
 TEST_F(Painters, DrawLatticesOfAnySize) {
     const int sizes[][2] = {{1, 1}, {1, 9}, {9, 1}, {2, 2}, {16, 16}, {17, 17}, {18, 18}, {33, 2}};
     for (const auto& [width, height] : sizes) {
-        const ViewSurface surface = flat(width, height, 100);
-        const Scene scene = scene_of(surface, 40);
+        const ViewSurface surface = flat(width, height, 100, 40);
+        const Scene scene = scene_of(surface);
         const std::string what = std::to_string(width) + "x" + std::to_string(height);
         const ViewCamera camera = own_view(scene, 101, 77, 1);
         compare(surface, camera, what);
@@ -337,8 +339,8 @@ TEST_F(Painters, KeepSurfacesApart) {
 }
 
 TEST_F(Painters, ReportTooLargeAndLost) {
-    const ViewSurface surface = flat(20, 20, 100);
-    const Scene scene = scene_of(surface, 20);
+    const ViewSurface surface = flat(20, 20, 100, 20);
+    const Scene scene = scene_of(surface);
     const auto raster = must(make_raster_painter(gpu));
     if (gpu->facts().limits.max_storage_buffer_range < std::uint64_t{8} * 8192 * 8192) {
         const auto refused = raster->paint(surface, own_view(scene, 8192, 8192, 1));
