@@ -119,9 +119,9 @@ FrameRate rate_of(const std::vector<std::int64_t>& sent_ns) {
     for (std::size_t k = 1; k < sent_ns.size(); ++k)
         apart_ns.push_back(static_cast<double>(sent_ns[k]) - static_cast<double>(sent_ns[k - 1]));
     std::sort(apart_ns.begin(), apart_ns.end());
-    const double rate = 1e9 / apart_ns[apart_ns.size() / 2];
-    if (!(rate >= 0.1 && rate <= 1000)) return {30, 1};
-    return {std::llround(1000 * rate), 1000};
+    const double apart = apart_ns[apart_ns.size() / 2];
+    if (!(apart >= 1e6 && apart <= 1e10)) return {30, 1};
+    return {std::llround(1e12 / apart), 1000};
 }
 
 constexpr std::int64_t longest_way_ns = 100'000'000;  // believed from being taken to arrival

@@ -179,16 +179,15 @@ TEST_F(Buffer, CopiesUpAndBack) {
 TEST_F(Buffer, ImportsCpuMemory) {
     ASSERT_GT(gpu->facts().import_alignment, 0U);
     constexpr std::size_t count = 5000;
-    std::shared_ptr<std::uint8_t> memory = take_plane_memory(count * 4);
+    const std::shared_ptr<std::uint8_t> memory = take_plane_memory(count * 4);
     auto* const words = reinterpret_cast<std::uint32_t*>(memory.get());
     auto imported = must(GpuBuffer::import(*gpu, "words", plane_block_of(memory.get(), count * 4)));
     EXPECT_TRUE(imported.mapped<std::uint32_t>().empty());
     const auto back = must(GpuBuffer::create(*gpu, "back", count * 4, GpuMemory::readback));
-    // Writes after the import count, and the memory outlives its lease while it is read.
+    // Writes after the import count, and commands keep what they read.
     std::iota(words, words + count, 9U);
     auto commands = must(GpuCommands::begin(gpu, "from the CPU's"));
     commands.copy(imported, 0, back, 0, count * 4);
-    memory.reset();
     imported = {};
     run(std::move(commands));
     for (std::size_t i = 0; i < count; ++i) ASSERT_EQ(back.mapped<std::uint32_t>()[i], i + 9) << i;
