@@ -329,7 +329,9 @@ public:
         VkSurfaceKHR surface = VK_NULL_HANDLE;
         TRY(vulkan->checked("glfwCreateWindowSurface",
                             glfwCreateWindowSurface(vulkan->instance_handle(), window_, nullptr, &surface)));
+        std::unique_lock alone(answers_);
         auto made = Swapchain::create(std::move(device), std::make_unique<WindowSurface>(vulkan, surface));
+        alone.unlock();
         if (!made) return why(made.error());
         swapchain_ = std::move(*made);
         return {};
@@ -357,9 +359,11 @@ public:
 
     Result<void> present(GpuCommands commands, const GpuImage& canvas) override {
         const ScreenSize now = size();
+        std::unique_lock alone(answers_);
         const auto shown = swapchain_->present(
             std::move(commands), canvas,
             {static_cast<std::uint32_t>(now.width), static_cast<std::uint32_t>(now.height)});
+        alone.unlock();
         return shown ? shown : why(shown.error());
     }
 
@@ -464,7 +468,7 @@ private:
         constexpr int size_again = 12;  // polls: queries the X server, which reports a lost window
         for (int k = 1; !is_over_; ++k) {
             do_errands();
-            if (k % size_again == 0) note_size();
+            if (k % size_again == 0 || size_is_due_) note_size();
             read_events();
             if (connection_.is_open())
                 connection_.wait(look_again, touches_ ? touches_->socket() : -1, wake_.descriptor());
@@ -511,8 +515,11 @@ private:
         }
     }
 
+    /// Later, if the main thread waits for the X server.
     void note_size() {
-        if (!window_ || connection_.is_lost()) return;
+        const std::unique_lock alone(answers_, std::try_to_lock);
+        size_is_due_ = !alone;
+        if (!alone || !window_ || connection_.is_lost()) return;
         ScreenSize size;
         std::pair<int, int> units{1, 1};
         glfwGetWindowSize(window_, &units.first, &units.second);
@@ -632,6 +639,9 @@ private:
     Wake wake_;  // wakes the window's thread
     std::atomic<bool> is_over_{false};
     XConnection connection_;
+    /// Held while a thread waits for answers of the X server: if the connection ends while two do, libxcb
+    /// (1.15) can search its list of them for ever, and end neither.
+    std::mutex answers_;
     GLFWwindow* window_ = nullptr;
     std::string touch_state_;
     std::function<void(InputEvent&)> at_once_;
@@ -646,6 +656,7 @@ private:
     std::vector<std::function<void()>> errands_;
     std::uint64_t asked_ = 0, done_ = 0;
     // The window's thread's data.
+    bool size_is_due_ = false;
     std::pair<int, int> units_{1, 1};       // the window's size, in its own units
     std::unique_ptr<TouchScreen> touches_;  // null: the first finger is the pointer
     int place_[4] = {0, 0, 1280, 720};      // before full screen: x, y, width, height
