@@ -573,6 +573,7 @@ protected:
         lattice.width = width;
         lattice.height = height;
         lattice.pitch = SurfaceUnproject::pitch(width);
+        lattice.focal_length = 1;
         lattice.q =
             must(GpuBuffer::create(*gpu, "q", SurfaceUnproject::q_bytes(width, height), GpuMemory::shared));
         lattice.tiles = must(
