@@ -24,20 +24,58 @@
 #define GLFW_INCLUDE_VULKAN
 #include <GLFW/glfw3.h>
 
+// Of libxcb, which GLFW loads: its header need not be there.
+struct xcb_connection_t;
+using xcb_window_t = std::uint32_t;
+using xcb_visualid_t = std::uint32_t;
+#include <vulkan/vulkan_xcb.h>
+
 namespace touchable {
 namespace {
+
+/// Looked up at run time: GLFW for Wayland lacks these, and Xlib's headers are not needed.
+template <class Function>
+Function* function(const char* name) {
+    return reinterpret_cast<Function*>(dlsym(RTLD_DEFAULT, name));
+}
 
 /// A window's Vulkan surface. Must outlive every swapchain on it.
 class WindowSurface : NonCopyable {
 public:
-    WindowSurface(std::shared_ptr<VulkanDevice> vulkan, VkSurfaceKHR surface)
-        : vulkan_(std::move(vulkan)), surface_(surface) {}
-    ~WindowSurface() { vkDestroySurfaceKHR(vulkan_->instance_handle(), surface_, nullptr); }
+    /// `x_window`: GLFW's window of an X server; 0: there is none. Vulkan gets a connection of its own to
+    /// that: where two threads wait for answers on one and the server goes away, libxcb (1.15) hangs in both.
+    static Result<std::unique_ptr<WindowSurface>> create(std::shared_ptr<VulkanDevice> vulkan,
+                                                         GLFWwindow* window, unsigned long x_window) {
+        std::unique_ptr<WindowSurface> made(new WindowSurface(std::move(vulkan)));
+        const VkInstance instance = made->vulkan_->instance_handle();
+        auto* const connect = function<xcb_connection_t*(const char*, int*)>("xcb_connect");
+        const auto create_surface = reinterpret_cast<PFN_vkCreateXcbSurfaceKHR>(
+            vkGetInstanceProcAddr(instance, "vkCreateXcbSurfaceKHR"));
+        if (x_window == 0 || !connect || !create_surface) {
+            TRY(made->vulkan_->checked("glfwCreateWindowSurface",
+                                       glfwCreateWindowSurface(instance, window, nullptr, &made->surface_)));
+            return made;
+        }
+        VkXcbSurfaceCreateInfoKHR info{};
+        info.sType = VK_STRUCTURE_TYPE_XCB_SURFACE_CREATE_INFO_KHR;
+        info.connection = made->connection_ = connect(nullptr, nullptr);
+        info.window = static_cast<xcb_window_t>(x_window);
+        TRY(made->vulkan_->checked("vkCreateXcbSurfaceKHR",
+                                   create_surface(instance, &info, nullptr, &made->surface_)));
+        return made;
+    }
+    ~WindowSurface() {
+        vkDestroySurfaceKHR(vulkan_->instance_handle(), surface_, nullptr);
+        if (connection_) function<void(xcb_connection_t*)>("xcb_disconnect")(connection_);
+    }
     VkSurfaceKHR handle() const { return surface_; }
 
 private:
+    explicit WindowSurface(std::shared_ptr<VulkanDevice> vulkan) : vulkan_(std::move(vulkan)) {}
+
     std::shared_ptr<VulkanDevice> vulkan_;
-    VkSurfaceKHR surface_;
+    xcb_connection_t* connection_ = nullptr;  // null: GLFW's
+    VkSurfaceKHR surface_ = VK_NULL_HANDLE;
 };
 
 /// A window's swapchain. `present` waits for the drawing to complete, so that its inputs need not be kept
@@ -209,6 +247,20 @@ private:
 };
 
 std::atomic<bool> met_fault{false};  // of the connection, during a call
+thread_local bool may_throw = false;  // the window's thread, in `while_connected`
+
+/// The connection ended during a call of GLFW.
+struct DisplayLost {};
+
+/// Does the work, or as much of it as is done when the display goes away.
+void while_connected(const auto& work) {
+    may_throw = true;
+    try {
+        work();
+    } catch (const DisplayLost&) {
+    }
+    may_throw = false;
+}
 std::atomic<bool> met_no_window{false};
 
 /// XErrorEvent; its layout is part of Xlib's ABI.
@@ -226,15 +278,10 @@ int note_refusal(void*, XRefusal* refusal) {
     return 0;
 }
 
-/// Looked up at run time: GLFW for Wayland lacks these, and Xlib's headers are not needed.
-template <class Function>
-Function* function(const char* name) {
-    return reinterpret_cast<Function*>(dlsym(RTLD_DEFAULT, name));
-}
-
 /// GLFW's connection to an X server. By default Xlib ends the program if the server goes away, or another
-/// program destroys the window; with this class, its calls then do nothing. Without an X server the class
-/// does nothing.
+/// program destroys the window. With this class, requests for a destroyed window do nothing, and a call
+/// during which the server goes away is left by a DisplayLost: another request in it would write to an
+/// address that Xlib does not have any more. Without an X server the class does nothing.
 class XConnection {
 public:
     /// Call after glfwInit.
@@ -257,7 +304,11 @@ public:
             return 0;
         });
         set_on_exit(
-            display, [](void*, void*) {}, nullptr);
+            display,
+            [](void*, void*) {
+                if (may_throw) throw DisplayLost();
+            },
+            nullptr);
         socket_ = socket_of(display);
     }
     bool is_open() const { return socket_ >= 0; }
@@ -307,8 +358,11 @@ public:
         auto outcome = opened.get_future();
         TRY(start_thread(thread_, "window", "that hears keys and mouse",
                          [this, opened = std::move(opened), &options]() mutable {
-                             auto done = open_window(options);
-                             note_size();
+                             Result<void> done = no_display();
+                             while_connected([&] {
+                                 done = open_window(options);
+                                 note_size();
+                             });
                              is_over_ = !done;
                              opened.set_value(std::move(done));
                              serve();
@@ -325,13 +379,8 @@ public:
 
     Result<void> attach(std::shared_ptr<GpuDevice> device) override {
         swapchain_.reset();
-        const auto& vulkan = device->vulkan();
-        VkSurfaceKHR surface = VK_NULL_HANDLE;
-        TRY(vulkan->checked("glfwCreateWindowSurface",
-                            glfwCreateWindowSurface(vulkan->instance_handle(), window_, nullptr, &surface)));
-        std::unique_lock alone(answers_);
-        auto made = Swapchain::create(std::move(device), std::make_unique<WindowSurface>(vulkan, surface));
-        alone.unlock();
+        TRY_ASSIGN(auto surface, WindowSurface::create(device->vulkan(), window_, x_window()));
+        auto made = Swapchain::create(std::move(device), std::move(surface));
         if (!made) return why(made.error());
         swapchain_ = std::move(*made);
         return {};
@@ -359,11 +408,9 @@ public:
 
     Result<void> present(GpuCommands commands, const GpuImage& canvas) override {
         const ScreenSize now = size();
-        std::unique_lock alone(answers_);
         const auto shown = swapchain_->present(
             std::move(commands), canvas,
             {static_cast<std::uint32_t>(now.width), static_cast<std::uint32_t>(now.height)});
-        alone.unlock();
         return shown ? shown : why(shown.error());
     }
 
@@ -421,6 +468,11 @@ private:
         const auto well = health();
         return well ? error : well.error();
     }
+    /// GLFW's window of an X server; 0: it is not one's.
+    unsigned long x_window() const {
+        auto* const window_of = function<unsigned long(GLFWwindow*)>("glfwGetX11Window");
+        return connection_.is_open() && window_of ? window_of(window_) : 0;
+    }
     void wake() const { connection_.is_open() ? wake_.wake() : glfwPostEmptyEvent(); }
 
     // The rest runs on the window's thread.
@@ -461,15 +513,16 @@ private:
         return {std::min(options.width, width), std::min(options.height, height)};
     }
 
-    /// Runs until the window closes. Vulkan presents on the same connection, and may have read the bytes that
-    /// would wake this thread, so it polls regularly.
+    /// Runs until the window closes; polls, because `is_over_` wakes nothing.
     void serve() {
         constexpr std::chrono::milliseconds look_again{8};
         constexpr int size_again = 12;  // polls: queries the X server, which reports a lost window
         for (int k = 1; !is_over_; ++k) {
-            do_errands();
-            if (k % size_again == 0 || size_is_due_) note_size();
-            read_events();
+            while_connected([&] {
+                do_errands();
+                if (k % size_again == 0) note_size();
+                read_events();
+            });
             if (connection_.is_open())
                 connection_.wait(look_again, touches_ ? touches_->socket() : -1, wake_.descriptor());
             else
@@ -480,24 +533,28 @@ private:
     void do_errands() {
         wake_.forget();
         std::vector<std::function<void()>> errands;
+        std::uint64_t asked = 0;
         {
             const std::lock_guard lock(mutex_);
+            if (done_ == asked_) return;
             errands.swap(errands_);
+            asked = asked_;
         }
-        if (errands.empty()) return;
         for (const auto& errand : errands)
             if (!connection_.is_lost()) errand();
         note_size();
         const std::lock_guard lock(mutex_);
-        done_ += errands.size();
+        done_ = asked;
         has_news_.notify_all();
     }
 
     void leave() {
         touches_.reset();
         if (connection_.is_lost()) return;
-        if (window_) glfwDestroyWindow(window_);
-        glfwTerminate();
+        while_connected([this] {
+            if (window_) glfwDestroyWindow(window_);
+            glfwTerminate();
+        });
     }
 
     void fill_screen(bool on) {
@@ -515,11 +572,8 @@ private:
         }
     }
 
-    /// Later, if the main thread waits for the X server.
     void note_size() {
-        const std::unique_lock alone(answers_, std::try_to_lock);
-        size_is_due_ = !alone;
-        if (!alone || !window_ || connection_.is_lost()) return;
+        if (!window_ || connection_.is_lost()) return;
         ScreenSize size;
         std::pair<int, int> units{1, 1};
         glfwGetWindowSize(window_, &units.first, &units.second);
@@ -545,12 +599,11 @@ private:
     }
 
     void listen_for_touches() {
-        auto* const window_of = function<unsigned long(GLFWwindow*)>("glfwGetX11Window");
-        if (!connection_.is_open() || !window_of) {
+        if (x_window() == 0) {
             touch_state_ = "touch screen: one finger (this is not X11)";
             return;
         }
-        auto opened = TouchScreen::open(window_of(window_));
+        auto opened = TouchScreen::open(x_window());
         touch_state_ = opened ? "touch screen: every finger touches"
                               : "touch screen: one finger (" + opened.error().message + ")";
         if (opened) touches_ = std::move(*opened);
@@ -639,9 +692,6 @@ private:
     Wake wake_;  // wakes the window's thread
     std::atomic<bool> is_over_{false};
     XConnection connection_;
-    /// Held while a thread waits for answers of the X server: if the connection ends while two do, libxcb
-    /// (1.15) can search its list of them for ever, and end neither.
-    std::mutex answers_;
     GLFWwindow* window_ = nullptr;
     std::string touch_state_;
     std::function<void(InputEvent&)> at_once_;
@@ -656,7 +706,6 @@ private:
     std::vector<std::function<void()>> errands_;
     std::uint64_t asked_ = 0, done_ = 0;
     // The window's thread's data.
-    bool size_is_due_ = false;
     std::pair<int, int> units_{1, 1};       // the window's size, in its own units
     std::unique_ptr<TouchScreen> touches_;  // null: the first finger is the pointer
     int place_[4] = {0, 0, 1280, 720};      // before full screen: x, y, width, height
