@@ -155,8 +155,9 @@ def test_programs():
     for test in tests:
         properties = {each["name"]: each["value"] for each in test["properties"]}
         name = "test_" + test["name"].split(".")[0]
-        if "ENVIRONMENT" in properties and name != "test_modules":  # which reads the sources as they are
-            settings = dict(word.split("=", 1) for word in properties["ENVIRONMENT"] if not word.startswith("GTEST_"))
+        environment = dict(word.split("=", 1) for word in properties.get("ENVIRONMENT", []))
+        if "GTEST_SHARD_INDEX" in environment and name != "test_modules":  # which reads the sources as they are
+            settings = {key: value for key, value in environment.items() if not key.startswith("GTEST_")}
             programs[name] = {"folder": properties["WORKING_DIRECTORY"], "environment": settings,
                               "inputs": subprocess.run(["ninja", "-t", "inputs", name], cwd=BUILD, capture_output=True, text=True,
                                                        check=True).stdout.split()}
