@@ -60,6 +60,13 @@ TEST(HeightField, DepthIsLinearInTime) {
     EXPECT_EQ(small.field(0.25).blend(), 0);
 }
 
+TEST(HeightField, MomentLiesBetweenFrames) {
+    const SmallField small(3, 3, 100.0);
+    const HeightField field(small.scene, {{4, 40'000'000, &small.prev}, {5, 60'000'000, &small.next}, 0.25});
+    EXPECT_EQ(field.moment_ns(), 45e6);
+    EXPECT_DOUBLE_EQ(field.frame_interval().value_or(0), 0.02);
+}
+
 TEST(HeightField, NearerFrameDecidesValidity) {
     SmallField small(3, 3, 100.0);
     small.set(small.next, 1, 1, NAN);
