@@ -24,7 +24,7 @@
 #define GLFW_INCLUDE_VULKAN
 #include <GLFW/glfw3.h>
 
-// Of libxcb, which GLFW loads: its header need not be there.
+// Of libxcb, which libX11 loads: its header need not be there.
 struct xcb_connection_t;
 using xcb_window_t = std::uint32_t;
 using xcb_visualid_t = std::uint32_t;
@@ -48,17 +48,17 @@ public:
                                                          GLFWwindow* window, unsigned long x_window) {
         std::unique_ptr<WindowSurface> made(new WindowSurface(std::move(vulkan)));
         const VkInstance instance = made->vulkan_->instance_handle();
-        auto* const connect = function<xcb_connection_t*(const char*, int*)>("xcb_connect");
         const auto create_surface = reinterpret_cast<PFN_vkCreateXcbSurfaceKHR>(
             vkGetInstanceProcAddr(instance, "vkCreateXcbSurfaceKHR"));
-        if (x_window == 0 || !connect || !create_surface) {
+        if (x_window != 0 && create_surface) made->connect();
+        if (!made->connection_) {
             TRY(made->vulkan_->checked("glfwCreateWindowSurface",
                                        glfwCreateWindowSurface(instance, window, nullptr, &made->surface_)));
             return made;
         }
         VkXcbSurfaceCreateInfoKHR info{};
         info.sType = VK_STRUCTURE_TYPE_XCB_SURFACE_CREATE_INFO_KHR;
-        info.connection = made->connection_ = connect(nullptr, nullptr);
+        info.connection = made->connection_;
         info.window = static_cast<xcb_window_t>(x_window);
         TRY(made->vulkan_->checked("vkCreateXcbSurfaceKHR",
                                    create_surface(instance, &info, nullptr, &made->surface_)));
@@ -72,6 +72,17 @@ public:
 
 private:
     explicit WindowSurface(std::shared_ptr<VulkanDevice> vulkan) : vulkan_(std::move(vulkan)) {}
+    /// A server may refuse another connection: then GLFW's serves.
+    void connect() {
+        auto* const open = function<xcb_connection_t*(const char*, int*)>("xcb_connect");
+        auto* const has_failed = function<int(xcb_connection_t*)>("xcb_connection_has_error");
+        if (!open || !has_failed) return;
+        xcb_connection_t* const opened = open(nullptr, nullptr);
+        if (has_failed(opened) == 0)
+            connection_ = opened;
+        else
+            function<void(xcb_connection_t*)>("xcb_disconnect")(opened);
+    }
 
     std::shared_ptr<VulkanDevice> vulkan_;
     xcb_connection_t* connection_ = nullptr;  // null: GLFW's
@@ -247,12 +258,13 @@ private:
 };
 
 std::atomic<bool> met_fault{false};  // of the connection, during a call
+std::atomic<bool> met_no_window{false};
 thread_local bool may_throw = false;  // the window's thread, in `while_connected`
 
 /// The connection ended during a call of GLFW.
 struct DisplayLost {};
 
-/// Does the work, or as much of it as is done when the display goes away.
+/// Does the work, or as much of it as is done when the display goes away. Not in another one's work.
 void while_connected(const auto& work) {
     may_throw = true;
     try {
@@ -261,7 +273,6 @@ void while_connected(const auto& work) {
     }
     may_throw = false;
 }
-std::atomic<bool> met_no_window{false};
 
 /// XErrorEvent; its layout is part of Xlib's ABI.
 struct XRefusal {
@@ -299,13 +310,11 @@ public:
         if (!display) return;
         display_ = display;
         set_on_refusal(note_refusal);
-        set_on_fault([](void*) {
-            met_fault = true;
-            return 0;
-        });
+        set_on_fault([](void*) { return 0; });
         set_on_exit(
             display,
             [](void*, void*) {
+                met_fault = true;
                 if (may_throw) throw DisplayLost();
             },
             nullptr);
@@ -379,8 +388,9 @@ public:
 
     Result<void> attach(std::shared_ptr<GpuDevice> device) override {
         swapchain_.reset();
-        TRY_ASSIGN(auto surface, WindowSurface::create(device->vulkan(), window_, x_window()));
-        auto made = Swapchain::create(std::move(device), std::move(surface));
+        auto surface = WindowSurface::create(device->vulkan(), window_, x_window());
+        if (!surface) return why(surface.error());
+        auto made = Swapchain::create(std::move(device), std::move(*surface));
         if (!made) return why(made.error());
         swapchain_ = std::move(*made);
         return {};
@@ -516,8 +526,8 @@ private:
     /// Runs until the window closes; polls, because `is_over_` wakes nothing.
     void serve() {
         constexpr std::chrono::milliseconds look_again{8};
-        constexpr int size_again = 12;  // polls: queries the X server, which reports a lost window
-        for (int k = 1; !is_over_; ++k) {
+        constexpr unsigned size_again = 12;  // polls: queries the X server, which reports a lost window
+        for (unsigned k = 1; !is_over_; ++k) {
             while_connected([&] {
                 do_errands();
                 if (k % size_again == 0) note_size();
