@@ -7,7 +7,7 @@ test program is run once unchanged and says for each test which places it reache
 reach its place, shortest first, until one fails, crashes or hangs; that one has to pass without the change right after, or it does not
 count. A change that lives is a gap of the tests, or cannot be seen by any; then survivors.txt names it with the reason.
 
-With a MODULE only its own tests run: those programs first that link the least of what uses it, for at most four minutes."""
+With a MODULE only its own tests run: those programs first that link the least of what uses it, for at most four minutes each."""
 import concurrent.futures
 import fcntl
 import functools
@@ -386,7 +386,7 @@ def main(asked):
     mutants, left, spent = [], [], 0.0
     with concurrent.futures.ThreadPoolExecutor(JOBS) as threads:
         for group in groups:
-            if mutants and (all(m.caught_by for m in mutants) or spent > MODULE_SECONDS):
+            if mutants and (all(m.caught_by for m in mutants) or spent > MODULE_SECONDS * len(asked)):
                 left += group
                 continue
             say(f"building {len(group)} test programs, {time.monotonic() - began:.0f} s")
