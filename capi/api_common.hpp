@@ -252,6 +252,8 @@ template <class T>
 inline constexpr std::size_t first_size = sizeof(T);
 template <>
 inline constexpr std::size_t first_size<touch_frame> = offsetof(touch_frame, lost_pixels);
+template <>
+inline constexpr std::size_t first_size<touch_contact> = offsetof(touch_contact, error_degrees);
 
 /// Whether a program's struct has a size known to this library.
 template <class T>

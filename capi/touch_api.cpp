@@ -43,8 +43,12 @@ constexpr auto scenes = handles<SceneObject, 1, Forked::usable>;
 
 /// The object of a touch_surface. One thread pushes, one solver reads the timeline.
 struct SurfaceObject {
-    SurfaceObject(const Scene& of_scene, int threads, int frames)
-        : scene(of_scene), builder(make_cpu_builder(scene, CpuPlan{threads})), timeline(frames) {}
+    SurfaceObject(const Scene& of_scene, const touch_surface_settings& settings)
+        : scene(of_scene),
+          builder(make_cpu_builder(scene, CpuPlan{settings.threads})),
+          timeline(settings.frames) {
+        if (settings.error_bars == 1) builder = with_error_bars(std::move(builder), scene);
+    }
 
     struct FramePlace {
         std::int64_t number = 0, time_ns = 0;
@@ -317,6 +321,8 @@ touch_contact contact_of(const Contact& contact, const GuardedForce& guarded) {
     }
     out.touching = contact.touching;
     out.in_hole = contact.in_hole;
+    out.error_degrees = contact.error_degrees;
+    out.error_newtons = contact.error_newtons;
     return out;
 }
 
@@ -513,11 +519,12 @@ touch_status touch_surface_create(touch_scene scene, const touch_surface_setting
             return usage_error("threads is out of range; must be 1 to 16");
         if (wanted.frames < 4 || wanted.frames > 64)
             return usage_error("frames is out of range; must be 4 to 64");
+        if (wanted.error_bars != 0 && wanted.error_bars != 1)
+            return usage_error("error_bars is out of range; must be 0 or 1");
         const auto use = scenes().find(scene.id);
         if (!use) return fail_without(use, error, "scene");
-        return give_handle(surfaces(),
-                           std::make_shared<SurfaceObject>(use->scene(), wanted.threads, wanted.frames),
-                           *surface, error);
+        return give_handle(surfaces(), std::make_shared<SurfaceObject>(use->scene(), wanted), *surface,
+                           error);
     });
 }
 

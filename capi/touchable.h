@@ -214,7 +214,8 @@ typedef struct touch_surface_settings {
     uint32_t struct_size; /**< sizeof this struct in your program; you set it */
     int32_t threads; /**< that filter a frame, with the caller's: 1 to 16; more than 1 starts threads. Default 1 */
     int32_t frames;  /**< kept at once, 4 to 64; default 4: those that the solver reads, and two more */
-    int32_t reserved; /**< 0 */
+    int32_t error_bars; /**< 1: frames are measured for how wrong their touch may be (touch_contact: error_degrees); 0,
+                           the default: they are not */
 } touch_surface_settings;
 
 /** Fills in 1 thread and 4 frames. `struct_size`: sizeof(touch_surface_settings) in your program. TOUCH_USAGE: NULL,
@@ -315,6 +316,9 @@ typedef struct touch_contact {
     double dynamic_friction;  /**< coefficient at the proxy; 0 out of contact */
     int32_t touching;         /**< 1 in contact */
     int32_t in_hole;          /**< 1 if the proxy rests on a hole's wall or ground */
+    double error_degrees; /**< 95 of 100 forces err by less in direction because depth is wrong; NaN out of contact and
+                             without touch_surface_settings.error_bars. docs/measurements.md, Error bars */
+    double error_newtons; /**< the same of the spring's size, before limits; NaN if error_degrees is */
 } touch_contact;
 
 /** Fills in each member's default. `struct_size`: sizeof(touch_solver_settings) in your program. TOUCH_USAGE: NULL, or

@@ -152,6 +152,12 @@ public:
         return scene_.hole_stiffness ? missing_around(i, j, a, b) : 0;
     }
 
+    /// Of the frame nearer in time; for display and tables, never for a force.
+    ErrorBar error_bar(double x, double y) const {
+        const auto block = nearer_->signs.block_at(x, y);
+        return block ? nearer_->signs.bar(*block) : ErrorBar();
+    }
+
     /// Properties of valid pixels in a frame without a haptic image, far from holes.
     const HapticProperties& default_properties() const { return default_properties_; }
     /// Stiffness and friction at (i + a, j + b), 0 <= a, b <= 1: each frame's, linear in time, bilinear in

@@ -159,9 +159,13 @@ void fill_contact(const auto& space, const Proxy& proxy, double metres_per_scene
         contact.force = contact.properties.stiffness * metres_per_scene_unit * (contact.proxy - contact.goal);
         contact.in_hole = !all_valid && is_in_hole(space, proxy);
         contact.hole_share = space.field().hole_share(proxy.i, proxy.j, proxy.a, proxy.b);
+        const ErrorBar error = space.field().error_bar(contact.pixel_x, contact.pixel_y);
+        contact.error_degrees = error.degrees;
+        contact.error_newtons = contact.properties.stiffness * metres_per_scene_unit * error.depth;
         return;
     }
     contact.properties = {0, 0, 0};
+    contact.error_degrees = contact.error_newtons = std::numeric_limits<double>::quiet_NaN();
     contact.force = dvec3(0.0);
     const auto image = project(space.field().scene().camera, contact.proxy);
     contact.pixel_x = image ? image->x : std::numeric_limits<double>::quiet_NaN();

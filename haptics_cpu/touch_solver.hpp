@@ -65,6 +65,10 @@ struct Contact {
     bool hops = false;                ///< TouchStep: the hand lifts the finger over broken or rough ground
     double pixel_x = 0, pixel_y = 0;  ///< of the proxy; NaN if no pixel sees it
     HapticProperties properties;      ///< at the proxy; zero out of contact
+    /// Bars of the force's direction and of the spring's size (ErrorBar); NaN out of contact, and where the
+    /// frame was not measured.
+    double error_degrees = std::numeric_limits<double>::quiet_NaN();
+    double error_newtons = std::numeric_limits<double>::quiet_NaN();
     bool in_hole = false;             ///< the proxy rests on a hole's wall or ground: `is_in_hole`
     double hole_share = 0;            ///< share of holes in the stiffness at the proxy: HeightField
     /// Where the surface of this tick carried the proxy, before the goal moved; and k there, N/m. No k if

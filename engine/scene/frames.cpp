@@ -1,6 +1,9 @@
 #include "engine/scene/frames.hpp"
 
+#include <cmath>
 #include <limits>
+
+#include "engine/base/same_bits.hpp"
 
 namespace touchable {
 
@@ -58,6 +61,37 @@ TileDepths depths_of(const TileBounds& bounds, const DepthCoding& coding) {
     depths.farthest = coding.depth(bounds.greatest);
     if (!coding.deeper_is_higher()) std::swap(depths.nearest, depths.farthest);
     return depths;
+}
+
+std::optional<std::size_t> ErrorSigns::block_at(double x, double y) const {
+    if (blocks.empty() || std::isnan(x) || std::isnan(y)) return {};
+    const auto nearest = [](double place, int count) {
+        return static_cast<int>(std::clamp((place + 0.5) / side, 0.0, count - 1.0));
+    };
+    const int rows = static_cast<int>(blocks.size()) / columns;
+    return pixel_place(nearest(x, columns), nearest(y, rows), columns);
+}
+
+std::optional<ErrorSigns::Squares> ErrorSigns::squares(std::size_t block) const {
+    const Block& at = blocks[block];
+    if (!(at.depth > 0)) return {};
+    constexpr double degrees = 180 / pi, wide = 25;
+    const double depth = at.depth, scatter = at.scatter, pixel = depth / focal_length;
+    const double bent = degrees * bend * at.turn, bump = bend * wide, rough = side * pixel;
+    const double drifts = drift * depth;
+    return Squares{
+        {degrees * degrees * scatter, degrees * at.lean, bent * bent * std::sqrt(std::sqrt(bent)), 1},
+        {pixel * pixel, drifts * drifts, bump * bump * std::sqrt(bump / pixel), scatter * rough * rough}};
+}
+
+ErrorBar ErrorSigns::bar(std::size_t block) const {
+    const auto there = squares(block);
+    if (!there) return {};
+    const auto root = [](const std::array<double, 4>& terms, const std::array<double, 4>& weight) {
+        return std::sqrt(terms[0] * weight[0] + terms[1] * weight[1] + terms[2] * weight[2] +
+                         terms[3] * weight[3]);
+    };
+    return {root(there->angle, weights.angle), root(there->depth, weights.depth)};
 }
 
 DepthSample FilteredVertices::at(int x, int y) const {

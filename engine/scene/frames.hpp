@@ -23,6 +23,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <span>
 #include <type_traits>
@@ -324,6 +325,42 @@ struct alignas(8) TileBounds {
     bool operator==(const TileBounds&) const = default;
 };
 
+/// How wrong a force may be because depth is: 95 of 100 are not more wrong. NaN: cannot be told.
+struct ErrorBar {
+    double degrees = std::numeric_limits<double>::quiet_NaN();  ///< direction, to either side
+    double depth = std::numeric_limits<double>::quiet_NaN();    ///< surface, scene units to either side
+};
+
+/// What a filtered frame shows of its camera's errors (with_error_bars; docs/measurements.md, Error bars).
+/// Empty: not wanted.
+struct ErrorSigns {
+    static constexpr int side = 5;  ///< of a block, pixels
+    /// Of a block of pixels. Without a surface, depth is 0.
+    struct Block {
+        float depth = 0;    ///< planar, scene units
+        float scatter = 0;  ///< of its faces' normals: the mean square of their distances to the mean one
+        float lean = 0;     ///< distance of its mean normal to that of the 3x3 blocks around it
+        float turn = 0;     ///< of a face, per scene unit of error from one pixel to the next
+    };
+
+    int columns = 0;
+    std::vector<Block> blocks;  ///< row by row
+    double bend = 0;            ///< scene units per pixel: of means over 25 pixels against 85
+    double drift = 0;           ///< of whole frames, as a share of depth
+    double focal_length = 1;    ///< pixels
+
+    /// Squares whose weighted sum is a bar's square: degrees and scene units.
+    struct Squares {
+        std::array<double, 4> angle, depth;
+    };
+    static constexpr Squares weights{{2.14, 5.8, 26.7, 0.1}, {0.0113, 5.7, 6.37, 0.88}};
+    /// Of a block; nothing if it has no surface.
+    std::optional<Squares> squares(std::size_t block) const;
+    ErrorBar bar(std::size_t block) const;
+    /// The block nearest to this place of the picture; nothing without blocks, and if the place is NaN.
+    std::optional<std::size_t> block_at(double x, double y) const;
+};
+
 /// One filtered frame. Filled by a SurfaceBuilder, then immutable until its slot is recycled; its timestamp
 /// lives in the SurfaceTimeline, because an unchanged frame is published again at a later time. It must not
 /// move: its vertices refer to it.
@@ -339,6 +376,7 @@ struct SurfaceFrame {
     FrameArray<TileBounds> tiles;        ///< tiles_x x tiles_y of TileGrid::of(width, height), row-major
     std::vector<std::uint8_t> haptic;    ///< width x height x 3, never filtered; empty: the scene's defaults
     std::vector<std::uint16_t> heights;  ///< width x height codes, never filtered; empty: no height
+    ErrorSigns signs;
     RawFrame raw;                        ///< the raw frame, if the vertices still read it (lazy)
     /// RawFrame::filled of the raw frame
     std::shared_ptr<const std::vector<std::uint32_t>> filled;

@@ -146,6 +146,11 @@ std::unique_ptr<SurfaceBuilder> make_fallback_builder(std::unique_ptr<SurfaceBui
                                                       std::unique_ptr<SurfaceBuilder> second,
                                                       std::function<void(const std::string&)> told);
 
+/// As `builder`, and measures how wrong the touch of each frame may be (SurfaceFrame::signs) by what its
+/// filtered surface shows: docs/measurements.md, Error bars. An error that neither scatters, leans nor bends
+/// the surface, such as a wrong scale, cannot be seen.
+std::unique_ptr<SurfaceBuilder> with_error_bars(std::unique_ptr<SurfaceBuilder> builder, const Scene& scene);
+
 /// The surface as triangles in the world (X right, Y up, camera at the origin looking along -Z), in scene
 /// units. Every valid pixel is a vertex, height taken off; every cell of four valid pixels is two triangles,
 /// cut by the diagonal from (i, j) to (i+1, j+1), counter-clockwise as the camera sees them.

@@ -116,14 +116,14 @@ SceneFacts = struct("SceneFacts", **several("width height depth_kind", c_int32),
     " hand_metres_per_scene_unit", c_double), **several("unstated_filters reserved", c_int32))
 FrameStruct = struct("FrameStruct", reserved=c_int32, number=c_int64, time_ns=c_int64,
                      **several("depth colour haptic height", Plane), lost_pixels=POINTER(c_int64))
-SurfaceSettings = struct("SurfaceSettings", **several("threads frames reserved", c_int32))
+SurfaceSettings = struct("SurfaceSettings", **several("threads frames error_bars", c_int32))
 SolverStruct = struct("SolverStruct", fingers=c_int32, **several(
     "metres_per_scene_unit max_force_n max_stiffness_n_per_m damping_n_s_per_m passivity_n_s_per_m stribeck_m_per_s",
     c_double), stale_after_ns=c_int64, **several("ramp_in_ticks ramp_out_ticks waits_to_be_free reserved", c_int32))
 Tick = struct("Tick", reserved=c_int32, tick=c_int64, time_ns=c_int64, epoch=c_uint64, epoch_start_ns=c_int64)
 Contact = struct("Contact", guard=c_uint32, **several("force_n goal proxy", Vec3), **several(
     "pixel_x pixel_y stiffness_n_per_m static_friction dynamic_friction", c_double),
-    **several("touching in_hole", c_int32))
+    **several("touching in_hole", c_int32), **several("error_degrees error_newtons", c_double))
 ClipSettings = struct("ClipSettings", colour=c_int32, scene_file=c_char_p, preset=c_char_p, **several(
     "fx_px fy_px cx_px cy_px fov_degrees metres_per_code", c_double))
 ClipFacts = struct("ClipFacts", **several(

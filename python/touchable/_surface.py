@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _library, _planes
 from ._clip import Frame
-from ._library import Closable, SurfaceSettings, call, made
+from ._library import Closable, SurfaceSettings, call, flag, made
 from ._scene import Camera, Scene, scene_of
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ class Surface(Closable):
 
     def __init__(self, depth: ArrayLike | Frame | None = None, camera: Camera | Scene | None = None, *,
                  haptic: ArrayLike | None = None, height: ArrayLike | None = None, threads: int = 1,
-                 frames: int = 4) -> None:
+                 frames: int = 4, error_bars: bool = False) -> None:
         """A surface; of `depth`, at time 0, if that is given.
 
         depth: (height, width) uint16 codes (uint8 where a Scene has 8 bits), or floats of metres, where what is not above
@@ -39,13 +39,14 @@ class Surface(Closable):
         haptic: (height, width, 3) uint8 codes of stiffness, static and dynamic friction. height: (height, width) codes
             of roughness. Both as the scene says.
         threads: that filter a picture, 1 to 16. frames: pictures that are kept at once, 4 to 64.
+        error_bars: measure each picture for how wrong its touch may be: error_degrees and error_newtons of contacts.
 
         Depths as floats that the scene has not, such as beyond the camera's far_m, have no surface, which a warning says
         once. Raises UsageError (a ValueError) where these are most of a picture, or it has not the scene's size or kind.
         """
         meaning = depth.scene if camera is None and isinstance(depth, Frame) else camera
         self.scene: Scene = scene_of(meaning)
-        settings = SurfaceSettings(threads=threads, frames=frames)
+        settings = SurfaceSettings(threads=threads, frames=frames, error_bars=flag("error_bars", error_bars))
         self._handle = made("surface_create", "surface_destroy", self.scene._handle.number, settings)
         self._pushed = 0
         self._epoch = 0

@@ -24,7 +24,7 @@ _tick_ns = 1_000_000
 _contact = numpy.dtype([
     ("struct_size", "u4"), ("guard", "u4"), ("force_n", "f8", 3), ("goal", "f8", 3), ("proxy", "f8", 3),
     ("pixel", "f8", 2), ("stiffness_n_per_m", "f8"), ("static_friction", "f8"), ("dynamic_friction", "f8"),
-    ("touching", "i4"), ("in_hole", "i4")])  # touch_contact
+    ("touching", "i4"), ("in_hole", "i4"), ("error_degrees", "f8"), ("error_newtons", "f8")])  # touch_contact
 assert _contact.itemsize == ctypes.sizeof(Contact)
 
 
@@ -155,6 +155,17 @@ class _Contacts:
     def dynamic_friction(self) -> NDArray[numpy.float64]:
         """(...) float64, a coefficient: at the proxy; 0 out of contact."""
         return self.contacts["dynamic_friction"]
+
+    @property
+    def error_degrees(self) -> NDArray[numpy.float64]:
+        """(...) float64, degrees: 95 of 100 forces err by less in direction because depth is wrong. NaN out of contact,
+        and unless the Surface has error_bars. docs/measurements.md, Error bars."""
+        return self.contacts["error_degrees"]
+
+    @property
+    def error_newtons(self) -> NDArray[numpy.float64]:
+        """(...) float64, newtons: the same of the spring's size, before limits."""
+        return self.contacts["error_newtons"]
 
     @property
     def guard(self) -> NDArray[numpy.uint32]:
@@ -378,12 +389,12 @@ class Solver(Closable):
         self._handle.check_open("the solver was closed; make another one")
 
 
-def touch(clip: _clip.Clip | str | os.PathLike, path: ArrayLike, **settings: Any) -> Touched:
+def touch(clip: _clip.Clip | str | os.PathLike, path: ArrayLike, *, error_bars: bool = False, **settings: Any) -> Touched:
     """Touches a clip along a path, from its first frame on, in virtual time: a tick for each millisecond, over the surface
     that the clip has then. Where the clip ends before the path, its last frame stands still.
 
     clip: a Clip, or the path of one (opened without colour). path: (ticks, 3) or (ticks, fingers, 3) float64, scene units
-    (Scene.points gives such places; clip.scene). settings: members of SolverSettings.
+    (Scene.points gives such places; clip.scene). error_bars: as in Surface. settings: members of SolverSettings.
 
     Filters are those that the program chooses. The forces are those of `touchable touch CLIP --hand csv:FILE`, whose file
     states these goals (keys columns=..., space=scene), to the last bit: the force hashes are equal.
@@ -392,10 +403,10 @@ def touch(clip: _clip.Clip | str | os.PathLike, path: ArrayLike, **settings: Any
     goals = path_of(path)
     if not isinstance(clip, _clip.Clip):
         with _clip.open(clip, colour=False) as opened:
-            return touch(opened, goals, **settings)
+            return touch(opened, goals, error_bars=error_bars, **settings)
     ticks, fingers = goals.shape[:2]
     contacts = numpy.empty((ticks, fingers), _contact)
-    with_frames = _Frames(clip, Surface(camera=clip.touched_scene, frames=8))
+    with_frames = _Frames(clip, Surface(camera=clip.touched_scene, frames=8, error_bars=error_bars))
     with_frames.push_until(0)
     with Solver(with_frames.surface, fingers, **settings) as solver:
         done = 0

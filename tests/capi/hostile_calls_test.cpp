@@ -109,7 +109,7 @@ private:
     touch_status surface() {
         touch_surface_settings settings;
         touch_surface_settings_defaults(&settings, sizeof settings);
-        spoil(settings.struct_size, settings.threads, settings.frames);
+        spoil(settings.struct_size, settings.threads, settings.frames, settings.error_bars);
         touch_surface made{};
         return kept(touch_surface_create(one_of(scenes_), or_null(&settings), or_null(&made), error()), made,
                     surfaces_);
@@ -531,6 +531,19 @@ TEST(StructSizes, OlderFramesGetNoCount) {
     EXPECT_EQ(old.lost_pixels, &lost) << "of the program, behind the struct";
     touch_surface_destroy(surface);
     touch_scene_destroy(scene);
+}
+
+TEST(StructSizes, OlderContactsHaveNoErrorBars) {
+    test::TouchedHill hill;
+    const touch_tick at = test::tick_at(0);
+    const touch_vec3 goal = test::goal_at(0);
+    touch_contact old{};
+    old.error_degrees = old.error_newtons = 77;
+    EXPECT_EQ(touch_solver_tick(hill.solver, &at, &goal, &old, offsetof(touch_contact, error_degrees)),
+              TOUCH_OK);
+    EXPECT_EQ(old.struct_size, offsetof(touch_contact, error_degrees));
+    EXPECT_EQ(old.error_degrees, 77) << "of the program, behind the struct";
+    EXPECT_EQ(old.error_newtons, 77);
 }
 
 TEST(StructSizes, RejectUnknown) {

@@ -90,9 +90,10 @@ struct Touched {
     std::uint64_t hash = 0;
     double most = 0;
     std::size_t allocations = 0;  ///< in ticks
+    int in_contact = 0, barred = 0;  ///< contacts; those with error bars
 };
 
-Touched forces_of_the_api(const Globe& globe, int threads) {
+Touched forces_of_the_api(const Globe& globe, int threads, bool error_bars) {
     const std::string text = scene_to_json(globe.scene());
     touch_error error = no_error();
     touch_scene scene{};
@@ -100,6 +101,7 @@ Touched forces_of_the_api(const Globe& globe, int threads) {
     touch_surface_settings shape;
     touch_surface_settings_defaults(&shape, sizeof shape);
     shape.threads = threads;
+    shape.error_bars = error_bars;
     touch_surface surface{};
     EXPECT_EQ(touch_surface_create(scene, &shape, &surface, &error), TOUCH_OK) << error.line;
     touch_solver_settings settings;
@@ -134,8 +136,12 @@ Touched forces_of_the_api(const Globe& globe, int threads) {
         const std::size_t before = allocations();
         EXPECT_EQ(touch_solver_tick(solver, &at, goals, contacts, sizeof contacts[0]), TOUCH_OK);
         touched.allocations += allocations() - before;
-        for (const touch_contact& contact : contacts)
+        for (const touch_contact& contact : contacts) {
             touched.most = std::max(touched.most, std::abs(contact.force_n.z));
+            touched.in_contact += contact.touching;
+            touched.barred += contact.error_degrees > 0 && contact.error_newtons > 0;
+            EXPECT_TRUE(contact.touching || std::isnan(contact.error_degrees));
+        }
     }
     EXPECT_EQ(touch_solver_force_hash(solver, &touched.hash), TOUCH_OK);
     EXPECT_EQ(touch_solver_destroy(solver), TOUCH_OK);
@@ -148,8 +154,10 @@ TEST(SameForces, MatchEngineToTheBit) {
     const Globe globe;
     const std::uint64_t expected = forces_of_the_rooms(globe);
     for (const int threads : {1, 3}) {
-        const Touched touched = forces_of_the_api(globe, threads);
+        const bool error_bars = threads == 1;
+        const Touched touched = forces_of_the_api(globe, threads, error_bars);
         EXPECT_EQ(touched.hash, expected) << "with threads: " << threads;
+        EXPECT_EQ(touched.barred, error_bars ? touched.in_contact : 0);
         EXPECT_GT(touched.most, 0.5) << "hardly anything was touched";
         EXPECT_EQ(touched.allocations, 0U);
     }

@@ -19,6 +19,41 @@ def hash_that_the_program_prints(*arguments):
     return re.search(r"force hash\s+([0-9a-f]{16})", run("touch", *arguments, "--verbose"))[1]
 
 
+class ErrorBars(unittest.TestCase):
+    def test_HoldOnNoisyBalls(self):
+        """A ball bends everywhere: its bars are wide, but not by much."""
+        camera = touchable.Camera(width=320, height=240, fx_px=285.0, fy_px=285.0, cx_px=159.5, cy_px=119.5,
+                                  metres_per_code=0.001, far_m=6.0)
+        columns, rows = numpy.meshgrid(numpy.arange(320.0), numpy.arange(240.0))
+        rays = camera.points(columns, rows, numpy.ones_like(columns))
+        noise = numpy.random.default_rng(3)
+        for radius, distance in (0.15, 0.7), (0.4, 1.2), (1.0, 2.0):
+            middle = numpy.array([0, 0, -distance])
+            along, square = rays @ middle, (rays**2).sum(-1)
+            under_root = along**2 - square * (distance**2 - radius**2)
+            hit = under_root > 0
+            depth = numpy.where(hit, (along - numpy.sqrt(numpy.where(hit, under_root, 0))) / square, distance + radius)
+            film = [(1000 * depth + noise.normal(size=depth.shape) * depth**2 + 0.5).astype(numpy.uint16) for _ in range(16)]
+            surface = touchable.Surface(camera=touchable.Scene.from_camera(camera).with_filters(film), frames=24, error_bars=True)
+            for number, codes in enumerate(film):
+                surface.push(codes, time_ns=number * 33_000_000)
+            places = (rays * depth[..., None])[20:220:5, 20:300:5].reshape(-1, 3)
+            normals = (places - middle) / radius
+            facing = -(normals * places).sum(-1) / numpy.linalg.norm(places, axis=-1) > 0.35
+            facing &= hit[20:220:5, 20:300:5].reshape(-1)
+            places, normals = places[facing], normals[facing]
+            scale = surface.scene.metres_per_scene_unit
+            pressed = surface.forces_at((places - 0.004 * normals) / scale)
+            force = pressed.force_n[pressed.touching]
+            cosine = (force * normals[pressed.touching]).sum(-1) / numpy.linalg.norm(force, axis=-1)
+            error = numpy.degrees(numpy.arccos(numpy.clip(cosine, -1, 1)))
+            bar = pressed.error_degrees[pressed.touching]
+            with self.subTest(radius=radius):
+                self.assertGreater(len(error), 250)
+                self.assertGreater((error <= bar).mean(), 0.92)
+                self.assertLess(bar.mean(), 3 * numpy.quantile(error, 0.95))
+
+
 class ProgramForces(unittest.TestCase):
     """The program touches with a hand of its own; its goals, from its file of forces, are touched here."""
 
@@ -30,8 +65,13 @@ class ProgramForces(unittest.TestCase):
             fingers = int(rows["finger"].max()) + 1
             column = lambda name: rows[name].reshape(-1, fingers)
             path = numpy.stack([column(f"goal_{axis}") for axis in "xyz"], -1)
-            touched = touchable.touch(clip, path)
+            touched = touchable.touch(clip, path, error_bars=True)
             self.assertEqual(touched.force_hash, expected)
+            self.assertEqual(touchable.touch(clip, path).force_hash, expected)
+            for here in "error_degrees", "error_newtons":
+                self.assertTrue(numpy.array_equal(getattr(touched, here), column(here), True), here)
+                self.assertTrue(numpy.isnan(getattr(touchable.touch(clip, path[:300]), here)).all())
+            self.assertTrue(numpy.isfinite(touched.error_degrees[touched.touching]).mean() > 0.5)
             for k, axis in enumerate("xyz"):
                 self.assertTrue(numpy.array_equal(touched.force_n[..., k], column(f"force_{axis}")))
                 self.assertTrue(numpy.array_equal(touched.proxy[..., k], column(f"proxy_{axis}")))
