@@ -51,6 +51,7 @@ std::vector<BenchCase> live_cases(bool quick) {
     const int seconds = quick ? 20 : 600;
     long_clip.frames = 30 * seconds;
     add_feed(full_hd, "", false);
+    add_feed(demo, "", false);
     add_feed(full_hd, "-colour", true);
     add_feed(small, "-small", false);
     add_feed(depth, "-depth", false);

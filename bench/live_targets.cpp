@@ -15,6 +15,8 @@ std::vector<Target> make_live_targets() {
         targets.push_back({what, cases, metric, {value, sense, unit}});
     };
     add("globe 720x480, live, 5 fingers: late frames", demo, "late_frames_pct", Sense::at_most, 0, "%");
+    add("error bars, of a core at 30 framesets/s", {feed, "feed-globe-720x480-16"}, "error_bars_pct",
+        Sense::at_most, 5, "%");
     // CPU times over those of FFmpeg's decoders for the same packets, on one thread.
     add("reading and building 1920x1080 over FFmpeg", touch, "feed_cpu_vs_ffmpeg", Sense::at_most, 3.5, "");
     add("  with colour", colour, "feed_cpu_vs_ffmpeg", Sense::at_most, 3, "");

@@ -68,6 +68,18 @@ std::vector<Target> make_real_targets(const std::string& choice) {
          {named("relief-half-0.5m"), named("relief-half-1m"), named("relief-half-2m")},
          "face_angle_deg_rms",
          at_most(1.5, "deg")},
+        {"error bars of direction, cameras with 92 to 98 %",
+         {"real-error-bars"},
+         "direction_fit_right_pct",
+         at_least(90, "%")},
+        {"  the least share", {"real-error-bars"}, "direction_fit_least_pct", at_least(85, "%")},
+        {"  width over the best constant bar", {"real-error-bars"}, "direction_width", at_most(0.8, "")},
+        {"  correlation with the errors", {"real-error-bars"}, "direction_rank", at_least(0.4, "")},
+        {"error bars of size, cameras with 92 to 98 %",
+         {"real-error-bars"},
+         "size_fit_right_pct",
+         at_least(90, "%")},
+        {"  the least share", {"real-error-bars"}, "size_fit_least_pct", at_least(85, "%")},
         {"on neither side of a silhouette", edges, "bleed_px", at_most(0, "px")},
         {"generated clips of 16 bits, changed", {named("generated")}, "changed_pct", at_most(0, "%")}};
 }

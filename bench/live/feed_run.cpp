@@ -94,6 +94,24 @@ Result<FrameTimes> feed_all(const std::filesystem::path& file, const Scene& scen
     return times;
 }
 
+/// What error bars add to the CPU time of a frame, ms.
+Result<double> error_bars_cpu_ms(const Scene& scene, const ScenePictures& source) {
+    struct Built {
+        std::unique_ptr<SurfaceBuilder> builder;
+        std::int64_t next = 0;
+        SurfaceFrame frame{};
+    } plain{make_cpu_builder(scene)}, barred{with_error_bars(make_cpu_builder(scene), scene)};
+    std::vector<Racer> racers;
+    for (Built* const built : {&plain, &barred})
+        racers.push_back({"", [built, &source] {
+                              RawFrame raw = source.of(built->next);
+                              raw.number = built->next++;
+                              return built->builder->build(raw, built->frame);
+                          }});
+    TRY(race(racers, 30));
+    return racers[1].times.cpu_ms - racers[0].times.cpu_ms;
+}
+
 /// Bytes per frame of the same pictures as FFV1, as in clips of format 1.
 Result<double> ffv1_bytes_of(const LiveClip& clip, const ScenePictures& source) {
     double bytes = 0;
@@ -149,6 +167,7 @@ Result<void> measure_feed(const LiveClip& clip, bool colour, int rounds, LiveCli
     }
     std::vector<PlaneRole> wanted = clip.planes;
     if (!colour) std::erase(wanted, PlaneRole::colour);
+    TRY_ASSIGN(const double bars_ms, error_bars_cpu_ms(chosen->scene, **source));
     const auto plain = decode_plainly(*file, wanted, rounds);
     if (!plain) return plain.error();
 
@@ -159,6 +178,8 @@ Result<void> measure_feed(const LiveClip& clip, bool colour, int rounds, LiveCli
     const double cores = std::max(std::thread::hardware_concurrency(), 1U);
     const double frames_per_second = 1e9 / static_cast<double>((*source)->scene.rate.time_ns(1));
     figures.push_back({"cores_left_pct", 100 - feeding.cpu_ms * frames_per_second / (10 * cores), "%"});
+    figures.push_back({"error_bars_cpu_ms", bars_ms, "ms"});
+    figures.push_back({"error_bars_pct", 0.1 * bars_ms * frames_per_second, "%"});
     figures.push_back({"ffmpeg_cpu_ms", plain->cpu_ms / clip.frames, "ms"});
     figures.push_back({"ffmpeg_ms", plain->wall_ms / clip.frames, "ms"});
     figures.push_back({"read_cpu_vs_ffmpeg", reading.cpu_ms * clip.frames / plain->cpu_ms, ""});

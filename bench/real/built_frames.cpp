@@ -9,9 +9,10 @@
 
 namespace touchable {
 
-Result<std::vector<SurfaceFrame>> built(const Scene& scene, const std::vector<RawFrame>& raws) {
+Result<std::vector<SurfaceFrame>> built(const Scene& scene, const std::vector<RawFrame>& raws, bool barred) {
     std::vector<SurfaceFrame> frames(raws.size());
-    const auto builder = make_cpu_builder(scene);
+    auto builder = make_cpu_builder(scene);
+    if (barred) builder = with_error_bars(std::move(builder), scene);
     for (std::size_t n = 0; n < raws.size(); ++n)
         if (auto done = builder->build(raws[n], frames[n]); !done) return done.error();
     return frames;

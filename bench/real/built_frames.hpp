@@ -8,8 +8,9 @@
 
 namespace touchable {
 
-/// Builds all frames in order with the CPU builder.
-Result<std::vector<SurfaceFrame>> built(const Scene& scene, const std::vector<RawFrame>& raws);
+/// Builds all frames in order with the CPU builder; `barred`: with_error_bars.
+Result<std::vector<SurfaceFrame>> built(const Scene& scene, const std::vector<RawFrame>& raws,
+                                        bool barred = false);
 
 /// Appends frame_cpu_ms and frame_ms: the CPU builder's least CPU time of all threads and least wall time for
 /// one of `rounds` frames, each new, into a slot used before.

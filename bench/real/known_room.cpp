@@ -16,7 +16,7 @@ namespace {
 constexpr int smooth_reach = 4;
 constexpr std::size_t resting_fingers = 48;
 constexpr int settled_frames = 8, resting_frames = 41;
-constexpr int approach_frames = 16;
+constexpr int approach_frames = 16, barred_frames = 24;
 constexpr double approach_m_per_s = 0.3;
 /// Largest residual of a place smooth enough to have a normal. The stills' rounding to whole millimetres
 /// alone causes 0.29 mm.
@@ -84,7 +84,7 @@ std::vector<DepthPlane> KnownRoom::smooth_places(const DepthMap& truth, int step
 }
 
 Result<void> KnownRoom::make(bool quick) {
-    if (auto done = make_rooms(quick, resting_frames); !done) return done;
+    if (auto done = make_rooms(quick, resting_frames, settled_frames); !done) return done;
     const std::vector<DepthPlane> places = smooth_places(rooms_[0].truth, 8);
     if (places.size() < resting_fingers) return Error{ErrorKind::check, "icl_nuim5: nothing is smooth"};
     for (std::size_t k = 0; k < resting_fingers; ++k)
@@ -92,7 +92,7 @@ Result<void> KnownRoom::make(bool quick) {
     return make_approach();
 }
 
-Result<void> KnownRoom::make_rooms(bool quick, int frames_of_first) {
+Result<void> KnownRoom::make_rooms(bool quick, int frames_of_first, int frames_of_others) {
     Scene scene;
     for (const int still : quick ? std::vector{2, 4} : std::vector{2, 1, 3, 4, 5}) {
         auto truth = truth_of(data_, still);
@@ -100,7 +100,7 @@ Result<void> KnownRoom::make_rooms(bool quick, int frames_of_first) {
         Room room{every(model_.every_px, scaled(std::move(truth).value(), factor_)), {}, {}};
         scene = scene_of(model_, room.truth.width, room.truth.height, room.truth.camera);
         room.smooth = smooth_places(room.truth, quick ? 16 : 8);
-        for (int n = 0; n < (rooms_.empty() ? frames_of_first : settled_frames); ++n)
+        for (int n = 0; n < (rooms_.empty() ? frames_of_first : frames_of_others); ++n)
             room.stored.push_back(stored_frame(model_, scene, room.truth, n));
         rooms_.push_back(std::move(room));
     }
@@ -208,7 +208,7 @@ Result<void> KnownRoom::search(bool quick, Figures& figures) {
 
 Result<KnownRoom::Searched> KnownRoom::search_quickly() {
     if (!scene_)
-        if (auto done = make_rooms(true, settled_frames); !done) return done.error();
+        if (auto done = make_rooms(true, settled_frames, settled_frames); !done) return done.error();
     constexpr std::array levels{0.0, 0.2, 0.45, 0.7, 1.0, 1.4};
     const Press film = [&](const Scene& scene) -> Result<double> {
         const auto errors = pressed(scene);
@@ -246,9 +246,30 @@ Result<KnownRoom::Searched> KnownRoom::search_quickly() {
     return found;
 }
 
+Result<std::vector<BarPlace>> KnownRoom::press_with_bars(bool still, bool quick) {
+    if (!scene_)
+        if (auto done = make_rooms(quick, barred_frames, barred_frames); !done) return done.error();
+    std::vector<BarPlace> places;
+    for (const Room& room : rooms_) {
+        std::vector<RawFrame> stored = room.stored;
+        if (still) stored.resize(1);
+        const Scene scene = chosen_filters(stored, *scene_);
+        const auto frames = built(scene, stored, true);
+        if (!frames) return frames.error();
+        const std::size_t first = still ? 0 : 16, every = still ? 3 : 24;
+        for (std::size_t n = first; n < frames->size(); ++n) {
+            std::vector<DepthPlane> some;
+            for (std::size_t k = n % every; k < room.smooth.size(); k += every)
+                some.push_back(room.smooth[k]);
+            if (auto done = press_barred(scene, (*frames)[n], some, places); !done) return done.error();
+        }
+    }
+    return places;
+}
+
 Result<double> KnownRoom::choose_again() {
     if (!scene_)
-        if (auto done = make_rooms(true, settled_frames); !done) return done.error();
+        if (auto done = make_rooms(true, settled_frames, settled_frames); !done) return done.error();
     constexpr int seeds = 5, far_later = 1000;
     const Room& room = rooms_[0];
     std::vector<Scene> chosen{chosen_filters(room.stored, *scene_)};
@@ -286,7 +307,7 @@ Result<double> KnownRoom::choose_again() {
 
 Result<PressErrors> KnownRoom::press_chosen() {
     if (!scene_)
-        if (auto done = make_rooms(true, settled_frames); !done) return done.error();
+        if (auto done = make_rooms(true, settled_frames, settled_frames); !done) return done.error();
     const auto measured = measured_depth(rooms_[0].stored, *scene_);
     const Scene chosen = chosen_filters(measured, *scene_);
     return pressed(chosen, trusted_to(chosen.filter, measured));
@@ -294,7 +315,7 @@ Result<PressErrors> KnownRoom::press_chosen() {
 
 Result<void> KnownRoom::measure_details(Figures& figures) {
     if (!scene_)
-        if (auto done = make_rooms(true, settled_frames); !done) return done;
+        if (auto done = make_rooms(true, settled_frames, settled_frames); !done) return done;
     add_details(rooms_[0].stored, *scene_, figures);
     return {};
 }

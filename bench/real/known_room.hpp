@@ -48,6 +48,8 @@ public:
     };
     /// The same with fewer candidates, in two rooms.
     Result<Searched> search_quickly();
+    /// Forces on a film or on stills with the chosen filters, and what their frames say of them.
+    Result<std::vector<BarPlace>> press_with_bars(bool still, bool quick);
     /// Chooses anew by five other seeds of noise, half of the frames, half of the picture's width and height,
     /// and another room. The largest error of these choices over that of the first one, on the first room.
     Result<double> choose_again();
@@ -64,7 +66,7 @@ private:
     };
 
     std::vector<DepthPlane> smooth_places(const DepthMap& truth, int step) const;
-    Result<void> make_rooms(bool quick, int frames_of_first);
+    Result<void> make_rooms(bool quick, int frames_of_first, int frames_of_others);
     Result<void> make(bool quick);
     RawFrame filled(const RawFrame& raw) const;
     using Press = std::function<Result<double>(const Scene&)>;  // degrees

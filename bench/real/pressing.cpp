@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <glm/geometric.hpp>
+#include <span>
 
 #include "engine/base/hand_thresholds.hpp"
 #include "haptics_cpu/touch_solver.hpp"
@@ -41,10 +43,9 @@ double over_20deg_pct(const std::vector<double>& angles) {
     return per_cent(static_cast<std::size_t>(wrong), angles.size());
 }
 
-}  // namespace
-
-Result<void> PressErrors::press(const Scene& scene, const SurfaceFrame& frame,
-                                const std::vector<DepthPlane>& planes) {
+/// Presses for ticks_in ticks and `along` more, and gives each tick's number and contacts to `met`.
+Result<void> press_down(const Scene& scene, const SurfaceFrame& frame, const std::vector<DepthPlane>& planes,
+                        int along, const std::function<void(int, std::span<const Contact>)>& met) {
     const auto solver = TouchSolver::create(scene, {});
     if (!solver) return solver.error();
     std::vector<glm::dvec3> goals(planes.size());
@@ -52,14 +53,39 @@ Result<void> PressErrors::press(const Scene& scene, const SurfaceFrame& frame,
     std::vector<Contact> contacts(planes.size());
     const FramePair pair = held(frame);
     const HeightField field(scene, pair);
-    fingers_ += planes.size();
-    for (int tick = 0; tick <= ticks_in + ticks_along; ++tick) {
+    for (int tick = 0; tick <= ticks_in + along; ++tick) {
         const double in = std::min(1.0, static_cast<double>(tick) / ticks_in);
-        const double along = std::max(0.0, static_cast<double>(tick - ticks_in) / ticks_along);
+        const double share = std::max(0.0, static_cast<double>(tick - ticks_in) / ticks_along);
         for (std::size_t k = 0; k < planes.size(); ++k)
-            goals[k] = goal_at(planes[k], scene.camera, along, -lifted_mm + in * (lifted_mm + pressed_mm));
+            goals[k] = goal_at(planes[k], scene.camera, share, -lifted_mm + in * (lifted_mm + pressed_mm));
         solver->tick(field, goals, fingers, contacts);
-        if (tick < ticks_in) continue;
+        met(tick, contacts);
+    }
+    return {};
+}
+
+}  // namespace
+
+Result<void> press_barred(const Scene& scene, const SurfaceFrame& frame,
+                          const std::vector<DepthPlane>& planes, std::vector<BarPlace>& places) {
+    return press_down(scene, frame, planes, 0, [&](int tick, std::span<const Contact> contacts) {
+        for (std::size_t k = 0; k < contacts.size(); ++k) {
+            const Contact& contact = contacts[k];
+            const auto block = frame.signs.block_at(contact.pixel_x, contact.pixel_y);
+            const auto signs = block ? frame.signs.squares(*block) : std::nullopt;
+            if (tick < ticks_in || !contact.touching || !signs) continue;
+            places.push_back({*signs, frame.signs.bar(*block),
+                              degrees_between(contact.force, normal_of(planes[k], scene.camera)),
+                              std::abs(glm::distance(contact.proxy, contact.goal) - pressed_mm)});
+        }
+    });
+}
+
+Result<void> PressErrors::press(const Scene& scene, const SurfaceFrame& frame,
+                                const std::vector<DepthPlane>& planes) {
+    fingers_ += planes.size();
+    return press_down(scene, frame, planes, ticks_along, [&](int tick, std::span<const Contact> contacts) {
+        if (tick < ticks_in) return;
         for (std::size_t k = 0; k < planes.size(); ++k) {
             if (!contacts[k].touching) {
                 ++lost_;
@@ -68,8 +94,7 @@ Result<void> PressErrors::press(const Scene& scene, const SurfaceFrame& frame,
             angles_.push_back(degrees_between(contacts[k].force, normal_of(planes[k], scene.camera)));
             if (1 / planes[k].at <= trusted_to_) trusted_.push_back(angles_.back());
         }
-    }
-    return {};
+    });
 }
 
 double PressErrors::angle_deg_rms() const {

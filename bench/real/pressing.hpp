@@ -10,6 +10,18 @@
 
 namespace touchable {
 
+/// How wrong a force was, and what the frame showed of that.
+struct BarPlace {
+    ErrorSigns::Squares signs;
+    ErrorBar bar;
+    double degrees = 0;  ///< of its direction
+    double depth = 0;    ///< of its size, as a way into the surface, scene units
+};
+/// Presses 3 mm straight into each plane; `frame` is built with_error_bars. Where there is no contact, there
+/// is no BarPlace.
+Result<void> press_barred(const Scene& scene, const SurfaceFrame& frame,
+                          const std::vector<DepthPlane>& planes, std::vector<BarPlace>& places);
+
 /// Angles between forces and the normals of the pressed planes.
 class PressErrors {
 public:

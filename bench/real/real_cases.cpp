@@ -6,6 +6,7 @@
 #include <string>
 
 #include "bench/real/edges.hpp"
+#include "bench/real/error_bars.hpp"
 #include "bench/real/filter_choices.hpp"
 #include "bench/real/generated.hpp"
 #include "bench/real/known_room.hpp"
@@ -194,6 +195,8 @@ std::vector<BenchCase> real_cases(bool quick) {
         std::vector<SensorModel> models;
         for (int n = 1; n <= (quick ? 10 : 60); ++n) models.push_back(drawn_model(n));
         add_models("drawn", models);
+        cases.push_back({"real-error-bars",
+                         [=](Figures& figures) { return measure_error_bars(data, models, quick, figures); }});
         cases.push_back(
             {"real-models-far", [=](Figures& figures) { return measure_trust(data, models, figures); }});
     }
