@@ -99,6 +99,7 @@ void main() {
 const textures = {depths: ['R32F', 'RED', 'FLOAT', 'NEAREST'], colour: ['RGBA8', 'RGBA', 'UNSIGNED_BYTE', 'LINEAR'],
                   haptic: ['RGB8', 'RGB', 'UNSIGNED_BYTE', 'NEAREST'], heights: ['R32F', 'RED', 'FLOAT', 'NEAREST'],
                   ramp: ['RGB8', 'RGB', 'UNSIGNED_BYTE', 'LINEAR']};
+const noticed_degrees = 18.4;  // error of a force's direction: engine/base/hand_thresholds.hpp
 const overlays = ['colour', 'shape', 'depth', 'stiffness', 'friction', 'height', 'missing'];
 
 // The window's ramp (player/draw/legends.cpp) in ten equal steps: lightness grows evenly as perceived.
@@ -276,7 +277,9 @@ export function paint_fingers(canvas, unit, size, least, fingers) {
         const r = radius * (1.75 + Math.min(0.8, 0.4 * lift) - Math.min(0.3, 0.06 * newtons));
         circle(x, y, r, '#0a0c108c', 4.5);
         circle(x, y, r, '#fff6', 1.5);
-        circle(x, y, r, '#fff', 4, Math.min(finger.share, 1));
+        // White, to amber where the hand may notice how wrong the direction may be.
+        const error = Math.min((finger.error_degrees || 0) / noticed_degrees, 1);
+        circle(x, y, r, `rgb(255 ${255 - 95 * error} ${255 - 255 * error})`, 4, Math.min(finger.share, 1));
         if (!touching) return;
         const dx = tip[0] - x, dy = tip[1] - y, long = Math.hypot(dx, dy);
         if (long < 0.8 * radius) return circle(x, y, 0.32 * radius, '#fffffff2');  // seen end on

@@ -51,7 +51,7 @@ constexpr double metres_per_newton = 0.004;  // an arrow's length, of the hand
 struct ShownFinger {
     double shown;
     glm::dvec2 at, goal, tip;
-    double newtons, touching, share, depth_mm, stiffness, friction;
+    double newtons, touching, share, depth_mm, stiffness, friction, error_degrees;
 };
 /// What the page sees, as doubles; worker.js has the same list.
 struct Shown {
@@ -353,6 +353,7 @@ private:
         finger.depth_mm = 1000 * metres * glm::length(contact.proxy - contact.goal);
         finger.stiffness = contact.properties.stiffness / 1000;
         finger.friction = contact.properties.static_friction;
+        finger.error_degrees = contact.error_degrees;
         shown_.newtons = std::max(shown_.newtons, finger.newtons);
     }
 
@@ -381,7 +382,7 @@ private:
                              [this](auto... command) { return log_->ask(command...); }};
     MediaMoment moment_;  // of the next tick
     SurfaceTimeline timeline_{4};
-    const std::unique_ptr<SurfaceBuilder> builder_ = make_cpu_builder(scene_);
+    const std::unique_ptr<SurfaceBuilder> builder_ = with_error_bars(make_cpu_builder(scene_), scene_);
     const bool remembers_ = FilterPlan(scene_).remembers();
     bool is_full_ = false;
     ReadPlace place_;

@@ -61,7 +61,8 @@ function say_finger() {
     const finger = touchable.state?.fingers[0], mm = finger?.depth_mm;
     const where = touchable.state?.pick?.valid === 0 ? 'nothing to touch'
         : `${Math.abs(mm).toFixed(1)} millimetres ${mm < 0 ? 'above the surface' : 'deep'}`;
-    const text = finger ? `${where}, ${finger.newtons.toFixed(1)} newtons` : 'No finger is on the picture.';
+    const error = finger?.error_degrees >= 0 ? `, right to ${finger.error_degrees.toFixed(0)} degrees` : '';
+    const text = finger ? `${where}, ${finger.newtons.toFixed(1)} newtons${error}` : 'No finger is on the picture.';
     put($('said'), '');
     setTimeout(() => put($('said'), text), 60);  // or the same words would not be read again
 }

@@ -11,7 +11,7 @@ const event_kinds = ['moved', 'pressed', 'released', 'wheel', 'key', 'key_releas
 const members = ['tick', 'time', 'playing', 'at_end', 'loops', 'speed', 'force_on', 'own_view', 'newtons', 'rumble_low',
   'rumble_high', 'late_frames', 'fingers'];
 const pick_members = ['valid', 'depth_m', 'stiffness', 'friction_static', 'friction_dynamic', 'height_mm'];
-const finger_members = ['newtons', 'touching', 'share', 'depth_mm', 'stiffness', 'friction'];
+const finger_members = ['newtons', 'touching', 'share', 'depth_mm', 'stiffness', 'friction', 'error_degrees'];
 let engine, clip, session, pressed = false, stands_still = false, build_ms = 0, decode_ms = 0, seen_matrix;
 
 /** What is forgotten when a clip begins anew. Work under way for an earlier session ends without a trace. */

@@ -382,6 +382,7 @@ std::string measures_in_words(const ClipQuality& quality, bool has_colour) {
 constexpr double rough_deg = 10;
 /// Filters that leave less than this share of the active filters' roughness are worth mentioning.
 constexpr double worth_while = 0.67;
+constexpr int frames_to_settle = 8;
 constexpr double many_holes_pct = 60, nearly_all_holes_pct = 90;
 /// Share of neighbours an octave apart: a third and more if values are not depth but swapped bytes or packed
 /// numbers; below a twentieth for a room's depth.
@@ -483,6 +484,25 @@ Json filters_json(const Scene& scene, const std::optional<ChosenFilters>& chosen
     return out;
 }
 
+/// Of the last of a few frames, as filters in time need some.
+Result<void> add_error_bars(const RawFrame& first, ClipReader& reader, ClipFacts& facts) {
+    const auto builder = with_error_bars(make_cpu_builder(facts.scene), facts.scene);
+    SurfaceFrame surface;
+    TRY(builder->build(first, surface));
+    for (int n = 1; n < (facts.scene.filter.temporal ? frames_to_settle : 1) && !stop_requested(); ++n) {
+        TRY_ASSIGN(const auto frame, reader.next());
+        if (!frame) break;
+        TRY(builder->build(*frame, surface));
+    }
+    std::vector<double> bars;
+    for (std::size_t k = 0; k < surface.signs.blocks.size(); ++k)
+        if (const double bar = surface.signs.bar(k).degrees; bar >= 0) bars.push_back(bar);
+    if (bars.empty()) return {};
+    const auto below = [&](std::size_t tenths) { return sorted_element(bars, bars.size() * tenths / 10); };
+    facts.error_degrees = {{below(1), below(5), below(9)}};
+    return {};
+}
+
 Result<ClipFacts> clip_facts(const ClipChoice& choice) {
     TRY_ASSIGN(auto clip, open_chosen(choice, Colour::left_out));
     ClipFacts facts;
@@ -510,6 +530,7 @@ Result<ClipFacts> clip_facts(const ClipChoice& choice) {
         }
     facts.notes = remarks_with_options(remarks);
     add_first_frame(*first, facts);
+    TRY(add_error_bars(*first, *clip.reader, facts));
     if (stop_requested()) return interrupted_error();
 
     const Camera& camera = facts.scene.camera;
@@ -618,6 +639,10 @@ std::string verdict_on(const ClipFacts& facts, const std::vector<Finding>* findi
         return "rough: smooth places lean " + degrees(now->left_deg) + " to and fro (" +
                direction_jnd_words(now->left_deg) +
                "), whatever the filters: record from nearer, or with more light";
+    if (facts.error_degrees && direction_jnd((*facts.error_degrees)[0]) > 1 && !may_be_relief(facts))
+        return "rough: at nine of ten places 5 of 100 forces err by more than " +
+               degrees((*facts.error_degrees)[0]) + " (" + direction_jnd_words((*facts.error_degrees)[0]) +
+               "): record from nearer, or with more light";
     if (measured && measured->trusted_to(facts.scene.filter) == 0)
         return "hardly to be felt: relief is smoothed away with its noise: record from nearer, or with more "
                "light";

@@ -153,9 +153,9 @@ private:
 };
 
 /// Every file that `write_frame_files` may write.
-constexpr std::array<const char*, 9> frame_file_names{"colour.png", "depth.png", "codes.png",
-                                                      "codes.json", "valid.png", "haptic.png",
-                                                      "height.png", "mesh.ply",  "scene.json"};
+constexpr std::array<const char*, 10> frame_file_names{"colour.png", "depth.png",  "codes.png",  "codes.json",
+                                                       "valid.png",  "haptic.png", "height.png", "errors.png",
+                                                       "mesh.ply",   "scene.json"};
 
 Image validity_image(const SurfaceFrame& surface) {
     Image image{surface.width, surface.height, 1, 1, {}};
@@ -163,6 +163,21 @@ Image validity_image(const SurfaceFrame& surface) {
     for (int y = 0; y < surface.height; ++y)
         for (int x = 0; x < surface.width; ++x)
             image.samples.push_back(surface.is_valid(x, y) ? std::uint8_t{255} : std::uint8_t{0});
+    return image;
+}
+
+/// Error bars of the force's direction, hundredths of a degree; 65535: not known.
+Image errors_image(const SurfaceFrame& surface) {
+    Image image{surface.width, surface.height, 2, 1, {}};
+    image.samples.resize(2 * surface.codes.size(), 255);
+    for (int y = 0; y < surface.height; ++y)
+        for (int x = 0; x < surface.width; ++x) {
+            const auto block = surface.signs.block_at(x, y);
+            const double degrees = block ? surface.signs.bar(*block).degrees : 1e9;
+            if (!surface.is_valid(x, y) || !(degrees < 655)) continue;
+            const auto hundredths = static_cast<std::uint16_t>(100 * degrees + 0.5);
+            std::memcpy(&image.samples[2 * surface.index(x, y)], &hundredths, 2);
+        }
     return image;
 }
 
@@ -197,14 +212,15 @@ std::string codes_to_json(const SurfaceFrame& surface, Scene scene) {
 /// codes (not lazy).
 Result<void> write_frame_files(StagedFolder& folder, const RawFrame& raw, const SurfaceFrame& surface,
                                const Scene& scene, bool with_mesh) {
-    const Image validity = validity_image(surface);
+    const Image validity = validity_image(surface), errors = errors_image(surface);
     const std::pair<const char*, PlaneView> pictures[] = {
         {"colour.png", raw.colour},
         {"depth.png", raw.depth},
         {"codes.png", plane_of_codes(surface.codes.data(), surface.width, surface.height)},
         {"valid.png", validity.view()},
         {"haptic.png", raw.haptic},
-        {"height.png", raw.height}};
+        {"height.png", raw.height},
+        {"errors.png", errors.view()}};
     for (const auto& [name, plane] : pictures)
         if (!plane.empty()) TRY(write_png(folder.add(name), plane));
     if (with_mesh) TRY(write_ply(folder.add("mesh.ply"), make_mesh(surface, scene), raw.colour));
@@ -392,7 +408,9 @@ Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
         return not_allowed("--frame", std::to_string(wanted), "0 or more");
     TRY(check_outputs({files_of(options), options.existing}, inputs_of(options.clip, *reader)));
     RunGpu gpu(options.builder.gpu);
-    TRY_ASSIGN(const auto builder, make_builder(options.builder, scene, gpu));
+    BuilderChoice choice = options.builder;
+    choice.error_bars = true;
+    TRY_ASSIGN(const auto builder, make_builder(choice, scene, gpu));
     TRY_ASSIGN(auto picture, order_picture(options.picture, options.existing, options.builder, gpu));
 
     TRY(find_scale(*reader, scene, *builder));
@@ -407,9 +425,9 @@ Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
 }
 
 /// Writes frames as pictures, mesh and scene description: colour.png, depth.png (as stored), codes.png
-/// (filtered, 16 bits), valid.png (0 or 255), haptic.png and height.png if the clip has them, mesh.ply,
-/// scene.json. The files of a frame appear together or not at all. The picture of a single frame is a
-/// separate file.
+/// (filtered, 16 bits), valid.png (0 or 255), errors.png (16 bits), haptic.png and height.png if the clip has
+/// them, mesh.ply, scene.json. The files of a frame appear together or not at all. The picture of a single
+/// frame is a separate file.
 Result<void> run_export(const ExportOptions& options) {
     std::string at_work = "the frames of " + options.clip.file.string();
     return within_memory(at_work, [&] { return export_clip(options, at_work); });

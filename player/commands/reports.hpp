@@ -45,6 +45,9 @@ struct ClipFacts {
     /// Share of the first frame's neighbouring pixels with depths that differ by more than a factor of 2.
     double torn = 0;
     std::optional<MeasuredDepth> measured;  ///< nothing: no pixel of the first frames is valid
+    /// Bars of a force's direction in one of the first frames (ErrorBar), degrees: a tenth, half, and nine
+    /// tenths of its surface have less. Nothing: not known.
+    std::optional<std::array<double, 3>> error_degrees;
     Kappa near, mid, far;  ///< at the near plane (metric without one: `nearest`), between, at far
 
     bool has_track(const std::string& role) const {

@@ -143,8 +143,9 @@ public:
         TRY_ASSIGN(auto reader, setup.options.clip.open());
         // If the GPU built the frames, it builds and draws them; otherwise build whole frames on the CPU.
         const bool on_gpu = setup.feed->builder_name() == "vulkan";
-        TRY_ASSIGN(const auto builder, make_builder(on_gpu ? setup.options.builder : BuilderChoice{},
-                                                    setup.scene, *setup.options.gpu));
+        BuilderChoice choice = on_gpu ? setup.options.builder : BuilderChoice{};
+        choice.error_bars = order_.show == Overlay::errors;
+        TRY_ASSIGN(const auto builder, make_builder(choice, setup.scene, *setup.options.gpu));
         const std::int64_t first = first_read(setup, moment_->epoch, moment_->frame_prev);
         TRY(reader->seek(first));
         FrameAgain prev, next;
@@ -614,6 +615,7 @@ Result<TouchOptions> read_words(const TouchWords& words) {
     clip.interpolation = options.session.clip.interpolation;
     options.session.clip = std::move(clip);
     options.session.recorded = options.record.has_value();
+    options.session.builder.error_bars = options.forces.has_value();
     options.session.device_log = options.device_log.has_value();
     TRY(read_live_options(words.live, options.session));
     TRY_ASSIGN(options.session.playback, read_playback(words.playback));

@@ -18,6 +18,7 @@
 
 #include <cstddef>
 #include <glm/vec3.hpp>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -43,6 +44,7 @@ struct FingerMark {
     /// The surface that gets the shadow; nullopt: whatever is around the proxy.
     std::optional<Under> under{};
     glm::dvec3 given_way{0.0};  ///< displacement of the surface under the finger (SurfaceDent); scene units
+    double error_degrees = std::numeric_limits<double>::quiet_NaN();  ///< of Contact
 };
 
 /// The surface under a finger with that proxy. `reach`: radius of the plane fit, which keeps noise and relief

@@ -274,9 +274,9 @@ void draw_bar(cairo_t* c, const Overlays::Scale& scale, const panel::Frame& fram
 }
 
 /// In Overlay's order.
-constexpr std::array<std::string_view, 10> names_of_overlays{
-    "colour",           "depth",  "depth-linear", "stiffness", "friction",
-    "dynamic-friction", "height", "normals",      "tiles",     "validity"};
+constexpr std::array<std::string_view, 11> names_of_overlays{
+    "colour", "depth",   "depth-linear", "stiffness", "friction", "dynamic-friction",
+    "height", "normals", "errors",       "tiles",     "validity"};
 static_assert(static_cast<std::size_t>(Overlay::validity) + 1 == names_of_overlays.size());
 
 /// Linear light of sRGB's primaries (OKLab: Ottosson 2020).

@@ -49,6 +49,10 @@ void ScalarRows::begin(Scalar scalar, const HeightField& field, const FramePair&
     blend_ = static_cast<float>(field.blend());
     height_per_code_ = static_cast<float>(height_per_code(field.scene()));
     reach_ = blend_reach(field);
+    if (scalar == Scalar::errors) {
+        begin_frame(prev_, (blend_ >= 0.5F ? pair.next : pair.prev).frame);
+        return begin_frame(next_, nullptr);
+    }
     begin_frame(prev_, pair.prev.frame);
     begin_frame(next_, blend_ > 0 && pair.next.frame != pair.prev.frame ? pair.next.frame : nullptr);
 }
@@ -61,6 +65,7 @@ void ScalarRows::begin_frame(Frame& frame, const SurfaceFrame* of) {
     frame.values.resize(columns);
     frame.valid.resize(columns);
     frame.codes = of->vertices->read_from();
+    if (scalar_ == Scalar::errors) return;
     if (scalar_ != Scalar::depth && scalar_ != Scalar::height) return make_properties(frame);
     if (!frame.codes) return;
     const DepthCoding& coding = frame.codes->coding;
@@ -137,8 +142,18 @@ void ScalarRows::read_heights(Frame& frame, int y) const {
     for (int x = 0; x < width; ++x) values[x] = per_code * static_cast<float>(heights[x]);
 }
 
+void ScalarRows::read_errors(Frame& frame, int y) const {
+    const int width = field_->width();
+    for (int x = 0; x < width; x += ErrorSigns::side) {
+        const auto block = frame.frame->signs.block_at(x, y);
+        const auto degrees = block ? static_cast<float>(frame.frame->signs.bar(*block).degrees) : no_value;
+        std::fill_n(frame.values.data() + x, std::min(ErrorSigns::side, width - x), degrees);
+    }
+}
+
 void ScalarRows::read_frame(Frame& frame, int y) const {
     read_validity(frame, y);
+    if (reading_ == Scalar::errors) return read_errors(frame, y);
     if (reading_ == Scalar::depth) return read_depths(frame, y, frame.values);
     if (reading_ != Scalar::height) return read_properties(frame, y);
     read_heights(frame, y);

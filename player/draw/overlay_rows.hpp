@@ -21,16 +21,17 @@ namespace touchable {
 PackedColour hole_colour(int x, int y);
 
 /// A property with one number per pixel.
-enum class Scalar { depth, stiffness, static_friction, dynamic_friction, height };
+enum class Scalar { depth, stiffness, static_friction, dynamic_friction, height, errors };
 
 /// Reads a field row by row, to float precision, with tables from the frames' codes: depth and height as
-/// drawn (`drawn_vertex`), other values as felt at the pixels.
+/// drawn (`drawn_vertex`), other values as felt at the pixels. Errors are those of the nearer frame.
 class ScalarRows {
 public:
     /// `field` was made from `pair`; `read` refers to both until the next `begin`.
     void begin(Scalar scalar, const HeightField& field, const FramePair& pair);
     /// The `field.width()` values of row y; NaN without depth. Depth in the coding's semantics (range or
-    /// planar), height subtracted, and height: scene units. Stiffness N/m.
+    /// planar), height subtracted, and height: scene units. Stiffness N/m. Errors: degrees, NaN if not
+    /// measured.
     void read(int y, float* values);
     /// The state of each pixel of row y: 0 without depth, 1 depth in both frames, 2 in one, 3 in at least one
     /// that took it from another frame of the clip.
@@ -62,6 +63,7 @@ private:
     void read_frame(Frame& frame, int y) const;
     void read_depths(Frame& frame, int y, std::vector<float>& to) const;
     void read_heights(Frame& frame, int y) const;
+    void read_errors(Frame& frame, int y) const;
     void read_properties(Frame& frame, int y) const;
     void mix(float* values) const;
     void read_moment(Scalar scalar, int y, float* values);

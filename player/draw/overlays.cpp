@@ -44,6 +44,8 @@ Meaning meaning_of(Overlay kind, const Scene& scene) {
             // Scene millimetres, not the hand's, in which relief options are given.
             return {Scalar::height, "height", is_room ? "m of the scene" : "mm of the scene",
                     is_room ? scene.metres_per_unit : millimetres};
+        case Overlay::errors:
+            return {Scalar::errors, "forces err by less (95 %)", "degrees", 1};
         default:
             return {Scalar::depth, "depth", is_arm_long ? "m" : "mm",
                     is_arm_long ? scene.metres_per_unit : millimetres};
@@ -77,7 +79,7 @@ SeenValues seen_values(Scalar scalar, const HeightField& field, ScalarRows& rows
     const auto quantile = [&](std::size_t percent) {
         return static_cast<double>(sorted_element(values, (values.size() - 1) * percent / 100));
     };
-    const std::size_t outermost = scalar == Scalar::depth ? 1 : 0;
+    const std::size_t outermost = scalar == Scalar::depth || scalar == Scalar::errors ? 1 : 0;
     seen.shown = {quantile(outermost), quantile(100 - outermost)};
     seen.all = {static_cast<double>(least), static_cast<double>(greatest)};
     return seen;
@@ -86,7 +88,7 @@ SeenValues seen_values(Scalar scalar, const HeightField& field, ScalarRows& rows
 /// Whether a plane of the clip holds the values.
 bool has_map(Scalar scalar, const HeightField& field, const FramePair& pair) {
     const auto has = [scalar](const SurfaceFrame& frame) {
-        return scalar == Scalar::depth ||
+        return scalar == Scalar::depth || scalar == Scalar::errors ||
                (scalar == Scalar::height ? !frame.heights.empty() : !frame.haptic.empty());
     };
     return has(*pair.prev.frame) || (field.blend() > 0 && has(*pair.next.frame));
@@ -285,7 +287,7 @@ private:
 
     Overlays::Picture picture_;
     ScalarRows rows_;
-    std::array<SteadyRange, 10> ranges_;  // by Overlay
+    std::array<SteadyRange, 11> ranges_;  // by Overlay
     EqualisedDepth equalised_;
     CpuLattices lattices_{1};
     std::vector<float> q_;

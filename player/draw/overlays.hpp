@@ -41,6 +41,7 @@ enum class Overlay {
     dynamic_friction,
     height,
     normals,
+    errors,   ///< bars of the force's direction (ErrorBar); needs frames built with_error_bars
     tiles,    ///< tiles drawn fully, partly, or not at all
     validity  ///< holes, their rims, and depth filled in from other frames
 };

@@ -58,7 +58,8 @@ private:
                 << contact.properties.static_friction << contact.properties.dynamic_friction
                 << tick.pair.prev.number << tick.pair.next.number << tick.blend
                 << std::int64_t{tick.forces[k].reasons} << tick.metres_per_scene_unit
-                << std::int64_t{contact.counts.capped} << tick.share(k) << std::int64_t{contact.hops};
+                << std::int64_t{contact.counts.capped} << tick.share(k) << std::int64_t{contact.hops}
+                << contact.error_degrees << contact.error_newtons;
             row.end();
         }
         return file_->write(rows_);
@@ -325,7 +326,7 @@ Result<std::unique_ptr<TickTable>> TickTable::create_forces(const std::filesyste
     constexpr std::string_view header =
         "tick,time_s,finger,goal_x,goal_y,goal_z,proxy_x,proxy_y,proxy_z,force_x,force_y,force_z,contact,"
         "pixel_x,pixel_y,stiffness,mu_static,mu_dynamic,frame_prev,frame_next,blend,guard,S,capped,share,"
-        "hop\n";
+        "hop,error_degrees,error_newtons\n";
     TRY(out->write(header));
     return std::make_unique<ForcesTable>(std::move(out));
 }

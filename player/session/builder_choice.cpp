@@ -84,6 +84,12 @@ std::string RunGpu::name() const {
 
 Result<std::unique_ptr<SurfaceBuilder>> make_builder(const BuilderChoice& choice, const Scene& scene,
                                                      RunGpu& gpu) {
+    if (choice.error_bars) {
+        BuilderChoice plain = choice;
+        plain.error_bars = false;
+        TRY_ASSIGN(auto builder, make_builder(plain, scene, gpu));
+        return with_error_bars(std::move(builder), scene);
+    }
     if (choice.name == "cpu") return make_cpu_builder(scene);
     if (choice.name == "lazy" && scene.filter.temporal)
         return usage_error(

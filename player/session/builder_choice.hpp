@@ -57,6 +57,7 @@ struct BuilderChoice {
     std::string why{};          ///< one line: why chosen by auto, or in place of the request; empty: as
                                 ///< requested
     std::string gpu = "auto";   ///< as in choose_gpu; for the vulkan builder and for pictures
+    bool error_bars = false;    ///< frames are built with_error_bars
     bool gpu_fallback = false;  ///< no GPU was requested: fall back to the cpu builder without one
 
     bool names_gpu() const { return gpu != "auto"; }

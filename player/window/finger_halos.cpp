@@ -3,6 +3,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "engine/base/hand_thresholds.hpp"
 #include "engine/base/words.hpp"
 #include "player/window/panel_parts.hpp"
 
@@ -85,6 +86,7 @@ std::vector<FingerHalo> finger_halos(std::span<const FingerMark> fingers, const 
         FingerHalo halo;
         halo.at = glm::dvec2(*at);
         halo.touching = finger.touching;
+        if (finger.error_degrees > 0) halo.doubt = std::min(direction_jnd(finger.error_degrees), 1.0);
         const double distance = glm::distance(finger.proxy, camera.eye);
         halo.radius = camera.focal * sizes.finger_radius / std::max(distance, sizes.finger_radius);
         halo.newtons = finger.touching ? glm::length(finger.force) : 0;
@@ -125,8 +127,9 @@ void draw_finger_halos(std::span<const FingerHalo> halos, float scale) {
         draw(1, 3, dark_ink);
         draw(1, 1, halo.touching ? faint_ink : light_ink);
         if (!pushes) continue;
+        const auto amber = [&](double less) { return static_cast<int>(255 - less * halo.doubt); };
         draw(halo.share, 6, dark_ink);
-        draw(halo.share, 4, light_ink);
+        draw(halo.share, 4, IM_COL32(255, amber(95), amber(255), 235));
         if (end_on) draw_end_on(list, halo, scale);
         if (end_on || halo.aside < 0.5) draw_newtons(list, halo, taken, scale);
     }

@@ -21,6 +21,7 @@ struct FingerHalo {
     glm::dvec2 arrow{0.0};  ///< from the finger to the tip of its force's arrow, pixels
     double aside = 0;       ///< of the arrow: the sine of its angle to the line of sight
     double newtons = 0;
+    double doubt = 0;  ///< of the force's direction: its error bar over what a hand notices, 0 to 1
     bool touching = false;
     bool towards_eye = false;  ///< the arrow's direction
 };
@@ -45,7 +46,8 @@ std::optional<glm::dvec2> place_label(const glm::dvec2& at, double gap, const gl
 
 /// Draws below all panels, between ImGuiLayer's `begin` and `draw`. A force whose arrow is seen end on is
 /// drawn as a point in a circle if it comes towards the eye, or as a cross if it goes away. Newtons are
-/// written beside it, and beside arrows foreshortened to less than half, if there is room.
+/// written beside it, and beside arrows foreshortened to less than half, if there is room. The force's share
+/// of the ring is white without doubt of its direction, and amber where a hand may notice the error.
 void draw_finger_halos(std::span<const FingerHalo> halos, float scale);
 
 }  // namespace touchable

@@ -51,6 +51,7 @@ std::vector<FingerMark> FingerTrails::marks(const WatchedTick& tick, int count, 
                         contact.touching,
                         {},
                         !is_away(tick.fingers[k], probe, nearest_share)};
+        mark.error_degrees = contact.error_degrees;
         for (const Place& place : trail)
             if (const auto depth = probe.depth_under(place.pixel.x, place.pixel.y))
                 mark.trail.push_back(probe.unproject(place.pixel.x, place.pixel.y, *depth));
@@ -87,6 +88,7 @@ SessionOptions OpenedClip::session_options(const SessionSettings& settings,
         session.stale_after_ns.reset();
     }
     session.live = session.watched = true;
+    session.builder.error_bars = !options_.kiosk;
     session.fingers = fingers_of_hand();
     session.held_device = device_;
     if (options_.hand) {

@@ -68,6 +68,8 @@ PlaceFacts place_facts(const OpenedClip& clip, const WatchedMoment& moment, cons
     lines.push_back(formatted("stiffness %.2g N/mm of the hand", values.properties.stiffness / 1000));
     lines.push_back(formatted("friction %.2f, sliding %.2f", values.properties.static_friction,
                               values.properties.dynamic_friction));
+    if (const double degrees = field.error_bar(x, y).degrees; degrees >= 0)
+        lines.push_back(formatted("95 of 100 forces err by less than %.2g degrees", degrees));
     return place;
 }
 

@@ -55,8 +55,8 @@ TEST_F(Export, WritesEveryPlaneExactly) {
     make("globe", 3);
     succeed({"export", clip(), "--frame", "2", "--out", out()});
     EXPECT_EQ(names_in(out()),
-              (std::vector<std::string>{"codes.json", "codes.png", "colour.png", "depth.png", "haptic.png",
-                                        "height.png", "mesh.ply", "scene.json", "valid.png"}));
+              (std::vector<std::string>{"codes.json", "codes.png", "colour.png", "depth.png", "errors.png",
+                                        "haptic.png", "height.png", "mesh.ply", "scene.json", "valid.png"}));
     const RawFrame raw = frame(2);
     EXPECT_EQ(differing(image_of(out("depth.png")).view(), raw.depth), 0);
     EXPECT_EQ(differing(image_of(out("colour.png")).view(), raw.colour), 0);
@@ -72,8 +72,31 @@ TEST_F(Export, UnfilteredCodesAreStoredValues) {
     EXPECT_EQ(image_of(out("depth.png")).bytes_per_sample, 1);
     const Image valid = image_of(out("valid.png"));
     for (const std::uint8_t sample : valid.samples) ASSERT_EQ(sample, 255);
-    EXPECT_EQ(names_in(out()), (std::vector<std::string>{"codes.json", "codes.png", "depth.png", "mesh.ply",
-                                                         "scene.json", "valid.png"}));
+    EXPECT_EQ(names_in(out()), (std::vector<std::string>{"codes.json", "codes.png", "depth.png", "errors.png",
+                                                         "mesh.ply", "scene.json", "valid.png"}));
+}
+
+TEST_F(Export, WritesErrorBars) {
+    succeed({"make", "globe", clip(), "--size", "192x128", "--frames", "3"});
+    succeed({"export", clip(), "--frame", "2", "--out", out()});
+    const auto written = must(read_scene_file(out("scene.json")));
+    const RawFrame raw = frame(2);
+    SurfaceFrame built;
+    ASSERT_TRUE(with_error_bars(make_reference_builder(written.scene), written.scene)->build(raw, built));
+    const Image errors = image_of(out("errors.png"));
+    ASSERT_EQ(errors.bytes_per_sample, 2);
+    int known = 0;
+    for (int y = 0; y < built.height; ++y)
+        for (int x = 0; x < built.width; ++x) {
+            const double degrees = built.signs.bar(*built.signs.block_at(x, y)).degrees;
+            const int sample = errors.view().sample(x, y);
+            if (!built.is_valid(x, y) || std::isnan(degrees))
+                ASSERT_EQ(sample, 65535);
+            else
+                ASSERT_NEAR(sample, 100 * degrees, 0.51);
+            known += sample != 65535;
+        }
+    EXPECT_GT(known, 1000);
 }
 
 // SUN RGB-D rotates the bits of its depth. What is exported are codes, and comes back as they are.

@@ -686,7 +686,7 @@ TEST_F(Picture, ShowsRequestedView) {
 TEST_F(Picture, ShowsEveryOverlay) {
     std::set<std::string> pictures;
     for (const char* what : {"colour", "depth", "stiffness", "friction", "dynamic-friction", "height",
-                             "normals", "tiles", "validity"}) {
+                             "normals", "errors", "tiles", "validity"}) {
         ASSERT_EQ(draw({"--show", what, "--painter", "cpu", "--picture-size", "96x54"}).code, 0) << what;
         EXPECT_TRUE(pictures.insert(file_contents(file())).second) << what << " looks like another";
     }

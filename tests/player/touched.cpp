@@ -59,10 +59,10 @@ std::array<double, 3> ForcesRow::vector(const std::string& name) const {
 
 const std::vector<std::string>& forces_columns() {
     static const std::vector<std::string> columns{
-        "tick",    "time_s",    "finger",    "goal_x",     "goal_y",     "goal_z",     "proxy_x",
-        "proxy_y", "proxy_z",   "force_x",   "force_y",    "force_z",    "contact",    "pixel_x",
-        "pixel_y", "stiffness", "mu_static", "mu_dynamic", "frame_prev", "frame_next", "blend",
-        "guard",   "S",         "capped",    "share",      "hop"};
+        "tick",    "time_s",    "finger",    "goal_x",     "goal_y",     "goal_z",        "proxy_x",
+        "proxy_y", "proxy_z",   "force_x",   "force_y",    "force_z",    "contact",       "pixel_x",
+        "pixel_y", "stiffness", "mu_static", "mu_dynamic", "frame_prev", "frame_next",    "blend",
+        "guard",   "S",         "capped",    "share",      "hop",        "error_degrees", "error_newtons"};
     return columns;
 }
 

@@ -186,6 +186,36 @@ TEST(Overlays, ColourIsPlaceOnScale) {
     }
 }
 
+TEST(Overlays, ErrorsAreThoseOfTheNearerFrame) {
+    Painted painted(DepthCodingKind::linear);
+    for (SurfaceFrame* frame : {&painted.prev, &painted.next}) {
+        frame->signs.columns = (frame->width - 1) / ErrorSigns::side;
+        for (int k = 0; k < frame->signs.columns * ((frame->height - 1) / ErrorSigns::side); ++k)
+            frame->signs.blocks.push_back({k % 9 == 0 ? 0.0F : 1.0F, 0,
+                                           frame == &painted.prev ? 1e-4F * static_cast<float>(k) : 0.3F, 1});
+    }
+    for (const double blend : {0.3, 0.7}) {
+        const FramePair pair = painted.pair(blend);
+        const HeightField field(painted.scene, pair);
+        Overlays overlays;
+        const Overlays::Picture& picture = overlays.paint(Overlay::errors, field, pair);
+        EXPECT_EQ(picture.scale.unit, "degrees");
+        EXPECT_EQ(picture.scale.range.greatest > picture.scale.range.least, blend < 0.5);
+        for (int y = 0; y < field.height(); ++y)
+            for (int x = 0; x < field.width(); ++x) {
+                const double degrees = field.error_bar(x, y).degrees;
+                const glm::ivec3 seen = colour_at(picture, x, y);
+                if (!values_at(field, pair, x, y).valid || std::isnan(degrees)) {
+                    ASSERT_EQ(seen, channels(hole_colour(x, y)));
+                    continue;
+                }
+                const glm::ivec3 off =
+                    glm::abs(seen - channels(ramp_colour(picture.scale.share_of(degrees))));
+                ASSERT_LE(std::max({off.r, off.g, off.b}), 2) << x << ", " << y;
+            }
+    }
+}
+
 TEST(Overlays, DepthScaleOmitsOutliers) {
     Painted painted(DepthCodingKind::linear);
     const DepthCoding& coding = painted.scene.depth;

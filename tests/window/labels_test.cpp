@@ -202,8 +202,9 @@ TEST(Shadow, ClosesInAndDarkens) {
 /// A finger before the middle of a plane, seen by the clip's own camera.
 class WindowFingerMarks : public ::testing::Test {
 protected:
-    FingerHalo halo_of(const glm::dvec3& newtons) const {
+    FingerHalo halo_of(const glm::dvec3& newtons, double error_degrees = std::nan("")) const {
         FingerMark mark;
+        mark.error_degrees = error_degrees;
         mark.goal = mark.proxy = {0, 0, -0.5 * shown_->scene.depth.near};
         mark.force = newtons;
         mark.touching = true;
@@ -228,6 +229,12 @@ TEST_F(WindowFingerMarks, FullRingIsLargestForce) {
     EXPECT_EQ(most.share, 1);
     EXPECT_DOUBLE_EQ(one.ring, 1.46 * one.radius);
     EXPECT_DOUBLE_EQ(three.ring, 1.28 * three.radius);
+}
+
+TEST_F(WindowFingerMarks, RingTellsDoubtOfDirection) {
+    EXPECT_EQ(halo_of({0, 0, 1}).doubt, 0) << "not known";
+    EXPECT_DOUBLE_EQ(halo_of({0, 0, 1}, 4.6).doubt, 0.25);
+    EXPECT_EQ(halo_of({0, 0, 1}, 90).doubt, 1);
 }
 
 TEST_F(WindowFingerMarks, ArrowPointsAlongForce) {
