@@ -16,7 +16,7 @@ struct Figure {
     std::string metric;
     double value;
     std::string_view unit;  ///< a literal: "us", "N", "deg", "JND", "mJ", "%", "ns", "ms", "KB", "MB",
-                            ///< "MB/s", "GB/s", "px", "dB", or "" for a count
+                            ///< "MB/s", "GB/s", "px", "dB", "kg", "1/m", or "" for a count
     bool in_tables = true;  ///< false: one of many, for a plot; only in the JSON
     std::optional<std::string> name{};  ///< replaces the value
 };

@@ -12,6 +12,7 @@
 #include "bench/real/known_room.hpp"
 #include "bench/real/recording.hpp"
 #include "bench/real/sensor_models.hpp"
+#include "bench/real/wiping.hpp"
 
 namespace touchable {
 namespace {
@@ -167,6 +168,11 @@ std::vector<BenchCase> real_cases(bool quick) {
             quick);
         add(cases, "icl-sr300", std::make_shared<KnownRoom>(data, sr300(), smallest), quick);
     }
+    if (const char* const wiping = "haptics/epfl_wiping"; is_there(data, wiping, "cases real-wiping-..."))
+        for (const int number : {0, 1, 2, 3})
+            cases.push_back({"real-wiping-" + std::to_string(number), [=](Figures& figures) {
+                                 return measure_demonstration(data / wiping, number, figures);
+                             }});
     if (std::filesystem::exists(data / "stills/icl_nuim5")) {
         add_drawn(cases, data, quick);
         for (const int pixels : {3, 5, 7}) {
