@@ -16,13 +16,21 @@ namespace {
 /// the loop and the measurement have no common period.
 constexpr int chest_frames = 293;
 
+/// As few frames of large pictures as memory holds.
+constexpr int large_turned_frames = 4;
+
+/// The paper's, where pixels are touched.
+constexpr PaperFilter its_filter{3, false, false, true};
+
 /// Caches the clip made last; cases with the same clip are adjacent.
 class ClipShelf {
 public:
-    Result<std::shared_ptr<const PaperClip>> globe() {
-        if (name_ == "globe") return clip_;
-        TRY_ASSIGN(auto made, make_globe_clip());
-        return keep("globe", made);
+    Result<std::shared_ptr<const PaperClip>> globe(int width, int height, int turned_frames) {
+        const std::string name = "globe " + std::to_string(width);
+        if (name_ == name) return clip_;
+        clip_ = nullptr;  // there may be no memory for both
+        TRY_ASSIGN(auto made, make_globe_clip(width, height, turned_frames));
+        return keep(name, made);
     }
     std::shared_ptr<const PaperClip> chest(double noise_levels, int frames) {
         const std::string name = "chest " + std::to_string(noise_levels) + " " + std::to_string(frames);
@@ -65,9 +73,13 @@ public:
             for (const ScratchHand& hand : std::span(scratch_hands).subspan(1)) add_scratches(1, false, hand);
         }
         add_sweeps("globe", {0, true}, TouchMetric::world);
-        add_sweeps("globe", {3, false, false, true}, TouchMetric::pixel);
+        add_sweeps("globe", its_filter, TouchMetric::pixel);
+        for (const auto& [width, height] : {std::pair{720, 480}, {1280, 720}, {1920, 1080}, {3840, 2160}})
+            for (const int fingers : {1, 2, 5, 10})
+                if (width > 720 || fingers > 1)
+                    for (const bool ours : {true, false}) add_large_sweep(width, height, fingers, ours);
         add_sweeps("chest", {5, true}, TouchMetric::world);
-        add_sweeps("chest", {3, false, false, true}, TouchMetric::pixel);
+        add_sweeps("chest", its_filter, TouchMetric::pixel);
         return std::move(cases_);
     }
 
@@ -95,17 +107,35 @@ private:
         for (const ScriptedPath& path : fast_hands) {
             SweepRun run{setup_of(scene.c_str(), globe ? 720 : 320, globe ? 480 : 240, metric, filter),
                          filter, path};
-            run.setup.run = path.name;
             if (quick_) {
                 run.seconds = 10;
                 run.repeats = 3;
             }
-            add(name_of(run.setup), [shelf = shelf_, run, globe](Figures& figures) -> Result<void> {
-                if (!globe) return measure_sweep(shelf->chest(1, chest_frames), run, figures);
-                TRY_ASSIGN(auto clip, shelf->globe());
-                return measure_sweep(clip, run, figures);
-            });
+            add_sweep(run, 30);
         }
+    }
+
+    /// Table I of larger pictures and more fingers: the circling hand.
+    void add_large_sweep(int width, int height, int fingers, bool ours) {
+        const PaperFilter filter = ours ? PaperFilter{0, true} : its_filter;
+        SweepRun run{setup_of("globe", width, height, ours ? TouchMetric::world : TouchMetric::pixel, filter),
+                     filter, fast_hands[1], quick_ ? 2 : 10, 3};
+        run.setup.fingers = fingers;
+        add_sweep(run, width == 720 ? 30 : large_turned_frames);
+    }
+
+    void add_sweep(SweepRun run, int turned_frames) {
+        run.setup.run = run.path.name;
+        add(name_of(run.setup), [shelf = shelf_, run, turned_frames](Figures& figures) -> Result<void> {
+            const TouchCase& c = run.setup;
+            if (c.width <= 720 && c.metric == TouchMetric::pixel)
+                figures.push_back({"papers_tick_us",
+                                   c.fingers * (c.scene == "globe" ? papers_globe_us : papers_chest_us),
+                                   "us"});
+            if (c.scene != "globe") return measure_sweep(shelf->chest(1, chest_frames), run, figures);
+            TRY_ASSIGN(auto clip, shelf->globe(c.width, c.height, turned_frames));
+            return measure_sweep(clip, run, figures);
+        });
     }
 
     template <class Measure>

@@ -9,7 +9,6 @@
 namespace touchable {
 namespace {
 
-constexpr int globe_frames = 30;       // a second
 constexpr std::size_t lazy_slots = 4;  // suffices for 64 ms at 30 frames/s
 
 }  // namespace
@@ -25,16 +24,18 @@ glm::dvec3 PaperClip::surface_at(const glm::dvec2& place) const {
     return unproject(camera, x, y, planar(x, y));
 }
 
-Result<std::shared_ptr<const PaperClip>> make_globe_clip() {
+Result<std::shared_ptr<const PaperClip>> make_globe_clip(int width, int height, int turned_frames) {
     SceneOptions options;
+    options.width = width;
+    options.height = height;
     options.bits = 8;
     options.properties = true;
     TRY_ASSIGN(const std::shared_ptr<const AnalyticScene> content, make_scene("globe", options));
     auto clip = std::make_shared<PaperClip>();
     clip->scene = content->scene();
     clip->depth = [content](double x, double y) { return content->depth(x, y, 0); };
-    for (int n = 0; n <= globe_frames; ++n) clip->frames.push_back(content->frame(n));
-    for (int n = globe_frames - 1; n > 0; --n)
+    for (int n = 0; n <= turned_frames; ++n) clip->frames.push_back(content->frame(n));
+    for (int n = turned_frames - 1; n > 0; --n)
         clip->frames.push_back(clip->frames[static_cast<std::size_t>(n)]);
     return std::shared_ptr<const PaperClip>(std::move(clip));
 }
@@ -65,14 +66,12 @@ PlayedClip::PlayedClip(std::shared_ptr<const PaperClip> clip, const PaperFilter&
 Result<std::unique_ptr<PlayedClip>> PlayedClip::make(std::shared_ptr<const PaperClip> clip,
                                                      const PaperFilter& filter) {
     std::unique_ptr<PlayedClip> played(new PlayedClip(std::move(clip), filter));
-    TRY(played->build());
+    for (std::size_t n = 0; n < played->slots(); ++n) TRY(played->build(n));
     return played;
 }
 
-Result<void> PlayedClip::build() {
-    for (std::size_t n = 0; n < slots_.size(); ++n)
-        if (auto built = builder_->build(raw(static_cast<std::int64_t>(n)), slots_[n]); !built) return built;
-    return {};
+Result<void> PlayedClip::build(std::size_t n) {
+    return builder_->build(raw(static_cast<std::int64_t>(n)), slots_[n]);
 }
 
 const RawFrame& PlayedClip::raw(std::int64_t number) const {

@@ -26,8 +26,9 @@ struct PaperClip {
     glm::dvec3 surface_at(const glm::dvec2& place) const;
 };
 
-/// The turning planet at 720x480 and 8 bits with camera B: one second of its turn, forward and backward.
-Result<std::shared_ptr<const PaperClip>> make_globe_clip();
+/// The turning planet at 8 bits with camera B: so many frames of its turn, forward and backward, 30 a second.
+Result<std::shared_ptr<const PaperClip>> make_globe_clip(int width = 720, int height = 480,
+                                                         int turned_frames = 30);
 /// `frames` frames of the chest with that noise, independent in each frame; `first` seeds the first one's.
 std::shared_ptr<const PaperClip> make_chest_clip(double noise_levels, int frames, std::int64_t first = 0);
 
@@ -48,6 +49,9 @@ public:
     const PaperClip& clip() const { return *clip_; }
     /// With the filter.
     const Scene& scene() const { return scene_; }
+    /// Builds frame n, below `slots`, anew.
+    Result<void> build(std::size_t n);
+    std::size_t slots() const { return slots_.size(); }
     /// Restarts the clip; with a lazy filter pixels are filtered anew.
     void restart() { built_ = 0; }
     /// Prepares the surfaces for `pair_at` of times up to this one, from at most 64 ms before. Times must not
@@ -58,7 +62,6 @@ public:
 
 private:
     PlayedClip(std::shared_ptr<const PaperClip> clip, const PaperFilter& filter);
-    Result<void> build();
     const RawFrame& raw(std::int64_t number) const;
     std::size_t slot(std::int64_t number) const;
 

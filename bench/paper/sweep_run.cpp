@@ -1,8 +1,11 @@
 #include "bench/paper/sweep_run.hpp"
 
 #include <algorithm>
+#include <limits>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "bench/clocks.hpp"
 #include "bench/tick_times.hpp"
@@ -19,43 +22,58 @@ constexpr double under_mm = 2, above_mm = 50;  // of the true surface, along the
 /// A tick does the haptic thread's work: with a lazy filter also the filtering of touched pixels.
 class SweepTicks final : public TimedRun {
 public:
-    SweepTicks(PlayedClip& played, const TouchSolver& solver, std::vector<glm::dvec3> goals)
-        : played_(played), solver_(solver), goals_(std::move(goals)) {}
+    SweepTicks(PlayedClip& played, const TouchSolver& solver, int fingers, std::vector<glm::dvec3> goals)
+        : played_(played),
+          solver_(solver),
+          goals_(std::move(goals)),
+          fingers_(static_cast<std::size_t>(fingers)),
+          contacts_(fingers_.size()) {}
 
-    int ticks() const override { return static_cast<int>(goals_.size()); }
+    int ticks() const override { return static_cast<int>(goals_.size() / fingers_.size()); }
     void restart() override {
-        finger_ = {};
+        std::ranges::fill(fingers_, FingerState{});
         played_.restart();
     }
     void prepare(int /*begin*/, int end) override { played_.play_to((end - 1) * tick_length_ns); }
     void tick(int k) override {
         const HeightField field(played_.scene(), played_.pair_at(k * tick_length_ns));
-        solver_.tick(field, {&goals_[static_cast<std::size_t>(k)], 1}, {&finger_, 1}, {&contact_, 1});
+        const std::size_t fingers = fingers_.size();
+        solver_.tick(field, std::span(goals_).subspan(static_cast<std::size_t>(k) * fingers, fingers),
+                     fingers_, contacts_);
     }
-    const Contact& contact() const { return contact_; }
-    /// What is wrong with the contact of tick k, the last one; nullptr: valid.
+    const std::vector<Contact>& contacts() const { return contacts_; }
+    /// What is wrong with a contact of tick k, the last one; nullptr: all are valid.
     const char* fault(int k) const {
         const HeightField field(played_.scene(), played_.pair_at(k * tick_length_ns));
-        return fault_of(contact_, field, solver_.settings().metres_per_scene_unit,
-                        behind_tolerance(solver_.settings().metric));
+        for (const Contact& contact : contacts_)
+            if (const char* fault = fault_of(contact, field, solver_.settings().metres_per_scene_unit,
+                                             behind_tolerance(solver_.settings().metric)))
+                return fault;
+        return nullptr;
     }
 
 private:
     PlayedClip& played_;
     const TouchSolver& solver_;
     std::vector<glm::dvec3> goals_;
-    FingerState finger_;
-    Contact contact_;
+    std::vector<FingerState> fingers_;
+    std::vector<Contact> contacts_;
 };
 
-/// The hand comes down in the first half second; the figures start with the second second.
+/// The hand comes down in the first half second; the figures start with the second second. Fingers are evenly
+/// spread over one period of the path.
 std::vector<glm::dvec3> goals_of(const PaperClip& clip, const SweepRun& run) {
     const double units_per_mm = 0.001 / clip.scene.device_metres_per_unit.value();
+    const int fingers = run.setup.fingers;
     std::vector<glm::dvec3> goals;
     for (int k = 0; k < (1 + run.seconds) * second_ticks; ++k) {
         const double way_down = std::min(1.0, k / (0.5 * second_ticks));
         const double under = -above_mm + (under_mm + above_mm) * way_down;
-        goals.push_back(clip.surface_at(run.path.at(0.001 * k)) - glm::dvec3(0, 0, under * units_per_mm));
+        for (int finger = 0; finger < fingers; ++finger) {
+            const double ahead = finger / (run.path.hz_x * fingers);
+            goals.push_back(clip.surface_at(run.path.at(0.001 * k + ahead)) -
+                            glm::dvec3(0, 0, under * units_per_mm));
+        }
     }
     return goals;
 }
@@ -82,15 +100,17 @@ Result<void> add_primitives(SweepTicks& ticks, const SweepRun& run, Figures& fig
         ticks.tick(k);
         if (const char* fault = ticks.fault(k))
             return Error{ErrorKind::check, "tick " + std::to_string(k) + ": " + fault};
-        const Contact& contact = ticks.contact();
-        hash.add(contact.force);
-        primitives.push_back(contact.counts.events);
-        if (k < second_ticks) continue;
-        sum += primitives.back();
-        touching += contact.touching;
-        capped += contact.counts.capped;
+        primitives.push_back(0);
+        for (const Contact& contact : ticks.contacts()) {
+            hash.add(contact.force);
+            primitives.back() += contact.counts.events;
+            if (k < second_ticks) continue;
+            touching += contact.touching;
+            capped += contact.counts.capped;
+        }
+        if (k >= second_ticks) sum += primitives.back();
     }
-    const int counted = run.seconds * second_ticks;
+    const int counted = run.seconds * second_ticks * run.setup.fingers;
     if (2 * touching < counted) return Error{ErrorKind::check, "less than half of the ticks are in contact"};
     figures.push_back({"primitives_second_max", mean_of_maxima(primitives.data(), run.seconds), ""});
     figures.push_back({"primitives_mean", sum / touching, ""});
@@ -122,28 +142,41 @@ void add_maxima(const TickTimes& times, const SweepRun& run, Figures& figures) {
                        "us"});
 }
 
+/// Each frame is built once more.
+Result<void> add_frame_time(PlayedClip& played, Figures& figures) {
+    std::int64_t least = std::numeric_limits<std::int64_t>::max();
+    for (std::size_t n = 0; n < played.slots(); ++n) {
+        const std::int64_t begin = monotonic_ns();
+        TRY(played.build(n));
+        least = std::min(least, monotonic_ns() - begin);
+    }
+    figures.push_back({"frame_ms", 1e-6 * static_cast<double>(least), "ms"});
+    return {};
+}
+
 Result<void> run_sweep(const std::shared_ptr<const PaperClip>& clip, const SweepRun& run, auto&& work) {
     TRY_ASSIGN(const auto played, PlayedClip::make(clip, run.filter));
     TRY_ASSIGN(const TouchSolver solver, played->solver(run.setup.metric));
-    SweepTicks ticks(*played, solver, goals_of(*clip, run));
-    return work(ticks);
+    SweepTicks ticks(*played, solver, run.setup.fingers, goals_of(*clip, run));
+    return work(ticks, *played);
 }
 
 }  // namespace
 
 Result<void> count_primitives(std::shared_ptr<const PaperClip> clip, const SweepRun& run, Figures& figures) {
-    return run_sweep(clip, run, [&](SweepTicks& ticks) { return add_primitives(ticks, run, figures); });
+    return run_sweep(clip, run,
+                     [&](SweepTicks& ticks, PlayedClip&) { return add_primitives(ticks, run, figures); });
 }
 
 Result<void> measure_sweep(std::shared_ptr<const PaperClip> clip, const SweepRun& run, Figures& figures) {
-    return run_sweep(clip, run, [&](SweepTicks& ticks) -> Result<void> {
+    return run_sweep(clip, run, [&](SweepTicks& ticks, PlayedClip& played) -> Result<void> {
         Figures primitives;
         TRY(add_primitives(ticks, run, primitives));
         const TickTimes times = time_hot(ticks, run.repeats);
         add_maxima(times, run, figures);
         figures.insert(figures.end(), primitives.begin(), primitives.end());
         add_figures(times, "", figures);
-        return {};
+        return run.filter.lazy ? Result<void>() : add_frame_time(played, figures);
     });
 }
 

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <set>
 #include <sstream>
@@ -21,6 +22,7 @@
 #include "bench/paper/chest_scene.hpp"
 #include "bench/paper/paper_clip.hpp"
 #include "bench/paper/scripted_path.hpp"
+#include "bench/paper/sweep_run.hpp"
 #include "bench/real/depth_plane.hpp"
 #include "bench/real/edges.hpp"
 #include "bench/real/sensor_models.hpp"
@@ -252,6 +254,12 @@ TEST(PlayedClip, LazyEqualsWholeAcrossLoop) {
     EXPECT_GT(differ, 20);
 }
 
+double value_of(const Figures& figures, const std::string& metric) {
+    const auto found = std::ranges::find(figures, metric, &Figure::metric);
+    EXPECT_NE(found, figures.end()) << metric;
+    return found == figures.end() ? 0 : found->value;
+}
+
 TEST(ScriptedPaths, FastHandsStayOnGlobe) {
     for (const ScriptedPath& path : fast_hands) {
         double fastest = 0, farthest = 0;
@@ -262,6 +270,31 @@ TEST(ScriptedPaths, FastHandsStayOnGlobe) {
         EXPECT_NEAR(fastest, 0.3, 0.03) << path.name;
         EXPECT_LT(farthest, 0.0135) << path.name;
     }
+}
+
+TEST(PaperSuite, MeasuresSizesAndFingers) {
+    std::set<std::string> names;
+    for (const BenchCase& c : paper_cases(true)) EXPECT_TRUE(names.insert(c.name).second) << c.name;
+    for (const char* size : {"720x480", "1280x720", "1920x1080", "3840x2160"})
+        for (const char* fingers : {"1", "2", "5", "10"})
+            for (const char* way : {"world-t", "pixel-m3-lazy"})
+                EXPECT_TRUE(
+                    names.contains(std::string("globe-") + size + "-8-" + fingers + "f-" + way + "-circle"));
+}
+
+TEST(SweepRun, FingersFollowEachOther) {
+    const auto clip = must(make_globe_clip(320, 240, 2));
+    EXPECT_EQ(clip->frames.size(), 4U);
+    EXPECT_EQ(clip->scene.width, 320);
+    SweepRun run{{}, {0, true}, fast_hands[1], 1};
+    Figures one, three;
+    ASSERT_TRUE(count_primitives(clip, run, one));
+    run.setup.fingers = 3;
+    ASSERT_TRUE(count_primitives(clip, run, three));
+    // All go round the same circle, so that each passes as much as one alone and all together pass more.
+    EXPECT_NEAR(value_of(three, "primitives_mean") / value_of(one, "primitives_mean"), 1, 0.05);
+    EXPECT_GT(value_of(three, "primitives_second_max"), 1.3 * value_of(one, "primitives_second_max"));
+    EXPECT_EQ(value_of(three, "contact_pct"), 100);
 }
 
 TEST(PaperTables, TellDecibelsAndAverages) {
@@ -477,12 +510,6 @@ Result<void> measure(const std::string& name, Figures& figures) {
     for (const BenchCase& c : gpu_cases(true))
         if (c.name == name) return c.measure(figures);
     return usage_error("no case " + name);
-}
-
-double value_of(const Figures& figures, const std::string& metric) {
-    const auto found = std::ranges::find(figures, metric, &Figure::metric);
-    EXPECT_NE(found, figures.end()) << metric;
-    return found == figures.end() ? 0 : found->value;
 }
 
 std::string text_of(const std::filesystem::path& file) {
