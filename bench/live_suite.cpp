@@ -1,4 +1,3 @@
-#include <iostream>
 #include <memory>
 
 #include "bench/live/feed_run.hpp"
@@ -7,7 +6,6 @@
 #include "bench/live/seek_run.hpp"
 #include "bench/live/touch_live.hpp"
 #include "bench/suite.hpp"
-#include "bench/targets.hpp"
 #include "engine/clip/clip_file.hpp"
 
 namespace touchable {
@@ -66,11 +64,6 @@ std::vector<BenchCase> live_cases(bool quick) {
             return measure_seek(long_clip, quick ? 100 : 1000, all, figures);
         });
     return cases;
-}
-
-Result<void> conclude_live(const std::vector<CaseFigures>& measured) {
-    std::cout << '\n' << table_of(measured_targets(live_targets(), measured), measured) << std::flush;
-    return {};
 }
 
 }  // namespace touchable

@@ -4,7 +4,9 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <cstdio>
+#include <ctime>
 #include <exception>
+#include <fstream>
 #include <iostream>
 #include <optional>
 #include <string>
@@ -13,6 +15,8 @@
 #include "bench/measured_commit.hpp"
 #include "bench/report.hpp"
 #include "bench/suite.hpp"
+#include "bench/targets.hpp"
+#include "engine/base/hand_thresholds.hpp"
 #include "engine/base/try.hpp"
 #include "engine/gpu/gpu_device.hpp"
 
@@ -21,23 +25,23 @@ namespace {
 
 constexpr std::array suites{
     BenchSuite{"touch", "the touch solver: time per tick, accuracy, following, energy, real depth",
-               touch_cases, conclude_touch},
+               touch_cases, real_targets},
     BenchSuite{"surface", "frames by kernels, by the CPU and by others: time per frame", surface_cases,
-               conclude_surface},
+               surface_targets},
     BenchSuite{"gpu", "a Vulkan device: its memory, its frames beside the CPU's, and which way costs least",
                gpu_cases},
     BenchSuite{"loop", "hand, device and surface in a closed loop: up to which stiffness it is stable",
                loop_cases},
     BenchSuite{"paper", "the paper's own experiments: spectrum of the force, time of a tick", paper_cases,
-               conclude_paper},
+               nullptr, conclude_paper},
     BenchSuite{"live", "clips in real time: reading, building, touch, seek, memory", live_cases,
-               conclude_live},
+               live_targets},
     BenchSuite{"play", "the window: pictures in time, their cost by stage, from input to picture", play_cases,
-               conclude_play},
+               play_targets},
     BenchSuite{"stream", "streams over a network: framesets that come, delay, forces, cost of both ends",
                stream_cases},
     BenchSuite{"targets", "what solver and frames are to reach, and whether they do", target_cases,
-               conclude_targets},
+               both_targets, conclude_targets},
 };
 
 struct Options {
@@ -51,9 +55,40 @@ double load_average() {
     return getloadavg(&load, 1) == 1 ? load : -1;
 }
 
-/// The machine of this run's times. The GPU is the one that `auto` takes; omitted without Vulkan.
-Figures machine_figures(double load_at_start) {
-    Figures figures{{"cores", static_cast<double>(sysconf(_SC_NPROCESSORS_ONLN)), ""},
+/// The day, in UTC.
+std::string date() {
+    const std::time_t now = std::time(nullptr);
+    std::array<char, 16> text;
+    return {text.data(), std::strftime(text.data(), text.size(), "%F", std::gmtime(&now))};
+}
+
+std::string cpu_model() {
+    std::ifstream cpuinfo("/proc/cpuinfo");
+    for (std::string line; std::getline(cpuinfo, line);)
+        if (line.starts_with("model name"))
+            if (const auto begin = line.find(": "); begin != std::string::npos) return line.substr(begin + 2);
+    return "not named by the kernel";
+}
+
+/// What a hand just notices (engine/base/hand_thresholds.hpp): pages that show records draw it.
+CaseFigures hand_figures() {
+    using namespace hand_thresholds;
+    return {"hand",
+            {{"direction_seen_deg", seen_degrees, "deg"},
+             {"direction_felt_deg", felt_degrees, "deg"},
+             {"size_share_pct", 100 * size_share, "%"},
+             {"size_from_n", size_from_n, "N"},
+             {"size_to_n", size_to_n, "N"}}};
+}
+
+/// The machine of this run's times, and the run. The GPU is the one that `auto` takes; omitted without
+/// Vulkan.
+Figures machine_figures(double load_at_start, bool quick) {
+    Figures figures{{"commit", 0, "", false, measured_commit},
+                    {"date", 0, "", false, date()},
+                    {"quick", quick ? 1.0 : 0.0, "", false},
+                    named("cpu", cpu_model()),
+                    {"cores", static_cast<double>(sysconf(_SC_NPROCESSORS_ONLN)), ""},
                     {"load_1m_begin", load_at_start, ""},
                     {"load_1m_end", load_average(), ""},
                     {"clock_overhead_ns", clock_costs().monotonic, "ns"},
@@ -107,13 +142,19 @@ Result<void> run(const Options& options) {
         if (auto measured = c.measure(done.back().figures); !measured) return measured;
         add_jnd(done.back().figures);
     }
-    const CaseFigures machine{"machine", machine_figures(load_at_start)};
+    const CaseFigures machine{"machine", machine_figures(load_at_start, options.quick)};
     std::cout << "commit " << measured_commit << "\n\n"
               << tables_of({machine}) << '\n'
               << tables_of(done) << std::flush;
-    done.insert(done.begin(), machine);
-    if (options.json)
-        if (auto written = write_report(*options.json, options.suite, done); !written) return written;
+    const std::vector<Target> none, &targets = suite->targets ? suite->targets() : none;
+    if (const auto those = measured_targets(targets, done); !those.empty())
+        std::cout << '\n' << table_of(those, done) << std::flush;
+    if (options.json) {
+        std::vector<CaseFigures> records = records_of(targets, done);
+        records.insert(records.begin(), done.begin(), done.end());
+        records.insert(records.begin(), {machine, hand_figures()});
+        if (auto written = write_report(*options.json, options.suite, records); !written) return written;
+    }
     return suite->conclude ? suite->conclude(done) : Result<void>();
 }
 

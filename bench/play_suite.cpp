@@ -1,9 +1,7 @@
-#include <iostream>
 #include <memory>
 
 #include "bench/play/window_run.hpp"
 #include "bench/suite.hpp"
-#include "bench/targets.hpp"
 
 namespace touchable {
 
@@ -32,11 +30,6 @@ std::vector<BenchCase> play_cases(bool quick) {
             add(name + "-paused", {clip, WindowRun::Use::paused});
         }
     return cases;
-}
-
-Result<void> conclude_play(const std::vector<CaseFigures>& measured) {
-    std::cout << '\n' << table_of(measured_targets(play_targets(), measured), measured) << std::flush;
-    return {};
 }
 
 }  // namespace touchable

@@ -38,11 +38,16 @@ struct CaseFigures {
     Figures figures;
 };
 
+struct Target;
+
 /// A suite lists its cases in one file (bench/README.md: how to add a suite).
 struct BenchSuite {
     std::string_view name, what;
     /// `quick`: the same cases more coarsely, so that the suite ends within a minute.
     std::vector<BenchCase> (*cases)(bool quick);
+    /// Optional: limits of figures. Those of measured cases are judged, printed and recorded; a missed one is
+    /// no error.
+    const std::vector<Target>& (*targets)() = nullptr;
     /// Optional: prints conclusions from all figures; an error if they miss a requirement.
     Result<void> (*conclude)(const std::vector<CaseFigures>& measured) = nullptr;
 };
@@ -54,18 +59,10 @@ std::vector<BenchCase> loop_cases(bool quick);
 std::vector<BenchCase> paper_cases(bool quick);
 /// Prints the paper's figures beside the measured ones.
 Result<void> conclude_paper(const std::vector<CaseFigures>& measured);
-/// Print the table of the suite's targets (touch: those of real cameras' depth); a missed target is no error.
-Result<void> conclude_touch(const std::vector<CaseFigures>& measured);
-Result<void> conclude_surface(const std::vector<CaseFigures>& measured);
 std::vector<BenchCase> stream_cases(bool quick);
 std::vector<BenchCase> live_cases(bool quick);
-/// Prints the table of targets; a missed target is no error.
-Result<void> conclude_live(const std::vector<CaseFigures>& measured);
 std::vector<BenchCase> play_cases(bool quick);
-/// Prints the table of targets; a missed target is no error.
-Result<void> conclude_play(const std::vector<CaseFigures>& measured);
-/// The cases of the suites touch and surface that have targets; prints both tables, an error if a target is
-/// missed.
+/// The cases of the suites touch and surface that have targets; an error if a target is missed.
 std::vector<BenchCase> target_cases(bool quick);
 Result<void> conclude_targets(const std::vector<CaseFigures>& measured);
 

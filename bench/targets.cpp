@@ -49,6 +49,12 @@ bool is_worse(double value, double than, const Limit& limit) {
     return limit.sense == Limit::Sense::at_least ? !(value >= than) : !(value <= than);
 }
 
+const char* in_a_word(const Target& target, const Verdict& verdict) {
+    if (!verdict.asked) return "not asked here";
+    if (verdict.met) return target.limit.sense == Limit::Sense::none ? "" : "met";
+    return "MISSED";
+}
+
 std::string left_aligned(std::string words, std::size_t width) {
     if (words.size() < width) words.resize(width, ' ');
     return words;
@@ -73,7 +79,10 @@ Verdict judge(const Target& target, const std::vector<CaseFigures>& measured) {
             continue;
         }
         const double share = *value / unit;
-        if (verdict.cases == 0 || is_worse(share, verdict.value, target.limit)) verdict.value = share;
+        if (verdict.cases == 0 || is_worse(share, verdict.value, target.limit)) {
+            verdict.value = share;
+            verdict.worst = name;
+        }
         ++verdict.cases;
         if (std::isnan(share)) break;  // nothing is worse
     }
@@ -96,11 +105,6 @@ std::string table_of(const std::vector<Target>& targets, const std::vector<CaseF
         return left_aligned(what, 46) + left_aligned(wanted, 12) + left_aligned(value, 14) +
                left_aligned(cases, 8) + verdict + "\n";
     };
-    const auto in_a_word = [](const Target& target, const Verdict& verdict) {
-        if (!verdict.asked) return "not asked here";
-        if (verdict.met) return target.limit.sense == Limit::Sense::none ? "" : "met";
-        return "MISSED";
-    };
     std::string table = line("target", "wanted", "measured", "cases", "");
     for (const Target& target : targets) {
         const Verdict verdict = judge(target, measured);
@@ -110,6 +114,28 @@ std::string table_of(const std::vector<Target>& targets, const std::vector<CaseF
                       in_a_word(target, verdict));
     }
     return table;
+}
+
+std::vector<CaseFigures> records_of(const std::vector<Target>& targets,
+                                    const std::vector<CaseFigures>& measured) {
+    std::vector<CaseFigures> records;
+    std::string above;
+    for (const Target& target : targets) {
+        const bool is_below = target.what.starts_with("  ");
+        if (!is_below) above = target.what;
+        if (measured_targets({target}, measured).empty()) continue;
+        const Verdict verdict = judge(target, measured);
+        CaseFigures record{"target: " + (is_below ? above + ": " + target.what.substr(2) : target.what), {}};
+        if (verdict.cases > 0) {
+            record.figures.push_back({"worst", verdict.value, target.limit.unit});
+            record.figures.push_back(named("worst_case", verdict.worst));
+        }
+        record.figures.push_back(named("metric", target.metric));
+        record.figures.push_back(named("limit", in_words(target.limit)));
+        record.figures.push_back(named("verdict", in_a_word(target, verdict)));
+        records.push_back(std::move(record));
+    }
+    return records;
 }
 
 }  // namespace touchable

@@ -37,12 +37,16 @@ const std::vector<Target>& live_targets();
 /// Targets of the window.
 const std::vector<Target>& play_targets();
 
+/// Those of the solver and of the frame pipeline together.
+const std::vector<Target>& both_targets();
+
 /// Result of a target: its worst value over the measured cases.
 struct Verdict {
     double value = 0;
     std::size_t cases = 0;  ///< number of the target's cases with the metric; 0: not measured, so not met
     bool met = false;
     bool asked = true;  ///< false: all measured cases were skipped (Target::only_where)
+    std::string worst;  ///< case of the value
 };
 Verdict judge(const Target& target, const std::vector<CaseFigures>& measured);
 
@@ -51,5 +55,10 @@ std::vector<Target> measured_targets(std::vector<Target> targets, const std::vec
 
 /// A line per target: description, limit, measured value, met or missed.
 std::string table_of(const std::vector<Target>& targets, const std::vector<CaseFigures>& measured);
+
+/// The measured ones as records, a case per target, named after its description (after that of the line that
+/// it is indented under, too): worst value, its case, metric, limit and verdict. Units refer to `targets`.
+std::vector<CaseFigures> records_of(const std::vector<Target>& targets,
+                                    const std::vector<CaseFigures>& measured);
 
 }  // namespace touchable

@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <iostream>
+#include <iterator>
 
 #include "bench/suite.hpp"
 #include "bench/targets.hpp"
@@ -19,6 +19,15 @@ std::vector<BenchCase> needed(std::vector<BenchCase> cases, const std::vector<Ta
 
 }  // namespace
 
+const std::vector<Target>& both_targets() {
+    static const std::vector<Target> both = [] {
+        std::vector<Target> targets = touch_targets();
+        std::ranges::copy(surface_targets(), std::back_inserter(targets));
+        return targets;
+    }();
+    return both;
+}
+
 std::vector<BenchCase> target_cases(bool quick) {
     std::vector<BenchCase> cases = needed(touch_cases(quick), touch_targets());
     std::ranges::move(needed(surface_cases(quick), surface_targets()), std::back_inserter(cases));
@@ -26,29 +35,14 @@ std::vector<BenchCase> target_cases(bool quick) {
 }
 
 Result<void> conclude_targets(const std::vector<CaseFigures>& measured) {
-    std::ptrdiff_t missed = 0, all = 0;
-    for (const auto& [of, targets] :
-         {std::pair{"the touch solver", &touch_targets()}, std::pair{"frames", &surface_targets()}}) {
-        std::cout << "\nTargets of " << of << "\n\n" << table_of(*targets, measured) << std::flush;
-        missed += std::ranges::count_if(*targets, [&](const Target& target) {
-            const Verdict verdict = judge(target, measured);
-            return verdict.asked && !verdict.met;
-        });
-        all += std::ssize(*targets);
-    }
+    const std::vector<Target> targets = measured_targets(both_targets(), measured);
+    const auto missed = std::ranges::count_if(targets, [&](const Target& target) {
+        const Verdict verdict = judge(target, measured);
+        return verdict.asked && !verdict.met;
+    });
     if (missed == 0) return {};
-    return Error{ErrorKind::check, std::to_string(missed) + " of " + std::to_string(all) + " targets missed"};
-}
-
-Result<void> conclude_surface(const std::vector<CaseFigures>& measured) {
-    std::cout << '\n' << table_of(measured_targets(surface_targets(), measured), measured) << std::flush;
-    return {};
-}
-
-Result<void> conclude_touch(const std::vector<CaseFigures>& measured) {
-    const std::vector<Target> targets = measured_targets(real_targets(), measured);
-    if (!targets.empty()) std::cout << '\n' << table_of(targets, measured) << std::flush;
-    return {};
+    return Error{ErrorKind::check,
+                 std::to_string(missed) + " of " + std::to_string(targets.size()) + " targets missed"};
 }
 
 }  // namespace touchable

@@ -675,6 +675,26 @@ TEST(Targets, TableShowsVerdicts) {
     EXPECT_EQ(table_of({target(no_limit)}, measured(4, 5)).find("met\n"), std::string::npos);
 }
 
+TEST(Targets, RecordsNameParentAndWorstCase) {
+    std::vector<Target> targets{target(below, 3), target(at_least, 2), target(below, 2), target(below, 3)};
+    targets[1].cases = targets[2].cases = {"nowhere"};
+    targets[2].what = "unmeasured";
+    targets[3].what = "  on a GPU";
+    const std::vector<CaseFigures> records = records_of(targets, measured(1, 3.5));
+    ASSERT_EQ(records.size(), 2U) << "two were not measured";
+    EXPECT_EQ(records[0].name, "target: a time");
+    EXPECT_EQ(records[1].name, "target: unmeasured: on a GPU");
+    std::map<std::string, std::string> words;
+    for (const Figure& figure : records[0].figures) words[figure.metric] = figure.name.value_or("");
+    EXPECT_EQ(words["verdict"], "MISSED");
+    EXPECT_EQ(words["limit"], "< 3 us");
+    EXPECT_EQ(words["worst_case"], "there");
+    EXPECT_EQ(words["metric"], "us");
+    EXPECT_EQ(records[0].figures[0].metric, "worst");
+    EXPECT_EQ(records[0].figures[0].value, 3.5);
+    EXPECT_EQ(records[0].figures[0].unit, "us");
+}
+
 void expect_cases_of(const std::vector<Target>& targets, std::vector<BenchCase> (&cases)(bool quick)) {
     std::set<std::string> full, quick;
     for (const BenchCase& c : cases(false)) full.insert(c.name);
