@@ -4,19 +4,18 @@ import re
 
 import matplotlib.pyplot as plt
 
-from plots.files import read_figures, save
-from style import BadInput, colour
+from plots.hand import draw_noticed, noticed_legend
+from style import colour
 
 CASE = re.compile(r"real-detail-(?P<name>[\w.-]+)")
 NAMES = {"cube": "RealSense, 0.4 m", "castel": "SR300, 0.25 m", "redwood": "PrimeSense, 1.8 m",
          "azure": "time of flight, 1.4 m (a model)"}
-JUST_NOTICED = 18.4  # degrees (engine/base/hand_thresholds.hpp)
 
 
-def read_points(file):
+def points_of(figures):
     """Per recording: pens (mm) and leans (degrees) of its points, and which of these is chosen."""
     recordings = {}
-    for case, metrics in read_figures(file).items():
+    for case, metrics in figures.items():
         match = CASE.fullmatch(case)
         if not match or "points" not in metrics:
             continue
@@ -24,18 +23,16 @@ def read_points(file):
         recordings[match["name"]] = ([metrics[f"detail_{k}_pen_mm"] for k in numbers],
                                      [metrics[f"detail_{k}_leans_deg"] for k in numbers],
                                      int(metrics["chosen_detail"]))
-    if not recordings:
-        raise BadInput(f"{file}: there is no case real-detail-... of the suite touch")
     return recordings
 
 
-def draw_detail(arguments):
-    recordings = read_points(arguments.results)
+def draw_detail(figures):
+    recordings = points_of(figures)
+    if not recordings:
+        return None
     figure, axes = plt.subplots(layout="constrained", figsize=(8.5, 5))
     least = min(pen for pens, _, _ in recordings.values() for pen in pens if pen > 0) / 2
-    axes.axhline(JUST_NOTICED, color="#999999", linewidth=1, linestyle=":", zorder=1)
-    axes.annotate("a hand just notices", (1, JUST_NOTICED), xycoords=("axes fraction", "data"), xytext=(-4, 4),
-                  textcoords="offset points", ha="right", fontsize=8.5, color="#666666")
+    draw_noticed(axes, figures)
     for number, (name, (pens, leans, chosen)) in enumerate(recordings.items()):
         # A logarithmic axis has no 0, which is everything.
         shown = [max(pen, least) for pen in pens]
@@ -51,6 +48,6 @@ def draw_detail(arguments):
         axis.set_minor_formatter(lambda x, _: f"{x:.2g}" if f"{x:e}"[0] in "25" else "")
     axes.grid(which="both", color="#e8e8e8", linewidth=0.6)
     axes.set_axisbelow(True)
-    axes.legend(fontsize=9)
+    axes.legend(handles=axes.get_legend_handles_labels()[0] + noticed_legend(figures), fontsize=9)
     axes.set_title("Detail of four recordings, from as recorded (upper left) to smooth")
-    save(figure, arguments.out)
+    return figure

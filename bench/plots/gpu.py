@@ -1,8 +1,6 @@
-"""What a GPU, its builder and three ways to touch cost, as one page with its plots in it: from
-`touchable-bench gpu --json`."""
+"""What a GPU, its builder and three ways to touch cost: from `touchable-bench gpu --json`."""
 
 import html
-import io
 import math
 import re
 
@@ -12,8 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from plots.files import read_figures, save_text
-from style import BadInput, colour
+from style import colour
 
 FILTERS = ["none", "m3", "m5", "terraces", "temporal"]
 FILTER_NAMES = {"none": "no filter", "m3": "median 3x3", "m5": "median 5x5", "terraces": "terraces removed",
@@ -108,6 +105,7 @@ def draw_memory(figures):
     axes.grid(which="major", axis="x", color="#dddddd", linewidth=0.6)
     axes.set(xscale="log", xlabel="GB/s (logarithmic)")
     axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_formatter("{x:g}")
     axes.margins(x=0.15)
     return figure
 
@@ -413,23 +411,6 @@ SECTIONS = [
      "the filter's alone."),
 ]
 
-STYLE = """
-body { font: 16px/1.5 system-ui, sans-serif; color: #222; background: #fff; max-width: 72rem; margin: 2rem auto; padding: 0 1rem }
-h1 { font-size: 1.7rem; margin-bottom: .3rem } h2 { font-size: 1.25rem; margin: 2.4rem 0 .3rem }
-p { max-width: 52rem; margin: .3rem 0 .8rem } svg { max-width: 100%; height: auto }
-table { border-collapse: collapse; font-size: .85rem; font-variant-numeric: tabular-nums } th { text-align: left; font-weight: 600 }
-td, th { padding: .15rem .7rem .15rem 0; border-bottom: 1px solid #e4e4e4 } td.n { text-align: right } .table { overflow-x: auto }
-"""
-
-
-def svg_of(figure, salt):
-    plt.rcParams["svg.hashsalt"] = salt  # identifiers differ between plots, but not between runs
-    text = io.StringIO()
-    figure.savefig(text, format="svg", metadata={"Date": None})
-    plt.close(figure)
-    return text.getvalue()[text.getvalue().index("<svg"):]
-
-
 def facts_of(figures):
     machine, memory = figures.get("machine", {}), figures.get("memory", {})
     facts = [("cores", machine.get("cores"), ""), ("load before", machine.get("load_1m_begin"), ""),
@@ -454,19 +435,3 @@ def run_table(figures):
             "".join(f'<td class="n">{rounded(run[key])}</td>' for key in keys) for run in runs]
     return ('<div class="table"><table><tr>' + "".join(f"<th>{head}</th>" for head in heads) + "</tr>" +
             "".join(f"<tr>{row}</tr>" for row in rows) + "</table></div>")
-
-
-def draw_gpu(arguments):
-    figures = read_figures(arguments.results)
-    drawn = [(title, figure, words) for title, draw, words in SECTIONS if (figure := draw(figures)) is not None]
-    if not drawn:
-        raise BadInput(f"{arguments.results}: there is no case of the suite gpu")
-    device = figures.get("machine", {}).get("gpu", "an unnamed device")
-    parts = ["<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content='width=device-width'>"
-             f"<title>Vulkan, CPU and lazy</title><style>{STYLE}</style>",
-             f"<h1>Vulkan, CPU and lazy: what frames and touch cost on {html.escape(device)}</h1>", f"<p>{html.escape(facts_of(figures))}.</p>"]
-    for title, figure, words in drawn:
-        parts.append(f"<h2>{title}</h2><p>{html.escape(words)}</p>{svg_of(figure, title)}")
-        if title == "Computed and run":
-            parts.append(run_table(figures))
-    save_text("\n".join(parts) + "</html>\n", arguments.out)

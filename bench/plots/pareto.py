@@ -7,12 +7,13 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from plots.files import read_figures, save
-from style import COLOURS, BadInput
+from plots.hand import draw_noticed, noticed_legend
+from style import COLOURS
 
 GLOBE = re.compile(r"globe-(?P<size>\d+x\d+)-(?P<bits>\w+)-1f-(?P<mode>world|pixel|scaled)"
-                   r"(?P<camera>-A|-Aprime)?(-m(?P<median>\d))?(?P<lazy>-lazy)?")
+                   r"(?P<camera>-A|-Aprime)?(-m(?P<median>\d))?(?P<terraces>-t)?(?P<lazy>-lazy)?")
 MOVING = re.compile(r"moving-(?P<size>\d+x\d+)-(?P<bits>\w+)-1f-world(?P<hold>-hold)?-follow-(?P<speed>[\d.]+)")
+REAL = re.compile(r"real-(?P<camera>cube|redwood|icl-\w+)-(?P<filter>[\w.-]+)")
 CAMERAS = {None: "B", "-A": "A", "-Aprime": "A'"}
 MODES = {"world": (COLOURS[0], "world space"), "scaled": (COLOURS[2], "pixel space, levels scaled by kappa"),
          "pixel": (COLOURS[3], "pixel space, the paper's")}
@@ -20,18 +21,17 @@ BITS = {"exact": ("D", "not quantised"), "16": ("o", "16 bits"), "10": ("^", "10
 HOLD = {None: (COLOURS[0], "linear between frames"), "-hold": (COLOURS[4], "hold the earlier frame")}
 SIZES = "oD^sv<>p"
 PAPERS_OWN = {"bits": "8", "mode": "pixel", "median": "3"}
-TIME, ANGLE, DISTANCE = "tick_us_mean", "force_angle_deg_rms", "distance_mm_rms"
-NOTICED = "force_angle_jnd_rms"
+TIME, FRAME_TIME, ANGLE, DISTANCE = "tick_us_mean", "frame_cpu_ms", "force_angle_deg_rms", "distance_mm_rms"
 POINT = {"linestyle": "", "markersize": 7, "markeredgewidth": 1.4}
 
 
-def options_of(figures, pattern, error, panel):
+def options_of(figures, pattern, time, error, panel):
     """The cases of a pattern that have a time and an error, by panel."""
     panels = {}
     for case, metrics in figures.items():
         match = pattern.fullmatch(case)
-        if match and metrics.get(error, 0) > 0 and metrics.get(TIME, 0) > 0:
-            option = {**match.groupdict(), "time": metrics[TIME], "error": metrics[error]}
+        if match and metrics.get(error, 0) > 0 and metrics.get(time, 0) > 0:
+            option = {**match.groupdict(), "time": metrics[time], "error": metrics[error]}
             panels.setdefault(panel(option), []).append(option)
     return panels
 
@@ -46,18 +46,12 @@ def front(options):
     return np.array(points).T
 
 
-def just_noticed(figures):
-    """Degrees of one JND: the report has the same error in both; None of an older one."""
-    return next((metrics[ANGLE] / metrics[NOTICED] for metrics in figures.values() if metrics.get(NOTICED)), None)
-
-
 def is_papers_own(option):
     return option["lazy"] and all(option[key] == value for key, value in PAPERS_OWN.items())
 
 
-def draw_globe(axes, options, noticed):
-    if noticed:
-        axes.axhline(noticed, color="#999999", linewidth=1, linestyle=":", zorder=1)
+def draw_globe(axes, options, figures):
+    draw_noticed(axes, figures)
     axes.plot(*front(options), color="#999999", linewidth=1, drawstyle="steps-post", zorder=1)
     for option in options:
         colour, shape = MODES[option["mode"]][0], BITS[option["bits"]][0]
@@ -67,6 +61,8 @@ def draw_globe(axes, options, noticed):
         if option["lazy"] and option["median"] and option["mode"] == "pixel":
             axes.annotate(f"{option['median']}x{option['median']}", (option["time"], option["error"]),
                           xytext=(0, -21), textcoords="offset points", ha="center", fontsize=8, color=colour)
+        if option["terraces"]:
+            axes.annotate("t", (option["time"], option["error"]), xytext=(7, -3), textcoords="offset points", fontsize=8)
         if is_papers_own(option):
             axes.plot(option["time"], option["error"], "o", markersize=16, color="none", markeredgecolor="black",
                       markeredgewidth=1.4)
@@ -90,6 +86,20 @@ def draw_moving(axes, options):
                 axes.plot(times, errors, SIZES[index % len(SIZES)] + "-", color=colour, markersize=7, linewidth=0.8)
 
 
+def draw_real(axes, options, figures):
+    draw_noticed(axes, figures)
+    times, errors = front(options)
+    axes.plot(times, errors, color="#999999", linewidth=1, drawstyle="steps-post", zorder=1)
+    labelled = float("inf")
+    for option in sorted(options, key=lambda option: option["time"]):
+        chosen = option["filter"] == "chosen"
+        axes.plot(option["time"], option["error"], "o", color=COLOURS[0] if chosen else "white", markeredgecolor=COLOURS[0])
+        if chosen or option["time"] in times and option["error"] < 0.75 * labelled:
+            labelled = option["error"]
+            axes.annotate(option["filter"], (option["time"], option["error"]), xytext=(-6, -3), ha="right",
+                          textcoords="offset points", fontsize=7.5)
+
+
 def log_axes(axes, title):
     axes.set(xscale="log", yscale="log", title=title)
     axes.xaxis.set_major_formatter("{x:g}")
@@ -108,25 +118,30 @@ def draw_band(band, panels, draw, title, across, up):
     grid = band.subplots(-(-len(panels) // columns), columns, sharex=True, sharey=True, squeeze=False)
     for axes in grid.flat[len(panels):]:
         axes.remove()
-    for axes, (name, options) in zip(grid.flat, panels.items()):
+    for index, (axes, (name, options)) in enumerate(zip(grid.flat, panels.items())):
         log_axes(axes, name)
+        axes.tick_params(axis="x", which="both", labelbottom=index + columns >= len(panels))
         draw(axes, options)
     band.suptitle(title, fontsize=12)
     band.supxlabel(across, fontsize=10)
     band.supylabel(up, fontsize=10)
 
 
-def globe_legend(noticed):
+def globe_legend():
     handles = [Patch(facecolor=colour, label=label) for colour, label in MODES.values()]
     handles += [Line2D([], [], marker=marker, color="#666666", label=label, **POINT)
                 for marker, label in BITS.values()]
     handles.append(Line2D([], [], marker="s", color="white", markeredgecolor="#666666",
                           label="filtered where touched", **POINT))
+    handles.append(Line2D([], [], marker="$t$", color="black", label="terraces removed", linestyle=""))
     handles.append(Line2D([], [], color="#999999", linewidth=1, label="nothing is better in both"))
-    if noticed:
-        handles.append(Line2D([], [], color="#999999", linewidth=1, linestyle=":",
-                              label=f"a hand just notices ({noticed:.3g} degrees)"))
     return handles
+
+
+def real_legend():
+    return [Line2D([], [], marker="o", color=COLOURS[0], label="chosen by the program", **POINT),
+            Line2D([], [], marker="o", color="white", markeredgecolor=COLOURS[0], label="m: median, t: terraces removed", **POINT),
+            Line2D([], [], color="#999999", linewidth=1, label="nothing is better in both")]
 
 
 def moving_legend(options):
@@ -135,24 +150,28 @@ def moving_legend(options):
                       for index, size in enumerate(sizes_of(options))]
 
 
-def draw_pareto(arguments):
-    figures = read_figures(arguments.results)
-    globe = options_of(figures, GLOBE, ANGLE, lambda o: f"camera {CAMERAS[o['camera']]}, {o['size']}")
-    moving = options_of(figures, MOVING, DISTANCE, lambda o: "stroked at 0.05, 0.1 and 0.3 m/s")
+def draw_pareto(figures):
+    globe = options_of(figures, GLOBE, TIME, ANGLE, lambda o: f"camera {CAMERAS[o['camera']]}, {o['size']}")
+    moving = options_of(figures, MOVING, TIME, DISTANCE, lambda o: "stroked at 0.05, 0.1 and 0.3 m/s")
+    real = options_of(figures, REAL, FRAME_TIME, ANGLE, lambda o: o["camera"])
+    tick = "CPU time of a tick (µs)"
     bands = []
     if globe:
-        noticed = just_noticed(figures)
-        bands.append((globe, lambda axes, options: draw_globe(axes, options, noticed), "The globe, one finger", "error of the force's direction (degrees RMS)",
-                      globe_legend(noticed)))
+        bands.append((globe, lambda axes, options: draw_globe(axes, options, figures), "The globe, one finger",
+                      tick, "error of the force's direction (degrees RMS)", globe_legend() + noticed_legend(figures)))
     if moving:
-        bands.append((moving, draw_moving, "A surface that rises and falls by 20 mm at 30 frames/s",
+        bands.append((moving, draw_moving, "A surface that rises and falls by 20 mm at 30 frames/s", tick,
                       "from the true nearest\npoint (mm RMS)", moving_legend(next(iter(moving.values())))))
+    if real:
+        bands.append((real, lambda axes, options: draw_real(axes, options, figures), "Real depth of 640x480, by filters",
+                      "CPU time of a frame (ms)", "error of the force's direction (degrees RMS)",
+                      real_legend() + noticed_legend(figures)))
     if not bands:
-        raise BadInput(f"{arguments.results}: there is no case of the globe with {TIME} and {ANGLE}")
+        return None
     heights = [3.1 * -(-len(band[0]) // 2) + 0.7 for band in bands]
     figure = plt.figure(layout="constrained", figsize=(11, sum(heights) + 0.8 * len(bands)))
     parts = figure.subfigures(2 * len(bands), 1, height_ratios=[x for height in heights for x in (height, 0.8)])
-    for (panels, draw, title, up, legend), band, below in zip(bands, parts[::2], parts[1::2]):
-        draw_band(band, panels, draw, title, "CPU time of a tick (µs)", up)
-        below.legend(handles=legend, loc="center", ncol=5, fontsize=9)
-    save(figure, arguments.out)
+    for (panels, draw, title, across, up, legend), band, below in zip(bands, parts[::2], parts[1::2]):
+        draw_band(band, panels, draw, title, across, up)
+        below.legend(handles=legend, loc="center", ncol=4, fontsize=9)
+    return figure

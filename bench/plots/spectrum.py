@@ -4,8 +4,7 @@ import re
 
 import matplotlib.pyplot as plt
 
-from plots.files import read_figures, save
-from style import BadInput, colour
+from style import colour
 
 CASE = "chest-320x240-8-1f-{metric}{filter}-scratch-n1"
 METRICS = {"pixel": "metric pixel, the paper's", "world": "metric world, ours"}
@@ -21,17 +20,14 @@ def curve_of(metrics):
     return sorted(point for point in points if point[0] >= SHOWN_FROM and point[1] > 0)
 
 
-def read_curves(file):
+def curves_of(figures):
     """Per metric and filter that were measured: the curve, and the force between 20 and 500 Hz."""
-    figures = read_figures(file)
     curves = {}
     for metric in METRICS:
         for number, (name, words) in enumerate(FILTERS.items()):
             case = figures.get(CASE.format(metric=metric, filter=name), {})
             if curve := curve_of(case):
                 curves.setdefault(metric, []).append((number, f"{words}: {case.get(BAND, 0):.3g} mN", curve))
-    if not curves:
-        raise BadInput(f"{file}: there is no case {CASE.format(metric='pixel', filter='')} of the suite paper")
     return curves
 
 
@@ -50,8 +46,10 @@ def draw_panel(axes, curves):
                 alignment="left")
 
 
-def draw_spectrum(arguments):
-    curves = read_curves(arguments.results)
+def draw_spectrum(figures):
+    curves = curves_of(figures)
+    if not curves:
+        return None
     figure, panels = plt.subplots(1, len(curves), sharex=True, sharey=True, squeeze=False, layout="constrained",
                                   figsize=(5.4 * len(curves), 5))
     for axes, metric in zip(panels.flat, curves):
@@ -60,4 +58,4 @@ def draw_spectrum(arguments):
     panels.flat[0].set_ylabel("power spectral density of |F| (N²/Hz)")
     figure.suptitle("A scripted hand scratches a noisy chest (8 bits, noise of 1 level): the paper's Fig. 19 anew",
                     fontsize=12)
-    save(figure, arguments.out)
+    return figure

@@ -6,8 +6,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.lines import Line2D
 
-from plots.files import read_figures, save
-from style import BadInput, colour
+from style import colour
 
 LOOP = re.compile(r"(?P<scene>[a-z]+)-\d+x\d+-\w+-1f-(?P<metric>world|pixel)-b(?P<damping>[\d.]+)"
                   r"(-d(?P<delay>\d+))?(-f(?P<friction>[\d.]+))?(-q(?P<quantum>[\d.]+))?")
@@ -24,16 +23,14 @@ def theory(loop):
     return min(bound, 2000 * loop["friction"] / loop["quantum"]) if loop["quantum"] > 0 else bound
 
 
-def read_loops(file):
+def loops_of(figures):
     loops = []
-    for case, metrics in read_figures(file).items():
+    for case, metrics in figures.items():
         match = LOOP.fullmatch(case)
         if match and BOUNDARY in metrics:
             numbers = {key: float(match[key] or 0) for key in ("damping", "delay", "friction", "quantum")}
             loops.append({"scene": match["scene"], "metric": match["metric"], **numbers,
                           "boundary": max(metrics[BOUNDARY], LEAST_SHOWN)})
-    if not loops:
-        raise BadInput(f"{file}: there is no case of the suite loop with {BOUNDARY}")
     return loops
 
 
@@ -66,8 +63,10 @@ def handles_of(loops, by, words):
             for index, value in enumerate(sorted({loop[by] for loop in loops}))]
 
 
-def draw_stability(arguments):
-    loops = read_loops(arguments.results)
+def draw_stability(figures):
+    loops = loops_of(figures)
+    if not loops:
+        return None
     scenes = list(dict.fromkeys(loop["scene"] for loop in loops))
     smooth = [loop for loop in loops if loop["quantum"] == 0]
     rough = [loop for loop in loops if loop["quantum"] > 0]
@@ -98,4 +97,4 @@ def draw_stability(arguments):
     below.legend(handles=[Line2D([], [], linestyle="", marker=MARKERS[index % len(MARKERS)], color="#555555",
                                  markersize=5.5, label=scene) for index, scene in enumerate(scenes)],
                  loc="center", ncol=min(10, len(scenes)), fontsize=9, columnspacing=1.2, handletextpad=0.2)
-    save(figure, arguments.out)
+    return figure

@@ -5,12 +5,15 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <limits>
 #include <map>
 #include <numbers>
+#include <regex>
 #include <set>
 #include <sstream>
 #include <string>
@@ -252,6 +255,50 @@ TEST(PlayedClip, LazyEqualsWholeAcrossLoop) {
         differ += first.vertex(x, 120).depth != fourth.vertex(x, 120).depth;
     }
     EXPECT_GT(differ, 20);
+}
+
+std::string text_of(const std::filesystem::path& file) {
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    return text.str();
+}
+
+bool says(const std::string& text, const std::string& words) {
+    return text.find(words) != std::string::npos;
+}
+
+struct Answer {
+    int code = -1;
+    std::string text;
+};
+
+Answer answer_to(const std::string& command) {
+    Answer answer;
+    FILE* const program = popen((command + " 2>&1").c_str(), "r");
+    std::array<char, 4096> some;
+    while (std::fgets(some.data(), some.size(), program)) answer.text += some.data();
+    answer.code = WEXITSTATUS(pclose(program));
+    return answer;
+}
+
+bool has_matplotlib() {
+    return answer_to("/usr/bin/python3 -c 'import matplotlib'").code == 0;
+}
+
+Answer plot(const std::string& words) {
+    return answer_to("/usr/bin/python3 " TOUCHABLE_SOURCE_DIR "/bench/plot.py " + words);
+}
+
+/// The page of one suite's records; `old`: to compare with, if any.
+std::string page_of(const test::TemporaryFolder& folder, const char* suite,
+                    const std::vector<CaseFigures>& records, const std::vector<CaseFigures>& old = {}) {
+    const std::string now = folder / "now.json", before = folder / "before.json", page = folder / "page.html";
+    EXPECT_TRUE(write_report(now, suite, records));
+    if (!old.empty()) EXPECT_TRUE(write_report(before, suite, old));
+    const Answer answer = plot("report " + now + " " + page + (old.empty() ? "" : " --compare " + before));
+    EXPECT_EQ(answer.code, 0) << answer.text;
+    EXPECT_EQ(answer.text, "");
+    return text_of(page);
 }
 
 double value_of(const Figures& figures, const std::string& metric) {
@@ -512,12 +559,6 @@ Result<void> measure(const std::string& name, Figures& figures) {
     return usage_error("no case " + name);
 }
 
-std::string text_of(const std::filesystem::path& file) {
-    std::ostringstream text;
-    text << std::ifstream(file).rdbuf();
-    return text.str();
-}
-
 TEST(GpuSuite, MeasuresAndPlotsTinyCase) {
     if (!GpuDevice::open()) GTEST_SKIP() << "no Vulkan";
     Figures frames, fingers;
@@ -529,33 +570,16 @@ TEST(GpuSuite, MeasuresAndPlotsTinyCase) {
     EXPECT_GT(value_of(fingers, "cpu_ms_per_s_60hz"), value_of(fingers, "cpu_ms_per_s_30hz"));
     EXPECT_GT(value_of(fingers, "lazy_tick_us"), 0);
 
-    if (std::system("/usr/bin/python3 -c 'import matplotlib' 2>/dev/null") != 0)
-        GTEST_SKIP() << "no matplotlib: the page is not made";
+    if (!has_matplotlib()) GTEST_SKIP() << "no matplotlib: the page is not made";
     const test::TemporaryFolder folder;
-    const auto json = folder / "gpu.json", page = folder / "gpu.html";
     const CaseFigures machine{"machine",
                               {named("gpu", "RTX <1>"), named("gpu_driver", "N"), named("vulkan", "1.3")}};
-    ASSERT_TRUE(
-        write_report(json, "gpu", {machine, {"ways-320x240-m3", frames}, {"ways-320x240-m3-1f", fingers}}));
-    const std::string command =
-        "/usr/bin/python3 " TOUCHABLE_SOURCE_DIR "/bench/plot.py gpu " + json.string() + " " + page.string();
-    ASSERT_EQ(std::system(command.c_str()), 0);
-    const std::string html = text_of(page);
-    EXPECT_NE(html.find("<svg"), std::string::npos);
-    EXPECT_NE(html.find("cost on RTX &lt;1&gt;</h1>"), std::string::npos);
-    EXPECT_NE(html.find("Force error on a moving surface"), std::string::npos);
-    EXPECT_EQ(html.find("Jitter"), std::string::npos) << "it was not measured";
-}
-
-TEST(GpuSuite, PlotRejectsForeignReport) {
-    if (std::system("/usr/bin/python3 -c 'import matplotlib' 2>/dev/null") != 0) GTEST_SKIP();
-    const test::TemporaryFolder folder;
-    ASSERT_TRUE(write_report(folder / "loop.json", "loop", {{"bumps", {{"time", 1, "us"}}}}));
-    const std::string command = "/usr/bin/python3 " TOUCHABLE_SOURCE_DIR "/bench/plot.py gpu " +
-                                (folder / "loop.json").string() + " " + (folder / "page.html").string() +
-                                " 2>/dev/null";
-    EXPECT_NE(std::system(command.c_str()), 0);
-    EXPECT_FALSE(std::filesystem::exists(folder / "page.html"));
+    const std::string page =
+        page_of(folder, "gpu", {machine, {"ways-320x240-m3", frames}, {"ways-320x240-m3-1f", fingers}});
+    EXPECT_PRED2(says, page, "<svg");
+    EXPECT_PRED2(says, page, "GPU: RTX &lt;1&gt;</h2>");
+    EXPECT_PRED2(says, page, "Force error on a moving surface");
+    EXPECT_FALSE(says(page, "Jitter")) << "it was not measured";
 }
 
 TEST(FrameRing, ChangesEveryPixel) {
@@ -783,6 +807,196 @@ TEST(Report, ShowsNamesAsValues) {
     std::stringstream text;
     text << std::ifstream(folder / "r.json").rdbuf();
     EXPECT_NE(text.str().find(R"("metric":"gpu","value":"llvmpipe")"), std::string::npos) << text.str();
+}
+
+/// The part of a page from a heading to the next one.
+std::string part_of(const std::string& page, const std::string& heading) {
+    const std::size_t begin = page.find(">" + heading);
+    if (begin == std::string::npos) return "";
+    return page.substr(begin, page.find("<h", begin) - begin);
+}
+
+TEST(Page, TellsWhatGotWorse) {
+    if (!has_matplotlib()) GTEST_SKIP();
+    const auto records = [](double mean, double p99, double roots, double angle, double lost, double rate,
+                            double odd, const char* hash) {
+        return std::vector<CaseFigures>{
+            {"machine", {{"quick", 1, ""}}},
+            {"rough-1f",
+             {{"tick_us_mean", mean, "us"},
+              {"tick_us_p99", p99, "us"},
+              {"tick_roots", roots, ""},
+              {"force_angle_deg_rms", angle, "deg"},
+              {"contact_lost_ticks", lost, ""},
+              {"frames_per_s", rate, ""},
+              {"odd_share", odd, ""},
+              {"strange", odd, ""},
+              named("force_hash", hash)}},
+            {"target: odd", {named("metric", "odd_share"), named("limit", ">= 2"), named("verdict", "met")}}};
+    };
+    const auto old = records(1, 10, 50, 2, 0, 30, 3, "aa");
+    const test::TemporaryFolder folder;
+    const std::string page = page_of(folder, "touch", records(1.2, 19, 52, 1.9, 3, 20, 2.5, "bb"), old);
+    const std::string worse = part_of(page, "Worse: 4 figures"), better = part_of(page, "Better: 1 figure<"),
+                      changed = part_of(page, "Changed, neither better nor worse: 2 figures");
+    for (const char* metric : {"tick_us_mean", "contact_lost_ticks", "frames_per_s", "odd_share"})
+        EXPECT_PRED2(says, worse, metric);
+    EXPECT_PRED2(says, worse, "<td class=n>1 µs</td><td class=n>1.20 µs</td><td class=n>1.20</td>");
+    EXPECT_PRED2(says, worse, "<code>touchable-bench touch --quick --filter rough-1f</code>");
+    EXPECT_PRED2(says, better, "force_angle_deg_rms");
+    EXPECT_PRED2(says, changed, "force_hash");
+    EXPECT_PRED2(says, changed, "strange") << "no target, name or unit tells what is better";
+    EXPECT_FALSE(says(worse + better + changed, "tick_us_p99")) << "less than twice as long";
+    EXPECT_FALSE(says(worse + better + changed, "tick_roots")) << "4 %";
+
+    const std::string same = page_of(folder, "touch", old, old);
+    for (const char* heading : {"Worse: 0", "Better: 0", "Changed, neither better nor worse: 0"})
+        EXPECT_PRED2(says, part_of(same, heading), "Nothing.");
+    EXPECT_FALSE(says(same, "Not the same"));
+    auto elsewhere = old;
+    elsewhere[0].figures.push_back(named("cpu", "another"));
+    EXPECT_PRED2(says, page_of(folder, "touch", elsewhere, old), "Not the same processor");
+    EXPECT_FALSE(says(page_of(folder, "touch", old), "got worse")) << "there is nothing to compare with";
+}
+
+TEST(Page, TellsBestTargetsAndTableOne) {
+    if (!has_matplotlib()) GTEST_SKIP();
+    const test::TemporaryFolder folder;
+    const auto globe = [](const char* name, double time, double angle) {
+        return CaseFigures{std::string("globe-720x480-") + name,
+                           {{"tick_us_mean", time, "us"}, {"force_angle_deg_rms", angle, "deg"}}};
+    };
+    const CaseFigures hand{"hand",
+                           {{"direction_seen_deg", 18.4, "deg"}, {"direction_felt_deg", 25.6, "deg"}}};
+    const std::string best = page_of(folder, "touch",
+                                     {hand,
+                                      globe("8-1f-pixel", 1, 60),
+                                      globe("16-1f-world", 3, 2),
+                                      globe("exact-1f-world", 4, 1),
+                                      {"target: a tick",
+                                       {{"worst", 3, "us"},
+                                        named("worst_case", "globe-720x480-16-1f-world"),
+                                        named("metric", "tick_us_mean"),
+                                        named("limit", "< 2 us"),
+                                        named("verdict", "MISSED")}}});
+    EXPECT_PRED2(says, part_of(best, "Time of a tick of one finger"),
+                 "<td>16-world</td><td class=n>3 µs</td><td>exact-world</td><td class=n>4 µs</td>")
+        << "the fastest is so wrong that a hand notices";
+    EXPECT_PRED2(says, part_of(best, "Error of the force"), "<td>exact-world</td><td class=n>1°</td>");
+    EXPECT_PRED2(says, part_of(best, "Missed"),
+                 "<td>a tick</td><td class=n>&lt; 2 µs</td><td class=n>3 µs</td>");
+    EXPECT_PRED2(says, part_of(best, "Run time against error</h2>"), "<svg");
+
+    std::vector<CaseFigures> sweeps;
+    for (const char* size : {"720x480", "3840x2160"})
+        for (const char* fingers : {"1", "5"})
+            sweeps.push_back({std::string("globe-") + size + "-8-" + fingers + "f-pixel-m3-lazy-circle",
+                              {{"tick_us_mean", 2.5 * std::stod(fingers), "us"},
+                               {"papers_tick_us", 253.4 * std::stod(fingers), "us"}}});
+    const std::string table = part_of(page_of(folder, "paper", sweeps), "The paper's method");
+    EXPECT_PRED2(says, table, "<td>720x480 in the paper</td><td class=n>253</td><td class=n>1,267</td>");
+    EXPECT_PRED2(says, table, "<td>3840x2160</td><td class=n>2.50 (none)</td><td class=n>12.5 (none)</td>");
+}
+
+TEST(Page, EscapesNamesAndLoadsNothing) {
+    if (!has_matplotlib()) GTEST_SKIP();
+    const test::TemporaryFolder folder;
+    const std::string script = "<script src=https://x.y/z.js></script>";
+    const std::vector<CaseFigures> records{
+        {"machine", {named("gpu", script), named("commit", script), {script, 1, "<i>"}}},
+        {script, {{"tick_us_mean", 1, "us"}, {script, 2, "<i>"}}},
+        {"globe-720x480-8-1f-pixel", {{"tick_us_mean", 1, "us"}, {"force_angle_deg_rms", 60, "deg"}}},
+        {"target: " + script, {named("metric", script), named("limit", script), named("verdict", script)}}};
+    auto old = records;
+    old[1].figures = {{"tick_us_mean", 3, "us"}, {script, 5, "<i>"}};
+    std::string page = page_of(folder, "touch", records, old);
+    EXPECT_PRED2(says, page, "&lt;script src=https://x.y/z.js&gt;");
+    for (const char* loaded : {"<script", "<link", "<img", "<iframe", "@import", "<i>"})
+        EXPECT_FALSE(says(page, loaded)) << loaded;
+    // What is left of addresses names the language of a drawing, and is never loaded, or is a word that is
+    // shown.
+    page = std::regex_replace(page, std::regex(" xmlns(:xlink)?=\"http://www.w3.org/[^\"]*\""), "");
+    page = std::regex_replace(page, std::regex("&lt;script src=https:"), "");
+    for (const char* address : {"http:", "https:"}) EXPECT_FALSE(says(page, address)) << address;
+}
+
+TEST(Page, RefusesForeignRecords) {
+    if (!has_matplotlib()) GTEST_SKIP();
+    const test::TemporaryFolder folder;
+    const std::string json = folder / "x.json", page = folder / "page.html";
+    const std::string row = R"({"suite":"touch","case":"a","metric":"b","unit":"us","value":)";
+    const std::string foreign[] = {"",
+                                   "{}",
+                                   "[7]",
+                                   R"([{"suite":"touch","case":"a"}])",
+                                   R"([{"suite":"touch","case":["a"],"metric":"b","unit":"us","value":1}])",
+                                   "[" + row + "[1]}]",
+                                   "[" + row + "1" + std::string(400, '0') + "}]",
+                                   "\xff\xfe",
+                                   std::string(100'000, '[')};
+    for (const std::string& text : foreign) {
+        std::ofstream(json) << text;
+        const Answer answer = plot("report " + json + " " + page);
+        EXPECT_EQ(answer.code, 3) << text.substr(0, 80);
+        EXPECT_EQ(std::ranges::count(answer.text, '\n'), 1) << answer.text;
+        EXPECT_PRED2(says, answer.text, "plot.py: " + json + ": ");
+    }
+    std::ofstream(json) << "[" << row << "1}]";
+    const std::string nowhere = folder / "nowhere", is_there = folder.path().string();
+    for (const std::string& words :
+         {"report " + nowhere + " " + page, "report " + json + " " + page + " --compare " + nowhere,
+          "report " + json + " " + nowhere + "/page.html", "pareto " + json + " " + page}) {
+        const Answer answer = plot(words);
+        EXPECT_EQ(answer.code, 3) << words;
+        EXPECT_EQ(std::ranges::count(answer.text, '\n'), 1) << answer.text;
+    }
+    EXPECT_FALSE(std::filesystem::exists(page));
+    EXPECT_EQ(plot("count " + is_there).text, is_there + ": 1 figures of touch\n");
+}
+
+TEST(Page, OutlivesOtherVersionsRecords) {
+    if (!has_matplotlib()) GTEST_SKIP();
+    const test::TemporaryFolder folder;
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    const std::vector<CaseFigures> records{
+        {"window-1920x1080-raster", {{"painter_of_later", 1, "ms"}}},
+        {"pictures-1920x1080", {named("raster_cpu_ms", "a word"), {"raster_cpu_frame_ms", nan, "ms"}}},
+        {"ways-320x240-m3", {{"lazy_frame_ms", nan, "ms"}}},
+        {"ways-320x240-m3-1f",
+         {{"lazy_ms_per_s_30hz", 1, "ms"},
+          {"lazy_tick_us", nan, "us"},
+          {"late_ticks_pct", 0.4, "%"},
+          {"frames_in_time_pct", 80, "%"}}}};
+    auto old = records;
+    old[3].figures = {{"lazy_ms_per_s_30hz", nan, "ms"},
+                      {"lazy_tick_us", 1, "us"},
+                      {"late_ticks_pct", 0, "%"},
+                      {"frames_in_time_pct", 99, "%"}};
+    const std::string page = page_of(folder, "gpu", records, old);
+    EXPECT_PRED2(says, page, "Not drawn; these records do not fit");
+    const std::string worse = part_of(page, "Worse: 2 figures");
+    EXPECT_PRED2(says, worse, "<td class=n>1 µs</td><td class=n>none</td>");
+    EXPECT_PRED2(says, worse, "frames_in_time_pct") << "so much is more than threads and load do";
+    EXPECT_FALSE(says(worse, "late_ticks_pct"));
+    EXPECT_PRED2(says, part_of(page, "Better: 1 figure"), "<td class=n>none</td><td class=n>1 ms</td>");
+}
+
+TEST(RunBench, RefusesOptionsBeforeMeasuring) {
+    const test::TemporaryFolder folder;
+    const std::string there = folder.path().string();
+    const std::pair<std::string, std::string> faults[] = {
+        {"--compre x", "unknown option '--compre'; there is only --compare OLD"},
+        {"x", "unknown option 'x'; there is only --compare OLD"},
+        {"--compare", "--compare needs one file or folder of earlier records: --compare OLD"},
+        {"--compare a b", "--compare needs one file or folder of earlier records: --compare OLD"},
+        {"--compare " + there + "/no",
+         "--compare '" + there + "/no' cannot be read; must be a file of records or a folder of such files"},
+    };
+    for (const auto& [words, fault] : faults) {
+        const Answer answer = answer_to(TOUCHABLE_SOURCE_DIR "/run bench " + words);
+        EXPECT_EQ(answer.code, 2) << words;
+        EXPECT_EQ(answer.text, "run bench: " + fault + "\n");
+    }
 }
 
 /// Ticks of 2000 dependent square roots each; one in fifty has four times as many.
