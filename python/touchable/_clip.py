@@ -6,6 +6,7 @@ import concurrent.futures
 import functools
 import operator
 import os
+import stat
 import threading
 from typing import TYPE_CHECKING, Any, Callable, Iterator, SupportsIndex, overload
 
@@ -127,7 +128,11 @@ class Clip(Closable):
     clip[-1] give one frame, clip[2:8] a list; len(clip) how many there are, where that is known. One thread at a time
     uses a clip. Use it in `with`, or close() it; otherwise it closes when nobody refers to it any more.
 
-    path: as it was given.
+    pickle takes its path and what open() was told, not its pictures: where it is unpickled, also on another machine with
+    the same files, it is opened again, at its first frame, by its absolute path. That raises what open() raises, and
+    Error where the file's size or time of change is another one. copy does the same. A stream is refused (TypeError).
+
+    path: as it was given; absolute where it was unpickled.
     width, height: of every picture, pixels.
     has_colour, has_haptic, has_height: whether frames have such a picture.
     depth_is_lossless: whether the codec of depth keeps every value.
@@ -136,6 +141,8 @@ class Clip(Closable):
     frame_count: how many frames; None: only reading tells.
     notes: lines of text that a person should know of the clip, such as what was guessed of it.
     """
+
+    _reopening: tuple[Any, ...] | None = None  # what _reopened takes
 
     def __init__(self, path: str | os.PathLike, settings: _library.Struct) -> None:
         """Programs use touchable.open."""
@@ -227,6 +234,12 @@ class Clip(Closable):
         it. Closing twice does nothing."""
         self._handle.close(f"another thread is reading {self.path}; close it after that")
 
+    def __reduce__(self) -> tuple:
+        if self._reopening is None:
+            refuse_copies(self)
+        self._check_open()
+        return _reopened, self._reopening
+
     def _check_open(self) -> None:
         self._handle.check_open(f"the clip {self.path} was closed; open it again")
 
@@ -264,6 +277,25 @@ class Clip(Closable):
                 f"{self.frames_per_second:.6g} frames/s{', closed' if self.closed else ''}>")
 
 
+def _stamp(path: str | os.PathLike) -> tuple[int, int] | None:
+    """What tells a changed file: its size (0 of a folder) and the nanosecond of its last change. None: no single file."""
+    try:
+        status = os.stat(path)
+    except OSError:
+        return None
+    return 0 if stat.S_ISDIR(status.st_mode) else status.st_size, status.st_mtime_ns
+
+
+def _reopened(path: str, options: dict[str, Any], stamp: tuple[int, int] | None) -> Clip:
+    """A clip that was pickled, opened again."""
+    clip = open(path, **options)
+    if _stamp(path) != stamp:
+        clip.close()
+        raise Error(Status.INPUT, f"{os.fsdecode(path)}: has another size or time of change than where the clip was pickled; "
+                    "copy files with their times (cp -p, rsync -t), and open a changed one anew")
+    return clip
+
+
 def open(path: str | os.PathLike, *, colour: bool = True, scene_file: str | os.PathLike | None = None,
          preset: str | None = None, fx_px: float | None = None, fy_px: float | None = None,
          cx_px: float | None = None, cy_px: float | None = None, fov_degrees: float | None = None,
@@ -282,11 +314,13 @@ def open(path: str | os.PathLike, *, colour: bool = True, scene_file: str | os.P
     Raises MissingFileError (a FileNotFoundError) where there is no such file, Error with Status.INPUT where it cannot be
     read, UsageError (a ValueError) where a setting cannot be. A stream that does not answer is given up after 20 s.
     """
+    options = {name: value for name, value in locals().items() if name != "path"}
     settings = ClipSettings()
     call("clip_settings_defaults", settings, settings.struct_size)
     settings.colour = flag("colour", colour)
     if scene_file is not None:
         settings.scene_file = encoded("scene_file", scene_file, "the name of a scene file")
+        options["scene_file"] = os.path.abspath(scene_file)
     if preset is not None:
         settings.preset = encoded("preset", preset, "the name of a preset")
     given = {"fx_px": fx_px, "fy_px": fx_px if fy_px is None else fy_px, "cx_px": cx_px, "cy_px": cy_px,
@@ -294,4 +328,7 @@ def open(path: str | os.PathLike, *, colour: bool = True, scene_file: str | os.P
     for name, value in given.items():
         if value is not None:
             setattr(settings, name, _library.number(name, value))
-    return Clip(path, settings)
+    clip = Clip(path, settings)
+    if not clip._is_stream:
+        clip._reopening = os.path.abspath(path), options, _stamp(path)
+    return clip

@@ -1,7 +1,10 @@
+import contextlib
 import copy
 import gc
 import os
+import pathlib
 import pickle
+import shutil
 import signal
 import subprocess
 import sys
@@ -10,8 +13,9 @@ import unittest
 import unittest.mock
 
 import numpy
+import PIL.Image
 import touchable
-from common import globe, hill, longest_s, stroke
+from common import globe, hill, longest_s, source, stroke
 from touchable import _library
 
 
@@ -148,10 +152,63 @@ class Copies(unittest.TestCase):
         depth, camera = hill()
         surface = touchable.Surface(depth, camera)
         with touchable.open(globe()) as clip, touchable.Solver(surface) as solver:
-            for thing in clip, clip[0], surface, solver, surface._handle:
+            for thing in clip[0], surface, solver, surface._handle:
                 for copied in pickle.dumps, copy.copy, copy.deepcopy:
                     with self.assertRaisesRegex(TypeError, f"{type(thing).__name__}.*pickled or copied; pass on"):
                         copied(thing)
+
+    def test_ClipsPickleAsWhatTheyWereOpenedFrom(self):
+        bag = source / "tests/fuzz/seeds/bag/depth_plain.bag"
+        with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+            shutil.copy(globe(), "clip.mkv")
+            shutil.copy(bag, "clip.bag")
+            os.mkdir("pictures")
+            PIL.Image.fromarray(hill()[0]).save("pictures/depth_0.png")
+            for path, options in (("clip.mkv", {"colour": False}), ("clip.bag", {"preset": "realsense"}),
+                                  (pathlib.Path("pictures"), {"fov_degrees": 40, "metres_per_code": 0.0002}),
+                                  (b"clip.mkv", {"scene_file": "scene.json"})):
+                with self.subTest(path):
+                    if "scene_file" in options:
+                        with touchable.open(path) as clip:
+                            pathlib.Path("scene.json").write_text(clip.scene.with_rate(7).text)
+                    with touchable.open(path, **options) as clip:
+                        clip[-1]
+                        pickled = pickle.dumps(clip)
+                        with contextlib.chdir("/"):
+                            copies = [pickle.loads(pickled), copy.copy(clip), copy.deepcopy(clip)]
+                            copies.append(pickle.loads(pickle.dumps(copies[0])))
+                        for again in copies:
+                            self.assertEqual(again.path, os.path.abspath(path))
+                            self.assertEqual((again.scene.text, again.has_colour), (clip.scene.text, clip.has_colour))
+                            self.assertEqual([frame.depth.tobytes() for frame in again],
+                                             [frame.depth.tobytes() for frame in clip])
+                            again.close()
+                        self.assertFalse(clip.closed)
+                    self.assertRaisesRegex(touchable.ClosedError, "clip.*was closed; open it again", pickle.dumps, clip)
+
+    def test_PickledClipsMeetChangedFiles(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = folder + "/clip.mkv"
+            shutil.copy(globe(), path)
+            with touchable.open(path) as clip:
+                pickled = pickle.dumps(clip)
+            status = os.stat(path)
+            os.utime(path, ns=(status.st_atime_ns, status.st_mtime_ns + 1))
+            with self.assertRaisesRegex(touchable.Error, f"^{path}: has another size or time of change") as refused:
+                pickle.loads(pickled)
+            self.assertEqual(refused.exception.status, touchable.Status.INPUT)
+            os.utime(path, ns=(status.st_atime_ns, status.st_mtime_ns))
+            pickle.loads(pickled).close()
+            os.remove(path)
+            self.assertRaisesRegex(touchable.MissingFileError, path, pickle.loads, pickled)
+
+    def test_StreamsNeverPickle(self):
+        program = ("import copy, pickle, touchable\nclip = touchable.open('-')\n"
+                   "for copied in pickle.dumps, copy.copy, copy.deepcopy:\n"
+                   "    try: copied(clip)\n    except TypeError as problem: print(problem)")
+        with open(globe(), "rb") as file:
+            done = subprocess.run([sys.executable, "-c", program], stdin=file, capture_output=True, text=True, timeout=longest_s)
+        self.assertEqual(done.stdout.count("a Clip holds memory"), 3, done.stderr)
 
 
 class Interrupted(unittest.TestCase):
