@@ -6,7 +6,7 @@ set -euo pipefail
 build=$(realpath "${1:?which folder was built? run.sh build/release}")
 source=$(realpath "$(dirname "${BASH_SOURCE[0]}")/../..")
 python=/usr/bin/python3  # Debian's, which has its packages
-packages="python3-build python3-setuptools python3-wheel python3-venv python3-pip python3-matplotlib"  # with numpy, PIL
+packages="python3-build python3-setuptools python3-wheel python3-venv python3-pip python3-matplotlib"  # with numpy, PIL; python3-distributed, without which some tests are left out
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 export PYTHONDONTWRITEBYTECODE=1 MPLBACKEND=Agg
