@@ -294,7 +294,7 @@ std::string page_of(const test::TemporaryFolder& folder, const char* suite,
                     const std::vector<CaseFigures>& records, const std::vector<CaseFigures>& old = {}) {
     const std::string now = folder / "now.json", before = folder / "before.json", page = folder / "page.html";
     EXPECT_TRUE(write_report(now, suite, records));
-    if (!old.empty()) EXPECT_TRUE(write_report(before, suite, old));
+    EXPECT_TRUE(old.empty() || write_report(before, suite, old));
     const Answer answer = plot("report " + now + " " + page + (old.empty() ? "" : " --compare " + before));
     EXPECT_EQ(answer.code, 0) << answer.text;
     EXPECT_EQ(answer.text, "");
