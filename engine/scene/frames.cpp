@@ -63,6 +63,8 @@ TileDepths depths_of(const TileBounds& bounds, const DepthCoding& coding) {
     return depths;
 }
 
+const ErrorSigns::Squares ErrorSigns::weights{{2.06, 26, 18.2, 0.42}, {0.0113, 5.7, 6.37, 0.88}};
+
 std::optional<std::size_t> ErrorSigns::block_at(double x, double y) const {
     if (blocks.empty() || std::isnan(x) || std::isnan(y)) return {};
     const auto nearest = [](double place, int count) {
@@ -80,7 +82,7 @@ std::optional<ErrorSigns::Squares> ErrorSigns::squares(std::size_t block) const 
     const double bent = degrees * bend * at.turn, bump = bend * wide, rough = side * pixel;
     const double drifts = drift * depth;
     return Squares{
-        {degrees * degrees * scatter, degrees * at.lean, bent * bent * std::sqrt(std::sqrt(bent)), 1},
+        {degrees * degrees * scatter, degrees * at.lean * bent, bent * bent * std::sqrt(std::sqrt(bent)), 1},
         {pixel * pixel, drifts * drifts, bump * bump * std::sqrt(bump / pixel), scatter * rough * rough}};
 }
 

@@ -353,7 +353,7 @@ struct ErrorSigns {
     struct Squares {
         std::array<double, 4> angle, depth;
     };
-    static constexpr Squares weights{{2.14, 5.8, 26.7, 0.1}, {0.0113, 5.7, 6.37, 0.88}};
+    static const Squares weights;  ///< fitted to cameras with known errors
     /// Of a block; nothing if it has no surface.
     std::optional<Squares> squares(std::size_t block) const;
     ErrorBar bar(std::size_t block) const;

@@ -104,7 +104,7 @@ def forces_of(touched):
         columns |= {"force_n_mean": force.mean(), "force_n_median": numpy.median(force),
                     "force_n_95": numpy.percentile(force, 95), "force_n_most": force.max()}
     for error in "error_degrees", "error_newtons":  # of direction and size, with 95 % confidence; NaN: unknown
-        known = getattr(touched, error, numpy.full(contact.shape, numpy.nan))[contact]
+        known = getattr(touched, error)[contact]
         known = known[numpy.isfinite(known)]
         if len(known):
             columns |= {error + "_median": numpy.median(known), error + "_95": numpy.percentile(known, 95)}
@@ -118,7 +118,7 @@ def of_recording(program, verify, seconds, path):
         columns["frames_per_second"] = clip.frames_per_second
         with touchable.Surface(clip[0], clip.touched_scene) as surface:
             goals = press_and_wipe(surface, round(1000 * seconds))
-        return columns | forces_of(clip.touch(goals))
+        return columns | forces_of(clip.touch(goals, error_bars=True))
 
 
 def of_seed(program, suites, ticks, seed):

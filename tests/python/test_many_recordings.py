@@ -99,6 +99,8 @@ class ManyRecordings(unittest.TestCase):
         self.assertEqual(float(touched["holes_percent"]), 12.5)
         self.assertEqual(float(touched["contact_percent"]), 80)  # the fingers come down in a fifth of the time
         self.assertAlmostEqual(float(touched["force_n_median"]), 3, delta=0.3)  # 5 mm of 0.6 N/mm, and friction
+        self.assertLess(0, float(touched["error_degrees_median"]))
+        self.assertLess(float(touched["error_degrees_median"]), 2)
         facts = json.loads(run("info", globe(), "--json"))
         for name in "deeper/globe.mkv", "pictures":
             self.assertEqual(rows[name]["verdict"].partition(":")[0], facts["verdict"].partition(":")[0])
