@@ -639,7 +639,8 @@ std::string verdict_on(const ClipFacts& facts, const std::vector<Finding>* findi
         return "rough: smooth places lean " + degrees(now->left_deg) + " to and fro (" +
                direction_jnd_words(now->left_deg) +
                "), whatever the filters: record from nearer, or with more light";
-    if (facts.error_degrees && direction_jnd((*facts.error_degrees)[0]) > 1 && !may_be_relief(facts))
+    if (facts.error_degrees && (*facts.error_degrees)[0] > hand_thresholds::felt_degrees && measured &&
+        measured->is_searched())
         return "rough: at nine of ten places 5 of 100 forces err by more than " +
                degrees((*facts.error_degrees)[0]) + " (" + direction_jnd_words((*facts.error_degrees)[0]) +
                "): record from nearer, or with more light";

@@ -19,6 +19,7 @@
 #include "tests/must.hpp"
 #include "tests/player/program.hpp"
 #include "tests/player/touched.hpp"
+#include "tests/sweep.hpp"
 
 namespace touchable::test {
 namespace {
@@ -138,6 +139,28 @@ TEST(Info, EndsWithVerdict) {
     EXPECT_PRED2(says, text, " of what a hand just notices where it sees the scene), ");
     EXPECT_PRED2(says, text, "\n  verdict      good to touch: touchable play " + clip + "\n");
     EXPECT_PRED2(says, text, "; smooth places lean ") << "what the filter did";
+}
+
+/// A noisy slope in one picture: the filters that the program chooses leave little, others much.
+TEST(Info, VerdictFollowsErrorBars) {
+    const TemporaryFolder folder;
+    Random random(7);
+    std::vector<std::uint16_t> depths;
+    for (int k = 0; k < 320 * 240; ++k) {
+        double noise = -6;
+        for (int n = 0; n < 12; ++n) noise += random.between(0, 1);
+        depths.push_back(static_cast<std::uint16_t>(1000 + 0.3 * (k % 320) + 8 * noise));
+    }
+    const std::string picture = folder / "slope.png";
+    ASSERT_TRUE(write_png(picture, plane_of_codes(depths.data(), 320, 240)));
+    const std::vector<std::string> words{"info", picture, "--json", "--depth-unit", "0.001", "--fov", "60"};
+    const auto chosen = json_of(words), rough = json_of(plus(words, {"--median", "3", "--terraces", "off"}));
+    EXPECT_LT(chosen["error_degrees"]["half"], 18);
+    EXPECT_LT(chosen["error_degrees"]["tenth"], chosen["error_degrees"]["half"]);
+    const auto verdict = [](const auto& facts) { return facts["verdict"].template get<std::string>(); };
+    EXPECT_TRUE(verdict(chosen).starts_with("good to touch: ")) << verdict(chosen);
+    EXPECT_GT(rough["error_degrees"]["tenth"], 26);
+    EXPECT_TRUE(verdict(rough).starts_with("rough: at nine of ten places ")) << verdict(rough);
 }
 
 // Levels of 6e-6 depth^2 mm are ten pixels' widths, each 0.0022 depth, 3.7 m away.
