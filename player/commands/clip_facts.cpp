@@ -490,9 +490,9 @@ Result<void> add_error_bars(const RawFrame& first, ClipReader& reader, ClipFacts
     SurfaceFrame surface;
     TRY(builder->build(first, surface));
     for (int n = 1; n < (facts.scene.filter.temporal ? frames_to_settle : 1) && !stop_requested(); ++n) {
-        TRY_ASSIGN(const auto frame, reader.next());
-        if (!frame) break;
-        TRY(builder->build(*frame, surface));
+        const auto frame = reader.next();
+        if (!frame || !*frame) break;
+        TRY(builder->build(**frame, surface));
     }
     std::vector<double> bars;
     for (std::size_t k = 0; k < surface.signs.blocks.size(); ++k)
