@@ -190,6 +190,7 @@ TEST(Overlays, ErrorsAreThoseOfTheNearerFrame) {
     Painted painted(DepthCodingKind::linear);
     for (SurfaceFrame* frame : {&painted.prev, &painted.next}) {
         frame->signs.columns = (frame->width - 1) / ErrorSigns::side;
+        frame->signs.bend = 0.05;
         for (int k = 0; k < frame->signs.columns * ((frame->height - 1) / ErrorSigns::side); ++k)
             frame->signs.blocks.push_back({k % 9 == 0 ? 0.0F : 1.0F, 0,
                                            frame == &painted.prev ? 1e-4F * static_cast<float>(k) : 0.3F, 1});
