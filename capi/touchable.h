@@ -316,9 +316,9 @@ typedef struct touch_contact {
     double dynamic_friction;  /**< coefficient at the proxy; 0 out of contact */
     int32_t touching;         /**< 1 in contact */
     int32_t in_hole;          /**< 1 if the proxy rests on a hole's wall or ground */
-    double error_degrees; /**< 95 of 100 forces err by less in direction because depth is wrong; NaN out of contact and
+    double error_degrees; /**< about 95 of 100 forces err by less in direction because depth is wrong; NaN out of contact and
                              without touch_surface_settings.error_bars. docs/measurements.md, Error bars */
-    double error_newtons; /**< the same of the spring's size, before limits; NaN if error_degrees is */
+    double error_newtons; /**< the same of the spring's size, before limits, and less sure; NaN if error_degrees is */
 } touch_contact;
 
 /** Fills in each member's default. `struct_size`: sizeof(touch_solver_settings) in your program. TOUCH_USAGE: NULL, or

@@ -153,10 +153,7 @@ public:
     }
 
     /// Of the frame nearer in time; for display and tables, never for a force.
-    ErrorBar error_bar(double x, double y) const {
-        const auto block = nearer_->signs.block_at(x, y);
-        return block ? nearer_->signs.bar(*block) : ErrorBar();
-    }
+    ErrorBar error_bar(double x, double y) const { return nearer_->signs.bar_at(x, y); }
 
     /// Properties of valid pixels in a frame without a haptic image, far from holes.
     const HapticProperties& default_properties() const { return default_properties_; }

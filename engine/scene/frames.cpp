@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "engine/base/same_bits.hpp"
 
@@ -65,17 +66,16 @@ TileDepths depths_of(const TileBounds& bounds, const DepthCoding& coding) {
 
 const ErrorSigns::Squares ErrorSigns::weights{{2.06, 26, 18.2, 0.42}, {0.0113, 5.7, 6.37, 0.88}};
 
-std::optional<std::size_t> ErrorSigns::block_at(double x, double y) const {
-    if (blocks.empty() || std::isnan(x) || std::isnan(y)) return {};
+const ErrorSigns::Block* ErrorSigns::block_at(double x, double y) const {
+    if (blocks.empty() || std::isnan(x) || std::isnan(y)) return nullptr;
     const auto nearest = [](double place, int count) {
         return static_cast<int>(std::clamp((place + 0.5) / side, 0.0, count - 1.0));
     };
     const int rows = static_cast<int>(blocks.size()) / columns;
-    return pixel_place(nearest(x, columns), nearest(y, rows), columns);
+    return &blocks[pixel_place(nearest(x, columns), nearest(y, rows), columns)];
 }
 
-std::optional<ErrorSigns::Squares> ErrorSigns::squares(std::size_t block) const {
-    const Block& at = blocks[block];
+std::optional<ErrorSigns::Squares> ErrorSigns::squares(const Block& at) const {
     if (!(at.depth > 0)) return {};
     constexpr double degrees = 180 / pi, wide = 25;
     const double depth = at.depth, scatter = at.scatter, pixel = depth / focal_length;
@@ -86,14 +86,18 @@ std::optional<ErrorSigns::Squares> ErrorSigns::squares(std::size_t block) const 
         {pixel * pixel, drifts * drifts, bump * bump * std::sqrt(bump / pixel), scatter * rough * rough}};
 }
 
-ErrorBar ErrorSigns::bar(std::size_t block) const {
+ErrorBar ErrorSigns::bar(const Block& block) const {
     const auto there = squares(block);
     if (!there) return {};
     const auto root = [](const std::array<double, 4>& terms, const std::array<double, 4>& weight) {
-        return std::sqrt(terms[0] * weight[0] + terms[1] * weight[1] + terms[2] * weight[2] +
-                         terms[3] * weight[3]);
+        return std::sqrt(std::inner_product(terms.begin(), terms.end(), weight.begin(), 0.0));
     };
     return {root(there->angle, weights.angle), root(there->depth, weights.depth)};
+}
+
+ErrorBar ErrorSigns::bar_at(double x, double y) const {
+    const Block* const block = block_at(x, y);
+    return block ? bar(*block) : ErrorBar();
 }
 
 DepthSample FilteredVertices::at(int x, int y) const {

@@ -325,7 +325,8 @@ struct alignas(8) TileBounds {
     bool operator==(const TileBounds&) const = default;
 };
 
-/// How wrong a force may be because depth is: 95 of 100 are not more wrong. NaN: cannot be told.
+/// How wrong a force may be because depth is: about 95 of 100 are not more wrong (docs/measurements.md,
+/// Error bars). NaN: cannot be told.
 struct ErrorBar {
     double degrees = std::numeric_limits<double>::quiet_NaN();  ///< direction, to either side
     double depth = std::numeric_limits<double>::quiet_NaN();    ///< surface, scene units to either side
@@ -345,7 +346,7 @@ struct ErrorSigns {
 
     int columns = 0;
     std::vector<Block> blocks;  ///< row by row
-    double bend = 0;            ///< scene units per pixel: of means over 25 pixels against 85
+    double bend = 0;            ///< by which depth errs from pixel to pixel over wide parts, scene units
     double drift = 0;           ///< of whole frames, as a share of depth
     double focal_length = 1;    ///< pixels
 
@@ -354,11 +355,12 @@ struct ErrorSigns {
         std::array<double, 4> angle, depth;
     };
     static const Squares weights;  ///< fitted to cameras with known errors
-    /// Of a block; nothing if it has no surface.
-    std::optional<Squares> squares(std::size_t block) const;
-    ErrorBar bar(std::size_t block) const;
-    /// The block nearest to this place of the picture; nothing without blocks, and if the place is NaN.
-    std::optional<std::size_t> block_at(double x, double y) const;
+    /// Nothing if the block has no surface.
+    std::optional<Squares> squares(const Block& block) const;
+    ErrorBar bar(const Block& block) const;
+    /// The block nearest to this place of the picture; null without blocks, and if the place is NaN.
+    const Block* block_at(double x, double y) const;
+    ErrorBar bar_at(double x, double y) const;
 };
 
 /// One filtered frame. Filled by a SurfaceBuilder, then immutable until its slot is recycled; its timestamp

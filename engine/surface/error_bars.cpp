@@ -1,15 +1,18 @@
 // How wrong the direction and the size of a force on a frame's surface may be: 95 of 100 are not more wrong.
 //
-// A camera's errors show on its filtered surface. Noise scatters the faces of a block of 5x5; what filters
-// made of it leans blocks against the 3x3 around them; and errors that are wide and stay, of a lens or an
-// unwrapped phase, bend 25 pixels against 85. A scene bends, too, but not everywhere: so the bend that 15 of
-// 100 places stay below is taken for the camera's. It grows with depth and with the slope of the surface, as
-// an error along a ray turns a face. ErrorSigns::weights are fitted to cameras with known errors
+// A camera's errors show on its filtered surface. Noise scatters the faces of a block of 5x5; where filters
+// smoothed it, whole blocks lean against the 3x3 around them; and errors that are wide and stay, of a lens or
+// an unwrapped phase, bend 25 pixels against 85. A scene bends, too, but not everywhere: so the bend that 15
+// of 100 places stay below is taken for the camera's. It grows with depth and with the slope of the surface,
+// as an error along a ray turns a face. ErrorSigns::weights are fitted to cameras with known errors
 // (docs/measurements.md, Error bars; bench/real/error_bars.cpp).
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+#include <optional>
+#include <queue>
+#include <utility>
 
 #include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"
@@ -28,6 +31,8 @@ constexpr double least_cosine = 0.2;
 constexpr double share_of_scene = 0.15;
 constexpr std::size_t least_blocks = 100;
 constexpr double enough_bends = 3000;
+/// Of larger pictures, every second row of blocks is measured, or every third, ...: 5 % of a core.
+constexpr int enough_pixels = 2 * 720 * 480;
 constexpr std::size_t drift_step = 3;
 constexpr double most_drift = 0.02;  // more is a cut
 
@@ -104,15 +109,18 @@ public:
           columns_((scene.width - 1) / side),
           rows_((scene.height - 1) / side),
           width_(columns_ * side),
-          bend_step_(std::max(1, static_cast<int>(std::sqrt(columns_ * rows_ / enough_bends)))) {
+          bend_step_(std::max(1, static_cast<int>(std::sqrt(columns_ * rows_ / enough_bends)))),
+          row_step_(std::max(1, scene.width * scene.height / enough_pixels)) {
         for (int x = 0; x <= width_; ++x) u_.push_back(static_cast<float>(camera_.u(x)));
         for (int c = 0; c < columns_; ++c)
             u_of_blocks_.push_back(static_cast<float>(camera_.u(middle_of(c))));
     }
 
-    void measure(SurfaceFrame& frame) {
-        add_up(frame);
+    void measure(SurfaceFrame& frame, const RawFrame::Place& place) {
         ErrorSigns& signs = frame.signs;
+        signs.blocks.clear();
+        if (frame.codes.empty()) return;  // it is built when it is read
+        add_up(frame);
         signs.columns = columns_;
         signs.focal_length = camera_.fx;
         signs.blocks.resize(pixel_place(0, rows_, columns_));
@@ -129,7 +137,7 @@ public:
                 });
         }
         signs.bend = camera_bend(signs.blocks);
-        signs.drift = camera_drift(signs.blocks);
+        signs.drift = camera_drift(signs.blocks, place);
     }
 
 private:
@@ -141,20 +149,13 @@ private:
     void read_row(const SurfaceFrame& frame, int y, std::vector<float>& q) {
         const auto count = static_cast<std::size_t>(width_) + 1;
         q.resize(count);
-        if (frame.codes.empty()) {
-            for (std::size_t x = 0; x < count; ++x) {
-                const DepthSample sample = frame.vertices->at(static_cast<int>(x), y);
-                q[x] = sample.valid ? static_cast<float>(1 / sample.depth) : 0.0F;
-            }
-        } else {
-            const std::uint16_t* const codes = frame.codes.data() + frame.index(0, y);
-            for (std::size_t x = 0; x < count; ++x) q[x] = of_code_[codes[x]];
-            const std::uint32_t* const valid = frame.validity_row(y);
-            for (std::size_t x = 0; x < count; x += 32)
-                if (const std::uint32_t word = valid[x / 32]; word != ~std::uint32_t{0})
-                    for (std::size_t k = x; k < std::min(count, x + 32); ++k)
-                        if (((word >> (k - x)) & 1U) == 0) q[k] = 0;
-        }
+        const std::uint16_t* const codes = frame.codes.data() + frame.index(0, y);
+        for (std::size_t x = 0; x < count; ++x) q[x] = of_code_[codes[x]];
+        const std::uint32_t* const valid = frame.validity_row(y);
+        for (std::size_t x = 0; x < count; x += 32)
+            if (const std::uint32_t word = valid[x / 32]; word != ~std::uint32_t{0})
+                for (std::size_t k = x; k < std::min(count, x + 32); ++k)
+                    if (((word >> (k - x)) & 1U) == 0) q[k] = 0;
         if (frame.coding.semantics != DepthSemantics::range) return;
         const auto v = static_cast<float>(camera_.v(y)), apart = 1 + v * v;
         const float* const u = u_.data();
@@ -182,10 +183,11 @@ private:
     }
 
     void add_up(const SurfaceFrame& frame) {
-        if (!frame.codes.empty()) know_codes(frame.coding);
+        know_codes(frame.coding);
         blocks_.assign(pixel_place(0, rows_ + 2, columns_ + 2));
-        read_row(frame, 0, lower_);
-        for (int row = 0; row < rows_; ++row) {
+        for (int first = 0; first < rows_; first += row_step_) {
+            const int row = std::min(first + row_step_ / 2, rows_ - 1);
+            if (first == 0 || row_step_ > 1) read_row(frame, row * side, lower_);
             sums_.assign(static_cast<std::size_t>(width_));
             for (int y = row * side; y < (row + 1) * side; ++y) {
                 std::swap(upper_, lower_);
@@ -201,6 +203,8 @@ private:
                 float* const block = to->data() + padded(0, row);
                 for (int c = 0; c < columns_; ++c, at += side)
                     block[c] = (at[0] + at[1]) + (at[2] + at[3]) + at[4];
+                for (int other = first; other < std::min(first + row_step_, rows_); ++other)
+                    if (other != row) std::copy_n(block, columns_, to->data() + padded(0, other));
             }
         }
     }
@@ -247,7 +251,13 @@ private:
     /// By how much of their depth whole frames come nearer or go farther away by themselves. Motion does so,
     /// too, but steadily: the median ratio of a frame's depths to the last frame's is compared with the one
     /// before.
-    double camera_drift(const std::vector<ErrorSigns::Block>& signs) {
+    double camera_drift(const std::vector<ErrorSigns::Block>& signs, const RawFrame::Place& place) {
+        const auto last = std::exchange(last_, place);
+        if (!last || last->epoch != place.epoch || last->number >= place.number) {
+            before_.clear();
+            drift_ = 0;
+            ratios_ = 0;
+        }
         std::vector<double>& ratios = scratch_;
         ratios.clear();
         before_.resize(signs.size());
@@ -258,7 +268,8 @@ private:
             before_[k] = now;
         }
         if (ratios.size() < least_blocks) return 0;
-        const double ratio = sorted_element(ratios, ratios.size() / 2);
+        const double ratio = 1 + (sorted_element(ratios, ratios.size() / 2) - 1) /
+                                     static_cast<double>(place.number - last->number);
         const double turn = ratio - std::exchange(ratio_, ratio);
         if (++ratios_ < 2 || std::abs(turn) > most_drift) return std::sqrt(drift_);
         drift_ += (turn * turn / 6 - drift_) / std::min(ratios_ - 1, 16);
@@ -266,15 +277,16 @@ private:
     }
 
     Camera camera_;
-    int columns_, rows_, width_, bend_step_;
+    int columns_, rows_, width_, bend_step_, row_step_;
     DepthCoding coding_;
     std::vector<float> u_, u_of_blocks_;  // of rays
     std::vector<float> of_code_;          // inverse depths
     std::vector<float> upper_, lower_;
-    Sums sums_, blocks_;  // of columns of `side` faces; of blocks
+    Sums sums_, blocks_;                  // of columns of `side` faces; of blocks
     std::vector<glm::dvec3> normals_to_;  // of a row's blocks up to a column
     std::vector<double> scratch_;
     std::vector<float> before_;  // depths of the last frame's blocks
+    std::optional<RawFrame::Place> last_;
     double ratio_ = 1, drift_ = 0;
     int ratios_ = 0;
 };
@@ -287,20 +299,27 @@ public:
     std::string_view name() const override { return builder_->name(); }
     int frames_in_flight() const override { return builder_->frames_in_flight(); }
     double built_share() const override { return builder_->built_share(); }
-    Result<void> begin(const RawFrame& raw) override { return builder_->begin(raw); }
+    Result<void> begin(const RawFrame& raw) override {
+        TRY(builder_->begin(raw));
+        begun_.emplace(raw);
+        return {};
+    }
     Result<void> build(const RawFrame& raw, SurfaceFrame& out) override {
         TRY(builder_->build(raw, out));
-        ruler_.measure(out);
+        ruler_.measure(out, RawFrame::Place(raw));
         return {};
     }
     Result<void> finish(SurfaceFrame& out) override {
+        const RawFrame::Place place = begun_.front();
+        begun_.pop();
         TRY(builder_->finish(out));
-        ruler_.measure(out);
+        ruler_.measure(out, place);
         return {};
     }
 
 private:
     std::unique_ptr<SurfaceBuilder> builder_;
+    std::queue<RawFrame::Place> begun_;
     Ruler ruler_;
 };
 

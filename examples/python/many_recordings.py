@@ -191,7 +191,7 @@ def suites_of(program):
 def seeds_of(first_and_last):
     """Seeds of a range such as 0-99."""
     match = re.fullmatch(r"(\d+)(?:-(\d+))?", first_and_last)
-    if not match:
+    if not match or match[2] and int(match[2]) < int(match[1]):
         raise argparse.ArgumentTypeError(f"{first_and_last!r}: must be a seed, or the first and the last of them: 0-99")
     return [str(seed) for seed in range(int(match[1]), int(match[2] or match[1]) + 1)]
 

@@ -484,7 +484,7 @@ Json filters_json(const Scene& scene, const std::optional<ChosenFilters>& chosen
     return out;
 }
 
-/// Of the last of a few frames, as filters in time need some.
+/// Of the last of a few frames, as filters in time need some: measure_depth has kept them in memory.
 Result<void> add_error_bars(const RawFrame& first, ClipReader& reader, ClipFacts& facts) {
     const auto builder = with_error_bars(make_cpu_builder(facts.scene), facts.scene);
     SurfaceFrame surface;
@@ -495,8 +495,8 @@ Result<void> add_error_bars(const RawFrame& first, ClipReader& reader, ClipFacts
         TRY(builder->build(**frame, surface));
     }
     std::vector<double> bars;
-    for (std::size_t k = 0; k < surface.signs.blocks.size(); ++k)
-        if (const double bar = surface.signs.bar(k).degrees; bar >= 0) bars.push_back(bar);
+    for (const ErrorSigns::Block& block : surface.signs.blocks)
+        if (const double bar = surface.signs.bar(block).degrees; bar >= 0) bars.push_back(bar);
     if (bars.empty()) return {};
     const auto below = [&](std::size_t tenths) { return sorted_element(bars, bars.size() * tenths / 10); };
     facts.error_degrees = {{below(1), below(5), below(9)}};

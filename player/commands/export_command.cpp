@@ -167,18 +167,14 @@ Image validity_image(const SurfaceFrame& surface) {
 }
 
 /// Error bars of the force's direction, hundredths of a degree; 65535: not known.
-Image errors_image(const SurfaceFrame& surface) {
-    Image image{surface.width, surface.height, 2, 1, {}};
-    image.samples.resize(2 * surface.codes.size(), 255);
+std::vector<std::uint16_t> error_hundredths(const SurfaceFrame& surface) {
+    std::vector<std::uint16_t> hundredths(surface.codes.size(), 65535);
     for (int y = 0; y < surface.height; ++y)
-        for (int x = 0; x < surface.width; ++x) {
-            const auto block = surface.signs.block_at(x, y);
-            const double degrees = block ? surface.signs.bar(*block).degrees : 1e9;
-            if (!surface.is_valid(x, y) || !(degrees < 655)) continue;
-            const auto hundredths = static_cast<std::uint16_t>(100 * degrees + 0.5);
-            std::memcpy(&image.samples[2 * surface.index(x, y)], &hundredths, 2);
-        }
-    return image;
+        for (int x = 0; x < surface.width; ++x)
+            if (const double degrees = surface.signs.bar_at(x, y).degrees;
+                surface.is_valid(x, y) && degrees < 655)
+                hundredths[surface.index(x, y)] = static_cast<std::uint16_t>(100 * degrees + 0.5);
+    return hundredths;
 }
 
 /// The scene of one frame's pictures, so that their folder is a clip again.
@@ -212,7 +208,8 @@ std::string codes_to_json(const SurfaceFrame& surface, Scene scene) {
 /// codes (not lazy).
 Result<void> write_frame_files(StagedFolder& folder, const RawFrame& raw, const SurfaceFrame& surface,
                                const Scene& scene, bool with_mesh) {
-    const Image validity = validity_image(surface), errors = errors_image(surface);
+    const Image validity = validity_image(surface);
+    const std::vector<std::uint16_t> errors = error_hundredths(surface);
     const std::pair<const char*, PlaneView> pictures[] = {
         {"colour.png", raw.colour},
         {"depth.png", raw.depth},
@@ -220,7 +217,7 @@ Result<void> write_frame_files(StagedFolder& folder, const RawFrame& raw, const 
         {"valid.png", validity.view()},
         {"haptic.png", raw.haptic},
         {"height.png", raw.height},
-        {"errors.png", errors.view()}};
+        {"errors.png", plane_of_codes(errors.data(), surface.width, surface.height)}};
     for (const auto& [name, plane] : pictures)
         if (!plane.empty()) TRY(write_png(folder.add(name), plane));
     if (with_mesh) TRY(write_ply(folder.add("mesh.ply"), make_mesh(surface, scene), raw.colour));
@@ -408,9 +405,8 @@ Result<void> export_clip(const ExportOptions& options, std::string& at_work) {
         return not_allowed("--frame", std::to_string(wanted), "0 or more");
     TRY(check_outputs({files_of(options), options.existing}, inputs_of(options.clip, *reader)));
     RunGpu gpu(options.builder.gpu);
-    BuilderChoice choice = options.builder;
-    choice.error_bars = true;
-    TRY_ASSIGN(const auto builder, make_builder(choice, scene, gpu));
+    TRY_ASSIGN(auto plain, make_builder(options.builder, scene, gpu));
+    const auto builder = with_error_bars(std::move(plain), scene);
     TRY_ASSIGN(auto picture, order_picture(options.picture, options.existing, options.builder, gpu));
 
     TRY(find_scale(*reader, scene, *builder));

@@ -402,7 +402,7 @@ Result<void> print_facts(const InfoOptions& options) {
 }  // namespace
 
 void add_info_command(CLI::App& app, Command& command) {
-    auto* info = app.add_subcommand("info", "say what a clip is: size, rate, camera, depth coding, touch");
+    auto* info = app.add_subcommand("info", "say what a clip is: size, rate, camera, depth coding, touch, error");
     struct Typed {
         InfoOptions options;
         ClipTyped clip;

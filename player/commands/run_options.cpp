@@ -281,8 +281,8 @@ void add_picture_options(CLI::App& sub, PictureOptions& options) {
         return {};
     };
     add_read_option(sub, "--show", read_overlay,
-                    "what colours the surface. depth: equalised; friction: static; tiles: which are drawn; "
-                    "validity: where there is depth")
+                    "what colours the surface. depth: equalised; errors: how wrong forces may point; "
+                    "friction: static; tiles: which are drawn; validity: where there is depth")
         ->type_name(type_with_words("WORD", overlay_names()))
         ->needs(picture);
     add_word_option(sub, "--light", options.light, "light on the clip's colours, which shows relief",

@@ -627,8 +627,9 @@ Result<TouchOptions> read_words(const TouchWords& words) {
 void add_file_options(CLI::App& sub, TouchOptions& o) {
     begin_topic(sub, files_topic);
     add_json_option(sub, o.json, "write the figures as JSON", true);
-    add_file_option(sub, "--forces", o.forces,
-                    "write goal, proxy and force of every tick and finger as CSV. -: to standard output");
+    add_file_option(
+        sub, "--forces", o.forces,
+        "write goal, proxy, force and its error of every tick and finger as CSV. -: to standard output");
     add_file_option(sub, "--device-log", o.device_log,
                     "write positions, buttons and forces of a device that you hold as CSV. It replays as the "
                     "device recorded; -: to standard output");

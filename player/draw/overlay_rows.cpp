@@ -49,10 +49,6 @@ void ScalarRows::begin(Scalar scalar, const HeightField& field, const FramePair&
     blend_ = static_cast<float>(field.blend());
     height_per_code_ = static_cast<float>(height_per_code(field.scene()));
     reach_ = blend_reach(field);
-    if (scalar == Scalar::errors) {
-        begin_frame(prev_, (blend_ >= 0.5F ? pair.next : pair.prev).frame);
-        return begin_frame(next_, nullptr);
-    }
     begin_frame(prev_, pair.prev.frame);
     begin_frame(next_, blend_ > 0 && pair.next.frame != pair.prev.frame ? pair.next.frame : nullptr);
 }
@@ -144,11 +140,9 @@ void ScalarRows::read_heights(Frame& frame, int y) const {
 
 void ScalarRows::read_errors(Frame& frame, int y) const {
     const int width = field_->width();
-    for (int x = 0; x < width; x += ErrorSigns::side) {
-        const auto block = frame.frame->signs.block_at(x, y);
-        const auto degrees = block ? static_cast<float>(frame.frame->signs.bar(*block).degrees) : no_value;
-        std::fill_n(frame.values.data() + x, std::min(ErrorSigns::side, width - x), degrees);
-    }
+    for (int x = 0; x < width; x += ErrorSigns::side)
+        std::fill_n(frame.values.data() + x, std::min(ErrorSigns::side, width - x),
+                    static_cast<float>(field_->error_bar(x, y).degrees));
 }
 
 void ScalarRows::read_frame(Frame& frame, int y) const {

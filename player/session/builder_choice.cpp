@@ -82,14 +82,8 @@ std::string RunGpu::name() const {
     return device_ ? device_->facts().name : std::string();
 }
 
-Result<std::unique_ptr<SurfaceBuilder>> make_builder(const BuilderChoice& choice, const Scene& scene,
-                                                     RunGpu& gpu) {
-    if (choice.error_bars) {
-        BuilderChoice plain = choice;
-        plain.error_bars = false;
-        TRY_ASSIGN(auto builder, make_builder(plain, scene, gpu));
-        return with_error_bars(std::move(builder), scene);
-    }
+static Result<std::unique_ptr<SurfaceBuilder>> make_plain_builder(const BuilderChoice& choice,
+                                                                  const Scene& scene, RunGpu& gpu) {
     if (choice.name == "cpu") return make_cpu_builder(scene);
     if (choice.name == "lazy" && scene.filter.temporal)
         return usage_error(
@@ -104,6 +98,12 @@ Result<std::unique_ptr<SurfaceBuilder>> make_builder(const BuilderChoice& choice
     if (vulkan || !choice.gpu_fallback || vulkan.error().kind != ErrorKind::gpu) return vulkan;
     warn(vulkan.error().message + "; the cpu builder does its work");
     return make_cpu_builder(scene);
+}
+
+Result<std::unique_ptr<SurfaceBuilder>> make_builder(const BuilderChoice& choice, const Scene& scene,
+                                                     RunGpu& gpu) {
+    TRY_ASSIGN(auto builder, make_plain_builder(choice, scene, gpu));
+    return choice.error_bars ? with_error_bars(std::move(builder), scene) : std::move(builder);
 }
 
 bool is_fast_builder(const GpuFacts& facts) {

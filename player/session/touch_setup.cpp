@@ -38,7 +38,8 @@ constexpr int device_log_ticks = 4096;
 Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frames) {
     SessionOptions& options = setup.options;
     BuilderChoice& choice = options.builder;
-    if (choice.name == "auto") {
+    const bool is_auto = choice.name == "auto";
+    if (is_auto) {
         const bool named = choice.names_gpu();
         bool drawn = options.drawn;
         if (named) {
@@ -55,11 +56,13 @@ Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frame
     }
     if (choice.name != "lazy") return {};
     const bool averages = setup.filters && setup.filters->chosen.temporal && setup.scene.filter.temporal;
-    if (!averages && !options.watched) return {};
+    const bool measured = is_auto && choice.error_bars;
+    if (!averages && !options.watched && !measured) return {};
     choice.name = "cpu";
     choice.why =
         averages ? "the clip's noise is averaged over time, which needs whole frames, not the lazy builder"
-                 : "whole frames are shown, which the lazy builder does not make";
+        : options.watched ? "whole frames are shown, which the lazy builder does not make"
+                          : "error bars need whole frames, which the lazy builder does not make";
     return {};
 }
 

@@ -47,7 +47,7 @@ std::optional<glm::dvec2> place_label(const glm::dvec2& at, double gap, const gl
 /// Draws below all panels, between ImGuiLayer's `begin` and `draw`. A force whose arrow is seen end on is
 /// drawn as a point in a circle if it comes towards the eye, or as a cross if it goes away. Newtons are
 /// written beside it, and beside arrows foreshortened to less than half, if there is room. The force's share
-/// of the ring is white without doubt of its direction, and amber where a hand may notice the error.
+/// of the ring is white without doubt of its direction, and the more amber the larger `doubt`.
 void draw_finger_halos(std::span<const FingerHalo> halos, float scale);
 
 }  // namespace touchable

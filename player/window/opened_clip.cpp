@@ -88,7 +88,7 @@ SessionOptions OpenedClip::session_options(const SessionSettings& settings,
         session.stale_after_ns.reset();
     }
     session.live = session.watched = true;
-    session.builder.error_bars = !options_.kiosk;
+    session.builder.error_bars = !options_.kiosk;  // its visitors are told nothing of errors
     session.fingers = fingers_of_hand();
     session.held_device = device_;
     if (options_.hand) {

@@ -158,13 +158,13 @@ class _Contacts:
 
     @property
     def error_degrees(self) -> NDArray[numpy.float64]:
-        """(...) float64, degrees: 95 of 100 forces err by less in direction because depth is wrong. NaN out of contact,
-        and unless the Surface has error_bars. docs/measurements.md, Error bars."""
+        """(...) float64, degrees: about 95 of 100 forces err by less in direction because depth is wrong. NaN out of
+        contact, and unless the Surface has error_bars. docs/measurements.md, Error bars."""
         return self.contacts["error_degrees"]
 
     @property
     def error_newtons(self) -> NDArray[numpy.float64]:
-        """(...) float64, newtons: the same of the spring's size, before limits."""
+        """(...) float64, newtons: the same of the spring's size, before limits, and less sure."""
         return self.contacts["error_newtons"]
 
     @property

@@ -88,7 +88,7 @@ TEST_F(Export, WritesErrorBars) {
     int known = 0;
     for (int y = 0; y < built.height; ++y)
         for (int x = 0; x < built.width; ++x) {
-            const double degrees = built.signs.bar(*built.signs.block_at(x, y)).degrees;
+            const double degrees = built.signs.bar_at(x, y).degrees;
             const int sample = errors.view().sample(x, y);
             if (!built.is_valid(x, y) || std::isnan(degrees))
                 ASSERT_EQ(sample, 65535);

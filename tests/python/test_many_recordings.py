@@ -216,6 +216,7 @@ class ManyRecordings(unittest.TestCase):
     def test_RefusesInOneLine(self):
         for words, arguments in {
             "give a FOLDER of recordings, or --soak SEEDS": [], "nowhere": ["/nowhere"], "'1-': must be a seed": ["--soak", "1-"],
+            "'5-3': must be a seed": ["--soak", "5-3"],
             "--workers 0": [self.clips, "--workers", "0"], "--seconds nan": [self.clips, "--seconds", "nan"],
         }.items():
             done = subprocess.run(command_of(*arguments, "--out", self.out), capture_output=True, text=True, timeout=longest_s)
