@@ -9,7 +9,7 @@ from plots.files import is_number, measured_once
 
 # What is better where no target says so: of a name first, then of a unit. More or less of anything else is only a change.
 NEITHER = re.compile(r"tiles_pct|force_n_mean|true_force|(depth|level)_mm|papers_|_theory|colgate|gil_|abbott|in_flight|^median$|"
-                     r"painter|builder$|presses|^points|psd")
+                     r"painter|builder$|presses|^points|psd|normal_n|free_|cone_|bar_deg")
 MORE = re.compile(r"(frames|pictures|ticks|gb|mb)_(per_)?s(_|$)|boundary|bandwidth|in_time|cores_left|nearly_best|"
                   r"trust_is_right|contact_pct|pen_pct|least_detail|^whole$")
 LESS = re.compile(r"(^|_)vs_|_over_|roots|bytes|times_(best|first|off)|worse_than|lost|torn|dropped|tunnelled|non_minima|mismatch|capped|"

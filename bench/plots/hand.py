@@ -8,15 +8,9 @@ LINES = {"direction_seen_deg": ("seeing the scene", ":"), "direction_felt_deg": 
 
 
 def noticed_degrees(figures):
-    """By name. Records of before 2026-12 only have errors as a share of the first."""
-    if "hand" in figures:
-        return {name: figures["hand"][name] for name in LINES if is_number(figures["hand"].get(name))}
-    for metrics in figures.values():
-        for metric, share in metrics.items():
-            degrees = metrics.get(metric.replace("_jnd", "_deg"))
-            if "_jnd" in metric and is_number(share) and share > 0 and is_number(degrees):
-                return {"direction_seen_deg": degrees / share}
-    return {}
+    """By name; none in records of before 2026-12."""
+    hand = figures.get("hand", {})
+    return {name: hand[name] for name in LINES if is_number(hand.get(name))}
 
 
 def draw_noticed(axes, figures):

@@ -92,7 +92,6 @@ class Page:
     def __init__(self, records):
         self.records = records
         self.machines = {}
-        self.hand = {"hand": hand} if (hand := figures_of(records).get("hand")) else {}
         for record in records.values():
             suite = self.machines.setdefault(record.suite, {})
             if record.case == "machine":
@@ -232,7 +231,7 @@ class Page:
     def add_plots(self):
         for title, draw, suites, part, words in PLOTS:
             here = [suite for suite in suites if suite in self.machines][:1]
-            if here and (drawn := self.plot(draw, {**figures_of(self.records, suites), **self.hand}, title)):
+            if here and (drawn := self.plot(draw, figures_of(self.records, suites), title)):
                 self.section(title, f"<p>{html.escape(words)} {self.command(here[0], part.strip('.'))}</p>", drawn)
 
     def add_gpu(self):

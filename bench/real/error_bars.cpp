@@ -1,5 +1,3 @@
-#include "bench/real/error_bars.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -249,22 +249,22 @@ Result<KnownRoom::Searched> KnownRoom::search_quickly() {
 Result<std::vector<BarPlace>> KnownRoom::press_with_bars(bool still, bool quick) {
     if (!scene_)
         if (auto done = make_rooms(quick, barred_frames, barred_frames); !done) return done.error();
-    std::vector<BarPlace> places;
+    PressErrors errors;
     for (const Room& room : rooms_) {
         std::vector<RawFrame> stored = room.stored;
         if (still) stored.resize(1);
         const Scene scene = chosen_filters(stored, *scene_);
         const auto frames = built(scene, stored, true);
         if (!frames) return frames.error();
-        const std::size_t first = still ? 0 : 16, every = still ? 3 : 24;
+        const std::size_t first = still ? 0 : 2 * settled_frames, every = still ? 3 : barred_frames;
         for (std::size_t n = first; n < frames->size(); ++n) {
             std::vector<DepthPlane> some;
             for (std::size_t k = n % every; k < room.smooth.size(); k += every)
                 some.push_back(room.smooth[k]);
-            if (auto done = press_barred(scene, (*frames)[n], some, places); !done) return done.error();
+            if (auto done = errors.press(scene, (*frames)[n], some); !done) return done.error();
         }
     }
-    return places;
+    return errors.places();
 }
 
 Result<double> KnownRoom::choose_again() {

@@ -89,4 +89,8 @@ private:
     std::vector<RawFrame> approach_stored_;
 };
 
+/// How often the error bars of forces hold, in these rooms as these cameras film them (bench/README.md).
+Result<void> measure_error_bars(const std::filesystem::path& data, const std::vector<SensorModel>& models,
+                                bool quick, Figures& figures);
+
 }  // namespace touchable

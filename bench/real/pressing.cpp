@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <glm/geometric.hpp>
-#include <span>
 
 #include "engine/base/hand_thresholds.hpp"
+#include "engine/base/same_bits.hpp"
 #include "haptics_cpu/touch_solver.hpp"
 
 namespace touchable {
@@ -43,58 +42,43 @@ double over_20deg_pct(const std::vector<double>& angles) {
     return per_cent(static_cast<std::size_t>(wrong), angles.size());
 }
 
-/// Presses for ticks_in ticks and `along` more, and gives each tick's number and contacts to `met`.
-Result<void> press_down(const Scene& scene, const SurfaceFrame& frame, const std::vector<DepthPlane>& planes,
-                        int along, const std::function<void(int, std::span<const Contact>)>& met) {
+}  // namespace
+
+Result<void> PressErrors::press(const Scene& scene, const SurfaceFrame& frame,
+                                const std::vector<DepthPlane>& planes) {
     const auto solver = TouchSolver::create(scene, {});
     if (!solver) return solver.error();
+    fingers_ += planes.size();
     std::vector<glm::dvec3> goals(planes.size());
     std::vector<FingerState> fingers(planes.size());
     std::vector<Contact> contacts(planes.size());
     const FramePair pair = held(frame);
     const HeightField field(scene, pair);
-    for (int tick = 0; tick <= ticks_in + along; ++tick) {
+    for (int tick = 0; tick <= ticks_in + ticks_along; ++tick) {
         const double in = std::min(1.0, static_cast<double>(tick) / ticks_in);
         const double share = std::max(0.0, static_cast<double>(tick - ticks_in) / ticks_along);
         for (std::size_t k = 0; k < planes.size(); ++k)
             goals[k] = goal_at(planes[k], scene.camera, share, -lifted_mm + in * (lifted_mm + pressed_mm));
         solver->tick(field, goals, fingers, contacts);
-        met(tick, contacts);
-    }
-    return {};
-}
-
-}  // namespace
-
-Result<void> press_barred(const Scene& scene, const SurfaceFrame& frame,
-                          const std::vector<DepthPlane>& planes, std::vector<BarPlace>& places) {
-    return press_down(scene, frame, planes, 0, [&](int tick, std::span<const Contact> contacts) {
-        for (std::size_t k = 0; k < contacts.size(); ++k) {
+        for (std::size_t k = 0; k < planes.size() && tick >= ticks_in; ++k) {
             const Contact& contact = contacts[k];
-            const auto block = frame.signs.block_at(contact.pixel_x, contact.pixel_y);
-            const auto signs = block ? frame.signs.squares(*block) : std::nullopt;
-            if (tick < ticks_in || !contact.touching || !signs) continue;
-            places.push_back({*signs, frame.signs.bar(*block),
-                              degrees_between(contact.force, normal_of(planes[k], scene.camera)),
-                              std::abs(glm::distance(contact.proxy, contact.goal) - pressed_mm)});
-        }
-    });
-}
-
-Result<void> PressErrors::press(const Scene& scene, const SurfaceFrame& frame,
-                                const std::vector<DepthPlane>& planes) {
-    fingers_ += planes.size();
-    return press_down(scene, frame, planes, ticks_along, [&](int tick, std::span<const Contact> contacts) {
-        if (tick < ticks_in) return;
-        for (std::size_t k = 0; k < planes.size(); ++k) {
-            if (!contacts[k].touching) {
+            if (!contact.touching) {
                 ++lost_;
                 continue;
             }
-            angles_.push_back(degrees_between(contacts[k].force, normal_of(planes[k], scene.camera)));
-            if (1 / planes[k].at <= trusted_to_) trusted_.push_back(angles_.back());
+            const double angle = degrees_between(contact.force, normal_of(planes[k], scene.camera));
+            angles_.push_back(angle);
+            if (1 / planes[k].at <= trusted_to_) trusted_.push_back(angle);
+            if (!(contact.error_degrees >= 0)) continue;
+            bars_.push_back(contact.error_degrees);
+            held_ += angle <= contact.error_degrees;
+            const ErrorSigns::Block* const block = frame.signs.block_at(contact.pixel_x, contact.pixel_y);
+            if (tick == ticks_in)
+                places_.push_back({*frame.signs.squares(*block), angle,
+                                   std::abs(glm::distance(contact.proxy, contact.goal) - pressed_mm)});
         }
-    });
+    }
+    return {};
 }
 
 double PressErrors::angle_deg_rms() const {
@@ -126,6 +110,10 @@ void PressErrors::report(Figures& figures) const {
     figures.push_back({"trusted_over_20deg_pct", trusted_over_20deg_pct(), "%"});
     figures.push_back({"contact_lost_pct",
                        100 * static_cast<double>(lost_) / static_cast<double>(lost_ + angles_.size()), "%"});
+    if (bars_.empty()) return;
+    std::vector<double> bars = bars_;
+    figures.push_back({"bars_hold_pct", per_cent(held_, bars.size()), "%"});
+    figures.push_back({"bar_deg_median", sorted_element(bars, bars.size() / 2), "deg"});
 }
 
 }  // namespace touchable

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "bench/real/edges.hpp"
-#include "bench/real/error_bars.hpp"
 #include "bench/real/filter_choices.hpp"
 #include "bench/real/generated.hpp"
 #include "bench/real/known_room.hpp"

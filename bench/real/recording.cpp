@@ -78,23 +78,9 @@ Result<void> RecordingPatches::measure(const FilterChoice& choice, bool quick, F
     const auto frames = built(scene, raws_, true);
     if (!frames) return frames.error();
     PressErrors errors(trusted_to(scene.filter, measured_depth(raws_, *scene_)));
-    std::vector<BarPlace> places;
-    for (std::size_t n = 0; n < frames->size(); ++n) {
+    for (std::size_t n = 0; n < frames->size(); ++n)
         if (auto done = errors.press(scene, (*frames)[n], planes_[n]); !done) return done;
-        if (auto done = press_barred(scene, (*frames)[n], planes_[n], places); !done) return done;
-    }
     errors.report(figures);
-    std::vector<double> bars;
-    std::size_t held = 0;
-    for (const BarPlace& place : places) {
-        bars.push_back(place.bar.degrees);
-        held += place.degrees <= place.bar.degrees;
-    }
-    if (!bars.empty()) {
-        figures.push_back(
-            {"bars_hold_pct", 100.0 * static_cast<double>(held) / static_cast<double>(bars.size()), "%"});
-        figures.push_back({"bar_deg_median", sorted_element(bars, bars.size() / 2), "deg"});
-    }
     figures.push_back({"plane_error_deg", plane_error_deg_, "deg"});
     if (auto done = measure_cost(scene, raws_, quick ? 10 : 50, figures); !done) return done;
     figures.push_back({"depth_mm", depth_, "mm"});

@@ -80,14 +80,6 @@ Result<SensorLog> read_log(const std::string& file) {
     return log;
 }
 
-double quantile_of(std::vector<double> values, double share) {
-    if (values.empty()) return 0;
-    const auto at =
-        values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), at, values.end());
-    return *at;
-}
-
 /// Least squares of value = zero + slope x, where values and x are vectors.
 class LineFit {
 public:
@@ -129,8 +121,7 @@ glm::dvec3 slope_of(const glm::dvec3& force) {
 }
 
 /// The record's forces by a finger that goes its way over a plane of such friction, in the record's axes.
-Result<std::vector<glm::dvec3>> exerted_forces(const WipingRecord& record, double friction,
-                                               std::vector<bool>& touching) {
+Result<std::vector<glm::dvec3>> exerted_forces(const WipingRecord& record, double friction) {
     TRY_ASSIGN(const auto content, make_scene("plane", {}));
     Scene scene = content->scene();
     scene.default_properties = {scene.default_properties.stiffness, friction, friction};
@@ -148,7 +139,6 @@ Result<std::vector<glm::dvec3>> exerted_forces(const WipingRecord& record, doubl
     std::vector<FingerState> finger(1);
     std::vector<Contact> contact(1);
     std::vector<glm::dvec3> forces;
-    touching.clear();
     for (const WipingRecord::Tick& tick : record.ticks) {
         glm::dvec3 place = tick.place;
         place.z =
@@ -159,32 +149,27 @@ Result<std::vector<glm::dvec3>> exerted_forces(const WipingRecord& record, doubl
                 fault_of(contact[0], field, metres_per_unit, behind_tolerance(settings.metric)))
             return Error{ErrorKind::check, "tick " + std::to_string(forces.size()) + ": " + fault};
         forces.push_back(glm::transpose(to_scene) * contact[0].force);
-        touching.push_back(contact[0].touching);
     }
     return forces;
 }
 
-/// An angle in each compared tick.
-struct Angles {
-    std::vector<double> degrees{};
-
-    void report(const std::string& name, Figures& figures) const {
-        figures.push_back({name + "_deg_median", quantile_of(degrees, 0.5), "deg"});
-        figures.push_back({name + "_deg_p90", quantile_of(degrees, 0.9), "deg"});
-    }
-};
+/// Of an angle in each compared tick.
+void report_angles(const std::string& name, std::vector<double> degrees, Figures& figures) {
+    figures.push_back({name + "_deg_median", quantile(degrees, 0.5), "deg"});
+    figures.push_back({name + "_deg_p90", quantile(degrees, 0.9), "deg"});
+}
 
 /// Angles of a force to the plane's normal, and of its part along the plane to the motion's reverse.
 struct Cone {
-    Angles to_normal{}, to_reverse{};
+    std::vector<double> to_normal{}, to_reverse{};
 
     void add(const glm::dvec3& force, const glm::dvec3& velocity) {
-        to_normal.degrees.push_back(degrees_between(force, up));
-        to_reverse.degrees.push_back(degrees_between(along_plane(force), -velocity));
+        to_normal.push_back(degrees_between(force, up));
+        to_reverse.push_back(degrees_between(along_plane(force), -velocity));
     }
     void report(const std::string& name, Figures& figures) const {
-        to_normal.report("cone_" + name, figures);
-        to_reverse.report("against_motion_" + name, figures);
+        report_angles("cone_" + name, to_normal, figures);
+        report_angles("against_motion_" + name, to_reverse, figures);
     }
 };
 
@@ -247,15 +232,15 @@ Result<WipingRecord> read_wiping(const std::string& file) {
         frictions -= glm::dot(slope_of(tick.surface), glm::normalize(tick.velocity));
         ++count;
     }
-    record.friction = std::max(0.0, frictions / std::max(count, 1.0));
+    if (count < least_ticks) return refuse("presses and moves", static_cast<std::size_t>(count));
+    record.friction = std::max(0.0, frictions / count);
     return record;
 }
 
 Result<void> measure_wiping(const WipingRecord& record, double others, Figures& figures) {
-    std::vector<bool> touching;
-    TRY_ASSIGN(const auto by_others, exerted_forces(record, others, touching));
-    TRY_ASSIGN(const auto own, exerted_forces(record, record.friction, touching));
-    Angles to_reading, to_surface, to_surface_by_others, to_shaped;
+    TRY_ASSIGN(const auto by_others, exerted_forces(record, others));
+    TRY_ASSIGN(const auto own, exerted_forces(record, record.friction));
+    std::vector<double> to_reading, to_surface, to_surface_by_others, to_shaped;
     LineFit shape;  // the measured slope without friction = a tilt + dome x place
     Cone exerted, measured;
     std::vector<double> free_readings, free_rests, normal, normal_off;
@@ -267,12 +252,12 @@ Result<void> measure_wiping(const WipingRecord& record, double others, Figures& 
             free_rests.push_back(glm::length(tick.surface));
         }
         if (!tick.wiped) continue;
-        lost += !touching[k];
+        lost += own[k] == glm::dvec3(0.0);
         normal.push_back(tick.surface.z);
         normal_off.push_back(std::fabs(own[k].z - tick.surface.z));
-        to_reading.degrees.push_back(degrees_between(own[k], tick.read));
-        to_surface.degrees.push_back(degrees_between(own[k], tick.surface));
-        to_surface_by_others.degrees.push_back(degrees_between(by_others[k], tick.surface));
+        to_reading.push_back(degrees_between(own[k], tick.read));
+        to_surface.push_back(degrees_between(own[k], tick.surface));
+        to_surface_by_others.push_back(degrees_between(by_others[k], tick.surface));
         exerted.add(own[k], tick.velocity);
         measured.add(tick.surface, tick.velocity);
         shape.add(slope_of(tick.surface) + record.friction * glm::normalize(tick.velocity),
@@ -283,26 +268,26 @@ Result<void> measure_wiping(const WipingRecord& record, double others, Figures& 
         const WipingRecord::Tick& tick = record.ticks[k];
         if (!tick.wiped) continue;
         const glm::dvec3 shaped = slope_of(tick.surface) - shape.zero - shape.slope * along_plane(tick.place);
-        to_shaped.degrees.push_back(degrees_between(slope_of(own[k]) + up, shaped + up));
+        to_shaped.push_back(degrees_between(slope_of(own[k]) + up, shaped + up));
     }
-    const auto ticks = static_cast<double>(to_reading.degrees.size());
+    const auto ticks = static_cast<double>(to_reading.size());
     figures.push_back({"ticks", ticks, ""});
     figures.push_back({"compared_pct", 100 * ticks / static_cast<double>(record.ticks.size()), "%"});
     figures.push_back({"contact_lost_ticks", static_cast<double>(lost), ""});
-    figures.push_back({"normal_n_median", quantile_of(normal, 0.5), "N"});
-    figures.push_back({"normal_off_n_median", quantile_of(normal_off, 0.5), "N"});
+    figures.push_back({"normal_n_median", quantile(normal, 0.5), "N"});
+    figures.push_back({"normal_off_n_median", quantile(normal_off, 0.5), "N"});
     figures.push_back({"plane_mm_rms", record.plane_mm, "mm"});
     figures.push_back({"friction", record.friction, ""});
-    to_surface.report("force_angle", figures);
-    to_surface_by_others.report("force_angle_others", figures);
-    to_reading.report("force_angle_reading", figures);
-    to_shaped.report("force_angle_shaped", figures);
+    report_angles("force_angle", to_surface, figures);
+    report_angles("force_angle_others", to_surface_by_others, figures);
+    report_angles("force_angle_reading", to_reading, figures);
+    report_angles("force_angle_shaped", to_shaped, figures);
     exerted.report("exerted", figures);
     measured.report("measured", figures);
     figures.push_back({"tool_kg", record.tool_kg, "kg"});
     figures.push_back({"dome_per_m", shape.slope, "1/m"});
-    figures.push_back({"free_reading_n_median", quantile_of(free_readings, 0.5), "N"});
-    figures.push_back({"free_measured_n_median", quantile_of(free_rests, 0.5), "N"});
+    figures.push_back({"free_reading_n_median", quantile(free_readings, 0.5), "N"});
+    figures.push_back({"free_measured_n_median", quantile(free_rests, 0.5), "N"});
     return {};
 }
 
