@@ -18,9 +18,9 @@ inline sockaddr_in loopback(int port) {
     return address;
 }
 
-/// A port of this machine that nobody listens at now, of TCP and UDP; 0: none is free. It is below those that
-/// Linux gives to whoever asks for any port, such as a socket of a test beside this one, which would have it
-/// before it is listened at.
+/// A port of this machine that is not listened at now, of TCP and UDP; 0: none is free. It is below those that
+/// Linux gives to a socket that asks for any port: one of a test beside this one would have it before it is
+/// listened at.
 inline std::uint16_t unused_port() {
     constexpr unsigned least = 20'000, count = 12'000;
     std::random_device random;

@@ -18,6 +18,6 @@ def send(depth, width, height, metres_per_unit, fx, fy, cx, cy, time_ns, number,
     try:
         to.write(head + struct.pack("<I", zlib.crc32(head)) + payload)
         to.flush()
-    except BrokenPipeError:  # nobody reads any more
+    except BrokenPipeError:  # the reader is gone
         sys.stderr.close()
         sys.exit(0)

@@ -93,7 +93,7 @@ class Frame:
 
 def _interruptibly(work: Callable[[], Any], interrupt: Callable[[], Any] | None = None) -> Any:
     """Work that may wait for others, on a thread of its own, so that Ctrl-C ends the wait. Where the work can be
-    interrupted it is over then: nobody uses any more what it used."""
+    interrupted it is over then: what it used is used no more."""
     outcome: concurrent.futures.Future[Any] = concurrent.futures.Future()
 
     def run() -> None:
@@ -126,7 +126,7 @@ class Clip(Closable):
 
     `for frame in clip` begins at the first frame each time (a stream, which cannot go back, only once). clip[5] and
     clip[-1] give one frame, clip[2:8] a list; len(clip) how many there are, where that is known. One thread at a time
-    uses a clip. Use it in `with`, or close() it; otherwise it closes when nobody refers to it any more.
+    uses a clip. Use it in `with`, or close() it; otherwise it closes when nothing refers to it any more.
 
     pickle takes its path and what open() was told, not its pictures: where it is unpickled, also on another machine with
     the same files, it is opened again, at its first frame, by its absolute path. That raises what open() raises, and

@@ -33,7 +33,7 @@ class Sample:
 
 
 def prepare(scene, materials, feels):
-    """Sets the scene up for the data, for good: nobody saves it. `feels`: of each material, with the sockets that any frame needs."""
+    """Sets the scene up for the data, for good: it is not saved. `feels`: of each material, with the sockets that any frame needs."""
     if len(materials) > MOST_MATERIALS:
         raise NoRenderer(f"the file has {len(materials)} materials, and Blender numbers {MOST_MATERIALS} of them")
     _set_renderer(scene)

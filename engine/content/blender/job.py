@@ -1,4 +1,4 @@
-"""An export from its first look at the scene to the finished clip. It changes the file in memory, and nobody saves that."""
+"""An export from its first look at the scene to the finished clip. It changes the file in memory, and that is not saved."""
 
 import math
 import os
