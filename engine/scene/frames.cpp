@@ -1,5 +1,6 @@
 #include "engine/scene/frames.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -92,7 +93,9 @@ ErrorBar ErrorSigns::bar(const Block& block) const {
     const auto root = [](const std::array<double, 4>& terms, const std::array<double, 4>& weight) {
         return std::sqrt(std::inner_product(terms.begin(), terms.end(), weight.begin(), 0.0));
     };
-    return {root(there->angle, weights.angle), root(there->depth, weights.depth)};
+    // No direction errs by more than half a turn, no depth by more than all of it.
+    return {std::min(root(there->angle, weights.angle), 180.0),
+            std::min(root(there->depth, weights.depth), double{block.depth})};
 }
 
 ErrorBar ErrorSigns::bar_at(double x, double y) const {

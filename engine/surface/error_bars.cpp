@@ -31,7 +31,8 @@ constexpr double least_cosine = 0.2;
 constexpr double share_of_scene = 0.15;
 constexpr std::size_t least_blocks = 100;
 constexpr double enough_bends = 3000;
-/// Of larger pictures, every second row of blocks is measured, or every third, ...: 5 % of a core.
+/// Of larger pictures, every second row of blocks is measured, or every third, ..., and stands for those
+/// around it: 5 % of a core.
 constexpr int enough_pixels = 2 * 720 * 480;
 constexpr std::size_t drift_step = 3;
 constexpr double most_drift = 0.02;  // more is a cut
@@ -109,8 +110,9 @@ public:
           columns_((scene.width - 1) / side),
           rows_((scene.height - 1) / side),
           width_(columns_ * side),
-          bend_step_(std::max(1, static_cast<int>(std::sqrt(columns_ * rows_ / enough_bends)))),
-          row_step_(std::max(1, scene.width * scene.height / enough_pixels)) {
+          row_step_(std::max(1, scene.width * scene.height / enough_pixels)),
+          strips_((rows_ + row_step_ - 1) / row_step_),
+          bend_step_(std::max(1, static_cast<int>(std::sqrt(columns_ * strips_ / enough_bends)))) {
         for (int x = 0; x <= width_; ++x) u_.push_back(static_cast<float>(camera_.u(x)));
         for (int c = 0; c < columns_; ++c)
             u_of_blocks_.push_back(static_cast<float>(camera_.u(middle_of(c))));
@@ -124,26 +126,33 @@ public:
         signs.columns = columns_;
         signs.focal_length = camera_.fx;
         signs.blocks.resize(pixel_place(0, rows_, columns_));
-        for (int row = 0; row < rows_; ++row) {
-            const std::size_t at = padded(0, row);
+        for (int strip = 0; strip < strips_; ++strip) {
+            const int first = strip * row_step_, end = std::min(first + row_step_, rows_);
+            const std::size_t at = padded(0, strip);
             const BlockRow blocks{&blocks_.x[at], &blocks_.y[at],     &blocks_.z[at],
                                   &blocks_.q[at], &blocks_.faces[at], columns_ + 2};
-            ErrorSigns::Block* const out = signs.blocks.data() + pixel_place(0, row, columns_);
+            ErrorSigns::Block* const out = signs.blocks.data() + pixel_place(0, first, columns_);
             run_vectors(
                 usable_vector_units().front(), [&](auto) __attribute__((always_inline)) {
                     tell_blocks(columns_, blocks, u_of_blocks_.data(),
-                                static_cast<float>(camera_.v(middle_of(row))), static_cast<float>(camera_.fx),
-                                out);
+                                static_cast<float>(camera_.v(middle_of(row_of(strip)))),
+                                static_cast<float>(camera_.fx), out);
                 });
+            for (int row = first + 1; row < end; ++row)
+                std::copy_n(out, columns_, out + pixel_place(0, row - first, columns_));
         }
         signs.bend = camera_bend(signs.blocks);
         signs.drift = camera_drift(signs.blocks, place);
     }
 
 private:
+    /// The row of blocks that is measured for a strip of `row_step_` of them.
+    int row_of(int strip) const { return std::min(strip * row_step_ + row_step_ / 2, rows_ - 1); }
     static double middle_of(int block) { return block * side + 0.5 * (side - 1); }
     /// Place in `blocks_`, which has a block without faces more at each end of rows and columns.
-    std::size_t padded(int column, int row) const { return pixel_place(column + 1, row + 1, columns_ + 2); }
+    std::size_t padded(int column, int strip) const {
+        return pixel_place(column + 1, strip + 1, columns_ + 2);
+    }
 
     /// Inverse planar depths of a row of pixels; 0: invalid.
     void read_row(const SurfaceFrame& frame, int y, std::vector<float>& q) {
@@ -184,10 +193,10 @@ private:
 
     void add_up(const SurfaceFrame& frame) {
         know_codes(frame.coding);
-        blocks_.assign(pixel_place(0, rows_ + 2, columns_ + 2));
-        for (int first = 0; first < rows_; first += row_step_) {
-            const int row = std::min(first + row_step_ / 2, rows_ - 1);
-            if (first == 0 || row_step_ > 1) read_row(frame, row * side, lower_);
+        blocks_.assign(pixel_place(0, strips_ + 2, columns_ + 2));
+        for (int strip = 0; strip < strips_; ++strip) {
+            const int row = row_of(strip);
+            if (strip == 0 || row_step_ > 1) read_row(frame, row * side, lower_);
             sums_.assign(static_cast<std::size_t>(width_));
             for (int y = row * side; y < (row + 1) * side; ++y) {
                 std::swap(upper_, lower_);
@@ -200,11 +209,9 @@ private:
                                            {&sums_.q, &blocks_.q},
                                            {&sums_.faces, &blocks_.faces}}) {
                 const float* at = from->data();
-                float* const block = to->data() + padded(0, row);
+                float* const block = to->data() + padded(0, strip);
                 for (int c = 0; c < columns_; ++c, at += side)
                     block[c] = (at[0] + at[1]) + (at[2] + at[3]) + at[4];
-                for (int other = first; other < std::min(first + row_step_, rows_); ++other)
-                    if (other != row) std::copy_n(block, columns_, to->data() + padded(0, other));
             }
         }
     }
@@ -212,35 +219,36 @@ private:
     /// Scene units per pixel.
     double camera_bend(const std::vector<ErrorSigns::Block>& signs) {
         const auto pitch = static_cast<std::size_t>(columns_) + 1;
-        normals_to_.resize(pitch * static_cast<std::size_t>(rows_));
-        for (int row = 0; row < rows_; ++row) {
+        normals_to_.resize(pitch * static_cast<std::size_t>(strips_));
+        for (int strip = 0; strip < strips_; ++strip) {
             glm::dvec3 sum(0.0);
-            const std::size_t from = padded(0, row);
-            glm::dvec3* const to = normals_to_.data() + pitch * static_cast<std::size_t>(row);
+            const std::size_t from = padded(0, strip);
+            glm::dvec3* const to = normals_to_.data() + pitch * static_cast<std::size_t>(strip);
             to[0] = sum;
             for (std::size_t c = 0; c + 1 < pitch; ++c)
                 to[c + 1] = sum += glm::dvec3(blocks_.x[from + c], blocks_.y[from + c], blocks_.z[from + c]);
         }
-        const auto mean_around = [&](int column, int row, int reach) {
+        const auto mean_around = [&](int column, int strip, int reach) {
+            const int far = (reach + row_step_ - 1) / row_step_;
             const auto left = static_cast<std::size_t>(std::max(column - reach, 0)),
                        right = static_cast<std::size_t>(std::min(column + reach + 1, columns_));
             glm::dvec3 sum(0.0);
-            for (int r = std::max(row - reach, 0); r < std::min(row + reach + 1, rows_); ++r) {
-                const glm::dvec3* const at = normals_to_.data() + pitch * static_cast<std::size_t>(r);
+            for (int s = std::max(strip - far, 0); s < std::min(strip + far + 1, strips_); ++s) {
+                const glm::dvec3* const at = normals_to_.data() + pitch * static_cast<std::size_t>(s);
                 sum += at[right] - at[left];
             }
             return glm::normalize(sum);
         };
         std::vector<double>& bends = scratch_;
         bends.clear();
-        for (int row = 0; row < rows_; row += bend_step_)
+        for (int strip = 0; strip < strips_; strip += bend_step_)
             for (int column = 0; column < columns_; column += bend_step_) {
-                const ErrorSigns::Block& block = signs[pixel_place(column, row, columns_)];
-                if (blocks_.faces[padded(column, row)] < whole_enough) continue;
+                const ErrorSigns::Block& block = signs[pixel_place(column, strip * row_step_, columns_)];
+                if (blocks_.faces[padded(column, strip)] < whole_enough) continue;
                 const double turn = block.turn, pixel = block.depth / camera_.fx;
                 if (turn * pixel < least_cosine * least_cosine) continue;
-                bends.push_back(glm::distance(mean_around(column, row, bend_reach),
-                                              mean_around(column, row, wide_reach)) /
+                bends.push_back(glm::distance(mean_around(column, strip, bend_reach),
+                                              mean_around(column, strip, wide_reach)) /
                                 turn);
             }
         if (bends.size() < least_blocks) return std::numeric_limits<double>::quiet_NaN();
@@ -277,7 +285,7 @@ private:
     }
 
     Camera camera_;
-    int columns_, rows_, width_, bend_step_, row_step_;
+    int columns_, rows_, width_, row_step_, strips_, bend_step_;
     DepthCoding coding_;
     std::vector<float> u_, u_of_blocks_;  // of rays
     std::vector<float> of_code_;          // inverse depths

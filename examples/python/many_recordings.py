@@ -163,10 +163,12 @@ def recordings_in(folder, left_out):
     for entry in sorted(os.scandir(folder), key=lambda entry: entry.name):
         if entry.name.startswith(".") or entry.path in left_out:
             continue
-        if entry.is_file() or (entry.is_dir() and opens(entry.path)):
+        try:
+            is_one = entry.is_file() or (entry.is_dir() and opens(entry.path))
+            inside = [] if is_one or not entry.is_dir(follow_symlinks=False) else recordings_in(entry.path, left_out)
+            yield from [entry.path] if is_one else inside
+        except OSError:  # a link to itself, or a folder that may not be read: its row says so
             yield entry.path
-        elif entry.is_dir(follow_symlinks=False):
-            yield from recordings_in(entry.path, left_out)
 
 
 def opens(path):
@@ -190,10 +192,12 @@ def suites_of(program):
 
 def seeds_of(first_and_last):
     """Seeds of a range such as 0-99."""
-    match = re.fullmatch(r"(\d+)(?:-(\d+))?", first_and_last)
-    if not match or match[2] and int(match[2]) < int(match[1]):
-        raise argparse.ArgumentTypeError(f"{first_and_last!r}: must be a seed, or the first and the last of them: 0-99")
-    return [str(seed) for seed in range(int(match[1]), int(match[2] or match[1]) + 1)]
+    match = re.fullmatch(r"(\d{1,19})(?:-(\d{1,19}))?", first_and_last)
+    first, last = (int(match[1]), int(match[2] or match[1])) if match else (1, 0)
+    if not 0 <= last - first < 1_000_000:
+        raise argparse.ArgumentTypeError(
+            f"{first_and_last!r}: must be a seed, or the first and the last of up to a million: 0-99")
+    return [str(seed) for seed in range(first, last + 1)]
 
 
 # --- The table, which is good at every moment
@@ -210,12 +214,22 @@ class Table:
             fcntl.flock(self.lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
             sys.exit(f"{name}: another run is writing to {path.parent}; wait for it, or give another --out")
-        self.rows = {}
         text = path.read_bytes().decode(errors="surrogateescape") if path.exists() else ""
         reader = csv.DictReader(io.StringIO(text[: text.rfind("\n") + 1], newline=""))  # without a row that was cut off
-        if reader.fieldnames not in (None, self.header):
-            sys.exit(f"{name}: {path} has other columns, of another version; give another --out")
-        self.rows = {row[columns.kind]: row for row in reader if None not in row.values()}
+        try:
+            if reader.fieldnames not in (None, self.header):
+                sys.exit(f"{name}: {path} has other columns, of another version; give another --out")
+            self.rows = {row[columns.kind]: row for row in reader if self.is_whole(row, columns)}
+        except csv.Error as fault:
+            sys.exit(f"{name}: {path} cannot be read: {fault}; give another --out")
+
+    @staticmethod
+    def is_whole(row, columns):
+        try:
+            return None not in row and None not in row.values() and all(
+                math.isfinite(float(row[figure] or 0)) for figure in (*columns.figures, "seconds"))
+        except ValueError:
+            return False
 
     def keep(self, wanted):
         """Drops the rows that are not `wanted`; others may then be added."""

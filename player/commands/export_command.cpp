@@ -172,7 +172,7 @@ std::vector<std::uint16_t> error_hundredths(const SurfaceFrame& surface) {
     for (int y = 0; y < surface.height; ++y)
         for (int x = 0; x < surface.width; ++x)
             if (const double degrees = surface.signs.bar_at(x, y).degrees;
-                surface.is_valid(x, y) && degrees < 655)
+                surface.is_valid(x, y) && degrees >= 0)
                 hundredths[surface.index(x, y)] = static_cast<std::uint16_t>(100 * degrees + 0.5);
     return hundredths;
 }

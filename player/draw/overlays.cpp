@@ -162,6 +162,7 @@ private:
         scale.is_more = !even && seen.all.greatest > range.greatest;
         scale.least_is_light = meaning.scalar == Scalar::depth;  // near is light
         scale.has_map = is_mapped;
+        if (seen.values.empty()) scale.classes = {{hole_colour(0, 0), "not known"}};
         if (kind == Overlay::depth_linear) scale.spread = "linear, 1 to 99 %";
         if (is_equalised) {
             equalised_.update(seen.values, field);

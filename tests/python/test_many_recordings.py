@@ -83,16 +83,18 @@ class ManyRecordings(unittest.TestCase):
         (self.clips / "cut.mkv").write_bytes(pathlib.Path(globe()).read_bytes()[:3000])
         (self.clips / "notes.txt").write_text("no recording")
         (self.clips / ".hidden.mkv").write_text("")
+        (self.clips / "self").symlink_to("self")
         (self.clips / "deeper").mkdir()
         shutil.copy(globe(), self.clips / "deeper/globe.mkv")
         run("convert", globe(), self.clips / "pictures")
         self.out = self.clips / "out"  # is not looked at
         said = self.run_all(self.clips, "--workers", 1, "--program", program)
-        self.assertIn("5 of 5 recordings are to be done", said)
+        self.assertIn("6 of 6 recordings are to be done", said)
         rows = self.rows()
-        self.assertEqual(set(rows), {awkward, "cut.mkv", "notes.txt", "deeper/globe.mkv", "pictures"})
+        self.assertEqual(set(rows), {awkward, "cut.mkv", "notes.txt", "deeper/globe.mkv", "pictures", "self"})
         self.assertRegex(rows["cut.mkv"]["error"], "^is truncated")
         self.assertRegex(rows["notes.txt"]["error"], "^is of no kind that is known")
+        self.assertRegex(rows["self"]["error"], "symbolic links")
         touched = rows[awkward]
         self.assertEqual(touched["error"], "")
         self.assertEqual([touched[name] for name in ("width", "height", "frames")], ["128", "96", "4"])
@@ -108,7 +110,7 @@ class ManyRecordings(unittest.TestCase):
             self.assertAlmostEqual(float(rows[name]["roughness_mm"]), facts["filters"]["measured"]["roughness"], delta=1e-6)
             self.assertEqual(rows[name]["force_hash"], rows["pictures"]["force_hash"])
         page = (self.out / "recordings.html").read_text()
-        self.assertIn("5 recordings: 3 done, 2 with an error.", page)
+        self.assertIn("6 recordings: 3 done, 3 with an error.", page)
         self.assertIn(html.escape(awkward), page)
         self.assertNotIn("<b>", page)
         self.assertNotRegex(page, "https?:|src=|<script|<link")
@@ -126,6 +128,9 @@ class ManyRecordings(unittest.TestCase):
             table.write_bytes(whole + cut)
             self.assertIn("0 of 3 recordings are to be done", self.run_all(self.clips, "--program", self.noting))
             self.assertEqual(table.read_bytes(), whole)
+        header, row, *others = whole.splitlines(True)
+        table.write_bytes(b"".join((header, b"abc".join(re.split(rb"(?<=,)[0-9.]+(?=,tcp)", row)), *others)))
+        self.assertIn("1 of 3 recordings are to be done", self.run_all(self.clips, "--workers", 1, "--program", program))
         shutil.copy(made("plane", "--frames", "3", "--size", "64x48"), self.clips / "b.mkv")
         shutil.copy(globe(), self.clips / "c.mkv")
         said = self.run_all(self.clips, "--workers", 1, "--program", self.noting, "--retry")
@@ -216,7 +221,7 @@ class ManyRecordings(unittest.TestCase):
     def test_RefusesInOneLine(self):
         for words, arguments in {
             "give a FOLDER of recordings, or --soak SEEDS": [], "nowhere": ["/nowhere"], "'1-': must be a seed": ["--soak", "1-"],
-            "'5-3': must be a seed": ["--soak", "5-3"],
+            "'5-3': must be a seed": ["--soak", "5-3"], "'0-1000000': must be": ["--soak", "0-1000000"],
             "--workers 0": [self.clips, "--workers", "0"], "--seconds nan": [self.clips, "--seconds", "nan"],
         }.items():
             done = subprocess.run(command_of(*arguments, "--out", self.out), capture_output=True, text=True, timeout=longest_s)

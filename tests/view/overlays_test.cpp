@@ -217,6 +217,17 @@ TEST(Overlays, ErrorsAreThoseOfTheNearerFrame) {
     }
 }
 
+TEST(Overlays, ErrorsAreNotKnownWithoutBars) {
+    Painted painted(DepthCodingKind::linear);
+    const FramePair pair = painted.pair(0);
+    Overlays overlays;
+    const Overlays::Scale scale =
+        overlays.paint(Overlay::errors, HeightField(painted.scene, pair), pair).scale;
+    ASSERT_EQ(scale.classes.size(), 1U);
+    EXPECT_EQ(scale.classes[0].words, "not known");
+    EXPECT_EQ(scale.everywhere(), "");
+}
+
 TEST(Overlays, DepthScaleOmitsOutliers) {
     Painted painted(DepthCodingKind::linear);
     const DepthCoding& coding = painted.scene.depth;
