@@ -68,6 +68,8 @@ def main():
     except BadInput as fault:
         print(f"plot.py: {fault}", file=sys.stderr)
         return 3
+    except KeyboardInterrupt:
+        return 130
     return 0
 
 

@@ -86,6 +86,8 @@ def save_text(text, out):
 
 
 def save_by(write, out, suffix):
+    if os.path.exists(out) and not os.path.isfile(out):
+        raise BadInput(f"{out}: is no file; must be a file, or a new name")  # a device would be replaced
     part = f"{out}.part{suffix}"
     try:
         write(part)

@@ -434,6 +434,8 @@ TEST(Page, RefusesForeignRecords) {
         EXPECT_EQ(answer.code, 3) << words;
         EXPECT_EQ(std::ranges::count(answer.text, '\n'), 1) << answer.text;
     }
+    EXPECT_EQ(plot("report " + json + " " + is_there).text,
+              "plot.py: " + is_there + ": is no file; must be a file, or a new name\n");
     EXPECT_FALSE(std::filesystem::exists(page));
     EXPECT_EQ(plot("count " + is_there).text, is_there + ": 1 figures of touch\n");
 }
