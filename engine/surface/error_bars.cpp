@@ -34,6 +34,8 @@ constexpr double enough_bends = 3000;
 /// Of larger pictures, every second row of blocks is measured, or every third, ..., and stands for those
 /// around it: 5 % of a core.
 constexpr int enough_pixels = 2 * 720 * 480;
+/// Strips lie farther apart than blocks: fitted so that bars hold as often on the same cameras.
+constexpr float strip_weight = 4;
 constexpr std::size_t drift_step = 3;
 constexpr double most_drift = 0.02;  // more is a cut
 
@@ -70,15 +72,18 @@ struct Lens {
     }
 }
 
-/// A row of blocks, and the blocks around it: `pitch` floats to the row below.
+/// A row of blocks, and the blocks around it: `pitch` floats to the row below. `weight`: of its own blocks
+/// beside a block, over those above and below.
 struct BlockRow {
     const float *x, *y, *z, *q, *faces;
     std::ptrdiff_t pitch;
+    float weight;
 };
 
-[[gnu::always_inline]] inline float sum_around(const float* at, std::ptrdiff_t pitch) {
-    const float *above = at - pitch, *below = at + pitch;
-    return (above[-1] + above[0] + above[1]) + (at[-1] + at[0] + at[1]) + (below[-1] + below[0] + below[1]);
+[[gnu::always_inline]] inline float sum_around(const float* at, const BlockRow& row) {
+    const float *above = at - row.pitch, *below = at + row.pitch;
+    return (above[-1] + above[0] + above[1]) + row.weight * (at[-1] + at[0] + at[1]) +
+           (below[-1] + below[0] + below[1]);
 }
 
 /// `u`, `v`: of the rays through the blocks' middles.
@@ -89,8 +94,8 @@ struct BlockRow {
         const float some = faces > 0 ? 1.0F : 0.0F, none = 1 - some;
         const float length = std::sqrt(x * x + y * y + z * z + none), count = faces + none;
         const float q = row.q[c] + none;
-        const float around_x = sum_around(row.x + c, row.pitch), around_y = sum_around(row.y + c, row.pitch),
-                    around_z = sum_around(row.z + c, row.pitch);
+        const float around_x = sum_around(row.x + c, row), around_y = sum_around(row.y + c, row),
+                    around_z = sum_around(row.z + c, row);
         const float around =
             std::sqrt(around_x * around_x + around_y * around_y + around_z * around_z + none);
         const float lean_x = x / length - around_x / around, lean_y = y / length - around_y / around,
@@ -129,8 +134,13 @@ public:
         for (int strip = 0; strip < strips_; ++strip) {
             const int first = strip * row_step_, end = std::min(first + row_step_, rows_);
             const std::size_t at = padded(0, strip);
-            const BlockRow blocks{&blocks_.x[at], &blocks_.y[at],     &blocks_.z[at],
-                                  &blocks_.q[at], &blocks_.faces[at], columns_ + 2};
+            const BlockRow blocks{&blocks_.x[at],
+                                  &blocks_.y[at],
+                                  &blocks_.z[at],
+                                  &blocks_.q[at],
+                                  &blocks_.faces[at],
+                                  columns_ + 2,
+                                  row_step_ > 1 ? strip_weight : 1};
             ErrorSigns::Block* const out = signs.blocks.data() + pixel_place(0, first, columns_);
             run_vectors(
                 usable_vector_units().front(), [&](auto) __attribute__((always_inline)) {

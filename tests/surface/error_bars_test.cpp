@@ -93,13 +93,13 @@ void expect_twin(const Scene& scene, const SurfaceFrame& frame, int strip = 1) {
     std::vector<double> bends;
     for (int row = 0; row < rows; ++row)
         for (int column = 0; column < signs.columns; ++column) {
-            const auto around = [&](int reach) {
-                const int middle = row / strip, far = (reach + strip - 1) / strip;
+            const auto around = [&](int reach, int far, double weight = 1) {
+                const int middle = row / strip;
                 glm::dvec3 sum(0.0);
                 for (int r = std::max(middle - far, 0); r <= std::min(middle + far, strips - 1); ++r)
                     for (int c = std::max(column - reach, 0);
                          c <= std::min(column + reach, signs.columns - 1); ++c)
-                        sum += blocks[pixel_place(c, r, signs.columns)].normal;
+                        sum += (r == middle ? weight : 1) * blocks[pixel_place(c, r, signs.columns)].normal;
                 return glm::normalize(sum);
             };
             SCOPED_TRACE(::testing::Message() << "block " << column << ", " << row);
@@ -114,7 +114,7 @@ void expect_twin(const Scene& scene, const SurfaceFrame& frame, int strip = 1) {
             // A float's rounding grows with a face's distance to the picture's middle.
             ASSERT_NEAR(block.scatter, 2 - 2 * glm::length(here.normal) / here.count, 1.25e-7 * scene.width);
             const glm::dvec3 mean = glm::normalize(here.normal);
-            ASSERT_NEAR(block.lean, glm::distance(mean, around(1)), 1e-4);
+            ASSERT_NEAR(block.lean, glm::distance(mean, around(1, 1, strip > 1 ? 4 : 1)), 1e-4);
             const double x = column * block_side + 2, y = row_of(row / strip) * block_side + 2;
             const double cosine =
                 glm::dot(mean, glm::normalize(glm::dvec3((x - scene.camera.cx) / scene.camera.fx,
@@ -123,7 +123,8 @@ void expect_twin(const Scene& scene, const SurfaceFrame& frame, int strip = 1) {
             ASSERT_NEAR(block.turn, turn, 1e-3 * turn);
             if (row % (strip * bend_step) != 0 || column % bend_step != 0) continue;
             if (here.count < 15 || cosine * cosine < 0.04) continue;
-            bends.push_back(glm::distance(around(2), around(8)) / turn);
+            bends.push_back(glm::distance(around(2, (strip + 1) / strip), around(8, (strip + 7) / strip)) /
+                            turn);
         }
     ASSERT_GE(bends.size(), 100u);
     const double bend =
