@@ -125,8 +125,7 @@ public:
 
     void measure(SurfaceFrame& frame, const RawFrame::Place& place) {
         ErrorSigns& signs = frame.signs;
-        signs.blocks.clear();
-        if (frame.codes.empty()) return;  // it is built when it is read
+        if (frame.codes.empty()) return signs.blocks.clear();  // it is built when it is read
         add_up(frame);
         signs.columns = columns_;
         signs.focal_length = camera_.fx;
