@@ -5,6 +5,7 @@
 
 #include "device/hand_parts.hpp"
 #include "device/point_motion.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 
@@ -297,11 +298,14 @@ public:
         // From a stop, a mean of n ticks has gone v t^2 / (2 n) in t ticks: `look_` in the rest of the n.
         const double step = settings.speed * tick_s + 1e-9;
         pause_ = std::max(0, mean_ticks - static_cast<int>(std::sqrt(2 * mean_ticks * look_ / step)));
-        centre_depth_ = start_depth(probe, script_->pixel(), settings.box, settings.workspace);
+        const auto start = nearest_surface(probe, script_->pixel(), settings.box);
+        centre_depth_ = start ? start->depth : device_depth(settings.workspace);
         look_at_ground(probe);
         for (int k = 0; k < settings.fingers; ++k) {
             Finger finger{.offset = finger_offset(k, settings.fingers, settings.spread)};
-            finger.depth = start_depth(probe, finger_pixel(finger), settings.box, settings.workspace);
+            // A search of the whole box finds no more for a finger than it did for the centre.
+            finger.depth = start ? start_depth(probe, finger_pixel(finger), settings.box, settings.workspace)
+                                 : centre_depth_;
             finger.wish = aim(finger, script_->penetration(k), entry_height, probe);
             finger.wishes.fill(finger.wish);
             fingers_.push_back(finger);
@@ -560,11 +564,13 @@ Result<std::unique_ptr<Hand>> make_hand(const std::string& description, int fing
         return usage_error("a hand has 1 to " + std::to_string(most_fingers) + " fingers, not " +
                            std::to_string(fingers));
     const auto [name, rest] = KeyedValues::name_and_pairs(description);
-    if (name == "csv") return make_recorded_hand(rest, fingers, workspace, probe);
     const Script* const script = named_in(scripts, name, &Script::name);
-    if (script == nullptr)
+    if (name != "csv" && script == nullptr)
         return usage_error("unknown hand '" + printable(name) + "'; must be one of " + listed(hand_words()));
-    return make_scripted_hand(std::string(name), script->keys, rest, fingers, workspace, probe);
+    auto hand = script ? make_scripted_hand(std::string(name), script->keys, rest, fingers, workspace, probe)
+                       : make_recorded_hand(rest, fingers, workspace, probe);
+    if (hand && stop_requested()) return interrupted_error();  // its beginning was cut short
+    return hand;
 }
 
 }  // namespace touchable

@@ -68,8 +68,8 @@ std::vector<std::string> hand_words();
 
 /// Makes a hand from its description: "wander|stroke|press|poke[:key=value,...]" or
 /// "csv:FILE[:key=value,...]" (docs/touch.md lists every key). An unknown name, key or an impossible value is
-/// refused with the legal ones; a file that cannot be used is refused with its line and column. `probe` shows
-/// frame 0; `fingers` is 1 to 256.
+/// refused with the legal ones; a file that cannot be used is refused with its line and column; interrupted if
+/// work is to stop. `probe` shows frame 0; `fingers` is 1 to 256.
 Result<std::unique_ptr<Hand>> make_hand(const std::string& description, int fingers,
                                         const Workspace& workspace, const SurfaceProbe& probe);
 

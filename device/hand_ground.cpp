@@ -5,6 +5,7 @@
 
 #include "device/hand_parts.hpp"
 #include "engine/base/same_bits.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/words.hpp"
 
 namespace touchable {
@@ -41,15 +42,21 @@ std::optional<SurfacePoint> surface_on_ring(const SurfaceProbe& probe, const glm
             best_distance2 = distance2;
         }
     };
-    // Rows above and below, then the columns between them, clipped to the box.
+    // Rows above and below, then the columns between them, clipped to the box: all rings together cost as
+    // many looks as the box has pixels, also in a picture of one row.
+    const auto meets = [r](double from, double least, double greatest) {
+        return from - r >= least || from + r <= greatest;
+    };
     const double x0 = std::max(-r, std::ceil(box.least.x - from.x));
     const double x1 = std::min(r, std::floor(box.greatest.x - from.x));
-    for (double x = x0; x <= x1; ++x)
-        for (const double y : {-r, r}) look({x, y});
+    if (meets(from.y, box.least.y, box.greatest.y))
+        for (double x = x0; x <= x1; ++x)
+            for (const double y : {-r, r}) look({x, y});
     const double y0 = std::max(-r + 1, std::ceil(box.least.y - from.y));
     const double y1 = std::min(r - 1, std::floor(box.greatest.y - from.y));
-    for (double y = y0; y <= y1; ++y)
-        for (const double x : {-r, r}) look({x, y});
+    if (meets(from.x, box.least.x, box.greatest.x))
+        for (double y = y0; y <= y1; ++y)
+            for (const double x : {-r, r}) look({x, y});
     return best;
 }
 
@@ -63,7 +70,7 @@ HandArea middle_of(const SurfaceProbe& probe, double fraction) {
 std::optional<SurfacePoint> nearest_surface(const SurfaceProbe& probe, const glm::dvec2& pixel,
                                             const HandArea& box) {
     const int rings = std::max(probe.width(), probe.height());
-    for (int radius = 0; radius <= rings; ++radius)
+    for (int radius = 0; radius <= rings && !stop_requested(); ++radius)
         if (const auto found = surface_on_ring(probe, pixel, box, radius)) return found;
     return std::nullopt;
 }

@@ -37,7 +37,7 @@ struct SurfacePoint {
 };
 
 /// The surface at `pixel`, or, walking outward in square rings of whole pixels inside `box`, at the nearest
-/// pixel of the first ring that has any. Nothing if the box shows no surface at all.
+/// pixel of the first ring that has any. Nothing if the box shows no surface at all, or work is to stop.
 std::optional<SurfacePoint> nearest_surface(const SurfaceProbe& probe, const glm::dvec2& pixel,
                                             const HandArea& box);
 

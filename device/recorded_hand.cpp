@@ -13,6 +13,7 @@
 #include "device/hand_parts.hpp"
 #include "device/point_motion.hpp"
 #include "engine/base/files.hpp"
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 
@@ -152,6 +153,7 @@ double push_for(double wanted, double step, const std::vector<glm::dvec3>& posit
     // Share of the goals over a surface that lie under it.
     const auto share_under = [&](double push) {
         std::size_t over = 0, under = 0;
+        if (stop_requested()) return 0.0;
         for (const glm::dvec3& goal : goals) {
             const glm::dvec3 seen = probe.project(pushed_in(goal, push, nearest_z));
             const std::optional<double> surface = probe.depth_under(seen.x, seen.y);

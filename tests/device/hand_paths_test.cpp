@@ -15,6 +15,7 @@
 #include "device/hand_parts.hpp"
 #include "device/point_motion.hpp"
 #include "engine/base/same_bits.hpp"
+#include "engine/base/threads.hpp"
 #include "tests/device/fake_driver.hpp"
 #include "tests/device/hand_path.hpp"
 
@@ -502,6 +503,26 @@ TEST(LedPoint, IsBitIdenticalEverywhere) {
     EXPECT_EQ(point.place(), glm::dvec3(0x1.a67e41bc62aa8p-10, 0x1.413ff5415eb9cp-6, -0x1.1913c64c6fed4p-6));
     EXPECT_EQ(point.velocity(),
               glm::dvec3(0x1.103cd07e1cc86p-4, 0x1.b5d01460bc636p-7, -0x1.62e2c610b3f8fp-4));
+}
+
+/// A row of 16384 pixels; every second one is a hole, and so is the surface between them.
+TEST(ScriptedHand, SearchesRowOfHolesOnce) {
+    std::int64_t looks = 0;
+    const FakeProbe probe(16384, 1, 500, [&looks](double x, double) -> std::optional<double> {
+        ++looks;
+        return std::fmod(x, 2) == 0 ? std::optional(800.0) : std::nullopt;
+    });
+    for (const char* hand : {"wander", "stroke", "press", "poke"}) {
+        looks = 0;
+        EXPECT_TRUE(make_hand(hand, 20, workspace, probe));
+        EXPECT_LT(looks, 3 * 16384) << hand;
+        std::stop_source given_up;
+        given_up.request_stop();
+        const auto stopped =
+            work_until(given_up.get_token(), [&] { return make_hand(hand, 20, workspace, probe); });
+        ASSERT_FALSE(stopped);
+        EXPECT_EQ(stopped.error().kind, ErrorKind::interrupted) << hand;
+    }
 }
 
 FakeProbe speck_at(double at_x, double at_y) {
