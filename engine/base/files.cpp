@@ -121,12 +121,11 @@ bool empty_folder(int folder, std::string_view kept) {
     return true;
 }
 
-/// Removes a ScratchFolder. False: a stop was requested first.
-bool remove_scratch(const fs::path& path, int folder) {
-    if (!empty_folder(folder, ScratchFolder::mark)) return false;
+/// Removes a ScratchFolder, or part of it if a stop is requested.
+void remove_scratch(const fs::path& path, int folder) {
+    if (!empty_folder(folder, ScratchFolder::mark)) return;
     unlinkat(folder, ScratchFolder::mark, 0);
     rmdir(path.c_str());
-    return true;
 }
 
 /// Removes this user's folders that no process holds any more: their program was killed. In a shared folder
@@ -397,11 +396,10 @@ ScratchFolder::ScratchFolder(fs::path path)
 ScratchFolder::~ScratchFolder() {
     if (owner_ != getpid()) return;
     const StopScope for_all = StopScope::for_all();  // the clip of an opening that is given up goes, too
-    if (remove_scratch(path_, held_.get())) return;
-    // A program that is to stop has no time: the next one that makes such a folder removes the rest.
+    // A program that is to stop removes all of it, too: a second request ends even that, and the next one
+    // that makes such a folder then removes the rest.
     const StopScope after_stop = StopScope::after_stop();
-    work_until(std::chrono::steady_clock::now() + std::chrono::milliseconds(80),
-               [&] { return remove_scratch(path_, held_.get()); });
+    remove_scratch(path_, held_.get());
 }
 
 Result<fs::path> own_folder(const char* variable, const char* in_home) {

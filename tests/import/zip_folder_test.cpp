@@ -303,6 +303,24 @@ TEST_F(ZipFolders, StopUnpackingWhenCancelled) {
     EXPECT_EQ(temporary.file_count(), 0U);
 }
 
+TEST_F(ZipFolders, AreRemovedAfterStop) {
+    std::vector<Packed> members{{"depth/0.png", depth}};
+    for (int n = 0; n < 12'000; ++n) members.push_back({"notes/" + std::to_string(n) + ".txt", ""});
+    write_zip(folder / "a.zip", members);
+    const pid_t child = fork();
+    if (child == 0) {
+        auto unpacked = ZipFolder::unpack(folder / "a.zip", {});
+        if (!unpacked) _exit(1);
+        request_stop();
+        unpacked->reset();
+        _exit(0);
+    }
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_EQ(status, 0);
+    EXPECT_EQ(temporary.file_count(), 0U);
+}
+
 TEST_F(ZipFolders, AreRemovedAfterKilledProcess) {
     write_zip(folder / ".touchable.zip", {{"depth/0.png", depth}, {"notes/a.txt", "text"}});
     const std::filesystem::path archive = folder / ".touchable.zip";
