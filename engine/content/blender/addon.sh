@@ -10,4 +10,4 @@ mkdir -p "$at/touchable_clips"
 cp engine/content/blender/*.py "$at/touchable_clips"
 (cd "$at" && /usr/bin/python3 -m zipfile -c ../touchable-blender.zip touchable_clips)
 rm -rf "$at"
-echo "out/touchable-blender.zip: in Blender, Edit > Preferences > Add-ons > Install"
+echo "out/touchable-blender.zip: in Blender, Edit > Preferences > Add-ons > Install from Disk (before 4.2: Install)"

@@ -1,10 +1,10 @@
-# The one file for calls that changed since Blender 3.4. The calls of 3.4 were run; the others follow Blender's
-# documentation of its Python API and have not been run.
+# The one file for calls that changed since Blender 3.4. The calls of 3.4 and 4.3 were run; those of 5.0 follow Blender's
+# documentation of its Python API.
 """Calls that differ between Blender 3.4 and today's."""
 
 import bpy
 
-RUN_WITH = ((3, 4, 1),)
+RUN_WITH = ((3, 4, 1), (4, 3, 2))
 
 # Passes of a multilayer OpenEXR, by all names that they have had.
 DEPTH_NAMES = ("Depth.Z", "Depth.V")
@@ -50,11 +50,11 @@ def node_tree_of(material):
     return material.node_tree
 
 
-def add_group_output(group, name):
-    """A number that a group of nodes gives; its name. 4.0 keeps sockets in the group's interface."""
+def add_group_output(group, name, kind="NodeSocketFloat"):
+    """What a group of nodes gives, a number; its name. 4.0 keeps sockets in the group's interface."""
     if hasattr(group, "interface"):
-        return group.interface.new_socket(name=name, in_out="OUTPUT", socket_type="NodeSocketFloat").name
-    return group.outputs.new("NodeSocketFloat", name).name
+        return group.interface.new_socket(name=name, in_out="OUTPUT", socket_type=kind).name
+    return group.outputs.new(kind, name).name
 
 
 def compositor_trees(scene):

@@ -178,6 +178,9 @@ def main():
     except faults.Fault as fault:
         print(f"touchable: {fault}", file=sys.stderr, flush=True)
         return fault.code
+    except ModuleNotFoundError as fault:
+        print(f"touchable: Blender's Python has no module {fault.name}; install it (Debian: python3-{fault.name})", file=sys.stderr, flush=True)
+        return faults.NoRenderer.code
     except OSError as fault:
         print(f"touchable: {fault.filename or 'the output'}: {fault.strerror or fault}", file=sys.stderr, flush=True)
         return 1

@@ -10,7 +10,7 @@ import numpy
 from . import blender_versions, colour_pass, data_pass, motion, pictures, scene_file
 from .camera import camera_of, picture_size
 from .faults import BadUsage, Refused
-from .materials import feel_of, guessed_line, materials_in_use
+from .materials import feel_of, guessed_line, materials_in_use, metres_per_unit_of
 from .planes import haptic_codes, height_codes, ranges_of
 
 LEAST_SIDE, MOST_SIDE = 4, 16384  # pixels of a clip; Blender renders none smaller
@@ -37,7 +37,7 @@ class Export:
         self.wish, self.work, self.say = wish, work, say
         self.scene = bpy.context.scene
         self.remarks = []
-        self.metres_per_unit = self.scene.unit_settings.scale_length if self.scene.unit_settings.system != "NONE" else 1.0
+        self.metres_per_unit = metres_per_unit_of(self.scene)
 
     def run(self):
         """Makes the pictures in `work`; what is missing then is the clip."""

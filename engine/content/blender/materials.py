@@ -21,8 +21,11 @@ HAPTIC_NODE, HEIGHT_NODE = "Touch Haptic", "Touch Height"
 # Limits of what a person may set, and a clip can store.
 LIMITS = {STIFFNESS: (0.0, 100.0), STATIC: (0.0, 10.0), DYNAMIC: (0.0, 10.0), RELIEF: (0.0, 1000.0)}
 
-# Metres; a deeper displacement is not meant to be felt: it is the node's default scale of 1.
+# Metres; a deeper relief is not meant to be felt: it is the default of 1 of a node's scale or distance.
 DEEPEST_GUESS = 0.1
+
+# Nodes that light shows relief by, and their inputs whose product is its depth; those of the others shift places to any side.
+RELIEF_NODES = {"DISPLACEMENT": ("Scale",), "BUMP": ("Strength", "Distance"), "NORMAL_MAP": (), "VECTOR_DISPLACEMENT": ()}
 
 # For objects without a material, or with one that no guess knows: touchable's own defaults.
 UNKNOWN = (0.6, 0.4, 0.3)
@@ -36,7 +39,7 @@ class Feel:
     stiffness: float
     static_friction: float
     dynamic_friction: float
-    relief: float = 0.0  # metres
+    relief: float = 0.0  # metres; below 0 what the socket has as high is low
     haptic_socket: object = None
     height_socket: object = None
     guessed: list = field(default_factory=list)  # words
@@ -44,6 +47,10 @@ class Feel:
 
     def values(self):
         return self.stiffness, self.static_friction, self.dynamic_friction
+
+
+def metres_per_unit_of(scene):
+    return scene.unit_settings.scale_length if scene.unit_settings.system != "NONE" else 1.0
 
 
 def feel_of(material, metres_per_unit):
@@ -123,23 +130,45 @@ def _find_sockets(material, feel, metres_per_unit):
     relief = _number(material, RELIEF, feel.remarks)
     if height and relief:
         feel.height_socket, feel.relief = height.outputs[0], relief
-    elif height is None and relief is None:
+    elif height and relief is None:
+        feel.remarks.append(f"the node '{HEIGHT_NODE}' of '{material.name}' is not felt: set {RELIEF}, in metres")
+    elif relief:
+        feel.remarks.append(f"{RELIEF} of '{material.name}' is not felt: label the node with its heights '{HEIGHT_NODE}'")
+    elif relief is None:
         _guess_relief(material, feel, metres_per_unit)
 
 
 def _guess_relief(material, feel, metres_per_unit):
-    """Of a displacement that light alone shows: it says how deep it is. Where it moves the geometry, depth has it."""
+    """Of a displacement or bump that light alone shows: it says how deep it is. Where it moves the geometry, depth has it."""
     tree = blender_versions.node_tree_of(material)
     output = tree.get_output_node("ALL") if tree else None
-    links = output.inputs["Displacement"].links if output else ()
-    node = links[0].from_node if links else None
-    if node is None or node.type != "DISPLACEMENT" or blender_versions.is_displaced(material):
-        return
-    height, scale = node.inputs["Height"], node.inputs["Scale"]
-    relief = scale.default_value * metres_per_unit
-    if height.is_linked and not scale.is_linked and 0 < relief <= DEEPEST_GUESS:
-        feel.height_socket, feel.relief = height.links[0].from_socket, relief
-        feel.guessed.append("relief")
+    for node in _nodes_behind(output.inputs["Displacement"], output.inputs["Surface"]) if output else ():
+        moves_geometry = node.type.endswith("DISPLACEMENT") and blender_versions.is_displaced(material)
+        factors = [node.inputs[name] for name in RELIEF_NODES.get(node.type, ())]
+        if node.type not in RELIEF_NODES or node.mute or moves_geometry or factors and not node.inputs["Height"].is_linked:
+            continue
+        relief = math.prod(factor.default_value for factor in factors) * metres_per_unit * (-1 if getattr(node, "invert", False) else 1)
+        why = ("it has no heights" if not factors else "it is in a group of nodes" if node.id_data != tree
+               else "another node's relief counts" if feel.height_socket else "nodes compute its depth" if any(factor.is_linked for factor in factors)
+               else f"it is {abs(relief):.3g} m deep, and at most {DEEPEST_GUESS:g} m are guessed" if abs(relief) > DEEPEST_GUESS else None)
+        if why:
+            feel.remarks.append(f"the {node.bl_label} of '{material.name}' is not felt: {why}; label a node with heights '{HEIGHT_NODE}' and set {RELIEF}")
+        else:  # at a depth of 0 too: it may be animated
+            feel.height_socket, feel.relief = node.inputs["Height"].links[0].from_socket, relief
+            feel.guessed += ["relief"] if relief else []
+    feel.remarks = list(dict.fromkeys(feel.remarks))
+
+
+def _nodes_behind(*sockets):
+    """Those that feed the sockets, the nearest first, within groups too."""
+    waiting, found = list(sockets), []
+    for socket in waiting:
+        for node in (link.from_node for link in socket.links if link.from_node not in found):
+            found.append(node)
+            waiting += node.inputs
+            if node.type == "GROUP" and node.node_tree:
+                waiting += [inner for output in node.node_tree.nodes if output.type == "GROUP_OUTPUT" for inner in output.inputs]
+    return found
 
 
 def materials_in_use():
@@ -157,7 +186,7 @@ def guessed_line(feels):
             if "friction" in feel.guessed:
                 values.append(f"friction {feel.static_friction:g} and {feel.dynamic_friction:g}")
             if "relief" in feel.guessed:
-                values.append(f"relief {1000 * feel.relief:g} mm")
+                values.append(f"relief {1000 * feel.relief:.4g} mm")
             words.append(f"{feel.name} ({', '.join(values)})")
     if not words:
         return None

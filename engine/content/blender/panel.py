@@ -1,5 +1,7 @@
 """Where a person finds it: the viewport's sidebar, Properties > Output, Properties > Material, File > Export."""
 
+import textwrap
+
 import bpy
 
 from . import blender_versions, materials, operators
@@ -21,8 +23,8 @@ def draw_exporting(layout):
 
 
 def draw_material(layout, material):
-    is_set = False
-    for (key, name), value in zip(NAMES, materials.feel_of(material, 1.0).values()):
+    is_set, feel = False, materials.feel_of(material, materials.metres_per_unit_of(bpy.context.scene))
+    for (key, name), value in zip(NAMES, feel.values()):
         if key in material:
             is_set = True
             layout.prop(material, f'["{key}"]', text=name)
@@ -34,6 +36,11 @@ def draw_material(layout, material):
     draw_texture(layout, material, materials.HEIGHT_NODE, "Height Texture")
     if materials.RELIEF in material:
         layout.prop(material, f'["{materials.RELIEF}"]', text="Relief (m)")
+    elif "relief" in feel.guessed:
+        layout.label(text=f"Relief (m): {feel.relief:.4g}, guessed")
+    for remark in feel.remarks:
+        for number, line in enumerate(textwrap.wrap(remark, 32)):
+            layout.label(text=line, icon="BLANK1" if number else "ERROR")
 
 
 def draw_texture(layout, material, label, name):

@@ -53,7 +53,7 @@ def ranges_of(feels):
     varied = any(feel.haptic_socket for feel in feels)
     columns = zip(*(feel.values() for feel in feels))
     return Ranges(*(range_of(column, varied) for column in columns),
-                  height=max(feel.relief if feel.height_socket else 0.0 for feel in feels))
+                  height=max(abs(feel.relief) for feel in feels))
 
 
 def haptic_codes(sample, feels, ranges):
@@ -67,6 +67,6 @@ def haptic_codes(sample, feels, ranges):
 
 def height_codes(sample, feels, ranges):
     """Grey of 16 bits."""
-    relief = numpy.array([feel.relief if feel.height_socket else 0.0 for feel in feels])
-    heights = relief[sample.material] * numpy.clip(sample.height, 0, 1)
+    relief = numpy.array([feel.relief for feel in feels])[sample.material]
+    heights = relief * numpy.clip(sample.height, 0, 1) - numpy.minimum(relief, 0)
     return Range(0.0, ranges.height).codes(heights, HEIGHT_CODES).astype(numpy.uint16)

@@ -524,7 +524,7 @@ TEST_F(Blender, LeavesNothingAtCtrlC) {
 }
 
 TEST_F(Blender, MatchesBlendersCamera) {
-    check_in_blender("cameras ranges guesses relief opacity what_moves");
+    check_in_blender("cameras ranges guesses relief bumps opacity what_moves");
 }
 
 TEST_F(Blender, ExportsFromItsWindow) {

@@ -141,11 +141,53 @@ def check_relief():
     displacement.inputs["Scale"].default_value = 1
     assert materials.feel_of(made, 0.5).height_socket is None
     displacement.inputs["Scale"].default_value = 0.02
-    made.cycles.displacement_method = "BOTH"
+    owner = made if hasattr(made, "displacement_method") else made.cycles
+    owner.displacement_method = "BOTH"
     assert materials.feel_of(made, 0.5).height_socket is None
-    made.cycles.displacement_method = "BUMP"
+    owner.displacement_method = "BUMP"
     made["touchable_relief"] = 0.0
     assert materials.feel_of(made, 0.5).height_socket is None
+
+
+def check_bumps():
+    """Strength times distance, as a displacement's scale; what light shows and no finger feels is named."""
+    def node(tree, kind, source=None, into=None):
+        made = tree.nodes.new(f"ShaderNode{kind}")
+        if source:
+            tree.links.new(source, made.inputs["Height"])
+        if into:
+            tree.links.new(made.outputs[0], into)
+        return made
+
+    def in_group(tree, bump):
+        group = bpy.data.node_groups.new("rough", "ShaderNodeTree")
+        opacity.blender_versions.add_group_output(group, "Out")
+        node(group, "Bump", node(group, "TexNoise").outputs[0], group.nodes.new("NodeGroupOutput").inputs[0])
+        outer = node(tree, "Group")
+        outer.node_tree = group
+        tree.links.new(outer.outputs[0], tree.nodes["Principled BSDF"].inputs["Normal"])
+
+    from blender import opacity
+    cases = (  # what is done to a bump of 0.5 and 0.04, where a unit is half a metre; the relief; what is said
+        (lambda tree, bump: None, 0.01, None),
+        (lambda tree, bump: setattr(bump, "invert", True), -0.01, None),
+        (lambda tree, bump: setattr(bump, "mute", True), 0, None),
+        (lambda tree, bump: setattr(bump.inputs["Distance"], "default_value", 1), 0, "the Bump of 'Material' is not felt: it is 0.25 m deep"),
+        (lambda tree, bump: node(tree, "Value", into=bump.inputs["Distance"]), 0, "nodes compute its depth"),
+        (lambda tree, bump: node(tree, "NormalMap", into=bump.inputs["Normal"]), 0.01, "the Normal Map of 'Material' is not felt: it has no heights"),
+        (lambda tree, bump: node(tree, "Bump", bump.inputs["Height"].links[0].from_socket, bump.inputs["Normal"]), 0.01, "another node's relief"),
+        (in_group, 0, "the Bump of 'Material' is not felt: it is in a group"),
+        (lambda tree, bump: setattr(bump, "label", "Touch Height"), 0, "'Touch Height' of 'Material' is not felt: set touchable_relief"),
+        (lambda tree, bump: bpy.data.materials["Material"].__setitem__("touchable_relief", 0.1), 0, "label the node"))
+    for change, relief, why in cases:
+        fresh()
+        tree = bpy.data.materials["Material"].node_tree
+        bump = node(tree, "Bump", node(tree, "TexNoise").outputs[0], tree.nodes["Principled BSDF"].inputs["Normal"])
+        bump.inputs["Strength"].default_value, bump.inputs["Distance"].default_value = 0.5, 0.04
+        change(tree, bump)
+        feel = materials.feel_of(bpy.data.materials["Material"], 0.5)
+        assert abs(feel.relief - relief) < 1e-8 and (feel.height_socket is not None) == ("relief" in feel.guessed) == bool(relief), (relief, why, feel)
+        assert len(feel.remarks) == bool(why) and (why or "") in "".join(feel.remarks), (why, feel.remarks)
 
 
 def check_opacity():
@@ -180,7 +222,7 @@ def check_opacity():
         group = bpy.data.node_groups.get("leaf")
         if group is None:
             group = bpy.data.node_groups.new("leaf", "ShaderNodeTree")
-            group.outputs.new("NodeSocketShader", "Shader")
+            opacity.blender_versions.add_group_output(group, "Shader", "NodeSocketShader")
             group.links.new(mixed(group, 0.2), group.nodes.new("NodeGroupOutput").inputs[0])
         node = tree.nodes.new("ShaderNodeGroup")
         node.node_tree = group
@@ -192,7 +234,7 @@ def check_opacity():
     assert cutter.cut(opaque) is None
     made = [material_of(build) for build in (mixed, lambda tree: mixed(tree, 0.7), added, grouped, grouped)]
     assert all(cutter.cut(each) is not None for each in made)
-    assert len(bpy.data.node_groups["leaf"].outputs) == 2
+    assert len(next(node for node in made[-1].node_tree.nodes if node.type == "GROUP").outputs) == 2
     # By Cycles' own word: a row of squares with these materials, seen from above.
     scene = bpy.context.scene
     for thing in list(bpy.data.objects):
@@ -454,8 +496,13 @@ def check_refusals():
         open("out.mkv", "w").write("mine")
         return ["--touchable", "/bin/true"], 2, "--overwrite"
 
+    def no_numpy(scene):
+        del sys.modules["blender.job"]
+        sys.modules["numpy"] = None
+        return [], 4, "module numpy"
+
     for case in (no_camera, panorama, orthographic, zoom, stereo, too_small, too_large, nothing_seen, deep_relief, nearer, unknown, no_frames, beyond_frames, many_frames,
-                 writes_nothing, no_layer, fast, tiny, all_hidden, no_program, there_already):
+                 writes_nothing, no_layer, fast, tiny, all_hidden, no_program, there_already, no_numpy):
         scene = fresh()
         with tempfile.TemporaryDirectory() as folder:
             os.chdir(folder)

@@ -62,7 +62,7 @@ def sphere():
 
 def textures():
     """A wall at 2 m, 1.28 m high and wide about the axis: heights of a ramp of 8 texels along u, factors of haptics of texels along v. Before
-    its left half hangs a leaf that a mask cuts out of a rectangle: at 1.5 m, opaque below, with a texture of its own."""
+    its left half hangs a leaf that a mask cuts out of a rectangle: at 1.5 m, opaque below, with an inverted Bump node of half a centimetre."""
     begin((256, 256), 36)
     made = tools.material("Wall", (0.5, 0.5, 0.5), stiffness=2, friction=(0.8, 0.4))
     ramp = numpy.tile(numpy.array([0, 51, 102, 153, 204, 255, 51, 0]) / 255, (4, 1))
@@ -74,8 +74,9 @@ def textures():
     half = 0.64
     rectangle("Wall", [(x, y, -2) for x, y in ((-half, -half), (half, -half), (half, half), (-half, half))], made)
     leaf = tools.material("Leaf", (0.1, 0.5, 0.1), stiffness=0.3, friction=(0.6, 0.6))
-    tools.texture(leaf, tools.image("grey", numpy.full((2, 2), 102 / 255)), "Touch Height")
-    leaf["touchable_relief"] = 0.005
+    grey = tools.texture(leaf, tools.image("grey", numpy.full((2, 2), 153 / 255)), "Grey")
+    bump = tools.bump(leaf, grey.outputs["Color"], 0.01)
+    bump.invert, bump.inputs["Strength"].default_value = True, 0.5
     mask = numpy.array([[1.0], [0.3]])  # the lower half is there
     node = tools.texture(leaf, tools.image("mask", mask), "Mask")
     node.interpolation = "Closest"
