@@ -7,7 +7,6 @@ bl_info = {
     "version": (1, 0, 0),
     "blender": (3, 4, 0),
     "location": "3D Viewport > Sidebar > Touch, Properties > Output and Material > Touch, File > Export",
-    "doc_url": "",
     "category": "Import-Export",
 }
 

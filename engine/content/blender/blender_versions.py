@@ -1,5 +1,4 @@
-# The one file for calls that changed since Blender 3.4. The calls of 3.4 and 4.3 were run; those of 5.0 follow Blender's
-# documentation of its Python API.
+# The one file for calls that changed since Blender 3.4. Those of 5.0 follow Blender's documentation and have not been run.
 """Calls that differ between Blender 3.4 and today's."""
 
 import bpy
@@ -18,8 +17,7 @@ def untested_version():
     """Words for a Blender that this was not run with; otherwise None."""
     if bpy.app.version[:2] in {version[:2] for version in RUN_WITH}:
         return None
-    return (f"this is Blender {bpy.app.version_string}; the exporter was run with "
-            f"{', '.join('.'.join(map(str, version)) for version in RUN_WITH)} only, the rest was written from the documentation")
+    return f"this is Blender {bpy.app.version_string}; the exporter was run with {', '.join('.'.join(map(str, version)) for version in RUN_WITH)} only"
 
 
 def principled_input(node, name):

@@ -2,7 +2,7 @@
 
 import math
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bpy
 import numpy
@@ -145,8 +145,13 @@ class Export:
         near, far = scene_file.planes_between(self.nearest, self.farthest)
         near, far = self.wish.near or near, self.wish.far or far
         if self.ranges.height > near / 2:
-            raise Refused(f"a relief is {self.ranges.height:g} m deep, and the nearest surface is {near:g} m away; "
-                          "make touchable_relief of the material less than half of that")
+            deepest = max((feel for feels in self.feels.values() for feel in feels), key=lambda feel: abs(feel.relief))
+            told = (f"the relief of '{deepest.name}' is {self.ranges.height:g} m deep, and the nearest surface is {near:g} m away; "
+                    "make its touchable_relief less than half of that")
+            if "relief" not in deepest.guessed:
+                raise Refused(told)
+            self.ranges = replace(self.ranges, height=near / 2)
+            self.remarks.append(f"{told}: the guess, and all relief with it, is felt at {near / 2 / abs(deepest.relief):.2g} of its depth")
         self._write_depths(scene_file.depth_unit(far))
         of_materials = [self._over_time(material) for material in sorted(self.seen)]
         # A remark that recurs with other numbers is given once.

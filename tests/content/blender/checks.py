@@ -307,6 +307,8 @@ def check_animated():
         assert len([line for line in said if "which counts" in line]) == 1, said
         if build is guessed:
             assert "relief" in said[-1], said
+            # A guess that is too deep for a near surface ends no export.
+            assert any("is felt at 0.75" in line for line in pictures_of(frames=(3, 3), near=0.03)[1])
 
 
 def check_no_numbers():

@@ -75,7 +75,8 @@ def textures():
     rectangle("Wall", [(x, y, -2) for x, y in ((-half, -half), (half, -half), (half, half), (-half, half))], made)
     leaf = tools.material("Leaf", (0.1, 0.5, 0.1), stiffness=0.3, friction=(0.6, 0.6))
     grey = tools.texture(leaf, tools.image("grey", numpy.full((2, 2), 153 / 255)), "Grey")
-    bump = tools.bump(leaf, grey.outputs["Color"], 0.01)
+    tools.bump(leaf, grey.outputs["Color"], 0.01)
+    bump = leaf.node_tree.nodes["Bump"]
     bump.invert, bump.inputs["Strength"].default_value = True, 0.5
     mask = numpy.array([[1.0], [0.3]])  # the lower half is there
     node = tools.texture(leaf, tools.image("mask", mask), "Mask")

@@ -119,7 +119,6 @@ def bump(made, socket, distance):
     node.inputs["Distance"].default_value = distance
     tree.links.new(socket, node.inputs["Height"])
     tree.links.new(node.outputs["Normal"], tree.nodes["Principled BSDF"].inputs["Normal"])
-    return node
 
 
 def camera(place, target, lens):
