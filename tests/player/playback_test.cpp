@@ -526,7 +526,8 @@ TEST(RunScript, NamesMissingPrograms) {
         ASSERT_TRUE(fs::exists(program)) << program;
         fs::create_symlink(program, path / name);
     }
-    for (const char* words : {"build --no-install", "test --no-install", "demo --no-install"}) {
+    for (const char* words :
+         {"build --no-install", "build program --no-install", "test --no-install", "demo --no-install"}) {
         const Answer answer = run_script(words, path.path());
         EXPECT_EQ(answer.code, 2) << words;
         EXPECT_EQ(std::count(answer.text.begin(), answer.text.end(), '\n'), 1) << answer.text;
@@ -572,6 +573,9 @@ TEST(RunScript, PrintsRootCommandWithoutSudo) {
     EXPECT_EQ(answer.text.find("asked"), answer.text.rfind("asked")) << answer.text;
     EXPECT_EQ(answer.text.find(" g++ "), answer.text.rfind(" g++ ")) << answer.text;
     EXPECT_PRED2(says, answer.text, "\nrun: sudo failed; as root: ./run install tests\n");
+    for (const std::string words : {"program program", "release tests", "fuzz sanitizers"})
+        EXPECT_PRED2(says, run_script("build " + words, path.path(), through).text,
+                     "./run install" + words.substr(words.find(' ')) + '\n');
 }
 
 TEST(RunScript, NamesGroupsAndUnknownCommands) {
