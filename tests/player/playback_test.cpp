@@ -593,6 +593,21 @@ TEST(RunScript, NamesGroupsAndUnknownCommands) {
         EXPECT_TRUE(std::regex_search(help.text, std::regex("install GROUP .*\\b" + name + "\\b"))) << name;
 }
 
+TEST(RunScript, IsAllThatWorkflowsCall) {
+    const std::string help = run_script("help", "/usr/bin").text;
+    std::string all;
+    for (const auto& file : fs::directory_iterator(TOUCHABLE_SOURCE_DIR "/.github/workflows"))
+        all += file_contents(file.path());
+    std::istringstream lines(all);
+    for (std::string line; std::getline(lines, line);) {
+        const std::string command = line.substr(std::min(line.find("run: "), line.size()));
+        if (command.empty() || says(command, "apt-get install -y --no-install-recommends git")) continue;
+        ASSERT_TRUE(command.starts_with("run: ./run ")) << line;
+        EXPECT_PRED2(says, help, command.substr(5, command.find(' ', 11) - 5)) << line;
+    }
+    for (const char* words : {"bookworm", "trixie", "run: ./run test --ci"}) EXPECT_PRED2(says, all, words);
+}
+
 // The globe fills 80 % of the picture's height; what is behind it pushes back, too.
 TEST(RunScript, DemoFingersStayOnGlobe) {
     const TemporaryFolder folder;
