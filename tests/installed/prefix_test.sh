@@ -11,6 +11,13 @@ cmake --install "$build" --prefix "$work/first" >/dev/null
 mv "$work/first" "$work/moved"
 prefix=$work/moved
 
+for page in "$prefix"/share/doc/touchable/{,docs/}*.md; do
+    for link in $(grep -oE '\]\([^):# ]+[)#]' "$page"); do
+        link=${link:2:-1}
+        [[ -e ${page%/*}/$link ]] || { echo "$page leads to $link, which is not there" >&2; exit 1; }
+    done
+done
+
 cmake -S "$sources/tests/package/c" -B "$work/c" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
 cmake --build "$work/c"
 "$work/c/shared_hill" >"$work/shared"
