@@ -8,6 +8,7 @@
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/stream/hls.hpp"
+#include "engine/stream/sending.hpp"
 
 namespace touchable {
 namespace {
@@ -306,6 +307,12 @@ Result<std::string> resolved_place(std::string_view base, std::string_view named
 Result<HlsPlaces> places_in_playlist(std::string_view text, const std::string& place) {
     TRY(check_size(text));
     const NamedPlaylists named = named_in(text);
+    const std::string own = parts_of(place).path;
+    const bool is_ours = text.find(hls_mark) != std::string_view::npos;
+    for (const std::string_view colour : {hls_colour_name, hls_low_colour_name})
+        if (is_ours && own.ends_with("/" + std::string(colour)))
+            return input_error("has colour alone, which is not felt; open " + std::string(hls_master_name) +
+                               " beside it");
     if (!named.is_master) return HlsPlaces{.touch = place};
     HlsPlaces places;
     if (!named.touch)

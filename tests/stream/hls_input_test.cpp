@@ -493,6 +493,14 @@ TEST(HlsPlaylist, MasterLeadsToLowLevel) {
     EXPECT_EQ(planes.colour + planes.low_colour, "");
 }
 
+TEST(HlsPlaylist, ColourNamesMaster) {
+    for (const std::string name : {"colour.m3u8", "colour-low.m3u8?token=1"}) {
+        const auto refused = places_in_playlist(text_of(HlsMedia()), "http://host/live/" + name);
+        ASSERT_FALSE(refused);
+        EXPECT_TRUE(test::has_words(refused.error().message, "open master.m3u8 beside it"));
+    }
+}
+
 std::string numbered_playlist() {
     return "#EXTM3U\n#EXT-X-TARGETDURATION:1\n#EXT-X-MEDIA-SEQUENCE:7\n#EXT-X-MAP:URI=\"i.mp4\"\n"
            "#EXTINF:1.000000,\na.m4s\n#EXT-X-DISCONTINUITY\n#EXTINF:0.5,\nb.m4s\n#EXTINF:x,\na.m4s\n"
