@@ -9,6 +9,7 @@
 #include "device/force_gate.h"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "haptics_cpu/touch_step.hpp"
 
 namespace touchable {
 namespace {
@@ -115,6 +116,9 @@ private:
 
 constexpr double tick_of_handles_s = 0.001, pointer_reading_s = 0.001;  // periods
 constexpr double pointer_arrival = 0.004;  // device metres along the view; a nearer finger has arrived
+// A finger that hovers is in front of the surface by more than this share of its distance; device metres that
+// it comes out at least.
+constexpr double front_share = 1e-6, out_of_it = 0.001;
 
 constexpr HandleDynamics standard_handle;
 constexpr std::array<KeyedValues::Key, 8> simulated_keys{{
@@ -241,10 +245,12 @@ void PointerDevice::retreat() {
         led.quick.put(refuge_);
         led.comes = true;
         led.has_begun = false;
+        led.clear.reset();
     }
 }
 
 void PointerDevice::lead(const Meant& meant, Led& led) const {
+    led.hovers = !meant.place || meant.hovers;
     if (!meant.place) {
         led.comes = true;
         led.has_begun = false;
@@ -286,6 +292,38 @@ bool PointerDevice::read_positions(std::span<glm::dvec3> device_metres) {
     return true;
 }
 
+/// The next goal of a free finger at `from` that wants to get to `wanted`.
+glm::dvec3 PointerDevice::next_clear(const HeightField& field, const Workspace& workspace,
+                                     const glm::dvec3& from, const glm::dvec3& wanted) const {
+    const double metres = workspace.metres_per_scene_unit;
+    if (is_behind_surface(field, from, -front_share)) {
+        // The surface has passed it. It comes out by as much as it is in: the side of an object that the
+        // proxy was pushed to does not hold it back then.
+        const auto pixel = project(field.scene().camera, from);
+        const glm::dvec3 surface = point_under(field, pixel->x, pixel->y);
+        const double by = std::max(glm::distance(from, surface), out_of_it / metres);
+        return surface * std::max(1 - by / glm::length(surface), 0.5);
+    }
+    if (!is_behind_surface(field, wanted, -front_share) && is_way_free(field, from, wanted)) return wanted;
+    const glm::dvec3 beside = wanted * (from.z / wanted.z);
+    if (wanted.z < from.z && is_way_free(field, from, beside)) return beside;
+    return from * std::max(1 - settings_.max_speed * pointer_reading_s / metres / glm::length(from), 0.0);
+}
+
+void PointerDevice::keep_clear(const HeightField& field, const Workspace& workspace,
+                               std::span<glm::dvec3> goals) {
+    for (std::size_t finger = 0; finger < goals.size(); ++finger) {
+        Led& led = led_[finger];
+        glm::dvec3& goal = goals[finger];
+        if (!led.hovers) led.clear.reset();
+        if (!led.hovers || (!led.clear && is_behind_surface(field, goal, -front_share))) continue;
+        const glm::dvec3 next = led.clear ? next_clear(field, workspace, *led.clear, goal) : goal;
+        led.point.shift((next - goal) * workspace.metres_per_scene_unit);
+        led.quick.shift((next - goal) * workspace.metres_per_scene_unit);
+        led.clear = goal = next;
+    }
+}
+
 bool PointerDevice::write_forces(std::span<const glm::dvec3> newtons) {
     if (!works()) return false;
     assert(newtons.size() == led_.size());
@@ -309,11 +347,11 @@ void PointerDevice::intend(std::span<const glm::dvec3> places, const glm::dvec3&
 }
 
 void PointerDevice::intend(std::size_t finger, const glm::dvec3& place, const glm::dvec3& from,
-                           const glm::dvec3& eye) {
+                           const glm::dvec3& eye, bool hovers) {
     assert(finger < led_.size());
     if (!is_near(place)) return;
     meant_[finger] = {place, direction_between(eye, place),
-                      is_near(from) ? std::optional(from) : std::nullopt};
+                      is_near(from) ? std::optional(from) : std::nullopt, hovers};
     newest_.write(meant_);
 }
 

@@ -26,6 +26,9 @@
 
 namespace touchable {
 
+class HeightField;
+struct Workspace;
+
 /// The newest value that one thread wrote, for one other thread to read. Neither locks, waits or retries, and
 /// a value is never read half-written: of three slots one is the writer's, one the reader's, and each swaps
 /// its own for the one in between.
@@ -109,6 +112,9 @@ public:
     // closed or has failed; spans hold `fingers()` elements.
     virtual bool read_positions(std::span<glm::dvec3> device_metres) = 0;
     virtual bool write_forces(std::span<const glm::dvec3> newtons) = 0;
+    /// After `read_positions`, with the tick's surface: corrects the goals (world, scene units) of fingers
+    /// that no hand holds.
+    virtual void keep_clear(const HeightField&, const Workspace&, std::span<glm::dvec3>) {}
 
     // About the newest reading; haptic thread only.
     /// Pressed buttons, one bit each.
@@ -220,6 +226,9 @@ struct PointerSettings {
 /// A finger without a goal, or that is stopped, goes to the *refuge*: the position of the clip's camera, in
 /// front of every surface. On its way there it stays on its pixel's ray, and so crosses no wall.
 ///
+/// A finger that hovers touches nothing (`keep_clear`): if the surface bars its way, it rises on its ray of
+/// the clip's camera, which meets nothing, crosses at that height, and comes down.
+///
 /// `set_force(false)` stops at once: every finger is at the refuge in the next reading, without contact, and
 /// stays there. Once forces are on again, the fingers come as if they had been away: slowly, slower towards
 /// the end, and from the refuge or the start that the window sets. `open` begins in the same way.
@@ -251,6 +260,8 @@ public:
     }
     bool read_positions(std::span<glm::dvec3> device_metres) override;
     bool write_forces(std::span<const glm::dvec3> newtons) override;
+    void keep_clear(const HeightField& field, const Workspace& workspace,
+                    std::span<glm::dvec3> goals) override;
     Result<void> health() const override {
         if (const char* fault = fault_.load(std::memory_order_relaxed))
             return device_error("pointer " + std::string(fault) + "; open it again");
@@ -264,8 +275,9 @@ public:
     void intend(std::span<const glm::dvec3> places, const glm::dvec3& eye);
     /// Sets the goal of a single finger. If it was away, and has not arrived yet, it begins at `from`: a
     /// position in front of every surface, and so near its goal that it arrives at once, however far the
-    /// clip's camera is. An invalid `from` is ignored.
-    void intend(std::size_t finger, const glm::dvec3& place, const glm::dvec3& from, const glm::dvec3& eye);
+    /// clip's camera is. An invalid `from` is ignored. `hovers`: it does not press.
+    void intend(std::size_t finger, const glm::dvec3& place, const glm::dvec3& from, const glm::dvec3& eye,
+                bool hovers = false);
     /// Removes a finger's goal.
     void withdraw(std::size_t finger);
 
@@ -284,6 +296,7 @@ private:
         std::optional<glm::dvec3> place{};  // nothing: no goal
         glm::dvec3 along{0.0};              // unit, away from the eye, or zero
         std::optional<glm::dvec3> from{};   // start if it was away; nothing: the refuge
+        bool hovers = false;
     };
     /// One finger on its way.
     struct Led {
@@ -291,12 +304,16 @@ private:
         LedPoint quick;          // as quick along the view as across; `point` stays within `leash` of it
         bool comes = true;       // it was away, and has not reached its goal yet
         bool has_begun = false;  // from Meant::from, since it was away
+        bool hovers = true;
+        std::optional<glm::dvec3> clear{};  // if it hovers: its last goal, in front of the surface, world
     };
     static constexpr bool is_on(std::uint32_t force) { return force % 2 == 1; }
     bool works() const {
         return opening_.load(std::memory_order_acquire) != 0 && !fault_.load(std::memory_order_relaxed);
     }
     void lead(const Meant& meant, Led& led) const;
+    glm::dvec3 next_clear(const HeightField& field, const Workspace& workspace, const glm::dvec3& from,
+                          const glm::dvec3& wanted) const;
     void retreat();
 
     const PointerSettings settings_;

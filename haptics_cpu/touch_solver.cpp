@@ -296,4 +296,12 @@ bool is_behind_surface(const HeightField& field, const dvec3& point, double tole
     return at && at->w < surface_w(world, face_under(at->x, at->y)) * (1.0 - tolerance);
 }
 
+bool is_way_free(const HeightField& field, const dvec3& from, const dvec3& to) {
+    const WorldSpace world(field);
+    if (is_clear(world, from, to)) return true;
+    int cells = 0;
+    const Cast way = cast(world, from, nullptr, to, cells, SolveLimits{}.cells);
+    return !way.hit && !way.cut;
+}
+
 }  // namespace touchable

@@ -69,8 +69,8 @@ struct Contact {
     /// frame was not measured.
     double error_degrees = std::numeric_limits<double>::quiet_NaN();
     double error_newtons = std::numeric_limits<double>::quiet_NaN();
-    bool in_hole = false;             ///< the proxy rests on a hole's wall or ground: `is_in_hole`
-    double hole_share = 0;            ///< share of holes in the stiffness at the proxy: HeightField
+    bool in_hole = false;   ///< the proxy rests on a hole's wall or ground: `is_in_hole`
+    double hole_share = 0;  ///< share of holes in the stiffness at the proxy: HeightField
     /// Where the surface of this tick carried the proxy, before the goal moved; and k there, N/m. No k if
     /// that is off the surface: 0 is an ordinary stiffness.
     glm::dvec3 carried{0.0};
@@ -113,5 +113,7 @@ double largest_goal(const Scene& scene);
 /// Whether a world point is behind the surface: its 1 / planar depth is less than the surface's under its
 /// pixel by more than `tolerance`, relative. False for points that no pixel sees.
 bool is_behind_surface(const HeightField& field, const glm::dvec3& point, double tolerance);
+/// Whether a free proxy gets straight from one world point, in front of the surface, to another.
+bool is_way_free(const HeightField& field, const glm::dvec3& from, const glm::dvec3& to);
 
 }  // namespace touchable

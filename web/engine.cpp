@@ -308,7 +308,7 @@ private:
         is_full_ = false;
         if (!hand_) TRY(meet(pair));
         state_ = until_end(clock_.state_at(tick), scene_.rate, end_ns());
-        lead(tick);
+        lead(tick, HeightField(scene_, pair));
         felt_ = hand_->step.run(tick, tick * tick_ns, scene_, pair);
         for (const GuardedForce& force : felt_.forces) hash_.add(force.force);
         if (!script_.empty()) return true;
@@ -323,7 +323,7 @@ private:
     }
 
     /// The goals of this tick: the script's, whose last ones stay, or those of the pointer's fingers.
-    void lead(std::int64_t tick) {
+    void lead(std::int64_t tick, const HeightField& field) {
         const auto goals = hand_->step.goals();
         if (!script_.empty()) {
             const std::size_t count = goals.size(), last = script_.size() / count - 1;
@@ -333,6 +333,7 @@ private:
         }
         hand_->device.read_positions(goals);
         for (glm::dvec3& goal : goals) goal = hand_->workspace.to_scene(goal);
+        hand_->device.keep_clear(field, hand_->workspace, goals);
     }
 
     void show_finger(std::size_t k, const ViewCamera& camera) {

@@ -39,9 +39,10 @@ private:
 class DevicePort : public HapticPort {
 public:
     DevicePort(HapticDevice& device, const Workspace& workspace) : workspace_(workspace), device_(device) {}
-    bool read_goals(std::int64_t, const HeightField&, std::span<glm::dvec3> goals) override {
+    bool read_goals(std::int64_t, const HeightField& field, std::span<glm::dvec3> goals) override {
         if (!device_.read_positions(goals)) return false;
         for (glm::dvec3& goal : goals) goal = workspace_.to_scene(goal);
+        device_.keep_clear(field, workspace_, goals);
         return true;
     }
     bool write_forces(std::span<const glm::dvec3> newtons) override { return device_.write_forces(newtons); }

@@ -282,11 +282,14 @@ void PointerFingers::lead(std::size_t finger, const glm::dvec2& at, const Height
     auto goal = felt ? detour(fingers_[finger], field, camera.eye + direction * *distance_, deep_m, *felt)
                      : std::nullopt;
     if (!goal) goal = camera.eye + direction * (*distance_ + deep_m / metres);
+    // In a turned view a place in front of what is drawn may be behind a wall, which is not.
+    if (met && deep_m <= 0 && is_behind_surface(field, *goal, 0))
+        goal = met->point * std::max(1 + deep_m / metres / glm::length(met->point), 0.0);
     glm::dvec3 from(std::numeric_limits<double>::quiet_NaN());
     if (met)
         from = workspace_.to_device(met->point *
                                     std::max(1 + highest_m / metres / glm::length(met->point), 0.0));
-    device_.intend(finger, workspace_.to_device(*goal), from, workspace_.to_device(camera.eye));
+    device_.intend(finger, workspace_.to_device(*goal), from, workspace_.to_device(camera.eye), deep_m <= 0);
 }
 
 /// The goal of a finger that must detour on its way to the `ground` under the pointer, world: lifted, or on
@@ -325,6 +328,7 @@ std::optional<glm::dvec3> PointerFingers::detour(Finger& finger, const HeightFie
 /// Whether a finger lags its goal by more than its depth, a slope (step_m) and friction explain.
 bool PointerFingers::is_caught(const Contact& felt, double deep_m) const {
     if (!felt.touching) return false;
+    if (deep_m <= 0) return true;  // it was pressed, and comes off on its own ray
     const glm::dvec3 pull = (felt.goal - felt.proxy) * workspace_.metres_per_scene_unit;
     const glm::dvec3 ray = glm::normalize(felt.proxy);
     const double pressed_m = std::max(deep_m, 0.0) + step_m, along_m = glm::dot(pull, ray),

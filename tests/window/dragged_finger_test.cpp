@@ -2,6 +2,7 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <filesystem>
@@ -20,6 +21,9 @@
 #include "player/run/touch_session.hpp"
 #include "player/window/pointer.hpp"
 #include "tests/real_data.hpp"
+#include "tests/stand_ins.hpp"
+#include "tests/sweep.hpp"
+#include "tests/temporary_files.hpp"
 
 namespace touchable::test {
 
@@ -118,6 +122,7 @@ public:
 
     ViewCamera camera() const { return view_.camera(width, height); }
     WindowView& view() { return view_; }
+    PointerFingers& fingers() { return fingers_; }
 
     using Take = std::function<void(const TouchTick&)>;
     void go_on(int ticks, const Take& take) {
@@ -125,8 +130,7 @@ public:
             const FramePair pair = clip_.pair(tick_ * 1'000'000);
             if (tick_ * 60 / 1000 != (tick_ - 1) * 60 / 1000)
                 fingers_.intend(HeightField(clip_.scene, pair), camera(), met_);
-            EXPECT_TRUE(device_.read_positions(step_.goals()));
-            for (glm::dvec3& goal : step_.goals()) goal = workspace_.to_scene(goal);
+            EXPECT_TRUE(port_->read_goals(tick_, HeightField(clip_.scene, pair), step_.goals()));
             const TouchTick done = step_.run(tick_, tick_ * 1'000'000, clip_.scene, pair);
             if (goes_over_) met_.assign(done.contacts.begin(), done.contacts.end());
             take(done);
@@ -205,6 +209,7 @@ private:
     bool goes_over_;
     Workspace workspace_;
     PointerDevice device_;
+    std::unique_ptr<HapticPort> port_ = make_port(device_, workspace_);
     PointerFingers fingers_;
     glm::dvec3 middle_;
     WindowView view_;
@@ -279,6 +284,73 @@ TEST_P(DraggedOverScene, IsNotCaughtByFlick) {
 
 INSTANTIATE_TEST_SUITE_P(, DraggedOverScene, ::testing::Values("globe", "spheres", "step"),
                          [](const auto& run) { return std::string(run.param); });
+
+class Hovering : public ::testing::TestWithParam<StandIn> {
+protected:
+    /// A random mouse, view and panel, for 5 s, with presses or without.
+    void run(const BuiltClip& clip, std::uint64_t seed, int count, bool presses) {
+        constexpr glm::dvec2 size(DraggedFinger::width, DraggedFinger::height);
+        DraggedFinger finger(clip);
+        finger.fingers().set_count(count);
+        Random random(seed);
+        const auto happens = [&](double share) { return random.between(0, 1) < share; };
+        const auto speed = [&](double most) {
+            return happens(0.5) ? glm::dvec2(0)
+                                : glm::dvec2(random.within(-most, most), random.within(-most, most));
+        };
+        glm::dvec2 at = size / 2.0, moves(0), turns(0);
+        bool is_held = false;
+        for (int picture = 0; picture < 300; ++picture) {
+            if (happens(0.1)) moves = speed(60);
+            if (happens(0.05)) turns = speed(3);
+            at = happens(0.02) ? size / 2.0 + speed(400) : glm::clamp(at + moves, glm::dvec2(0), size);
+            if (turns.x != 0) finger.view().turn(turns.x, turns.y);
+            if (happens(0.01)) finger.view().turn(random.within(-60, 60), random.within(-30, 30));
+            if (happens(0.01)) finger.view().near_by(random.within(0.5, 2));
+            if (happens(0.01)) finger.view().go_home();
+            if (happens(0.02)) finger.view().leave_free({happens(0.5) ? 0 : 0.35, 0});
+            finger.fingers().set_pointer(happens(0.02) ? std::nullopt : std::optional(at));
+            if (presses && happens(0.05)) finger.fingers().press(is_held = !is_held);
+            finger.go_on(16, [&](const TouchTick& tick) { note(tick, is_held); });
+        }
+    }
+
+    int ticks_ = 0, felt_ = 0;  // of fingers that hover; with a force
+    double most_ = 0;           // N, of them
+
+private:
+    /// A finger that was pressed has time to come off.
+    void note(const TouchTick& tick, bool is_held) {
+        constexpr int longest = 250;  // ticks
+        for (std::size_t k = 0; k < tick.contacts.size(); ++k) {
+            const double newtons = glm::length(tick.forces[k].force);
+            const bool touches = tick.contacts[k].touching || newtons > 0;
+            int& left = left_[k];
+            left = is_held ? longest : std::max(left - 1, 0);
+            if (is_held) continue;
+            ++ticks_;
+            felt_ += touches && left == 0;
+            if (left == 0) most_ = std::max(most_, newtons);
+        }
+    }
+    std::array<int, PointerFingers::most> left_{};  // until a finger that was pressed has to be off
+};
+
+TEST_P(Hovering, NeverTouches) {
+    const TemporaryFolder folder;
+    StandIn what = GetParam();
+    what.frames = 60;
+    const auto clip = built_recording(write_stand_in(folder.path(), what), "");
+    for (std::size_t seed = 0; seed < 28; seed += sweep_step()) {
+        clip->scene.interpolation = seed % 2 == 0 ? FrameInterpolation::linear : FrameInterpolation::hold;
+        run(*clip, seed, 1 + static_cast<int>(seed % PointerFingers::most), seed % 4 == 3);
+    }
+    EXPECT_GT(ticks_, 10'000);
+    EXPECT_EQ(felt_, 0) << "up to " << most_ << " N";
+}
+
+INSTANTIATE_TEST_SUITE_P(, Hovering, ::testing::ValuesIn(stand_ins()),
+                         [](const auto& run) { return std::string(run.param.name); });
 
 /// Forces on a finger that the pointer leads by these settings.
 std::vector<glm::dvec3> forces_of_stroke(const BuiltClip& clip, const PointerSettings& settings,
