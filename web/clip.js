@@ -32,7 +32,7 @@ export async function answer_of(url, name, read, options) {
     answer = await fetch(url, options);
     if (answer.ok) return await read(answer);
   } catch {
-    refuse(`The server does not answer, or broke off in the middle of ${name}. Reload the page to try again.`);
+    refuse(`The server does not answer, or broke off in the middle of ${name}.`);
   }
   return refuse(`There is no ${name}: the server answers ${answer.status}.`);
 }
@@ -196,7 +196,8 @@ export async function* live_framesets(url, planes, signal) {
   const reader = await answer_of(url, 'live stream', (answer) => new ByteReader(answer.body), {signal});
   const taken = async (size) => {
     const bytes = new Uint8Array(size);
-    return await reader.fill(bytes).catch(() => 0) === size ? bytes : refuse('The live stream has ended.');
+    return await reader.fill(bytes).catch(() => 0) === size ? bytes
+      : refuse('The live stream broke off. The page tries to connect again.');
   };
   try {
     for (;;) {

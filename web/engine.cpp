@@ -16,6 +16,8 @@
 #include "device/haptic_device.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "engine/formats/depth_values.hpp"
+#include "engine/formats/scene_draft.hpp"
 #include "engine/picture/image.hpp"
 #include "engine/scene/plane_memory.hpp"
 #include "engine/surface/depth_estimator.hpp"
@@ -34,6 +36,15 @@ namespace touchable {
 
 std::shared_ptr<std::uint8_t> take_plane_memory(std::size_t bytes, PlaneContent) {
     return {new std::uint8_t[bytes](), std::default_delete<std::uint8_t[]>()};
+}
+
+// A page shows no remarks (a person sees nearest and farthest before a picture is opened), and keeps memory.
+void give_back(void*, std::size_t) {}
+std::optional<Remark> unit_doubt(double, std::string, Hints) {
+    return {};
+}
+std::string remark_text(const Remark& remark) {
+    return remark.what;
 }
 
 /// Commands of the page to the clip's clock, and to the hand and its view; page.js has the same numbers.
@@ -110,35 +121,44 @@ public:
         return {};
     }
 
-    /// The frame that is needed next; -1: none, or no room for one.
+    /// The frame that is to be given next; -1: none, or no room for one.
     std::int64_t wanted() {
-        if (moment_.epoch > place_.epoch) read_from(moment_);
-        const bool has_ended = place_.next_number >= opened_.frames;
-        if (has_ended && timeline_.epoch() == place_.epoch) timeline_.end_epoch();
-        return has_ended || is_full_ || !timeline_.acquire() ? -1 : place_.next_number;
+        asked_ = std::max(moment_.epoch, place_.epoch);
+        return needed();
     }
 
     /// Builds and publishes the frame that was wanted, of the planes that were taken.
-    Result<void> give() {
+    Result<void> give(std::int64_t number) {
+        needed();
+        // A clip that looped meanwhile shows the frame all the same, as the next one may be as late.
+        const bool has_looped = place_.epoch > asked_;
+        if (has_looped &&
+            (remembers_ || !state_.playing || !state_.loops || moment_.start_ns != state_.loop_begin_ns))
+            return {};  // it was sent elsewhere
         RawFrame raw = opened_.raw;
-        raw.number = place_.next_number;
+        raw.number = number;
         raw.time_ns = opened_.is_live ? std::max(timeline_.newest_time() + 1, tick_ * tick_ns)
-                                      : scene_.rate.time_ns(raw.number);
+                      : has_looped    ? moment_.time_ns
+                                      : scene_.rate.time_ns(number);
+        const auto next =
+            std::max(place_.next_number, 1 + (has_looped ? scene_.rate.frame_at(moment_.time_ns) : number));
         raw.epoch = place_.epoch;
         raw.storage = std::make_shared<decltype(opened_.samples)>(opened_.samples);
         if (raw.epoch != timeline_.epoch()) timeline_.begin_epoch(raw.epoch);
         if (newest_ && newest_->epoch == raw.epoch && same_touch_planes(*newest_, raw)) {
             TRY_ASSIGN(const bool has_room, timeline_.republish(raw.number, raw.time_ns));
             is_full_ = !has_room;  // until a tick has passed
-            place_.next_number += has_room;
+            if (has_room) place_.next_number = next;
             return {};
         }
         SurfaceFrame* const slot = timeline_.acquire();
         if (!slot) return internal_error("a frame came without room for it");
         TRY(builder_->build(raw, *slot));
-        ++place_.next_number;
+        place_.next_number = next;
         if (raw.number < place_.first_shown) return {};
         TRY(timeline_.publish(raw.number, raw.time_ns));
+        // In a loop the hand waits for two frames; a late page has one at a time.
+        if (script_.empty() && (has_looped || next > number + 1)) timeline_.end_epoch();
         if (!remembers_) newest_ = raw;
         return {};
     }
@@ -226,7 +246,7 @@ public:
         for (int k = 0; k < 16; ++k) shown_.matrix[k] = camera.clip_from_lattice[k / 4][k % 4];
         shown_.fingers = script_.empty() ? hand_->fingers.shown() : count_;
         for (int k = 0; k < std::min(static_cast<int>(shown_.fingers), pointer_fingers); ++k)
-            show_finger(static_cast<std::size_t>(k), camera);
+            show_finger(static_cast<std::size_t>(k), field, camera);
         if (const auto at = hand_->fingers.looked_at()) show_values(field, camera, *at);
         heard_ = std::exchange(samples_, {});
         shown_.sound = static_cast<double>(reinterpret_cast<std::uintptr_t>(heard_.data()));
@@ -281,6 +301,17 @@ private:
                              remembers_ ? temporal_warm_up_frames : 0);
     }
 
+    /// As `wanted`. A late page leaves out frames, where none depends on those before.
+    std::int64_t needed() {
+        if (moment_.epoch > place_.epoch) read_from(moment_);
+        if (script_.empty() && !opened_.is_live && !remembers_)
+            place_.next_number = std::max(
+                place_.next_number, std::min(scene_.rate.frame_at(moment_.time_ns), opened_.frames - 1));
+        const bool has_ended = place_.next_number >= opened_.frames;
+        if (has_ended && timeline_.epoch() == place_.epoch) timeline_.end_epoch();
+        return has_ended || is_full_ || !timeline_.acquire() ? -1 : place_.next_number;
+    }
+
     /// What a run begins with is known once the first frame is there.
     Result<void> meet(const FramePair& first) {
         std::vector<double> depths = valid_depths(scene_, *first.prev.frame);
@@ -299,7 +330,7 @@ private:
         const std::int64_t tick = tick_ + 1;
         if (log_->is_open()) log_->take(tick);
         moment_ = clock_.at(tick);
-        const bool is_late = wanted() >= 0 && !(timeline_.epoch() >= moment_.epoch &&
+        const bool is_late = needed() >= 0 && !(timeline_.epoch() >= moment_.epoch &&
                                                 timeline_.newest_time() > moment_.time_ns);
         FramePair pair;
         if (!timeline_.pair_at(moment_, pair) || (is_late && !script_.empty())) return false;
@@ -336,7 +367,7 @@ private:
         hand_->device.keep_clear(field, hand_->workspace, goals);
     }
 
-    void show_finger(std::size_t k, const ViewCamera& camera) {
+    void show_finger(std::size_t k, const HeightField& field, const ViewCamera& camera) {
         const Contact& contact = felt_.contacts[k];
         const glm::dvec3& force = felt_.forces[k].force;
         const double metres = felt_.metres_per_scene_unit;  // of the hand
@@ -352,6 +383,9 @@ private:
         finger.touching = contact.touching;
         finger.share = finger.newtons / hand_->guard.max_force;
         finger.depth_mm = 1000 * metres * glm::length(contact.proxy - contact.goal);
+        const auto under = PointerFingers::ground_at(field, camera, finger.at);
+        if (!contact.touching && under)
+            finger.depth_mm = -1000 * metres * glm::distance(contact.proxy, under->point);
         finger.stiffness = contact.properties.stiffness / 1000;
         finger.friction = contact.properties.static_friction;
         finger.error_degrees = contact.error_degrees;
@@ -387,6 +421,7 @@ private:
     const bool remembers_ = FilterPlan(scene_).remembers();
     bool is_full_ = false;
     ReadPlace place_;
+    std::uint64_t asked_ = 0;  // the epoch when a frame was wanted
     std::optional<RawFrame> newest_;
     std::int64_t tick_ = -1, late_ = 0;
     ForceHash hash_;
@@ -401,7 +436,8 @@ private:
 };
 
 std::vector<std::uint8_t> inbox;
-std::string text;  // that the worker reads next
+StoredImage stored;  // a picture of depth alone that a person opens
+std::string text;    // that the worker reads next
 std::unique_ptr<Clip> clip;
 
 int worked(const Result<void>& result) {
@@ -427,37 +463,82 @@ Result<void> open_scene(std::size_t numbers, std::size_t times, double frames, b
     return {};
 }
 
-/// A picture of depth alone: codes times a unit, seen by a camera of this angle. Filters are those that its
-/// measurement chooses, as for a picture that the program opens.
-Result<void> open_picture(int width, int height, double metres, double degrees) {
-    const auto codes = taken<std::uint16_t>(pixel_count(width, height));
-    const double focal = width / 2.0 / std::tan(degrees * pi / 360);
-    Scene scene;
-    scene.width = width;
-    scene.height = height;
-    scene.camera = {focal, focal, (width - 1) / 2.0, (height - 1) / 2.0};
-    DepthCoding& depth = scene.depth;
-    depth.kind = DepthCodingKind::metric;
-    depth.semantics = DepthSemantics::planar;
-    depth.code_max = 65535;
-    depth.scale = metres / scene.metres_per_unit;
-    scene.depth_bits = 16;
+/// What the stored picture's values mean. `metres`: of a grey level; 0: it has no unit; nullopt: as the
+/// program guesses it.
+Result<SceneDraft> meaning(std::optional<double> metres, double degrees = 60) {
+    SceneDraft draft;
+    Scene& scene = draft.scene;
+    scene.width = stored.image.width;
+    scene.height = stored.image.height;
+    scene.metres_per_unit = 1;
+    const double focal = scene.width / 2.0 / std::tan(degrees * pi / 360);
+    scene.camera = {focal, focal, (scene.width - 1) / 2.0, (scene.height - 1) / 2.0};
+    scene.depth.semantics = DepthSemantics::planar;
+    scene.depth.near_is_high = true;
+    scene.depth_bits = stored.bits;
     scene.hole_stiffness = Scene::soft_holes;
-    int deepest = 0;
-    for (const int code : codes) deepest = std::max(deepest, code == 65535 ? 0 : code);
-    if (deepest == 0) return input_error("no pixel of the picture has a depth: all are 0");
+    SourceDescription known;
+    if (metres > 0.0) known.metres_per_code = metres;
+    DepthEvidence evidence{known};
+    if (metres == 0.0) evidence.preset = preset_named("relative-inverse");
+    TRY(guess_values(stored, evidence, draft));
+    scene.remarks.clear();
+    return draft;
+}
+bool has_unit(const SceneDraft& draft) {
+    return draft.scene.stored.kind != StoredDepth::Kind::relative;
+}
+
+/// What a person is asked about the stored picture; worker.js has the same list.
+struct PictureGuess {
+    double metres = 0, is_white_near = 0;           // of a grey level; 0: it has no unit
+    double least = 65535, most = 0;                 // of the values that may be lengths
+    double near = assumed_near, far = assumed_far;  // metres, without a unit
+} picture_guess;
+
+Result<void> read_picture(int width, int height, int bits) {
+    stored = {{width, height, bits / 8, 1, std::move(inbox)}};
+    stored.bits = bits;
+    TRY_ASSIGN(const SceneDraft draft, meaning(std::nullopt));
+    picture_guess = {has_unit(draft) ? draft.scene.depth.scale : 0,
+                     draft.scene.depth.near_is_high ? 1.0 : 0.0};
+    for (std::size_t k = 0; k < pixel_count(stored.image); ++k) {
+        const double value = sample_at(stored.image, k);
+        if (value == 0 || value == 65535) continue;
+        picture_guess.least = std::min(picture_guess.least, value);
+        picture_guess.most = std::max(picture_guess.most, value);
+    }
+    return {};
+}
+
+/// Filters are those that the picture's measurement chooses, as for one that the program opens.
+Result<void> open_picture(double metres, bool is_white_near, double degrees) {
+    TRY_ASSIGN(SceneDraft draft, meaning(std::nullopt, degrees));
+    Scene& scene = draft.scene;
+    DepthCoding& depth = scene.depth;
+    if (metres > 0 || has_unit(draft)) TRY(assign(draft, meaning(metres, degrees)));
+    if (!has_unit(draft) && depth.near_is_high != is_white_near) {
+        depth.near_is_high = is_white_near;
+        depth.kind = is_white_near ? DepthCodingKind::inverse : DepthCodingKind::linear;
+    }
     constexpr double beyond = 1.05;  // of what is seen
-    depth.far = std::min(beyond * deepest, 65534.0) * depth.scale;
+    if (has_unit(draft)) depth.far = std::min(beyond * picture_guess.most, 65534.0) * depth.scale;
     derive_valid_range(depth);
+    DepthValues values(draft);
+    if (values.needs_looks(stored)) {
+        values.look(stored);
+        if (auto settled = values.settle(scene); !settled) return std::move(settled).error();
+    }
     TRY(validate(scene));
+    Image codes = values.codes(stored);
     RawFrame raw;
-    raw.depth = plane_of_codes(codes.data(), width, height);
+    raw.depth = codes.view();
     DepthEstimator estimator(scene);
     estimator.add(raw);
     choose_filters(estimator.measured(), all_unstated, scene);
     TRY(validate(scene));
     clip = std::make_unique<Clip>(OpenedClip{std::move(scene)});
-    clip->set_plane(depth_role, raw.depth, {inbox.begin(), inbox.end()});
+    clip->set_plane(depth_role, raw.depth, std::move(codes.samples));
     return {};
 }
 
@@ -481,16 +562,23 @@ struct PageExports {
     static int open_scene(std::size_t numbers, std::size_t times, double frames, bool is_live) {
         return worked(touchable::open_scene(numbers, times, frames, is_live));
     }
-    /// In `room`: codes of 16 bits.
-    EXPORTED(open_picture) static int open_picture(int width, int height, double metres, double degrees) {
-        return worked(touchable::open_picture(width, height, metres, degrees));
+    /// In `room`: a picture's values, of 8 or 16 bits.
+    EXPORTED(read_picture) static int read_picture(int width, int height, int bits) {
+        return worked(touchable::read_picture(width, height, bits));
+    }
+    EXPORTED(picture_guess) static const void* picture_guess() { return &touchable::picture_guess; }
+    /// Opens the picture that was read; `metres`: of a grey level, 0: it has no unit.
+    EXPORTED(open_picture) static int open_picture(double metres, bool is_white_near, double degrees) {
+        return worked(touchable::open_picture(metres, is_white_near, degrees));
     }
     /// In `room`: a packet's head, and its content, inflated.
     EXPORTED(plane) static int plane(Role role, int bytes_per_sample, int channels, std::size_t size) {
         return worked(clip->take_packet(role, bytes_per_sample, channels, taken<std::uint8_t>(size)));
     }
     EXPORTED(wanted) static double wanted() { return static_cast<double>(clip->wanted()); }
-    EXPORTED(give) static int give() { return worked(clip->give()); }
+    EXPORTED(give) static int give(double number) {
+        return worked(clip->give(static_cast<std::int64_t>(number)));
+    }
     /// Goes back to the clip's beginning. In `room`: goals, 3 doubles each, finger by finger and tick by
     /// tick, and then commands, 4 doubles each.
     EXPORTED(begin) static void begin(int fingers, std::size_t goals, std::size_t commands) {

@@ -14,22 +14,25 @@ const query = new URLSearchParams(location.search), kiosk = query.has('kiosk');
 const calm = matchMedia('(prefers-reduced-motion: reduce)').matches, by_touch = matchMedia('(pointer: coarse)').matches;
 const one_file = globalThis.touchable_one_file;  // touch.html: {worker: URL, clip: {json, files}}
 const canvas = $('picture'), stage = $('stage'), invitation = $('invitation'), sound = new ContactSound();
-const invited_again_ms = 20000, reset_ms = 60000;
+const invited_again_ms = 20000, reset_ms = 60000, try_again_ms = 60000;
 
 // For tests; `advance` lets so many ms pass for an exhibit without a visitor.
 const touchable = globalThis.touchable = {
     worker: null, clip: null, state: null, frames_drawn: 0, pictures_drawn: 0, errors: [],
     advance(ms) {
         last_input -= ms;
-        watch_visitors();
+        fault_at -= ms;
+        watch_exhibit();
     }
 };
 let picture = null;
 let unit = 1, width = 1, height = 1;  // canvas pixels of a CSS pixel; of the stage
 let unanswered = Infinity;  // 'due's: one may be under way while the answer to another is drawn
 let drawn_view = '', drawn_fingers = '';
+let has_begun = false;  // the clip's first picture is there
 let enter_held = false, pad_presses = false, seeking = false, turning = false, touched = false;
-let last_input = performance.now(), last_tick = 0;
+let last_input = performance.now(), last_tick = 0, asked_at = 0;
+let fault_at = Infinity, over = '';  // when something failed, or was last tried again; the page's last words
 const held = new Map();  // pointers that are down, with the buttons of each
 
 const post = (message, transfer = []) => touchable.worker.postMessage(message, transfer);
@@ -43,26 +46,47 @@ function put(element, text) {
 
 function show_message(text, stops = false) {
     $('message').hidden = !text;
-    $('message').className = stops ? 'stop' : '';
+    $('message').className = stops ? 'stop' : has_begun ? '' : 'empty';
     put($('message').firstElementChild, text);
+    $('again').hidden = !stops;
     if (stops) invitation.hidden = true;
 }
-function show_fault(text, fatal = false) {
+const show_rest = () => show_message(over || (has_begun ? '' : 'Loading the first picture …'), !!over);
+// `again`: whether it may help to ask the worker once more. A clip that fails before its first picture is over.
+function show_fault(text, fatal = false, again = false) {
     if (touchable.errors.length < 100) touchable.errors.push(text);
-    show_message(fatal ? text : '', fatal);
+    fatal ||= again && !has_begun;
+    if (fatal) over = text;
+    fault_at = performance.now();
+    show_rest();
     put($('notice').firstElementChild, text);
+    $('go-on').hidden = !again;
     $('notice').hidden = fatal;
+}
+function end_fault() {
+    fault_at = Infinity;
+    $('notice').hidden = true;
 }
 function stop(text) {
     show_fault(text, true);
     $('bar').hidden = true;
 }
+// The page begins anew, once its server has it again: a page that cannot be loaded would not try again.
+async function begin_anew() {
+    if (over) show_message('Trying again …');
+    const can_load = !location.protocol.startsWith('http') ||
+        await fetch(location.href, {cache: 'no-store'}).then(({ok}) => ok, () => false);
+    if (can_load) location.reload();
+    else show_rest();
+}
 function say_finger() {
-    const finger = touchable.state?.fingers[0], mm = finger?.depth_mm;
-    const where = touchable.state?.pick?.valid === 0 ? 'nothing to touch'
-        : `${Math.abs(mm).toFixed(1)} millimetres ${mm < 0 ? 'above the surface' : 'deep'}`;
+    const {pick, fingers: [finger]} = touchable.state, mm = Math.abs(finger?.depth_mm).toFixed(1);
+    const where = !(pick?.valid > 0) ? 'nothing to touch'
+        : `distance ${pick.depth_m.toFixed(3)} metres, ${mm} millimetres ` +
+          (finger?.touching ? 'deep' : 'above the surface');
     const error = finger?.error_degrees >= 0 ? `, right to ${finger.error_degrees.toFixed(0)} degrees` : '';
-    const text = finger ? `${where}, ${finger.newtons.toFixed(1)} newtons${error}` : 'No finger is on the picture.';
+    const text = finger ? `${touchable.clip.name}: ${where}, ${finger.newtons.toFixed(1)} newtons${error}`
+                        : 'No finger is on the picture.';
     put($('said'), '');
     setTimeout(() => put($('said'), text), 60);  // or the same words would not be read again
 }
@@ -71,10 +95,11 @@ function say_finger() {
 
 const answers = {
     clip(clip) {
-        touchable.clip = clip;
+        [touchable.clip, touchable.state] = [clip, null];
+        over = '';
+        end_fault();
         picture.begin(clip);
         document.title = `${clip.name || 'a picture'} · touchable`;
-        show_message('');
         const still = !clip.live && !(clip.frames > 1), word = /globe/i.test(clip.name) ? 'globe' : 'picture';
         for (const id of ['play', 'time', 'seek', 'speed', 'loop'])
             $(id).hidden = still || (clip.live && id !== 'play' && id !== 'time');
@@ -87,15 +112,15 @@ const answers = {
         put($('invite'), kiosk || by_touch ? `Touch the ${word}` : `Move over the ${word}. Hold to press.`);
         put($('hint'), by_touch ? 'One finger touches, two turn it.' : kiosk ? 'Move, hold the button, and feel.'
                                 : 'The ring and the number show the force.');
-        invite(true);
         $('lock').hidden = !kiosk;
-        $('bar').classList.remove('empty');
-        $('force').hidden = false;
+        show_begun(false);
         unanswered = 0;
     },
     state({planes, ...state}) {
         unanswered = Math.max(unanswered - 1, 0);
         touchable.state = state;
+        if (state.frame < 0) return;  // at a clip's beginning; what was shown before stays
+        if (!has_begun) show_begun(true);
         if (planes) picture.show(planes);
         draw(state, !!planes);
         const touches = state.fingers.some((finger) => finger.touching);
@@ -104,9 +129,18 @@ const answers = {
         tremble(gamepad(), state.rumble_low, state.rumble_high, touches && !touched);
         touched = touches;
     },
-    fault: ({text, fatal}) => show_fault(text, fatal)
+    fault: ({text, fatal, again}) => show_fault(text, fatal, again),
+    well: end_fault,
+    asked: ask_meaning
 };
 
+function show_begun(begun) {
+    has_begun = begun;
+    invite(begun);
+    $('bar').classList.toggle('empty', !begun);
+    $('force').hidden = !begun;
+    show_rest();
+}
 function draw({matrix, own_view, fingers}, is_new = false) {
     const overlay = $('overlay').value;
     const view = [overlay, own_view, canvas.width, canvas.height, picture.stride, matrix].join();
@@ -162,10 +196,10 @@ function show_overlay(value) {
     const colours = {missing: ['#57b5e8 50%', '#555 50%'], depth: [...ramp_colours].reverse()}[value] ?? ramp_colours;
     $('legend').children[1].style.background = `linear-gradient(90deg, ${colours})`;
 }
+const words_of = (metres) => (metres < 0.1 ? `${+(1000 * metres).toPrecision(3)} mm` : `${+metres.toPrecision(3)} m`);
 function show_legend({unit: metres}) {
     const [title, , least, greatest] = $('legend').children, {value, text} = $('overlay').selectedOptions[0];
-    const length = (units) => (units * metres < 0.1 ? `${(1000 * units * metres).toPrecision(3)} mm`
-                                                    : `${(units * metres).toPrecision(3)} m`);
+    const length = (units) => words_of(units * metres);
     const ends = {depth: picture.range.map(length), height: ['0', length(picture.highest)],
                   missing: ['measured', 'missing'], stiffness: ['soft', 'hard'], friction: ['slippery', 'sticky']};
     put(title, text);
@@ -304,9 +338,15 @@ function note_input(pressed = false) {
     invite(false);
     sound.start();
 }
-function watch_visitors() {
-    if (held.size || !touchable.clip) return;
-    const idle_ms = performance.now() - last_input;
+function watch_exhibit() {
+    const now = performance.now();
+    if (touchable.clip && !over && unanswered > 1 && now - asked_at >= try_again_ms) stop('The engine does not answer.');
+    if (now - fault_at >= try_again_ms) {
+        fault_at = now;
+        begin_anew();
+    }
+    if (held.size || !has_begun) return;
+    const idle_ms = now - last_input;
     if (idle_ms >= invited_again_ms) invite(true);
     if (idle_ms < reset_ms) return;
     last_input = Infinity;  // once, until the next visitor
@@ -321,17 +361,37 @@ function watch_visitors() {
 // ---- One's own pictures, and help
 
 async function ask_picture(file) {
-    if (!file || kiosk) return;
+    if (!file || kiosk || $('ask').open) return;
+    if ($('go-on').hidden) end_fault();
     if (file.size > 1e8) return show_fault(`${file.name} is larger than 100 MB.`);
-    put($('ask-name'), file.name);
+    show_message('Reading the picture …');
+    const bytes = await file.arrayBuffer().catch(() => show_fault(`${file.name} cannot be read.`));
+    if (bytes) post({do: 'read', bytes, name: file.name}, [bytes]);
+}
+// Of the picture that is asked about: what its levels mean, and between which lengths it will lie.
+const is_relative = () => /white|black/.test($('unit').value);
+const metres_a_level = () => (is_relative() ? 0 : Number($('unit').value) || $('level').valueAsNumber / 1000);
+function show_extent({least, most, near, far}) {
+    $('own-unit').hidden = $('level').disabled = $('unit').value !== '';
+    const metres = metres_a_level(), [first, last] = is_relative() ? [near, far] : [least * metres, most * metres];
+    const words = `Nearest ${words_of(first)}, farthest ${words_of(last)}${is_relative() ? ' (assumed)' : ''}`;
+    put($('extent'), last > 0 ? words : '');
+}
+async function ask_meaning({name, guess}) {
+    show_rest();
+    put($('ask-name'), name);
+    const known = guess.metres ? String(guess.metres) : guess.white_near ? 'white' : 'black';
+    $('level').value = 1000 * guess.metres || 1;
+    $('unit').value = known;
+    if (!$('unit').value) $('unit').value = '';
+    $('ask').oninput = () => show_extent(guess);
+    show_extent(guess);
     $('ask').returnValue = '';
     $('ask').showModal();
     await new Promise((resolve) => $('ask').addEventListener('close', resolve, {once: true}));
     if ($('ask').returnValue !== 'open') return;
-    const metres = Number($('unit').value) || $('level').valueAsNumber / 1000;
-    show_message('Reading the picture …');
-    const bytes = await file.arrayBuffer().catch(() => show_fault(`${file.name} cannot be read.`));
-    if (bytes) post({do: 'picture', bytes, name: file.name, unit: metres, fov: $('fov').valueAsNumber}, [bytes]);
+    post({do: 'picture', name, metres: metres_a_level(), white_near: $('unit').value === 'white',
+          fov: $('fov').valueAsNumber});
 }
 
 const by_hand = {
@@ -341,7 +401,7 @@ const by_hand = {
     'Touch screen': [['one finger', 'touches; up to five'], ['two fingers', 'turn; apart or together: zoom']],
     Gamepad: [['left stick', 'moves the finger'], ['right trigger', 'presses'], ['right stick', 'turns the view']],
     'On the picture': [['arrows', 'move the finger'], ['Enter', 'presses while it is held'],
-                       ['I', 'says label, distance and force']]
+                       ['I', 'says name, distance and force']]
 };
 const topics = {begin: 'View', touch: 'Touch', view: 'View', play: 'Play', data: 'Data', window: 'Page'};
 function show_help() {
@@ -379,6 +439,7 @@ function tick(now) {
     read_gamepad(Math.min(ms, 100) / 1000);
     post({do: 'due', width, height, pressed: enter_held || pad_presses});
     ++unanswered;
+    asked_at = performance.now();
 }
 
 function connect_controls() {
@@ -421,12 +482,12 @@ function connect_controls() {
         if (target.closest('button:not(:focus-visible)')) canvas.focus({preventScroll: true});
     });
     on($('notice'), 'click', () => { $('notice').hidden = true; });
+    on($('go-on'), 'click', () => post({do: 'go_on'}));
     on($('open'), 'click', () => $('file').click());
     on($('file'), 'change', () => {
         ask_picture($('file').files[0]);
         $('file').value = '';
     });
-    on($('unit'), 'change', () => { $('own-unit').hidden = $('unit').value !== ''; });
     on(window, 'dragover dragleave drop', (event) => {
         event.preventDefault();
         $('drop').hidden = kiosk || event.type !== 'dragover';
@@ -438,6 +499,8 @@ function start() {
     addEventListener('error', (event) => touchable.errors.push(event.message));
     addEventListener('unhandledrejection', (event) => touchable.errors.push(String(event.reason)));
     document.body.classList.toggle('kiosk', kiosk);
+    if (kiosk) setInterval(watch_exhibit, 1000);
+    $('again').onclick = begin_anew;
     $('fullscreen').hidden = !document.fullscreenEnabled;
     for (const need of ['WebAssembly', 'Worker', 'DecompressionStream'])
         if (!globalThis[need]) return stop(`This page needs ${need}, which this browser does not offer.`);
@@ -460,7 +523,6 @@ function start() {
     show_message('Loading the clip …');
     const url = new URL(query.get('clip') || 'clip.json', location.href).href;
     post({do: 'open', url, ...one_file?.clip, wasm: one_file?.wasm, calm});
-    if (kiosk) setInterval(watch_visitors, 1000);
     requestAnimationFrame(tick);
 }
 start();

@@ -1,6 +1,6 @@
 // Reads a grey PNG of 8 or 16 bits without the browser's own decoder, which keeps only 8 bits.
 //
-//     const {width, height, codes} = await unpack_png(bytes);   // codes: Uint16Array, row by row
+//     const {width, height, codes} = await unpack_png(bytes);   // codes: Uint8Array or Uint16Array
 //
 // Throws an Error whose message is a sentence for people. Runs in pages, workers and Node. Nothing is allocated
 // before the sizes in the file are known to be within the limits.
@@ -59,7 +59,7 @@ function header_of(body) {
 
 export async function unpack_png(bytes) {
     const {width, height, step, data} = chunks_of(new Uint8Array(bytes)), row = width * step;
-    const packed = new Uint8Array((row + 1) * height), codes = new Uint16Array(width * height);
+    const packed = new Uint8Array((row + 1) * height), codes = new (step === 2 ? Uint16Array : Uint8Array)(width * height);
     require(await inflate_into(packed, 0, data, 'deflate'), 'its picture does not unpack to its size');
     let above = new Uint8Array(row);
     for (let y = 0; y < height; ++y) {
@@ -80,5 +80,5 @@ export async function unpack_png(bytes) {
             codes[to] = step === 2 ? (line[2 * x] << 8) | line[2 * x + 1] : line[x];
         above = line;
     }
-    return {width, height, codes};
+    return {width, height, bits: 8 * step, codes};
 }

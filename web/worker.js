@@ -12,11 +12,11 @@ const members = ['tick', 'time', 'playing', 'at_end', 'loops', 'speed', 'force_o
   'rumble_high', 'late_frames', 'fingers'];
 const pick_members = ['valid', 'depth_m', 'stiffness', 'friction_static', 'friction_dynamic', 'height_mm'];
 const finger_members = ['newtons', 'touching', 'share', 'depth_mm', 'stiffness', 'friction', 'error_degrees'];
-let engine, clip, session, pressed = false, stands_still = false, build_ms = 0, decode_ms = 0, seen_matrix;
+let read_size, engine, clip, session, pressed = false, stands_still = false, build_ms = 0, decode_ms = 0, seen_matrix;
 
 /** What is forgotten when a clip begins anew. Work under way for an earlier session ends without a trace. */
 const new_session = () => ({
-  feeding: false, shown: -1, ran_until: null, live_stop: new AbortController(),
+  feeding: false, failed: '', shown: -1, ran_until: null, live_stop: new AbortController(),
   taken: {}, sent: {}, // by role the frame whose picture the engine has, and the page (of colour the picture)
   colours: new Map(), // by frame, of those that may still be shown: JPEG, and what it is decoded to, ahead
 });
@@ -44,10 +44,14 @@ async function load_engine(bytes) {
   let instance;
   const imports = {wasi_snapshot_preview1: wasi(() => instance.exports.memory)};
   bytes ??= await answer_of(new URL('engine.bin', import.meta.url), 'engine.bin', (answer) => answer.arrayBuffer());
-  try {
-    ({instance} = await WebAssembly.instantiate(await new Response(inflating([bytes])).arrayBuffer(), imports));
-  } catch {
+  const code = await new Response(inflating([bytes])).arrayBuffer().catch(() => new ArrayBuffer(0));
+  if (!WebAssembly.validate(code))
     refuse('engine.bin is damaged, or this browser is too old for it: it takes WebAssembly with SIMD.');
+  try {
+    ({instance} = await WebAssembly.instantiate(code, imports));
+  } catch (error) {
+    if (!(error instanceof WebAssembly.CompileError)) throw error;
+    refuse("The server's Content-Security-Policy forbids WebAssembly: its script-src needs 'wasm-unsafe-eval'.");
   }
   instance.exports._initialize();
   return instance.exports;
@@ -86,12 +90,20 @@ async function open({url, files, json, wasm, calm}) {
   });
 }
 
-async function open_picture({bytes, name, unit, fov}) {
+/** Reads a picture that a person will open, and tells what its levels seem to mean. */
+async function read({bytes, name}) {
   engine ??= await load_engine();
-  const {width, height, codes} = await unpack_png(bytes);
+  const {width, height, bits, codes} = await unpack_png(bytes);
   put(codes);
-  check(engine.open_picture(width, height, unit, fov));
-  met({width, height, planes: {}}, {name, remarks: [], frames: 1, seconds: 0, live: false, unit: 0.001, far: 0});
+  if (!engine.read_picture(width, height, bits)) refuse(`${name} ${text_at(engine.fault())}.`);
+  const [metres, white_near, least, most, near, far] = memory(Float64Array, engine.picture_guess(), 6);
+  read_size = {width, height};
+  postMessage({is: 'asked', name, guess: {metres, white_near, least, most, near, far}});
+}
+
+function open_picture({name, metres, white_near, fov}) {
+  check(engine.open_picture(metres, white_near, fov));
+  met({...read_size, planes: {}}, {name, remarks: [], frames: 1, seconds: 0, live: false, unit: 1, far: 0});
 }
 
 function met(packed, about) {
@@ -104,7 +116,7 @@ function met(packed, about) {
 function start() {
   session?.live_stop.abort();
   session = new_session();
-  if (clip.live) follow(new URL(clip.live, clip.base));
+  if (clip.live) follow();
   if (!(clip.frames > 1)) return;
   if (stands_still) play(0);
   play(5, 1);
@@ -121,11 +133,11 @@ async function give_frame(frame) {
     if (of !== session) return;
     give_packet(role, own, packet);
   }
-  if (engine.wanted() !== frame) return; // the clip was sent elsewhere meanwhile
   const decoded = performance.now();
-  check(engine.give());
+  check(engine.give(frame));
   decode_ms = decoded - start;
   build_ms = performance.now() - decoded;
+  note_well();
 }
 
 function give_packet(role, own, packet) {
@@ -146,31 +158,53 @@ function give_packet(role, own, packet) {
 async function feed() {
   const of = session;
   if (of.feeding || clip.live) return;
-  of.feeding = true; // and stays so after a fault: the next frame would have it, too
+  of.feeding = true; // and stays so after a fault, until a person asks to go on: the next frame would have it, too
   try {
     for (let frame; of === session && (frame = engine.wanted()) >= 0;) await give_frame(frame);
     of.feeding = false;
   } catch (error) {
-    if (of === session) faulty(error);
+    if (of !== session) return;
+    of.failed = error.message;
+    faulty(error, true);
   }
 }
 
-async function follow(url) {
-  const of = session;
-  try {
-    for await (const packets of live_framesets(url, clip.planes, of.live_stop.signal)) {
-      if (of !== session) return;
-      const number = engine.wanted();
-      for (const [role, packet] of Object.entries(packets)) {
-        const unpacked = await clip.unpacked(clip.planes[role], packet);
-        if (of !== session) return;
-        give_packet(role, clip.own(role, number), unpacked);
+/** Shows a live clip, and connects again when it breaks off; to another clip if its server has one by then. */
+async function follow() {
+  const of = session, {json, base, live} = clip;
+  for (let is_first = true; of === session; is_first = false) {
+    try {
+      if (!is_first && JSON.stringify((await PackedClip.open(base)).json) !== JSON.stringify(json)) {
+        if (of === session) onmessage({data: {do: 'open', url: base, calm: stands_still}});
+        return;
       }
-      if (number >= 0) check(engine.give());
+      await show_framesets(live_framesets(new URL(live, base), clip.planes, of.live_stop.signal), of);
+    } catch (error) {
+      if (of === session && of.failed !== error.message) faulty(error);
+      of.failed = error.message;
     }
-  } catch (error) {
-    if (of === session) faulty(error);
+    await new Promise((done) => setTimeout(done, 1000));
   }
+}
+
+async function show_framesets(framesets, of) {
+  for await (const packets of framesets) {
+    if (of !== session) return;
+    const number = engine.wanted();
+    for (const [role, packet] of Object.entries(packets)) {
+      const unpacked = await clip.unpacked(clip.planes[role], packet);
+      if (of !== session) return;
+      give_packet(role, clip.own(role, number), unpacked);
+    }
+    if (number >= 0) check(engine.give(number));
+    note_well();
+  }
+}
+
+/** Frames come again: the page takes its notice away. */
+function note_well() {
+  if (session.failed) postMessage({is: 'well'});
+  session.failed = '';
 }
 
 // ---- Ticks, and what the page sees
@@ -265,22 +299,29 @@ function reset() {
   start();
 }
 
-function faulty(error) {
+/** `again`: whether the page may ask to go on. */
+function faulty(error, again = false) {
   // After a trap, or without memory, nothing that the engine has can be relied on.
   const trapped = error instanceof WebAssembly.RuntimeError || error instanceof RangeError;
   if (trapped) engine = clip = session = undefined;
   const text = trapped ? 'The engine stopped: memory may not suffice for this clip.' : error.message;
-  postMessage({is: 'fault', text, fatal: !clip || trapped});
+  postMessage({is: 'fault', text, fatal: !clip || trapped, again});
 }
 
 const work = {
-  open, picture: open_picture, verify, reset,
+  open, read, picture: open_picture, verify, reset,
   event({kind, button, x, y, control, shift, touch, seconds, press, turning}) {
     run_elapsed();
     engine.event(event_kinds.indexOf(kind), button, x, y, control, shift, touch, seconds, press, turning);
   },
   play: ({verb, number}) => play(verb, number),
   hand: ({verb, a, b}) => engine.hand(verb, a, b),
+  /** After a fault: what was fetched may have been damaged. */
+  go_on() {
+    for (const plane of Object.values(clip.planes)) plane.kept = [];
+    session.feeding = false;
+    feed();
+  },
   /** Of the lab hour (lab.html): calls a function of lab.cpp, and answers by its figures, texts by name. */
   async lab({name, numbers}) {
     engine ??= await load_engine();
@@ -302,6 +343,6 @@ let queue = Promise.resolve();
 onmessage = ({data}) => {
   // One thing after the other: what opens or verifies a clip is not disturbed.
   queue = queue.then(async () => {
-    if (clip || ['open', 'picture', 'lab'].includes(data.do)) await work[data.do]?.(data);
+    if (clip || ['open', 'read', 'picture', 'lab'].includes(data.do)) await work[data.do]?.(data);
   }).catch(faulty);
 };

@@ -20,7 +20,7 @@ class FarthestValues {
 public:
     /// Call before adding a picture's values, at most `pixels` of them.
     void begin_picture(std::size_t pixels) {
-        most_kept_ = std::max(most_kept_, (first_frames + spread_frames) * pixels / stray_of + 1);
+        most_kept_ = std::max(most_kept_, std::size_t{first_frames + spread_frames} * pixels / stray_of + 1);
     }
     void add(float value) {
         ++count_;

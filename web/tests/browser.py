@@ -351,7 +351,7 @@ class Firefox(Browser):
 
 class Server:
     """Serves a folder, on loopback by default. ranges=False: as Python's own server, which answers a range with the
-    whole file. cut: {path: bytes after which the connection ends}. changed: {path: other bytes}. rate, delay: a link
+    whole file. cut: {path: bytes after which the connection ends}. changed: {path: other bytes, or None: gone}. rate, delay: a link
     of so many bytes a second, shared by all connections, and seconds before a connection and before an answer.
     asked, sent: paths, and bytes of answers. headers: more of them."""
 
@@ -398,7 +398,8 @@ class Handler(http.server.BaseHTTPRequestHandler):
         owner.asked.append(path)
         time.sleep(owner.delay)
         file = (owner.folder / path).resolve()
-        if path not in owner.changed and not (file.is_file() and file.is_relative_to(owner.folder)):
+        is_there = file.is_file() and file.is_relative_to(owner.folder)
+        if owner.changed.get(path, b"" if is_there else None) is None:
             return self.send_error(404)
         whole = owner.changed[path] if path in owner.changed else file.read_bytes()
         wanted, body = self.headers.get("Range"), whole

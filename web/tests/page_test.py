@@ -25,8 +25,8 @@ SOURCE = pathlib.Path(__file__).resolve().parents[2]
 MOST_MEMORY = 512 << 20
 
 
-def png(width, height, row, bits=16):
-    """A grey picture of equal rows. After a full flush of the compressor a row becomes the same bytes: quick."""
+def png(width, height, row, bits=16, rows=None):
+    """A grey picture of these rows, or of equal ones. After a full flush of the compressor a row becomes the same bytes: quick."""
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
@@ -35,6 +35,8 @@ def png(width, height, row, bits=16):
     for _ in range(height):
         checksum = zlib.adler32(line, checksum)
     data = b"\x78\x9c" + packed * height + packer.flush(zlib.Z_FINISH) + struct.pack(">I", checksum)
+    if rows:
+        data = zlib.compress(b"".join(b"\0" + row for row in rows))
     head = struct.pack(">IIBBBBB", width, height, bits, 0, 0, 0, 0)
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", data) + chunk(b"IEND", b"")
 
@@ -162,6 +164,9 @@ class Page(unittest.TestCase):
         if self.browser.name == "Chromium":
             self.assertLess(self.browser.memory(), MOST_MEMORY)
 
+    def packed(self):
+        return json.loads((CLIPS.folder / "globe/clip.json").read_text())
+
     def test_plays_and_is_pressed(self):
         self.open()
         self.assertFalse(self.browser.run("return document.getElementById('invitation').hidden"))
@@ -200,11 +205,16 @@ class Page(unittest.TestCase):
         self.open()
         self.browser.run("document.getElementById('picture').focus()")
         self.browser.key("ArrowRight")
-        self.browser.wait("return touchable.state.fingers.some(finger => finger.at)")
+        said, number = "return document.getElementById('said').textContent", r"\d+\.\d+"
+        self.browser.wait("return touchable.state.fingers.some(finger => Math.abs(finger.depth_mm + 4) < 1)")
+        self.browser.key("i")
+        begin = f"globe: distance {number} metres, "
+        self.assertRegex(self.browser.wait(said), begin + "[345].* above the surface, 0.0 newtons")
         self.browser.key("Enter", what="down")
         self.browser.wait("return touchable.state.newtons > 0")
         self.browser.key("i")
-        self.assertRegex(self.browser.wait("return document.getElementById('said').textContent"), "newtons")
+        self.browser.wait(said.replace(";", "") + ".includes('millimetres deep')")
+        self.assertRegex(self.browser.run(said), begin + f"{number} millimetres deep, {number} newtons")
         self.browser.key("Enter", what="up")
         self.browser.wait("return touchable.state.newtons === 0")
         self.expect_no_errors()
@@ -244,21 +254,45 @@ class Page(unittest.TestCase):
         self.browser.wait("return document.getElementById('ask').open")
         self.browser.run("document.querySelector('#ask button.main').click()")
         # A press before the picture's first tick meets no hand.
-        self.browser.wait("const {clip, state} = touchable;"
-                          "return clip.frames === 1 && state.frame === 0 && state.tick > 0")
+        self.browser.wait("const {clip, state} = touchable; return clip.frames === 1 && state?.tick > 0")
         self.press()
         # In the middle of the ramp: 0.54 m.
         self.browser.wait("return Math.abs(touchable.state.pick?.depth_m - 0.54) < 0.002")
         self.release()
         self.expect_no_errors()
 
+    def test_a_ball_is_no_bowl(self):
+        """Depth without a unit: near is what the program takes for near, and what a person says instead."""
+        near = [[max(0, 4096 - (x - 80) ** 2 - (y - 60) ** 2) ** 0.5 for x in range(160)] for y in range(120)]
+        self.open()
+        cases = {"white": lambda z: 2 * z + 90 if z else 0, "black": lambda z: 160 - 2 * z if z else 255}
+        for near_is, levels in cases.items():
+            with self.subTest(near_is):
+                file = CLIPS.folder / f"made/{near_is}.png"
+                file.write_bytes(png(160, 120, b"", 8, [bytes(int(levels(z)) for z in row) for row in near]))
+                told = subprocess.run([CLIPS.program, "info", file], capture_output=True, text=True).stdout
+                self.assertIn("large values near" if near_is == "white" else "small values near", told)
+                self.browser.choose_file("#file", file)
+                self.assertEqual(self.browser.wait("return document.getElementById('ask').open &&"
+                                                   "document.getElementById('unit').value"), near_is)
+                for said in "", near_is:  # a length that is none is not asked for any more
+                    self.browser.run(f"""const unit = document.getElementById('unit');
+                        unit.value = '{said}', document.getElementById('level').value = 'x';
+                        unit.dispatchEvent(new Event('input', {{bubbles: true}}))""")
+                self.assertIn("Nearest 0.5 m, farthest 1.5 m",
+                              self.browser.run("return document.getElementById('extent').textContent"))
+                self.browser.run("document.querySelector('#ask button.main').click()")
+                self.browser.wait(f"return touchable.clip.name === '{near_is}.png' && touchable.state?.tick > 0")
+                x, y = self.middle()
+                self.browser.pointer("mouse", "move", x, y)
+                self.browser.wait("return Math.abs(touchable.state.pick?.depth_m - 0.5) < 0.01")
+                self.browser.screenshot(OUT / f"{self.browser.name}-{near_is}.png")
+
     def test_refuses_a_huge_picture(self):
         file = CLIPS.folder / "made/huge.png"
         file.write_bytes(png(20000, 20000, b"\2\0" * 20000))
         self.open()
         self.browser.choose_file("#file", file)
-        self.browser.wait("return document.getElementById('ask').open")
-        self.browser.run("document.querySelector('#ask button.main').click()")
         self.browser.wait(SHOWN + "return /20000/.test(shown)")
         self.expect_responsive()
 
@@ -305,6 +339,69 @@ class Page(unittest.TestCase):
                 self.browser.open(server.url + "globe/index.html")
                 self.assertGreater(len(self.browser.wait(SHOWN + "return !/^Loading/.test(shown) && shown", 20)), 20)
                 self.expect_responsive()
+
+    def test_begins_anew_after_a_fault(self):
+        clip, page = "globe/clip.json", "globe/index.html"
+        for query, again in (("?kiosk", "touchable.advance(60000)"), ("", "document.getElementById('again').click()")):
+            with self.subTest(query), Server(CLIPS.folder, changed={clip: b"<html>"}) as server:
+                self.browser.open(server.url + page + query)
+                self.browser.wait(SHOWN + "return /no JSON/.test(shown)", 20)
+                server.changed[page] = None  # a page that cannot be had is not left
+                asked = server.asked.count(page)
+                self.browser.run(again)
+                end = time.monotonic() + 60
+                while server.asked.count(page) == asked and time.monotonic() < end:
+                    time.sleep(0.05)
+                self.assertGreater(server.asked.count(page), asked)
+                self.browser.wait(SHOWN + "return /no JSON/.test(shown)", 20)
+                server.changed.clear()
+                self.browser.run(again)
+                self.browser.wait("return globalThis.touchable?.state?.time > 0.1")
+
+    def test_goes_on_after_a_fault(self):
+        haptic = "globe/" + self.packed()["planes"]["haptic"]["file"]
+        with Server(CLIPS.folder, changed={haptic: (CLIPS.folder / haptic).read_bytes()[:80000]}) as server:
+            self.open(server=server)
+            self.browser.wait(SHOWN + "return /shorter/.test(shown)")
+            server.changed.clear()
+            self.browser.run("document.getElementById('go-on').click()")
+            self.browser.wait(SHOWN + "return touchable.state.frame > 50 && !shown")
+
+    def test_a_live_page_connects_again(self):
+        clip = self.packed()
+        depth = clip["planes"]["depth"]
+        size = depth.pop("sizes")[0]
+        packet = (CLIPS.folder / "globe" / depth["file"]).read_bytes()[:size]
+
+        def live(name):
+            text = json.dumps({**clip, "name": name, "live": "live", "planes": {"depth": depth}})
+            frameset = struct.pack("<4Id", size, 0, 0, 0, 0) + packet
+            return {"globe/clip.json": text.encode(), "globe/live": 3 * frameset}
+
+        with Server(CLIPS.folder, changed=live("one")) as server:
+            self.open(server=server)
+            self.browser.wait("return touchable.state.frame > 6")  # of the third connection
+            server.changed["globe/live"] = None
+            self.browser.wait(SHOWN + "return /404/.test(shown)")
+            server.changed.update(live("another"))  # as of a server that was started anew
+            self.browser.wait(SHOWN + "return touchable.clip.name === 'another' && touchable.state?.frame > 0 && !shown")
+
+    def test_a_slow_page_sees_all_of_a_clip(self):
+        begin, text = "async function give_frame(frame) {", (CLIPS.folder / "globe/worker.js").read_text()
+        self.assertIn(begin, text)
+        slow = text.replace(begin, begin + "await new Promise((done) => setTimeout(done, 1100));")
+        with Server(CLIPS.folder, changed={"globe/worker.js": slow.encode()}) as server:
+            self.browser.open(server.url + "globe/index.html")
+            self.browser.wait(SHOWN + "return touchable.clip && shown === 'Loading the first picture …'")
+            self.assertNotRegex(self.browser.run("return document.body.innerText"), "off|×|frame")
+            self.browser.wait("return touchable.frames_drawn > 0")
+            self.browser.run("seen = new Set(); setInterval(() => seen.add(Math.floor(touchable.state.frame / 20)), 9)")
+            self.browser.wait("return [0, 1, 2].every(third => seen.has(third))")
+
+    def test_names_a_policy_that_forbids_webassembly(self):
+        with Server(CLIPS.folder, headers={"Content-Security-Policy": "script-src 'self'"}) as server:
+            self.browser.open(server.url + "globe/index.html")
+            self.browser.wait(SHOWN + "return /wasm-unsafe-eval/.test(shown)", 20)
 
     def test_policy_and_requests(self):
         with Server(CLIPS.folder) as server:
