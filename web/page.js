@@ -340,7 +340,7 @@ function note_input(pressed = false) {
 }
 function watch_exhibit() {
     const now = performance.now();
-    if (touchable.clip && !over && unanswered > 1 && now - asked_at >= try_again_ms) stop('The engine does not answer.');
+    if (touchable.clip && !over && unanswered > 1 && now - asked_at >= try_again_ms) stop('The engine is silent.');
     if (now - fault_at >= try_again_ms) {
         fault_at = now;
         begin_anew();
