@@ -196,8 +196,7 @@ export async function* live_framesets(url, planes, signal) {
   const reader = await answer_of(url, 'live stream', (answer) => new ByteReader(answer.body), {signal});
   const taken = async (size) => {
     const bytes = new Uint8Array(size);
-    return await reader.fill(bytes).catch(() => 0) === size ? bytes
-      : refuse('The live stream broke off. The page tries to connect again.');
+    return await reader.fill(bytes).catch(() => 0) === size ? bytes : refuse('The live stream broke off.');
   };
   try {
     for (;;) {

@@ -180,6 +180,7 @@ async function follow() {
       }
       await show_framesets(live_framesets(new URL(live, base), clip.planes, of.live_stop.signal), of);
     } catch (error) {
+      error.message += ' The page connects again by itself.';
       if (of === session && of.failed !== error.message) faulty(error);
       of.failed = error.message;
     }
