@@ -214,10 +214,11 @@ std::string shell_word(std::string_view file) {
 std::string nearest_word(std::string_view typed, std::span<const std::string> words) {
     constexpr std::size_t most_letters = 3, longest = 64;
     std::string nearest;
-    const std::size_t dashes = std::min(typed.find_first_not_of('-'), typed.size());
-    std::size_t least = std::min(most_letters, (typed.size() - dashes + 1) / 3) + 1;
+    const std::size_t count = typed.size() - std::min(typed.find_first_not_of('-'), typed.size());
+    std::size_t least = count < 3 ? 1 : std::min(most_letters, (count + 1) / 3) + 1;
+    const std::string small = small_letters(std::string(typed.substr(0, longest)));
     for (const std::string& word : words)
-        if (const std::size_t letters = letters_between(typed.substr(0, longest), word); letters < least) {
+        if (const std::size_t letters = letters_between(small, small_letters(word)); letters < least) {
             least = letters;
             nearest = word;
         }

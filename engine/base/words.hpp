@@ -134,7 +134,7 @@ std::string listed(const All& all, Name name = {}, std::string_view between = ",
 }
 
 /// The word that a person who typed `typed` may have meant: the fewest letters inserted, left out or changed
-/// (Levenshtein's distance), at most three and about a third of those typed. Empty: none.
+/// (Levenshtein's distance; case is no difference), at most three and a third of those typed. Empty: none.
 std::string nearest_word(std::string_view typed, std::span<const std::string> words);
 
 /// The key=value pairs of a description, as of a hand, a device or a camera, checked against the keys that it

@@ -36,6 +36,7 @@ Json to_json(const ForceComparison& c) {
     for (const ForceComparison::WorstTick& one : c.worst)
         worst.push_back({{"tick", one.tick}, {"finger", one.finger}, {"difference_n", one.newtons}});
     return {
+        {"touchable_compare", 1},
         {"ticks", c.ticks},
         {"fingers", c.fingers},
         {"other_goals", c.other_goals},

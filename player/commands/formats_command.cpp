@@ -240,7 +240,8 @@ Result<void> print_source(const std::string& name, const JsonOutput& json) {
             "formats: no source is called " + in_quotes(name) +
             (meant.empty() ? "; touchable formats lists them" : "; did you mean " + meant + '?'));
     }
-    const auto json_of_it = is_row ? in_json(*row) : in_json(*preset);
+    nlohmann::ordered_json json_of_it{{"touchable_source", 1}};
+    json_of_it.update(is_row ? in_json(*row) : in_json(*preset));
     if (json.replaces_words()) return json.write(json_of_it);
     const auto print = [](const std::string& title, const std::string& text) {
         std::cout << "  " << title << '\n' << paragraph(text, 6);
@@ -277,7 +278,7 @@ void add_formats_command(CLI::App& app, Command& command) {
     add_json_option(*sub, *json, "print the same as JSON");
     set_work(*sub, command, [name, json]() -> Result<void> {
         TRY(json->check());
-        return name->empty() ? print_formats(*json) : print_source(*name, *json);
+        return name->empty() ? print_formats(*json) : print_source(small_letters(*name), *json);
     });
 }
 

@@ -324,7 +324,7 @@ void tell_touch(const ClipFacts& facts, std::ostream& out) {
 
 Json to_json(const ClipFacts& facts, const std::vector<Detail>& details) {
     const Scene& scene = facts.scene;
-    Json out;
+    Json out{{"touchable_info", 1}};
     out["clip"] = facts.clip;
     out["name"] = scene.name;
     out["width"] = scene.width;
@@ -405,7 +405,8 @@ Result<void> print_facts(const InfoOptions& options) {
 }  // namespace
 
 void add_info_command(CLI::App& app, Command& command) {
-    auto* info = app.add_subcommand("info", "say what a clip is: size, rate, camera, depth coding, touch, error");
+    auto* info =
+        app.add_subcommand("info", "say what a clip is: size, rate, camera, depth coding, touch, error");
     struct Typed {
         InfoOptions options;
         ClipTyped clip;

@@ -410,7 +410,8 @@ TrialVerdict judge(const TouchDemand& demand, const TrialFigures& figures, int c
 
 nlohmann::ordered_json trial_json(const TouchDemand& demand, const TrialFigures& figures,
                                   const TrialVerdict& verdict, int cores) {
-    return {{"width", demand.width},
+    return {{"touchable_trial", 1},
+            {"width", demand.width},
             {"height", demand.height},
             {"fingers", demand.fingers},
             {"rate", demand.rate},

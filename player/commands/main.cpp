@@ -70,8 +70,10 @@ std::vector<std::string> words_of_help(std::vector<std::string> words) {
     return words;
 }
 
-/// A file or folder in place of a command is a clip to play.
-bool is_clip(const CLI::App& app, const std::string& word) {
+/// A file or folder in place of a command, or behind "--", is a clip to play.
+bool is_clip(const CLI::App& app, std::span<const std::string> words) {
+    if (words.empty() || words[0] == "--") return words.size() > 1;
+    const std::string& word = words[0];
     std::error_code ignored;
     const bool looks_like_a_file = word.find_first_of("./") != std::string::npos && word[0] != '-';
     return word != "help" && !command_named(app, word) &&
@@ -146,9 +148,10 @@ Error bad_usage(const CLI::App& app, const CLI::ParseError& error, std::span<con
     const auto chosen = app.get_subcommands();
     if (dynamic_cast<const CLI::ExtrasError*>(&error)) {  // its own message names them in reverse order
         auto words = app.remaining(true);
-        const bool are_words = !words.empty() && words.front() == "--";  // none behind it is an option
-        if (are_words) words.erase(words.begin());
+        std::erase(words, "--");
         const std::string first = words.empty() ? "" : words.front();
+        const auto dashes = std::ranges::find(typed, "--");  // no word behind it is an option
+        const bool are_words = std::find(dashes, typed.end(), first) != typed.end();
         const bool is_option = first.starts_with('-') && !are_words;
         const std::string meant = are_words ? "" : nearest_word(first, known_words(app));
         const char* const unknown = chosen.empty() ? "unknown command or file '" : "unexpected word '";
@@ -187,7 +190,7 @@ int run(int argc, char** argv) {
     app.add_flag("--list-options", is_table)->group("");
 
     std::vector<std::string> words(argv + 1, argv + argc);
-    if (!words.empty() && is_clip(app, words[0])) words.insert(words.begin(), "play");
+    if (is_clip(app, words)) words.insert(words.begin(), "play");
     try {
         if (const auto asked = words_of_help(words); !asked.empty()) {
             command = [&app, asked] { return print_help(app, asked); };
@@ -197,7 +200,8 @@ int run(int argc, char** argv) {
             app.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // as CLI11 takes them
         }
     } catch (const CLI::Success& success) {
-        return app.exit(success);
+        app.exit(success);
+        command = [] { return Result<void>(); };
     } catch (const CLI::ParseError& error) {
         return fail(app, bad_usage(app, error, words));
     }

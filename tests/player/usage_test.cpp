@@ -90,6 +90,10 @@ TEST(Usage, RefusalNamesMistake) {
     const TemporaryFolder folder;
     const std::pair<Words, const char*> wrong[] = {
         {{"tuoch", "a.mkv"}, "unknown command or file 'tuoch' (did you mean touch?); see touchable -h"},
+        {{"PLAY", "a.mkv"}, "unknown command or file 'PLAY' (did you mean play?); see touchable -h"},
+        {{"touch", "a.mkv", "--", "--seconds", "1"}, "unexpected word '--seconds'; see"},
+        {{"touch", "a.mkv", "--FINGERS", "3"}, "did you mean --fingers?"},
+        {{"touch", "a.mkv", "--fs"}, "unknown option '--fs'; see"},
         {{"paint", "--much"}, "unknown command or file 'paint'; see"},
         {{"--nothing"}, "unknown option '--nothing'"},
         {{"touch", "a.mkv", "--figners", "3"}, "did you mean --fingers?"},
@@ -145,6 +149,9 @@ TEST(Usage, RefusalNamesMistake) {
         EXPECT_EQ(expect_failure(run_in_folder(words, folder.path()), 2, message).out, "");
         EXPECT_EQ(names_in(folder.path()), Words{});
     }
+    for (const Words& words :
+         {Words{"--", "a.mkv"}, {"--", "--seconds", "0.2"}})  // no word behind -- is an option
+        expect_failure(run_in_folder(words, folder.path()), 3, words[1] + ": does not exist");
     for (const Words& words : {Words{"make", "--quiet"}, {"formats", "nope"}})
         EXPECT_FALSE(says(run_touchable(words).err, "did you mean")) << words[1];
     for (const char* number : {",5", "1,", "1,2,3", "one"})
@@ -178,7 +185,11 @@ TEST(Usage, JsonAloneOrIntoFile) {
         const auto with = [&words = command](const Words& more) { return run_touchable(plus(words, more)); };
         const Outcome alone = with({"--json"}), both = with({"--json=" + file});
         EXPECT_EQ(alone.code, 0) << alone.err;
-        EXPECT_TRUE(nlohmann::json::accept(alone.out)) << alone.out;
+        ASSERT_TRUE(nlohmann::json::accept(alone.out)) << alone.out;
+        const auto json = nlohmann::ordered_json::parse(alone.out);
+        const std::string version = json.begin().key();
+        EXPECT_TRUE(version == "format" || version.starts_with("touchable_")) << version;
+        EXPECT_EQ(json.front(), 1) << version;
         EXPECT_EQ(both.code, 0) << both.err;
         EXPECT_PRED2(says, both.out, human);
         EXPECT_TRUE(nlohmann::json::accept(file_contents(file)));
@@ -192,6 +203,29 @@ TEST(Usage, JsonAloneOrIntoFile) {
     const Outcome option = run_touchable({"touch", clip, "--seconds", "0.1", "--json", "--overwrite"});
     EXPECT_TRUE(nlohmann::json::accept(option.out)) << option.out;
     EXPECT_PRED2(says, run_touchable({"info", clip, "--json=" + clip, "--overwrite"}).err, "also the clip");
+}
+
+/// Each member's name stands on the page; what FFmpeg and Vulkan name does not.
+void expect_documented(const nlohmann::json& json, const std::string& page) {
+    for (const auto& [name, value] : json.items()) {
+        EXPECT_TRUE(json.is_array() || says(page, '`' + name + '`')) << name;
+        if (name != "needed" && name != "features" && name != "limits" && value.is_structured())
+            expect_documented(value, page);
+    }
+}
+
+TEST(Usage, JsonMembersAreDocumented) {
+    const TemporaryFolder folder;
+    const std::string clip = folder / "a.mkv", forces = folder / "a.csv",
+                      page = file_contents(TOUCHABLE_SOURCE_DIR "/docs/forces.md");
+    make_clip("globe", clip, {"--size", "96x64", "--frames", "3"});
+    succeed({"touch", clip, "--seconds", "0.4", "--forces", forces});
+    for (const Words& words : {Words{"info", clip, "--verify"},
+                               {"compare", forces, forces},
+                               {"check"},
+                               {"check", "--size", "96x64"},
+                               {"touch", clip, "--seconds", "0.1"}})
+        expect_documented(nlohmann::json::parse(run_touchable(plus(words, {"--json"})).out), page);
 }
 
 TEST(Usage, WrapsReportOnTerminal) {
@@ -228,6 +262,7 @@ TEST(Usage, DumbTerminalIsNotRedrawn) {
 }
 
 TEST(Usage, FormatsDescribesEverySource) {
+    EXPECT_EQ(succeed({"formats", "iPhone"}).out, succeed({"formats", "iphone"}).out);
     const Outcome all = succeed({"formats"});
     EXPECT_PRED2(says, all.out, "\n  bop\n      BOP: depth/000000.png");
     EXPECT_PRED2(says, all.out, "      touchable play clip.mkv\n");
@@ -244,7 +279,9 @@ TEST(Usage, FormatsDescribesEverySource) {
         "  --preset relative-inverse\n      guessed from one picture (MiDaS and the like): 1/depth without a "
         "scale\n");
     const auto json = [](const Words& words) { return json_of(words); };
-    const auto listed = json({"formats", "--json"}), bop = json({"formats", "bop", "--json"});
+    const auto listed = json({"formats", "--json"});
+    auto bop = json({"formats", "bop", "--json"});
+    EXPECT_EQ(bop.erase("touchable_source"), 1U);
     EXPECT_EQ(bop["files"], "depth/000000.png, rgb/, scene_camera.json");
     EXPECT_TRUE(std::ranges::count(listed["sources"], bop)) << listed;
     EXPECT_EQ(json({"formats", "relative-inverse", "--json"})["name"], "relative-inverse");
@@ -337,8 +374,10 @@ TEST(Usage, FailsOnFullStandardOutput) {
     const std::string clip = folder / "plane.mkv";
     succeed({"make", "plane", clip, "--size", "16x12", "--frames", "1"});
     succeed({"info", clip});
-    const std::string full = std::string(TOUCHABLE_PROGRAM) + " info " + clip + " >/dev/full 2>/dev/null";
-    EXPECT_NE(std::system(full.c_str()), 0);
+    for (const std::string& words : {"info " + clip, std::string("--version"), std::string("touch --help")}) {
+        const std::string full = std::string(TOUCHABLE_PROGRAM) + ' ' + words + " >/dev/full 2>/dev/null";
+        EXPECT_EQ(WEXITSTATUS(std::system(full.c_str())), 3) << words;
+    }
 }
 
 BuilderChoice::Load load_of(int width, int height, int median, FrameRate rate = {}) {

@@ -220,6 +220,7 @@ TEST(NearestWord, HasFewestEdits) {
     EXPECT_EQ(nearest_word("plat", words), "play") << "the first of two";
     EXPECT_EQ(nearest_word("plott", words), "plot");
     EXPECT_EQ(nearest_word("nfo", words), "info");
+    EXPECT_EQ(nearest_word("PLAY", words), "play");
 }
 
 TEST(NearestWord, NeedsAWordNearby) {
@@ -229,6 +230,7 @@ TEST(NearestWord, NeedsAWordNearby) {
     EXPECT_EQ(nearest_word("--json", std::array<std::string, 1>{"--fov"}), "") << "dashes do not count";
     EXPECT_EQ(nearest_word("", words), "");
     EXPECT_EQ(nearest_word("p", words), "");
+    EXPECT_EQ(nearest_word("--fs", std::array<std::string, 1>{"--fps"}), "") << "too short for a guess";
     EXPECT_EQ(nearest_word(std::string(1'000'000, 'x'), words), "");
     EXPECT_EQ(nearest_word("touch", {}), "");
 }
