@@ -41,7 +41,7 @@ class Stroke:
     def __init__(self, fingers):
         x, y = numpy.meshgrid(numpy.arange(320), numpy.arange(240))
         depth_m = 0.50 - 0.04 * numpy.exp(-(((x - 160) / 60) ** 2 + ((y - 120) / 60) ** 2))
-        camera = touchable.Camera(320, 240, fx_px=300, metres_per_code=1e-5, far_m=0.6)
+        camera = touchable.Camera(320, 240, fx_px=300)
         way = numpy.linspace(0, 2 * numpy.pi, ticks)[:, None] + numpy.arange(fingers)
         self.path = camera.points(160 + 60 * numpy.cos(way), 120 + 60 * numpy.sin(way), 0.49)  # 5 mm in
         self.solver = touchable.Solver(touchable.Surface(depth_m, camera), fingers)

@@ -1,5 +1,8 @@
 #include "capi/api_common.hpp"
 
+#include <cmath>
+#include <glm/geometric.hpp>
+
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/surface/surface_builder.hpp"
@@ -121,16 +124,57 @@ Result<void> check_lost(const LostDepths& lost, std::int64_t kept, const touch_p
                      "metres_per_code, for 65535 codes to reach it), or 0 where there is to be no surface");
 }
 
-/// Converts metres to the nearest codes; values <= 0, NaN or outside the scene's depths have no surface.
+/// Metres of a sample, of which a 1 is `step_m`.
+float metres_at(const touch_plane& plane, std::int64_t x, std::int64_t y, double step_m) {
+    const auto* const at =
+        static_cast<const unsigned char*>(plane.data) + y * plane.stride_bytes + x * plane.sample;
+    float metres = 0;
+    std::uint16_t code = 0;
+    if (plane.sample == TOUCH_F32) return std::memcpy(&metres, at, sizeof metres), metres;
+    return std::memcpy(&code, at, sizeof code), static_cast<float>(code * step_m);
+}
+
+/// By how many degrees codes turn the faces between three neighbours, on average: of some 64x64 of them.
+double lost_degrees(const touch_plane& plane, const Scene& scene, const FrameScratch& scratch) {
+    const int every = std::max({1, plane.width / 64, plane.height / 64});
+    double degrees = 0;
+    int count = 0;
+    for (int y = 0; y + 1 < plane.height; y += every)
+        for (int x = 0; x + 1 < plane.width; x += every) {
+            glm::dvec3 given[3], kept[3];
+            bool is_whole = true;
+            for (int k = 0; k < 3; ++k) {
+                const int column = x + (k == 1), row = y + (k == 2);
+                const auto code =
+                    scratch.codes[pixel_count(plane.width, row) + static_cast<std::size_t>(column)];
+                const auto point = [&](double depth) {
+                    return unproject(scene.camera, column, row,
+                                     planar_depth(scene.camera, scene.depth.semantics, column, row, depth));
+                };
+                is_whole = is_whole && scene.depth.is_valid(code);
+                given[k] = point(double{metres_at(plane, column, row, 0)} / scene.metres_per_unit);
+                kept[k] = point(scene.depth.depth(code));
+            }
+            if (!is_whole) continue;
+            const glm::dvec3 a = glm::cross(given[1] - given[0], given[2] - given[0]),
+                             b = glm::cross(kept[1] - kept[0], kept[2] - kept[0]);
+            degrees += std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 57.29577951308232;
+            ++count;
+        }
+    return count > 0 ? degrees / count : 0;
+}
+
+/// Converts lengths to the nearest codes; values <= 0, NaN or outside the scene's depths have no surface.
 /// `lost`: number of depths (LostDepths) among them.
-Result<PlaneView> codes_of_metres(const touch_plane& plane, const Scene& scene,
-                                  std::vector<std::uint16_t>& codes, std::int64_t& lost) {
+Result<PlaneView> codes_of_metres(const touch_plane& plane, const Scene& scene, FrameScratch& scratch,
+                                  std::int64_t& lost) {
     if (scene.depth.kind == DepthCodingKind::hue || scene.depth_bits <= 8)
         return plane_error("depth", "is of floats, but the scene has depth of 8 bits; must be TOUCH_U8");
     const auto none = code_of_no_surface(scene.depth);
     if (!none)
         return plane_error("depth",
                            "is of floats, but every code of the scene is a depth, and none means no surface");
+    std::vector<std::uint16_t>& codes = scratch.codes;
     codes.resize(pixel_count(plane.width, plane.height));
     // Compare as floats, because the program's far depth is a float, too. Beyond the last code there is no
     // surface.
@@ -138,14 +182,13 @@ Result<PlaneView> codes_of_metres(const touch_plane& plane, const Scene& scene,
                  deepest = std::min(scene.depth.far, scene.depth.deepest_depth() + half_step);
     const auto near = static_cast<float>(scene.depth.near * scene.metres_per_unit),
                far = static_cast<float>(deepest * scene.metres_per_unit);
-    const auto* first = static_cast<const unsigned char*>(plane.data);
+    const double step_m = scratch.integer_scale * scene.metres_per_unit;
     std::size_t place = 0;
     LostDepths outside;
     std::int64_t kept = 0;
     for (std::int64_t y = 0; y < plane.height; ++y)
         for (std::int64_t x = 0; x < plane.width; ++x) {
-            float metres;
-            std::memcpy(&metres, first + y * plane.stride_bytes + 4 * x, sizeof metres);
+            const float metres = metres_at(plane, x, y, step_m);
             const bool there = metres > 0 && metres >= near && metres <= far;
             kept += there;
             if (!there && metres > 0) outside.add(metres);
@@ -183,12 +226,15 @@ touch_status fail_stale(touch_error* error, const char* kind) {
 Result<RawFrame> raw_frame(const touch_frame& frame, const Scene& scene, FrameScratch& scratch) {
     if (!has_known_size(&frame)) return usage_error("struct_size of the frame is not sizeof(touch_frame)");
     touch_frame given = over_defaults(&frame, touch_frame{});
-    if (frame.struct_size < sizeof given) given.lost_pixels = nullptr;  // discard a partly copied pointer
+    // Discard partly copied pointers.
+    if (frame.struct_size < offsetof(touch_frame, lost_degrees)) given.lost_pixels = nullptr;
+    if (frame.struct_size < sizeof given) given.lost_degrees = nullptr;
     if (given.number < 0 || !is_countable(given.number))
         return usage_error("the frame's number is out of range; must be 0 to 2^60");
     if (!is_countable(given.time_ns))
         return usage_error("the frame's time_ns is out of range; must be -2^60 to 2^60");
     if (given.lost_pixels) *given.lost_pixels = 0;
+    if (given.lost_degrees) *given.lost_degrees = 0;
     RawFrame raw;
     raw.number = given.number;
     raw.time_ns = given.time_ns;
@@ -208,17 +254,28 @@ Result<RawFrame> raw_frame(const touch_frame& frame, const Scene& scene, FrameSc
         if (from.width != scene.width || from.height != scene.height)
             return plane_error(role.name, "is " + size_text(from.width, from.height) + ", the scene says " +
                                               size_text(scene.width, scene.height));
-        if (from.sample != TOUCH_F32) {
+        const bool is_integer = from.sample != TOUCH_F32;
+        if (is_integer &&
+            (k > 0 || scratch.integer_scale == 0 || from.sample != TOUCH_U16 || from.channels != 1)) {
             to = view_of(from, scratch.planes[k]);
             continue;
         }
         std::int64_t lost = 0;
-        auto codes = codes_of_metres(from, scene, scratch.codes, lost);
+        auto codes = codes_of_metres(from, scene, scratch, lost);
         if (given.lost_pixels) *given.lost_pixels = lost;
         TRY(assign(to, std::move(codes)));
+        if (given.lost_degrees && !is_integer) *given.lost_degrees = lost_degrees(from, scene, scratch);
     }
     if (auto fits = check_raw_frame(raw, scene); !fits) return usage_error(fits.error().message);
     return raw;
+}
+
+Scene scene_of_depth(Scene scene, std::int32_t sample) {
+    const double of_floats = std::exchange(scene.float_scale, 0);
+    if (of_floats == 0 || sample != TOUCH_F32) return scene;
+    scene.depth.scale = of_floats;
+    derive_valid_range(scene.depth);
+    return scene;
 }
 
 Result<PlaneView> depth_codes(const touch_plane& depth, const Scene& scene, FrameScratch& scratch) {

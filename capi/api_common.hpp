@@ -254,6 +254,8 @@ template <>
 inline constexpr std::size_t first_size<touch_frame> = offsetof(touch_frame, lost_pixels);
 template <>
 inline constexpr std::size_t first_size<touch_contact> = offsetof(touch_contact, error_degrees);
+template <>
+inline constexpr std::size_t first_size<touch_clip_settings> = offsetof(touch_clip_settings, near_m);
 
 /// Whether a program's struct has a size known to this library.
 template <class T>
@@ -344,11 +346,20 @@ touch_status end(HandleTable<Object, most>& table, Handle handle) noexcept {
 struct FrameScratch {
     std::vector<std::uint16_t> codes;
     std::vector<std::uint8_t> planes[4];
+    /// Of uint16 depth, once floats have settled the scene: they are lengths in these steps, scene units; 0:
+    /// they are codes.
+    double integer_scale = 0;
 };
 
 /// A program's frame as a RawFrame without `storage`: valid as long as the program's memory and `scratch`.
 /// Refused: a struct of unknown size, invalid planes, floats if depth has no code for "no surface".
 Result<RawFrame> raw_frame(const touch_frame& frame, const Scene& scene, FrameScratch& scratch);
+/// The scene that depth of this kind (TOUCH_U16, ...) settles, where Scene::float_scale leaves it open.
+Scene scene_of_depth(Scene scene, std::int32_t sample);
+/// FrameScratch::integer_scale after a first frame of that kind.
+inline double integer_scale_after(const Scene& scene, std::int32_t sample) {
+    return scene.float_scale > 0 && sample == TOUCH_F32 ? scene.depth.scale : 0;
+}
 /// Reads a depth plane of codes, without the rest of a frame.
 Result<PlaneView> depth_codes(const touch_plane& depth, const Scene& scene, FrameScratch& scratch);
 /// A module's plane as a program's touch_plane.

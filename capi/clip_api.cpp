@@ -32,6 +32,11 @@ std::string_view members_of(Setting::Name setting) {
                                                                   {Setting::field_of_view, "fov_degrees"},
                                                                   {Setting::intrinsics, "fx_px and fy_px"},
                                                                   {Setting::preset, "preset"},
+                                                                  {Setting::depth_kind, "depth_kind"},
+                                                                  {Setting::near, "near_m"},
+                                                                  {Setting::far, "far_m"},
+                                                                  {Setting::channel, "channel"},
+                                                                  {Setting::dataset, "dataset"},
                                                                   {Setting::scene_file, "scene_file"}};
     for (const auto& [name, members] : all)
         if (name == setting) return members;
@@ -74,6 +79,7 @@ touch_clip_settings default_clip_settings() {
     settings.struct_size = sizeof settings;
     settings.colour = 1;
     settings.cx_px = settings.cy_px = std::nan("");
+    settings.depth_kind = -1;
     return settings;
 }
 
@@ -105,9 +111,17 @@ Result<SourceDescription> known_of(const touch_clip_settings& settings) {
     if (known.fov && known.intrinsics)
         return usage_error("fx_px and fov_degrees are both set; use one of them");
     TRY(state("metres_per_code", settings.metres_per_code, Setting::depth_unit));
+    TRY(state("near_m", settings.near_m, Setting::near));
+    TRY(state("far_m", settings.far_m, Setting::far));
+    if (settings.depth_kind < -1 || settings.depth_kind > TOUCH_RANGE)
+        return refuse_member("depth_kind", "TOUCH_PLANAR, TOUCH_RANGE or -1");
+    if (settings.depth_kind >= 0)
+        known.semantics = settings.depth_kind == TOUCH_RANGE ? DepthSemantics::range : DepthSemantics::planar;
     if (settings.preset) known.preset = settings.preset;
     if (known != SourceDescription() && settings.scene_file)
         return usage_error("scene_file is set, and something of the camera beside it; use one of them");
+    if (settings.channel) known.channel = settings.channel;
+    if (settings.dataset) known.dataset = settings.dataset;
     return known;
 }
 
@@ -254,11 +268,16 @@ Result<touch_status> with_reader(touch_clip handle, touch_error* error, Function
 
 /// The object of a touch_writer.
 struct WriterObject {
-    WriterObject(Scene of_scene, std::unique_ptr<ClipWriter> by)
-        : scene(std::move(of_scene)), writer(std::move(by)) {}
+    WriterObject(fs::path at, SceneDescription of, const touch_writer_settings& with)
+        : place(std::move(at)), given(std::move(of)), settings(with) {}
+    /// Begins the clip, anew for depth of another kind.
+    Result<void> begin(std::int32_t sample);
 
-    const Scene scene;
+    const fs::path place;
+    const SceneDescription given;
+    const touch_writer_settings settings;         ///< their times are in the scene
     std::atomic_flag writing = ATOMIC_FLAG_INIT;  ///< guards the members below
+    Scene scene;
     std::unique_ptr<ClipWriter> writer;
     FrameCheck check;
     FrameScratch scratch;
@@ -327,12 +346,22 @@ Result<std::unique_ptr<ClipWriter>> create_writer(const fs::path& path, const Sc
     return create_clip(path, described, storage, existing);
 }
 
+Result<void> WriterObject::begin(std::int32_t sample) {
+    SceneDescription settled = given;
+    scene = settled.scene = scene_of_depth(given.scene, sample);
+    scratch.integer_scale = integer_scale_after(given.scene, sample);
+    writer.reset();
+    return assign(writer, create_writer(place, settled, settings));
+}
+
 /// Writes the next frame, numbered by the writer, at the scene's rate.
 Result<touch_status> write(WriterObject& object, const touch_frame& given) {
     if (!object.writer) return usage_error("an earlier frame could not be written; abandon this writer");
     touch_frame frame = given;
     frame.number = object.check.frames();
     frame.time_ns = object.scene.rate.time_ns(frame.number);
+    if (frame.number == 0 && integer_scale_after(object.given.scene, frame.depth.sample) > 0)
+        TRY(object.begin(TOUCH_F32));
     TRY_ASSIGN(const auto raw, raw_frame(frame, object.scene, object.scratch));
     if (auto sound = object.check.check(raw, object.scene); !sound)
         return Error{sound.error().kind == ErrorKind::internal ? ErrorKind::usage : ErrorKind::input,
@@ -346,10 +375,10 @@ Result<touch_status> write(WriterObject& object, const touch_frame& given) {
 Result<void> finish(WriterObject& object) {
     if (!object.writer) return usage_error("an earlier frame could not be written");
     if (object.check.frames() == 0) return usage_error("no frame was written; a clip has one at least");
-    if (object.scene.rate.own_times &&
-        static_cast<std::int64_t>(object.scene.rate.own_times->size()) != object.check.frames())
-        return usage_error("times_ns has " + std::to_string(object.scene.rate.own_times->size()) +
-                           " times, but " + std::to_string(object.check.frames()) + " frames were written");
+    const auto& times = object.scene.rate.own_times;
+    if (times && static_cast<std::int64_t>(times->size()) != object.check.frames())
+        return usage_error("times_ns has " + std::to_string(times->size()) + " times, but " +
+                           std::to_string(object.check.frames()) + " frames were written");
     TRY(object.writer->complete());
     return object.writer->finish();
 }
@@ -491,10 +520,9 @@ touch_status touch_writer_create(const char* path, touch_scene scene, const touc
         SceneDescription described;
         if (const auto read = read_scene(scene, described, error); !read || *read != TOUCH_OK) return read;
         TRY(take_times(wanted, described.scene));
-        TRY_ASSIGN(auto made, create_writer(place, described, wanted));
-        return give_handle(writers(),
-                           std::make_shared<WriterObject>(std::move(described.scene), std::move(made)),
-                           *writer, error);
+        auto object = std::make_shared<WriterObject>(place, std::move(described), wanted);
+        TRY(object->begin(TOUCH_U16));
+        return give_handle(writers(), std::move(object), *writer, error);
     });
 }
 

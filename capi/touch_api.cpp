@@ -43,18 +43,31 @@ constexpr auto scenes = handles<SceneObject, 1, Forked::usable>;
 
 /// The object of a touch_surface. One thread pushes, one solver reads the timeline.
 struct SurfaceObject {
-    SurfaceObject(const Scene& of_scene, const touch_surface_settings& settings)
-        : scene(of_scene),
-          builder(make_cpu_builder(scene, CpuPlan{settings.threads})),
-          timeline(settings.frames) {
-        if (settings.error_bars == 1) builder = with_error_bars(std::move(builder), scene);
+    SurfaceObject(const Scene& of_scene, const touch_surface_settings& of_program)
+        : given(of_scene),
+          of_integers(scene_of_depth(of_scene, TOUCH_U16)),
+          of_floats(scene_of_depth(of_scene, TOUCH_F32)),
+          settings(of_program),
+          timeline(settings.frames) {}
+
+    /// Before the first frame: settles the scene by its depth.
+    void settle(std::int32_t sample) {
+        const Scene& settled = sample == TOUCH_F32 ? of_floats : of_integers;
+        scratch.integer_scale = integer_scale_after(given, sample);
+        builder = make_cpu_builder(settled, CpuPlan{settings.threads});
+        if (settings.error_bars == 1) builder = with_error_bars(std::move(builder), settled);
+        chosen.store(&settled, std::memory_order_release);
     }
+    /// A solver's thread calls it after it has looked for frames.
+    const Scene& scene() const { return *chosen.load(std::memory_order_acquire); }
 
     struct FramePlace {
         std::int64_t number = 0, time_ns = 0;
     };
 
-    const Scene scene;
+    const Scene given, of_integers, of_floats;
+    std::atomic<const Scene*> chosen{&of_integers};
+    const touch_surface_settings settings;
     std::atomic_flag pushing = ATOMIC_FLAG_INIT;  ///< guards the members up to the timeline
     std::unique_ptr<SurfaceBuilder> builder;
     bool epoch_has_ended = false;
@@ -110,16 +123,18 @@ Error camera_error(const char* member, const std::string& right) {
 }
 
 /// Snaps a far plane to a code's depth if equal within rounding, so that the code is included.
-double far_plane(const touch_camera& camera) {
-    const double on_code = std::round(camera.far_m / camera.metres_per_code) * camera.metres_per_code;
-    return std::abs(on_code - camera.far_m) < 1e-9 * camera.far_m ? on_code : camera.far_m;
+double far_plane(double far, double step) {
+    const double on_code = std::round(far / step) * step;
+    return std::abs(on_code - far) < 1e-9 * far ? on_code : far;
 }
 
 Result<Scene> scene_of(const touch_camera& camera) {
     const auto positive = [](double value) { return std::isfinite(value) && value > 0; };
     if (camera.depth_kind != TOUCH_PLANAR && camera.depth_kind != TOUCH_RANGE)
         return camera_error("depth_kind", "TOUCH_PLANAR or TOUCH_RANGE");
-    if (!positive(camera.metres_per_code)) return camera_error("metres_per_code", "above 0, such as 0.001");
+    const bool is_open = camera.metres_per_code == 0;
+    const double step = is_open ? 0.001 : camera.metres_per_code;
+    if (!positive(step)) return camera_error("metres_per_code", "above 0, such as 0.001, or 0 (left open)");
     if (!positive(camera.far_m)) return camera_error("far_m", "above 0, such as 10");
     Scene scene;
     scene.width = camera.width;
@@ -133,9 +148,10 @@ Result<Scene> scene_of(const touch_camera& camera) {
     scene.camera = {camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px};
     scene.depth.kind = DepthCodingKind::metric;
     scene.depth.semantics = camera.depth_kind == TOUCH_RANGE ? DepthSemantics::range : DepthSemantics::planar;
-    scene.depth.scale = camera.metres_per_code;
+    scene.depth.scale = step;
     scene.depth.code_max = 65535;
-    scene.depth.far = far_plane(camera);
+    scene.depth.far = far_plane(camera.far_m, step);
+    if (is_open) scene.float_scale = camera.far_m / 65534;
     scene.depth_bits = 16;
     scene.default_properties = {camera.stiffness_n_per_m, camera.static_friction, camera.dynamic_friction};
     scene.hole_stiffness = Scene::soft_holes;
@@ -180,7 +196,7 @@ touch_camera default_camera() {
             focal_length,
             319.5,
             239.5,
-            0.001,
+            0,
             10,
             30,
             600,
@@ -190,9 +206,10 @@ touch_camera default_camera() {
 
 /// Measures the depth of a recording's frames; nothing: no surface in any.
 Result<std::optional<MeasuredDepth>> measure(const Scene& scene, const unsigned char* frames,
-                                             std::size_t stride, std::size_t count) {
+                                             std::size_t stride, std::size_t count, double integer_scale) {
     DepthEstimator estimator(scene);
     FrameScratch scratch;
+    scratch.integer_scale = integer_scale;
     for (std::size_t k = 0; k < count && !estimator.enough(); ++k) {
         const auto* frame = reinterpret_cast<const touch_frame*>(frames + k * stride);
         TRY_ASSIGN(const auto raw, error_at("frame " + std::to_string(k) + " of those given",
@@ -237,14 +254,15 @@ Result<touch_status> push(SurfaceObject& surface, const touch_frame& frame, touc
     if (!slot)
         return fail(error, TOUCH_FULL,
                     "every frame is still needed; push this one again once ticks have gone on");
-    TRY_ASSIGN(auto raw, raw_frame(frame, surface.scene, surface.scratch));
+    if (surface.hand_scale.load(std::memory_order_relaxed) == 0) surface.settle(frame.depth.sample);
+    TRY_ASSIGN(auto raw, raw_frame(frame, surface.scene(), surface.scratch));
     raw.epoch = surface.timeline.epoch();
     if (surface.epoch_has_ended) return usage_error("the epoch has ended; begin another one first");
     if (surface.newest && (raw.number <= surface.newest->number || raw.time_ns <= surface.newest->time_ns))
         return usage_error("the frame's number or time_ns is not later than the one before");
     TRY(surface.builder->build(raw, *slot));
     if (surface.hand_scale.load(std::memory_order_relaxed) == 0)
-        surface.hand_scale.store(hand_scale_of(surface.scene, *slot), std::memory_order_release);
+        surface.hand_scale.store(hand_scale_of(surface.scene(), *slot), std::memory_order_release);
     TRY(surface.timeline.publish(raw.number, raw.time_ns));
     surface.newest = {raw.number, raw.time_ns};
     return TOUCH_OK;
@@ -293,7 +311,7 @@ Result<TouchSolver> solver_of(const SurfaceObject& surface, const touch_solver_s
     if (settings.metres_per_scene_unit == 0)
         return usage_error(
             "metres_per_scene_unit is 0 and no frame was pushed yet; push the first one, or state it");
-    auto made = TouchSolver::create(surface.scene, settings);
+    auto made = TouchSolver::create(surface.scene(), settings);
     if (!made) return usage_error(made.error().message);
     return made;
 }
@@ -342,7 +360,7 @@ void run_tick(SolverObject& solver, std::int64_t tick, const MediaMoment& moment
     const std::span<glm::dvec3> to = solver.step.goals();
     for (std::size_t k = 0; k < to.size(); ++k) to[k] = {goals[k].x, goals[k].y, goals[k].z};
     solver.surface->timeline.pair_at(moment, solver.pair);
-    const TouchTick done = solver.step.run(tick, moment.time_ns, solver.surface->scene, solver.pair);
+    const TouchTick done = solver.step.run(tick, moment.time_ns, solver.surface->scene(), solver.pair);
     for (std::size_t k = 0; k < to.size(); ++k) {
         write_contact(contact_of(done.contacts[k], done.forces[k]), contacts + k * stride, stride);
         solver.hash.add(done.forces[k].force);
@@ -494,9 +512,13 @@ touch_status touch_scene_with_filters(touch_scene scene, const touch_frame* fram
         const auto use = scenes().find(scene.id);
         if (!use) return fail_without(use, error, "scene");
         Scene chosen = use->scene();
-        TRY_ASSIGN(const auto measured, measure(chosen, reinterpret_cast<const unsigned char*>(frames),
-                                                frame_stride_bytes, count));
-        TRY(settle_filters(measured, use->described.unstated.filters, chosen));
+        const std::int32_t sample = count > 0 && has_known_size(frames) ? frames->depth.sample : TOUCH_U16;
+        Scene seen = scene_of_depth(chosen, sample);
+        TRY_ASSIGN(const auto measured,
+                   measure(seen, reinterpret_cast<const unsigned char*>(frames), frame_stride_bytes, count,
+                           integer_scale_after(chosen, sample)));
+        TRY(settle_filters(measured, use->described.unstated.filters, seen));
+        chosen.filter = seen.filter;
         return give_handle(scenes(), std::make_shared<SceneObject>(std::move(chosen)), *filtered, error);
     });
 }
@@ -680,7 +702,8 @@ touch_status touch_surface_forces_at(touch_surface surface, const touch_solver_s
         FramePair pair;
         if (!reading->timeline.pair_at(MediaMoment{at.epoch, at.time_ns, at.epoch_start_ns}, pair))
             return usage_error("no frame was pushed yet; push the first one before");
-        const Scene scene = friction == TOUCH_FRICTION_ON ? reading->scene : without_friction(reading->scene);
+        const Scene scene =
+            friction == TOUCH_FRICTION_ON ? reading->scene() : without_friction(reading->scene());
         auto* out = reinterpret_cast<unsigned char*>(contacts);
         for (std::size_t k = 0; k < count; k += resting_at_a_time) {
             const std::size_t some = std::min(resting_at_a_time, count - k);

@@ -103,8 +103,10 @@ typedef struct touch_camera {
     double fy_px;                /**< focal length down, pixels, > 0 */
     double cx_px;                /**< column of the principal point, pixels; pixel (0, 0) has its centre at (0, 0) */
     double cy_px;                /**< its row, pixels */
-    double metres_per_code;      /**< of uint16 depth; 0.001: millimetres. Depth as floats is metres, rounded to this;
-                                    65535 times this is the largest possible depth */
+    double metres_per_code;      /**< of uint16 depth, > 0; 0.001: millimetres. Depth as floats is metres, rounded to this;
+                                    65535 times this is the largest possible depth. 0, the default: not stated: depth
+                                    as floats is rounded to far_m / 65534, uint16 depth is millimetres (after floats,
+                                    it is rounded to their steps). See touch_frame.lost_degrees */
     double far_m;                /**< deeper pixels have no surface; metres, > 0. See touch_frame.lost_pixels */
     double frames_per_second;    /**< > 0; used for frames that are counted, not timed */
     double stiffness_n_per_m;    /**< used without a haptic picture; >= 0 */
@@ -112,7 +114,7 @@ typedef struct touch_camera {
     double dynamic_friction;     /**< used without a haptic picture; coefficient, 0 to static_friction */
 } touch_camera;
 
-/** Fills in 640x480 pixels, 60 degrees wide, planar depth in millimetres up to 10 m, 30 frames/s, 600 N/m, friction
+/** Fills in 640x480 pixels, 60 degrees wide, planar depth up to 10 m, metres_per_code 0, 30 frames/s, 600 N/m, friction
  * 0.4 and 0.3. `struct_size`: sizeof(touch_camera) in your program. TOUCH_USAGE: NULL, or an unknown size. */
 TOUCH_API touch_status touch_camera_defaults(touch_camera *camera, uint32_t struct_size);
 /** Makes a scene from a camera; its scene unit is a metre, and no filter is on (see touch_scene_with_filters). Holes
@@ -181,6 +183,8 @@ typedef struct touch_frame {
                              outside the scene's depths, so that they have no surface. A renderer's background (1e9 and
                              beyond, or 65504) does not count. If most depths are lost, the frame is refused with
                              TOUCH_USAGE */
+    double *lost_degrees; /**< NULL, or the output for how many degrees the faces of TOUCH_F32 depth turn, on average, as
+                             it is rounded to metres_per_code: a smaller far_m, or finer steps, lose less. 0 for codes */
 } touch_frame;
 
 /** Fills in an empty frame: number 0, time 0, no picture. `struct_size`: sizeof(touch_frame) in your program. */
@@ -386,6 +390,13 @@ typedef struct touch_clip_settings {
     double cy_px;           /**< row of the principal point, pixels; NaN, the default: the middle */
     double fov_degrees;     /**< field of view from left to right, without fx_px; 0, the default: a guess */
     double metres_per_code; /**< of a stored 1; 0, the default: the clip's, or a guess */
+    double near_m;          /**< near plane of a renderer's depth buffer, or nearest depth where it has no scale; 0, the
+                               default: a guess; required with far_m */
+    double far_m;           /**< its far plane, or farthest depth, metres; 0, the default: a guess */
+    const char *channel;    /**< channel or layer of an OpenEXR file that is depth; NULL, the default: by its name */
+    const char *dataset;    /**< data set or array of an HDF5 or .npz file that is depth; NULL, the default: by its name */
+    int32_t depth_kind;     /**< TOUCH_PLANAR or TOUCH_RANGE; -1, the default: the clip's, or a guess */
+    int32_t reserved;       /**< 0 */
 } touch_clip_settings;
 
 /** Fills in each member's default. `struct_size`: sizeof(touch_clip_settings) in your program. TOUCH_USAGE: NULL, or

@@ -159,12 +159,20 @@ Result<void> check_depth(const Scene& scene) {
     const int largest_code = hue ? DepthCoding::hue_circle : (1 << scene.depth_bits) - 1;
     TRY(check_within("depth.code_max", int{depth.code_max}, 1, largest_code));
     TRY(check_planes(depth));
+    TRY(check_not_negative("depth.float_scale", scene.float_scale));
     if (!(depth.near < depth.far))
         return refuse("depth.near", depth.near, "less than depth.far, which is " + text(depth.far));
     TRY(check_within("depth.invalid's number of codes", depth.invalid_code_count, 0,
                      DepthCoding::max_invalid_codes));
     TRY(check_valid_range(depth));
-    return check_depth_ratio(depth);
+    TRY(check_depth_ratio(depth));
+    if (scene.float_scale == 0) return {};
+    DepthCoding of_floats = depth;
+    of_floats.scale = scene.float_scale;
+    derive_valid_range(of_floats);
+    if (of_floats.valid_min > of_floats.valid_max)
+        return refuse("depth.float_scale", scene.float_scale, "so fine that a code is a valid depth");
+    return check_depth_ratio(of_floats);
 }
 
 /// The largest height must leave a thousandth of the nearest depth, and `most_depth_ratio` must hold: a pixel

@@ -461,6 +461,9 @@ struct Scene {
     DepthCoding depth;
     StoredDepth stored;
     int depth_bits = 8;  ///< bits of a stored depth value, 8 to 16; of each of three channels for hue: 8
+    /// Metric: what depth that a program has as floats is rounded to, scene units per code, while nothing
+    /// says whether depth comes as integers, of `depth.scale`, or as floats; 0: `depth.scale` for both.
+    double float_scale = 0;
     HeightCoding height_coding;
     HapticRanges haptic;
     HapticProperties default_properties;  ///< where there is no haptic image

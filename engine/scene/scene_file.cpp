@@ -333,8 +333,8 @@ void read_depth(const Node& node, SceneDescription& described) {
     Scene& scene = described.scene;
     DepthCoding& depth = scene.depth;
     node.allow_only({"coding", "semantics", "near", "far", "scale", "bits", "code_max", "near_is", "shift",
-                     "least_sum", "invalid", "baseline", "offset", "bytes", "rotated", "used_bits",
-                     "packed"});
+                     "least_sum", "invalid", "baseline", "offset", "bytes", "rotated", "used_bits", "packed",
+                     "float_scale"});
     const Coding coding = node["coding"].one_of(coding_names);
     depth.kind = coding.kind;
     scene.stored.kind = coding.stored;
@@ -345,6 +345,8 @@ void read_depth(const Node& node, SceneDescription& described) {
     if (metric && node.has("near_is")) node["near_is"].refuse("left out: a metric depth grows with its code");
     if (!metric && !disparity && node.has("scale"))
         node["scale"].refuse("left out: only metric depth and disparity have a scale");
+    if (!metric && node.has("float_scale"))
+        node["float_scale"].refuse("left out: only metric depth has a scale of floats");
     if (depth.kind == DepthCodingKind::log) {
         if (node.has("shift")) depth.shift = node["shift"].number();
     } else if (node.has("shift")) {
@@ -365,6 +367,7 @@ void read_depth(const Node& node, SceneDescription& described) {
     read_order(node, scene);
     if (disparity) return read_disparity(node, scene);
     if (metric) depth.scale = node["scale"].number();
+    if (node.has("float_scale")) scene.float_scale = node["float_scale"].number();
     if (!metric || node.has("near")) depth.near = node["near"].number();
     described.unstated.far = metric && !node.has("far");
     depth.far = described.unstated.far ? depth.scale * depth.code_max : node["far"].number();
@@ -525,6 +528,7 @@ OrderedJson write_depth(const SceneDescription& described) {
     OrderedJson json = {{"coding", name_of(coding_names, Coding{depth.kind, stored.kind})},
                         {"semantics", name_of(semantics_names, depth.semantics)}};
     if (metric) json["scale"] = depth.scale;
+    if (scene.float_scale > 0) json["float_scale"] = scene.float_scale;
     if (disparity)
         json.update({{"baseline", stored.baseline}, {"scale", stored.scale}, {"offset", stored.offset}});
     if (!disparity) json["near"] = depth.near;

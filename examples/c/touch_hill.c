@@ -5,20 +5,21 @@
 #include <touchable.h>
 
 enum { width = 320, height = 240 };
-static uint16_t depth[height][width]; /* millimetres; 0: no surface */
+static float depth[height][width]; /* metres; 0: no surface */
 
 int main(void) {
     for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) depth[y][x] = (uint16_t)(500 - 40 * exp(-pow(hypot(x - 160, y - 120) / 60, 2)));
+        for (int x = 0; x < width; ++x) depth[y][x] = (float)(0.5 - 0.04 * exp(-pow(hypot(x - 160, y - 120) / 60, 2)));
 
     touch_error error = {sizeof error, 0, ""};
     touch_camera camera;
     touch_camera_defaults(&camera, sizeof camera);
     camera.width = width, camera.height = height;
+    camera.far_m = 0.6; /* the nearer, the finer are the steps of depth */
     camera.fx_px = camera.fy_px = 300, camera.cx_px = 159.5, camera.cy_px = 119.5;
     touch_frame frame;
     touch_frame_defaults(&frame, sizeof frame);
-    frame.depth = (touch_plane){depth, sizeof depth[0], width, height, TOUCH_U16, 1};
+    frame.depth = (touch_plane){depth, sizeof depth[0], width, height, TOUCH_F32, 1};
 
     touch_scene scene;
     touch_surface surface;

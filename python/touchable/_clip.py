@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import concurrent.futures
 import functools
+import json
 import operator
 import os
 import stat
+import tempfile
 import threading
 from typing import TYPE_CHECKING, Any, Callable, Iterator, SupportsIndex, overload
 
@@ -16,8 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 from . import _library, _planes
 from ._library import (ClipFacts, ClipSettings, Closable, FrameStruct, Handle, call, encoded, flag, made, of_kind, refuse_copies,
                        text_of)
-from ._scene import Camera, Scene
-from .errors import Error, MissingFileError, Status
+from ._scene import Camera, Scene, index_of_kind
+from .errors import Error, MissingFileError, Status, error_of
 
 if TYPE_CHECKING:
     from ._touch import Touched
@@ -299,7 +301,8 @@ def _reopened(path: str, options: dict[str, Any], stamp: tuple[int, int] | None)
 def open(path: str | os.PathLike, *, colour: bool = True, scene_file: str | os.PathLike | None = None,
          preset: str | None = None, fx_px: float | None = None, fy_px: float | None = None,
          cx_px: float | None = None, cy_px: float | None = None, fov_degrees: float | None = None,
-         metres_per_code: float | None = None) -> Clip:
+         metres_per_code: float | None = None, depth_kind: str | None = None, near_m: float | None = None,
+         far_m: float | None = None, channel: str | None = None, dataset: str | None = None) -> Clip:
     """Opens whatever the program `touchable` opens: a clip, a recording of a camera, a folder of pictures, a picture with
     depth, the address of a stream. docs/formats.md lists them.
 
@@ -309,7 +312,9 @@ def open(path: str | os.PathLike, *, colour: bool = True, scene_file: str | os.P
     preset: what is known of a camera by name, such as "realsense" or "tum".
     fx_px, fy_px: focal lengths, pixels (fy_px: as fx_px). cx_px, cy_px: principal point, pixels (the middle).
     fov_degrees: degrees seen from left to right, where focal lengths are not given.
-    metres_per_code: of a stored 1.
+    metres_per_code: of a stored 1. depth_kind: "planar" or "range", as Camera has it.
+    near_m, far_m: planes of a renderer's depth buffer, or nearest and farthest depth where it has no scale; both or neither.
+    channel: of an OpenEXR file, dataset: of an HDF5 or .npz file: the name of what is depth.
 
     Raises MissingFileError (a FileNotFoundError) where there is no such file, Error with Status.INPUT where it cannot be
     read, UsageError (a ValueError) where a setting cannot be. A stream that does not answer is given up after 20 s.
@@ -321,10 +326,13 @@ def open(path: str | os.PathLike, *, colour: bool = True, scene_file: str | os.P
     if scene_file is not None:
         settings.scene_file = encoded("scene_file", scene_file, "the name of a scene file")
         options["scene_file"] = os.path.abspath(scene_file)
-    if preset is not None:
-        settings.preset = encoded("preset", preset, "the name of a preset")
+    for name, text in {"preset": preset, "channel": channel, "dataset": dataset}.items():
+        if text is not None:
+            setattr(settings, name, encoded(name, text, f"the name of a {name}"))
+    if depth_kind is not None:
+        settings.depth_kind = index_of_kind(depth_kind)
     given = {"fx_px": fx_px, "fy_px": fx_px if fy_px is None else fy_px, "cx_px": cx_px, "cy_px": cy_px,
-             "fov_degrees": fov_degrees, "metres_per_code": metres_per_code}
+             "fov_degrees": fov_degrees, "metres_per_code": metres_per_code, "near_m": near_m, "far_m": far_m}
     for name, value in given.items():
         if value is not None:
             setattr(settings, name, _library.number(name, value))
@@ -332,3 +340,26 @@ def open(path: str | os.PathLike, *, colour: bool = True, scene_file: str | os.P
     if not clip._is_stream:
         clip._reopening = os.path.abspath(path), options, _stamp(path)
     return clip
+
+
+def open_array(depth: NDArray[Any], camera: Camera | None = None, **known: Any) -> tuple[Frame, list[str]]:
+    """An array as touchable.open reads a file of it, with what is `known`, and its notes. The scene of the Frame is the
+    camera's, if one is given, with the coding of depth that was found."""
+    if camera is not None:
+        of_kind("camera", camera, Camera, "a touchable.Camera beside preset")
+        known |= {name: getattr(camera, name) for name in ("fx_px", "fy_px", "cx_px", "cy_px", "depth_kind")}
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "depth.npy")
+        numpy.save(path, depth)
+        try:
+            with open(path, **known) as clip:
+                frame = clip[0]
+        except Error as problem:
+            raise error_of(problem.status, problem.line.replace(path, "the depth picture")) from None
+    if camera is not None:
+        text = json.loads(Scene.from_camera(camera).text)
+        text["depth"] = json.loads(frame.scene.text)["depth"]
+        if camera.far_m is not None and text["depth"]["coding"] == "metric":
+            text["depth"]["far"] = min(text["depth"]["far"], camera.far_m)
+        frame.scene = Scene.from_text(json.dumps(text))
+    return frame, clip.notes

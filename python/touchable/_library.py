@@ -115,7 +115,8 @@ SceneFacts = struct("SceneFacts", **several("width height depth_kind", c_int32),
     "fx_px fy_px cx_px cy_px metres_per_scene_unit near_units far_units frames_per_second"
     " hand_metres_per_scene_unit", c_double), **several("unstated_filters reserved", c_int32))
 FrameStruct = struct("FrameStruct", reserved=c_int32, number=c_int64, time_ns=c_int64,
-                     **several("depth colour haptic height", Plane), lost_pixels=POINTER(c_int64))
+                     **several("depth colour haptic height", Plane), lost_pixels=POINTER(c_int64),
+                     lost_degrees=POINTER(c_double))
 SurfaceSettings = struct("SurfaceSettings", **several("threads frames error_bars", c_int32))
 SolverStruct = struct("SolverStruct", fingers=c_int32, **several(
     "metres_per_scene_unit max_force_n max_stiffness_n_per_m damping_n_s_per_m passivity_n_s_per_m stribeck_m_per_s",
@@ -125,7 +126,8 @@ Contact = struct("Contact", guard=c_uint32, **several("force_n goal proxy", Vec3
     "pixel_x pixel_y stiffness_n_per_m static_friction dynamic_friction", c_double),
     **several("touching in_hole", c_int32), **several("error_degrees error_newtons", c_double))
 ClipSettings = struct("ClipSettings", colour=c_int32, scene_file=c_char_p, preset=c_char_p, **several(
-    "fx_px fy_px cx_px cy_px fov_degrees metres_per_code", c_double))
+    "fx_px fy_px cx_px cy_px fov_degrees metres_per_code near_m far_m", c_double), channel=c_char_p, dataset=c_char_p,
+    **several("depth_kind reserved", c_int32))
 ClipFacts = struct("ClipFacts", **several(
     "width height depth_sample depth_channels has_colour has_haptic has_height depth_is_lossless notes"
     " has_own_times reserved", c_int32),

@@ -72,18 +72,20 @@ def depth_plane(depth: ArrayLike) -> Plane:
 
 def frame_struct(frame: Any, number: int, time_ns: int) -> Struct:
     """A frame of whatever has pictures, with this number and time: a Frame, a depth array, a dict or a tuple of planes.
-    It is good for as long as the frame is. The library writes to `lost` how many pixels' depths the scene has not."""
-    lost = ctypes.c_int64()
+    It is good for as long as the frame is. The library writes to `lost` how many pixels' depths the scene has not, and to
+    `degrees` how much rounding turns the surface."""
+    lost, degrees = ctypes.c_int64(), ctypes.c_double()
     stored = getattr(frame, "_struct", None)
     if isinstance(stored, FrameStruct):
         struct = FrameStruct(number=number, time_ns=time_ns, **{role: getattr(stored, role) for role in roles})
-        struct.lost = lost
+        struct.lost, struct.degrees = lost, degrees
         return struct
     planes = planes_of(frame)
     made = {role: plane_of(given, role) for role, given in planes.items() if given is not None}
     struct = FrameStruct(number=number, time_ns=time_ns, **made)
     struct.arrays = [plane.array for plane in made.values()]
     struct.lost, struct.lost_pixels = lost, ctypes.pointer(lost)
+    struct.degrees, struct.lost_degrees = degrees, ctypes.pointer(degrees)
     return struct
 
 
@@ -107,6 +109,15 @@ def lost_words(lost: int, scene: Any) -> str:
     near, far = scene.near_units * scene.metres_per_scene_unit, scene.far_units * scene.metres_per_scene_unit
     return (f"{lost} pixels have no surface: their depth as floats, in metres, is outside {near:.4g} to {far:.4g} m or beyond "
             "the last code; a larger far_m (and metres_per_code) of the camera keeps them, 0 or NaN says that there is none")
+
+
+most_degrees = 1.0  # that rounding may turn the surface by, unsaid
+
+
+def rounded_words(degrees: float) -> str:
+    """What a warning says of floats that are rounded too much."""
+    return (f"rounding turns the surface by {degrees:.2g} degrees on average: depth as floats lies closer together than the "
+            "steps that it is rounded to; a camera with a smaller far_m, or a finer metres_per_code, loses less")
 
 
 class _Owner:

@@ -23,6 +23,13 @@ _kinds: tuple[DepthKind, DepthKind] = ("planar", "range")  # TOUCH_PLANAR, TOUCH
 usual_far_m, most_codes = 10.0, 65535
 
 
+def index_of_kind(kind: str) -> int:
+    """TOUCH_PLANAR or TOUCH_RANGE. Raises UsageError where it is neither."""
+    if kind not in _kinds:
+        raise UsageError(Status.USAGE, f"depth_kind is {kind!r}; must be 'planar' or 'range'")
+    return _kinds.index(kind)
+
+
 def _points(x_px: ArrayLike, y_px: ArrayLike, depth: ArrayLike, facts: Any) -> NDArray[numpy.float64]:
     given = {"x_px": x_px, "y_px": y_px, "depth_m": depth}
     x, y, depth = (_planes.numbers(name, value) for name, value in given.items())
@@ -42,16 +49,17 @@ class Camera:
     width, height: pixels, 1 to 16384; 640 and 480.
     fx_px, fy_px: focal lengths, pixels. fx_px: 60 degrees are seen from left to right; fy_px: as fx_px.
     cx_px, cy_px: principal point, pixels, where (0, 0) is the centre of the first pixel; the middle.
-    metres_per_code: what a uint16 code of 1 is, metres; depth as floats is rounded to it, and reaches 65535 times as far;
-        0.001. None, as of a clip whose codes are no multiples of a length: the finest that reaches far_m, for depth as
-        floats alone.
-    far_m: deeper pixels have no surface, metres. None: 10, or in touchable.write of arrays as much farther as these reach.
+    metres_per_code: what a uint16 code of 1 is, metres; depth as floats is rounded to it, and reaches 65535 times as far.
+        None: uint16 codes are millimetres, and floats are rounded to far_m / 65534, or of arrays as Surface says.
+    far_m: deeper pixels have no surface, metres. None: of floats without metres_per_code that Surface or touchable.write
+        are given as arrays, 5 % beyond these; otherwise 10, or in touchable.write of arrays as much farther as these reach.
     frames_per_second: 0.001 to 1000, used where frames are counted and not timed; 30.
     stiffness_n_per_m: where no haptic picture says otherwise, N/m; 600.
     static_friction, dynamic_friction: likewise, coefficients, the second at most the first; 0.4 and 0.3.
     depth_kind: "planar": depth is along -Z, as depth cameras give it; or "range": along the pixel's ray.
+    takes_codes: False without metres_per_code, as of a clip whose codes are no multiples of a length: depth is floats alone.
 
-    Raises UsageError (a ValueError) where depth_kind is neither; and where a scene is made of it and a member is out of
+    Raises UsageError (a ValueError) where depth_kind is neither, or metres_per_code is not above 0; and where a scene is made of it and a member is out of
     its range.
     """
 
@@ -61,13 +69,14 @@ class Camera:
     fy_px: float | None = None
     cx_px: float | None = None
     cy_px: float | None = None
-    metres_per_code: float | None = 0.001
+    metres_per_code: float | None = None
     far_m: float | None = None
     frames_per_second: float = 30.0
     stiffness_n_per_m: float = 600.0
     static_friction: float = 0.4
     dynamic_friction: float = 0.3
     depth_kind: DepthKind = "planar"
+    takes_codes: bool = True
 
     def __post_init__(self) -> None:
         for name in "width", "height":
@@ -77,8 +86,10 @@ class Camera:
         for name, value in ("fx_px", fx), ("fy_px", fx), ("cx_px", middle[0]), ("cy_px", middle[1]):
             if getattr(self, name) is None:
                 object.__setattr__(self, name, value)
-        if self.depth_kind not in _kinds:
-            raise UsageError(Status.USAGE, f"depth_kind is {self.depth_kind!r}; must be 'planar' or 'range'")
+        index_of_kind(self.depth_kind)
+        step = self.metres_per_code
+        if step is not None and not number("metres_per_code", step) > 0:
+            raise UsageError(Status.USAGE, f"metres_per_code is {step}; must be above 0, such as 0.001, or None: not stated")
 
     @classmethod
     def from_fov(cls, fov_degrees: float, width: int = 640, height: int = 480, **others: Any) -> Camera:
@@ -98,9 +109,10 @@ class Camera:
 
     def _struct(self) -> _library.Struct:
         far_m = usual_far_m if self.far_m is None else number("far_m", self.far_m)
-        step = far_m / most_codes if self.metres_per_code is None else self.metres_per_code
-        return CameraStruct(**{**dataclasses.asdict(self), "depth_kind": _kinds.index(self.depth_kind),
-                               "far_m": far_m, "metres_per_code": step})
+        members = {**dataclasses.asdict(self), "depth_kind": _kinds.index(self.depth_kind), "far_m": far_m,
+                   "metres_per_code": self.metres_per_code or 0.0}
+        del members["takes_codes"]
+        return CameraStruct(**members)
 
 
 class Scene:
@@ -139,12 +151,23 @@ class Scene:
         self.has_unstated_filters: bool = bool(facts.unstated_filters)
 
     @classmethod
-    def from_camera(cls, camera: Camera) -> Scene:
-        """A scene of a camera: unit metre, no filter. Raises UsageError, which names a member out of its range."""
+    def from_camera(cls, camera: Camera, preset: str | None = None) -> Scene:
+        """A scene of a camera: unit metre, no filter. `preset`: how 16-bit codes store depth, as in touchable.open; where
+        a preset gives values another order, Surface(depth, camera, preset=...) takes it. Raises UsageError, which names
+        a member out of its range."""
         struct = of_kind("camera", camera, Camera, "a touchable.Camera")._struct()
         scene = cls(made("scene_from_camera", "scene_destroy", struct))
-        scene._takes_codes = camera.metres_per_code is not None
-        return scene
+        scene._takes_codes = camera.takes_codes or camera.metres_per_code is not None
+        if preset is None:
+            return scene
+        from ._clip import open_array
+
+        codes = numpy.linspace(0, most_codes, camera.width * camera.height).astype(numpy.uint16)
+        frame, _ = open_array(codes.reshape(camera.height, camera.width), camera, preset=preset)
+        if not numpy.array_equal(frame.depth[frame.valid], codes.reshape(frame.depth.shape)[frame.valid]):
+            raise UsageError(Status.USAGE, f"preset {preset} stores values in another order than that of codes; use "
+                             "touchable.Surface(depth, camera, preset=...)")
+        return frame.scene
 
     @classmethod
     def from_text(cls, text: str) -> Scene:
@@ -162,18 +185,19 @@ class Scene:
         """The scene as a camera, as far as one can say it. Lengths in metres.
 
         Where codes are no multiples of a length (rendered depth between two planes, disparities), `metres_per_code` is
-        None: no number turns such codes into metres; frame.metres and scene.metres do. For pictures of codes keep the
-        scene; the camera is for depth in metres.
+        None and `takes_codes` False: no number turns such codes into metres; frame.metres and scene.metres do. For pictures
+        of codes keep the scene; the camera is for depth in metres.
         """
         said = json.loads(self.text)
         metric = said["depth"].get("scale") if said["depth"]["coding"] == "metric" else None
+        is_open = "float_scale" in said["depth"]
         far_m = self.far_units * self.metres_per_scene_unit
         feel = said["default_properties"]
         stiffness = feel["stiffness_n_per_m"] if "stiffness_n_per_m" in feel else feel["stiffness"] * 1000
         return Camera(
             self.width, self.height, self.fx_px, self.fy_px, self.cx_px, self.cy_px,
-            metric * self.metres_per_scene_unit if metric else None, far_m, self.frames_per_second,
-            stiffness, feel["static_friction"], feel["dynamic_friction"], self.depth_kind)
+            metric * self.metres_per_scene_unit if metric and not is_open else None, far_m, self.frames_per_second,
+            stiffness, feel["static_friction"], feel["dynamic_friction"], self.depth_kind, metric is not None)
 
     def points(self, x_px: ArrayLike, y_px: ArrayLike, depth_m: ArrayLike) -> NDArray[numpy.float64]:
         """Where pixels at a depth in metres are, in scene units, as Camera.points has it: (..., 3) float64. These are
@@ -224,8 +248,8 @@ class Scene:
         struct = _planes.frame_struct(frame, number, time_ns)
         if not self._takes_codes and struct.depth.sample != _library.F32:
             raise _planes.refuse(
-                "the camera's metres_per_code is None, so that its depth is floats of metres, and not codes; use "
-                "the clip's scene (clip.scene) for its codes, or a camera that states metres_per_code")
+                "the camera's takes_codes is False and its metres_per_code None, so that its depth is floats of metres, and "
+                "not codes; use the clip's scene (clip.scene) for its codes, or a camera that states metres_per_code")
         return struct
 
     def __reduce__(self) -> tuple:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import json
 import warnings
@@ -11,9 +12,12 @@ import numpy
 from numpy.typing import ArrayLike, NDArray
 
 from . import _library, _planes
-from ._clip import Frame
+from ._clip import Frame, open_array
 from ._library import Closable, SurfaceSettings, call, flag, made
 from ._scene import Camera, Scene, scene_of
+from ._writing import depth_of, reaching
+
+from .errors import Error, UsageError
 
 if TYPE_CHECKING:
     from ._touch import ForcesAt, Touched
@@ -30,7 +34,8 @@ class Surface(Closable):
 
     def __init__(self, depth: ArrayLike | Frame | None = None, camera: Camera | Scene | None = None, *,
                  haptic: ArrayLike | None = None, height: ArrayLike | None = None, threads: int = 1,
-                 frames: int = 4, error_bars: bool = False) -> None:
+                 frames: int = 4, error_bars: bool = False, preset: str | None = None, near_m: float | None = None,
+                 far_m: float | None = None) -> None:
         """A surface; of `depth`, at time 0, if that is given.
 
         depth: (height, width) uint16 codes (uint8 where a Scene has 8 bits), or floats of metres, where what is not above
@@ -40,17 +45,37 @@ class Surface(Closable):
             of roughness. Both as the scene says.
         threads: that filter a picture, 1 to 16. frames: pictures that are kept at once, 4 to 64.
         error_bars: measure each picture for how wrong its touch may be: error_degrees and error_newtons of contacts.
+        preset: how `depth` is stored, by name ("relative-inverse", "tum", ...), with near_m and far_m, as touchable.open takes
+            them: values become the codes of a file of them (needs libtouchable-media).
 
-        Depths as floats that the scene has not, such as beyond the camera's far_m, have no surface, which a warning says
-        once. Raises UsageError (a ValueError) where these are most of a picture, or it has not the scene's size or kind.
+        Floats are rounded to the finest decimal step by which 16 bits reach 5 % beyond `depth`, unless the camera states
+        metres_per_code or far_m. Warnings say once where rounding turns the surface by more than a degree, where depths as
+        floats are none that the scene has (such as beyond far_m), where the first picture has no surface, and where it looks
+        like disparity. Raises UsageError (a ValueError) where these are most of a picture, or it has not the scene's size or kind.
         """
-        meaning = depth.scene if camera is None and isinstance(depth, Frame) else camera
+        if preset is not None:
+            if depth is None or isinstance(depth, Frame):
+                raise _planes.refuse("preset is given without a depth array; use Scene.from_camera(camera, preset=...)")
+            depth, _ = open_array(numpy.asarray(depth), camera, preset=preset, near_m=near_m, far_m=far_m)
+            meaning: Any = depth.scene
+        else:
+            if near_m is not None or far_m is not None:
+                raise _planes.refuse("near_m or far_m is given without preset; a camera has far_m")
+            meaning = depth.scene if camera is None and isinstance(depth, Frame) else camera
+            given = None if depth is None else depth_of(depth)
+            if isinstance(camera, Camera) and camera.far_m is camera.metres_per_code is None and (
+                    given is not None and given.dtype.kind == "f"):
+                try:
+                    meaning = reaching(camera, [given])
+                except UsageError as problem:
+                    raise _planes.refuse("; ".join(filter(None, (problem.line, _disparity_words(given))))) from None
         self.scene: Scene = scene_of(meaning)
+        self._may_be_disparity = preset is None and isinstance(camera, Camera)
         settings = SurfaceSettings(threads=threads, frames=frames, error_bars=flag("error_bars", error_bars))
         self._handle = made("surface_create", "surface_destroy", self.scene._handle.number, settings)
         self._pushed = 0
         self._epoch = 0
-        self._has_warned = False
+        self._warned: set[str] = set()
         self._first: NDArray[Any] | None = None
         self._first_metres: NDArray[numpy.float32] | None = None
         if depth is not None:
@@ -81,12 +106,22 @@ class Surface(Closable):
             time_ns = frame.time_ns if isinstance(frame, Frame) else counted
         struct = self.scene._frame_struct(frame, self._pushed, time_ns)
         call("surface_push", self._handle.number, struct)
-        if struct.lost.value and not self._has_warned:
-            self._has_warned = True
-            warnings.warn(_planes.lost_words(struct.lost.value, self.scene), stacklevel=3)
+        lines: dict[str, str] = {}
+        if struct.lost.value:
+            lines["lost"] = _planes.lost_words(struct.lost.value, self.scene)
+        if struct.degrees.value > _planes.most_degrees:
+            lines["rounded"] = _planes.rounded_words(struct.degrees.value)
         if self._first is None:
             self._first = _copy_of(struct.depth)
+            if self._may_be_disparity and (line := _disparity_words(self._first)):
+                lines["first"] = line
+            elif not numpy.isfinite(self.first_metres).any():
+                lines["first"] = _no_surface_words(self._first)
         self._pushed += 1
+        for kind, line in lines.items():
+            if kind not in self._warned:
+                self._warned.add(kind)
+                warnings.warn(line, stacklevel=3)
 
     def begin_epoch(self, epoch: int) -> None:
         """Times of what is pushed from now on may begin anywhere, as after a seek. `epoch`: a larger number than before;
@@ -188,10 +223,30 @@ def _deepest(scene: Scene) -> float:
     coding = json.loads(scene.text)["depth"]
     if coding["coding"] != "metric":
         return scene.far_units
-    step, last = coding["scale"], min(round(scene.far_units / coding["scale"]), coding["code_max"])
+    step = coding.get("float_scale", coding["scale"])
+    last = min(round(scene.far_units / step), coding["code_max"])
     while last * step > scene.far_units or last in coding["invalid"]:
         last -= 1
     return min(scene.far_units, (last + 0.5) * step)
+
+
+def _no_surface_words(depth: NDArray[Any]) -> str:
+    """What a warning says of a picture without any surface."""
+    if depth.dtype.kind == "f" and (depth < 0).any():
+        return "the picture has no surface: its depths are below 0; depth is positive away from the camera, so give -depth"
+    return "the picture has no surface: all of its pixels are 0, NaN, or outside the depths that the camera or scene has"
+
+
+def _disparity_words(depth: NDArray[Any]) -> str:
+    """What the library says of depth that looks like disparity, as of a file; empty: nothing."""
+    values = numpy.where(depth > 0, depth, numpy.nan)
+    third = len(values) // 3
+    with warnings.catch_warnings(), contextlib.suppress(ImportError, Error):  # it needs libtouchable-media
+        warnings.simplefilter("ignore")  # of thirds that are empty
+        if numpy.nanmean(values[-third:]) > numpy.nanmean(values[:third]):
+            scaled = numpy.nan_to_num(values * (5 / numpy.nanmedian(values)))  # surely lengths, by their size
+            return next((note for note in open_array(scaled)[1] if "relative-inverse" in note), "")
+    return ""
 
 
 def _copy_of(plane: _library.Plane) -> NDArray[Any]:

@@ -6,6 +6,7 @@ import ctypes
 import dataclasses
 import fractions
 import itertools
+import math
 import os
 import warnings
 from typing import Any, Iterable
@@ -29,12 +30,12 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
         something goes wrong, also in `frames`, nothing is left of it.
     frames: what has them one after the other, such as a Clip, a list or a generator. A frame is a Frame, a depth array,
         (depth, colour, haptic, height) or the first of these, or a dict of these. Shapes: depth (height, width) uint16
-        codes (uint8 where the scene has 8 bits), or floats of metres (NaN, 0: no surface), rounded to the camera's
-        metres_per_code; colour and haptic (height, width, 3) uint8; height (height, width). All have the pictures of the
+        codes (uint8 where the scene has 8 bits), or floats of metres (NaN, 0: no surface), rounded as the camera's
+        metres_per_code says; colour and haptic (height, width, 3) uint8; height (height, width). All have the pictures of the
         first.
     camera or scene: what the pictures mean. May be left out for Frames, whose own scene is taken. Of a camera whose far_m
-        is None, and of frames in a list, a tuple or an array, the far plane lies behind what these hold; where codes of
-        metres_per_code do not reach as far as floats, they become coarser, which a warning says.
+        is None, and of frames in a list, a tuple or an array, the far plane lies behind what these hold; where codes of a
+        stated metres_per_code do not reach as far as floats, they become coarser, which a warning says.
     fps: frames per second, a number or an exact Fraction(30000, 1001); None: as camera or scene say.
     times_ns: (frames,) of frames at a variable rate: when each is shown, nanoseconds, the first at 0, each at least 1 ms
         after the one before. None: at the rate, or as a Clip that is given has them; other Frames
@@ -43,7 +44,7 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
     small: few bytes, but slow to write. exact_colour: colour keeps every value too.
 
     Depths as floats that the scene has not, such as beyond far_m, have no surface; a warning says how many. Where they are
-    most of a picture, it is refused.
+    most of a picture, it is refused. A warning says where rounding turns the surface by more than a degree.
 
     Raises ExistingFileError (a FileExistsError), UsageError (a ValueError) where a picture or an option cannot be, Error
     where the disk refuses it, and whatever `frames` raises.
@@ -53,7 +54,7 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
     if times_ns is None and fps is None and isinstance(frames, Clip):
         times_ns = frames.times_ns if frames.has_own_times else None
     if isinstance(camera, Camera) and camera.far_m is None and isinstance(frames, (list, tuple, numpy.ndarray)):
-        camera = _reaching(camera, frames)
+        camera = reaching(camera, frames)
     coming = iter(frames)
     first = list(itertools.islice(coming, 1))
     if not first:
@@ -63,6 +64,7 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
     writer = made("writer_create", "writer_abandon", encoded(f"the path {path!r}", path), meaning._handle.number,
                   _settings(overwrite, small, exact_colour, times))
     count = lost = 0
+    degrees = 0.0
     watch = _Times(meaning.frames_per_second) if times is None else None
     try:
         for frame in itertools.chain(first, coming):
@@ -71,6 +73,7 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
             if status:
                 raise error_of(status, line if line.startswith("frame ") else f"frame {count}: {line}")
             lost += struct.lost.value
+            degrees = max(degrees, struct.degrees.value)
             if watch and isinstance(frame, Frame):
                 watch.look(count, frame)
             count += 1
@@ -84,6 +87,8 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
         watch.warn()
     if lost:
         warnings.warn(_planes.lost_words(lost, meaning), stacklevel=2)
+    if degrees > _planes.most_degrees:
+        warnings.warn(_planes.rounded_words(degrees), stacklevel=2)
     return count
 
 
@@ -93,13 +98,13 @@ _far_margin = 1.05
 _deep_m = 200.0  # no camera sees half of a scene beyond this, so floats are millimetres
 
 
-def _reaching(camera: Camera, frames: Any) -> Camera:
+def reaching(camera: Camera, frames: Any) -> Camera:
     """The camera, which states no far_m, with one behind all that frames of arrays hold."""
-    depths = [depth for frame in frames if (depth := _depth_of(frame)) is not None]
+    depths = [depth for frame in frames if (depth := depth_of(frame)) is not None]
     kinds = {depth.dtype.kind for depth in depths}
     are_floats = kinds == {"f"}
-    step = 1.0 if are_floats else camera.metres_per_code
-    if len(kinds) != 1 or step is None:
+    step = 1.0 if are_floats else camera.metres_per_code or 0.001
+    if len(kinds) != 1:
         return camera
     most_kept = sum(depth.size for depth in depths) // _stray_of + 1
     deepest, medians, count = numpy.zeros(0), [], 0
@@ -113,7 +118,8 @@ def _reaching(camera: Camera, frames: Any) -> Camera:
     if not count:
         return camera
     reach_m = float(numpy.sort(deepest)[-1 - count // _stray_of]) * step
-    far_m = max(usual_far_m, reach_m * _far_margin)
+    is_open = are_floats and camera.metres_per_code is None  # the nearer, the finer
+    far_m = max(0 if is_open else usual_far_m, reach_m * _far_margin)
     if not are_floats:
         return dataclasses.replace(camera, far_m=min(far_m, most_codes * step))
     if (median_m := float(numpy.median(medians))) > _deep_m:
@@ -125,10 +131,17 @@ def _reaching(camera: Camera, frames: Any) -> Camera:
                       f"it is rounded to {far_m / most_codes:.3g} m; a camera that states far_m keeps its metres_per_code",
                       stacklevel=3)
         return dataclasses.replace(camera, far_m=far_m, metres_per_code=far_m / most_codes)
-    return dataclasses.replace(camera, far_m=far_m)
+    step = _decimal(far_m / most_codes) if is_open else camera.metres_per_code
+    return dataclasses.replace(camera, far_m=far_m, metres_per_code=step)
 
 
-def _depth_of(frame: Any) -> NDArray[Any] | None:
+def _decimal(step: float) -> float:
+    """1, 2 or 5 times a power of ten, not below it: so millimetres that come as floats stay exact."""
+    exponent = math.floor(math.log10(step))
+    return next(even for digit in (1, 2, 5, 10) if (even := float(f"{digit}e{exponent}")) >= step)
+
+
+def depth_of(frame: Any) -> NDArray[Any] | None:
     """Depth of a frame of arrays; None where it is none, which is refused when it is written."""
     if isinstance(frame, Frame):
         return None

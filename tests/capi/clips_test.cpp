@@ -223,6 +223,34 @@ TEST(Clips, MetresBecomeTheSameCodes) {
     }
 }
 
+/// Integers as they are, floats to half a step of far_m / 65534, and integers after floats alike.
+TEST(Clips, OpenStepsFollowFirstFrame) {
+    const TemporaryFolder folder;
+    const touch::Scene scene(Hill::camera());
+    const Hill hill;
+    const std::vector<float> metres = hill.metres();
+    touch_frame integers = hill.frame(), floats = integers;
+    floats.depth = Hill::plane_of(metres);
+    for (const char* ending : {".mkv", ".mp4", ""})
+        for (const bool has_floats : {false, true}) {
+            const std::string name = (folder / (has_floats ? "floats" : "integers")).string() + ending;
+            touch::Writer writer(name, scene);
+            writer.write(has_floats ? floats : integers);
+            writer.write(integers);
+            writer.finish();
+            touch::Clip clip(name);
+            const touch::Scene written = clip.scene(TOUCH_FILTERS_STATED);
+            EXPECT_EQ(written.text().find("float_scale"), std::string::npos);
+            for (int n = 0; n < 2; ++n) {
+                const auto frameset = clip.next();
+                std::vector<float> back(metres.size());
+                written.metres(frameset->frame().depth, back.data());
+                for (std::size_t k = 0; k < metres.size(); ++k)
+                    ASSERT_NEAR(back[k], metres[k], has_floats ? 0.51 / 65534 : 1e-7) << n;
+            }
+        }
+}
+
 TEST(Clips, ContinueAfterDamagedFrame) {
     const TemporaryFolder folder;
     write_hills(folder / "frames", 3);
@@ -297,8 +325,9 @@ TEST(Writers, KeepTimesAndMetres) {
     EXPECT_EQ(clip.scene(TOUCH_FILTERS_STATED).facts().frames_per_second, clip.facts().frames_per_second);
     std::int64_t none = 0;
     EXPECT_EQ(touch_clip_time(clip.get(), -1, &none), TOUCH_USAGE);
-    std::vector<std::uint16_t> expected = hill.codes();
-    expected[7] = 0;
+    std::vector<std::uint16_t> expected;
+    for (const float depth : metres)
+        expected.push_back(static_cast<std::uint16_t>(std::isnan(depth) ? 0 : std::lround(depth * 65534.0)));
     for (const std::int64_t time : times) {
         const auto next = clip.next();
         ASSERT_TRUE(next);
@@ -397,6 +426,33 @@ TEST(Clips, GuessesNameTheMember) {
     const touch_scene_facts facts = touch::Clip(picture, settings).scene(TOUCH_FILTERS_STATED).facts();
     EXPECT_DOUBLE_EQ(facts.fx_px, 60);
     EXPECT_DOUBLE_EQ(facts.cx_px, (Hill::width - 1) / 2.0);
+}
+
+/// As the program's --depth, --near, --far, --channel and --dataset.
+TEST(Clips, SettingsReachTheReader) {
+    const TemporaryFolder folder;
+    const std::string shares = (folder / "shares.pgm").string();
+    std::ofstream(shares) << "P2 2 2 255 10 200 100 50";
+    touch_clip_settings settings = touch::clip_settings();
+    settings.near_m = 0.25;
+    settings.far_m = 3;
+    settings.depth_kind = TOUCH_RANGE;
+    const touch_scene_facts facts = touch::Clip(shares, settings).scene(TOUCH_FILTERS_STATED).facts();
+    EXPECT_EQ(facts.near_units, 0.25);
+    EXPECT_EQ(facts.far_units, 3);
+    EXPECT_EQ(facts.depth_kind, TOUCH_RANGE);
+    const auto refuses = [&](auto member, auto value, const std::string& word) {
+        touch_clip_settings wrong = touch::clip_settings();
+        wrong.*member = value;
+        std::string line;
+        EXPECT_NE(status_of_open(shares, &line, &wrong), TOUCH_OK) << word;
+        EXPECT_NE(line.find(word), std::string::npos) << line;
+    };
+    refuses(&touch_clip_settings::near_m, 0.5, "near_m");
+    refuses(&touch_clip_settings::far_m, -1.0, "far_m");
+    refuses(&touch_clip_settings::depth_kind, 2, "depth_kind");
+    refuses(&touch_clip_settings::channel, "Z", "channel");
+    refuses(&touch_clip_settings::dataset, "depth", "dataset");
 }
 
 TEST(Clips, StayInterrupted) {

@@ -517,13 +517,20 @@ TEST(StructSizes, OlderFramesGetNoCount) {
     std::int64_t lost = -1;
     // Also where only a part of the pointer is known, nothing is written.
     std::int64_t number = 0;
-    for (const std::size_t size : {offsetof(touch_frame, lost_pixels), sizeof(touch_frame) - 1}) {
+    double degrees = -1;
+    for (const std::size_t size :
+         {offsetof(touch_frame, lost_pixels), offsetof(touch_frame, lost_degrees) - 1,
+          offsetof(touch_frame, lost_degrees), sizeof(touch_frame) - 1}) {
+        EXPECT_EQ(touch_surface_begin_epoch(surface, static_cast<std::uint64_t>(number) + 1, nullptr),
+                  TOUCH_OK);
         touch_frame frame = test::Hill().frame(number++);
         frame.depth = test::Hill::plane_of(metres);
         frame.lost_pixels = &lost;
+        frame.lost_degrees = &degrees;
         frame.struct_size = static_cast<std::uint32_t>(size);
         EXPECT_EQ(touch_surface_push(surface, &frame, nullptr), TOUCH_OK);
-        EXPECT_EQ(lost, -1);
+        EXPECT_EQ(lost, size < offsetof(touch_frame, lost_degrees) ? -1 : 1) << size;
+        EXPECT_EQ(degrees, -1) << size;
     }
     touch_frame old{};
     old.lost_pixels = &lost;

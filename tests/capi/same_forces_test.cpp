@@ -89,7 +89,7 @@ std::uint64_t forces_of_the_rooms(const Globe& globe) {
 struct Touched {
     std::uint64_t hash = 0;
     double most = 0;
-    std::size_t allocations = 0;  ///< in ticks
+    std::size_t allocations = 0;     ///< in ticks
     int in_contact = 0, barred = 0;  ///< contacts; those with error bars
 };
 
@@ -400,6 +400,97 @@ TEST(ForcesAt, ErrorsNameTheProblem) {
     EXPECT_EQ(call(empty.get(), 0), TOUCH_USAGE);
     EXPECT_NE(std::string(error.line).find("frame"), std::string::npos) << error.line;
     EXPECT_EQ(call({1}, 0), TOUCH_STALE);
+}
+
+// Depth whose camera leaves its steps open: floats get fine ones, integers are millimetres.
+
+/// A wall half a metre away that leans by 10 degrees, in pixels of 0.8 mm.
+class LeaningWall {
+public:
+    explicit LeaningWall(double metres_per_code) : metres_(std::size_t{Hill::width} * Hill::height) {
+        camera_.fx_px = camera_.fy_px = 600;
+        camera_.far_m = 0.6;
+        camera_.metres_per_code = metres_per_code;
+        for (std::size_t k = 0; k < metres_.size(); ++k)
+            metres_[k] = static_cast<float>(
+                0.5 * normal[2] / (normal[2] - normal[0] * ray(static_cast<double>(k % Hill::width))));
+    }
+    /// Degrees between the forces and the normal, on average.
+    double error_degrees() {
+        touch::Surface surface{touch::Scene(camera_)};
+        touch_frame frame = touch::frame();
+        frame.depth = Hill::plane_of(metres_);
+        frame.lost_degrees = &lost_degrees;
+        surface.push(frame);
+        std::vector<touch_vec3> points;
+        for (double column = 10; column < 54; column += 1.7) {
+            const double depth = 0.505 * normal[2] / (normal[2] - normal[0] * ray(column));
+            points.push_back({ray(column) * depth, 0, -depth});
+        }
+        double degrees = 0;
+        for (const touch_contact& contact : surface.forces_at(touch::tick_at(0), points)) {
+            const touch_vec3& force = contact.force_n;
+            const double along = force.x * normal[0] + force.z * normal[2];
+            degrees += std::acos(std::min(1.0, along / std::hypot(force.x, force.y, force.z))) * 57.29577951;
+        }
+        return degrees / static_cast<double>(points.size());
+    }
+
+    double lost_degrees = -1;
+
+private:
+    static constexpr double normal[] = {0.17364817766693, 0, 0.98480775301221};
+    double ray(double column) const { return (column - camera_.cx_px) / camera_.fx_px; }
+
+    touch_camera camera_ = Hill::camera();
+    std::vector<float> metres_;
+};
+
+TEST(OpenSteps, FloatsKeepTheirDirection) {
+    LeaningWall open(0), coarse(0.001);
+    EXPECT_LT(open.error_degrees(), 0.3);
+    EXPECT_LT(open.lost_degrees, 0.3);
+    const double error = coarse.error_degrees();
+    EXPECT_GT(error, 5) << "what millimetres make of it";
+    EXPECT_NEAR(coarse.lost_degrees, 1.5 * error, 0.3 * error)
+        << "of faces, of which a proxy avoids the steep";
+}
+
+/// Alone to the bit; after floats within half a step.
+TEST(OpenSteps, IntegersAreMillimetres) {
+    std::vector<std::uint64_t> hashes;
+    for (const double step_m : {0.0, 0.001}) {
+        touch_camera camera = Hill::camera();
+        camera.metres_per_code = step_m;
+        const touch::Scene scene(camera);
+        const Hill hill;
+        std::vector<float> metres(hill.codes().size());
+        scene.metres(hill.frame().depth, metres.data());
+        EXPECT_NEAR(metres[0], hill.metres()[0], 1e-7);
+        touch::Surface surface(scene);
+        surface.push(hill.frame());
+        touch::Solver solver(surface);
+        touch_contact contact;
+        for (std::int64_t tick = 0; tick < 300; ++tick) {
+            const touch_vec3 goal = goal_at(tick);
+            solver.tick(touch::tick_at(tick), &goal, &contact);
+        }
+        hashes.push_back(solver.force_hash());
+    }
+    EXPECT_EQ(hashes[0], hashes[1]);
+    const touch::Scene scene(Hill::camera());
+    touch::Surface surface(scene);
+    touch_frame frame = Hill().frame();
+    const std::vector<float> metres = Hill().metres();
+    frame.depth = Hill::plane_of(metres);
+    surface.push(frame);
+    const std::vector<touch_vec3> points{{0, 0, -0.44}, {0.1, 0.05, -0.5}};
+    const auto before = surface.forces_at(touch::tick_at(0), points);
+    const Hill again;
+    surface.push(again.frame(1));
+    const auto after = surface.forces_at(touch::tick_at(33), points);
+    for (std::size_t k = 0; k < points.size(); ++k)
+        EXPECT_NEAR(after[k].force_n.z, before[k].force_n.z, 1e-9) << "rounded alike";
 }
 
 // Forces of a hand whose program has ordinary trouble: goals that go missing, frames that come

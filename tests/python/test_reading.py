@@ -66,16 +66,17 @@ class Reading(unittest.TestCase):
                     "camera": {"fx": 20, "fy": 20, "cx": 8, "cy": 6}, "depth": {"coding": coding, **depth}}
             camera = touchable.Scene.from_text(json.dumps(text)).camera
             self.assertEqual(camera.metres_per_code, 0.001 if coding == "metric" else None, coding)
+            self.assertEqual(camera.takes_codes, coding == "metric")
             self.assertEqual(camera.far_m, 8)
         with touchable.open(globe()) as clip:
             frame, camera = clip[0], clip.camera
             self.assertIsNone(camera.metres_per_code)
             scene = touchable.Scene.from_camera(camera)
             for again in scene, scene.with_filters([frame.metres]), scene.with_rate(5), pickle.loads(pickle.dumps(scene)):
-                with self.assertRaisesRegex(touchable.UsageError, "metres_per_code is None.*clip.scene"):
+                with self.assertRaisesRegex(touchable.UsageError, "takes_codes is False.*clip.scene"):
                     touchable.Surface(frame.depth, again)
             with tempfile.TemporaryDirectory() as folder:
-                with self.assertRaisesRegex(touchable.UsageError, "metres_per_code is None.*clip.scene"):
+                with self.assertRaisesRegex(touchable.UsageError, "takes_codes is False.*clip.scene"):
                     touchable.write(folder + "/x.mkv", [frame.depth], camera=camera)
             # For floats it is as good as any.
             metres = touchable.Surface(frame.metres, camera).first_metres
@@ -83,8 +84,8 @@ class Reading(unittest.TestCase):
             with tempfile.TemporaryDirectory() as folder:
                 touchable.write(folder + "/x.mkv", [frame.metres], camera=camera)
                 with touchable.open(folder + "/x.mkv") as back:
-                    self.assertAlmostEqual(back.camera.metres_per_code, camera.far_m / 65535, places=12)
-                    self.assertLess(numpy.nanmax(numpy.abs(back[0].metres - frame.metres)), camera.far_m / 65535)
+                    self.assertAlmostEqual(back.camera.metres_per_code, camera.far_m / 65534, places=12)
+                    self.assertLess(numpy.nanmax(numpy.abs(back[0].metres - frame.metres)), camera.far_m / 65534)
 
     def test_ColourCanBeOmitted(self):
         with touchable.open(globe()) as clip, touchable.open(globe(), colour=False) as plain:
@@ -196,6 +197,15 @@ class Reading(unittest.TestCase):
             os.remove(folder + "/ramp/scene.json")
             with touchable.open(folder + "/ramp") as clip:
                 self.assertIn("metres_per_code=0.00390625", " ".join(clip.notes))
+            numpy.savez(folder + "/two.npz", near=ramp, far=3 * ramp)
+            for name, times in ("near", 1), ("far", 3):
+                with touchable.open(folder + "/two.npz", dataset=name, metres_per_code=0.001, depth_kind="range") as clip:
+                    self.assertLess(numpy.nanmax(numpy.abs(clip[0].metres - times * ramp * 0.001)), 1e-6)
+                    self.assertEqual(clip.scene.depth_kind, "range")
+            numpy.save(folder + "/relative.npy", ramp.astype(numpy.uint8))
+            with touchable.open(folder + "/relative.npy", near_m=0.25, far_m=3) as clip:
+                self.assertAlmostEqual(numpy.nanmin(clip[0].metres), 0.25)
+                self.assertEqual(clip.scene.far_units, 3)
 
 
 class RealReading(unittest.TestCase):

@@ -57,6 +57,9 @@ class Refusals(unittest.TestCase):
         self.refuses(touchable.Error, "scene_file", touchable.open, globe(), preset="tum")
         self.refuses(TypeError, "", touchable.open, None)
         self.refuses(TypeError, "", touchable.open, globe(), fov="wide")
+        for words, known in {"depth_kind is 'x'": {"depth_kind": "x"}, "near_m.*1e-06 to": {"near_m": -1},
+                             "near and far need each other": {"near_m": 1}, "channel is empty": {"channel": ""}}.items():
+            self.refuses(touchable.Error, words, touchable.open, bag, **known)
 
     def test_Pictures(self):
         depth, camera = hill()
@@ -79,6 +82,10 @@ class Refusals(unittest.TestCase):
     def test_Meanings(self):
         depth, camera = hill()
         self.refuses(TypeError, "camera is NoneType.*Camera", touchable.Surface, depth)
+        self.refuses(ValueError, "preset is given without a depth array", touchable.Surface, camera=camera, preset="tum")
+        self.refuses(ValueError, "far_m is given without preset", touchable.Surface, depth, camera, far_m=3)
+        self.refuses(ValueError, "kinekt.*realsense", touchable.Surface, depth, camera, preset="kinekt")
+        self.refuses(ValueError, "sun stores values in another order", touchable.Scene.from_camera, camera, preset="sun")
         self.refuses(TypeError, "camera is dict", touchable.Surface, depth, {"fx": 3})
         self.refuses(ValueError, "camera=touchable.Camera", touchable.write, self.file, [depth])
         self.refuses(ValueError, "one of them", touchable.write, self.file, [depth], camera=camera,

@@ -1,4 +1,5 @@
 import concurrent.futures
+import dataclasses
 import gc
 import itertools
 import json
@@ -7,6 +8,7 @@ import re
 import tempfile
 import threading
 import unittest
+import warnings
 import weakref
 
 import numpy
@@ -230,6 +232,7 @@ class Surfaces(unittest.TestCase):
         depth, camera = hill()
         depth[10:14, 20:30] = 0
         metres = numpy.where(depth > 0, depth * 0.001, numpy.nan)
+        camera = dataclasses.replace(camera, metres_per_code=0.001)
         hashes = {touchable.Surface(given, camera).touch(stroke(camera)).force_hash
                   for given in (depth, metres, metres.astype(numpy.float32), depth[::-1][::-1], numpy.asfortranarray(depth))}
         self.assertEqual(len(hashes), 1)
@@ -361,6 +364,79 @@ class Surfaces(unittest.TestCase):
         early = touchable.Surface(camera=camera).touch(stroke(camera), metres_per_scene_unit=1)
         with self.assertRaisesRegex(touchable.UsageError, "no picture"):
             early.surface_metres
+
+
+class OpenSteps(unittest.TestCase):
+    """A wall that leans by 10 degrees, and a ball, half a metre away, in pixels of 1.7 mm."""
+
+    camera = touchable.Camera(160, 120, fx_px=300)
+    columns, rows = numpy.meshgrid(numpy.arange(160.0), numpy.arange(120.0))
+    ray = camera.points(columns, rows, 1.0)
+    lean = numpy.array([numpy.sin(numpy.radians(10)), 0, numpy.cos(numpy.radians(10))])
+    wall = -0.5 * lean[2] / (ray @ lean)
+    middle, radius = numpy.array([0, 0, -0.6]), 0.1
+    under_root = (ray @ middle) ** 2 - (ray**2).sum(-1) * (middle @ middle - radius**2)
+    ball = numpy.where(under_root > 0, (ray @ middle - numpy.sqrt(numpy.maximum(under_root, 0))) / (ray**2).sum(-1), 0)
+
+    def error_degrees(self, surface, depth, normal_at):
+        some = (slice(30, 90, 3), slice(50, 110, 3))
+        found = surface.forces_at(self.camera.points(self.columns[some], self.rows[some], depth[some] + 0.005))
+        cosine = (found.force_n * normal_at(found.proxy)).sum(-1) / numpy.linalg.norm(found.force_n, axis=-1)
+        return numpy.degrees(numpy.arccos(numpy.minimum(cosine, 1))).mean()
+
+    def test_FloatsKeepTheirDirection(self):
+        for name, depth, normal_at in ("wall", self.wall, lambda at: self.lean), (
+                "ball", self.ball, lambda at: (at - self.middle) / self.radius):
+            coarse = dataclasses.replace(self.camera, metres_per_code=0.001)
+            with self.subTest(name):
+                with warnings.catch_warnings():
+                    warnings.simplefilter("error")
+                    surface = touchable.Surface(depth, self.camera)
+                    self.assertLess(self.error_degrees(surface, depth, normal_at), 0.9)
+                with self.assertWarnsRegex(UserWarning, "turns the surface by .* degrees") as said:
+                    surface = touchable.Surface(depth, coarse)
+                error = self.error_degrees(surface, depth, normal_at)
+                self.assertGreater(error, 5)
+                self.assertAlmostEqual(float(re.search(r"by (\S+) deg", str(said.warning))[1]) / error, 1, delta=0.4)
+                with tempfile.TemporaryDirectory() as folder:
+                    with self.assertWarnsRegex(UserWarning, "turns the surface by"):
+                        touchable.write(folder + "/coarse.mkv", [depth], camera=coarse)
+                    touchable.write(folder + "/fine.mkv", [depth], camera=self.camera)
+                    with touchable.open(folder + "/fine.mkv") as clip:
+                        self.assertLess(self.error_degrees(touchable.Surface(clip[0]), depth, normal_at), 0.9)
+                self.assertEqual(said.filename, __file__)
+
+    def test_FirstPictureGetsALine(self):
+        noise = numpy.random.default_rng(1).normal(size=self.ball.shape)
+        for words, depth in {
+            "no surface: all": self.wall * 0, "surface: all of its pixels": (self.wall * 0).astype(numpy.uint16),
+            "0, NaN": self.wall * numpy.nan, "below 0.*-depth": -self.wall,
+            "preset=relative-inverse": 20 + self.rows / 3 + noise,  # as of a street: the lower, the nearer
+            "1/depth of networks": (20000 + 300 * self.rows + 20 * noise).astype(numpy.uint16),
+        }.items():
+            with self.subTest(words), self.assertWarnsRegex(UserWarning, words):
+                touchable.Surface(depth, self.camera)
+        with self.assertRaisesRegex(touchable.UsageError, "depth / 1000.*preset=relative-inverse"):
+            touchable.Surface(2000 + 30 * self.rows + 20 * noise, self.camera)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            touchable.Surface(self.wall[::-1], self.camera)
+            surface = touchable.Surface(self.wall, self.camera)
+            surface.push(self.wall * numpy.nan, 10**9)  # later pictures may be empty
+
+    def test_PresetsReadAsFiles(self):
+        surface = touchable.Surface((1 / self.wall).astype(numpy.float32), self.camera, preset="relative-inverse",
+                                    near_m=self.wall.min(), far_m=self.wall.max())
+        self.assertLess(numpy.abs(surface.first_metres - self.wall).max(), 2e-5)
+        self.assertLess(self.error_degrees(surface, self.wall, lambda at: self.lean), 0.5)
+        codes = (5000 * self.wall).astype(numpy.uint16)
+        scene = touchable.Scene.from_camera(self.camera, preset="tum")
+        for made in touchable.Surface(codes, self.camera, preset="tum"), touchable.Surface(codes, scene):
+            self.assertLess(numpy.abs(made.first_metres - codes / 5000).max(), 1e-7)
+            self.assertEqual((made.scene.fx_px, made.scene.camera.metres_per_code), (300, 0.0002))
+        self.assertEqual(touchable.Surface(codes[:100], preset="tum").scene.height, 100)
+        near = touchable.Scene.from_camera(self.camera, preset="relative-inverse").metres(codes * 0 + 65535)
+        self.assertAlmostEqual(near.max(), 0.5)  # as `touchable info` takes the nearest
 
 
 class CamerasAndScenes(unittest.TestCase):

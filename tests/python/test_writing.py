@@ -72,7 +72,7 @@ class Writing(unittest.TestCase):
                 touchable.write(self.path(), [metres.astype(kind)], camera=self.camera, overwrite=True)
             codes = self.read()[0]
             self.assertTrue((codes[0, :6] == 0).all())
-            self.assertLessEqual(numpy.abs(codes[1:] * 0.001 - metres[1:]).max(), 0.0005001)
+            self.assertLessEqual(numpy.abs(codes[1:] * (66 / 65534) - metres[1:]).max(), 33.01 / 65534)
 
     def test_MetresRoundTripToCodes(self):
         """Guards the far plane: its depth as a float may lie beyond it, and is a surface all the same."""
@@ -109,7 +109,7 @@ class Writing(unittest.TestCase):
     def test_ArraysReachTheirDepth(self):
         """Of floats and of codes, in each kind of sequence; the far plane is as `touchable info` finds it for files."""
         street = numpy.linspace(2, 80, 24 * 32).reshape(24, 32)
-        plain = touchable.Camera(32, 24)
+        plain = touchable.Camera(32, 24, metres_per_code=0.001)
         for frames in [street], ({"depth": street / 2}, street), numpy.stack([street, street + 1]):
             deepest = max(numpy.max(frame["depth"] if isinstance(frame, dict) else frame) for frame in frames)
             with self.assertWarnsRegex(UserWarning, f"reaches {deepest:.4g} m.*65535 codes of 0.001 m"):
@@ -139,6 +139,11 @@ class Writing(unittest.TestCase):
             touchable.write(self.path(), [street / 100], camera=plain, overwrite=True)
             with touchable.open(self.path()) as clip:
                 self.assertEqual(clip.camera.far_m, 10)
+            for share, step_m in (1, 0.002), (0.01, 2e-5):  # unstated: 84 m / 65535, rounded up
+                touchable.write(self.path(), [street * share], camera=touchable.Camera(32, 24), overwrite=True)
+                with touchable.open(self.path()) as clip:
+                    self.assertAlmostEqual(clip.camera.far_m, 84 * share, places=9)
+                    self.assertEqual(clip.camera.metres_per_code, step_m)
 
     def test_OutliersDoNotSetRange(self):
         near = numpy.full((120, 160), 20.0)

@@ -417,6 +417,8 @@ TEST(SceneRefusal, NamesMissingMembers) {
     std::string unscaled = with("\"linear\", \"semantics\"", "\"metric\", \"semantics\"");
     unscaled.erase(unscaled.find("\"near_is\": \"high\", "), 19);
     expect_refused(unscaled, {"depth.scale is missing"});
+    unscaled.replace(unscaled.find("\"metric\","), 9, R"("metric", "scale": 1, "float_scale": 1e9,)");
+    expect_refused(unscaled, {"depth.float_scale is 1e+09", "so fine"});
 }
 
 TEST(SceneRefusal, NamesWrongValuesByPath) {
@@ -459,6 +461,7 @@ TEST(SceneRefusal, NamesWrongValuesByPath) {
         {"\"range\"", "\"z\"", {"depth.semantics is \"z\"", "\"range\", \"planar\""}},
         {"\"near\": 40", "\"near\": \"40\"", {"depth.near is \"40\"", "a number"}},
         {"\"near\": 40", "\"scale\": 1, \"near\": 40", {"depth.scale is 1", "left out"}},
+        {"\"near\": 40", "\"float_scale\": 1, \"near\": 40", {"depth.float_scale is 1", "left out"}},
         {"\"coding\": \"linear\"", "\"coding\": \"metric\"", {"depth.near_is is \"high\"", "left out"}},
         {"\"bits\": 10", "\"bits\": 7", {"depth.bits is 7", "8 to 16"}},
         {"\"code_max\": 1000", "\"code_max\": 1024", {"depth.code_max is 1024", "1 to 1023"}},
