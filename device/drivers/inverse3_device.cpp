@@ -1,6 +1,8 @@
 #include "device/drivers/inverse3_device.hpp"
 
 #include <cmath>
+#include <functional>
+#include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
 #include "engine/base/try.hpp"
@@ -46,13 +48,75 @@ std::optional<glm::dvec3> inverse3_vector(const json& value) {
     return glm::dvec3(*x, *z, -*y);
 }
 
-Inverse3Settings inverse3_settings(const json& config) {
-    const json& filters = inverse3_member(config, "filters");
-    const json& basis = inverse3_member(inverse3_member(config, "basis"), "permutation");
-    Inverse3Settings settings;
-    settings.damping = inverse3_number(inverse3_member(inverse3_member(filters, "damping"), "scalar"));
-    if (basis.is_string()) settings.basis = basis.get_ref<const std::string&>();
-    return settings;
+/// A setting of the service for an arm.
+struct Inverse3Rule {
+    json::json_pointer place;
+    std::function<bool(const json& value)> is_usable;
+    const char* right;
+    json unsaid;  ///< another value is said; null: none is
+};
+
+/// What changes lengths, axes or the sign of forces is refused, as is what cannot be read; positions are
+/// taken into account.
+const std::vector<Inverse3Rule> inverse3_rules = [] {
+    const auto is_any = [](const auto&... right) {
+        return [=](const json& value) { return ((value == right) || ...) || sizeof...(right) == 0; };
+    };
+    const auto is_near = [](const glm::dvec3& right, double within) {
+        return [=](const json& value) {
+            const auto vector = inverse3_vector(value);
+            return vector && glm::length(*vector - right) < within;
+        };
+    };
+    const auto is_up_to = [](double most) {
+        return [=](const json& value) {
+            const auto number = inverse3_number(value);
+            return number && *number >= 0 && *number <= most;
+        };
+    };
+    constexpr double rounding = 1e-6;  // of floats, on their way
+    std::vector<Inverse3Rule> rules{
+        {"/config/basis/permutation"_json_pointer, is_any("XYZ", "+X+Y+Z"), "XYZ", {}},
+        {"/config/preset"_json_pointer, is_any("defaults", "custom", "arm_front", "arm_front_centered"),
+         "defaults", "defaults"},
+        {"/config/filters/force_gate/gain"_json_pointer, is_up_to(1), "0 to 1", 0},
+        {"/config/filters/damping/scalar"_json_pointer, is_up_to(1e9), "0 or more", 0},
+        {"/config/torque_scaling/enabled"_json_pointer, is_any(), "", false},
+        {"/config/gravity_compensation/enabled"_json_pointer, is_any(), "", true},
+        {"/config/gravity_compensation/scaling_factor"_json_pointer, is_any(), "", 1},
+        {"/config/handedness"_json_pointer, is_any(), "", "right"},
+        {"/config/home_return/enabled"_json_pointer, is_any(), "", false}};
+    for (const char* axis : {"x", "y", "z"})
+        rules.push_back(
+            {"/config/filters/damping/vector"_json_pointer / axis, is_up_to(1e9), "0 or more", 0});
+    // The service reports as mount what it is given as mount.transform.
+    for (const char* transform : {"/config/mount", "/config/mount/transform", "/state/transform"}) {
+        const json::json_pointer place(transform);
+        rules.push_back({place / "scale", is_near({1, 1, -1}, rounding), "1 along x, y and z", {}});
+        rules.push_back({place / "rotation", is_near({0, 0, 0}, rounding), "none", {}});
+        rules.push_back({place / "position", is_near({0, 0, 0}, 1e3), "x, y and z in metres", {}});
+    }
+    return rules;
+}();
+
+void add_inverse3_settings(const json& entry, Inverse3Arm& arm) {
+    for (const auto& [place, is_usable, right, unsaid] : inverse3_rules) {
+        if (!entry.contains(place) || entry.at(place).is_null()) continue;
+        const json& value = entry.at(place);
+        const auto words = [&, name = place.to_string()] {
+            return name.substr(name.find('/', 1) + 1) + ' ' + printable(value.dump());
+        };
+        if (!is_usable(value) && arm.unusable.empty()) arm.unusable = words() + "; must be " + right;
+        if (!unsaid.is_null() && value != unsaid)
+            arm.settings += (arm.settings.empty() ? "" : ", ") + words();
+    }
+    const auto position = [&entry](const char* name) {
+        const json::json_pointer place(name);
+        return entry.contains(place) ? inverse3_vector(entry.at(place)).value_or(glm::dvec3(0))
+                                     : glm::dvec3(0);
+    };
+    arm.base = position("/config/mount/position") + position("/config/mount/transform/position");
+    if (arm.place && arm.unusable.empty()) *arm.place -= position("/state/transform/position");
 }
 
 bool is_inverse3_id(const std::string& id) {
@@ -70,8 +134,7 @@ std::optional<Inverse3Arm> inverse3_arm(const json& entry) {
     arm.powered = inverse3_flag(inverse3_member(status, "power_supply"));
     arm.calibrated = inverse3_flag(inverse3_member(status, "calibrated"));
     arm.ready = inverse3_flag(inverse3_member(status, "ready"));
-    if (const json& config = inverse3_member(entry, "config"); config.is_object())
-        arm.settings = inverse3_settings(config);
+    add_inverse3_settings(entry, arm);
     return arm;
 }
 
@@ -95,10 +158,6 @@ std::uint32_t inverse3_buttons(const json& message) {
 const json& inverse3_payload(const json& answer) {
     const json& data = inverse3_member(answer, "data");
     return data.is_null() ? answer : data;
-}
-
-std::string inverse3_figure(double value) {
-    return nlohmann::json(value).dump();
 }
 
 // ---- The driver
@@ -197,16 +256,6 @@ std::string encode_inverse3_force(Inverse3Dialect dialect, const std::string& id
     return message.dump(-1, ' ', false, Ordered::error_handler_t::replace);
 }
 
-std::string altered_forces(const Inverse3Settings& settings) {
-    std::string words;
-    if (settings.force_scale && *settings.force_scale != 1)
-        words = "multiplies forces by " + inverse3_figure(*settings.force_scale);
-    if (settings.damping && *settings.damping != 0)
-        words +=
-            (words.empty() ? "" : " and ") + std::string("damps with ") + inverse3_figure(*settings.damping);
-    return words;
-}
-
 std::vector<std::byte> web_socket_frame(std::string_view text, std::uint32_t mask) {
     const auto byte = [](std::size_t value) { return static_cast<std::byte>(value & 0xff); };
     const bool is_long = text.size() > 125;
@@ -231,7 +280,7 @@ Result<void> Inverse3Driver::connect() {
     transport_.reset();
     id_.clear();
     trouble_.clear();
-    settings_ = {};
+    force_scale_ = 1;
     unanswered_ = nonsense_ = 0;
     pushed_ = false;
     TRY(learn_version());
@@ -260,7 +309,7 @@ Result<void> Inverse3Driver::learn_version() {
     TRY_ASSIGN(dialect_, inverse3_dialect(*version));
     if (dialect_ == Inverse3Dialect::vector) {
         const auto scale = service_->get("/settings/devices/force_scale", first_word);
-        if (scale) settings_.force_scale = decode_force_scale(*scale);
+        if (scale) force_scale_ = decode_force_scale(*scale).value_or(1);
     }
     return {};
 }
@@ -292,16 +341,20 @@ Result<void> Inverse3Driver::choose(const std::vector<Inverse3Arm>& arms) {
     if (found == arms.end())
         return device_error("there is no Inverse3 '" + choice_.id + "'; the Haply service knows of " +
                             listed(arms, &Inverse3Arm::id));
-    if (found->settings) {
-        const auto scale = settings_.force_scale;
-        settings_ = *found->settings;
-        settings_.force_scale = scale;
-    }
-    if (!settings_.basis.empty() && settings_.basis != "XYZ" && settings_.basis != "+X+Y+Z")
-        return device_error("the Haply service turns the axes of " + found->id + " (basis " +
-                            settings_.basis.substr(0, 12) + "); must be XYZ, set in Haply Hub");
+    TRY(check(*found));
+    if (force_scale_ < 0)
+        return device_error("the Haply service has force_scale " + exact_number(force_scale_) +
+                            "; must be 0 or more, set in Haply Hub");
+    settings_ = force_scale_ == 1 ? std::string() : "force_scale " + exact_number(force_scale_);
+    if (!found->settings.empty()) settings_ += (settings_.empty() ? "" : ", ") + found->settings;
+    base_ = found->base;
     id_ = found->id;
     return {};
+}
+
+Result<void> Inverse3Driver::check(const Inverse3Arm& arm) const {
+    if (arm.unusable.empty()) return {};
+    return device_error("the Haply service has for " + arm.id + " " + arm.unusable + ", set in Haply Hub");
 }
 
 void Inverse3Driver::disconnect() noexcept {
@@ -326,7 +379,7 @@ Result<void> Inverse3Driver::send(std::span<const glm::dvec3> newtons) {
     if (unanswered_ >= most_unanswered && !(pushed_ && !pushes)) return {};
     std::this_thread::sleep_for(shortest_turn - nanoseconds(ns_since(said_ns_)));
     // If the service scales forces up, send smaller ones: no force may exceed the limit.
-    const double longer = std::max(1.0, settings_.force_scale.value_or(1));
+    const double longer = std::max(1.0, force_scale_);
     auto sent = send_text(encode_inverse3_force(dialect_, id_, newtons[0] / longer));
     pushed_ = pushes;
     return sent;
@@ -379,12 +432,13 @@ Result<bool> Inverse3Driver::take(const Inverse3Message& message, DeviceSample& 
     const auto arm = std::ranges::find(message.arms, id_, &Inverse3Arm::id);
     if (arm == message.arms.end())
         return device_error("Inverse3 " + id_ + " is gone from the Haply service; plug it in again");
+    TRY(check(*arm));
     trouble_.clear();
     if (arm->powered == false) trouble_ = "has no power: plug in its power supply";
     if (arm->ready == false) trouble_ = "is not ready: look at it in Haply Hub";
     if (arm->calibrated == false) trouble_ = "is not calibrated: calibrate it as its manual says";
     if (!arm->place) return false;
-    sample.metres[0] = arm->calibrated == false ? no_place : *arm->place - choice_.centre;
+    sample.metres[0] = arm->calibrated == false ? no_place : *arm->place - base_ - choice_.centre;
     sample.buttons = message.buttons;
     return true;
 }

@@ -38,19 +38,15 @@ Result<Inverse3Version> decode_inverse3_version(std::string_view answer);
 /// Dialect of a version. Error (device), by name and version: one before 3.1 or from 4.0 on.
 Result<Inverse3Dialect> inverse3_dialect(const Inverse3Version& version);
 
-/// How the service changes forces and positions of an arm. Nothing: not reported.
-struct Inverse3Settings {
-    std::optional<double> damping;      ///< its filter's scalar
-    std::optional<double> force_scale;  ///< factor on all forces, from /settings
-    std::string basis;  ///< permutation of axes; empty: not reported
-};
-
 /// One arm's entry in a message.
 struct Inverse3Arm {
     std::string id;                   ///< printable, at most 64 bytes
-    std::optional<glm::dvec3> place;  ///< of the cursor from the base, metres, our axes
+    std::optional<glm::dvec3> place;  ///< of the cursor, metres, our axes, without the service's `transform`
+    glm::dvec3 base{0.0};             ///< its place, by the configured mount; 0 in other messages
     std::optional<bool> powered, calibrated, ready;
-    std::optional<Inverse3Settings> settings;  ///< only in a message with configurations
+    /// The first setting that changes lengths, axes or the sign of forces, and the right value; empty: none.
+    std::string unusable;
+    std::string settings;  ///< others that change what is felt; only in a message with configurations
 };
 
 struct Inverse3Message {
@@ -66,9 +62,6 @@ std::optional<double> decode_force_scale(std::string_view answer);
 
 /// Encodes a finite force, newtons, our axes. The service answers it with one message.
 std::string encode_inverse3_force(Inverse3Dialect dialect, const std::string& id, const glm::dvec3& newtons);
-
-/// The settings that make forces differ from the requested ones, in words; empty: none.
-std::string altered_forces(const Inverse3Settings& settings);
 
 /// Encodes a text of at most 65535 bytes as one WebSocket frame of a client (RFC 6455, 5.2).
 std::vector<std::byte> web_socket_frame(std::string_view text, std::uint32_t mask);
@@ -153,10 +146,9 @@ public:
     std::string prompt() const override {
         if (id_.empty()) return {};
         if (!trouble_.empty()) return "Inverse3 " + id_ + " " + trouble_;
-        const std::string altered = altered_forces(settings_);
-        return altered.empty()
-                   ? altered
-                   : "the Haply service " + altered + "; change it in Haply Hub if that is not meant";
+        return settings_.empty() ? std::string()
+                                 : "the Haply service changes what is felt (" + settings_ +
+                                       "); change it in Haply Hub if that is not meant";
     }
 
 private:
@@ -164,6 +156,7 @@ private:
     Result<void> learn_version();
     Result<Inverse3Message> await(bool (*enough)(const Inverse3Message&));
     Result<void> choose(const std::vector<Inverse3Arm>& arms);
+    Result<void> check(const Inverse3Arm& arm) const;
     Result<void> send_text(const std::string& text);
     Result<std::optional<Inverse3Message>> receive_message(std::chrono::microseconds patience);
     Result<bool> take(const Inverse3Message& message, DeviceSample& sample);
@@ -177,8 +170,9 @@ private:
     // State of the current connection.
     Inverse3Dialect dialect_ = Inverse3Dialect::vector;
     std::string id_;
-    Inverse3Settings settings_;
-    std::string trouble_;
+    double force_scale_ = 1;  // of the service, on all forces
+    glm::dvec3 base_{0.0};
+    std::string settings_, trouble_;
     int unanswered_ = 0, nonsense_ = 0;
     bool pushed_ = false;  // the last force sent was not zero
     std::int64_t said_ns_ = 0, answered_ns_ = 0;

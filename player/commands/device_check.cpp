@@ -50,6 +50,7 @@ void tell_device(std::ostream& out, const DeviceReport& report) {
         out << digits_of(report.limits.max_force) << " N, " << digits_of(report.limits.max_stiffness / 1000)
             << " N/mm; " << (can.own_watchdog ? "its own watchdog" : "no watchdog of its own that is known")
             << '\n';
+    if (!report.prompt.empty()) out << "it says   " << printable(report.prompt, 400) << '\n';
     for (const ConnectedDevice& each : report.connected)
         out << "hardware  " << each.what << " at " << each.place
             << (each.name.empty() ? "" : ", " + in_quotes(each.name))
@@ -137,6 +138,7 @@ Json device_json(const DeviceReport& report) {
     const DeviceCapabilities& can = report.capabilities;
     return {{"words", report.words},
             {"name", report.name},
+            {"prompt", report.prompt},
             {"fingers", report.fingers},
             {"axes_sensed", can.axes_sensed},
             {"axes_driven", can.axes_driven},
@@ -258,6 +260,7 @@ Result<void> watch(const MeasuredDevice& measured, int seconds, DeviceReport& re
     report.facts = between(before, measured.facts());
     report.thread = grant.in_words();
     report.late_ticks = pace.late();
+    report.prompt = measured.device->prompt();
     return {};
 }
 

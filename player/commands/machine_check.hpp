@@ -137,6 +137,7 @@ struct DeviceReport {
     std::string kernel;   ///< "Linux 6.1.0-18-amd64 x86_64"
     std::string words;    ///< the value of --device, files without their folders
     std::string name;
+    std::string prompt;  ///< what the device says of itself; empty: nothing
     int fingers = 0;
     DeviceLimits limits;
     DeviceCapabilities capabilities;

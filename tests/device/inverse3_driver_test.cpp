@@ -263,7 +263,89 @@ TEST(Inverse3Driver, UncalibratedArmHasNoPosition) {
     EXPECT_EQ(tells(R"({"calibrated":true,"power_supply":false})"),
               std::make_pair(false, std::string("Inverse3 049D has no power: plug in its power supply")));
     EXPECT_EQ(tells(R"({"calibrated":true,"power_supply":true,"ready":true})").second,
-              "the Haply service multiplies forces by 0.5; change it in Haply Hub if that is not meant");
+              "the Haply service changes what is felt (force_scale 0.5); change it in Haply Hub if that is "
+              "not meant");
+}
+
+/// The arm's configuration, and its workspace's transform.
+struct Inverse3Case {
+    const char *config, *transform, *expected;
+};
+
+const std::string identity =
+    R"({"position":{"x":0,"y":0,"z":0},"rotation":{"w":-1,"x":0,"y":0,"z":1e-9},"scale":{"x":1,"y":1,"z":0.99999994}})";
+
+std::string state_with(const std::string& config, const std::string& transform) {
+    return R"({"inverse3":[{"device_id":"049D","config":{)" + config +
+           R"(},"state":{"cursor_position":{"x":0.01,"y":-0.12,"z":0.17},"transform":)" +
+           (transform.empty() ? identity : transform) + "}}]}";
+}
+
+TEST(Inverse3Driver, RefusesOtherLengthsAndAxes) {
+    for (const Inverse3Case& each : std::initializer_list<Inverse3Case>{
+             {R"("basis":{"permutation":"XZY"})", "", R"(basis/permutation "XZY"; must be XYZ)"},
+             {R"("mount":{"scale":{"x":3,"y":3,"z":3}})", "", "mount/scale"},
+             {R"("mount":{"scale":{"x":1,"y":1,"z":-1}})", "", "must be 1 along x, y and z"},
+             {R"("mount":{"scale":3})", "", "mount/scale 3; must be"},
+             {R"("mount":{"transform":{"scale":{"x":2,"y":2,"z":2}}})", "", "mount/transform/scale"},
+             {R"("mount":{"rotation":{"w":0.7071,"x":0,"y":0,"z":0.7071}})", "", "mount/rotation"},
+             {R"("mount":{"position":7})", "", "mount/position 7; must be x, y and z in metres"},
+             {R"("preset":"led_front")", "", R"(preset "led_front"; must be defaults)"},
+             {R"("filters":{"force_gate":{"gain":3}})", "", "filters/force_gate/gain 3; must be 0 to 1"},
+             {R"("filters":{"damping":{"scalar":-1}})", "", "filters/damping/scalar -1; must be 0 or more"},
+             {R"("filters":{"damping":{"vector":{"x":0,"y":-1,"z":0}}})", "",
+              "damping/vector/y -1; must be 0 or more"},
+             {"", R"({"scale":{"x":3,"y":3,"z":3}})", "transform/scale"},
+             {"", R"({"rotation":{"w":0,"x":0,"y":0,"z":1}})", "transform/rotation"}}) {
+        Driven driven;
+        driven.wire.state = state_with(each.config, each.transform);
+        EXPECT_NE(driven.refusal().find(each.expected), std::string::npos) << driven.refusal();
+        EXPECT_TRUE(driven.wire.sent.empty()) << "no force";
+    }
+    Driven driven;
+    ASSERT_TRUE(driven.connect());
+    driven.wire.coming.assign(1, state_with("", R"({"scale":{"x":3,"y":3,"z":3}})"));
+    DeviceSample sample;
+    EXPECT_FALSE(driven.driver.receive(sample, no_time)) << "changed while it is held";
+    driven.wire.scale = "-1";
+    EXPECT_NE(driven.refusal().find("force_scale -1; must be 0 or more"), std::string::npos);
+}
+
+TEST(Inverse3Driver, SaysWhatChangesForces) {
+    for (const Inverse3Case& each : std::initializer_list<Inverse3Case>{
+             {R"("preset":"defaults","handedness":"right","home_return":{"enabled":false},"mount":null)", "",
+              ""},
+             {R"("filters":{"force_gate":{"gain":0.3}})", "", "filters/force_gate/gain 0.3"},
+             {R"("filters":{"damping":{"scalar":1.25}})", "", "filters/damping/scalar 1.25"},
+             {R"("filters":{"damping":{"vector":{"x":0.0,"y":0.0,"z":0.0}}})", "", ""},
+             {R"("filters":{"damping":{"vector":{"x":0,"y":1,"z":0}}})", "", "filters/damping/vector/y 1"},
+             {R"("torque_scaling":{"enabled":true})", "", "torque_scaling/enabled true"},
+             {R"("gravity_compensation":{"enabled":false})", "", "gravity_compensation/enabled false"},
+             {R"("gravity_compensation":{"scaling_factor":0.8})", "", "scaling_factor 0.8"},
+             {R"("handedness":"left")", "", R"(handedness "left")"},
+             {R"("home_return":{"enabled":true})", "", "home_return/enabled true"},
+             {R"("preset":"arm_front_centered")", "", R"(preset "arm_front_centered")"},
+             {R"("mount":)", R"({"position":{"x":0.5,"y":-0.25,"z":1}})", ""}}) {
+        Driven driven;
+        driven.wire.scale = "1";
+        const bool has_mount = std::string(each.config).ends_with(':');
+        driven.wire.state = state_with(each.config + (has_mount ? identity : ""), each.transform);
+        const auto connected = driven.connect();
+        ASSERT_TRUE(connected) << connected.error().message;
+        EXPECT_NE(driven.driver.prompt().find(each.expected), std::string::npos) << driven.driver.prompt();
+        EXPECT_EQ(driven.driver.prompt().empty(), std::string(each.expected).empty());
+    }
+}
+
+TEST(Inverse3Driver, TakesMountPositionIntoAccount) {
+    Driven driven;
+    driven.wire.state = state_with(R"("mount":{"position":{"x":0.01,"y":0,"z":0}})",
+                                   R"({"position":{"x":0,"y":0,"z":0.02}})");
+    ASSERT_TRUE(driven.connect());
+    ASSERT_TRUE(driven.push({0, 0, 0}));
+    DeviceSample sample;
+    ASSERT_TRUE(*driven.driver.receive(sample, no_time));
+    EXPECT_LT(glm::length(sample.metres[0]), 1e-15) << "(0, 0.15, 0.12) from the base: its centre";
 }
 
 TEST(Inverse3Driver, RejectsUnknownServices) {
@@ -283,12 +365,6 @@ TEST(Inverse3Driver, RejectsUnknownServices) {
         Driven driven;
         driven.wire.state = R"({"inverse3":[]})";
         EXPECT_EQ(driven.refusal(), "the Haply service knows of no Inverse3; plug it in and switch it on");
-    }
-    {
-        Driven driven;
-        driven.wire.state = Wire::arm_text("049D", R"("config":{"basis":{"permutation":"XZY"}},)");
-        EXPECT_NE(driven.refusal().find("basis XZY"), std::string::npos);
-        EXPECT_TRUE(driven.wire.sent.empty());
     }
     {
         Driven driven(*read_inverse3_choice("id=04BA"));
@@ -495,7 +571,7 @@ TEST(Inverse3Protocol, DecodesInventory) {
         {"device_id": "049D",
          "config": {"type": "inverse3", "handedness": "right",
                     "gravity_compensation": {"enabled": true, "scaling_factor": 0.8},
-                    "torque_scaling": {"enabled": false}, "basis": {"permutation": "XZY"},
+                    "torque_scaling": {"enabled": false}, "basis": {"permutation": "XYZ"},
                     "filters": {"force_gate": {"gain": 0.3}, "damping": {"scalar": 1.25}}},
          "state": {"cursor_position": {"x": 0.01, "y": -0.12, "z": 0.15}, "control_mode": "idle"},
          "status": {"calibrated": true, "in_use": false, "power_supply": false, "ready": true}},
@@ -508,12 +584,12 @@ TEST(Inverse3Protocol, DecodesInventory) {
     EXPECT_EQ(arm.calibrated, true);
     EXPECT_EQ(arm.powered, false);
     EXPECT_EQ(arm.ready, true);
-    ASSERT_TRUE(arm.settings);
-    EXPECT_EQ(arm.settings->basis, "XZY");
-    EXPECT_EQ(arm.settings->damping, 1.25);
-    EXPECT_EQ(altered_forces(*arm.settings), "damps with 1.25");
+    EXPECT_EQ(arm.unusable, "");
+    EXPECT_EQ(arm.settings,
+              "filters/force_gate/gain 0.3, filters/damping/scalar 1.25, "
+              "gravity_compensation/scaling_factor 0.8");
     EXPECT_EQ(message->arms[1].place, glm::dvec3(1, 3, -2));
-    EXPECT_FALSE(message->arms[1].settings);
+    EXPECT_EQ(message->arms[1].settings, "");
     EXPECT_FALSE(message->arms[1].calibrated);
 }
 
@@ -567,7 +643,7 @@ TEST(Inverse3Protocol, IgnoresMembersOfWrongType) {
         ASSERT_TRUE(message) << place;
         ASSERT_EQ(message->arms.size(), 1u) << place;
         EXPECT_FALSE(message->arms[0].place) << place;
-        EXPECT_FALSE(message->arms[0].settings);
+        EXPECT_EQ(message->arms[0].settings, "");
     }
     // A number that no double holds is no number of JSON's either.
     EXPECT_FALSE(decode_inverse3_message(

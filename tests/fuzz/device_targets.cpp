@@ -32,8 +32,7 @@ bool parse_haply_message(std::string_view bytes) {
         require(arm.id.size() <= 64, "an arm's name is longer than 64 bytes");
         require(!arm.place || std::isfinite(arm.place->x + arm.place->y + arm.place->z),
                 "a place is not finite");
-        if (arm.settings) [[maybe_unused]]
-            const auto words = altered_forces(*arm.settings);
+        require(arm.settings.find('\n') == std::string::npos, "settings are more than a line");
     }
     return true;
 }

@@ -99,6 +99,16 @@ TEST(DeviceCheck, MeasuresRecordedLog) {
     EXPECT_EQ(file_contents(report), words);
 }
 
+TEST(DeviceCheck, ReportsWhatDeviceSays) {
+    const TemporaryFolder folder;
+    const std::string log = folder / "short.csv", report = folder / "report.txt";
+    write_log(log, 1);
+    const auto json =
+        json_of({"check", "--device", "recorded:" + log, "--seconds", "1", "--json", "--out", report});
+    EXPECT_PRED2(says, json["device"]["prompt"].get<std::string>(), "has ended: nothing holds the handle");
+    EXPECT_PRED2(says, file_contents(report), "\nit says   the log ");
+}
+
 TEST(DeviceCheck, ReportsDeviceThatCannotOpen) {
     const Outcome run = expect_failure({"check", "--device", "spacemouse:node=/dev/nonexistent-hidraw"}, 5);
     EXPECT_TRUE(run.out.empty()) << run.out;
