@@ -269,11 +269,9 @@ int move_to_free_name(const fs::path& from, const fs::path& to) {
     return 0;
 }
 
-void sync_folder(const fs::path& folder) {
-    const int opened = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (opened < 0) return;
-    fsync(opened);
-    close(opened);
+int sync_folder(const fs::path& folder) {
+    const Descriptor opened(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    return opened.get() < 0 ? 0 : failed_sync(fsync(opened.get()));  // not every folder can be listed
 }
 
 NewFile::NewFile(fs::path target, Existing existing, const fs::path& beside)
@@ -359,17 +357,16 @@ int NewFile::give_name(const fs::path& name) {
 
 Result<void> NewFile::commit_as(const fs::path& name) {
     TRY(check());
-    // Some file systems and pipes cannot sync; that is no error.
-    if (lasts_ && fsync(file_) != 0 && errno != EINVAL && errno != ENOSYS && errno != EROFS)
-        return failed(errno);
-    const int why = give_name(name);
+    int why = lasts_ ? failed_sync(fsync(file_)) : 0;
+    if (why != 0) return failed(why);
+    why = give_name(name);
     if (why == EEXIST)
         return input_error(target_.string() +
                            ": is there by now, and was not when this run began; it stays as it is");
     if (why != 0) return failed(why);
     committed_ = true;
-    if (lasts_) sync_folder(folder_of(name));
-    return {};
+    why = lasts_ ? sync_folder(folder_of(name)) : 0;
+    return why != 0 ? failed(why) : Result<void>();
 }
 
 Result<std::unique_ptr<ScratchFolder>> ScratchFolder::create(std::string_view kind) {

@@ -240,8 +240,12 @@ Result<std::filesystem::path> own_folder(const char* variable, const char* in_ho
 std::filesystem::path hidden_name(const std::filesystem::path& folder);
 /// Moves a file or folder to a name that must be free. Returns 0 or an errno.
 int move_to_free_name(const std::filesystem::path& from, const std::filesystem::path& to);
-/// Flushes the names in `folder` to the disk, as far as its file system can.
-void sync_folder(const std::filesystem::path& folder);
+/// The errno of a flush to the disk that returned `done`; 0 where a pipe or a file system cannot flush.
+inline int failed_sync(int done) {
+    return done == 0 || errno == EINVAL || errno == ENOSYS || errno == EROFS ? 0 : errno;
+}
+/// Flushes the names in `folder` to the disk. Returns 0 or an errno.
+[[nodiscard]] int sync_folder(const std::filesystem::path& folder);
 
 /// A table of numbers in text, with or without a header, its fields separated by commas, semicolons, tabs or
 /// blanks. Every row has the same number of fields; a field may stand in double quotes; columns that are not

@@ -150,9 +150,11 @@ public:
     /// Writes a file of this name. An error names it in `home`.
     Result<void> write(const std::filesystem::path& home, const std::string& name,
                        const std::string& bytes) const;
-    /// Flushes its files to the disk, as far as the file system can.
-    void sync() const {
-        if (opened_ >= 0) syncfs(opened_);
+    /// Flushes its files to the disk. An error names `place`, what they become.
+    Result<void> sync(const std::filesystem::path& place) const {
+        const int why = opened_ < 0 ? 0 : failed_sync(syncfs(opened_));
+        if (why == 0) return {};
+        return input_error(place.string() + ": cannot be written: " + std::generic_category().message(why));
     }
     void remove() const;
     /// Moves these files into `home`, in this order, the one that opens the others last. With `keep` all or

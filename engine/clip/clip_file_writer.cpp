@@ -236,8 +236,9 @@ Result<void> HiddenFolder::move_to(const fs::path& home, const std::vector<std::
             }
         return input_error(to.string() + ": cannot be written: " + failure.message());
     }
-    sync_folder(home.empty() ? fs::path(".") : home);
-    return {};
+    const int why = sync_folder(home.empty() ? fs::path(".") : home);
+    if (why == 0) return {};
+    return input_error(home.string() + ": cannot be written: " + std::generic_category().message(why));
 }
 
 }  // namespace touchable

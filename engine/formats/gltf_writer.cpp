@@ -492,7 +492,7 @@ public:
         files.mesh = name(".bin");
         TRY(write_file(files.mesh, bytes_of_mesh(mesh)));
         TRY(write_file(place_.filename().string(), GltfScene(described_, files, mesh).text()));
-        hidden_.sync();
+        TRY(hidden_.sync(place_));
         is_complete_ = true;
         return hidden_.path() / place_.filename();
     }

@@ -421,7 +421,7 @@ public:
     Result<fs::path> complete() override {
         if (frames_ == 0) return input_error(place_.string() + ": not written: no frame was given");
         TRY(end());
-        hidden_.sync();
+        TRY(hidden_.sync(place_));
         complete_ = true;
         return hidden_.path() / opens_by_;
     }
@@ -544,8 +544,8 @@ private:
         } else if (auto replaced = replace(); !replaced) {
             return replaced;
         }
-        sync_folder(place_.parent_path());
-        return {};
+        const int why = sync_folder(place_.parent_path());
+        return why ? unwritable(place_, std::error_code(why, std::generic_category())) : Result<void>();
     }
 
     /// Atomic if the file system can exchange two names; the old folder is then removed with the hidden one.

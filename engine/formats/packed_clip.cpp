@@ -150,7 +150,7 @@ public:
         }
         names_.push_back(packed_clip_name);  // opens the others
         TRY(hidden_.write(folder_, packed_clip_name, text_of(json_)));
-        hidden_.sync();
+        TRY(hidden_.sync(folder_));
         return hidden_.path() / packed_clip_name;
     }
 

@@ -115,8 +115,8 @@ private:
             if (const int why = move_to_free_name(hidden, place_))
                 done = unwritable(place_, std::error_code(why, std::generic_category()));
         if (done) {
-            sync_folder(above);
-            return {};
+            const int why = sync_folder(above);
+            return why ? unwritable(place_, std::error_code(why, std::generic_category())) : Result<void>();
         }
         fs::remove_all(hidden, failure);
         // Remove the folders created for it; remove() refuses folders that hold other files by now.

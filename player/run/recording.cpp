@@ -196,6 +196,13 @@ Result<RecordedPart> read_part(RecordingBytes& bytes, const PartHead& head, cons
     }
     part.facts = nlohmann::ordered_json::parse(facts, nullptr, false);
     if (!part.facts.is_object()) return input_error(damaged_words);
+    const auto named = part.facts.value("bytes", nlohmann::ordered_json::object());
+    for (const auto& [key, bytes] : named.items()) {
+        std::string name;
+        for (const auto& byte : bytes)
+            name += byte.is_number_unsigned() ? static_cast<char>(byte.get<std::uint64_t>()) : '\0';
+        part.facts[key] = name;
+    }
     if (const std::string fault = fault_of(part.ticks); !fault.empty()) return input_error(fault);
     TRY(validate(part.playback));
     // The clock goes through loops one by one, so the time is limited.
@@ -339,7 +346,7 @@ Result<void> RecordingFile::finish(nlohmann::ordered_json facts, std::vector<Pla
     const auto ended = is_faulty() ? Result<void>() : write_end(false);
     const auto whole = ended ? file_->flush() : ended;
     if (whole) return file_->finish();
-    return file_->pace() == Pace::own ? whole : keep_whole_ticks(whole.error());
+    return keep_whole_ticks(whole.error());
 }
 
 void RecordingFile::end_with_frame(std::int64_t last, const Error& why) {
@@ -375,8 +382,15 @@ std::string RecordingFile::tail_of(std::size_t part, std::uint64_t ticks, bool g
     nlohmann::ordered_json facts = ended.facts;
     if (part > 0) facts["part"] = part + 1;
     if (goes_on) facts["goes_on"] = true;
-    // File names need not be UTF-8; JSON must be.
-    const std::string text = facts.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    // File names need not be UTF-8; JSON must be: their bytes stand beside.
+    const auto text_of = [](const auto& json) {
+        return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    };
+    for (const auto& [key, value] : ended.facts.items())
+        if (value.is_string() && nlohmann::ordered_json::parse(text_of(value)) != value)
+            for (const char byte : value.get_ref<const std::string&>())
+                facts["bytes"][key].push_back(static_cast<unsigned char>(byte));
+    const std::string text = text_of(facts);
     tail += text;
     put(tail, text.size(), 8);
     put(tail, ticks, 8);

@@ -40,7 +40,7 @@ namespace touchable {
 
 /// The clock that drives a run; decides how its output files treat slow readers and full disks.
 enum class Pace {
-    own,         ///< repeatable run: waits for its readers; a file is whole or absent
+    own,         ///< repeatable run: waits for its readers; a table is whole or absent
     wall_clock,  ///< live run: never waits for a reader; when the disk is full, the file so far is kept
 };
 
@@ -89,7 +89,8 @@ private:
 /// keeps the pieces written whole.
 class OutputFile : NonCopyable {
 public:
-    /// `what`: its name in messages: "--forces", "the recording". Unwritable: an error of kind input.
+    /// `what`: its name in messages: "--forces", "the recording". Unwritable, or being written by another run
+    /// of this machine: an error of kind input.
     static Result<std::unique_ptr<OutputFile>> create(std::string what, const std::filesystem::path& file,
                                                       Existing existing, Pace pace = Pace::own);
     ~OutputFile();
@@ -129,6 +130,7 @@ private:
     std::string what_;
     Pace pace_;
     std::optional<NewFile> file_;
+    Descriptor held_;                         // the file's name
     std::optional<StandardOutput> standard_;  // used instead of a file
     int out_ = -1;
     std::string waiting_;            // buffered pieces
@@ -272,8 +274,8 @@ using Recording = std::vector<RecordedPart>;
 Result<Recording> read_recording(const std::filesystem::path& file);
 
 /// `--record FILE`. `end_part` ends a part; the next tick begins another. A part without ticks is left out
-/// unless it is the only one. If the disk becomes full during a live run, the recording ends with the last
-/// tick that fits together with its facts, and replays up to there.
+/// unless it is the only one. If the disk becomes full, the recording ends with the last tick that fits
+/// together with its facts, and replays up to there.
 class RecordingFile final : public OutputSink {
 public:
     static Result<std::unique_ptr<RecordingFile>> create(const std::filesystem::path& file, int fingers,

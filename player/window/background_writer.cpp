@@ -1,8 +1,10 @@
 #include "player/window/background_writer.hpp"
 
+#include <pthread.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <ctime>
 #include <deque>
 
 #include "engine/base/threads.hpp"
@@ -26,6 +28,12 @@ int write_all(int out, std::string_view bytes) {
 
 struct BackgroundWriter::Queue {
     bool is_done() const { return waiting.empty() && !at_work; }
+    /// The CPU time of its thread, which has not ended.
+    std::int64_t worked_ns() const {
+        timespec worked{};
+        if (has_thread) clock_gettime(thread_clock, &worked);
+        return worked.tv_sec * std::int64_t{1'000'000'000} + worked.tv_nsec;
+    }
     static Result<void> start(const std::shared_ptr<Queue>& queue);
     void work();
     void refuse(const Job& job, const std::string& why) {
@@ -43,6 +51,7 @@ struct BackgroundWriter::Queue {
     std::optional<Job> at_work{};  // without its closures; empty: none, or it was dropped
     std::vector<Written> done{};
     bool has_thread = false, is_abandoned = false;
+    clockid_t thread_clock = CLOCK_MONOTONIC;  // of its CPU time, if it has begun
 };
 
 BackgroundWriter::BackgroundWriter(std::string_view thread, std::string what, std::size_t most_waiting)
@@ -85,6 +94,7 @@ Result<void> BackgroundWriter::Queue::start(const std::shared_ptr<Queue>& queue)
 
 void BackgroundWriter::Queue::work() {
     std::unique_lock lock(mutex);
+    pthread_getcpuclockid(pthread_self(), &thread_clock);
     while (!waiting.empty()) {
         Job job = std::move(waiting.front());
         waiting.pop_front();
@@ -138,7 +148,11 @@ bool BackgroundWriter::finish(std::chrono::milliseconds longest, Late late) {
             queue.done.push_back({job.file, job.tag, begun.error()});
         return false;
     }
-    if (queue.changed.wait_for(lock, longest, [&queue] { return queue.is_done(); })) return true;
+    std::int64_t worked_ns;
+    do {
+        worked_ns = queue.worked_ns();
+        if (queue.changed.wait_for(lock, longest, [&queue] { return queue.is_done(); })) return true;
+    } while (late == Late::dropped && queue.worked_ns() != worked_ns && !stop_requested());
     if (!std::exchange(queue.is_abandoned, true)) ++abandoned_threads;
     if (late == Late::done) return false;
     if (queue.at_work) queue.waiting.push_front(*std::exchange(queue.at_work, {}));

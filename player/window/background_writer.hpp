@@ -65,7 +65,8 @@ public:
     std::function<bool()> waits_for(const std::filesystem::path& file) const;
     /// Waits for `longest` at most; returns whether all jobs are done.
     bool wait(std::chrono::milliseconds longest) const;
-    /// Waits like `wait`; if the jobs are not done in time, abandons the thread.
+    /// Waits like `wait`; if the jobs are not done in time, abandons the thread. One that still computes has
+    /// no disk that hangs: with Late::dropped it is waited for, until work is to stop.
     bool finish(std::chrono::milliseconds longest = std::chrono::seconds(2), Late late = Late::dropped);
 
 private:

@@ -365,8 +365,8 @@ public:
     }
     /// After `begin`: syncs the file's name to disk. Until then a power failure may lose the table.
     Result<void> secure() {
-        if (last) sync_folder(folder_);
-        return last;
+        const int why = last ? sync_folder(folder_) : 0;
+        return why ? failed(why) : last;
     }
     /// Writes a row and all waiting ones. If the disk is full, they wait for the next row.
     Result<void> add(const std::string& row) {
@@ -383,9 +383,9 @@ public:
             return input_error(partial.string() + ": stays partial: " + whole.filename().string() + ": " +
                                std::strerror(why));
         unended_.reset();
-        sync_folder(folder_);
+        const int why = sync_folder(folder_);
         out_.reset();
-        return {};
+        return why ? failed(why) : Result<void>();
     }
     /// Retries ending the table, if that failed.
     Result<void> end_again() { return unended_ ? end(*unended_) : last; }

@@ -152,9 +152,11 @@ private:
         }
         for (const Error& fault : faults)
             if (window_.is_new_fault(fault)) window_.say(fault.message, Tone::fault);
-        for (const auto& written : window_.screenshots.take())
+        for (const auto& written : window_.screenshots.take()) {
             written.result ? window_.say("saved as " + std::filesystem::absolute(written.file).string())
                            : window_.say(written.result.error().message, Tone::fault);
+            if (options_.headless && !written.result) lost_.push_back(written.result);
+        }
     }
 
     /// On every exit path, keeps touches, sound, film and answers so far. The exit code is that of `ended`;
@@ -253,17 +255,17 @@ private:
             std::max(static_cast<int>(std::lround(size.height / size.scale)), SettingsFile::least_height);
         return kept;
     }
-    /// `is_kept`: they include the one requested by an option, with `kept` as its result so far.
-    Result<void> finish_screenshots(bool is_kept, Result<void> kept) {
+    /// `is_kept`: they include the one requested by an option, with `kept` as its result so far. Without a
+    /// window each lost picture is an error, as no person sees that it is.
+    Result<void> finish_screenshots(bool is_kept, const Result<void>& kept) {
+        lost_.push_back(kept);
         window_.screenshots.finish();
-        for (const auto& written : window_.screenshots.take()) {
-            if (written.result) continue;
-            if (is_kept && kept)
-                kept = written.result.error();
-            else
+        for (const auto& written : window_.screenshots.take())
+            if (is_kept || (options_.headless && !stop_requested()))
+                lost_.push_back(written.result);
+            else if (!written.result)
                 warn_on_terminal(written.result.error().message);
-        }
-        return kept;
+        return all_ok(lost_);
     }
     /// The error for an interruption by a signal, with a list of the outputs written and missing.
     Error interruption() {
@@ -298,6 +300,7 @@ private:
     WindowState& window_ = core_.state;
     PlayOptions& options_ = window_.options;
     const bool is_offline_ = options_.is_offline();
+    std::vector<Result<void>> lost_;  // results of pictures that were to be written without a window
     std::size_t scripted_ = 0;
     ScriptClock script_clock_;
     std::string sound_fault_;

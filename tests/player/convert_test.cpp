@@ -831,8 +831,7 @@ TEST_F(Writing, FullDiskLeavesNothing) {
                             {0, {"init-scene", clip, "--out", file}, "cannot be written: File too large"},
                             {0, {"make", "noise", file + ".mkv", "--frames", "20"}},
                             {40, {"make", "noise", file + ".mkv", "--frames", "20"}}};
-    for (const char* option : {"--forces", "--record"})
-        cases.push_back({64, {"touch", clip, "--seconds", "3", option, file}, option});
+    cases.push_back({64, {"touch", clip, "--seconds", "3", "--forces", file}, "--forces"});
     for (const char* option : {"--forces", "--record", "--json"})
         cases.push_back({0, {"touch", clip, "--seconds", "0.002", option, file}, option});
     for (const int kibibytes : {0, 2}) {
@@ -848,6 +847,27 @@ TEST_F(Writing, FullDiskLeavesNothing) {
         EXPECT_FALSE(says(run.err, ".png/") || says(run.out, "--forces FILE")) << run.err << run.out;
         expect_nothing(one.words);
     }
+}
+
+/// As docs/touch.md promises; its clip's name is no UTF-8.
+TEST_F(Writing, FullDiskKeepsRecording) {
+    const std::string file = folder / "out/file", other = folder / "\xff clip.mkv";
+    fs::rename(clip, other);
+    const Outcome run = expect_failure(
+        run_on_full_disk({"touch", other, "--seconds", "3", "--record", file}, 64), 3, "--record");
+    EXPECT_PRED2(says, run.err, "; it is kept, and replays, up to ");
+    succeed({"touch", "--replay", file});
+}
+
+TEST_F(Writing, LossyDiskIsAnError) {
+    const std::string at = folder / "out";
+    for (const Words& words : {Words{"convert", clip, at + "/c"},
+                               {"convert", clip, at + "/c.png"},
+                               {"convert", clip, at + "/c.gltf"},
+                               {"convert", clip, at + "/w", "--web"},
+                               {"export", clip, "--frame", "0", "--out", at + "/e"},
+                               {"touch", clip, "--seconds", "0.1", "--record", at + "/r"}})
+        expect_failure(run_on_lossy_disk(words), 3, "cannot be written: Input/output error");
 }
 
 /// An incomplete file has no name, so that not even a kill leaves anything; a folder has one.

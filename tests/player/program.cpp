@@ -26,6 +26,7 @@
 #include <functional>
 #include <iterator>
 #include <set>
+#include <span>
 #include <thread>
 
 #include "tests/limits.hpp"
@@ -210,6 +211,14 @@ bool has_opened_a_file_in(const fs::path& folder, pid_t program) {
     return false;
 }
 
+/// The program that this process becomes has these rules for its system calls.
+void obey(std::span<sock_filter> rules) {
+    const sock_fprog program{static_cast<unsigned short>(rules.size()), rules.data()};
+    if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 ||
+        prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) != 0)
+        _exit(126);
+}
+
 /// For the program that this process becomes: opening a file without a name fails as on a file system that
 /// has none.
 void refuse_unnamed_files() {
@@ -222,10 +231,18 @@ void refuse_unnamed_files() {
         sock_filter BPF_JUMP(BPF_JMP | BPF_JSET | BPF_K, unnamed, 0, 1),
         sock_filter BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EOPNOTSUPP),
         sock_filter BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW)};
-    const sock_fprog program{rules.size(), rules.data()};
-    if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 ||
-        prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) != 0)
-        _exit(126);
+    obey(rules);
+}
+
+/// For the program that this process becomes: a disk that loses what is flushed to it.
+void fail_flushes() {
+    std::array<sock_filter, 5> rules{
+        sock_filter BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
+        sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, __NR_fsync, 1, 0),
+        sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, __NR_syncfs, 0, 1),
+        sock_filter BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EIO),
+        sock_filter BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW)};
+    obey(rules);
 }
 
 }  // namespace
@@ -468,6 +485,12 @@ Outcome run_under_nohup(const Words& arguments) {
 
 Outcome run_on_full_disk(const Words& arguments, int kibibytes) {
     return run_limited(arguments, RLIMIT_FSIZE, static_cast<rlim_t>(kibibytes) * 1024);
+}
+
+Outcome run_on_lossy_disk(const Words& arguments) {
+    Hooks hooks;
+    hooks.prepare = fail_flushes;
+    return run(arguments, hooks);
 }
 
 Outcome run_in_memory(const Words& arguments, int mebibytes) {

@@ -116,6 +116,9 @@ Outcome run_under_nohup(const Words& arguments);
 /// Runs it where no file may grow beyond `kibibytes`: a full disk, for its files but not for what it says.
 Outcome run_on_full_disk(const Words& arguments, int kibibytes);
 
+/// Runs it where no flush to the disk succeeds.
+Outcome run_on_lossy_disk(const Words& arguments);
+
 /// Runs it where it may have no more than `mebibytes` of memory, its libraries included.
 Outcome run_in_memory(const Words& arguments, int mebibytes);
 

@@ -317,6 +317,21 @@ TEST_F(RecordingFormat, UnfinishedRecordingLeavesNothing) {
     EXPECT_TRUE(names_in(empty.path()).empty());
 }
 
+TEST_F(RecordingFormat, NameHasOneWriter) {
+    const TemporaryFolder there;
+    std::filesystem::create_directory_symlink(there.path(), folder / "link");
+    for (const Existing existing : {Existing::keep, Existing::replace}) {
+        auto first = must(RecordingFile::create(there / "run.rec", 1, existing));
+        EXPECT_TRUE(RecordingFile::create(there / "other.rec", 1, existing));
+        const auto second = RecordingFile::create(folder / "link/run.rec", 1, existing);
+        ASSERT_FALSE(second);
+        EXPECT_PRED2(says, second.error().message, "link/run.rec: another run writes it; name another file");
+        EXPECT_EQ(second.error().kind, ErrorKind::input);
+        first.reset();
+        EXPECT_TRUE(RecordingFile::create(there / "run.rec", 1, existing));
+    }
+}
+
 // `touchable info --verify`, as a person calls it.
 
 namespace fs = std::filesystem;
