@@ -4,20 +4,21 @@
     web/build.py page OUT [engine.wasm]                      # a folder for any static host
     web/build.py one-file PAGE_FOLDER CLIP_FOLDER OUT.html   # of these, one file that opens from a disk
 
-words.js is generated from the window's table of commands, so that page and window have the same keys and words. In the
-one file each module is a function, and binary files are base64."""
+words.js is generated from the window's table of commands, so that page and window have the same keys and words. Files
+but the .html ones get names with a hash of their content, so that any cache may keep them. In the one file each module
+is a function, and binary files are base64."""
 import base64
 import hashlib
 import json
 import pathlib
 import re
-import shutil
 import sys
 import zlib
 
 WEB = pathlib.Path(__file__).resolve().parent
 TABLE = WEB.parent / "player/window/command_table.cpp"
 LARGEST = 3_000_000  # bytes of the one file
+QUOTED = re.compile(r"(?<=['\"/])[\w.]+(?=['\"])")
 TOKEN = re.compile(r'//[^\n]*|"(?:\\.|[^"\\])*"|[\w.]+|\S')
 
 
@@ -75,14 +76,32 @@ def words():
 
 
 def build_page(out, engine=None):
-    out.mkdir(parents=True, exist_ok=True)
-    for file in WEB.iterdir():
-        if file.suffix in (".html", ".css", ".js", ".json"):
-            shutil.copyfile(file, out / file.name)
-    (out / "words.js").write_text(words())
+    files = {file.name: file.read_bytes() for file in WEB.iterdir() if file.suffix in (".html", ".css", ".js", ".json")}
+    files["words.js"] = words().encode()
     if engine:
         deflated = zlib.compressobj(9, wbits=-15)
-        (out / "engine.bin").write_bytes(deflated.compress(engine.read_bytes()) + deflated.flush())
+        files["engine.bin"] = deflated.compress(engine.read_bytes()) + deflated.flush()
+    out.mkdir(parents=True, exist_ok=True)
+    names = {}
+
+    def written(name):
+        """The name that a file gets, once those that it names in quotes have theirs."""
+        if name not in names:
+            data, (stem, ending) = files[name], name.rsplit(".", 1)
+            if ending != "bin":
+                linked = QUOTED.sub(lambda word: written(word[0]) if word[0] in files else word[0], data.decode())
+                data = linked.encode()
+            names[name] = name if ending == "html" else f"{stem}-{hashlib.sha256(data).hexdigest()[:16]}.{ending}"
+            (out / names[name]).write_bytes(data)
+        return names[name]
+
+    for name in files:
+        written(name)
+
+
+def file_of(page, name):
+    """The page's file, whose name has a hash."""
+    return next(page.glob("-*.".join(name.split("."))))
 
 
 def name_of(file):
@@ -124,9 +143,10 @@ def build_one_file(page, clip, out):
         return base64.b64encode(data).decode()
 
     linked = set()
-    modules = as_function(page / "page.js", set(), linked)
+    modules = as_function(file_of(page, "page.js"), set(), linked)
     planes = json.loads((clip / "clip.json").read_text())["planes"]
-    packed = {"wasm": base64_of((page / "engine.bin").read_bytes()),
+    packed = {"wasm": base64_of(file_of(page, "engine.bin").read_bytes()),
+              "worker": file_of(page, "worker.js").name,
               "scripts": {name: as_function(page / name, set(), set()) for name in linked},
               "json": (clip / "clip.json").read_text(),
               "files": {plane["file"]: base64_of((clip / plane["file"]).read_bytes()) for plane in planes.values()}}
@@ -141,9 +161,9 @@ globalThis.touchable_one_file = {
         Object.entries(packed.files).map(([name, text]) => [name, blob_of(bytes_of(text))]))},
     wasm: bytes_of(packed.wasm)
 };
-globalThis.touchable_one_file.worker = globalThis.touchable_one_file.urls['worker.js'];
+globalThis.touchable_one_file.worker = globalThis.touchable_one_file.urls[packed.worker];
 """ + modules
-    script, style = script.replace("</script", "<\\/script"), (page / "style.css").read_text()
+    script, style = script.replace("</script", "<\\/script"), file_of(page, "style.css").read_text()
     script_hash, style_hash = (base64_of(hashlib.sha256(text.encode()).digest()) for text in (script, style))
     policy = (f"default-src 'none'; script-src 'sha256-{script_hash}' 'wasm-unsafe-eval' blob:; worker-src blob:; "
               f"style-src 'sha256-{style_hash}'; img-src blob: data:; media-src blob:; connect-src blob:")
@@ -151,8 +171,8 @@ globalThis.touchable_one_file.worker = globalThis.touchable_one_file.urls['worke
     html = (page / "index.html").read_text()
     for pattern, text in (
             (r'(<meta http-equiv="Content-Security-Policy"\s+content=)"[^"]*"', f'\\g<1>"{policy}"'),
-            (r'<link rel="stylesheet" href="(?:\./)?style\.css"\s*/?>', f"<style>{style}</style>"),
-            (r'<script type="module" src="(?:\./)?page\.js"></script>',
+            (r'<link rel="stylesheet" href="(?:\./)?style[-\w]*\.css"\s*/?>', f"<style>{style}</style>"),
+            (r'<script type="module" src="(?:\./)?page[-\w]*\.js"></script>',
              f'<script type="application/json" id="packed">{data}</script>\n<script type="module">{script}</script>')):
         text = text if "\\g<1>" in text else text.replace("\\", "\\\\")
         html, found = re.subn(pattern, text, html, count=1, flags=re.I)

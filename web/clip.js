@@ -2,6 +2,8 @@
 //
 // A PackedClip gives the packets of a frame, inflated. It fetches runs of packets by Range, and takes all of a file
 // from a server that ignores Range. A clip that differs from its clip.json is an Error with a sentence for people.
+// clip.json is asked for anew each time; the files that it names may come from any cache, as their names change with
+// what they hold.
 
 const most_frames = 1e6, most_side = 16384, most_pixels = 1 << 25;
 const first_bytes = 1 << 16, run_bytes = 1 << 20, most_kept = 64 << 20, most_whole = 256 << 20;
@@ -25,7 +27,8 @@ export function check_size(width, height, least) {
       `${most_pixels / 1e6 | 0} million pixels, at most ${most_side} a side.`);
 }
 
-/** What `read` takes of a server's answer; an Error with a sentence if there is none, or if it breaks off. */
+/** What `read` takes of a server's answer; an Error with a sentence if there is none, or if it breaks off. It `is_gone`
+ *  if the server has no such file. */
 export async function answer_of(url, name, read, options) {
   let answer;
   try {
@@ -34,7 +37,8 @@ export async function answer_of(url, name, read, options) {
   } catch {
     refuse(`The server does not answer, or broke off in the middle of ${name}.`);
   }
-  return refuse(`There is no ${name}: the server answers ${answer.status}.`);
+  const is_gone = answer.status === 404 || answer.status === 410;
+  throw Object.assign(new Error(`There is no ${name}: the server answers ${answer.status}.`), {is_gone});
 }
 
 /** Takes exact numbers of bytes from a stream. */
@@ -73,23 +77,24 @@ export class ByteReader {
 export const inflating = (pieces, format = 'deflate-raw') =>
   new Blob(pieces).stream().pipeThrough(new DecompressionStream(format));
 
-/** Fills the rest of `whole`, from `at` on, with what the pieces inflate to. False: they are damaged, or inflate to
- *  less or more; then no more is taken in. */
+/** Fills `whole`, from `at` on, with what the pieces inflate to, and answers where that ended. 0: they are damaged, or
+ *  inflate to more; then no more is taken in. */
 export async function inflate_into(whole, at, pieces, format) {
   const reader = new ByteReader(inflating(pieces, format));
-  const fits = async () => await reader.fill(whole, at) === whole.length && !await reader.has_more();
-  const has_fitted = await fits().catch(() => false);
+  const filled = async () => [await reader.fill(whole, at), await reader.has_more()];
+  const [end, has_more] = await filled().catch(() => [0, false]);
   reader.cancel();
-  return has_fitted;
+  return has_more ? 0 : end;
 }
 
 export class PackedClip {
   /** `place`: the URL of clip.json, or with `files` its text; `files`: the planes' files as Blobs, by name. */
   static async open(place, files) {
     const clip = Object.assign(new PackedClip(), {files, base: place});
-    const text = files ? place : await answer_of(place, 'clip.json', (answer) => answer.text());
+    clip.text = files ? place
+      : await answer_of(place, 'clip.json', (answer) => answer.text(), {cache: 'no-cache'});
     try {
-      clip.json = JSON.parse(text);
+      clip.json = JSON.parse(clip.text);
     } catch {
       refuse('This is no packed clip: its clip.json is no JSON. touchable convert CLIP FOLDER --web writes one.');
     }
@@ -99,8 +104,8 @@ export class PackedClip {
 
   check() {
     const {json} = this, {numbers, planes} = json ?? {};
-    if (json?.touchable_packed !== 1)
-      refuse('This is no packed clip that this page knows: its clip.json does not say "touchable_packed": 1.');
+    if (![1, 2].includes(json?.touchable_packed))
+      refuse('This is no packed clip that this page knows: its clip.json does not say "touchable_packed": 1 or 2.');
     require(numbers && typeof numbers === 'object' && planes && typeof planes === 'object', 'it has no scene');
     this.numbers = Float64Array.from(Object.values(numbers), (value) => (value === null ? NaN : value));
     const {width, height} = Object.assign(this, {width: numbers.width, height: numbers.height});
@@ -123,7 +128,8 @@ export class PackedClip {
     const is_known = role === 'colour' ? kind === 'image/jpeg'
       : is_whole(bytes_per_sample, 1, 2) && (channels === 1 || (channels === 3 && bytes_per_sample === 1));
     require(is_known, `${role} is of no form that this page knows`);
-    require(file === `${role}.bin`, `${role} names a file that is not its own`);
+    const own_name = new RegExp(`^${role}(-[0-9a-f]{16})?\\.bin$`);  // with a hash of what it holds
+    require(own_name.test(file), `${role} names a file that is not its own`);
     if (this.live) return plane;
     // Of colour as much as without a code; of others an eighth more.
     const samples = this.width * this.height * (channels ?? 3), most = 2.25 * (samples + 65536) + 1024;
@@ -180,14 +186,15 @@ export class PackedClip {
 
   async unpacked(plane, packet) {
     if (plane.role === 'colour') return packet;
-    const head = packet[0] === 0 ? 1 : 3, distinct = head === 3 ? 1 + packet[1] + (packet[2] << 8) : 0;
     const samples = this.width * this.height * plane.channels;
-    require(packet[0] <= 2 && packet.length > head && distinct <= samples, 'a packet has no head');
-    const whole = new Uint8Array(head + 2 * (distinct + samples));
-    whole.set(packet.subarray(0, head));
-    const fits = await inflate_into(whole, head, [packet.subarray(head)]);
-    require(fits, 'a picture does not inflate to its size');
-    return whole;
+    const whole = new Uint8Array(3 + 2 * (Math.min(samples, 65536) + samples));
+    // In version 1 the head is not deflated, and deflate has no checksum.
+    const plain = this.json.touchable_packed > 1 ? 0 : packet[0] === 0 ? 1 : 3;
+    whole.set(packet.subarray(0, plain));
+    const end = await inflate_into(whole, plain, [packet.subarray(plain)], plain ? 'deflate-raw' : 'deflate');
+    const head = whole[0] === 0 ? 1 : 3, distinct = head === 3 ? 1 + whole[1] + (whole[2] << 8) : 0;
+    require(end === head + 2 * (distinct + samples) && whole[0] <= 2, 'a picture does not inflate to its size');
+    return whole.subarray(0, end);
   }
 }
 

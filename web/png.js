@@ -60,7 +60,8 @@ function header_of(body) {
 export async function unpack_png(bytes) {
     const {width, height, step, data} = chunks_of(new Uint8Array(bytes)), row = width * step;
     const packed = new Uint8Array((row + 1) * height), codes = new (step === 2 ? Uint16Array : Uint8Array)(width * height);
-    require(await inflate_into(packed, 0, data, 'deflate'), 'its picture does not unpack to its size');
+    const end = await inflate_into(packed, 0, data, 'deflate');
+    require(end === packed.length, 'its picture does not unpack to its size');
     let above = new Uint8Array(row);
     for (let y = 0; y < height; ++y) {
         const filter = packed[y * (row + 1)], line = packed.subarray(y * (row + 1) + 1, (y + 1) * (row + 1));

@@ -72,10 +72,14 @@ const play = (verb, number = 0) => check(engine.play(verb, number));
 
 // ---- Opening
 
-async function open({url, files, json, wasm, calm}) {
+/** `gone`: {error, text} of a clip with a file that is gone, and its clip.json: the error stands, and is fatal, unless
+ *  another clip has taken its place. */
+async function open({url, files, json, wasm, calm, gone}) {
   stands_still = calm;
+  if (gone) clip = undefined;
   let packed;
   [engine, packed] = await Promise.all([engine ?? load_engine(wasm), PackedClip.open(files ? json : url, files)]);
+  if (packed.text === gone?.text) throw gone.error;
   const {times, frames, live, json: {name, remarks, numbers}} = packed;
   if (text_at(engine.scene_names()) !== Object.keys(numbers).join('\n'))
     refuse("The clip is of another version than this page. touchable convert --web of the page's version writes one.");
@@ -164,8 +168,12 @@ async function feed() {
     of.feeding = false;
   } catch (error) {
     if (of !== session) return;
-    of.failed = error.message;
-    faulty(error, true);
+    if (!error.is_gone) {
+      of.failed = error.message;
+      return faulty(error, true);
+    }
+    const {base: url, text} = clip, calm = stands_still;
+    in_turn(() => of === session && open({url, calm, gone: {error, text}}));
   }
 }
 
@@ -341,9 +349,10 @@ const work = {
 };
 
 let queue = Promise.resolve();
-onmessage = ({data}) => {
-  // One thing after the other: what opens or verifies a clip is not disturbed.
-  queue = queue.then(async () => {
-    if (clip || ['open', 'read', 'picture', 'lab'].includes(data.do)) await work[data.do]?.(data);
-  }).catch(faulty);
-};
+/** One thing after the other: what opens or verifies a clip is not disturbed. */
+function in_turn(job) {
+  queue = queue.then(job).catch(faulty);
+}
+onmessage = ({data}) => in_turn(async () => {
+  if (clip || ['open', 'read', 'picture', 'lab'].includes(data.do)) await work[data.do]?.(data);
+});

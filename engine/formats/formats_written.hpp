@@ -61,8 +61,8 @@ std::vector<std::filesystem::path> gltf_clip_files(const std::filesystem::path& 
 
 /// A clip for pages in browsers (docs/web.md): clip.json, with its scene also as numbers, and for each plane
 /// one file of packets, the planes that are felt to the bit, colour as JPEG. `described` leaves nothing open.
-/// `page`: files that are copied beside it. In `folder` files of these names are replaced only if `existing`
-/// says so; others stay.
+/// `page`: files that are copied beside it. An earlier clip is replaced only if `existing` says so, at once,
+/// as clip.json names its planes by hashes; then its files and its page's are removed. Other files stay.
 Result<std::unique_ptr<ClipWriter>> create_packed_clip(const std::filesystem::path& folder,
                                                        const SceneDescription& described,
                                                        const std::vector<std::filesystem::path>& page,

@@ -248,14 +248,15 @@ Result<std::shared_ptr<ImageStack>> open_tiff_stack(const SourceFile& file);
 // A lossless coding of grey pictures of two bytes a sample, each on its own, before it is compressed
 // (docs/codecs.md, A packet of our own codec): by zstd in clips, by deflate in packed ones (docs/web.md),
 // which browsers inflate. A packet has a head, its mode and how many distinct values the picture has, and
-// then the compressed content: what the values are, and a code of each sample, or of its rank among them. A
+// then the compressed content: what the values are, and a code of each sample, or of its rank among them. In
+// packed clips the head is compressed, too, so that deflate's checksum covers it. A
 // camera that measures in millimetres has few distinct values in a picture, fewer with distance; so do values
 // stretched to more bits.
 
 /// The modes, by their numbers.
 enum class RankMode : std::uint8_t { samples_by_gradient, ranks_by_left, ranks_by_gradient };
 
-/// What stands in a packet before its compressed content.
+/// What stands before a packet's content.
 struct RankHead {
     RankMode mode = RankMode::samples_by_gradient;
     std::size_t distinct = 0;  ///< distinct values; 0: the mode has none
@@ -283,7 +284,9 @@ public:
     /// Compresses `from` into `to`, which has room, and returns its size; 0: memory ran out.
     using Compress =
         std::function<std::size_t(std::span<const std::uint8_t> from, std::span<std::uint8_t> to)>;
-    explicit RankEncoder(Compress compress) : compress_(std::move(compress)) {}
+    /// `packs_head`: `from` begins with the head.
+    explicit RankEncoder(Compress compress, bool packs_head = false)
+        : compress_(std::move(compress)), packs_head_(packs_head) {}
 
     /// The packet of a picture, valid until the next call; empty if memory runs out. With `choose` every mode
     /// is tried and the smallest packet taken, one of ranks, which takes longer to decode, only if it saves a
@@ -300,10 +303,11 @@ private:
     bool pack(RankMode mode);
 
     const Compress compress_;
+    const bool packs_head_;
     int width_ = 0;
     std::vector<std::uint16_t> samples_, distinct_, ranks_;
     std::vector<std::uint16_t> rank_of_;  // by sample
-    std::vector<std::uint8_t> bytes_;     // to be compressed
+    std::vector<std::uint8_t> bytes_;     // head and content
     Packet newest_, chosen_;
     std::optional<RankMode> mode_;  // chosen when packets had `size_then_` bytes
     std::size_t size_then_ = 0;

@@ -165,20 +165,22 @@ bool RankEncoder::pack(RankMode mode) {
     const bool ranked = mode != samples_by_gradient;
     if (ranked && distinct_.empty()) find_ranks();
     const std::size_t samples = samples_.size(), distinct = ranked ? distinct_.size() : 0;
-    bytes_.resize(2 * (distinct + samples));
-    std::uint8_t *const dictionary = bytes_.data(), *const codes = dictionary + 2 * distinct;
+    const std::size_t head = ranked ? 3 : 1, plain = packs_head_ ? 0 : head;
+    bytes_.resize(head + 2 * (distinct + samples));
+    bytes_[0] = static_cast<std::uint8_t>(mode);
+    if (ranked) {
+        bytes_[1] = static_cast<std::uint8_t>(distinct - 1);
+        bytes_[2] = static_cast<std::uint8_t>((distinct - 1) >> 8);
+    }
+    std::uint8_t *const dictionary = bytes_.data() + head, *const codes = dictionary + 2 * distinct;
     if (ranked) put_distinct(distinct_, {dictionary, dictionary + distinct});
     put_codes(ranked ? ranks_ : samples_, width_, mode == ranks_by_left, {codes, codes + samples});
 
-    const std::size_t head = ranked ? 3 : 1;
-    newest_.memory.resize(head + bytes_.size() + bytes_.size() / 8 + 1024);  // zlib and zstd need less
-    newest_.memory[0] = static_cast<std::uint8_t>(mode);
-    if (ranked) {
-        newest_.memory[1] = static_cast<std::uint8_t>(distinct - 1);
-        newest_.memory[2] = static_cast<std::uint8_t>((distinct - 1) >> 8);
-    }
-    const std::size_t size = compress_(bytes_, std::span(newest_.memory).subspan(head));
-    newest_.size = head + size;
+    newest_.memory.resize(bytes_.size() + bytes_.size() / 8 + 1024);  // zlib and zstd need less
+    std::copy_n(bytes_.begin(), plain, newest_.memory.begin());
+    const std::size_t size =
+        compress_(std::span(bytes_).subspan(plain), std::span(newest_.memory).subspan(plain));
+    newest_.size = plain + size;
     return size > 0;
 }
 

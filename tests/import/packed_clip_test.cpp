@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "engine/formats/formats_written.hpp"
 #include "engine/formats/open_clip.hpp"
@@ -28,6 +29,15 @@ protected:
     }
     void pack(const Planes& planes = all_planes) { pack(test_frames(scene, frames, planes)); }
     std::filesystem::path file(const std::string& name) const { return folder / "clip" / name; }
+    std::filesystem::path plane(const std::string& role) const {
+        return file(Json::parse(contents(file("clip.json")))["planes"][role]["file"]);
+    }
+    std::set<std::string> names() const {
+        std::set<std::string> names;
+        for (const auto& entry : std::filesystem::directory_iterator(folder / "clip"))
+            names.insert(entry.path().filename());
+        return names;
+    }
     /// Changes clip.json, and returns why the clip is refused.
     std::string refusal(const std::function<void(Json&)>& change) const {
         const std::string before = contents(file("clip.json"));
@@ -72,8 +82,7 @@ TEST_F(PackedClip, StoresUnchangedPicturesOnce) {
         EXPECT_EQ(planes["haptic"]["sizes"][n] == 0, n > 0) << n;
         EXPECT_EQ(planes["depth"]["sizes"][n] == 0, n == 2) << n;
     }
-    EXPECT_EQ(std::filesystem::file_size(file("haptic.bin")),
-              planes["haptic"]["sizes"][0].get<std::size_t>());
+    EXPECT_EQ(std::filesystem::file_size(plane("haptic")), planes["haptic"]["sizes"][0].get<std::size_t>());
     const auto [clip, read] = must_read(open_clip(file("clip.json")));
     EXPECT_TRUE(same_plane(read[2].depth, given[1].depth));
     EXPECT_TRUE(same_plane(read[3].haptic, given[0].haptic));
@@ -91,7 +100,7 @@ TEST_F(PackedClip, RefusesChangedText) {
     pack();
     EXPECT_EQ(refusal([](Json&) {}), "");
     const std::pair<std::function<void(Json&)>, const char*> changes[] = {
-        {[](Json& json) { json["touchable_packed"] = 2; }, "touchable_packed"},
+        {[](Json& json) { json["touchable_packed"] = 3; }, "touchable_packed"},
         {[](Json& json) { json["numbers"]["camera.fx"] = 1e3; }, "one of the two was changed"},
         {[](Json& json) { json["numbers"].erase("camera.fx"); }, "one of the two was changed"},
         {[](Json& json) { json["scene"].erase("camera"); }, "camera"},
@@ -99,7 +108,7 @@ TEST_F(PackedClip, RefusesChangedText) {
         {[](Json& json) { json["frames"] = 0; }, "frames"},
         {[](Json& json) { json["planes"]["depth"]["sizes"][0] = 0; }, "sizes[0]"},
         {[](Json& json) { json["planes"]["depth"]["sizes"][1] = -1; }, "sizes[1]"},
-        {[](Json& json) { json["planes"]["depth"]["file"] = "../depth.bin"; }, "depth.bin"},
+        {[](Json& json) { json["planes"]["depth"]["file"] = "../depth.bin"; }, "depth-HASH.bin"},
         {[](Json& json) { json["planes"]["haptic"]["channels"] = 2; }, "channels"},
         {[](Json& json) { json["planes"].erase("depth"); }, "depth"},
         {[](Json& json) {
@@ -114,22 +123,47 @@ TEST_F(PackedClip, RefusesChangedText) {
     }
 }
 
-TEST_F(PackedClip, NamesFrameOfDamagedPacket) {
+TEST_F(PackedClip, RefusesFlippedBits) {
     pack();
-    const std::string whole = contents(file("depth.bin"));
-    for (std::size_t at = 0; at < whole.size(); at += 7) {
-        std::string changed = whole;
-        changed[at] = static_cast<char>(changed[at] ^ 0x55);
-        write_bytes(file("depth.bin"), changed);
-        const auto read = read_clip(file("clip.json"));
-        // Deflate has no checksum: another picture may come, of the same form.
-        if (read) continue;
-        EXPECT_TRUE(has_words(read.error().message, "depth.bin: frame "));
+    Random random(107);
+    for (const char* role : {"depth", "haptic", "height", "colour"}) {
+        const auto file = plane(role);
+        const std::string whole = contents(file);
+        const auto refused = [&](const std::string& bytes) {
+            write_bytes(file, bytes);
+            return has_words(message(read_clip(folder / "clip")), file.filename());
+        };
+        for (int n = 0; n < 40; ++n) {
+            const int bit = random.below(8 * static_cast<int>(whole.size()));
+            std::string changed = whole;
+            changed[static_cast<std::size_t>(bit / 8)] ^= static_cast<char>(1 << bit % 8);
+            EXPECT_TRUE(refused(changed)) << role << ", bit " << bit;
+        }
+        for (const std::size_t kept : {std::size_t{0}, whole.size() / 2, whole.size() - 1})
+            EXPECT_TRUE(refused(whole.substr(0, kept))) << role << ", byte " << kept;
+        write_bytes(file, whole);
     }
-    for (const std::size_t kept : {std::size_t{0}, whole.size() / 2, whole.size() - 1}) {
-        write_bytes(file("depth.bin"), whole.substr(0, kept));
-        EXPECT_TRUE(has_words(message(read_clip(file("clip.json"))), "depth.bin"));
-    }
+}
+
+TEST_F(PackedClip, ReplacesWholeClip) {
+    pack();
+    const auto before = must(read_clip(folder / "clip"));
+    write_bytes(folder / "page.html", "a page");
+    const auto replace = [&] {
+        return write_all(
+            create_packed_clip(folder / "clip", scene, {folder / "page.html"}, Existing::replace),
+            test_frames(scene, 1, {}));
+    };
+    // A name that cannot be taken ends it between two names, as a kill does.
+    std::filesystem::create_directories(file("page.html/full"));
+    EXPECT_TRUE(has_words(message(replace()), "page.html"));
+    EXPECT_TRUE(same_frames(must(read_clip(folder / "clip")), before));
+    std::filesystem::remove_all(file("page.html"));
+    for (const char* name : {"haptic.bin", "notes.txt"}) write_bytes(file(name), "of a clip of version 1");
+    EXPECT_EQ(message(replace()), "");
+    EXPECT_EQ(names(),
+              (std::set<std::string>{"clip.json", "notes.txt", "page.html", plane("depth").filename()}));
+    EXPECT_EQ(std::ssize(must(read_clip(folder / "clip"))), 1);
 }
 
 TEST_F(PackedClip, NumbersAreTheScene) {

@@ -121,6 +121,8 @@ TEST_F(ConvertCommand, KeepsForcesOfPageClip) {
         EXPECT_EQ(hash_of(at("page/clip.json")), hash_of(at("clip.mkv"))) << scene;
         EXPECT_EQ(hash_of(at("page")), hash_of(at("clip.mkv"))) << scene;
     }
+    make_clip("globe", at("small.mkv"), {"--size", "16x12", "--frames", "24"});
+    EXPECT_EQ(hash_of(TOUCHABLE_SOURCE_DIR "/web/tests/packed_1"), hash_of(at("small.mkv"))) << "version 1";
     expect_refused({at("clip.mkv"), at("out/clip.mkv"), "--web"}, "--web is for a folder");
     expect_refused({at("clip.mkv"), at("out/page"), "--web", "--archive", "small"}, "--archive");
     expect_refused({at("clip.mkv"), at("page"), "--web"}, "is there already");
