@@ -124,9 +124,11 @@ Result<void> read_list(const PlayWords& words, PlayOptions& options) {
     for (const auto& word : words.more_clips)
         for (auto& file : clips_of(word)) files.push_back(std::move(file));
     std::error_code failure;
-    for (const auto& file : files)
-        if (!is_stream_url(file.string()) && !fs::exists(file, failure))
-            return input_error(file.string() + ": " + (failure ? failure.message() : "does not exist"));
+    // A missing clip of several is told in the window and skipped, as one that cannot be read.
+    if (std::ranges::none_of(files, [&](const auto& file) {
+            return is_stream_url(file.string()) || fs::exists(file, failure);
+        }))
+        return input_error(files.front().string() + ": " + (failure ? failure.message() : "does not exist"));
     options.session.clip.file = files.front();
     for (std::size_t k = 1; k < files.size(); ++k)
         options.next_clips.emplace_back(options.session.clip).file = files[k];
@@ -493,7 +495,7 @@ void add_window_options(CLI::App& sub, PlayWords& words) {
         ->capture_default_str();
     add_number_option(sub, "--scale", o.scale,
                       "size of words and bars, 0.8 to 4. By default as display and window ask for", 0.8, 4);
-    sub.add_flag("--fullscreen", o.screen.fullscreen, "fill the screen (F11 does so later)");
+    sub.add_flag("--fullscreen,--fs", o.screen.fullscreen, "fill the screen (F11 does so later)");
     add_word_option(sub, "--dent", words.dent,
                     "show how the surface gives way under a finger. Changes no force; by default as in the "
                     "last window, at first on",

@@ -72,7 +72,7 @@ TEST(PlayerControls, QCloses) {
 
 TEST(PlayerControls, EscapeLeavesFullScreenFirst) {
     const std::string escape = "0.3 key escape\n";
-    EXPECT_TRUE(stays({clip(still), "--fullscreen"}, escape));
+    EXPECT_TRUE(stays({clip(still), "--fs"}, escape));
     EXPECT_FALSE(stays({clip(still), "--fullscreen"}, escape + "0.4 key escape\n"));
     EXPECT_FALSE(stays({clip(still)}, escape));
     EXPECT_TRUE(stays({clip(still)}, "0.1 key f11\n" + escape));

@@ -652,7 +652,9 @@ TEST(DroppedClips, SkipsUnopenableClipBothWays) {
     const TemporaryFolder folder;
     const std::string broken = (folder / "broken.mkv").string();
     std::ofstream(broken) << "no clip";
-    const Words three{still_of("globe"), broken, still_of("bumps")};
+    const Words three{still_of("globe"), broken, still_of("bumps")},
+        missing{three[0], (folder / "none.mkv").string(), three[2]};
+    EXPECT_TRUE(shows_bumps(played_by(missing, "0.1 key pagedown\n2.4 dismiss\n", "3").image));
     EXPECT_TRUE(shows_bumps(played_by(three, "0.1 key pagedown\n2.4 dismiss\n", "3").image));
     const Image first = played_by({still_of("globe")}, "", "0.8").image;
     const Played back = played_by(three, "0.1 key pagedown\n2.4 dismiss\n2.5 key pageup\n4.6 dismiss\n", "5");
