@@ -91,10 +91,10 @@ class Clips:
         scene["filter"] = {**scene.get("filter", {}), "median": 3, "terraces": "on"}
         (made / "rough.json").write_text(json.dumps(scene))
         data = pathlib.Path(os.environ.get("TOUCHABLE_TEST_DATA") or SOURCE / "../shared/data", "castel_sr300")
+        self.make("noise", made / "noise.mkv", "--frames", 30)
         if not data.is_dir():
             data = made / "noise.mkv"
-            self.make("noise", data, "--frames", 30)
-        for name, clip, *options in (("globe", made / "globe.mkv"), ("recording", data),
+        for name, clip, *options in (("globe", made / "globe.mkv"), ("recording", data), ("noise", made / "noise.mkv"),
                                      ("rough", made / "rough.mkv", "--scene", made / "rough.json")):
             self.pack(clip, name, *options)
         shutil.copytree(SOURCE / "web/tests/packed_1", self.folder / "packed_1")  # of version 1
@@ -208,6 +208,33 @@ class Page(unittest.TestCase):
         self.browser.pointer("pen", "move", *self.middle(), press=0.9)
         self.browser.wait(deepest.replace("return", "return 1.5 * %r <" % light))
         self.release("pen")
+
+    def test_hovering_presses_nowhere(self):
+        """A random mouse without a button, while the view is turned, moved nearer and put back."""
+        script = """
+            let seed = 107, pressed = [], x = innerWidth / 2, y = x;
+            const random = (most) => (seed = seed * 16807 % 2147483647) / 2147483647 * most;
+            const send = (message) => touchable.worker.postMessage(message);
+            const hand = (verb, a, b = 0) => send({do: 'hand', verb, a, b});
+            touchable.worker.addEventListener('message', ({data}) => data.newtons > 0 && pressed.push(data.newtons));
+            for (let step = 0; step < 60; ++step) {
+                const what = random(1), far = random(1) < 0.2 ? 300 : 20;
+                if (what < 0.7) {
+                    [x, y] = [x, y].map(at => Math.min(Math.max(at + random(2 * far) - far, 0), 360));
+                    send({do: 'event', kind: 'moved', button: 0, x, y, seconds: step, press: 0});
+                } else if (what < 0.85) hand(4, random(60) - 30, random(30) - 15);
+                else if (what < 0.93) hand(5, 0.8 + random(0.4));
+                else if (what < 0.97) hand(6, 0);
+                else hand(0, 1 + Math.floor(random(5)));
+                for (let k = 0; k < 3; ++k) await new Promise(requestAnimationFrame);
+            }
+            return pressed"""
+        self.browser.size(360, 420)
+        for name in ("globe", "rough", "recording", "noise"):
+            with self.subTest(name):
+                self.open(f"globe/index.html?clip=../{name}/clip.json")
+                self.assertEqual(self.browser.run(script), [])
+        self.browser.size(1280, 800)
 
     def test_keys_touch_and_tell(self):
         self.open()
